@@ -162,7 +162,7 @@ def test_a_proof_that_would_take_too_long_is_not_begun_and_the_page_says_how_far
     found = polhode.report(scene, number="double", max_seconds=0.2)
     (run,) = rows(found, "runs")
     assert 0 < run["judged_until"] < 200
-    assert "no reference to these digits beyond" in run["remark"]
+    assert "no reference to these digits" in run["remark"]
     digits = rows(found, "digits")
     assert digits[-1]["t"] == run["judged_until"]
     assert all(11 < x["correct_digits"] <= 16 for x in digits if x["t"] <= 40)

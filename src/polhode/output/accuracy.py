@@ -246,7 +246,7 @@ def _judged(name: str, run: Trajectory, asked: Asked, options: Mapping[str, Any]
         except BadInput as fault:
             if fault.key not in ("max_seconds", "at"):
                 return Line(name, None, str(fault), run)
-            why = "no reference to these digits beyond, within the time that a proof may take"
+            why = "no reference to these digits within the time that a proof may take"
             seconds = fault.value if isinstance(fault.value, float) else 0.0
             share = min(0.5, asked.max_seconds / max(seconds, 1e-9))
             part = _run(run.scene.at(run.scene.times[: int(len(part.times) * share)]), options)

@@ -35,6 +35,7 @@ from polhode.scenes import library
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts
+from polhode.scenes.vocabulary import REQUESTS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -236,12 +237,9 @@ def _grouped(what: Sequence[Any]) -> list[tuple[Scene, list[Given]]]:
     """The scenes, each with the tables that are judged against it; raises BadInput."""
     groups: list[tuple[Scene, list[Given]]] = []
     for k, one in enumerate(what, 1):
-        if isinstance(one, Scene):
-            groups.append((one, []))
-            continue
-        given = _given(one, k)
+        given = None if isinstance(one, Scene) else _given(one, k)
         if given is None:
-            groups.append((library.load(one), []))
+            groups.append((library.load(one, takes=REQUESTS), []))
             continue
         if not groups:
             scene = _own_scene(given.table)

@@ -171,7 +171,7 @@ def _scene(of: Tables, one: Section, k: int) -> Iterator[Block]:
     yield Picture(f"{k}-digits.svg", _ALTS["digits"])
     yield from _digits_table(of)
     for line in one.lines:
-        until = f"; {line.why} t = {brief(line.until)}" if line.until is not None else ""
+        until = f"; beyond t = {brief(line.until)} {line.why}" if line.until is not None else ""
         yield Words(f"*{line.name}*: {line.sentence}{until}.")
     yield from _limits(of, one)
     yield from _files(one)

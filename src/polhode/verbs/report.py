@@ -20,10 +20,11 @@ from polhode.verbs.terminal import (
 
 HELP = "an accuracy report of your scenes, and of files that other programs made of their motions"
 _WHAT = (
-    "scenes (cases that ship, or paths), and files of trajectories as for polhode compare: each is "
-    "judged against the scene named before it, a run that polhode saved also against its own; "
-    "mine.csv=0.8s tells what it cost, mine.csv=0.8s,h=0.01 its method's step too; files whose "
-    "names differ in digits alone are one method's, whose order is told"
+    "scenes (cases that ship, or paths), and files of trajectories as for polhode compare, each "
+    "after the scene that it is judged against (a run that polhode saved may stand first, and is "
+    "judged against the scene that it holds); mine.csv=0.8s tells what it cost, "
+    "mine.csv=0.8s,h=0.01 its method's step too; files whose names differ in digits alone are one "
+    "method's, whose order is told"
 )
 
 
@@ -82,8 +83,8 @@ def main(options: Namespace) -> int:
         write_stdout(found.to_json())
     else:
         (note if any(map(is_stdout, paths)) else say)(str(found))
-    if paths:
-        note(f"report: written: {', '.join(str(x) for x in paths if not is_stdout(x))}")
+    if written := [str(path) for path in paths if not is_stdout(path)]:
+        note(f"report: written: {', '.join(written)}")
     return DONE
 
 
