@@ -108,6 +108,21 @@ def test_a_step_stretches_by_the_symmetric_part_at_most():
             assert step(body, still(MIDDLE), 1e-9, 2**-4, norm)[1] < truth
 
 
+@pytest.mark.parametrize("power", [-1200, -60, 60, 1200])
+def test_the_norm_is_that_of_motions_whatever_the_unit_of_mass(power):
+    """A body of another mass moves the same way, so a step is as sharp."""
+    norms = []
+    for mass in (arb(1), arb(2) ** power):
+        inertia = [
+            [arb(x) * mass if i == j else arb(0) for j in range(3)] for i, x in enumerate(TOP[0])
+        ]
+        torque, centres = [arb(x) * mass for x in TOP[1]], [[arb(1)] * 6]
+        run = SimpleNamespace(inertia=inertia, torque=torque, centres=centres)
+        norms.append(verify.Norm(run, RHO))
+    assert norms[0].q == norms[1].q
+    assert [float(x) for x in norms[0].into[:3]] != [1.0] * 3
+
+
 def test_a_step_stretches_by_what_depends_on_xi_at_most():
     """A ball at rest but for w_1 = s xi_1: A_0 is 0, and gamma turns."""
     spin, rest = [1.0, 0, 0, 0, 0, 0], [0.0] * 6

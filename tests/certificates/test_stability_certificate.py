@@ -140,6 +140,7 @@ def test_a_long_computation_is_refused_before_it_begins(given):
     steps = 200_000
     held = given | {"jet_bits": 3000, "grid": [*range(steps + 1)]}
     assert "steps and states at 3000 bits are too many" in answer(held)
+    assert "steps and states at 4000 bits are too many" in answer(given | {"jet_bits": 4000})
 
 
 def numbers(value, at=()):

@@ -34,6 +34,17 @@ def sampled(path, columns, decimals=None):
     return path
 
 
+def test_a_signal_with_a_gap_is_refused_by_its_row(tmp_path):
+    """It was called a column that is not there."""
+    t = STEP * np.arange(100)
+    gamma3 = [*np.cos(t[:50]), np.nan, *np.cos(t[51:])]
+    path = sampled(tmp_path / "gap.csv", {"t": t, "gamma3": gamma3, "p": np.sin(t)})
+    words = r"gamma3 at t = 5: expected a number in each row of a signal \(row 51 has none\)"
+    with pytest.raises(polhode.BadInput, match=words):
+        polhode.frequencies(path, of=["gamma3"], lines=1)
+    assert set(polhode.frequencies(path).signals) == {"p"}
+
+
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 5])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_so_many_lines_of_a_real_signal_are_so_many_frequencies(count, sign, tmp_path):
@@ -230,3 +241,27 @@ def test_show_and_frequencies_tell_it(capsys):
     assert (
         "precession of the axis of symmetry through the centre of mass about the vertical =" in told
     )
+
+
+# -- bodies that doubles do not hold ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        polhode.orbit,
+        lambda scene: polhode.orbit_family(scene, by="h", to=3),
+        lambda scene: polhode.conditioning(scene, [1]),
+    ],
+)
+def test_a_body_with_a_number_beyond_doubles_is_refused_in_a_line(question):
+    """A centre 1e-400 off an axis: it ended in a traceback of another error."""
+    scene = polhode.top(
+        moments=[1, "6/5", "7/10"],
+        centre=["1/10**400", 0, 1],
+        weight=1,
+        omega=["0.3", "0.2", "1.5"],
+        gamma=["0.6", 0, "0.8"],
+    )
+    with pytest.raises(polhode.BadInput, match=r"number = double: expected a type of wider range"):
+        question(scene)

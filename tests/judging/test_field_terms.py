@@ -154,6 +154,47 @@ def test_every_case_has_its_own_equations():
         assert polhode.compare_field(polhode.field(name), name).right, name
 
 
+def small(moments, arm):
+    """A body whose terms, not divided by its moments, are a billionth of the right ones."""
+    moments = 1e-9 * np.array(moments)
+    scene = polhode.top(
+        moments=[repr(x) for x in moments.tolist()],
+        centre=arm,
+        weight="1e-9",
+        omega=["0.5", "1.2", "-0.7"],
+        gamma=["0.6", 0, "0.8"],
+    )
+    return scene, moments, 1e-9 * np.array(arm)
+
+
+@pytest.mark.parametrize("power", [-1, 0, 1])
+@pytest.mark.parametrize("moments", [[0.9, 1.1, 1.3], [1.3, 1.3, 0.9]])
+@pytest.mark.parametrize("arm", [[0, 0, 1], [1, 2, -1]])
+def test_undivided_terms_are_named_in_any_unit_and_of_symmetric_bodies(moments, arm, power):
+    """Rounding of rates that are far too large was taken for terms, and of A = B the missing
+    division for a factor."""
+    scene, I, arm = small(moments, arm)
+
+    def f(t, y):
+        torque = np.cross(y[3:], arm) - np.cross(y[:3], I * y[:3])
+        return np.concatenate([torque * I**power, np.cross(y[3:], y[:3])])
+
+    found = polhode.compare_field(f, scene)
+    assert found.right == (power == -1)
+    assert all("-omega x I omega" in told or "torque Mg" in told for told in found.terms)
+    assert len(found.terms) == (0 if power == -1 else 2)
+    if power == 0:
+        assert all("not divided by the moments" in told for told in found.terms)
+
+
+def test_a_full_inertia_along_axes_in_another_order_is_named():
+    """Its coefficients were listed, a dozen and more."""
+    turned = INERTIA[np.ix_([1, 2, 0], [1, 2, 0])]
+    found = polhode.compare_field(equations("full", inertia=turned), FULL)
+    words = "a body with an inertia whose axes x y z are y z x of the scene's"
+    assert found.terms == (f"the equations are those of {words}",)
+
+
 def test_gamma_of_length_one_is_one():
     """A program may normalise; between its states that is nothing."""
     assert polhode.compare_field(normalised, FULL).right

@@ -48,6 +48,16 @@ def test_white_noise_is_told_with_its_size_and_bias(size):
     assert told["rms"] == [one.rms for one in found.residuals]
 
 
+def test_a_bias_that_is_more_than_the_noise_limits_the_digits():
+    """It was called noise that is white at this level, with digits that the bias alone costs."""
+    columns = with_noise(table(), 1e-6)
+    columns["r"] -= 1e-3
+    found = polhode.compare(columns, SCENE)
+    assert (found.limit, found.causes) == ("bias (constant)", ())
+    assert "allows: a constant bias, with white noise about it" in str(found)
+    assert "(-0.001 ± 8e-08), gamma1" in str(found)
+
+
 def test_a_noisy_attitude_has_its_own_limit():
     columns = with_noise(table("attitude"), 1e-3)
     length = np.sqrt(sum(columns[n] ** 2 for n in ATTITUDE))

@@ -7,6 +7,7 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 
+import mpmath
 import pytest
 
 import polhode
@@ -78,6 +79,50 @@ def test_what_is_told_is_the_theorem_and_its_numbers():
     assert stability().fact("theorem") == lines[5]
 
 
+SPEED = Fraction(3, 2)
+
+
+def turning(moments, axis):
+    """A free body that turns about a principal axis, which is not vertical: a periodic orbit."""
+    omega, gamma = ["0"] * 3, ["0.48"] * 3
+    omega[axis], gamma[axis - 1], gamma[axis] = str(SPEED), "0.36", "0.8"
+    body = {"moments": moments, "centre": ["0"] * 3, "weight": 0, "end": 3, "name": "euler"}
+    return polhode.top(**body, omega=omega, gamma=gamma)
+
+
+def proved_of(moments, axis):
+    return polhode.prove_stability(turning(moments, axis), period=2 * math.pi / float(SPEED))
+
+
+def of_euler(moments, axis):
+    """Rotation and twist of these neighbours.
+
+    With a = 1/A - 1/C and b = 1/B - 1/C, C about the axis, L = |G| and J the action of l, Andoyer's
+    h = L^2/(2 C) +- (a b)^(1/2) L J - (a + b) J^2/4 + O(J^3); the rotation is dh/dJ over dh/dL.
+    """
+    a, b, c = (Fraction(moments[axis - k]) for k in (1, 2, 0))
+    a, b = 1 / a - 1 / c, 1 / b - 1 / c
+    with mpmath.workdps(40):
+        turns = mpmath.sqrt((a * b * c**2).numerator) / mpmath.sqrt((a * b * c**2).denominator)
+        turns *= 1 if a > 0 else -1
+        size = ((a + b) / 2 + c * a * b) / SPEED
+        twist = -2 * mpmath.pi * size.numerator / size.denominator
+        turns -= mpmath.floor(turns)
+        if turns > 0.5:
+            turns, twist = 1 - turns, -twist
+        return mpmath.nstr(turns, 30), mpmath.nstr(twist, 30)
+
+
+@pytest.mark.parametrize(
+    ("moments", "axis"), [(("2", "2.5", "4"), 0), (("2", "2.5", "4"), 2), (("6", "8", "9"), 2)]
+)
+def test_euler_s_top_has_its_rotation_and_twist_in_closed_form(moments, axis):
+    """The last one has the multiplier i, and no term of that resonance: it is proved."""
+    proved, (rotation, twist) = proved_of(moments, axis), of_euler(moments, axis)
+    assert agrees(proved.rotation, rotation, 18)
+    assert agrees(proved.twist, twist, 15)
+
+
 @pytest.mark.slow
 def test_the_twist_is_one_over_the_unit_of_an_action():
     """In half the unit of time and with three times the mass: the same motions."""
@@ -137,6 +182,19 @@ def test_a_third_root_of_unity_decides_nothing():
     line = refusal(third)
     assert "a multiplier may be a third root of unity (residue 0.75" in line
     assert "nothing is decided" in line
+
+
+#: Of Euler's top, all exactly so: the moments, and what is said of the multipliers.
+RESONANT = {
+    (30, 21, 35): "a multiplier may be a third root of unity (residue 0.75",
+    (16, 10, 20): "a multiplier may be 1 or -1",
+    (1, 2, 3): "a further multiplier is about 1",
+}
+
+
+@pytest.mark.parametrize("moments", RESONANT)
+def test_an_orbit_at_a_resonance_is_refused(moments):
+    assert RESONANT[moments] in refusal(turning(moments, 2), period=2 * math.pi / float(SPEED))
 
 
 #: What the checker says of the return map, and what is told.

@@ -1351,8 +1351,9 @@ def in_full(x: Fraction) -> str:
 #: s^2 beta as one likes.  So, for all small s, the ring contains an invariant curve, for all c near
 #: the orbit's (J. Moser, Nachr. Akad. Wiss. Goettingen II (1962) 1; C. L. Siegel and J. K. Moser,
 #: Lectures on Celestial Mechanics (1971), 31-34).  P_c and its inverse map what it encloses onto
-#: itself; between two returns, which take about a period, a motion stays near the orbit if it
-#: starts near x0.
+#: itself.  What starts near the orbit reaches the plane near x0, inside that curve on its own
+#: level; between two returns, which take about a period, it stays near the orbit, as it starts
+#: near x0.
 #:
 #: *mu = i.*  Then d w*^3 stands beside c1 w^2 w*, with
 #:
@@ -1389,7 +1390,7 @@ FACTORS = [
     for a, b in MONOMIALS
 ]
 MOST_WEIGHT = 200  # bits of 1/rho
-OF_JETS = 6  # steps that cost as much as one of jets
+OF_JETS = 6  # steps, with their sets, that cost as much as one of jets at 96 bits
 
 
 class Jet(Generic[Y]):
@@ -1479,17 +1480,19 @@ class Norm:
 def _frame_of(run: Run) -> Table:
     """Q, exact; any regular matrix would do.
 
-    Of omega a multiple of Cholesky's factor of the inertia, so that a turn keeps the norm.
+    Of omega a multiple of Cholesky's factor of the inertia, so that a turn keeps the norm.  The
+    largest moment is the unit of mass.
     """
-    inertia = [[float(x) for x in row] for row in run.inertia]
+    unit_of_mass = largest(run.inertia[i][i] for i in range(3))
+    inertia = [[float(x / unit_of_mass) for x in row] for row in run.inertia]
     root = [[0.0] * 3 for _ in range(3)]
     for i in range(3):
         for j in range(i + 1):
             left = inertia[i][j] - sum(map(mul, root[i], root[j]))
             root[i][j] = max(left, 1e-9) ** 0.5 if i == j else left / root[j][j]
-    swing = max(abs(float(x)) for x in run.torque)
+    swing = max(abs(float(x / unit_of_mass)) for x in run.torque)
     rate = max(abs(float(x)) for row in run.centres for x in row[:3]) / 8
-    unit = max(swing, max(inertia[i][i] for i in range(3)) * rate**2, 1e-9) ** -0.5
+    unit = max(swing, rate**2, 1e-9) ** -0.5
     rows = [[arb(unit * root[j][i]) for j in range(3)] + [arb(0)] * 3 for i in range(3)]
     return rows + _unit()[3:]
 
@@ -1715,7 +1718,8 @@ def read_guide(held: Mapping[str, object]) -> Guide:
     """How the jets of a certificate are computed; raises Damaged."""
     jet_bits = _whole(held["jet_bits"], LEAST_BITS, MOST_BITS, "jet_bits")
     weight_bits = _whole(held["weight_bits"], 0, MOST_WEIGHT, "weight_bits")
-    check_work(OF_JETS * len(_list(held["grid"], None, "grid")), jet_bits)
+    products = sum(map(len, FACTORS))  # of numbers, in one of jets
+    check_work(products * len(_list(held["grid"], None, "grid")), jet_bits)
     return Guide(jet_bits, weight_bits)
 
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import combinations_with_replacement, permutations
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -31,6 +30,7 @@ from polhode.results.cells import DOUBLE, TEXT
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table, table_of_rows
 from polhode.scenes import library
+from polhode.scenes.body import exact_vector
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts
 
@@ -40,6 +40,16 @@ _LEAST = 1e-9  # of a coefficient: one that differs by less is typed in decimals
 _ROUNDING, _NOISE = 1e-12, 1e2  # of a rate's largest size, likewise; times what is left of rates
 _MOST = 1e-5  # what is left of the rates of a polynomial, in single precision too
 _FEW = 12  # coefficients that are listed in words
+_NEAR = 1e-6  # of a ratio that has a name
+
+#: Ratios of terms that have a name.
+_PLAIN = {
+    0.0: "is missing",
+    -1.0: "has the other sign",
+    2.0: "is twice the right one",
+    0.5: "is half the right one",
+    -2.0: "is twice the right one, of the other sign",
+}
 
 #: Names of the variables; a rate is called by its variable and a prime.
 VARIABLES = {
@@ -214,8 +224,10 @@ class _Fitted:
         self.own, self.residual = self._coefficients(rates)
         later = np.array([self._rates(f, 1.0 / self.rate, y) for y in self.states[:_LATER]])
         moved = np.abs(later - rates[:_LATER]) / self.sizes
-        self.noise = max(_ROUNDING, _NOISE * self.residual)
-        self.depends_on_time = bool(np.max(moved) > self.noise)
+        largest = np.abs(rates / self.sizes)  # more than 1 if f errs, and then it rounds by more
+        vectors = [np.max(largest[:, k : k + 3], initial=1.0) for k in range(0, self.count, 3)]
+        self.noise = max(_ROUNDING, _NOISE * self.residual) * np.repeat(vectors, 3)
+        self.depends_on_time = bool(np.any(moved > self.noise))
         self.right = self._of(scene)
 
     def _states(self) -> Doubles:
@@ -302,8 +314,11 @@ class _Fitted:
             places = self.monomials[column]
             unit = self.sizes[row] / math.prod(self._units[k] for k in places)
             true, other = (
-                0.0 if abs(x) <= self.noise else x * unit
-                for x in (float(right[row, column]), float(own[row, column]))
+                0.0 if abs(x) <= noise else x * unit
+                for x, noise in (
+                    (float(right[row, column]), _ROUNDING),
+                    (float(own[row, column]), float(self.noise[row])),
+                )
             )
             term = " ".join(self.names[k] for k in places) or "1"
             found.append(Difference(f"{self.names[row]}'", term, true, other))
@@ -319,30 +334,38 @@ class _Fitted:
         for words, rows, columns in self._vectors():
             place = np.ix_(rows, columns)
             own, right = self.own[place], self.right[place]
-            if not np.any(self._differ(own, right)):
+            if not np.any(self._differ(own, right, rows)):
                 continue
             ratio = float(np.sum(own * right) / (np.sum(right * right) or 1.0))
-            ratio = 0.0 if abs(ratio) < _LEAST else ratio
-            if np.any(np.abs(right) > self.noise) and not np.any(self._differ(own, ratio * right)):
-                yield f"{words} {_ratio(ratio)}"
-            elif self._is_undivided(own, right, rows):
+            if np.all(np.abs(own) <= self.noise[rows, None]):
+                ratio = 0.0
+            shown = bool(np.any(np.abs(right) > _ROUNDING))
+            multiple = shown and not np.any(self._differ(own, ratio * right, rows))
+            plain = multiple and _name_of_ratio(ratio) is not None
+            if shown and not plain and self._is_undivided(own, right, rows):
                 yield f"{words} is not divided by the moments: I^-1 is missing"
+            elif multiple:
+                yield f"{words} {_ratio(ratio)}"
             else:
                 continue
             left[place] = right
         yield from map(str, self._differences(left, self.right))
 
-    def _differ(self, own: Doubles, right: Doubles) -> npt.NDArray[np.bool_]:
-        """Which coefficients differ, by more than rounding."""
-        found: npt.NDArray[np.bool_] = np.abs(own - right) > self.noise + _LEAST * np.abs(right)
+    def _differ(
+        self, own: Doubles, right: Doubles, rows: Sequence[int] | slice = slice(None)
+    ) -> npt.NDArray[np.bool_]:
+        """Which coefficients of these rates differ, by more than rounding."""
+        noise = self.noise[rows, None]
+        found: npt.NDArray[np.bool_] = np.abs(own - right) > noise + _LEAST * np.abs(right)
         return found
 
     def _is_undivided(self, own: Doubles, right: Doubles, rows: Sequence[int]) -> bool:
         """Whether a term of omega's rates is the torque itself."""
-        if self.variables == "momentum" or rows[0] >= 3 or not np.any(np.abs(right) > self.noise):
+        if self.variables == "momentum" or rows[0] >= 3:
             return False
         sizes = self.sizes[:3, None]
-        return not np.any(self._differ(own, self.inertia @ (right * sizes) / sizes))
+        undivided = self.inertia @ (right * sizes) / sizes
+        return not np.any(self._differ(own, undivided, rows))
 
     def _vectors(self) -> Iterator[tuple[str, list[int], list[int]]]:
         """The terms of the equations: their words, the rates and the monomials."""
@@ -372,25 +395,25 @@ class _Fitted:
             if other.body.inertia != self.scene.body.inertia:  # the weight is a term of its own
                 yield words, other
         inertia = self.scene.body.inertia
-        if any(inertia[i][j] for i in range(3) for j in range(i)):
-            return
-        moments, zero = [inertia[k][k] for k in range(3)], Fraction(0)
+        full = any(inertia[i][j] for i in range(3) for j in range(i))
         for order in permutations(range(3)):
-            a, b, c = (moments[k] for k in order)
-            if [a, b, c] != moments:
-                words = f"the moments A B C = {' '.join('ABC'[k] for k in order)} of the scene"
-                yield (
-                    words,
-                    with_body(self.scene, ((a, zero, zero), (zero, b, zero), (zero, zero, c))),
-                )
+            x, y, z = (exact_vector([inertia[i][j] for j in order]) for i in order)
+            if (x, y, z) != inertia:
+                names = " ".join(("x y z" if full else "A B C").split()[k] for k in order)
+                words = f"an inertia whose axes x y z are {names} of the scene's"
+                if not full:
+                    words = f"the moments A B C = {names} of the scene"
+                yield words, with_body(self.scene, (x, y, z))
+
+
+def _name_of_ratio(ratio: float) -> str | None:
+    """What a term is that is so many times the right one, where that has a name."""
+    return next((name for x, name in _PLAIN.items() if abs(ratio - x) <= _NEAR * abs(x)), None)
 
 
 def _ratio(ratio: float) -> str:
     """What a term is that is so many times the right one."""
-    plain = {0.0: "is missing", -1.0: "has the other sign", 2.0: "is twice the right one"}
-    plain |= {0.5: "is half the right one", -2.0: "is twice the right one, of the other sign"}
-    near = next((x for x in plain if abs(ratio - x) < 1e-6), None)
-    return f"is {ratio:.6g} times the right one" if near is None else plain[near]
+    return _name_of_ratio(ratio) or f"is {ratio:.6g} times the right one"
 
 
 def _largest_product(a: Doubles, b: Doubles) -> Any:

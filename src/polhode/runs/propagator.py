@@ -19,7 +19,7 @@ from polhode.common.memory import refuse_too_much
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import EXTENDED, NumberType
+from polhode.numbers.number_types import EXTENDED
 from polhode.numbers.rows import Doubles, Extendeds, Flat, double_array, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
 from polhode.runs.methods.taylor import system_of
@@ -282,7 +282,7 @@ class Propagator:
             scene = self.scene.at(cast(Sequence[AnyNumber], t if several else [t]))
             return flat(self._system.times(scene).grid), several
         except OutOfRange as fault:
-            raise _too_wide(self.scene, self.number, fault) from None
+            raise fault.refusal(self.scene.name, self.number) from None
 
     def _grid(self, t: object) -> Flat | None:
         """Times of the propagator's own type in the run's own unit, from 0 on, as heyoka has them.
@@ -387,7 +387,7 @@ class Propagator:
         try:
             found, self.outcome = integrator.advance(times, rows, self._most)
         except OutOfRange as fault:
-            raise _too_wide(self.scene, self.number, fault) from None
+            raise fault.refusal(self.scene.name, self.number) from None
         self.steps = integrator.steps
         states = np.full((len(times), *self._shape), np.nan, self._kind)
         states[: len(found)] = self._read(flat(found))
@@ -480,8 +480,4 @@ def propagator(
     try:
         return Propagator(system_of(scene, kind, tolerance), every)
     except OutOfRange as fault:
-        raise _too_wide(scene, kind, fault) from None
-
-
-def _too_wide(scene: Scene, number: NumberType, fault: OutOfRange) -> BadInput:
-    return BadInput(scene.name, "number", number.name, f"a type of wider range ({fault})")
+        raise fault.refusal(scene.name, kind) from None

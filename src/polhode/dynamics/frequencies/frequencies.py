@@ -23,6 +23,7 @@ from polhode.judging.tables.table import Table
 from polhode.judging.tables.table_file import is_table, read_table
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import doubles, to_double
+from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Complexes, Doubles
@@ -288,14 +289,23 @@ def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
 
 def _of_table(table: Table, of: Sequence[str] | None, count: int) -> Frequencies:
     step = spacing(table.name, table.times, table.time_errors)
-    columns = {}
+    columns, lacking = {}, {}
     for name, column in table.columns.items():
-        if None not in column:
+        if None in column:
+            lacking[name] = column.index(None)
+        else:
             columns[name] = np.array([float(x) for x in column if x is not None])
     if of is None:
         of = [name for name in ("p+iq", "gamma3") if all(c in columns for c in _columns(name))]
         of = of or [name for name in STATE if name in columns]
     names = _names(table.name, of, None)
+    for name in (column for signal in names for column in _columns(signal) if column in lacking):
+        row = lacking[name]
+        key, expected = (
+            f"{name} at t = {brief(table.times[row])}",
+            "a number in each row of a signal",
+        )
+        raise BadInput(table.name, key, None, f"{expected} (row {row + 1} has none)")
     signals = {name: _signal(table.name, name, columns, None) for name in names}
     return _found(table.name, signals, step, count, {}, provenance(table.name))
 
@@ -309,7 +319,7 @@ def _columns(name: str) -> tuple[str, ...]:
 def _signal(source: str, name: str, columns: Mapping[str, Any], scene: Scene | None) -> Any:
     for column in _columns(name):
         if column not in columns:
-            expected = f"a column {column}, besides {', '.join(columns)}"
+            expected = f"a column {column}, besides {', '.join(columns) or 'none'}"
             raise BadInput(source, "of", name, expected)
     if name == AXIS:
         return _axis(columns, scene)

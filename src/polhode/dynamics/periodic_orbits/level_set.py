@@ -25,6 +25,7 @@ from polhode.numbers.rows import Doubles, GivenRow
 from polhode.numbers.scalars import FLOATS, Scalar
 from polhode.numbers.vectors import dot
 from polhode.scenes.scene import Scene
+from polhode.taylor.backend.heyoka_numbers import OutOfRange
 from polhode.taylor.variations.flow_map import Flow
 
 
@@ -104,12 +105,19 @@ class Surface(ByValue):
     @cached_property
     def flow(self) -> Flow:
         """The flow with its derivative, in double."""
-        return Flow(self.coefficients, DOUBLE, derivative=True)
+        return self._flow(derivative=True)
 
     @cached_property
     def plain_flow(self) -> Flow:
         """The flow alone, in double."""
-        return Flow(self.coefficients, DOUBLE)
+        return self._flow(derivative=False)
+
+    def _flow(self, derivative: bool) -> Flow:
+        """The flow in double; raises BadInput for a body whose numbers doubles do not hold."""
+        try:
+            return Flow(self.coefficients, DOUBLE, derivative)
+        except OutOfRange as fault:
+            raise fault.refusal(self.scene.name, DOUBLE) from None
 
     def rates(self, state: Doubles) -> Doubles:
         """The time derivative of a state."""

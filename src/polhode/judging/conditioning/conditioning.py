@@ -47,6 +47,7 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor.backend import defaults
+from polhode.taylor.backend.heyoka_numbers import OutOfRange
 from polhode.taylor.variations.error_growth import Growth
 from polhode.taylor.variations.state_transition import Passage, passage
 
@@ -313,7 +314,10 @@ def conditioning(
         scene = scene.at(times)
     kind = number if isinstance(number, NumberType) else choose_number(scene, number, None)
     most = steps(scene.name, max_steps)
-    along = passage(scene, most, _limit(kind) + _BEYOND)
+    try:
+        along = passage(scene, most, _limit(kind) + _BEYOND)
+    except OutOfRange as fault:  # tangents are doubles, whatever the type
+        raise fault.refusal(scene.name, DOUBLE) from None
     return Conditioning(scene, scene.times, kind, along)
 
 

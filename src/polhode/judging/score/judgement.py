@@ -28,6 +28,7 @@ from polhode.judging.diagnosis.error_budget import (
 from polhode.judging.diagnosis.other_start import other_start
 from polhode.judging.score.expectation import FOLLOWED, Expectation
 from polhode.judging.score.report_text import (
+    BIASED,
     BY_CHANCE,
     ELSEWHERE,
     EXPLAINED,
@@ -53,6 +54,7 @@ from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 from polhode.taylor.backend import engine
 
 PRINTED = "rounding (of the printed digits)"
+_NOISES, _BIASED = (WHITE, BIASED), 5.0  # limits; a bias, times the noise about it, that limits
 _ROUGH = 6.0  # digits of an attitude of which an angle says more
 RARE = 1e-4  # a share of runs of which nobody judges so many
 MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
@@ -159,7 +161,7 @@ class Judgement(Result, Scores):
             return ""
         found = self._limit
         if self._may_be_noise(found):
-            return WHITE
+            return self._noise
         blamed = self.subject.run is None and found.startswith("method")
         return "" if blamed and (self.state_worst < LAST or self.offers) else found
 
@@ -240,12 +242,18 @@ class Judgement(Result, Scores):
             band = band._replace(least=max(0.0, band.least - math.log10(1 + turned)))
         thin = is_thin(self.reference.scene.body)
         found = limit(worst, held, band, None, agreement, about.steps, len(there), thin)
-        return WHITE if self._may_be_noise(found) else found
+        return self._noise if self._may_be_noise(found) else found
 
     def _may_be_noise(self, limit: str) -> bool:
         """Whether what is blamed on a method of which nothing is known may be white noise."""
         blamed = self.subject.run is None and limit.startswith("method")
         return blamed and not self.offers and self.is_noisy
+
+    @property
+    def _noise(self) -> str:
+        """What white noise is called: by its bias, where that is more than the noise."""
+        biased = any(abs(x.bias) > _BIASED * x.rms for x in self.residuals)
+        return BIASED if biased else WHITE
 
     @cached_property
     def chance(self) -> float | None:
@@ -297,7 +305,7 @@ class Judgement(Result, Scores):
     def causes(self) -> tuple[Cause, ...]:
         """Numbers of which one, if it were another, would make a table right that is not: constants
         of the body, the start, a clock; the best first, fitted, and changed nowhere."""
-        if self.subject.run is not None or not self.digits or self.offers or self.limit == WHITE:
+        if self.subject.run is not None or not self.digits or self.offers or self.limit in _NOISES:
             return ()
         if self.state_worst >= LAST and not self.limit.startswith("method"):
             return ()
@@ -448,7 +456,7 @@ class Judgement(Result, Scores):
         told = [f"{name}: {where}" for name, where in self.departures.items()]
         if self.parts.get("attitude", _ROUGH) < _ROUGH:
             told.append(self._rotation)
-        if (self.limit or self.attitude_limit) == WHITE:
+        if (self.limit or self.attitude_limit) in _NOISES:
             told.append(residual_text(self.residuals))
         why = [*map(str, self.readings), *map(str, self.causes)]
         if not why and self._leaves_its_start:
@@ -514,7 +522,7 @@ class Judgement(Result, Scores):
     @property
     def _meaning_alone(self) -> list[str]:
         """What the fewest digits mean where there is no state: of an attitude its limit."""
-        if self.worst < LAST and self.attitude_limit != WHITE:
+        if self.worst < LAST and self.attitude_limit not in _NOISES:
             return [WRONG_AT_ONCE]
         if self.worst_part != "attitude" or self.offers:
             return []

@@ -23,11 +23,12 @@ LIMITS = {
     "reference": "as many as the reference can tell",
     "method": "fewer than {number} precision allows: {how}",
     "noise": "fewer than {number} precision allows: noise that is {how} at this level",
+    "bias": "fewer than {number} precision allows: a {how} bias, with white noise about it",
     "unknown": "{how}",
 }
 ROUNDED = "as many as rounding {how} leaves"
 FOREIGN = "the program's steps, noise, or another motion"
-WHITE = "noise (white)"
+WHITE, BIASED = "noise (white)", "bias (constant)"
 BY_CHANCE = "; or by chance: one run in {runs:.0f} has so few"
 EXPLAINED = "another number explains the error"
 ELSEWHERE = "another convention gives more digits"

@@ -12,7 +12,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
 
-from polhode.common.errors import BadInput
 from polhode.equations.forms import principal
 from polhode.equations.terms import NAMES, coefficients_of
 from polhode.motion.frame import Frame
@@ -196,8 +195,7 @@ def refuse_out_of_range(
         for x in values:
             heyoka_numbers.scalar(x, number)
     except heyoka_numbers.OutOfRange as fault:
-        expected = f"a type of wider range ({fault})"
-        raise BadInput(members[index].name, "number", number.name, expected) from None
+        raise fault.refusal(members[index].name, number) from None
 
 
 def _along(vector: Vector, axes: PrincipalAxes, unsure: Booleans) -> Sequence[Numbers]:

@@ -49,6 +49,10 @@ _SMALLEST_DOUBLE = 2.0**-1022
 class OutOfRange(ValueError):
     """A number that the run's type cannot hold to its full precision."""
 
+    def refusal(self, source: str, number: NumberType) -> BadInput:
+        """What is told of a scene with such a number."""
+        return BadInput(source, "number", number.name, f"a type of wider range ({self})")
+
 
 def scalar(x: Number, number: NumberType) -> HeyokaNumber:
     """The number of heyoka's type for ``number`` nearest to x; raises OutOfRange."""
