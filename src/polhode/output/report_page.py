@@ -333,9 +333,7 @@ def _shown(table: Table) -> tuple[list[str], list[list[str]]]:
     """Header and rows as people read them, without the scene's name."""
     if not table.rows:
         return [], []
-    header, rows = shown.cells(
-        table._replace(columns=[x._replace(digits=4) for x in table.columns])
-    )
+    header, rows = shown.cells(table)
     return header[1:], [row[1:] for row in rows]
 
 

@@ -10,6 +10,8 @@ from polhode.output.accuracy import NUMBERS, Line, Section
 from polhode.results.cells import DOUBLE, TEXT
 from polhode.results.table import Table, table_of_rows
 
+SHOWN = 4  # digits, where people read them
+
 _Row = tuple[Any, ...]
 
 
@@ -28,7 +30,8 @@ def tables(sections: Sequence[Section]) -> Mapping[str, Table]:
         types = dict.fromkeys(["scene", *texts.split()], TEXT)
         types |= dict.fromkeys(numbers.split(), DOUBLE)
         every = [(x.scene.name, *row) for x in sections for row in rows(x)]
-        found[name] = table_of_rows(types, every)
+        columns = table_of_rows(types, every).columns
+        found[name] = Table([column._replace(digits=SHOWN) for column in columns])
     return found
 
 
