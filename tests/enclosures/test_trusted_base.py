@@ -72,4 +72,4 @@ def test_what_approximates_makes_no_value_that_a_proof_believes():
 def test_the_statement_tells_how_many_lines_that_is():
     told = polhode.certify("euler/sphere", at=[1]).statement[4]
     assert f"{trusted_lines()} lines of polhode in {len(TRUSTED)} files" in told
-    assert 8000 < trusted_lines() < 10_800
+    assert 8000 < trusted_lines() < 11_000

@@ -62,7 +62,9 @@ def differences(scene: Scene, number=QUAD, step: Fraction = Fraction(1, 10**15))
             if x:
                 other = changed(inputs, j)
                 own = Body.of_moments(other[:3], other[3:], 1)
-                k = principal.coefficients(own, scene.time_unit)
+                k = principal.coefficients(
+                    Frame.of(replace(scene, body=own)).inside(replace(scene, body=own)).body
+                )
                 moved.append(states(scene, k, start, number))
         total = sum(abs(x - honest) for x in moved) * step.denominator
     scale = 10 ** log10_rate(honest, scene)

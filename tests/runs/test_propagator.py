@@ -6,6 +6,7 @@ import copy
 import math
 import pickle
 import signal
+import sys
 import threading
 from dataclasses import replace
 from fractions import Fraction
@@ -313,7 +314,7 @@ def test_an_array_of_times_gives_the_states_of_a_list_to_the_bit(name, number):
     "times",
     [
         *([1, 2, 1], [1, 1], [0, 0], [-1, 1], [1, math.nan], [math.inf], [1, -2, 3], [0, 1, 1, 2]),
-        *([1, math.nan, 2], [-1, 2, -3]),
+        *([1, math.nan, 2], [-1, 2, -3], [-1, -2, -2], [-1, -3, -2, -4]),
     ],
 )
 def test_an_array_of_times_that_lead_nowhere_is_refused(times, start):
@@ -339,6 +340,145 @@ def test_numbers_of_any_plain_kind_go_the_quick_way_to_the_same_bits(number, mon
         if number == "double":
             with pytest.raises(polhode.BadInput):
                 go(start, t=1.0)
+
+
+GRIDS = {
+    "one": [2.0],
+    "one after 0": [0.0, 2.0],
+    "two": [1.0, 2.0],
+    "unequal": [0.0, 1e-3, 0.5, 0.5000001, 7.0],
+    "backward": [0.0, -1e-3, -0.5, -7.0],
+    "backward, not from 0": [-0.5, -7.0],
+    "dense near 0": [1e-300, 1e-17, 1e-9, 2e-9, 0.125, 0.125 + 2.0**-55, 1.0],
+    "whole": [1, 2, 5],
+    "from a negative 0": [-0.0, 1.0],
+}
+UNITS = {"plain": (1.0, {}), "unit": (2.0**-11, CASES["fast"][0]), "axes": (1.0, ROTATED)}
+
+
+@pytest.mark.parametrize("case", UNITS)
+@pytest.mark.parametrize("grid", GRIDS)
+def test_rows_are_those_of_the_careful_way(grid, case, monkeypatch):
+    unit, more = UNITS[case]
+    go = polhode.propagator(scene(**more))
+    start = None if case != "plain" else START
+    times = [t * unit for t in GRIDS[grid]]
+    rows = go(start, t=[*map(Fraction, times)])
+    outcome, steps = go.outcome, go.steps
+    monkeypatch.setattr(type(go), "_at_times", None)  # the quick way alone from now on
+    for given in (np.array(times), times, tuple(times), [*np.array(times)]):
+        found = go(start, t=given)
+        assert (go.outcome, go.steps) == (outcome, steps)
+        assert found.tolist() == rows.tolist()
+        assert found[-1].tolist() == go(start, t=times[-1]).tolist()
+        assert found.flags.writeable
+
+
+def test_times_that_hardly_are_above_0_are_taken():
+    go = polhode.propagator(scene())
+    times = [5e-324, 1e-310, 1.0]
+    for given in (times, np.array(times)):
+        rows = go(t=given)
+        assert np.abs(rows[:2] - START).max() < 1e-300
+        assert rows[2].tolist() == go(t=1.0).tolist()
+
+
+def test_times_count_by_value_not_by_the_object_that_holds_them():
+    go = polhode.propagator(scene())
+    for times in (np.linspace(0, 1, 5), np.linspace(0, 1, 5).tolist()):
+        first = go(t=times)
+        kept = first.copy()
+        times[2] = 0.625
+        second = go(t=times)
+        assert second.tolist() == polhode.propagator(scene())(t=[0, 0.25, 0.625, 0.75, 1]).tolist()
+        times[2] = 0.5
+        again = go(t=times)
+        again[:] = 7  # rows are the caller's own
+        assert first.tolist() == kept.tolist() == go(t=times).tolist()
+        times[2] = 0.125  # no longer in order
+        with pytest.raises(polhode.BadInput, match="monotone"):
+            go(t=times)
+        times[2] = 0.5
+        assert first.tolist() == go(t=times).tolist()
+    wide = np.array([[0.0, 9], [0.5, 9], [1, 9]])
+    column = wide[:, 0]  # not contiguous
+    assert go(t=column).tolist() == go(t=[0, 0.5, 1]).tolist()
+    wide[1, 0] = 0.25
+    assert go(t=column).tolist() == go(t=[0, 0.25, 1]).tolist()
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.int64, np.int32, np.float64])
+def test_arrays_of_narrower_numbers_are_times_exactly(kind):
+    go = polhode.propagator(scene())
+    times = np.array([1, 2, 5], kind)
+    assert go(t=times).tolist() == go(t=[1, 2, 5]).tolist()
+    assert go(t=times[1]).tolist() == go(t=2.0).tolist()
+    tenth = go(t=np.float32(0.1))
+    assert tenth.tolist() == go(t=float(np.float32(0.1))).tolist() != go(t=0.1).tolist()
+
+
+@pytest.mark.parametrize("number", ["double", "extended"])
+@pytest.mark.parametrize("several", [list, np.array])
+def test_integers_beyond_2_53_are_no_other_times(number, several):
+    """As a double 2**53 + 1 would be 2**53: that time twice."""
+    go = polhode.propagator(scene(omega=["1e-17", 0, 0], weight=0), number=number)
+    times = several([2**53, 2**53 + 1])
+    if number == "double":
+        with pytest.raises(polhode.BadInput, match="differ when rounded to double"):
+            go(t=times)
+    else:
+        assert np.isfinite(go(t=times)).all()
+    with pytest.raises(polhode.BadInput, match=r"at\[1\] = True"):
+        go(t=[True, 2])
+
+
+def test_a_time_alone_and_0_alone():
+    go = polhode.propagator(scene())
+    for zero in ([0], [0.0], np.array([0.0]), np.array([-0.0])):
+        assert go(t=zero).tolist() == [go(t=0.0).tolist()] == [go(t=0).tolist()]
+    assert go(t=[2]).tolist() == go(t=np.array([2.0])).tolist() == [go(t=2.0).tolist()]
+
+
+def test_a_million_outputs_are_those_of_few():
+    go = polhode.propagator(scene(**CASES["fast"][0]))  # its unit is not the scene's
+    times = np.linspace(0, 2.0**-10, 1_000_001)
+    rows = go(t=times)
+    some = [0, 1, 1023, 1024, 1025, 333_333, 999_999, 1_000_000]
+    assert rows[some].tolist() == go(t=times[some]).tolist()
+    assert np.abs(np.vecdot(rows[:, 3:], rows[:, 3:]) - 1).max() < 64 * 2.0**-52
+
+
+def test_times_that_the_unit_makes_too_small_are_refused():
+    """Inside, 5e-324 would be 0, and 1.01e-315 another number."""
+    slow = polhode.propagator(scene(weight=2.0**-40, omega=[1e-6, 0, 2e-6]))
+    assert slow.scene.time_unit > 8
+    for t in ([5e-324, 1.0], np.array([5e-324, 1.0]), [1.01e-315, 1.0]):
+        with pytest.raises(polhode.BadInput, match="a type of wider range"):
+            slow(t=t)
+    assert np.isfinite(slow(t=[1e-300, 1.0])).all()
+
+
+def calls_of(call):
+    """The functions of polhode that are called, by name."""
+    names = []
+
+    def note(frame, event, _):
+        if event == "call" and frame.f_globals.get("__name__", "").startswith("polhode."):
+            names.append(frame.f_code.co_name)
+
+    sys.setprofile(note)
+    try:
+        call()
+    finally:
+        sys.setprofile(None)
+    return names
+
+
+@pytest.mark.parametrize("times", [[1.0, 2.0], [1, 2], (1.0, 2.0), np.array([1.0, 2.0])])
+def test_outputs_are_a_few_calls_from_heyoka(times):
+    go = polhode.propagator(scene())
+    go(START, t=times)
+    assert len(calls_of(lambda: go(START, t=times))) <= 10
 
 
 def test_a_scenes_outputs_are_left_out():

@@ -72,6 +72,7 @@ TRUSTED = (
     ),
     "equations/forms/matrices",
     "equations/hodographs",
+    "motion/frame",
     *_room("equations/columns"),
 )
 

@@ -27,7 +27,6 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.results import reader
 from polhode.results.result import Storable
-from polhode.runs import earlier
 from polhode.runs.problem.options import choose_number
 from polhode.runs.saved import Saved, load_result
 from polhode.runs.trajectory import Trajectory
@@ -120,9 +119,6 @@ def drawing_of(
     if isinstance(source, Storable):
         kind = catalogue.kind_of(source)
         request.refuse(name, [*vars(request)], "no --{}: it is for a motion")
-        if isinstance(source, Saved) and source.content().version == earlier.VERSION:
-            expected = f"a file of polhode 0.3: this {kind} lacks what figures need; make it again"
-            raise BadInput(name, "file", None, expected)
         notes = []
         if isinstance(source, Saved) and kind == "Frequencies":
             notes.append(f"{name}: the lines alone, no spectrum: a file has no samples")

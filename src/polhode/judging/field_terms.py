@@ -33,6 +33,7 @@ from polhode.scenes import library
 from polhode.scenes.body import exact_vector
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts
+from polhode.scenes.vocabulary import REQUESTS
 
 _STATES = 120  # at which a right-hand side is evaluated
 _LATER = 5  # of them at another time, too
@@ -199,7 +200,7 @@ def compare_field(
     if not isinstance(variables, str) or variables not in VARIABLES:
         raise BadInput("compare_field", "variables", variables, " or ".join(VARIABLES))
     of_kind("compare_field", "scene", scene, (Scene, str, Path), "a scene")
-    return _Fitted(f, library.load(scene), variables).comparison()
+    return _Fitted(f, library.load(scene, takes=REQUESTS), variables).comparison()
 
 
 class _Fitted:

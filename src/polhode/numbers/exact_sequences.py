@@ -206,7 +206,7 @@ class ExactNumbers(LazySequence[N]):
         """The nearest numbers of a type."""
         found = self._flat(number) if number.flat and self.size >= _FEW else None
         if found is None:
-            return ExactNumbers(tuple(number.rounded(t) for t in self.exact))
+            return ExactNumbers(tuple(map(number.rounded, self.exact)))
         return ExactNumbers(floats=found)
 
     def _flat(self, number: NumberType) -> Flat | None:

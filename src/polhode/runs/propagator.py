@@ -30,6 +30,7 @@ from polhode.taylor import lanes
 from polhode.taylor.backend import defaults
 from polhode.taylor.backend.heyoka_numbers import OutOfRange
 from polhode.taylor.backend.step_outcomes import TIME_LIMIT
+from polhode.taylor.backend.time_grid import Grid
 from polhode.taylor.batches.jobs import BatchJob, Columns
 from polhode.taylor.corrections.integral_projection import Projector, StartTarget
 from polhode.taylor.integrator.stepping import Integrator
@@ -42,8 +43,10 @@ _REACHED_END = Outcome.REACHED_END
 _REACHED = code(_REACHED_END)
 _THERE = TIME_LIMIT.value
 _UNIT = 8  # |gamma|² is 1 to so many eps
-_SINGLE = frozenset({float, int, np.float64})  # kinds of numbers that are doubles,
+_FLOATS = frozenset({float, np.float64, np.float32})  # kinds of numbers that are doubles,
+_PLAIN = _FLOATS | {int, np.int64}
 _WHOLE = 2**53  # integers of at most this size among them
+_BLOCK = 1024  # rows that are scaled at once: numpy's loops over six numbers are slow
 _BYTES = 24  # of a number of the states of many starts, while they are put in order
 _SPLIT = "numbers of states; fewer times, or starts in parts"
 
@@ -99,7 +102,8 @@ class Propagator:
         self._engine = system.engine()
         finalize(self, self._engine.release).atexit = False  # another body's from then on
         self._state, self._until = self._engine.state, self._engine.heyoka.propagate_until
-        self._begin = self._engine.begin
+        self._begin, self._through = self._engine.begin, self._engine.heyoka.propagate_grid
+        self._last: tuple[bytes, Grid | None] = b"", None  # several times, by value, and their grid
         self._memory: Any = memoryview(self._state)  # which takes an array of its own kind alone
         self._first: Flat = self._state.copy()
         self._kind, self._shape = self._first.dtype, self._first.shape
@@ -111,6 +115,7 @@ class Propagator:
         self._scale = np.ones(self._shape, self._kind)
         self._scale[:3] = unit
         self._back = 1 / self._scale
+        self._backs = np.tile(self._back, _BLOCK)
         self._plain = unit == 1 and self._turn is None
         self._unit = (1 / unit).item()  # Python's own number: a product too large is inf, unsaid
         choices = defaults.of(self.number)
@@ -170,13 +175,15 @@ class Propagator:
         if get_ident() != self._owner:
             raise self._bad("thread", "another one", "its own, or a copy.copy of the propagator")
         self._ended = None
+        if type(t) is not float and type(t) in _PLAIN and -_WHOLE <= cast(float, t) <= _WHOLE:
+            t = float(cast(float, t))
         try:
             if start is None:
                 rate = self._rate
                 self._state[...] = self._first
             else:
                 if type(start) is not np.ndarray:
-                    row = self._row(start)
+                    row = _plain_numbers(start, self._kind)
                     if row is None and _rows_given(start):
                         return self._many(start, t, workers)
                     start = self._array(start) if row is None else row
@@ -194,21 +201,26 @@ class Propagator:
                 if self._long:
                     p, q, r = float(p), float(q), float(r)  # whose squares are inf, unsaid
                 rate = self._spin * (p * p + q * q + r * r) + self._weight
-                if not self._plain:
+                if self._turn is not None:
                     self._state[...] = self._inside(start)
+                elif not self._plain:
+                    np.multiply(start, self._scale, self._state)
             self._begin()
-            if type(t) is not float and type(t) in _SINGLE and _whole(cast(float, t)):
-                t = float(cast(float, t))
             if type(t) is float:
                 if t * t * rate < self._sure:  # not where any of them is not finite
                     ended, _, _, self.steps, _, _ = self._until(t * self._unit)
                     if ended.value == _THERE:
                         self.outcome = _REACHED_END
-                        return self._state.copy() if self._plain else self._read(self._state)
-            elif (grid := self._grid(t)) is not None:
-                states = self._on_grid(grid, cast(Flat, t), rate)
-                if states is not None:
-                    return states
+                        if self._turn is not None:
+                            return self._read(self._state)
+                        state: Flat = self._state * self._back
+                        return state
+            elif (grid := self._grid(t)) is not None and grid.square * rate < self._sure:
+                ended, _, _, self.steps, _, rows = self._through(grid.ahead)
+                if ended.value == _THERE:
+                    self.outcome = _REACHED_END
+                    states: Flat = rows[-grid.size :]
+                    return self._read(states)
             several = numbers_given(t)[1]
             rows = self._at_times(start, cast(Sequence[AnyNumber], t if several else [t]))
             return rows if several else rows[0]
@@ -237,12 +249,12 @@ class Propagator:
         what = f"{len(rows)} starts at {len(times)} times"
         refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
         if not self._long and self._every is None:
-            inside = double_array(rows if self._plain else self._inside(rows))
+            inside = rows if self._plain else self._inside(rows)
             motions = Columns(self._job.motions.coefficients, inside)
             job = self._job._replace(max_steps=self._most, times=times, motions=motions)
             fastest = lanes.rates(inside, self._bound)
             inner, ended = lanes.states(job, fastest, workers)
-            states = flat(inner) if self._plain else self._read(flat(inner))
+            states = self._read(inner)
         else:
             states = np.empty((len(rows), len(times), width), self._kind)
             ended = np.empty(len(rows), dtype=np.uint8)
@@ -274,9 +286,8 @@ class Propagator:
         """Times in the run's own unit as an array, and whether several were given."""
         if type(t) is float and t and isfinite(end := t * self._unit):
             return np.array([end], self._kind), False
-        grid = self._grid(t)
-        if grid is not None and (np.diff(grid) * np.sign(grid[-1]) > 0).all():
-            return grid[len(grid) - len(cast(Flat, t)) :], True
+        if (grid := self._grid(t)) is not None:
+            return grid.times, True
         several = numbers_given(t)[1]  # other numbers; or what is wrong with them is told
         try:
             scene = self.scene.at(cast(Sequence[AnyNumber], t if several else [t]))
@@ -284,40 +295,18 @@ class Propagator:
         except OutOfRange as fault:
             raise fault.refusal(self.scene.name, self.number) from None
 
-    def _grid(self, t: object) -> Flat | None:
-        """Times of the propagator's own type in the run's own unit, from 0 on, as heyoka has them.
-
-        None for other times, and those that do not lead away from 0; heyoka itself refuses those
-        between the first and the last that are not in order.
-        """
-        if type(t) is not np.ndarray or t.dtype != self._kind or t.ndim != 1 or len(t) == 0:
+    def _grid(self, t: object) -> Grid | None:
+        """The grid of several plain numbers, kept until others come; None of all else."""
+        if type(t) is not np.ndarray or t.dtype != self._kind:
+            times = _plain_numbers(t.tolist() if type(t) is np.ndarray else t, self._kind)
+        else:
+            times = t if t.ndim == 1 else None
+        if times is None:
             return None
-        first, last = t.item(0), t.item(-1)
-        if not (0 <= first <= last or 0 >= first >= last) or last == 0:
-            return None
-        if not isfinite(last * self._unit):  # beyond the type in the run's own unit
-            return None
-        if first == 0:
-            return flat(t * self._unit)
-        grid = np.zeros(len(t) + 1, self._kind)
-        np.multiply(t, self._unit, grid[1:])
-        return grid
-
-    def _on_grid(self, grid: Flat, times: Flat, rate: float) -> Flat | None:
-        """States at times, the last ones of a grid; None where they go the careful way."""
-        end = float(times.item(-1))
-        if not end * end * rate < self._sure:
-            return None
-        try:
-            ended, _, _, self.steps, _, rows = self._engine.heyoka.propagate_grid(grid)
-        except ValueError:  # not in order, or not finite
-            return None
-        if ended.value != _THERE:
-            return None
-        self.outcome = _REACHED_END
-        if len(rows) > len(times):
-            rows = rows[1:]
-        return flat(rows) if self._plain else self._read(flat(rows))
+        value = times.tobytes()
+        if value != self._last[0]:
+            self._last = value, Grid.of(times, self._unit)
+        return self._last[1]
 
     def __copy__(self) -> Propagator:
         return Propagator(self._system, self._every)
@@ -336,22 +325,17 @@ class Propagator:
         return (rows if self._turn is None else turned(rows, self._turn)) * self._scale
 
     def _read(self, rows: Flat) -> Flat:
-        """Rows of any shape back in the scene's axes and units."""
-        if self._turn is None:
-            return rows * self._back  # exact: powers of two
-        found = flat(self._system.read.states(rows.reshape(-1, len(self._scale))))
-        return found.reshape(rows.shape)
-
-    def _row(self, start: npt.ArrayLike) -> Flat | None:
-        """A list of plain numbers that doubles hold as an array; None of all else."""
-        if not isinstance(start, (list, tuple)) or len(start) != self._shape[0]:
-            return None
-        if not _SINGLE.issuperset(map(type, start)):
-            return None
-        if not all(map(_whole, cast(Sequence[float], start))):
-            return None
-        row: Flat = np.array(start, self._kind)
-        return row
+        """Rows of any shape back in the scene's axes and units, in place where that is exact."""
+        if self._turn is not None:
+            several = rows.reshape(-1, rows.shape[-1])
+            return flat(self._system.read.states(several)).reshape(rows.shape)
+        if self._plain:
+            return rows
+        numbers, backs = rows.reshape(-1), self._backs
+        for k in range(0, len(numbers), len(backs)):
+            part = numbers[k : k + len(backs)]
+            np.multiply(part, backs[: len(part)], part)  # by powers of two
+        return numbers.reshape(rows.shape)
 
     def _array(self, start: npt.ArrayLike) -> Flat:
         """A start as an array of the propagator's type and shape; raises BadInput."""
@@ -408,9 +392,17 @@ def _doubles(values: Iterable[Exact]) -> Doubles:
     return np.array([to_double(x) for x in values])
 
 
-def _whole(x: float) -> bool:
-    """Whether a number is a double, if it is an integer, too."""
-    return -_WHOLE <= x <= _WHOLE
+def _plain_numbers(values: object, kind: np.dtype[Any]) -> Flat | None:
+    """A list of plain numbers that doubles hold as an array; None of all else."""
+    if not isinstance(values, (list, tuple)) or not values:
+        return None
+    kinds = set(map(type, values))
+    if not kinds <= _PLAIN:
+        return None
+    if not kinds <= _FLOATS and not -_WHOLE <= min(values) <= max(values) <= _WHOLE:
+        return None
+    row: Flat = np.array(values, kind)
+    return row
 
 
 def _rows_given(start: npt.ArrayLike) -> bool:

@@ -23,7 +23,6 @@ from polhode.numbers.rows import Row, States, read_only
 from polhode.results.reader import DAMAGED, content_of
 from polhode.results.result import Result
 from polhode.results.table import Content, Fact, Table, Value
-from polhode.runs import earlier
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
 from polhode.scenes.output_times import listed_times
@@ -136,7 +135,7 @@ def load_result(path: str | Path) -> Trajectory | Saved:
     """
     of_kind("load_result", "path", path, (str, Path), "the path of a file")
     try:
-        content = earlier.content_of(Path(path)) or content_of(Path(path))
+        content = content_of(Path(path))
         return run_of(content) if content.kind == Trajectory.__name__ else Saved(content)
     except BadInput:
         raise
@@ -222,10 +221,9 @@ def run_of(content: Content) -> Trajectory:
     if not 0 <= run.tolerance < math.inf or run.method not in ("taylor", "refined"):
         raise ValueError("no tolerance or method of a run")
     vars(run).update(dense=_Recomputed(run))
-    if content.version != earlier.VERSION:  # which told them rounded
-        drift = Drift(*(_gap_or_float(facts[f"drift_{name}"]) for name in Drift._fields))
-        outlook = _gap_or_float(facts["digits_expected"]), _gap_or_float(facts["lost_after"])
-        vars(run).update(drift=drift, _least_expected=outlook)
+    drift = Drift(*(_gap_or_float(facts[f"drift_{name}"]) for name in Drift._fields))
+    outlook = _gap_or_float(facts["digits_expected"]), _gap_or_float(facts["lost_after"])
+    vars(run).update(drift=drift, _least_expected=outlook)
     return run
 
 

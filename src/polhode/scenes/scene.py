@@ -228,8 +228,9 @@ class Scene:
         for name in _OF_ANY_TIMES:  # made here, so that the next scene like this has them, too
             getattr(self, name)
         found = object.__new__(type(self))
-        found.__dict__.update({k: x for k, x in vars(self).items() if k not in _OF_TIMES})
-        found.__dict__["times"] = asked
+        found.__dict__.update(vars(self), times=asked)
+        for name in _OF_TIMES:
+            found.__dict__.pop(name, None)
         return found
 
     @cached_property

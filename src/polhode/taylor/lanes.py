@@ -68,7 +68,7 @@ def surely(job: BatchJob, fastest: float) -> bool:
 
 def states(
     job: BatchJob, fastest: Doubles, workers: int | None = None
-) -> tuple[Stack, npt.NDArray[np.uint8]]:
+) -> tuple[Doubles, npt.NDArray[np.uint8]]:
     """States of a job's motions, of which :func:`rates` are known, and their outcomes by number.
 
     By so many threads.  Raises KeyboardInterrupt where Ctrl-C came.

@@ -9,7 +9,6 @@ gamma3 in principal axes; a torque-free body without gamma has p q r alone.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
 
 from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
 from polhode.equations.forms.matrices import turning_rates
@@ -55,18 +54,18 @@ _ROWS = tuple(
 )
 
 
-def coefficients(body: Body, time_unit: int = 0) -> dict[str, Exact]:
-    """The exact coefficients that do not vanish, time measured in units of 2**time_unit."""
-    every = coefficients_of(numbers_of(body, Fraction(2) ** time_unit))
+def coefficients(body: Body) -> dict[str, Exact]:
+    """The exact coefficients that do not vanish."""
+    every = coefficients_of(numbers_of(body))
     return {name: value for name, value in zip(NAMES, every, strict=True) if sign(value) != 0}
 
 
-def sensitivities(body: Body, time_unit: int = 0) -> list[dict[str, Exact]]:
+def sensitivities(body: Body) -> list[dict[str, Exact]]:
     """Of each coefficient the derivatives by the logarithms of A, B, C and of Mg x0, y0, z0.
 
     Dictionaries like that of :func:`coefficients`; what vanishes is left out.
     """
-    numbers = numbers_of(body, Fraction(2) ** time_unit)
+    numbers = numbers_of(body)
     by_number = (derivatives_of(numbers, place) for place in range(len(numbers)))
     return [{name: x for name, x in by.items() if sign(x) != 0} for by in by_number]
 

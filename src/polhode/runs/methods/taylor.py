@@ -143,16 +143,13 @@ class TaylorMotion:
         again._release(again.outcome)
         return again
 
-    def advance(
-        self, times: Sequence[Fraction], progress: Progress | None = None
-    ) -> tuple[Rows, Outcome]:
+    def advance(self, times: Times, progress: Progress | None = None) -> tuple[Rows, Outcome]:
         """Rows at the times, inside the frame, as far as they were reached; the outcome."""
         from polhode.taylor.backend.heyoka_numbers import OutOfRange
 
-        ahead = Times.of(times, self.number)
         try:
             watch = self._watch = self._new_watch() if self.scene.events else None
-            rows, outcome = (self._rest if self.system.rests else self._move)(ahead, progress)
+            rows, outcome = (self._rest if self.system.rests else self._move)(times, progress)
         except (OutOfRange, ExpressionError) as fault:  # of the system, of an event's number
             expected = f"a type of wider range ({fault})"
             raise BadInput(self.scene.name, "number", self.number.name, expected) from None
@@ -173,7 +170,7 @@ class TaylorMotion:
     def _move(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
         """Rows of a state that moves."""
         began = time.perf_counter()
-        what, origin, rows = self.system, ZERO, self.system.first[: times.now]
+        what, origin, rows = self.system, ZERO, self.system.first[: times[0] == 0]
         self.build_seconds += time.perf_counter() - began
         if len(rows) == len(times):
             return rows, Outcome.REACHED_END
@@ -220,7 +217,7 @@ class TaylorMotion:
             self.steps += integrator.steps
             # the end itself, not its rounding relative to where the last chunk began
             done = outcome is Outcome.REACHED_END
-            last = times.end if done else integrator.time
+            last = times[-1] if done else integrator.time
             self.reached = frame.time_outside(last)
             if watch is not None:
                 self._working = integrator  # its events are told first
@@ -238,7 +235,7 @@ class TaylorMotion:
         if self._watch is None or self.reached == 0:
             return rows, outcome
         what = replace(self._with_outputs(()), still=True)
-        passed = what.rows([row[: len(what.start)] for row in rows[: times.now]])
+        passed = what.rows([row[: len(what.start)] for row in rows[: times[0] == 0]])
         watched, outcome = self._integrate(what, ZERO, times, passed, progress)
         return rows[: self._before_stop(times, len(watched))], outcome
 

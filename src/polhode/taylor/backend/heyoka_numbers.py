@@ -76,7 +76,7 @@ def scalar(x: Number, number: NumberType) -> HeyokaNumber:
 def scalars(values: Sequence[Number], number: NumberType) -> list[HeyokaNumber]:
     """The numbers of heyoka's type nearest to each; raises OutOfRange."""
     if number.name == "double":
-        found = [to_double(x) for x in values]
+        found = [*map(to_double, values)]
         for k, value in enumerate(found):
             if not _SMALLEST_DOUBLE <= abs(value) < math.inf:  # 0, or out of range
                 found[k] = scalar(values[k], number)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import overload
+from math import isfinite
+from typing import NamedTuple, overload
 
 from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
@@ -15,6 +16,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Numbers, flat
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.scene import Scene
+from polhode.taylor.backend.types import HeyokaNumber
 
 _FEW = 64  # times: the exact ones of so few are all made at the first question, and kept
 
@@ -31,11 +33,6 @@ class Times(Sequence[Fraction]):
     def __init__(self, exact: Sequence[Fraction], number: NumberType) -> None:
         self.__dict__["_exact"] = tuple(exact)
         self.number = number
-
-    @classmethod
-    def of(cls, times: Sequence[Fraction], number: NumberType) -> Times:
-        """Such times of any sequence."""
-        return times if isinstance(times, cls) else cls(times, number)
 
     @classmethod
     def of_grid(cls, grid: Numbers, number: NumberType) -> Times:
@@ -64,16 +61,6 @@ class Times(Sequence[Fraction]):
             inside = cls(times, number)
         inside.outside = times
         return inside
-
-    @cached_property
-    def now(self) -> int:
-        """How many of them are no way ahead: 1 where the first is 0, else 0."""
-        return int(self[0] == 0)
-
-    @cached_property
-    def end(self) -> Fraction:
-        """The last of them."""
-        return self[-1]
 
     def __len__(self) -> int:
         return len(self._exact if "_exact" in self.__dict__ else self.grid)
@@ -106,22 +93,61 @@ class Times(Sequence[Fraction]):
         found = scalars(self._exact, self.number)
         return array(found, self.number) if self.number.flat else found
 
-    def since(self, offset: Fraction) -> Numbers:
-        """What has passed at each time since ``offset``, as heyoka's numbers.
+    def ahead(self, offset: Fraction) -> Numbers:
+        """A place to spare, and what has passed at each time since ``offset``, as heyoka's numbers.
 
         Each is rounded once; in double and extended the offset is the sum of two such numbers.
         """
-        if not offset:
-            return self.grid
         if not self.number.flat:
-            return Times([t - offset for t in self._exact], self.number).grid
+            passed = Times([t - offset for t in self._exact], self.number) if offset else self
+            return [passed.grid[0], *passed.grid]
+        import numpy as np
+
+        grid = flat(self.grid)
+        ahead: Flat = np.empty(len(grid) + 1, grid.dtype)
+        if not offset:
+            ahead[1:] = grid
+            return ahead
         nearest = to_double if self.number.name == "double" else to_extended
         high = nearest(offset)
         low = nearest(offset - exactly(high))
-        near, rest = exact_sum(flat(self.grid), -high)
-        small = rest - low
-        found: Flat = near + small
-        return found
+        near, rest = exact_sum(grid, -high)
+        ahead[1:] = near + (rest - low)
+        return ahead
+
+
+class Grid(NamedTuple):
+    """Times that lead away from 0, in the form in which heyoka reads them fastest; immutable.
+
+    ``times``: inside a run's frame, and how many they are.  ``ahead``: the same from 0 on, in a
+    list: heyoka reads an array one number after the other, which takes longer.  ``square``: of the
+    last one in the scene's unit.
+    """
+
+    times: Flat
+    size: int
+    ahead: list[HeyokaNumber]
+    square: float
+
+    @classmethod
+    def of(cls, outside: Flat, unit: float) -> Grid | None:
+        """Times in the scene's unit, an array (n,), times the ``unit``, a power of two.
+
+        None where they do not lead away from 0, or are not inside what they are outside: too large
+        for the type, or too small.
+        """
+        import numpy as np
+
+        last = outside.item(-1)
+        if not isfinite(last * unit):
+            return None
+        times: Flat = outside * unit
+        first = int(outside[0] == 0)
+        ahead = times if first else np.concatenate([np.zeros(1, times.dtype), times])
+        ways = np.diff(ahead if last > 0 else -ahead)
+        if len(ways) == 0 or not (ways > 0).all() or ahead[1] / unit != outside[first]:
+            return None
+        return cls(times, len(times), ahead.tolist(), float(last) * float(last))
 
 
 def rounded_times(scene: Scene, number: NumberType) -> ExactNumbers[Fraction]:

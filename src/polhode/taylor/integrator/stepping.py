@@ -110,7 +110,7 @@ class Integrator:
 
         ``limit``: of all steps.  Ctrl-C ends it with INTERRUPTED.
         """
-        end, parts, done = times.end, [rows], len(rows)
+        end, parts, done = times[-1], [rows], len(rows)
         most = defaults.of(self.number).chunk
         try:
             while done < len(times):
@@ -139,7 +139,7 @@ class Integrator:
                 outcome = Outcome.REACHED_END
         except KeyboardInterrupt:
             outcome = Outcome.INTERRUPTED
-        return joined([part for part in parts if len(part)] or [rows], self.number), outcome
+        return joined([*filter(len, parts)] or [rows], self.number), outcome
 
     def chunk(self, times: Sequence[Fraction], steps: int) -> tuple[Rows, Outcome]:
         """Take up to ``steps`` steps towards the last time; states at the times that were passed.
@@ -152,7 +152,9 @@ class Integrator:
             self.heyoka.time = scalar(0, self.number)
         if self.watcher is not None:
             self.watcher.counts_from(self.offset, self.heyoka)
-        ahead = _with_room(Times.of(times, self.number).since(self.offset))
+        if not isinstance(times, Times):
+            times = Times(times, self.number)
+        ahead = times.ahead(self.offset)
         parts: list[Array] = []
         passed, last = 0, self.steps + steps
         while True:
@@ -318,12 +320,3 @@ class Integrator:
 
     def _exactly(self, value: HeyokaNumber) -> Fraction:
         return as_fraction(value, self.number)
-
-
-def _with_room(times: Numbers) -> Numbers:
-    """Times after a place for the one at which heyoka begins."""
-    if isinstance(times, list):
-        return [times[0], *times]
-    ahead = np.empty(len(times) + 1, times.dtype)
-    ahead[1:] = times
-    return ahead
