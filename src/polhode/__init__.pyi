@@ -54,6 +54,8 @@ from polhode.judging.score.judgement import Judgement as Judgement
 from polhode.motion.outcomes import EventTimes as EventTimes
 from polhode.motion.outcomes import Outcome as Outcome
 from polhode.motion.outcomes import Projection as Projection
+from polhode.output.report import Report as Report
+from polhode.output.report import report as report
 from polhode.proofs.chaos.prove_chaos import prove_chaos as prove_chaos
 from polhode.proofs.prove_orbit import prove_orbit as prove_orbit
 from polhode.proofs.prove_orbits import ProvedOrbits as ProvedOrbits

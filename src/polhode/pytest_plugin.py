@@ -6,9 +6,11 @@ for the fixture.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -17,20 +19,29 @@ if TYPE_CHECKING:
 
 #: Properties of a test, one of each for each judgement; they stand in JUnit's XML.
 _DIGITS, _SCENE = "correct_digits", "correct_digits_scene"
+#: With --polhode-report all that stands on the page.
+_REPORT, _OPTION = "correct_digits_report", "--polhode-report"
+_MOST_TIMES = 101  # of a judgement on the page
 
 
 class _Digits:
     """The digits of each test, from the reports, which pytest-xdist's processes send too."""
 
-    def __init__(self) -> None:
+    def __init__(self, place: Path | None) -> None:
         self.lines: dict[str, list[str]] = {}
+        self.rows: dict[str, list[dict[str, Any]]] = {}
+        self.place = place
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """The last report of a test has all its properties."""
-        values = {
+        values: dict[str, list[Any]] = {
             wanted: [value for name, value in report.user_properties if name == wanted]
-            for wanted in (_DIGITS, _SCENE)
+            for wanted in (_DIGITS, _SCENE, _REPORT)
         }
+        failed = report.failed or any(not row["passed"] for row in self.rows.get(report.nodeid, ()))
+        self.rows[report.nodeid] = [
+            {"test": report.nodeid, "passed": not failed, **row} for row in values[_REPORT]
+        ]
         if values[_DIGITS]:
             self.lines[report.nodeid] = [
                 f"{report.nodeid}: {digits:.2f} correct digits of {scene}"
@@ -45,10 +56,37 @@ class _Digits:
                 for line in lines:
                     terminalreporter.line(line)
 
+    def pytest_sessionfinish(self) -> None:
+        """The page of all judgements, in the process that has all reports."""
+        if self.place is None:
+            return
+        from polhode.output import report_page
+
+        page, svgs = report_page.of_tests([row for rows in self.rows.values() for row in rows])
+        report_page.write(report_page.files(self.place, page, svgs))
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """The option for a page of all judgements."""
+    told = "write the judgements of assert_digits as a page, .html or .md"
+    parser.addoption(_OPTION, metavar="FILE", help=told)
+
 
 def pytest_configure(config: pytest.Config) -> None:
     """A place for what the tests find."""
-    config.pluginmanager.register(_Digits(), "polhode-digits")
+    place = config.getoption(_OPTION)
+    if place is not None:
+        from polhode.common.errors import BadInput
+        from polhode.common.files import check_writable
+        from polhode.output.report_page import ENDINGS
+
+        try:
+            check_writable(Path(place), ENDINGS)
+        except BadInput as fault:
+            raise pytest.UsageError(f"{_OPTION}: {fault}") from None
+    is_worker = hasattr(config, "workerinput")  # of pytest-xdist
+    digits = _Digits(Path(place) if place and not is_worker else None)
+    config.pluginmanager.register(digits, "polhode-digits")
 
 
 @pytest.fixture
@@ -60,5 +98,24 @@ def assert_digits(request: pytest.FixtureRequest) -> Callable[..., Judgement]:
         properties = request.node.user_properties
         properties.append((_DIGITS, round(found.worst, 2)))
         properties.append((_SCENE, found.reference.scene.name))
+        if request.config.getoption(_OPTION):
+            properties.append((_REPORT, _told(found)))
 
     return partial(testing.assert_digits, told=tell)
+
+
+def _told(judgement: Judgement) -> dict[str, Any]:
+    """What a page tells of a judgement, in plain values, which pytest-xdist sends."""
+    from polhode.common.text_tables import few
+    from polhode.output.accuracy import Line
+
+    line = Line("", judgement)
+    kept = few(len(judgement.times), _MOST_TIMES)
+    digits = [line.digits[k] for k in kept]
+    return {
+        "scene": judgement.reference.scene.name,
+        "worst": judgement.worst,
+        "verdict": judgement.verdict,
+        "t": [float(judgement.times[k]) for k in kept],
+        "digits": [math.nan if d is None else d for d in digits],
+    }

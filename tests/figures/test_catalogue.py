@@ -16,7 +16,7 @@ plt = pytest.importorskip("matplotlib.pyplot")
 TOP = "lagrange/nutation"
 WITHOUT = {
     *("About", "Cases", "CheckReport", "Conditioning", "Description", "Lyapunov"),
-    *("FieldComparison", "ObservedOrder", "ProvedOrbits", "Verdict"),
+    *("FieldComparison", "ObservedOrder", "ProvedOrbits", "Report", "Verdict"),
 }  # kinds that have no figure
 
 

@@ -61,7 +61,7 @@ from polhode import cli
 from polhode.studies import report
 report.STUDIES = {{'events': (9, 9)}}
 report._run = lambda *_: Path({str(committed)!r}).read_text()
-raise SystemExit(cli.main(['report', '--quick', '-o', 'out']))
+raise SystemExit(cli.main(['study', 'all', '--quick', '-o', 'out']))
 """
     both = [
         subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.PIPE)

@@ -39,6 +39,7 @@ BARE = (
     (0, "run cone.toml -o cone.csv"),
     (0, "compare cone.csv cone.toml"),
     (2, "order cone.csv cone.csv cone.toml"),
+    (0, "report cone.toml cone.csv=1ms -o cone.md"),
     (0, "run euler/separatrix --digits 30 --at 1"),
     (0, "reference euler/separatrix --digits 40 --at 1"),
     (0, "certify general/asymmetric-regular --at 1 -o certificate.json"),
@@ -60,7 +61,7 @@ BARE = (
     (0, "benchmark --only staude-unstable -o benchmark"),
     (0, "study accuracy --quick --only euler/sphere"),
     (2, "study events --quick"),
-    (2, "report --quick"),
+    (2, "study all --quick"),
     (2, "plot cone.toml --what angles -o cone.svg"),
 )
 #: Commands that draw.
@@ -69,8 +70,9 @@ WITH_FIGURES = (
     (0, "plot cone.csv --what omega -o omega.png"),
     (0, "plot cone.toml --what motion --size 200 --fps 5 --end '0.1 s' -o cone.gif"),
     (0, "levels grioli/precession -o levels.svg"),
+    (0, "report cone.toml cone.csv -o cone.html -o report.json"),
     (0, "section general/section --grid 2x2 --crossings 2 -o section.svg"),
-    (130, "report --quick"),
+    (130, "study all --quick"),
 )
 #: A process that ends by itself is not waited for where its parent is interrupted.
 WARNINGS = "default,ignore::ResourceWarning"

@@ -92,3 +92,22 @@ def test_what_fails_shows_the_users_line_and_no_source_of_polhode(tmp_path):
         assert "polhode/" not in told
         assert told.count("test_mine.py:") == 1
     assert "return testing.order_of(None" in own  # a fault of the user's function is shown, too
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", ["0", "2"])
+def test_a_page_has_each_judgement_once_and_says_which_failed(tmp_path, workers):
+    session(tmp_path, "--polhode-report=r.md", "-n", workers)
+    lines = (tmp_path / "r.md").read_text().splitlines()
+    rows = sorted(line.split(" | ")[:3] for line in lines if line.startswith("| test_mine"))
+    names = ["test_right", "test_two", "test_two", "test_wrong"]
+    assert [row[0].partition("::")[2] for row in rows] == names
+    assert [row[1] for row in rows] == ["● passed"] * 3 + ["○ failed"]
+    assert rows[-1][2] == "6.00"
+
+
+def test_a_page_that_cannot_be_written_is_refused_before_the_tests(tmp_path):
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--polhode-report=r.txt"]
+    ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert ran.returncode == 4
+    assert "--polhode-report: r.txt: -o: expected a name that ends in .html or .md" in ran.stderr

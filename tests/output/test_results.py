@@ -17,7 +17,14 @@ from shared.results import MAKERS, result_of_kind, watched
 #: Kinds that have no figure.
 UNDRAWN = (
     *("About", "Cases", "CheckReport", "CheckReport of bands", "Conditioning", "Description"),
-    *("Description in other axes", "ProvedOrbits", "ReferenceTable", "Textbook", "Verdict"),
+    *(
+        "Description in other axes",
+        "ProvedOrbits",
+        "ReferenceTable",
+        "Report",
+        "Textbook",
+        "Verdict",
+    ),
 )
 
 

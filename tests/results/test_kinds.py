@@ -29,7 +29,7 @@ from shared.results import CERTIFIED, MAKERS, result_of_kind, watched
 TABULATED = ("Reference", "Certified", "Textbook")
 WITHOUT_SCENE = (
     *("About", "Cases", "CheckReport", "CheckReport of bands", "EventTimes", "CertifiedEvents"),
-    *("ObservedOrder", "Verdict"),
+    *("ObservedOrder", "Report", "Verdict"),
 )
 #: Proving chaos takes seconds.
 KINDS = [

@@ -279,5 +279,5 @@ def test_the_committed_page_is_that_of_the_committed_pages():
 
 def test_without_markdown_it_a_report_says_so_before_its_work(monkeypatch, refusal):
     monkeypatch.setitem(sys.modules, "markdown_it", None)
-    told = "report: markdown-it-py: expected it to be installed: pip install 'polhode[report]'"
-    assert refusal("report", "-o", "out") == f"polhode: {told}\n"
+    told = "study: markdown-it-py: expected it to be installed: pip install 'polhode[report]'"
+    assert refusal("study", "all", "-o", "out") == f"polhode: {told}\n"

@@ -52,6 +52,7 @@ KINDS = (
         "ProvedStability",
         "Reductions",
         "ReferenceTable",
+        "Report",
         "Section",
     ),
     *("Trajectory", "Verdict"),

@@ -73,7 +73,7 @@ def write_report(
     studies are run first.
     ``foretell``: told once what is run, and for how long.
     """
-    command = "polhode report" + " --quick" * quick
+    command = "polhode study all" + " --quick" * quick
     require_markdown()
     _check(folder, STUDIES)
     check_writable(folder / PAGE)

@@ -49,5 +49,5 @@ def _parser() -> MarkdownIt:
         from markdown_it import MarkdownIt
     except ImportError:
         expected = "it to be installed: pip install 'polhode[report]'"
-        raise BadInput("report", "markdown-it-py", None, expected) from None
+        raise BadInput("study", "markdown-it-py", None, expected) from None
     return MarkdownIt("commonmark", {"html": False}).enable("table")

@@ -1,0 +1,331 @@
+"""How accurate the runs of a scene are, and files of other programs beside them: all measured."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import groupby
+from typing import Any, NamedTuple
+
+from polhode.common.errors import BadInput
+from polhode.common.interrupts import heard
+from polhode.common.progress import Message
+from polhode.common.text_tables import few
+from polhode.judging.adaptive_precision import integrate
+from polhode.judging.conditioning.conditioning import Conditioning, conditioning
+from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
+from polhode.judging.convergence_order import ObservedOrder, order_between
+from polhode.judging.references.certified import Certified
+from polhode.judging.references.reference import AnyReference, reference
+from polhode.judging.score.compare import compare
+from polhode.judging.score.judgement import Judgement
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Exact
+from polhode.output.description import Description, describe
+from polhode.runs.propagator import propagator
+from polhode.runs.trajectory import Trajectory
+from polhode.scenes.scene import Scene
+
+NUMBERS = ("double", "extended", "quad")
+#: Tolerances of a step beside the type's own; of other types that alone.
+TOLERANCES: Mapping[str, Sequence[str]] = {
+    "double": ("1e-4", "1e-6", "1e-8", "1e-10", "1e-12", "1e-14"),
+    "extended": ("1e-8", "1e-12", "1e-16"),
+}
+MOST_TIMES = 401  # of a scene with more so many are looked at
+MOTION_STEPS = 100_000  # of the tangent that tells the exponent
+REPEATS, PATIENCE = 5, 0.2  # calls that are timed, and the seconds beyond which one is enough
+VERDICTS = GOOD, FAIR, BAD, UNKNOWN = "good", "fair", "bad", "unknown"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a report is asked for: the options of :func:`polhode.report`."""
+
+    number: str | None = None
+    digits: int | None = None
+    max_seconds: float = 20.0
+    columns: Sequence[str] | None = None
+    read: str | None = None
+
+    def limits(self, scene: Scene) -> dict[str, Any]:
+        """What limits a comparison's proofs: one foretold to take longer is not begun."""
+
+        def foretold(seconds: float) -> None:
+            if seconds > self.max_seconds:
+                raise BadInput(scene.name, "max_seconds", seconds, "earlier times, more seconds")
+
+        return {"max_seconds": self.max_seconds, "forecast": foretold}
+
+
+class Given(NamedTuple):
+    """A table of another program: what :func:`polhode.compare` takes, and what is told beside it.
+
+    ``seconds``: what it cost; ``step``: that of its method; None where that is not told.
+    """
+
+    name: str
+    table: Any
+    seconds: float | None = None
+    step: str | None = None
+
+
+class Line(NamedTuple):
+    """A run or a table, and how many of its digits are right.
+
+    ``judgement``: None where there is none, and ``why`` says why.  ``run``, ``until``: of a run,
+    and the last time that was judged, where that is not its own.  ``given``: of a table.
+    """
+
+    name: str
+    judgement: Judgement | None
+    why: str = ""
+    run: Trajectory | None = None
+    until: Exact | None = None
+    given: Given | None = None
+
+    @property
+    def parts(self) -> list[Sequence[float | None]]:
+        """The digits of all that was judged, by parts, at each time."""
+        if self.judgement is None:
+            return []
+        return [x for x in (self.judgement.digits, *self.judgement.part_digits.values()) if x]
+
+    @property
+    def digits(self) -> list[float | None]:
+        """The fewest correct digits of any part at each time."""
+        rows = zip(*self.parts, strict=True)
+        return [min((d for d in row if d is not None), default=None) for row in rows]
+
+    @property
+    def fewest(self) -> float | None:
+        """The fewest of them."""
+        return min((d for d in self.digits if d is not None), default=None)
+
+    @property
+    def sentence(self) -> str:
+        """What is said of it."""
+        if self.judgement is None or self.fewest is None:
+            return self.why or "nothing could be judged"
+        return self.judgement.verdict
+
+    def below(self, digits: float) -> float | None:
+        """The first time with fewer digits than these; None where that is never."""
+        if self.judgement is None:
+            return None
+        rows = zip(self.judgement.times, self.digits, strict=True)
+        return next((float(t) for t, d in rows if d is not None and d < digits), None)
+
+    def mark(self, wanted: int | None) -> str:
+        """Good: as many digits as are wanted, or half of those held; fair: one or more; or bad."""
+        if self.judgement is None or self.fewest is None:
+            return UNKNOWN
+        subject = self.judgement.subject
+        enough = min(subject.held, subject.number.most_digits) / 2 if wanted is None else wanted
+        return GOOD if self.fewest >= enough else FAIR if self.fewest >= 1 else BAD
+
+
+class Work(NamedTuple):
+    """A prepared run to the end: its correct digits there, and the processor seconds it takes."""
+
+    number: str
+    tolerance: float
+    digits: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Section:
+    """All that is measured of a scene, and of the files beside it.
+
+    ``times``: how many the scene has, of which as many are looked at as ``scene`` has here.
+    ``growth``: the conditioning at the end.  ``unprojected``: a run that shows how the integrals
+    drift.  ``wanted``: the digits asked for.
+    """
+
+    scene: Scene
+    times: int
+    description: Description
+    reference: AnyReference
+    lines: Sequence[Line]
+    files: Sequence[Line]
+    orders: Sequence[ObservedOrder | str]
+    motion: Lyapunov
+    growth: Conditioning
+    work: Sequence[Work]
+    unprojected: Trajectory | None
+    wanted: int | None
+
+    @property
+    def verdict(self) -> str:
+        """That of the worst file; of the best run where there are no files."""
+        marks = [x.mark(self.wanted) for x in self.files or self.lines]
+        return (max if self.files else min)(marks, key=VERDICTS.index)
+
+    def reach(self, line: Line) -> tuple[float | None, float | None]:
+        """The times after which half of the digits and all of them are lost; None: not by the end.
+
+        Of a table as measured.  Of a run as expected; beyond the end by the exponent of a motion on
+        which nearby ones separate exponentially.
+        """
+        if line.run is None:
+            held = 0.0 if line.judgement is None else line.judgement.subject.held
+            return line.below(held / 2), line.below(1.0)
+        expected, end = line.run.expected, to_double(self.scene.end)
+        rate = self.motion.exponent / math.log(10)
+        separates = self.motion.verdict in ("chaotic", "unstable") and rate > 0
+        half = line.run.number.most_digits / 2
+
+        def beyond(after: float | None, least: float) -> float | None:
+            if after is not None or not (separates and expected.digits):
+                return after
+            return end + math.copysign((expected.digits[-1] - least) / rate, end)
+
+        return beyond(expected.halved_after, half), beyond(expected.lost_after, 0.0)
+
+
+def section(scene: Scene, files: Sequence[Line], asked: Asked, say: Message) -> Section:
+    """Measure a scene's runs in every number type, their cost, and the motion itself."""
+    times = len(scene.times)
+    if times > MOST_TIMES:
+        scene = scene.at([scene.times[k] for k in few(times, MOST_TIMES)])
+    lines, faults = [], []
+    for name, options in _kinds(asked):
+        say(f"{scene.name}: {name}")
+        try:
+            lines.append(_judged(name, integrate(scene, **options), asked, options))
+        except BadInput as fault:
+            faults.append(fault)
+            lines.append(Line(name, None, str(fault)))
+    if len(faults) == len(lines):
+        raise faults[0]
+    say(f"{scene.name}: what the motion does to errors")
+    motion, growth = lyapunov(scene, max_steps=MOTION_STEPS), conditioning(scene, [scene.end])
+    unprojected = None
+    with suppress(BadInput):
+        unprojected = _run(scene, {"number": asked.number or "double", "project": False})
+    say(f"{scene.name}: speed against error")
+    until = min((x.until for x in lines if x.until is not None), key=abs, default=scene.end)
+    work = _work(scene, until, asked) if any(x.judgement for x in lines) else []
+    orders, about = _orders(files), (describe(scene), reference(scene))
+    parts = *about, lines, files, orders, motion, growth, work, unprojected, asked.digits
+    return Section(scene, times, *parts)
+
+
+def _kinds(asked: Asked) -> list[tuple[str, dict[str, Any]]]:
+    """The runs that are made of each scene: a name, and the options of integrate."""
+    if asked.number is not None:
+        return [(asked.number, {"number": asked.number, "digits": asked.digits})]
+    kinds: list[tuple[str, dict[str, Any]]] = [(x, {"number": x}) for x in NUMBERS]
+    if asked.digits is not None:
+        kinds.append((f"{asked.digits} digits", {"digits": asked.digits}))
+    return kinds
+
+
+def _run(scene: Scene, options: Mapping[str, Any]) -> Trajectory:
+    """A run; Ctrl-C, which ends it early without an exception, ends all."""
+    run = integrate(scene, **options)
+    if run.outcome is Outcome.INTERRUPTED or heard.came:
+        raise KeyboardInterrupt
+    return run
+
+
+def _judged(name: str, run: Trajectory, asked: Asked, options: Mapping[str, Any]) -> Line:
+    """A run held against its reference, as far as a proof goes in the time that it may take."""
+    part, why = run, "" if run.outcome.done else f"the run ended early: {run.cause}"
+    while any(part.times):
+        try:
+            judgement = compare(part, **asked.limits(run.scene))
+            _ = judgement.worst
+        except BadInput as fault:
+            if fault.key not in ("max_seconds", "at"):
+                return Line(name, None, str(fault), run)
+            why = "no reference to these digits within the time that a proof may take"
+            seconds = fault.value if isinstance(fault.value, float) else 0.0
+            share = min(0.5, asked.max_seconds / max(seconds, 1e-9))
+            part = _run(run.scene.at(run.scene.times[: int(len(part.times) * share)]), options)
+            continue
+        until = part.times[-1] if len(part.times) < len(run.times) else None
+        return Line(name, judgement, why, run, until)
+    return Line(name, None, why or "no output time was reached", run)
+
+
+def of_table(given: Given, scene: Scene, asked: Asked) -> Line:
+    """A table held against a scene; raises BadInput for one that cannot be read."""
+    how: dict[str, Any] = {"columns": asked.columns, "read": asked.read}
+    if isinstance(given.table, Trajectory):
+        how = {}
+    try:
+        judgement = compare(given.table, scene, **how, **asked.limits(scene))
+    except BadInput as fault:
+        if fault.key != "max_seconds":
+            raise
+        why = "not judged: no reference within the time that a proof may take"
+        return Line(given.name, None, why, given=given)
+    return Line(given.name, judgement, given=given)
+
+
+def _orders(files: Sequence[Line]) -> Sequence[ObservedOrder | str]:
+    """The order of each method of which there are several files: names equal but for digits."""
+
+    def method(line: Line) -> str:
+        return re.sub(r"[\d.]+", "", line.name)
+
+    orders: list[ObservedOrder | str] = []
+    for _, group in groupby(sorted(files, key=method), method):
+        lines = [*group]
+        judgements = [x.judgement for x in lines if x.judgement is not None]
+        steps = [x.given.step for x in lines if x.judgement and x.given and x.given.step]
+        if len(judgements) < 2:
+            continue
+        try:
+            orders.append(order_between(judgements, steps if len(steps) == len(lines) else None))
+        except BadInput as fault:
+            orders.append(f"no order of convergence: {fault}")
+    return orders
+
+
+def _work(scene: Scene, end: Exact, asked: Asked) -> list[Work]:
+    """What digits at the end cost: prepared runs in each number type at several tolerances."""
+    plain = replace(scene, outputs=(), events=(), form="principal").at((end,))
+    against = reference(plain)
+    if isinstance(against, Certified):
+        against = Certified(plain, **asked.limits(plain))
+    rows = []
+    for number in NUMBERS if asked.number is None else [asked.number]:
+        with suppress(BadInput):  # of which the table of runs tells
+            for tolerance in (None, *TOLERANCES.get(number, ())):
+                rows.append(_costed(plain, against, number, tolerance))
+    return rows
+
+
+def _costed(scene: Scene, against: AnyReference, number: str, tolerance: str | None) -> Work:
+    """The digits at the scene's end of one prepared run, and the least seconds of several calls."""
+    call: Callable[[], Any]
+    if number in TOLERANCES:
+        go = propagator(scene, number=number, tol=tolerance)
+        end = go.number.rounded(scene.end)
+        call = partial(go, t=to_double(end) if number == "double" else end)
+        step = float(tolerance or go.number.eps)
+    else:
+        run = _run(scene, {"number": number})
+        end, step = run.times[-1], run.tolerance
+        call = partial(_last_state, scene, number)
+    row = call()
+    seconds: list[float] = []
+    while len(seconds) < REPEATS and sum(seconds) < PATIENCE:
+        began = time.process_time()
+        row = call()
+        seconds.append(time.process_time() - began)
+    judgement = compare([row], against, at=[end], number=number, as_it_stands=True)
+    return Work(number, step, judgement.worst, min(seconds))
+
+
+def _last_state(scene: Scene, number: str) -> Any:
+    return _run(scene, {"number": number}).states[-1]

@@ -1,0 +1,280 @@
+"""Accuracy reports: every number is found again, by compare and by the formulas of the verdicts."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import polhode
+from polhode.cli import main
+from polhode.common.errors import BadInput
+from polhode.common.interrupts import heard
+
+TOP = "lagrange/nutation"
+HEADER = "t,p,q,r,gamma1,gamma2,gamma3"
+
+
+def table(path: Path, t: np.ndarray, rows: np.ndarray) -> str:
+    np.savetxt(path, np.column_stack([t, rows]), "%.17g", ",", header=HEADER, comments="")
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory) -> dict[str, str]:
+    """A right file, one that drifts, a wrong one; and a method's with two steps."""
+    folder = tmp_path_factory.mktemp("files")
+    t = np.linspace(0, 2, 9)
+    rows = polhode.integrate(TOP, at=t).states
+    drifting, wrong = rows.copy(), rows[:, ::-1] ** 2
+    drifting[:, 0] += 1e-9 * t**4
+    made = {
+        "right": table(folder / "right.csv", t, rows),
+        "drifting": table(folder / "drifting.csv", t, drifting),
+        "wrong": table(folder / "wrong.csv", t, wrong),
+    }
+    f = polhode.field(TOP)
+    for steps in (256, 512):
+        y, h, rows = f.start, 2 / steps, [f.start]
+        for k in range(steps):
+            y = y + h * f(0, y + h / 2 * f(0, y))
+            rows += [y] * ((k + 1) % (steps // 8) == 0)
+        made[f"mid{steps}"] = table(folder / f"mid{steps}.csv", t, np.array(rows))
+    return made
+
+
+@pytest.fixture(scope="module")
+def found(files) -> polhode.Report:
+    """Of one scene, with a right file and a wrong one."""
+    return polhode.report(TOP, files["right"], files["wrong"], end=2, number="double")
+
+
+@pytest.fixture(scope="module")
+def methods(files) -> polhode.Report:
+    """With a file that drifts, and two of one method."""
+    told = f"{files['mid256']}=20ms,h=0.0078125", f"{files['mid512']}=0.04s,h=0.00390625"
+    return polhode.report(TOP, *told, files["drifting"], end=2, number="double")
+
+
+def rows(found: polhode.Report, name: str) -> list[dict[str, object]]:
+    columns = found.tables[name].columns
+    cells = zip(*(x.values for x in columns), strict=True)
+    return [dict(zip((x.name for x in columns), row, strict=True)) for row in cells]
+
+
+# -- numbers ---------------------------------------------------------------------------------------
+
+
+def test_every_number_is_found_again_by_compare(found, files):
+    scene = polhode.load(TOP)
+    own = polhode.compare(polhode.integrate(found.sections[0].scene))
+    (run,) = rows(found, "runs")
+    assert (run["digits"], run["limit"]) == (own.worst, own.limit)
+    digits = [x for x in rows(found, "digits") if x["of"] == "double"]
+    fewest = np.min([own.digits, *own.part_digits.values()], axis=0)
+    assert [x["correct_digits"] for x in digits] == fewest.tolist()
+    assert [x["digits_expected_least"] for x in digits] == [band.least for band in own.expected]
+    assert run["digits_end"] == fewest[-1]
+    for line in rows(found, "files"):
+        judged = polhode.compare(str(line["file"]).partition("=")[0], scene)
+        assert line["digits"] == judged.worst
+        assert line["t_of_digits"] == float(judged.worst_time)
+        assert line["sentence"] == judged.verdict
+
+
+def test_a_right_and_a_wrong_file_are_told_apart(found):
+    right, wrong = rows(found, "files")
+    assert (right["verdict"], wrong["verdict"]) == ("good", "bad")
+    assert found.sections[0].verdict == "bad"  # of the worst file
+    assert right["half_lost_after"] is None
+    assert wrong["lost_after"] == 0.0
+
+
+@pytest.mark.slow
+def test_a_file_that_drifts_and_those_of_a_method_are_told_by_their_digits(methods):
+    first, second, drifting = rows(methods, "files")
+    assert [x["verdict"] for x in (first, second, drifting)] == ["fair", "fair", "good"]
+    assert 0.5 < second["digits"] - first["digits"] < 0.7  # of order 2
+    # 1e-9 t^4 at t = 2, over the largest rate, which is above 4
+    assert 8 < drifting["digits"] < 9
+    assert 0 < first["half_lost_after"] < 1
+
+
+def test_digits_wanted_decide_the_verdict(files):
+    found = polhode.report(TOP, files["drifting"], end=2, number="double", digits=12)
+    assert found.sections[0].verdict == "fair"
+
+
+@pytest.mark.slow
+def test_what_a_file_cost_and_its_step_are_taken_from_its_name(methods):
+    (order,) = rows(methods, "orders")
+    assert 1.9 < order["order"] < 2.1
+    work = [x for x in rows(methods, "work") if x["of"] != "double"]
+    assert [x["seconds"] for x in work] == [0.02, 0.04]
+
+
+def test_a_prepared_run_has_the_digits_of_its_tolerance(found):
+    prepared = [x for x in rows(found, "work") if x["of"] == "double"]
+    assert [x["tolerance"] for x in prepared][:2] == [2.0**-52, 1e-4]
+    by_tolerance = [x["digits"] for x in sorted(prepared, key=lambda x: -x["tolerance"])]
+    assert by_tolerance[0] < 7 < 13 < by_tolerance[-1] <= 16
+    assert all(0 < x["seconds"] < 1 for x in prepared)
+
+
+def test_tables_survive_a_file(found, tmp_path):
+    found.save(tmp_path / "x.json")
+    again = polhode.load_result(tmp_path / "x.json")
+    for name in ("runs", "digits", "files", "work", "drift"):
+        kept = again.fact(name)
+        assert [x.name for x in kept.columns] == [x.name for x in found.tables[name].columns]
+        assert kept.rows == found.tables[name].rows > 0
+    assert again.column("scene")[0] == TOP
+
+
+def test_what_has_no_scene_before_it_must_hold_one(files, tmp_path):
+    run = polhode.integrate(TOP, at=[1, 2])
+    run.save(tmp_path / "run.csv")
+    found = polhode.report(tmp_path / "run.csv", number="double")
+    assert found.sections[0].scene.name == TOP
+    with pytest.raises(BadInput, match=r"right.csv: scene: expected a scene before it"):
+        polhode.report(files["right"])
+
+
+@pytest.mark.slow
+def test_columns_and_runs_are_tables_too():
+    run = polhode.integrate("euler/no-gamma", at=[1, 2])
+    columns = {"t": run.t, **{x: run[x] for x in "pqr"}}
+    found = polhode.report("euler/no-gamma", columns, run, at=[1, 2], number="extended")
+    assert [x["verdict"] for x in rows(found, "files")] == ["good", "good"]
+    assert rows(found, "runs")[0]["digits"] > 17
+
+
+@pytest.mark.slow
+def test_a_proof_that_would_take_too_long_is_not_begun_and_the_page_says_how_far_it_goes():
+    scene = polhode.load("general/asymmetric-chaotic").at([1, *range(10, 210, 10)])
+    found = polhode.report(scene, number="double", max_seconds=0.2)
+    (run,) = rows(found, "runs")
+    assert 0 < run["judged_until"] < 200
+    assert "no reference to these digits" in run["remark"]
+    digits = rows(found, "digits")
+    assert digits[-1]["t"] == run["judged_until"]
+    assert all(11 < x["correct_digits"] <= 16 for x in digits if x["t"] <= 40)
+
+
+@pytest.mark.slow
+def test_every_number_type_the_events_and_the_reach_of_a_chaotic_motion(tmp_path):
+    scene = polhode.load("general/asymmetric-chaotic")
+    text = polhode.as_toml(scene) + '\n[[events]]\nname = "level"\nzero = "gamma3"\n'
+    (tmp_path / "top.toml").write_text(text)
+    found = polhode.report(tmp_path / "top.toml", digits=40)
+    runs = rows(found, "runs")
+    assert [x["run"] for x in runs] == ["double", "extended", "quad", "40 digits"]
+    assert all(a["digits"] < b["digits"] for a, b in pairwise(runs))
+    assert runs[3]["digits"] >= 40
+    for shorter, longer in pairwise(runs[:3]):
+        assert 30 < shorter["half_lost_after"] < shorter["lost_after"] < longer["lost_after"]
+    events = rows(found, "events")
+    counts = {x["run"]: [y for y in events if y["run"] == x["run"]] for x in runs}
+    assert len({len(x) for x in counts.values()}) == 1
+    assert len(events) > 4
+    for double, quad in zip(counts["double"], counts["quad"], strict=True):
+        assert abs(float(double["t"]) - float(quad["t"])) < 100 * double["uncertainty"]
+
+
+# -- pages -----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def pages(found, tmp_path_factory) -> Path:
+    pytest.importorskip("matplotlib")
+    folder = tmp_path_factory.mktemp("pages")
+    found.save(folder / "r.html")
+    found.save(folder / "r.md")
+    return folder
+
+
+def test_a_page_needs_nothing_else_and_is_dark_and_light(pages):
+    text = (pages / "r.html").read_text()
+    assert "prefers-color-scheme: dark" in text
+    assert "@media print" in text
+    assert not re.search(r'(src|href)="(?!#)', text.replace('xlink:href="#', ""))
+    assert text.count("<svg") == 3
+    assert "#000000" not in text
+    assert len(text) < 300_000
+    body = text[text.index("<body>") : text.rindex("</body>") + len("</body>")]
+    body = body.replace("<wbr>", "").replace("<details open>", "<details>")
+    ET.fromstring(re.sub(r"xlink:href", "href", body))  # every tag is closed
+
+
+def test_markdown_has_the_same_words_and_its_figures_beside_it(pages, found):
+    text, page = (pages / "r.md").read_text(), (pages / "r.html").read_text()
+    named = re.findall(r"!\[.*?\]\((.*?)\)", text)
+    assert sorted(named) == sorted(f"r-figures/{x.name}" for x in (pages / "r-figures").iterdir())
+    for svg in (pages / "r-figures").iterdir():
+        ET.fromstring(svg.read_text())
+    for heading in re.findall(r"^##+ (.*)$", text, re.M):
+        assert f">{heading}</h" in page
+    for line in rows(found, "files"):
+        assert f"{line['digits']:.2f}" in text
+        assert f"{line['digits']:.2f}" in page
+
+
+def test_without_matplotlib_a_page_has_no_figures_and_says_what_to_install(found, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    bare = polhode.Report(found.sections)
+    (text,) = bare.files(Path("x.md")).values()
+    assert "pip install 'polhode[figures]'" in text
+    assert "![" not in text
+
+
+def test_thirty_scenes_have_a_row_and_a_section_each(found, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    (only,) = found.sections
+    names = [f"top {k}|<i>" for k in range(30)]
+    many = [replace(only, scene=replace(only.scene, name=name)) for name in names]
+    (text,) = polhode.Report(many).files(Path("x.html")).values()
+    assert len(re.findall(r'<h2 id="scene-', text)) == 30 == text.count('<a href="#scene-')
+    assert "<i>" not in text
+    (text,) = polhode.Report(many).files(Path("x.md")).values()
+    first = text[: text.index("Digits of the runs")].strip().splitlines()[2:]
+    assert len(first) == 32
+    assert {len(re.findall(r"(?<!\\)\|", line)) for line in first} == {8}  # of seven columns
+
+
+# -- the verb --------------------------------------------------------------------------------------
+
+
+def test_the_verb_prints_the_first_table_and_writes_all(files, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = ["report", TOP, files["right"], "--at", "1,2", "--number", "double"]
+    assert main([*words, "-o", "r.md", "-o", "r.json"]) == 0
+    out, err = capsys.readouterr()
+    assert out.startswith("scene")
+    assert f"{Path(files['right']).name}: 15" in out.replace(f"{Path(files['right']).parent}/", "")
+    assert "report: 1 scene and 1 table: about" in err
+    assert "written: r.md, r.json" in err
+    answer = json.loads(Path("r.json").read_text())
+    assert answer["result"] == "Report"
+    assert answer["runs"]["digits"] == [pytest.approx(15, abs=1)]
+
+
+def test_an_interruption_leaves_nothing(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(heard, "came", False)
+    made = polhode.output.accuracy.integrate
+
+    def integrate(*given, **how):
+        heard.came = True  # as the handler does while heyoka steps
+        return made(*given, **how)
+
+    monkeypatch.setattr("polhode.output.accuracy.integrate", integrate)
+    assert main(["report", TOP, "--at", "1", "-o", "r.html", "-o", "r.md"]) == 130
+    assert "interrupted" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
