@@ -24,7 +24,7 @@ from polhode.runs.sweep.columns import Fastest
 from polhode.scenes import scene_file
 from polhode.scenes.variation import vary
 from shared.examples import examples
-from shared.motions import heavy, heavy_file
+from shared.motions import free_file, heavy, heavy_file
 from shared.policies import change_policy
 
 
@@ -501,3 +501,27 @@ def test_a_rounding_mode_that_a_library_left_is_refused(mode):
                 way()
         finally:
             libm.fesetround(0)
+
+
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_the_attitude_of_members_is_that_of_their_own_runs(number):
+    """It was not to be had of a sweep."""
+    vary = {"start.omega[3]": [2, "5/2"]}
+    many = polhode.integrate_many("lagrange/nutation", vary, at=[0, "1/2", 2], number=number)
+    assert many.attitude.shape == (2, 3, 4)
+    for k, member in enumerate(many.members):
+        scene = replace(member, times=many.scene.times, outputs=("attitude",))
+        run = polhode.integrate(scene, number=number, method="taylor", project=False)
+        assert np.array_equal(many.attitude[k], run.attitude)
+        assert 14.9 < min(polhode.compare(run).part_digits["attitude"]) < 20
+
+
+def test_no_attitude_is_made_up_where_a_member_did_not_come_or_has_no_vertical():
+    vary = {"start.omega[3]": [2, 300]}
+    many = polhode.integrate_many("lagrange/nutation", vary, at=[0, 1, 100], max_steps=150)
+    there = np.isfinite(many.attitude[:, :, 0])
+    assert there.tolist() == np.isfinite(many.states[:, :, 0]).tolist()
+    assert there.sum() == 3
+    free = scene_file.parse(free_file("at = [0, 1]"), "top.toml")
+    with pytest.raises(polhode.BadInput, match="attitude: expected a start with gamma"):
+        _ = polhode.integrate_many(replace(free, gamma=None), {"start.omega[3]": [1]}).attitude

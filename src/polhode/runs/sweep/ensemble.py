@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from polhode.common.cached_property import cached_property
 from polhode.common.checkpoint import JobCheckpoint
+from polhode.common.errors import BadInput
 from polhode.common.text_tables import counted
 from polhode.equations.column import derived_stack, of_state_alone
 from polhode.equations.integrals import Drift
@@ -32,7 +33,7 @@ from polhode.scenes.scene_facts import (
 )
 from polhode.scenes.variation import vary
 from polhode.scenes.variation.sweep_scenes import Members
-from polhode.scenes.vocabulary import COLUMNS
+from polhode.scenes.vocabulary import ATTITUDE, COLUMNS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -163,10 +164,38 @@ class Ensemble(SweepResult):
     def outputs(self) -> Mapping[str, Stack]:
         """Outputs of the scene that are made of the states alone, (members, times, columns).
 
-        Others are left out of a sweep.  nan at times that a member did not reach.
+        Others are left out of a sweep, see :attr:`attitude`.  nan at times that a member did not reach.
         """
         words = [word for word in of_state_alone() if word in self.scene.outputs]
         return {word: derived_stack(word, self.members, self.states, self.number) for word in words}
+
+    @cached_property
+    def attitude(self) -> Stack:
+        """Unit quaternions from body axes to space, scalar first, shape (members, times, 4).
+
+        A sweep does not follow them: each member is run once more, by itself and not projected,
+        when they are first asked for.  nan at times that a member did not reach.  Raises BadInput
+        for a scene without gamma.
+        """
+        from polhode.runs.problem.options import Options
+        from polhode.runs.solve import solve
+        from polhode.runs.sweep.results import no_states
+
+        if self.scene.gamma is None:
+            raise BadInput(self.scene.name, "attitude", None, "a start with gamma")
+        shape = (len(self), len(self.times), len(ATTITUDE))
+        quaternions = no_states(self.number, shape)
+        usual = self.tolerance == float(self.number.eps)
+        tolerance = None if usual else Fraction(self.tolerance)
+        for k, member in enumerate(self.members):
+            scene = replace(
+                member, times=self.scene.times[: len(self.rows(k))], outputs=("attitude",)
+            )
+            if scene.times:
+                options = Options("taylor", None, False, tolerance)
+                run = solve(scene, self.number, options, interruptible=False)
+                quaternions[k, : len(run.times)] = run.attitude
+        return quaternions
 
     @cached_property
     def outcomes(self) -> tuple[Outcome, ...]:
