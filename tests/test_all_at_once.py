@@ -19,7 +19,7 @@ from typing import Any
 import heyoka
 import pytest
 
-from polhode.common import locks
+from polhode.common import interrupts
 from shared.verbs import VERBS, answer
 
 THREADS = 16
@@ -110,7 +110,7 @@ def test_a_pool_answers_as_one_process(start, names):
     assert in_pool(start, names) == [alone(name) for name in names]
 
 
-def free(lock: locks.Lock) -> bool:
+def free(lock: interrupts.Lock) -> bool:
     """Whether a thread other than this one could take it."""
 
     def tried() -> bool:
@@ -173,5 +173,5 @@ def after_interrupts(names: Sequence[str], wanted: int) -> None:
         if came == wanted:
             break
         assert k < 10 * wanted, f"{came} of {k} interrupts came while a verb was at work"
-    assert all(map(free, list(locks._ALL)))
+    assert all(map(free, list(interrupts._ALL)))
     assert (heyoka.get_nthreads(), heyoka.llvm_state.get_diskcache_enabled()) == before

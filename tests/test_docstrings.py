@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.common.value_semantics import same
+from polhode.common.values import same
 
 PUBLIC = [name for name in polhode.__all__ if name != "__version__"]
 MODULES = ["", *sorted({getattr(polhode, name).__module__[len("polhode.") :] for name in PUBLIC})]

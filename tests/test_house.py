@@ -230,8 +230,8 @@ def test_locks_stand_in_one_place_and_properties_hold_none():
     """Two locks that two threads take in different orders are a wait without end."""
     asked = r"^[ \w]*import .*\b({0})\b|\b(functools|threading|multiprocessing)\.({0})\b"
     banned = {
-        "common/cached_property.py": "cached_property",
-        "common/locks.py": "R?Lock|Condition|Semaphore|BoundedSemaphore",
+        "common/values.py": "cached_property",
+        "common/interrupts.py": "R?Lock|Condition|Semaphore|BoundedSemaphore",
     }
     for place, words in banned.items():
         pattern = re.compile(asked.format(words), re.M)

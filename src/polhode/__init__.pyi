@@ -9,8 +9,8 @@ from polhode.certificates.verdict import Verdict as Verdict
 from polhode.certificates.verdict import verify as verify
 from polhode.closed_forms.families import register_family as register_family
 from polhode.common.errors import BadInput as BadInput
-from polhode.common.html_page import Page as Page
 from polhode.common.provenance import __version__ as __version__
+from polhode.common.texts import Page as Page
 from polhode.dynamics.chaos.chaos_map import ChaosMap as ChaosMap
 from polhode.dynamics.chaos.chaos_map import chaos_map as chaos_map
 from polhode.dynamics.frequencies.frequencies import Frequencies as Frequencies

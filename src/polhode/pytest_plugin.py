@@ -106,7 +106,7 @@ def assert_digits(request: pytest.FixtureRequest) -> Callable[..., Judgement]:
 
 def _told(judgement: Judgement) -> dict[str, Any]:
     """What a page tells of a judgement, in plain values, which pytest-xdist sends."""
-    from polhode.common.text_tables import few
+    from polhode.common.errors import few
     from polhode.output.accuracy import Line
 
     line = Line("", judgement)

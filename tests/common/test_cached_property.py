@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 
 
 @dataclass(frozen=True)

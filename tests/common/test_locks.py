@@ -16,7 +16,7 @@ import flint
 import numpy as np
 import pytest
 
-from polhode.common.locks import Lock, Place
+from polhode.common.interrupts import Lock, Place
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpmath
 from polhode.taylor.backend.process_settings import Meanwhile

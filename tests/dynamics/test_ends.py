@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.common import memory
+from polhode.common import values
 from polhode.dynamics.levels.rational_body import MOST_SPREAD, RationalBody, Reach
 from polhode.dynamics.sections import coordinates, jobs
 from polhode.dynamics.sections.starts import asked_of
@@ -145,7 +145,7 @@ def test_a_large_grid_is_refused_before_its_states_are_found(
 
 
 def test_what_is_refused_for_its_size_says_the_largest_that_works(monkeypatch):
-    monkeypatch.setattr(memory, "MOST_BYTES", 12_000)
+    monkeypatch.setattr(values, "MOST_BYTES", 12_000)
     with pytest.raises(polhode.BadInput, match="2 orbits to 16 crossings: expected at most 30 "):
         polhode.section(REGULAR, starts=[[1.5, 0.5], [1.5, -0.5]], crossings=16)
     assert polhode.section(REGULAR, starts=[[1.5, 0.5], [1.5, -0.5]], crossings=15).complete

@@ -11,7 +11,7 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.common import deadline
+from polhode.common import interrupts
 from polhode.motion.outcomes import Outcome
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE
 
@@ -37,7 +37,7 @@ class _Clock:
 
 def _stand(monkeypatch: pytest.MonkeyPatch, looks: int) -> None:
     """The clock of all deadlines."""
-    monkeypatch.setattr(deadline, "time", _Clock(looks))
+    monkeypatch.setattr(interrupts, "time", _Clock(looks))
 
 
 def _stop(fraction: float, _: int) -> None:

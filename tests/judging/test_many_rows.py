@@ -12,7 +12,7 @@ import pytest
 
 import polhode
 from polhode.closed_forms.euler.top import EulerTop
-from polhode.common.text_tables import few
+from polhode.common.errors import few
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.error_budget import between
 from polhode.judging.score import row_selection

@@ -19,8 +19,8 @@ import mpmath
 import pytest
 
 import polhode
-from polhode.common import locks
-from polhode.common.deadline import TooLong
+from polhode.common import interrupts
+from polhode.common.interrupts import TooLong
 from polhode.numbers import flint_context, mpmath_context
 
 FAMILIES = (
@@ -170,7 +170,7 @@ def test_a_fork_while_another_thread_computes_does_not_wait_for_it():
 @pytest.mark.parametrize("context", [mpmath_context.mpmath, flint_context.ctx])
 def test_an_alarm_at_any_moment_leaves_the_lock_to_others(context):
     """The alarm of `show` came between taking the lock and noting it: other threads waited."""
-    own = {module.__file__ for module in (mpmath_context, flint_context, locks)}
+    own = {module.__file__ for module in (mpmath_context, flint_context, interrupts)}
 
     def after_calls(code: Any) -> set[int]:
         """Where CPython may run a signal's handler, beside the beginning of a function."""

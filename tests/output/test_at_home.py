@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.common.progress import bar
+from polhode.common.interrupts import bar
 from polhode.numbers.conversion import exactly
 
 TOP = "lagrange/nutation"

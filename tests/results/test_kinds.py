@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.common.value_semantics import same
+from polhode.common.values import same
 from polhode.numbers.balls import Ball
 from polhode.results import reader, writer
 from polhode.results.ball_columns import written_facts, written_table

@@ -596,10 +596,10 @@ def test_options_that_arrays_do_not_go_with(options, said):
 
 
 def test_too_many_numbers_are_refused_before_anything_is_integrated(monkeypatch):
-    from polhode.common import memory
+    from polhode.common import values
 
     go = polhode.propagator(scene())
-    monkeypatch.setattr(memory, "MOST_BYTES", 10_000)
+    monkeypatch.setattr(values, "MOST_BYTES", 10_000)
     with pytest.raises(polhode.BadInput, match="9 starts at 40 times: expected at most"):
         go(starts(9), t=np.linspace(1, 2, 40))
     with pytest.raises(polhode.BadInput, match="9 members at 40 times: expected at most"):

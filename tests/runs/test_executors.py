@@ -10,8 +10,8 @@ import time
 
 import pytest
 
-from polhode.common import worker_processes
-from polhode.common.executors import in_order
+from polhode.common import processes
+from polhode.common.processes import in_order
 
 HERE = os.getpid()
 
@@ -95,8 +95,8 @@ def test_what_a_job_prints_is_no_answer_and_stdin_is_not_its():
 
 @pytest.mark.slow
 def test_where_the_caller_goes_the_processes_end(monkeypatch):
-    made, make = [], worker_processes.Process
-    monkeypatch.setattr(worker_processes, "Process", lambda: made.append(make()) or made[-1])
+    made, make = [], processes.Process
+    monkeypatch.setattr(processes, "Process", lambda: made.append(make()) or made[-1])
     found = in_order(long, range(3), 2)
     assert next(found) == 0
     assert [x._process.poll() for x in made] == [None, None]
@@ -106,7 +106,7 @@ def test_where_the_caller_goes_the_processes_end(monkeypatch):
 
 LIGHT = """\
 print("begun", flush=True)
-from polhode.common.executors import in_order
+from polhode.common.processes import in_order
 print([*in_order(abs, [-1, 2, -3], 2)])
 """
 
@@ -173,8 +173,8 @@ def test_nothing_in_the_caller_s_folder_is_taken_for_a_library(tmp_path):
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals of POSIX")
 def test_ctrl_c_of_a_terminal_does_not_reach_them(monkeypatch):
     """From their first moment on, while Python starts, too: the caller ends them."""
-    made, make = [], worker_processes.Process
-    monkeypatch.setattr(worker_processes, "Process", lambda: made.append(make()) or made[-1])
+    made, make = [], processes.Process
+    monkeypatch.setattr(processes, "Process", lambda: made.append(make()) or made[-1])
     found = in_order(squared, range(2), 2)
     assert next(found) == 0
     for process in made:
@@ -187,7 +187,7 @@ def test_ctrl_c_of_a_terminal_does_not_reach_them(monkeypatch):
 ORPHANS = """\
 import time
 from polhode.common import worker_processes
-from polhode.common.executors import in_order
+from polhode.common.processes import in_order
 made, make = [], worker_processes.Process
 worker_processes.Process = lambda: made.append(make()) or made[-1]
 found = in_order(time.sleep, [0, 600, 600], 2)

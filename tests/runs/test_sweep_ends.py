@@ -20,7 +20,7 @@ import pytest
 
 import polhode
 from polhode.common import checkpoint
-from polhode.common.value_semantics import same
+from polhode.common.values import same
 from polhode.motion.outcomes import Outcome
 from polhode.taylor.batches import batch_integrator
 from shared.motions import heavy

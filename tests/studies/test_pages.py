@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from polhode.common.json_text import JsonObject
+from polhode.common.texts import JsonObject
 from polhode.studies import report
 from polhode.studies.page.html import html
 from polhode.studies.page.tables import Column, PageTable, table, yes

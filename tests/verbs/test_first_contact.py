@@ -14,7 +14,7 @@ import pytest
 import polhode
 from polhode import cli
 from polhode.cli import main
-from polhode.common import citation
+from polhode.common import provenance
 
 TOP = Path(__file__).parents[2]
 
@@ -65,15 +65,15 @@ def test_axes_are_shown_as_rows_of_numbers(capsys):
 
 
 def test_the_citation_is_one_record(capsys):
-    assert (TOP / "CITATION.cff").read_text(encoding="utf-8") == citation.cff()
-    assert f"version: {polhode.__version__}\ndate-released: " in citation.cff()
-    version, date = polhode.__version__, citation.RELEASED
+    assert (TOP / "CITATION.cff").read_text(encoding="utf-8") == provenance.cff()
+    assert f"version: {polhode.__version__}\ndate-released: " in provenance.cff()
+    version, date = polhode.__version__, provenance.RELEASED
     assert f"\nVersion {version} ({date}) · " in (TOP / "README.md").read_text(encoding="utf-8")
     assert f"\n## {version} ({date})\n" in (TOP / "CHANGELOG.md").read_text(encoding="utf-8")
     told = said(capsys, "about", "--cite")
     assert told.count("\n@") == 1
     assert f"version = {{{polhode.__version__}}}" in told
-    assert json.loads(said(capsys, "about", "--cite", "--json"))["bibtex"] == citation.bibtex()
+    assert json.loads(said(capsys, "about", "--cite", "--json"))["bibtex"] == provenance.bibtex()
 
 
 def test_a_shell_completes_verbs_and_options(capsys, monkeypatch):

@@ -11,7 +11,7 @@ import termios
 
 import pytest
 
-from polhode.common.progress import ProgressLine
+from polhode.common.interrupts import ProgressLine
 
 
 @pytest.fixture

@@ -11,8 +11,8 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.common.progress import ProgressLine
-from polhode.common.text_tables import counted
+from polhode.common.errors import counted
+from polhode.common.interrupts import ProgressLine
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table
 from polhode.verbs.catalogue import Verb

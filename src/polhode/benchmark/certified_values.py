@@ -11,7 +11,7 @@ from polhode.benchmark.tops import DIGITS, Top
 from polhode.certificates import state_certificate
 from polhode.certificates.certificate_file import Made
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.enclosures.certify import certify
 from polhode.enclosures.result import Enclosure
 from polhode.enclosures.statement import LENGTH

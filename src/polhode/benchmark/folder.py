@@ -12,7 +12,7 @@ from polhode.benchmark.certified_values import COLUMNS, CertifiedValues, certifi
 from polhode.benchmark.tops import DIGITS, TOPS, VERSION, Top
 from polhode.common.errors import BadInput, nearest
 from polhode.common.files import make_folder, write_whole
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import Exact, binary, rounded
 from polhode.scenes import library

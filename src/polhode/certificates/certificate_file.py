@@ -12,7 +12,7 @@ from polhode.certificates import verify
 from polhode.common.arguments import of_kind
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import check_writable, write_whole
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.numbers.flint_context import ctx
 
 #: The part of the time that guesses take; the check, which takes the rest, counts from 0 again.

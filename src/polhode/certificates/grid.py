@@ -12,7 +12,7 @@ from fractions import Fraction
 from flint import arb
 
 from polhode.certificates import verify
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.polynomials import middle

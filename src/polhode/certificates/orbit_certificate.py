@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from polhode.certificates import grid, verify
 from polhode.certificates.certificate_file import Made, by_checker
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.numbers.exact import ONE, Exact
 from polhode.numbers.flint_context import ctx
 from polhode.scenes.body import Body

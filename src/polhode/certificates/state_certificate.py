@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias
 from polhode.certificates import grid, verify
 from polhode.certificates.certificate_file import MAKING, Made, checked, part_of, write
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx

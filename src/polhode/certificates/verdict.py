@@ -9,7 +9,7 @@ from polhode.certificates import verify as checker
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
 from polhode.common.files import read_stdin, read_whole
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.numbers.flint_context import ctx
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table

@@ -8,11 +8,10 @@ from pathlib import Path
 
 from polhode.checks.form_cross_checks import CrossCheck, cross_checks
 from polhode.checks.regression import PROPOSED, Report, check
-from polhode.common.errors import BadInput
-from polhode.common.executors import cores
-from polhode.common.progress import Message
-from polhode.common.text_tables import counted, one_line
-from polhode.common.value_semantics import ByValue
+from polhode.common.errors import BadInput, counted, one_line
+from polhode.common.interrupts import Message
+from polhode.common.processes import cores
+from polhode.common.values import ByValue
 from polhode.numbers.decimals import decimal_string, shown
 from polhode.results.cells import DOUBLE, TEXT
 from polhode.results.result import Result

@@ -12,7 +12,7 @@ from functools import partial
 
 from polhode.checks.published_figures import PrintedFigure, figures
 from polhode.checks.textbook_digits import WANTED, textbook_digits
-from polhode.common import executors as of_work
+from polhode.common import processes as of_work
 from polhode.common.errors import BadInput, nearest
 from polhode.judging.conditioning.conditioning import Conditioning, conditioning
 from polhode.judging.references.reference import AnyReference

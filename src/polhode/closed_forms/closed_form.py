@@ -24,7 +24,7 @@ from polhode.closed_forms.balls.core import (
 from polhode.closed_forms.balls.frames import Frame, Rows, Start, Turn, start_attitude, start_sign
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.closed_forms.rounding import SPARE
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO, Exact, Irrational, noted, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf

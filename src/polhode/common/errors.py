@@ -1,14 +1,54 @@
-"""What goes wrong by the user's hand, said in one line; and what is said of input that is taken."""
+"""Errors of users, in one line, and texts in columns."""
 
 from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 
-from polhode.common.text_tables import printable
+# --- text tables ----------------------------------------------------------------------------------
+#
+# Text for people: tables in columns, and which rows of a long one to show.
+
+
+def printable(text: str) -> str:
+    """Text in which no character commands a terminal or turns a line around; line ends stay."""
+    return "".join(c if c.isprintable() or c == "\n" else "?" for c in text)
+
+
+def one_line(text: str) -> str:
+    """Such text on one line: a name, a title, whatever somebody else wrote."""
+    return printable(" ".join(text.split("\n")))
+
+
+def aligned(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """The lines of a table whose columns are aligned to the left."""
+    rows = [[one_line(cell) for cell in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(header, *rows, strict=True)]
+    return [
+        "  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip()
+        for row in (header, *rows)
+    ]
+
+
+def counted(count: int, noun: str) -> str:
+    """``1 orbit``, ``2 orbits``: how many, with the noun's plural in s where it is due."""
+    return f"{count} {noun}" + "s" * (count != 1)
+
+
+def few(count: int, most: int) -> list[int]:
+    """At most ``most`` of the indices below ``count``, evenly spread, first and last among them."""
+    if count <= most:
+        return list(range(count))
+    return sorted({round(k * (count - 1) / (most - 1)) for k in range(most)})
+
+
+# --- errors ---------------------------------------------------------------------------------------
+#
+# What goes wrong by the user's hand, said in one line; and what is said of input that is taken.
+
 
 _LONG = "a number of thousands of digits"
 _MOST_BITS = 14_000  # of an integer that is printed, some 4200 digits

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb
 
-from polhode.common.deadline import NONE, Deadline
+from polhode.common.interrupts import NONE, Deadline
 from polhode.enclosures import quaternion
 from polhode.enclosures.fixed_point_problem import TIME_BITS, UP, Motion, Problem, sharp
 from polhode.enclosures.polynomial import ball

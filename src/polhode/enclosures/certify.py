@@ -11,7 +11,7 @@ from typing import Any
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.enclosures import attitude
 from polhode.enclosures.approximation import newton_correction, precision_choice
 from polhode.enclosures.derived import derived_balls

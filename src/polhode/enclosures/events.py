@@ -13,7 +13,7 @@ from flint import arb
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.enclosures import fixed_point_problem
 from polhode.enclosures._zeros.certified_zeros import Search
 from polhode.enclosures._zeros.zero_at_start import first_derivative, is_still

@@ -14,8 +14,7 @@ from typing import Any, Protocol
 import numpy as np
 from flint import arb
 
-from polhode.common.deadline import NONE, Deadline, TooLong
-from polhode.common.progress import Progress
+from polhode.common.interrupts import NONE, Deadline, Progress, TooLong
 from polhode.enclosures import (
     defect,
     integral_contraction,

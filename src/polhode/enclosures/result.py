@@ -9,11 +9,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
-from polhode.common.cached_property import cached_property
-from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
-from polhode.common.text_tables import counted
-from polhode.common.value_semantics import ByValue
+from polhode.common.errors import BadInput, counted
+from polhode.common.interrupts import Progress
+from polhode.common.values import ByValue, cached_property
 from polhode.enclosures.certified_events import CertifiedEvents, facts_of
 from polhode.enclosures.statement import stated
 from polhode.equations.kinematics import starting_attitude

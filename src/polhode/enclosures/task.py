@@ -10,10 +10,9 @@ from numbers import Real
 from typing import Any, NamedTuple, TypeVar
 
 from polhode.common.arguments import steps, whole
-from polhode.common.cached_property import cached_property
-from polhode.common.deadline import NONE, Deadline
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
+from polhode.common.interrupts import NONE, Deadline, Progress
+from polhode.common.values import cached_property
 from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
 from polhode.enclosures.approximation import precision_choice
 from polhode.enclosures.approximation.precision_choice import Forecast

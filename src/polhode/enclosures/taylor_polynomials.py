@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from flint import fmpz, fmpz_poly
 
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.enclosures.fixed_point_problem import CLOCK, UP, Refused
 from polhode.enclosures.kronecker_substitution import Packing
 

@@ -33,7 +33,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, arb_poly
 
-from polhode.common.deadline import NONE, Deadline
+from polhode.common.interrupts import NONE, Deadline
 from polhode.enclosures.defect import difference, gaps
 from polhode.enclosures.fixed_point_problem import CLOCK, TIME_BITS, UP, Problem, Refused, upper
 from polhode.enclosures.step_bound import TINY, Bounds, gamma

@@ -16,7 +16,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
-from polhode.common.recent import Recent
+from polhode.common.values import Recent
 from polhode.motion.frame import NO_CHANGE, Frame
 from polhode.numbers.scalars import Functions, Scalar
 

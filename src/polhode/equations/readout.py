@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.equations.form import equations
 from polhode.equations.kinematics import AngleFunctions, angles, starting_attitude
 from polhode.motion.frame import Frame

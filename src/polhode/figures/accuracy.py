@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from polhode.common.text_tables import printable
+from polhode.common.errors import printable
 from polhode.figures.canvas import canvas
 from polhode.figures.canvas.canvas import COLOURS, MARKS, SPACE, power_of_ten, time_label
 from polhode.numbers.conversion import to_double

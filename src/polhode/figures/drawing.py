@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.common.html_page import Page, together
+from polhode.common.texts import Page, together
 from polhode.figures import catalogue, motion_page
 from polhode.figures.canvas import canvas
 from polhode.figures.canvas.curve_sampling import Samples

@@ -16,9 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, printable
 from polhode.common.provenance import __version__
-from polhode.common.text_tables import printable
 from polhode.figures.sampled_motion import Motion
 from polhode.figures.solids import solids, unit
 from polhode.figures.sphere import apex

@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from polhode.common.errors import BadInput, nearest
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.figures import catalogue
 from polhode.figures.canvas import curve_sampling, departures
 from polhode.figures.canvas.curve_sampling import Samples

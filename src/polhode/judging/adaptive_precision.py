@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple, Never, TypedDict, Unpack, overload
 
 from polhode.common.arguments import refuse_unknown, whole
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress, bar
+from polhode.common.interrupts import Progress, bar
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
 from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NumberType, wider

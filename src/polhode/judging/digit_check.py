@@ -8,9 +8,8 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple
 
-from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
-from polhode.common.text_tables import few
+from polhode.common.errors import BadInput, few
+from polhode.common.interrupts import Progress
 from polhode.judging.correct_digits import worst_digits
 from polhode.judging.references.reference import reference
 from polhode.motion.outcomes import Outcome

@@ -20,8 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.arguments import of_kind
-from polhode.common.errors import BadInput
-from polhode.common.text_tables import counted
+from polhode.common.errors import BadInput, counted
 from polhode.equations.plain_field import field
 from polhode.judging.diagnosis.worlds import other_scenes, with_body
 from polhode.numbers.conversion import to_double

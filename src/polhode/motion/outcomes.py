@@ -9,9 +9,8 @@ from enum import Enum
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
-from polhode.common.errors import nearest
-from polhode.common.text_tables import counted
-from polhode.common.value_semantics import ByValue, may_wait
+from polhode.common.errors import counted, nearest
+from polhode.common.values import ByValue, may_wait
 from polhode.numbers.decimals import decimal_string, digits_of, in_full
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType
 from polhode.numbers.rows import States

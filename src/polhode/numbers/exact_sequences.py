@@ -12,7 +12,7 @@ from fractions import Fraction
 from operator import index
 from typing import TYPE_CHECKING, TypeVar, cast, overload
 
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import NumberType, extended_here

@@ -14,7 +14,7 @@ from threading import get_ident
 
 import flint
 
-from polhode.common.locks import Held
+from polhode.common.interrupts import Held
 from polhode.numbers.mpmath_context import PRECISION
 
 _outer = 0, 0  # the thread that is inside, and the precision that it found

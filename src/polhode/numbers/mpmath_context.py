@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from mpmath import libmp
 from mpmath.ctx_mp import MPContext
 
-from polhode.common.locks import Held, Lock, Place
+from polhode.common.interrupts import Held, Lock, Place
 from polhode.numbers.lossless_mpf import Raw, pair, plain, real
 
 if TYPE_CHECKING:

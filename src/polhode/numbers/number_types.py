@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.numbers import exact
 from polhode.numbers.exact import Number
 

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.common import citation
+from polhode.common import provenance
 from polhode.common.provenance import __version__, cpu, versions
-from polhode.common.value_semantics import ByValue
+from polhode.common.values import ByValue
 from polhode.numbers import number_types
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
@@ -59,7 +59,7 @@ def about(cite: bool = False) -> About:
         BibTeX entries, nothing else.
     """
     if cite:
-        return About({"bibtex": citation.bibtex()}, is_citation=True)
+        return About({"bibtex": provenance.bibtex()}, is_citation=True)
     return About(
         {
             "versions": versions(),

@@ -12,10 +12,8 @@ from functools import partial
 from itertools import groupby
 from typing import Any, NamedTuple
 
-from polhode.common.errors import BadInput
-from polhode.common.interrupts import heard
-from polhode.common.progress import Message
-from polhode.common.text_tables import few
+from polhode.common.errors import BadInput, few
+from polhode.common.interrupts import Message, heard
 from polhode.judging.adaptive_precision import integrate
 from polhode.judging.conditioning.conditioning import Conditioning, conditioning
 from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov

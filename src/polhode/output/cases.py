@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from polhode.common.errors import BadInput, listed
-from polhode.common.text_tables import counted
-from polhode.common.value_semantics import ByValue
+from polhode.common.errors import BadInput, counted, listed
+from polhode.common.values import ByValue
 from polhode.results.cells import TEXT
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table

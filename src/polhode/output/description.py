@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from polhode.closed_forms.families import near
-from polhode.common.deadline import TooLong, within
-from polhode.common.errors import BadInput
-from polhode.common.json_text import JsonObject
-from polhode.common.text_tables import one_line
-from polhode.common.value_semantics import ByValue
+from polhode.common.errors import BadInput, one_line
+from polhode.common.interrupts import TooLong, within
+from polhode.common.texts import JsonObject
+from polhode.common.values import ByValue
 from polhode.equations import equilibrium
 from polhode.equations.form import equations, source
 from polhode.judging.references.reference import Reference

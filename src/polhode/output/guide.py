@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 
 from polhode.common.errors import BadInput, listed
-from polhode.common.json_text import JsonObject
+from polhode.common.texts import JsonObject
 from polhode.numbers.quantity import UNITS, named
 from polhode.scenes import keys
 from polhode.scenes.vocabulary import COLUMNS

@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
-from polhode.common.text_tables import printable
+from polhode.common.errors import printable
 from polhode.numbers import decimals
 from polhode.results import shown
 from polhode.results.result import Result, Storable

@@ -9,13 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.arguments import of_kind, whole
-from polhode.common.cached_property import cached_property
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, aligned, counted
 from polhode.common.files import check_writable
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
 from polhode.common.provenance import provenance
-from polhode.common.text_tables import aligned, counted
-from polhode.common.value_semantics import ByValue
+from polhode.common.values import ByValue, cached_property
 from polhode.judging.references.certified import Certified
 from polhode.judging.references.reference import reference
 from polhode.judging.tables.table_file import is_table

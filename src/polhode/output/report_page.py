@@ -13,11 +13,10 @@ from pathlib import Path
 from string import Template
 from typing import NamedTuple, TypeAlias
 
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, few, one_line, printable
 from polhode.common.files import make_folder, write_whole
-from polhode.common.json_text import JsonObject
 from polhode.common.provenance import cpu, versions
-from polhode.common.text_tables import few, one_line, printable
+from polhode.common.texts import JsonObject
 from polhode.figures import accuracy
 from polhode.figures.canvas import canvas
 from polhode.numbers.decimals import brief

@@ -18,7 +18,7 @@ import numpy as np
 from polhode.certificates import orbit_certificate, verify
 from polhode.certificates.certificate_file import Made
 from polhode.certificates.orbit_certificate import Choice, Problem
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
 from polhode.dynamics.periodic_orbits import high_precision
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.newton_shooting import (

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.orbit import Orbit
 from polhode.dynamics.periodic_orbits.orbit import orbit as approximate

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from polhode.common.progress import Message
-from polhode.common.text_tables import aligned
-from polhode.common.value_semantics import ByValue
+from polhode.common.errors import aligned
+from polhode.common.interrupts import Message
+from polhode.common.values import ByValue
 from polhode.dynamics.periodic_orbits.search import OrbitSearch, orbit_search
 from polhode.numbers.scalars import AnyNumber
 from polhode.proofs.prove_orbit import DIGITS, prove_all, tolerance_of

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from polhode.certificates import verify
 from polhode.certificates.certificate_file import Made, by_checker
 from polhode.common.errors import BadInput
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
 from polhode.dynamics.periodic_orbits.orbit import Orbit
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import AnyNumber

@@ -14,7 +14,7 @@ from flint import arb
 
 from polhode.certificates import orbit_certificate, verify
 from polhode.certificates.certificate_file import Made
-from polhode.common.value_semantics import ByValue
+from polhode.common.values import ByValue
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.enclosures.fixed_point_problem import upper
 from polhode.enclosures.polynomial import ball

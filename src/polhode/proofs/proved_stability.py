@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from polhode.common.value_semantics import ByValue
+from polhode.common.values import ByValue
 from polhode.numbers.balls import Ball
 from polhode.proofs.proved_orbit import ProvedOrbit
 from polhode.proofs.proved_result import ProvedResult

@@ -15,7 +15,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.numbers.rows import Doubles
 from polhode.refined.attitude import Attitude, Following
 from polhode.refined.attitude_correction import turns

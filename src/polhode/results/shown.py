@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from polhode.common.text_tables import aligned
+from polhode.common.errors import aligned
 from polhode.numbers.balls import Ball, guaranteed
 from polhode.numbers.decimals import in_full, is_decimal, strings
 from polhode.numbers.number_types import DOUBLE as DOUBLES

@@ -13,9 +13,8 @@ from weakref import finalize
 import numpy as np
 
 from polhode.common.arguments import not_taken, rows_of, unit_rows, whole
-from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, plain
-from polhode.common.memory import refuse_too_much
+from polhode.common.values import cached_property, refuse_too_much
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact

@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from polhode.common.arguments import of_kind
-from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, nearest
-from polhode.common.value_semantics import same
+from polhode.common.values import cached_property, same
 from polhode.equations.integrals import Drift
 from polhode.motion.outcomes import Events, EventTimes, Outcome, Projection
 from polhode.motion.protocols import Interpolant, RowReader

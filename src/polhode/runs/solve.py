@@ -9,7 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.motion.outcomes import Events, Outcome
 from polhode.motion.protocols import CannotSolve
 from polhode.numbers.number_types import NumberType

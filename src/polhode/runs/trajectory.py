@@ -8,10 +8,8 @@ from dataclasses import asdict, dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Generic, Literal, SupportsFloat, cast, overload
 
-from polhode.common.cached_property import cached_property
-from polhode.common.errors import nearest
-from polhode.common.text_tables import counted, few
-from polhode.common.value_semantics import ByValue, may_wait
+from polhode.common.errors import counted, few, nearest
+from polhode.common.values import ByValue, cached_property, may_wait
 from polhode.equations.column import derived, derived_words
 from polhode.equations.form import equations
 from polhode.equations.hodographs import Hodographs
@@ -47,7 +45,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from typing_extensions import TypeVar  # whose variables have defaults
 
-    from polhode.common.html_page import Page
+    from polhode.common.texts import Page
 
     #: The type of a run's states: by its number type, any of them where that is not known.
     S_co = TypeVar("S_co", bound=States, default=States, covariant=True)

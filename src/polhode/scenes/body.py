@@ -14,8 +14,8 @@ from fractions import Fraction
 from typing import Any, cast
 
 from polhode.common.arguments import each, of_kind
-from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
+from polhode.common.values import cached_property
 from polhode.numbers import exact
 from polhode.numbers.conversion import derived_number, exact_number
 from polhode.numbers.decimals import brief, shown

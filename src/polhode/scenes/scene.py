@@ -12,11 +12,9 @@ from dataclasses import InitVar, dataclass, field
 from typing import NamedTuple
 
 from polhode.common.arguments import each, of_kind
-from polhode.common.cached_property import cached_property
-from polhode.common.errors import BadInput, nearest, say_change, say_doubt
+from polhode.common.errors import BadInput, counted, nearest, one_line, say_change, say_doubt
 from polhode.common.provenance import provenance
-from polhode.common.text_tables import counted, one_line
-from polhode.common.value_semantics import may_wait
+from polhode.common.values import cached_property, may_wait
 from polhode.numbers import exact
 from polhode.numbers.conversion import derived_number
 from polhode.numbers.decimals import shown

@@ -11,7 +11,7 @@ from typing import Any
 
 from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import called, read_whole
-from polhode.common.value_semantics import waiting
+from polhode.common.values import waiting
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import ExpressionError

@@ -20,10 +20,9 @@ from typing import Any
 
 from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import check_writable, make_folder, write_whole
-from polhode.common.interrupts import heard
-from polhode.common.json_text import JsonObject, as_json
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message, heard
 from polhode.common.provenance import cpu, digest, versions
+from polhode.common.texts import JsonObject, as_json
 from polhode.figures.canvas import canvas
 from polhode.scenes import library
 from polhode.studies.page.html import html

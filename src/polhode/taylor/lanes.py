@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common import executors
-from polhode.common.progress import Stop
+from polhode.common import processes
+from polhode.common.interrupts import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.rows import Booleans, Doubles, Indices, Stack
 from polhode.taylor.batches import batch_integrator
@@ -105,12 +105,12 @@ def _share(
     """Do a part of the motions after the other, in threads where that is faster."""
     batches = -(-len(order) // LANES)
     if batches >= _ALONE:
-        workers = workers or executors.cores()
+        workers = workers or processes.cores()
         work = STEPS / 2 * abs(float(job.times[-1])) * float(fastest[order].sum()) / LANES
         if workers > 1 and not work < _SHARED:
             size = LANES * -(-batches // (workers * _PARTS))
             groups = [order[i : i + size] for i in range(0, len(order), size)]
-            if not executors.solve_in_threads(part, groups, lambda *_: None, workers):
+            if not processes.solve_in_threads(part, groups, lambda *_: None, workers):
                 raise KeyboardInterrupt
             return
     part(order, None)

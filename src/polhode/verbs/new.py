@@ -5,8 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from polhode.common.errors import BadInput
-from polhode.common.text_tables import one_line
+from polhode.common.errors import BadInput, one_line
 from polhode.output import new_scene
 from polhode.scenes import library, scene_file
 from polhode.verbs.options import word

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from polhode.common.errors import counted
 from polhode.common.files import is_stdout
-from polhode.common.text_tables import counted
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.balls import guaranteed
 from polhode.numbers.decimals import brief

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from polhode.common.errors import BadInput
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
 from polhode.dynamics.periodic_orbits.orbit import DIGITS, Orbit
 from polhode.dynamics.periodic_orbits.orbit import orbit as near
 from polhode.dynamics.periodic_orbits.search import picked

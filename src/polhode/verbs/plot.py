@@ -140,7 +140,7 @@ def make(options: Namespace, endings: tuple[str, ...]) -> int:
 
 def _page(every: Sequence[Drawing], command: str, options: Namespace) -> str:
     """The page of a motion; of several, or with words of one's own, one that has them in frames."""
-    from polhode.common.html_page import Page, together
+    from polhode.common.texts import Page, together
     from polhode.figures.drawing import page_of
 
     pages = [Page(one.name, page_of(one, command)) for one in every]

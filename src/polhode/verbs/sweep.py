@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary

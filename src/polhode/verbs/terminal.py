@@ -12,12 +12,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, printable
 from polhode.common.files import is_stdout, write_stdout
 from polhode.common.interrupts import INTERRUPTED as INTERRUPTED
+from polhode.common.interrupts import ProgressLine as ProgressLine
 from polhode.common.interrupts import hear, heard
-from polhode.common.progress import ProgressLine as ProgressLine
-from polhode.common.text_tables import printable
 
 if TYPE_CHECKING:
     from polhode.results.result import Result
@@ -89,7 +88,7 @@ def refuse_two_on_stdout(path: Path, json: bool) -> None:
 
 def print_json(value: Any) -> None:
     """One JSON value on stdout."""
-    from polhode.common.json_text import as_json
+    from polhode.common.texts import as_json
 
     write_stdout(as_json(value))
 

@@ -26,7 +26,7 @@ from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.family import Family, by_conditions
 from polhode.closed_forms.membership.normal_form import Condition, Placed, placed_in
 from polhode.closed_forms.membership.principal_scene import PrincipalScene, in_usual_units
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.numbers.exact import noted, sign, sqrt
 from polhode.numbers.vectors import dot
 

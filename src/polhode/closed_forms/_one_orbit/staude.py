@@ -18,7 +18,7 @@ from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.one_axis import Permanent
 from polhode.closed_forms.membership.normal_form import Condition, Placed, equal
 from polhode.closed_forms.rotation_stability import Stability, spectrum
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.numbers.exact import sign, sqrt
 from polhode.numbers.vectors import cross, dot, is_zero, minus
 

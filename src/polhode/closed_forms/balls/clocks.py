@@ -21,7 +21,7 @@ from flint import arb
 
 from polhode.closed_forms.balls.core import TooFewBits, around, nearest_integer, square
 from polhode.closed_forms.balls.panels import RATIO, Panels, points
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
 
 _PART = 2 * RATIO - 1  # RATIO of a part of a panel that is not longer than its half

@@ -18,7 +18,7 @@ from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import Kept, ball, enclosed
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
 from polhode.numbers.vectors import Vector, dot, quaternion_product

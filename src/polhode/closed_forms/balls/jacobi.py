@@ -29,7 +29,7 @@ from flint import acb, arb
 
 from polhode.closed_forms.balls.core import nearest_integer
 from polhode.closed_forms.balls.theta_series import LEAST, ThetaSeries
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 
 _I = acb(0, 1)
 

@@ -34,7 +34,7 @@ from flint import acb, arb
 from polhode.closed_forms.balls.core import Refused, TooFewBits, around, nearest_integer
 from polhode.closed_forms.balls.frames import Turn, conjugate, of_matrix
 from polhode.closed_forms.balls.power_sum import PowerSum
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.scalars import Scalar
 from polhode.numbers.vectors import cross, dot, quaternion_product

@@ -32,7 +32,7 @@ from flint import acb, acb_mat, acb_poly, arb
 
 from polhode.closed_forms.balls.core import TooFewBits, around, either_root, nearest_integer
 from polhode.closed_forms.lagrange.motion import Nutating
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
 
 _I = acb(0, 1)

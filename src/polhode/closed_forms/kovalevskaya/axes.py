@@ -24,7 +24,7 @@ from polhode.closed_forms.balls.periodic_attitude import Equations
 from polhode.closed_forms.kovalevskaya.divisor import State
 from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.closed_forms.rounding import log2
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
 from polhode.numbers.vectors import Vector
 from polhode.scenes.classification import KOVALEVSKAYA, classical_top, with_last

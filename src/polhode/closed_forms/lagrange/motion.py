@@ -34,7 +34,7 @@ from polhode.closed_forms.balls.frames import Frame, Start, Turn, conjugate, hal
 from polhode.closed_forms.balls.jacobi import Jacobi, Place, Shift
 from polhode.closed_forms.lagrange.regimes import Constants
 from polhode.closed_forms.lagrange.roots import Distances, gaps
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.vectors import Vector, quaternion_product
 

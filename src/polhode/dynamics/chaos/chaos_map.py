@@ -28,12 +28,10 @@ import numpy.typing as npt
 
 from polhode.common.arguments import each
 from polhode.common.checkpoint import JobCheckpoint
-from polhode.common.errors import BadInput
-from polhode.common.jobs import run_jobs
-from polhode.common.memory import refuse_too_much
-from polhode.common.progress import Progress
-from polhode.common.text_tables import counted
-from polhode.common.value_semantics import ByValue
+from polhode.common.errors import BadInput, counted
+from polhode.common.interrupts import Progress
+from polhode.common.processes import run_jobs
+from polhode.common.values import ByValue, refuse_too_much
 from polhode.dynamics.chaos import map_motions
 from polhode.dynamics.sections.initial_tangents import tangents_of
 from polhode.judging.conditioning.motion_kinds import SHORTEST, UNSTABLE, UNSTABLE_GROWTH

@@ -15,7 +15,7 @@ import numpy as np
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.common.provenance import provenance
-from polhode.common.value_semantics import ByValue
+from polhode.common.values import ByValue
 from polhode.dynamics.frequencies import naff
 from polhode.dynamics.frequencies.spacing import Spacing, spacing
 from polhode.judging.references.reference import Reference, reference

@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from polhode.common.arguments import each
-from polhode.common.errors import BadInput
-from polhode.common.text_tables import counted
-from polhode.common.value_semantics import ByValue
+from polhode.common.errors import BadInput, counted
+from polhode.common.values import ByValue
 from polhode.dynamics.levels import permanent_rotations, regions
 from polhode.dynamics.levels.fourth_integral import FourthIntegral, fourth_integral
 from polhode.dynamics.levels.permanent_rotations import POLE, START, End, Family, Piece

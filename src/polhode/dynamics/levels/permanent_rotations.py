@@ -29,7 +29,7 @@ import numpy as np
 from flint import arb, arb_poly, fmpq_poly
 
 from polhode.closed_forms.rotation_stability import spectrum
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.dynamics.levels.rational_body import BITS, RationalBody
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import Polynomial, middle, rational, real_roots

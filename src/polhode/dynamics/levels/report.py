@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.common.text_tables import aligned
+from polhode.common.errors import aligned
 from polhode.numbers.decimals import shown
 
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from polhode.common.checkpoint import Arrays
 from polhode.common.errors import BadInput
-from polhode.common.progress import Stop
+from polhode.common.interrupts import Stop
 from polhode.dynamics.observables.reductions import FIRST, LYAPUNOV, Reduction, event_of, extremes
 from polhode.judging.conditioning import lyapunov
 from polhode.motion.outcomes import Outcome, code

@@ -12,9 +12,9 @@ import numpy.typing as npt
 
 from polhode.common.arguments import steps, whole
 from polhode.common.checkpoint import JobCheckpoint
-from polhode.common.jobs import run_jobs
-from polhode.common.progress import Progress, bar
-from polhode.common.text_tables import counted
+from polhode.common.errors import counted
+from polhode.common.interrupts import Progress, bar
+from polhode.common.processes import run_jobs
 from polhode.dynamics.observables.jobs import Reduced, check, job_of, solve
 from polhode.dynamics.observables.reductions import asked
 from polhode.motion.outcomes import OUTCOMES, Outcome, code

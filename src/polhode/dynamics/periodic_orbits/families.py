@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from polhode.common.arguments import each, whole
-from polhode.common.errors import BadInput, nearest
-from polhode.common.progress import Message
-from polhode.common.text_tables import counted
-from polhode.common.value_semantics import ByValue
+from polhode.common.errors import BadInput, counted, nearest
+from polhode.common.interrupts import Message
+from polhode.common.values import ByValue
 from polhode.dynamics.periodic_orbits.continuation import (
     BY,
     FIRST_STEP,

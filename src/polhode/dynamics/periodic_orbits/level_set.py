@@ -14,8 +14,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from polhode.common.cached_property import cached_property
-from polhode.common.value_semantics import ByValue
+from polhode.common.values import ByValue, cached_property
 from polhode.equations.forms import principal
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double

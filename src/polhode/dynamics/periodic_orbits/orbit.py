@@ -14,8 +14,8 @@ import numpy as np
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.common.files import check_writable, write_whole
-from polhode.common.progress import Message
-from polhode.common.value_semantics import ByValue
+from polhode.common.interrupts import Message
+from polhode.common.values import ByValue
 from polhode.dynamics.periodic_orbits import high_precision
 from polhode.dynamics.periodic_orbits.azimuth_advance import advance
 from polhode.dynamics.periodic_orbits.high_precision import Monodromy, Refined

@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 from typing import Any
 
-from polhode.common.text_tables import counted
+from polhode.common.errors import counted
 from polhode.dynamics.periodic_orbits import high_precision
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly

@@ -15,10 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.common.arguments import cells, whole
-from polhode.common.errors import BadInput
-from polhode.common.progress import Message
-from polhode.common.text_tables import counted
-from polhode.common.value_semantics import ByValue
+from polhode.common.errors import BadInput, counted
+from polhode.common.interrupts import Message
+from polhode.common.values import ByValue
 from polhode.dynamics.periodic_orbits.families import FamilyPoint, point_of, points_table
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.newton_shooting import Closed, NotClosed, at_level, closed

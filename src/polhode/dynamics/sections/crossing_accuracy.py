@@ -47,7 +47,7 @@ def digits(
     crossings in that unit, nan past an orbit's last one.  ``slants`` (n, m): see :func:`slant`.
     ``workers``: threads.
     """
-    from polhode.common.jobs import run_jobs
+    from polhode.common.processes import run_jobs
     from polhode.taylor.variations import tangent_batches
 
     digits_left: Doubles = np.full(times.shape, np.nan)

@@ -98,7 +98,7 @@ def worker_count(jobs: int, crossings: int) -> int:
 
     Threads would not do: at every crossing they wait for each other.
     """
-    from polhode.common.executors import cores
+    from polhode.common.processes import cores
 
     return max(1, min(cores(), jobs, jobs * LANES * crossings // WORTH_A_PROCESS))
 

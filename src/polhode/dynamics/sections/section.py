@@ -13,14 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from polhode.common.arguments import whole
-from polhode.common.cached_property import cached_property
 from polhode.common.checkpoint import JobCheckpoint
-from polhode.common.errors import BadInput
-from polhode.common.jobs import run_jobs
-from polhode.common.memory import refuse_too_much
-from polhode.common.progress import Progress
-from polhode.common.text_tables import counted
-from polhode.common.value_semantics import ByValue
+from polhode.common.errors import BadInput, counted
+from polhode.common.interrupts import Progress
+from polhode.common.processes import run_jobs
+from polhode.common.values import ByValue, cached_property, refuse_too_much
 from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections import crossing_accuracy
 from polhode.dynamics.sections import jobs as section_jobs

@@ -34,8 +34,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb, arb_poly
 
-from polhode.common.cached_property import cached_property
-from polhode.common.deadline import NONE, Deadline
+from polhode.common.interrupts import NONE, Deadline
+from polhode.common.values import cached_property
 from polhode.enclosures.fixed_point_problem import CLOCK, UP
 from polhode.enclosures.integral_contraction import Contradiction
 from polhode.enclosures.polynomial import BallPolynomial

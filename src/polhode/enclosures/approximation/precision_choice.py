@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polhode.common.deadline import NONE, Deadline
+from polhode.common.interrupts import NONE, Deadline
 from polhode.enclosures.approximation import window_approximation
 from polhode.enclosures.fixed_point_problem import Motion, Refused
 from polhode.numbers.conversion import to_double

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.common.deadline import NONE, Deadline
+from polhode.common.interrupts import NONE, Deadline
 from polhode.enclosures.fixed_point_problem import CLOCK, Motion, Problem
 from polhode.enclosures.step_bound import jacobian
 from polhode.enclosures.zonotope import State

@@ -13,8 +13,7 @@ from itertools import cycle, groupby, islice
 from pathlib import Path
 from typing import Any
 
-from polhode.common.errors import BadInput
-from polhode.common.text_tables import printable
+from polhode.common.errors import BadInput, printable
 from polhode.scenes.scene import Scene
 
 COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}

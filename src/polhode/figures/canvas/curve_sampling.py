@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.judging.tables.table import Table
 from polhode.numbers import exact
 from polhode.numbers.conversion import doubles, to_double

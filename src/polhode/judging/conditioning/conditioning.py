@@ -28,8 +28,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from polhode.common.arguments import steps
-from polhode.common.cached_property import cached_property
-from polhode.common.value_semantics import ByValue
+from polhode.common.values import ByValue, cached_property
 from polhode.judging.conditioning import rounding_errors
 from polhode.judging.conditioning.rounding_errors import Band, Rounding
 from polhode.motion.frame import Frame

@@ -23,7 +23,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from polhode.common.text_tables import few
+from polhode.common.errors import few
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.tables.reading import GAIN, WRONG, TimeChange
 from polhode.judging.tables.table import Table

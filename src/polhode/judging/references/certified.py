@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact

@@ -13,7 +13,7 @@ from functools import partial
 from typing import Any, Protocol
 
 from polhode.common.arguments import whole
-from polhode.common.value_semantics import ByValue
+from polhode.common.values import ByValue
 from polhode.numbers import number_types
 from polhode.numbers.decimals import is_decimal
 from polhode.numbers.exact import Exact
@@ -115,7 +115,7 @@ class ReferenceTable(Result, ByValue):
         ]
 
     def __repr__(self) -> str:
-        from polhode.common.text_tables import counted
+        from polhode.common.errors import counted
 
         what = f"{self.kind}, {self.regime}, {counted(len(self.times), 'time')}"
         return f"<ReferenceTable of {self.scene.name}: {what}, {self.digits} digits>"

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.judging.correct_digits import plain_rows
 from polhode.judging.references.derived import column_of
 from polhode.judging.references.reference import AnyReference, Reference

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.judging.conditioning.conditioning import Conditioning
 from polhode.judging.diagnosis.conventions import view
 from polhode.judging.diagnosis.other_times import clock_remark

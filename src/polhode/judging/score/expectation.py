@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from polhode.common.cached_property import cached_property
-from polhode.common.text_tables import few
+from polhode.common.errors import few
+from polhode.common.values import cached_property
 from polhode.judging.conditioning.conditioning import Conditioning, conditioning
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.error_budget import between

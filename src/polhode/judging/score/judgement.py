@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from polhode.common.cached_property import cached_property
-from polhode.common.errors import BadInput
-from polhode.common.text_tables import few
+from polhode.common.errors import BadInput, few
+from polhode.common.values import cached_property
 from polhode.judging.conditioning.conditioning import Conditioning
 from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
 from polhode.judging.conditioning.rounding_errors import Band

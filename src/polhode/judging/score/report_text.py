@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from fractions import Fraction
 
-from polhode.common.text_tables import aligned, few
+from polhode.common.errors import aligned, few
 from polhode.judging.conditioning.rounding_errors import Band
 from polhode.judging.diagnosis.error_budget import shown_digits
 from polhode.judging.score.residuals import Residual

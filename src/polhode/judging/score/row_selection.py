@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polhode.common.text_tables import few
+from polhode.common.errors import few
 from polhode.equations.kinematics import principal_angles
 from polhode.judging.diagnosis.motion_in_double import integrated
 from polhode.judging.references.reference import AnyReference

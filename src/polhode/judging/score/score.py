@@ -11,10 +11,9 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
-from polhode.common.value_semantics import ByValue
+from polhode.common.interrupts import Progress
+from polhode.common.values import ByValue, cached_property
 from polhode.equations.integrals import Drift
 from polhode.judging.correct_digits import log10_differences, log10_rate, plain_rows, scaled
 from polhode.judging.references.certified import Certified

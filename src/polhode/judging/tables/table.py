@@ -12,10 +12,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from polhode.common.cached_property import cached_property
-from polhode.common.errors import BadInput
-from polhode.common.text_tables import counted, one_line
-from polhode.common.value_semantics import ByValue
+from polhode.common.errors import BadInput, counted, one_line
+from polhode.common.values import ByValue, cached_property
 from polhode.equations.integrals import Drift, drift, drift_of_columns
 from polhode.judging.tables.attitude_forms import lengths
 from polhode.judging.tables.column_aliases import are_attitude, not_judged

@@ -15,7 +15,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from polhode.common.text_tables import few
+from polhode.common.errors import few
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, SINGLE, NumberType
 

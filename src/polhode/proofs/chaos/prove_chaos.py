@@ -13,7 +13,7 @@ from polhode.certificates import chaos_certificate, verify
 from polhode.certificates.certificate_file import Made
 from polhode.certificates.chaos_certificate import Chain
 from polhode.common.arguments import whole
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.dynamics.periodic_orbits.orbit import Orbit
 from polhode.dynamics.periodic_orbits.search import orbit_search

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from polhode.certificates import verify
 from polhode.certificates.chaos_certificate import Chart, Rectangle
-from polhode.common.text_tables import counted
-from polhode.common.value_semantics import ByValue
+from polhode.common.errors import counted
+from polhode.common.values import ByValue
 from polhode.numbers.exact import Exact
 from polhode.proofs.chaos.homoclinic import Saddle
 from polhode.proofs.chaos.lanes import Lanes

@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.equations import kinematics
 from polhode.equations.readout import Readout
 from polhode.motion.frame import Frame

@@ -9,10 +9,9 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
-from polhode.common.progress import Progress
-from polhode.common.recent import Recent
+from polhode.common.interrupts import Progress
+from polhode.common.values import Recent, cached_property
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form
 from polhode.equations.pole_passage import phi_leaving_the_pole

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from polhode.common.value_semantics import ByValue
+from polhode.common.values import ByValue
 from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.results.result import Result
 

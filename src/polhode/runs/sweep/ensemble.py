@@ -7,10 +7,9 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from polhode.common.cached_property import cached_property
 from polhode.common.checkpoint import JobCheckpoint
-from polhode.common.errors import BadInput
-from polhode.common.text_tables import counted
+from polhode.common.errors import BadInput, counted
+from polhode.common.values import cached_property
 from polhode.equations.column import derived_stack, of_state_alone
 from polhode.equations.integrals import Drift
 from polhode.motion.outcomes import OUTCOMES, Outcome

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
 
-from polhode.common.progress import Stop
+from polhode.common.interrupts import Stop
 from polhode.equations.readout import Readout
 from polhode.motion.frame import Frame
 from polhode.numbers.number_types import NumberType

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING
 from polhode.common.arguments import steps, whole
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput
-from polhode.common.interrupts import Delay
-from polhode.common.jobs import run_jobs
-from polhode.common.progress import Progress, Stop, bar
+from polhode.common.interrupts import Delay, Progress, Stop, bar
+from polhode.common.processes import run_jobs
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.runs.problem.options import check_method

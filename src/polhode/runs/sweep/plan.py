@@ -8,9 +8,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from polhode.common.arguments import unit_rows
-from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
-from polhode.common.memory import refuse_too_much
+from polhode.common.values import cached_property, refuse_too_much
 from polhode.numbers.conversion import number_value
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import NumberType

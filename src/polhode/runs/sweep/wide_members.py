@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from polhode.common.progress import Stop
+from polhode.common.interrupts import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import NumberType
 from polhode.runs.methods import refined

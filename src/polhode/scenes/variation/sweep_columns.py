@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.exact_sequences import ExactNumbers

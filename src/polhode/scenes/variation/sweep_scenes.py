@@ -9,8 +9,8 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput, FileName, nearest, say_change
+from polhode.common.values import cached_property
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.exact_sequences import LazySequence

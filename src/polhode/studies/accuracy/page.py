@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import ceil
 
-from polhode.common.json_text import JsonObject
+from polhode.common.texts import JsonObject
 from polhode.studies.page.case_runs import (
     ABOUT,
     by_number,

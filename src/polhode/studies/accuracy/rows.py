@@ -10,10 +10,10 @@ from dataclasses import replace
 from typing import Any
 
 from polhode.checks.textbook_digits import textbook_digits
-from polhode.common.executors import cores, in_order
-from polhode.common.json_text import JsonObject
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
+from polhode.common.processes import cores, in_order
 from polhode.common.provenance import digest
+from polhode.common.texts import JsonObject
 from polhode.judging.adaptive_precision import integrate
 from polhode.judging.conditioning.conditioning import Conditioning, conditioning
 from polhode.judging.conditioning.rounding_errors import Band

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from polhode.common.json_text import JsonObject
+from polhode.common.texts import JsonObject
 from polhode.studies.page.tables import CASE, DIGITS, END, NUMBER, Column, PageTable, table
 from polhode.studies.page.words import share
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from polhode.common.executors import cores, in_order
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
+from polhode.common.processes import cores, in_order
 from polhode.enclosures.events import certify_events
 from polhode.judging.adaptive_precision import integrate
 from polhode.numbers import decimals, exact, number_types

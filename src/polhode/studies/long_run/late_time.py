@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
 from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.judging.references.reference import reference as reference_of
 from polhode.peers import process

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from polhode.common.json_text import JsonObject
+from polhode.common.texts import JsonObject
 from polhode.studies.page.tables import Column, PageTable, at_times, table
 from polhode.studies.page.words import DASH, formatted
 

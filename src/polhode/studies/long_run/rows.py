@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.common.executors import in_order
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
+from polhode.common.processes import in_order
 from polhode.equations.integrals import departures
 from polhode.judging.adaptive_precision import integrate
 from polhode.judging.conditioning.conditioning import conditioning

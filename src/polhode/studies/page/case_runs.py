@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from polhode.common.json_text import JsonObject
+from polhode.common.texts import JsonObject
 from polhode.studies.page.tables import CASE, REGIME, Column
 from polhode.studies.page.words import DASH
 

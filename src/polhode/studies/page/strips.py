@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from polhode.common.json_text import JsonObject
+from polhode.common.texts import JsonObject
 from polhode.figures.canvas.canvas import COLOURS, MARKS, as_svg, paper
 from polhode.studies.page.drawing import SHADE, WIDTH, legend
 

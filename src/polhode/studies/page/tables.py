@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
-from polhode.common.json_text import JsonObject
+from polhode.common.texts import JsonObject
 from polhode.studies.page.words import formatted
 
 #: A key of a row, a path of keys and places with dots between them, or a function of the row.

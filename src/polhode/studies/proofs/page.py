@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from polhode.common.json_text import JsonObject
+from polhode.common.texts import JsonObject
 from polhode.studies.page.tables import Column, PageTable, table, yes
 from polhode.studies.page.words import DASH, between, counted, median, share
 

@@ -14,9 +14,9 @@ from typing import TypeAlias
 
 from polhode.certificates.verdict import verify
 from polhode.common.errors import BadInput
-from polhode.common.executors import cores, in_order
-from polhode.common.json_text import JsonObject
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
+from polhode.common.processes import cores, in_order
+from polhode.common.texts import JsonObject
 from polhode.dynamics.periodic_orbits.search import orbit_search
 from polhode.figures.chaos_proof import crossings
 from polhode.numbers.decimals import brief

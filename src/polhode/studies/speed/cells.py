@@ -18,8 +18,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from polhode.common.executors import cores, in_order
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
+from polhode.common.processes import cores, in_order
 from polhode.numbers.decimals import significant
 from polhode.studies.processes import ask
 from polhode.studies.row_filter import Only

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from polhode.common.json_text import JsonObject
+from polhode.common.texts import JsonObject
 from polhode.figures.canvas.canvas import as_svg, paper
 from polhode.studies.page import drawing
 from polhode.studies.page.drawing import LOOKS, OTHER_LOOK, WIDTH

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
 from polhode.peers import process
 from polhode.studies.processes import ask
 from polhode.studies.speed import draws

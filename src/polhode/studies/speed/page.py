@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TypeAlias
 
-from polhode.common.json_text import JsonObject
+from polhode.common.texts import JsonObject
 from polhode.studies.page.tables import DIGITS, Column, PageTable, table
 from polhode.studies.page.words import DASH, between, counted, listed, median, spread
 from polhode.studies.speed.programs import BY_NAME, ENGINE, OURS, RUN

@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import partial
 from typing import Any
 
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
 from polhode.judging.adaptive_precision import integrate
 from polhode.judging.correct_digits import worst_digits
 from polhode.judging.references.reference import reference

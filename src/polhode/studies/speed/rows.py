@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
 from polhode.studies.row_filter import Only
 from polhode.studies.speed import cells, first_result, number_types
 from polhode.studies.speed.programs import ENGINE, OURS, PROGRAMS, RUN

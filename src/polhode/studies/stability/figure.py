@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from textwrap import fill
 
-from polhode.common.json_text import JsonObject
+from polhode.common.texts import JsonObject
 from polhode.studies.page import strips
 
 _WIDTH = 24  # letters of a line of a strip's name

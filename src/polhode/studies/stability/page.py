@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from polhode.common.json_text import JsonObject
+from polhode.common.texts import JsonObject
 from polhode.studies.page.case_runs import (
     ABOUT,
     NUMBERS,

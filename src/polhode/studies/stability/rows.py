@@ -5,8 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-from polhode.common.executors import cores, in_order
-from polhode.common.progress import Message
+from polhode.common.interrupts import Message
+from polhode.common.processes import cores, in_order
 from polhode.judging.conditioning.conditioning import conditioning
 from polhode.judging.references.reference import reference as reference_of
 from polhode.numbers import number_types

@@ -8,7 +8,7 @@ from functools import cache
 from typing import Generic, TypeVar
 from weakref import WeakSet
 
-from polhode.common.locks import Lock, Place
+from polhode.common.interrupts import Lock, Place
 from polhode.taylor.backend.engine import hy
 
 T = TypeVar("T")

@@ -7,8 +7,8 @@ from fractions import Fraction
 from math import isfinite
 from typing import NamedTuple, overload
 
-from polhode.common.cached_property import cached_property
 from polhode.common.errors import BadInput
+from polhode.common.values import cached_property
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.exact_sequences import ExactNumbers

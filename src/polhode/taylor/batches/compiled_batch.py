@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.progress import Stop
+from polhode.common.interrupts import Stop
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.rows import Array, Doubles, Indices
 from polhode.taylor.backend.step_outcomes import ending

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from polhode.common.progress import Stop
+from polhode.common.interrupts import Stop
 
 
 class LaneQueue:

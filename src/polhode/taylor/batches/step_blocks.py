@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.progress import Stop
+from polhode.common.interrupts import Stop
 from polhode.motion.outcomes import Outcome
 from polhode.taylor.backend.step_outcomes import ending
 from polhode.taylor.backend.types import HeyokaIntegrator

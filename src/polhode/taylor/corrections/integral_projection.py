@@ -27,7 +27,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
 
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.equations.forms import principal
 from polhode.equations.integrals import CHAPLYGIN, FirstIntegrals, exact_values, first_integrals
 from polhode.motion.frame import Frame

@@ -25,7 +25,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.progress import Stop
+from polhode.common.interrupts import Stop
 from polhode.equations.section_functions import SectionZero
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE

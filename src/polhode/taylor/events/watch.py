@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polhode.common.value_semantics import waiting
+from polhode.common.values import waiting
 from polhode.equations.form import equations
 from polhode.equations.readout import Readout
 from polhode.motion.outcomes import EventTimes

@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable
 from contextlib import nullcontext
 from typing import Any, Self, TypeVar
 
-from polhode.common.locks import Lock, Place
+from polhode.common.interrupts import Lock, Place
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.numbers.rows import Array, Numbers

@@ -19,7 +19,7 @@ from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.equations.forms import principal
 from polhode.numbers.number_types import DOUBLE, NumberType
 from polhode.taylor.backend.engine import hy

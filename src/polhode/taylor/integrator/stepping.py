@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.common.progress import Progress
+from polhode.common.interrupts import Progress
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import joined
 from polhode.numbers.exact import ZERO

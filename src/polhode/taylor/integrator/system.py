@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.equations import equilibrium, kinematics
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
 from polhode.equations.terms import NAMES

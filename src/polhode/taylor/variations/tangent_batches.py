@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.checkpoint import Arrays
-from polhode.common.progress import Stop
+from polhode.common.interrupts import Stop
 from polhode.numbers.rows import Doubles
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch

@@ -25,7 +25,7 @@ from polhode.closed_forms.balls.theta2 import (
 )
 from polhode.closed_forms.kovalevskaya.branch_points import numbered
 from polhode.closed_forms.kovalevskaya.theta.siegel import Columns, reduced_basis
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 
 _FAR = 4  # |s| beyond this multiple of the branch points: the way comes from infinity
 

@@ -30,7 +30,7 @@ from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, square_roots
 from polhode.closed_forms.kovalevskaya.divisor import State
 from polhode.closed_forms.kovalevskaya.theta.jacobian import Jacobian
-from polhode.common.cached_property import cached_property
+from polhode.common.values import cached_property
 from polhode.numbers.exact import Exact, sign
 
 PAIRS = ((0, 1), (0, 2), (1, 2))

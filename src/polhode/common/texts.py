@@ -1,15 +1,48 @@
-"""A page of HTML that is a result: saved, or shown by a notebook in its place."""
+"""JSON and pages, as polhode writes them."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from html import escape
 from pathlib import Path
+from typing import Any, TypeAlias
 
 from polhode.common.arguments import of_kind
 from polhode.common.files import check_writable, write_whole
+
+# --- json text ------------------------------------------------------------------------------------
+#
+# JSON for people and programs: objects as Python has them, and their text.
+
+
+#: Keys, and what JSON can hold: text, numbers, true, false, null, lists, objects.
+JsonObject: TypeAlias = dict[str, Any]
+
+
+def as_json(value: object) -> str:
+    """JSON text, ASCII: a line for each key of an object and for each row of a table."""
+    from json import dumps
+
+    return _json(value, 0, partial(dumps, ensure_ascii=True, allow_nan=False)) + "\n"
+
+
+def _json(value: object, depth: int, dumps: Callable[[object], str]) -> str:
+    inner, outer = "\n" + " " * (depth + 1), "\n" + " " * depth
+    if isinstance(value, dict) and value:
+        lines = [f"{dumps(str(k))}: {_json(v, depth + 1, dumps)}" for k, v in value.items()]
+        return "{" + inner + ("," + inner).join(lines) + outer + "}"
+    if isinstance(value, list) and value and isinstance(value[0], (list, dict)):
+        lines = [_json(v, depth + 1, dumps) for v in value]
+        return "[" + inner + ("," + inner).join(lines) + outer + "]"
+    return dumps(value)
+
+
+# --- html page ------------------------------------------------------------------------------------
+#
+# A page of HTML that is a result: saved, or shown by a notebook in its place.
 
 
 @dataclass(frozen=True, repr=False)
