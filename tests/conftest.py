@@ -63,12 +63,12 @@ def little_optimised() -> Iterator[None]:
     An x87 or library operation has no faster form.  Doubles are left alone: theirs are contracted.
     Quad is never optimised, by polhode's own choice.
     """
-    from polhode.taylor.backend import heyoka_numbers
+    from polhode.taylor import heyoka
 
     with pytest.MonkeyPatch.context() as patch:
         for name in ("extended", "mp"):
-            options = heyoka_numbers._TYPES[name]
-            patch.setitem(heyoka_numbers._TYPES, name, lambda n, o=options: o(n) | {"opt_level": 0})
+            options = heyoka._TYPES[name]
+            patch.setitem(heyoka._TYPES, name, lambda n, o=options: o(n) | {"opt_level": 0})
         yield
 
 

@@ -19,7 +19,7 @@ import pytest
 from polhode.common.interrupts import Lock, Place
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpmath
-from polhode.taylor.backend.process_settings import Meanwhile
+from polhode.taylor.heyoka import Meanwhile
 
 
 def free(lock: Lock) -> bool:

@@ -16,10 +16,9 @@ from polhode.dynamics.levels.rational_body import MOST_SPREAD, RationalBody, Rea
 from polhode.dynamics.sections import coordinates, jobs
 from polhode.dynamics.sections.starts import asked_of
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor.batches import step_blocks
-from polhode.taylor.events import batch_search as taylor
-from polhode.taylor.events.batch_zeros import Watched
-from polhode.taylor.variations import tangent_batches
+from polhode.taylor import batches, variations
+from polhode.taylor import event_batches as taylor
+from polhode.taylor.event_batches import Watched
 
 REGULAR = "general/asymmetric-regular"
 
@@ -89,7 +88,7 @@ def first_job(job, zero, end):
 
 def test_jobs_look_between_blocks_whether_to_stop(monkeypatch, section_job):
     """Each of them asked only between stretches, which have no longest time."""
-    monkeypatch.setattr(step_blocks, "BLOCK", 5)
+    monkeypatch.setattr(batches, "BLOCK", 5)
     asked: list[bool] = []
 
     def stop() -> bool:
@@ -100,10 +99,8 @@ def test_jobs_look_between_blocks_whether_to_stop(monkeypatch, section_job):
     assert len(asked) == 3
     asked.clear()
     names, own, tangent = section_job.watched.names, section_job.coefficients[:1], np.ones((1, 6))
-    far = tangent_batches.TangentJob(
-        names, own, section_job.starts[:1], tangent, 1e9, 1, None, (), 1.0
-    )
-    assert tangent_batches.solve(far, stop).last.tolist() == [0]
+    far = variations.TangentJob(names, own, section_job.starts[:1], tangent, 1e9, 1, None, (), 1.0)
+    assert variations.solve(far, stop).last.tolist() == [0]
     asked.clear()
     first = taylor.solve(first_job(section_job, "q-100", 1e9), stop)
     assert np.isnan(first.times).all()

@@ -10,7 +10,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.taylor.integrator.stepping import Integrator
+from polhode.taylor.stepping import Integrator
 
 
 @pytest.mark.slow

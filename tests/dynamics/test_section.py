@@ -18,7 +18,7 @@ from polhode.dynamics.sections import coordinates as geometry
 from polhode.dynamics.sections import jobs as section_jobs
 from polhode.dynamics.sections import starts as section_starts
 from polhode.scenes import scene_file
-from polhode.taylor.events import batch_search, callbacks
+from polhode.taylor import event_batches, event_watch
 
 EPS = 2.0**-52
 GENERIC = polhode.load("general/asymmetric-chaotic")
@@ -162,11 +162,11 @@ def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
     states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states
     zero = section_jobs.zero_of(GENERIC, on, "momentum")
     (job,) = section_jobs.jobs_of(asked, on, zero, -1, 4, states)
-    plain = batch_search.solve(job)
+    plain = event_batches.solve(job)
     for k in range(len(states)):
         for moved in (-1e-14, -1e-15, 0, 1e-15, 1e-14):
             chunk = float(plain.times[k, 0]) * (1 + moved)
-            other = batch_search.solve(
+            other = event_batches.solve(
                 job._replace(
                     stretch=chunk, coefficients=job.coefficients[:1], starts=states[k : k + 1]
                 )
@@ -233,24 +233,24 @@ def test_a_crossing_that_heyoka_loses_is_found_again(lost, monkeypatch):
     states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states[:1]
     zero = section_jobs.zero_of(GENERIC, on, "momentum")
     (job,) = section_jobs.jobs_of(asked, on, zero, -1, 6, states)
-    plain = batch_search.solve(job)
+    plain = event_batches.solve(job)
     own = job.watched._replace(constants=())
     first = job._replace(watched=own, most=1, end=64.0, level=None, starts=job.starts + 1e-3)
-    plain_first = batch_search.solve(first)
-    told, met = [], callbacks.Callback.__call__
+    plain_first = event_batches.solve(first)
+    told, met = [], event_watch.Callback.__call__
 
     def losing(self, ta, time, sign, lane):
         told.extend([time] * (self.order == 0))
         if self.order or len(told) != lost:
             met(self, ta, time, sign, lane)
 
-    monkeypatch.setattr(callbacks.Callback, "__call__", losing)
-    found = batch_search.solve(job)
-    assert found.outcomes == plain.outcomes == (batch_search.DONE,)
+    monkeypatch.setattr(event_watch.Callback, "__call__", losing)
+    found = event_batches.solve(job)
+    assert found.outcomes == plain.outcomes == (event_batches.DONE,)
     assert np.abs(found.times + found.rests - plain.times - plain.rests).max() < 1e-11
     told[:] = [0.0, 0.0]  # then its first or second zero is lost
-    found = batch_search.solve(first)
-    assert found.outcomes == plain_first.outcomes == (batch_search.DONE,)
+    found = event_batches.solve(first)
+    assert found.outcomes == plain_first.outcomes == (event_batches.DONE,)
     assert np.abs(found.times - plain_first.times).max() < 1e-11
 
 
@@ -302,7 +302,7 @@ def test_an_executor_and_parts_give_the_same(tmp_path, monkeypatch):
     again = polhode.section(GENERIC, parts=folder, **asked)
     assert (again.states == plain.states).all()
     with monkeypatch.context() as patch:
-        patch.setattr(batch_search, "solve", None)  # nothing is left to be done
+        patch.setattr(event_batches, "solve", None)  # nothing is left to be done
         assert (polhode.section(GENERIC, parts=folder, **asked).states == plain.states).all()
     with pytest.raises(polhode.BadInput, match="the jobs of the same command"):
         polhode.section(GENERIC, parts=folder, grid=(9, 8), crossings=3, **LEVEL)

@@ -21,7 +21,7 @@ from polhode.enclosures import (
 from polhode.equations import terms
 from polhode.numbers.conversion import to_double
 from polhode.scenes import scene_file
-from polhode.taylor.corrections.integral_projection import staying_zero
+from polhode.taylor.projection import staying_zero
 
 DRAWS = 20
 

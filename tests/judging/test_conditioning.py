@@ -23,8 +23,8 @@ from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, QUAD, mp
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.taylor.integrator.stepping import Integrator
-from polhode.taylor.integrator.system import system
+from polhode.taylor.stepping import Integrator
+from polhode.taylor.system import system
 from shared.answers import judged
 from shared.examples import examples
 from shared.motions import asymmetric, in_other_units

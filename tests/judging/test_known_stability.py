@@ -9,7 +9,7 @@ import pytest
 
 import polhode
 from polhode.judging.conditioning.known_stability import known_stability
-from polhode.taylor.integrator.system import system
+from polhode.taylor.system import system
 
 ENDS = [1, 3, 10, 20, 30, 100]
 

@@ -16,8 +16,8 @@ from polhode.judging.correct_digits import digits_of, log10_errors, log10_rate
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.taylor.variations.reference_trajectory import six
-from polhode.taylor.variations.state_transition import passage
+from polhode.taylor.error_growth import passage
+from polhode.taylor.variations import six
 from shared.motions import asymmetric
 
 F = Fraction

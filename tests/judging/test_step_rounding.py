@@ -14,10 +14,10 @@ from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, extended_here
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import random_scene
-from polhode.taylor.integrator.stepping import Integrator
-from polhode.taylor.integrator.system import system
-from polhode.taylor.variations.flow_map import Flow
-from polhode.taylor.variations.state_transition import passage
+from polhode.taylor.error_growth import passage
+from polhode.taylor.stepping import Integrator
+from polhode.taylor.system import system
+from polhode.taylor.variations import Flow
 
 F = Fraction
 

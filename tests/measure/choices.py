@@ -27,9 +27,8 @@ from polhode.runs.methods.taylor import TaylorMotion, system_of
 from polhode.runs.problem.options import Options
 from polhode.scenes import library, scene_file
 from polhode.studies.long_run import rows as long_run
-from polhode.taylor.backend import defaults, heyoka_numbers
-from polhode.taylor.batches import compiled_batch
-from polhode.taylor.integrator.system import system
+from polhode.taylor import batches, defaults, heyoka
+from polhode.taylor.system import system
 
 SCENE = (
     "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
@@ -78,13 +77,10 @@ def built(scene: polhode.Scene, number: Any, **options: Any) -> Any:
     """heyoka's integrator of a scene with options of its own, and the seconds of its build."""
     what = system(scene, ())
     variables = hy.make_vars(*what.names)
-    k = {
-        name: hy.expression(heyoka_numbers.scalar(x, number))
-        for name, x in what.coefficients.items()
-    }
-    rates = what.field(variables, k, heyoka_numbers.EXPRESSIONS)
-    start = heyoka_numbers.array([heyoka_numbers.scalar(x, number) for x in what.start], number)
-    chosen = heyoka_numbers.type_options(number) | options
+    k = {name: hy.expression(heyoka.scalar(x, number)) for name, x in what.coefficients.items()}
+    rates = what.field(variables, k, heyoka.EXPRESSIONS)
+    start = heyoka.array([heyoka.scalar(x, number) for x in what.start], number)
+    chosen = heyoka.type_options(number) | options
     equations = list(zip(variables, rates, strict=True))
     with no_disk_cache():
         return least(lambda: hy.taylor_adaptive(equations, start, **chosen), 1)
@@ -147,7 +143,7 @@ def compact() -> None:
                 rows.append([name, "unrolled", "does not end", "", ""])
                 continue
             build, ta = built(heavy(1), number, compact_mode=mode)
-            far = heyoka_numbers.scalar(10**6, number)
+            far = heyoka.scalar(10**6, number)
             n = steps[name]
             seconds, _ = least(lambda ta=ta, n=n, far=far: ta.propagate_until(far, max_steps=n), 7)
             default = {"quad": True, "mp": True}.get(name, False)
@@ -246,7 +242,7 @@ def projected(scenes: Any, truths: Any, name: str, project: Any) -> tuple[float,
 
 
 def lanes() -> None:
-    print(f"## Batch width of a sweep: {compiled_batch.LANES}\n")
+    print(f"## Batch width of a sweep: {batches.LANES}\n")
     print(
         "The same top in every lane, 20 000 steps each; scalar code with constants and with "
         "parameters for comparison.\n"
@@ -257,9 +253,7 @@ def lanes() -> None:
     values = [float(what.coefficients[name]) for name in names]
     variables = hy.make_vars(*what.names)
     k = {name: hy.par[i] for i, name in enumerate(names)}
-    equations = list(
-        zip(variables, what.field(variables, k, heyoka_numbers.EXPRESSIONS), strict=True)
-    )
+    equations = list(zip(variables, what.field(variables, k, heyoka.EXPRESSIONS), strict=True))
     start = np.array([float(x) for x in what.start])
     rows = []
     build, ta = built(scene, number_types.DOUBLE)
@@ -279,7 +273,7 @@ def lanes() -> None:
             lambda m=many, w=width: m.propagate_until(np.full(w, 1e9), max_steps=n), 9
         )
         each = seconds / n / width
-        name = f"**{width}**" if width == compiled_batch.LANES else str(width)
+        name = f"**{width}**" if width == batches.LANES else str(width)
         cells = [f"{build * 1e3:.0f}", f"{each * 1e6:.3f}", f"{scalar / n / each:.2f}"]
         rows.append([name, *cells])
     table(["lanes", "build, ms", "µs a step and lane", "times scalar"], rows)

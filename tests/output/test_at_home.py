@@ -125,7 +125,7 @@ def test_an_interrupt_of_a_run_made_again_goes_on(monkeypatch):
         return rows, polhode.Outcome.INTERRUPTED
 
     run = a_run()
-    monkeypatch.setattr("polhode.taylor.integrator.stepping.Integrator.advance", interrupted)
+    monkeypatch.setattr("polhode.taylor.stepping.Integrator.advance", interrupted)
     for at in (run, run.angles_at):
         with pytest.raises(KeyboardInterrupt):
             at([1.5])

@@ -10,9 +10,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.taylor import lanes
-from polhode.taylor.backend import defaults
-from polhode.taylor.batches import batch_integrator, step_blocks
+from polhode.taylor import batches, defaults, lanes
 
 EPS = 2.0**-52
 BODY = {"moments": [3, 2, 1.5], "centre": [0.25, 0.125, 0.5], "weight": 4}
@@ -178,10 +176,8 @@ def test_rows_that_never_arrive_are_given_up_at_once(monkeypatch):
     """They took all steps that are allowed, a hundred million; a start alone is given up early."""
     usual, counted = defaults.TABLE["double"], []
     monkeypatch.setitem(defaults.TABLE, "double", usual._replace(chunk=2000))
-    solve = batch_integrator.solve
-    monkeypatch.setattr(
-        batch_integrator, "solve", lambda *x: counted.append(solve(*x)) or counted[-1]
-    )
+    solve = batches.solve
+    monkeypatch.setattr(batches, "solve", lambda *x: counted.append(solve(*x)) or counted[-1])
     go, rows, _ = of("plain")
     go._most = 10**5
     assert np.isnan(go(rows[:3], t=1e12)).all()
@@ -192,7 +188,7 @@ def test_rows_that_never_arrive_are_given_up_at_once(monkeypatch):
 @pytest.mark.parametrize("t", [3.0, [1, 3]], ids=["one time", "times"])
 def test_a_row_that_is_far_too_fast_is_given_up_within_its_stretch(t, monkeypatch):
     """It would have taken the whole limit, twice: minutes."""
-    monkeypatch.setattr(step_blocks, "BLOCK", 500)
+    monkeypatch.setattr(batches, "BLOCK", 500)
     usual = defaults.TABLE["double"]
     monkeypatch.setitem(defaults.TABLE, "double", usual._replace(chunk=500))
     go, rows, _ = of("plain", 21)

@@ -22,7 +22,7 @@ import polhode
 from polhode.common import checkpoint
 from polhode.common.values import same
 from polhode.motion.outcomes import Outcome
-from polhode.taylor.batches import batch_integrator
+from polhode.taylor import batches
 from shared.motions import heavy
 
 GIVEN = {"start.omega[3]": "0.5:1.5:40", "body.weight": [0, 1]}
@@ -172,7 +172,7 @@ def test_a_fault_of_ours_is_not_hidden(monkeypatch):
     def broken(job, stop=None):
         raise ZeroDivisionError("ours")
 
-    monkeypatch.setattr(batch_integrator, "solve", broken)
+    monkeypatch.setattr(batches, "solve", broken)
     with pytest.raises(ZeroDivisionError):
         polhode.integrate_many(heavy(), {"body.weight": [1]})
 

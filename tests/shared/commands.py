@@ -6,7 +6,7 @@ from __future__ import annotations
 STEPPING = """
 import sys
 from polhode.cli import main
-from polhode.taylor.integrator.stepping import Integrator
+from polhode.taylor.stepping import Integrator
 chunk = Integrator.chunk
 def told(self, *given):
     Integrator.chunk = chunk

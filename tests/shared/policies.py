@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from polhode.taylor.backend import defaults
+from polhode.taylor import defaults
 
 
 def change_policy(monkeypatch: pytest.MonkeyPatch, **changes: int) -> None:

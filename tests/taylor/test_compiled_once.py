@@ -15,8 +15,8 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.scenes.event import Event
-from polhode.taylor.backend.integrator_pool import Pool
-from polhode.taylor.integrator import engine
+from polhode.taylor import engine
+from polhode.taylor.engine import Pool
 from shared.policies import change_policy
 
 NAME = "lagrange/nutation"

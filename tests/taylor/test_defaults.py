@@ -10,7 +10,7 @@ import pytest
 
 import polhode
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NAMES, QUAD, NumberType, mp
-from polhode.taylor.backend import defaults, heyoka_numbers
+from polhode.taylor import defaults, heyoka
 from shared.policies import change_policy
 
 TYPES = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD, "mp": mp()}
@@ -65,7 +65,7 @@ def test_compact_mode_is_that_of_the_choices():
         name: "compact" if row.compact else "unrolled" for name, row in defaults.TABLE.items()
     }
     for name, number in TYPES.items():
-        options = heyoka_numbers.type_options(number)
+        options = heyoka.type_options(number)
         assert options.get("compact_mode", False) is defaults.TABLE[name].compact
 
 

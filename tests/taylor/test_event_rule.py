@@ -324,7 +324,7 @@ def test_a_loop_that_goes_on_from_each_stop_meets_every_event_once(zeros, body, 
 @pytest.mark.parametrize("number", [DOUBLE, QUAD], ids=lambda n: n.name)
 def test_a_lost_zero_is_found_again(number, monkeypatch):
     """Without the zeros that heyoka meets, those between the extrema are found by other steps."""
-    from polhode.taylor.events.watch import Watch
+    from polhode.taylor.event_watch import Watch
 
     scene = {"at": [20], "moments": [2, 3, 4]}
     _, whole = found("q - gamma2/3", number, **scene)
@@ -440,7 +440,7 @@ def test_a_section_finds_again_what_heyoka_loses(by, monkeypatch):
 
     Of three in a step the second was told at the step's begin once the first was found.
     """
-    from polhode.taylor.events.callbacks import Callback
+    from polhode.taylor.event_watch import Callback
 
     asked = {"by": by, "grid": (3, 3), "crossings": 12, "h": 3, "f": "1/2"}
     whole = polhode.section("general/asymmetric-chaotic", **asked)

@@ -189,9 +189,8 @@ def test_rounding_errors_are_those_of_an_evaluation_written_down_here(text):
     import heyoka as hy
 
     from polhode.equations.forms import principal
-    from polhode.taylor.events.batch_zeros import Watched
-    from polhode.taylor.events.functions import typed_constant
-    from polhode.taylor.events.jets import jet_of, marks_at
+    from polhode.taylor.event_batches import Watched
+    from polhode.taylor.event_functions import jet_of, marks_at, typed_constant
 
     given = {"moments": [1, "1.5", 2], "centre": ["0.3", "-0.4", "0.5"], "weight": 1}
     body = polhode.top(**given, omega=[1, 0, 0], gamma=[0, 0, 1], at=[1]).body

@@ -15,8 +15,8 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE
 from polhode.scenes import library
 from polhode.scenes.event import Event
-from polhode.taylor.corrections import integral_projection
-from polhode.taylor.integrator.stepping import Integrator
+from polhode.taylor import projection
+from polhode.taylor.stepping import Integrator
 from shared.policies import change_policy
 
 STANDING = ("lagrange/sleeping-unstable",)  # no step is taken
@@ -97,7 +97,7 @@ def test_a_projected_run_has_more_digits(name, number, end):
 
 def test_a_correction_that_is_no_rounding_is_not_made(monkeypatch):
     scene = polhode.load(TOPS[0]).at((Fraction(500),))
-    monkeypatch.setattr(integral_projection, "exact_values", lambda *_: [Fraction(2)] * 4)
+    monkeypatch.setattr(projection, "exact_values", lambda *_: [Fraction(2)] * 4)
     run = polhode.integrate(scene)
     assert run.projection.count == 0
     assert np.allclose(run.states, polhode.integrate(scene, project=False).states, 0, 1e-12)

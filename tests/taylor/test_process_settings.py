@@ -7,7 +7,7 @@ from threading import Barrier, Thread
 import pytest
 from threadpoolctl import threadpool_info
 
-from polhode.taylor.backend.process_settings import one_blas_thread, one_thread
+from polhode.taylor.heyoka import one_blas_thread, one_thread
 
 
 def threads():

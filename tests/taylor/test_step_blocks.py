@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from polhode.motion.outcomes import Outcome
-from polhode.taylor.batches import step_blocks
+from polhode.taylor import batches
 
 END, LIMIT = Outcome.REACHED_END, Outcome.STEP_LIMIT
 
@@ -25,8 +25,8 @@ def test_blocks_change_no_bit(monkeypatch, block):
     ends = [10.0, 0.0, -20.0, 30.0]
     once, blocks = (oscillators([1.0, 2.0, 3.0, 50.0]) for _ in range(2))
     once.propagate_until(ends)
-    monkeypatch.setattr(step_blocks, "BLOCK", block)
-    found = step_blocks.until(blocks, ends)
+    monkeypatch.setattr(batches, "BLOCK", block)
+    found = batches.until(blocks, ends)
     assert np.array_equal(blocks.state, once.state)
     assert found.outcomes == [END] * 4
     assert not found.stopped
@@ -36,15 +36,15 @@ def test_blocks_change_no_bit(monkeypatch, block):
 
 def test_steps_that_a_pole_makes_zero_are_told():
     ta = oscillators([1.0, 2.0], lambda x: 1 / (x - hy.expression(0.5)))
-    found = step_blocks.until(ta, [10.0, 0.01])
+    found = batches.until(ta, [10.0, 0.01])
     assert found.outcomes == [Outcome.STEP_UNDERFLOW, END]
     assert ta.time[0] == pytest.approx(np.pi / 6, rel=4e-16)
     assert 0.49 < ta.state[0, 0] <= 0.5
 
 
 def test_a_limit_counts_over_blocks(monkeypatch):
-    monkeypatch.setattr(step_blocks, "BLOCK", 7)
-    found = step_blocks.until(oscillators([1.0, 50.0]), [2.0, 100.0], 20)
+    monkeypatch.setattr(batches, "BLOCK", 7)
+    found = batches.until(oscillators([1.0, 50.0]), [2.0, 100.0], 20)
     assert found.outcomes == [END, LIMIT]
     assert found.steps[1] == 20
 
@@ -53,13 +53,13 @@ def test_a_lane_that_is_lost_leaves_the_others_alone():
     x = hy.make_vars("x")
     start = np.array([[-1.0, 1.0, 2.0]])
     ta, alone = (hy.taylor_adaptive_batch([(x, x * x)], s) for s in (start, start[:, [0, 0, 2]]))
-    found = step_blocks.until(ta, [10.0, 20.0, -3.0])
+    found = batches.until(ta, [10.0, 20.0, -3.0])
     assert found.outcomes == [END, Outcome.NON_FINITE, END]
     alone.propagate_until([10.0, 10.0, -3.0])
     assert np.isnan(ta.state[0, 1])
     assert np.array_equal(ta.state[0, [0, 2]], alone.state[0, [0, 2]])
     lost = hy.taylor_adaptive_batch([(x, x * x)], np.array([[1.0, 2.0]]))
-    assert step_blocks.until(lost, [10.0, 20.0]).outcomes == [Outcome.NON_FINITE] * 2
+    assert batches.until(lost, [10.0, 20.0]).outcomes == [Outcome.NON_FINITE] * 2
     ta = hy.taylor_adaptive_batch([(x, x * x)], np.array([[-1.0, np.nan, 2.0]]))
-    assert step_blocks.until(ta, [10.0, 0.0, -3.0]).outcomes == [END, Outcome.NON_FINITE, END]
+    assert batches.until(ta, [10.0, 0.0, -3.0]).outcomes == [END, Outcome.NON_FINITE, END]
     assert np.array_equal(ta.state[0, [0, 2]], alone.state[0, [0, 2]])

@@ -22,7 +22,7 @@ from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import REQUESTS
-from polhode.taylor.backend import defaults
+from polhode.taylor import defaults
 
 MOST_SECONDS = 600.0  # by which the digits that a motion loses may make a run longer, about
 MOST_RUNS = 4  # until the digits are reached
@@ -226,12 +226,12 @@ class Need(NamedTuple):
 
 
 def needed(scene: Scene, digits: int) -> Need:
-    """What ``digits`` of them ask for beside: see :mod:`polhode.taylor.variations.error_growth`.
+    """What ``digits`` of them ask for beside: see :mod:`polhode.taylor.error_growth`.
 
     A motion that multiplies errors beyond what a double can follow is led by an integration of
     wider type.
     """
-    from polhode.taylor.variations.error_growth import LED_FROM, growth
+    from polhode.taylor.error_growth import LED_FROM, growth
 
     if not scene.times:
         return Need(0.0, math.inf)  # refused by whoever integrates

@@ -19,7 +19,7 @@ from polhode.runs.problem.options import Options
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
-from polhode.taylor.backend import defaults
+from polhode.taylor import defaults
 
 MOST_SECONDS = 600.0  # that a proof may take, about, where one is asked for
 _UNASKED_SECONDS = 10.0  # and where none is

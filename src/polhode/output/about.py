@@ -81,11 +81,11 @@ def _in_words(cache: Mapping[str, Any]) -> str:
 
 
 def _cache() -> Mapping[str, object]:
-    from polhode.taylor.backend import engine, heyoka_numbers
+    from polhode.taylor import heyoka
 
-    if not engine.installed:
+    if not heyoka.installed:
         return {"enabled": False, "path": None, "bytes": None, "limit": None, "fault": "no heyoka"}
-    return heyoka_numbers.cache()
+    return heyoka.compiled_code_cache()
 
 
 def _refinement() -> str:
@@ -93,9 +93,9 @@ def _refinement() -> str:
     from polhode.refined.collocation_tables import tables
     from polhode.refined.errors import CannotRefine
     from polhode.refined.refinement import QUAD
-    from polhode.taylor.backend import engine
+    from polhode.taylor import heyoka
 
-    if not engine.installed:
+    if not heyoka.installed:
         return "not here: no heyoka"
     from polhode.refined.compiled_field import kernels
 

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from polhode.equations.terms import NAMES, ROWS, SLOPES, Term
 from polhode.refined.errors import CannotRefine
 from polhode.refined.expansions import Levels, Limbs, product
-from polhode.taylor.backend.engine import hy
+from polhode.taylor.heyoka import hy
 
 VARIABLES = len(ROWS)
 COEFFICIENTS = len(NAMES)  # and H after them

@@ -17,8 +17,7 @@ from polhode.refined.errors import CannotRefine
 from polhode.refined.expansions import rounded
 from polhode.refined.scaled_problem import RationalSystem, with_rates
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor.integrator.engine import Engine
-from polhode.taylor.integrator.specification import Equations, principal_engine
+from polhode.taylor.engine import Engine, Equations, principal_engine
 
 STEPS = 8000  # of a base; its polynomials take a kilobyte a step
 _LOOKS, _PER_LOOK = 24, 20  # at the first steps, to guess the unit of time

@@ -29,7 +29,7 @@ from polhode.refined.expansions import Limbs
 from polhode.refined.interval_blocks import WIDTH, Block, cut
 from polhode.refined.scaled_problem import RationalSystem, rational_system, with_rates
 from polhode.scenes.scene import Scene
-from polhode.taylor.backend.process_settings import one_blas_thread, one_thread
+from polhode.taylor.heyoka import one_blas_thread, one_thread
 
 STEPS_AN_INTERVAL = 6
 _DRIFT = 2e-11  # of the double run at a block's end, beyond which it restarts there

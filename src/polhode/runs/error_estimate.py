@@ -11,7 +11,7 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Rows
 from polhode.scenes.scene import Scene
-from polhode.taylor.backend import defaults
+from polhode.taylor import defaults
 
 _SHARE = 0.05  # of the run's time, for the tangent
 _TANGENT = 4e-6  # seconds that a step of it takes
@@ -42,14 +42,14 @@ def expected(
 
     ``every``: the steps after which it was put back on all integrals of an integrable top, or 0.
 
-    One tangent is followed, see :mod:`polhode.taylor.variations.error_growth`, in double for a
+    One tangent is followed, see :mod:`polhode.taylor.error_growth`, in double for a
     twentieth of the run's time or some milliseconds; then its law is continued.  It tells what has
     become of errors made at the start: those made near an unstable rotation that a motion comes
     back to may have grown more (euler/dzhanibekov to t = 60: 13 digits told, 8 had).
     polhode.compare and polhode.conditioning follow all of them.  Where the run's type is wider, and
     the motion multiplies errors more than a double can follow, another integration leads it.
     """
-    from polhode.taylor.variations.error_growth import LED_FROM, growth
+    from polhode.taylor.error_growth import LED_FROM, growth
 
     if not times:
         return Expected((), None, None)

@@ -25,15 +25,13 @@ from polhode.runs.methods.taylor import system_of
 from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.taylor import lanes
-from polhode.taylor.backend import defaults
-from polhode.taylor.backend.heyoka_numbers import OutOfRange
-from polhode.taylor.backend.step_outcomes import TIME_LIMIT
-from polhode.taylor.backend.time_grid import Grid
-from polhode.taylor.batches.jobs import BatchJob, Columns
-from polhode.taylor.corrections.integral_projection import Projector, StartTarget
-from polhode.taylor.integrator.stepping import Integrator
-from polhode.taylor.integrator.system import System
+from polhode.taylor import defaults, lanes
+from polhode.taylor.batches import BatchJob, Columns
+from polhode.taylor.heyoka import TIME_LIMIT, OutOfRange
+from polhode.taylor.projection import Projector, StartTarget
+from polhode.taylor.stepping import Integrator
+from polhode.taylor.system import System
+from polhode.taylor.time_grid import Grid
 
 if TYPE_CHECKING:
     import numpy.typing as npt

@@ -22,8 +22,8 @@ from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
-from polhode.taylor.backend import defaults
-from polhode.taylor.backend.heyoka_numbers import OutOfRange
+from polhode.taylor import defaults
+from polhode.taylor.heyoka import OutOfRange
 
 
 def at_times(run: Trajectory, what: str, t: AnyNumber | Iterable[AnyNumber]) -> Reread:

@@ -1,4 +1,4 @@
 """All that drives heyoka: steps, events, projection, variations, batches.
 
-:mod:`polhode.taylor.backend.engine` alone imports it.
+:mod:`polhode.taylor.heyoka` alone imports it.
 """

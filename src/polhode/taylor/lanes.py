@@ -17,9 +17,8 @@ from polhode.common import processes
 from polhode.common.interrupts import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.rows import Booleans, Doubles, Indices, Stack
-from polhode.taylor.batches import batch_integrator
-from polhode.taylor.batches.compiled_batch import LANES
-from polhode.taylor.batches.jobs import BatchJob
+from polhode.taylor import batches as batch_integrator
+from polhode.taylor.batches import LANES, BatchJob
 
 STEPS = 4.0  # a radian of the fastest rate takes fewer, at the type's own tolerance
 _SURE = 20_000.0  # steps that need no limit: 20 ms of a batch

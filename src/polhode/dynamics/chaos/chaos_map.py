@@ -248,7 +248,7 @@ def chaos_map(
     >>> found.exponent.shape
     (2,)
     """
-    from polhode.taylor.variations import tangent_batches
+    from polhode.taylor import variations
 
     scene = library.load(scene, takes=REQUESTS)
     frame = Frame.of(scene)
@@ -283,7 +283,7 @@ def chaos_map(
     first = tangents_of(begun, motions.moments, motions.torques)
     early = (looks // 8, looks // 4, looks // 2)
     jobs = [
-        tangent_batches.TangentJob(
+        variations.TangentJob(
             motions.names,
             coefficients[k : k + LANES],
             begun[k : k + LANES],
@@ -298,14 +298,14 @@ def chaos_map(
     ]
     kept = JobCheckpoint.at(parts, "map", scene.text, length, looks, tol, begun, coefficients)
     finished = run_jobs(
-        tangent_batches.solve,
+        variations.solve,
         jobs,
         [len(job.starts) for job in jobs],
         workers,
         executor,
         kept,
         lambda found: found._asdict(),
-        tangent_batches.Followed.of,
+        variations.Followed.of,
         progress,
     )
     sizes, left = (np.concatenate(arrays) for arrays in zip(*finished.done, strict=True))

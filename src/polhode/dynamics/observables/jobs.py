@@ -29,16 +29,12 @@ from polhode.runs.sweep.plan import Plan
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation.sweep_scenes import Members
-from polhode.taylor.backend.engine import hy
-from polhode.taylor.backend.heyoka_numbers import EXPRESSIONS
-from polhode.taylor.batches.jobs import Columns
-from polhode.taylor.events import batch_search
-from polhode.taylor.events.batch_search import SearchJob
-from polhode.taylor.events.batch_zeros import Watched
-from polhode.taylor.events.functions import TIME, in_columns, typed_constant
-from polhode.taylor.events.magnitudes import size_of
-from polhode.taylor.variations import tangent_batches
-from polhode.taylor.variations.tangent_batches import TangentJob
+from polhode.taylor import event_batches, variations
+from polhode.taylor.batches import Columns
+from polhode.taylor.event_batches import SearchJob, Watched
+from polhode.taylor.event_functions import TIME, in_columns, size_of, typed_constant
+from polhode.taylor.heyoka import EXPRESSIONS, hy
+from polhode.taylor.variations import TangentJob
 
 _DIRECTIONS = {"falling": -1, "any": 0, "rising": 1}
 STRETCH = 32.0  # of the motions' unit of time, a radian or two, between two looks at an event
@@ -223,19 +219,19 @@ def _first(
     stop: Stop | None,
 ) -> Reduced:
 
-    found = batch_search.solve(job, stop)
+    found = event_batches.solve(job, stop)
     times = np.ldexp(found.times[:, 0], job.exponent)
     states = read.states(found.states)[:, 0]
     ended, steps = np.array(found.outcomes), found.steps.copy()
     not_run, reached = code(Outcome.NOT_RUN), code(Outcome.REACHED_END)
-    outcomes = np.where(ended == batch_search.STOPPED, not_run, reached).astype(np.uint8)
+    outcomes = np.where(ended == event_batches.STOPPED, not_run, reached).astype(np.uint8)
 
     def heard(*_: object) -> None:
         if stop is not None and stop():
             raise KeyboardInterrupt  # the run's own way to be stopped
 
     options = Options(max_steps=singles.max_steps, project=False)
-    for k in np.flatnonzero(ended == batch_search.UNSURE).tolist():
+    for k in np.flatnonzero(ended == event_batches.UNSURE).tolist():
         if stop is not None and stop():
             break
         run = solve_one(singles.scene(k), DOUBLE, options, heard)
@@ -253,7 +249,7 @@ def _exponents(of: Exponents, time_exponent: int, stop: Stop | None) -> Reduced:
     """As :func:`polhode.lyapunov` tells them: those of chaotic members with their neighbours'."""
 
     job = of.job
-    found = tangent_batches.solve(job, stop)
+    found = variations.solve(job, stop)
     told = np.full((3, len(job.starts)), np.nan)
     whole = found.last == job.looks
     for k in np.flatnonzero(whole).tolist():
@@ -281,7 +277,7 @@ def _scatter(
     moved = job._replace(
         coefficients=job.coefficients[again], starts=starts, tangents=job.tangents[again]
     )
-    found = tangent_batches.solve(moved, stop)
+    found = variations.solve(moved, stop)
     ends = [
         lyapunov.fitted(sizes[: last + 1].tolist(), abs(job.end))[0]
         for sizes, last in zip(found.sizes, found.last.tolist(), strict=True)

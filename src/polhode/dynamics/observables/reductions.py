@@ -24,7 +24,7 @@ from polhode.numbers.rows import Stack
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import READY_MADE, STATE
-from polhode.taylor.events.magnitudes import identically_zero, size_of
+from polhode.taylor.event_functions import identically_zero, size_of
 
 FINAL, LARGEST, SMALLEST, FIRST, LYAPUNOV = "final", "largest", "smallest", "first", "lyapunov"
 _EXPECTED = "final, largest X, smallest X, first EVENT or lyapunov"

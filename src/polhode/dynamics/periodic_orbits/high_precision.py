@@ -35,7 +35,7 @@ from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType
 from polhode.numbers.polynomials import rational
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import EXACT
-from polhode.taylor.variations.flow_map import Flow, NotFollowed
+from polhode.taylor.variations import Flow, NotFollowed
 
 SPARE_DIGITS = 2  # written beside those asked for
 MOST_TYPES = 3  # tried until the digits are reached

@@ -24,8 +24,8 @@ from polhode.numbers.rows import Doubles, GivenRow
 from polhode.numbers.scalars import FLOATS, Scalar
 from polhode.numbers.vectors import dot
 from polhode.scenes.scene import Scene
-from polhode.taylor.backend.heyoka_numbers import OutOfRange
-from polhode.taylor.variations.flow_map import Flow
+from polhode.taylor.heyoka import OutOfRange
+from polhode.taylor.variations import Flow
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ import numpy as np
 
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.numbers.rows import Doubles, double_array
-from polhode.taylor.variations.flow_map import NotFollowed
+from polhode.taylor.variations import NotFollowed
 
 MOST_CORRECTIONS = 25
 CLOSED = 1e-9  # a correction of this size that no longer falls is rounding

@@ -50,7 +50,7 @@ from polhode.scenes.scene_text import as_toml, written
 from polhode.scenes.validation import Literal
 from polhode.scenes.variation.sweep_scenes import tables_of
 from polhode.scenes.vocabulary import REQUESTS, STATE
-from polhode.taylor.variations.flow_map import NotFollowed
+from polhode.taylor.variations import NotFollowed
 
 DIGITS = 15
 RETURNS = 10

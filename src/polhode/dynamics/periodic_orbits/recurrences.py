@@ -8,7 +8,7 @@ import numpy as np
 
 from polhode.dynamics.periodic_orbits.level_set import Surface
 from polhode.numbers.rows import Doubles
-from polhode.taylor.variations.flow_map import NotFollowed
+from polhode.taylor.variations import NotFollowed
 
 STEP = 0.05  # radians of the fastest rate between two looks
 LOOKS = 800  # at a time

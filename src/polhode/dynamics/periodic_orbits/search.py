@@ -42,7 +42,7 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts
 from polhode.scenes.vocabulary import REQUESTS
-from polhode.taylor.variations.flow_map import NotFollowed
+from polhode.taylor.variations import NotFollowed
 
 GRID = (20, 20)
 CROSSINGS = 3

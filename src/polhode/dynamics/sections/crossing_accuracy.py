@@ -48,7 +48,7 @@ def digits(
     ``workers``: threads.
     """
     from polhode.common.processes import run_jobs
-    from polhode.taylor.variations import tangent_batches
+    from polhode.taylor import variations
 
     digits_left: Doubles = np.full(times.shape, np.nan)
     is_crossing = np.isfinite(times)
@@ -78,12 +78,12 @@ def digits(
         coefficients = np.tile(np.array([*k.values()]), many)
         end, early = looks * span, tuple(range(2, looks, 2))
         jobs.append(
-            tangent_batches.TangentJob(
+            variations.TangentJob(
                 tuple(k), coefficients, starts[group], first, end, looks, None, early, LOST
             )
         )
     sizes = [len(group) for group in groups]
-    finished = run_jobs(tangent_batches.solve, jobs, sizes, workers)
+    finished = run_jobs(variations.solve, jobs, sizes, workers)
     if finished.interrupted:
         raise KeyboardInterrupt
     for group, span, result in zip(groups, spans, finished.done, strict=True):
@@ -102,7 +102,7 @@ def slant(scene: Scene, zero: SectionZero, states: Doubles, fastest: float) -> D
 
     ``fastest``: what w is measured by.
     """
-    from polhode.taylor.corrections.level_projection import ARRAYS, TINY
+    from polhode.taylor.projection import ARRAYS, TINY
 
     body = Frame.of(scene).inside(scene).body
     k = {n: to_double(x) for n, x in principal.coefficients(body).items()}

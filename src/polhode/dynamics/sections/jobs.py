@@ -22,8 +22,8 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 
 if TYPE_CHECKING:
-    from polhode.taylor.corrections.level_projection import Level
-    from polhode.taylor.events.batch_search import Crossed, SearchJob
+    from polhode.taylor.event_batches import Crossed, SearchJob
+    from polhode.taylor.projection import Level
 
 LANES = 64  # orbits of a job: where one is over the next takes its lane
 CHUNK = 160.0  # radians of the fastest rate between two projections
@@ -39,8 +39,7 @@ def jobs_of(
     They are in the level's own unit of time, 2**``on.slower`` inner ones: what is a step there, and
     what rounding adds up to in it, is measured by that.
     """
-    from polhode.taylor.events.batch_search import SearchJob
-    from polhode.taylor.events.batch_zeros import Watched
+    from polhode.taylor.event_batches import SearchJob, Watched
 
     scene = asked.scene
     frame, slower = Frame.of(scene).slower(on.slower), 2.0**on.slower
@@ -69,7 +68,7 @@ def jobs_of(
 def level_of(scene: Scene, h: Exact, f: Exact, frame: Frame) -> Level:
     """The integrals of a level, as those of a scene on it, inside a frame."""
     from polhode.equations import integrals
-    from polhode.taylor.corrections.level_projection import Level
+    from polhode.taylor.projection import Level
 
     known = first_integrals(frame.inside(scene))
     if integrals.CHAPLYGIN in known.onto and f != 0:
@@ -110,7 +109,7 @@ def packed(result: Crossed) -> Arrays:
 
 def unpacked(held: Arrays) -> Crossed:
     """What a job found, from those arrays."""
-    from polhode.taylor.events.batch_search import Crossed
+    from polhode.taylor.event_batches import Crossed
 
     states, times, rests = (double_array(held[name]) for name in ("states", "times", "rests"))
     found, steps = (np.asarray(held[name], dtype=np.int64) for name in ("found", "steps"))

@@ -257,7 +257,7 @@ def section(
     >>> found.states.shape
     (4, 5, 6)
     """
-    from polhode.taylor.events import batch_search
+    from polhode.taylor import event_batches
 
     scene = library.load(scene, takes=REQUESTS)
     refuse_other_rounding(scene)
@@ -285,7 +285,7 @@ def section(
     kept = JobCheckpoint.at(parts, "section", *key)
     with _refused(asked, on, kept):
         finished = run_jobs(
-            batch_search.solve,
+            event_batches.solve,
             jobs,
             [len(job.starts) for job in jobs],
             workers or section_jobs.worker_count(len(jobs), count),
@@ -296,7 +296,7 @@ def section(
             progress,
             processes=True,
         )
-    crossed = batch_search.joined(finished.done)
+    crossed = event_batches.joined(finished.done)
     crossed.states[..., :3] *= 2.0**-on.slower
     if asked.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
         with _refused(asked, on, kept):
@@ -333,7 +333,7 @@ def section(
 
 def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Doubles) -> None:
     """Raise BadInput for an expression that has no value at a start, or no rate at any of them."""
-    from polhode.taylor.corrections.level_projection import ARRAYS
+    from polhode.taylor.projection import ARRAYS
 
     if asked.by in (MOMENTUM, HEIGHT):
         return
@@ -359,7 +359,7 @@ def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Double
 @contextmanager
 def _refused(asked: Asked, on: Ground, kept: JobCheckpoint | None) -> Iterator[None]:
     """Leave nothing behind where the section's function is refused, on the way too."""
-    from polhode.taylor.events.batch_search import Singular
+    from polhode.taylor.event_batches import Singular
 
     try:
         try:
@@ -384,7 +384,7 @@ def _not_finite(asked: Asked, on: Ground, start: Sequence[float], time: float) -
 
 
 def _refuse_never_zero(asked: Asked, on: Ground, zero: SectionZero) -> None:
-    from polhode.taylor.corrections.level_projection import ARRAYS
+    from polhode.taylor.projection import ARRAYS
 
     grid = geometry.cells(60, 60)
     states = [geometry.momentum_states(on, *grid, kind).states for kind in (True, False)]

@@ -19,9 +19,9 @@ from polhode.enclosures.zonotope import State
 from polhode.equations.terms import LAYERS, LEFT, RIGHT, layered
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
-from polhode.taylor.integrator.system import principal_system
-from polhode.taylor.variations import double_trajectory
-from polhode.taylor.variations.equations import Variations
+from polhode.taylor import variations
+from polhode.taylor.system import principal_system
+from polhode.taylor.variations import Variations
 
 MOST_TURN = 5.0  # h |f'(x)| of a step: the majorant alpha is then about twice that
 _COARSE, _LESS = 64, 0.35  # less below this noise level, where exp(2 alpha) soon is too much
@@ -55,9 +55,7 @@ def window(
     start = list(np.ldexp(np.array(wide), -min(problem.fine, 80)))
     left = math.ldexp(end - state.time, -CLOCK)
     long = problem.noise > _DOUBLE
-    run = double_trajectory.path(
-        start, problem.factors, min(1.05 * pace * steps + 1e-3, left), long
-    )
+    run = variations.path(start, problem.factors, min(1.05 * pace * steps + 1e-3, left), long)
     if run is None:
         return None
     times, terms = _grid(problem, run, state.time, end, steps, turn)
@@ -70,7 +68,7 @@ def window(
 
 def _grid(
     problem: Problem,
-    run: double_trajectory.Path,
+    run: variations.Path,
     begin: int,
     end: int,
     steps: int,

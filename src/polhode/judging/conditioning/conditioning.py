@@ -45,10 +45,9 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 from polhode.scenes.vocabulary import REQUESTS
-from polhode.taylor.backend import defaults
-from polhode.taylor.backend.heyoka_numbers import OutOfRange
-from polhode.taylor.variations.error_growth import Growth
-from polhode.taylor.variations.state_transition import Passage, passage
+from polhode.taylor import defaults
+from polhode.taylor.error_growth import Growth, Passage, passage
+from polhode.taylor.heyoka import OutOfRange
 
 T = TypeVar("T")
 

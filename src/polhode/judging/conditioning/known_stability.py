@@ -31,8 +31,8 @@ from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import EXACT, FLOATS
 from polhode.scenes.scene import Scene
-from polhode.taylor.integrator.system import System
-from polhode.taylor.variations.equations import Variations
+from polhode.taylor.system import System
+from polhode.taylor.variations import Variations
 
 _TORI = {"polhode", "nutation", "s1"}  # rates that an integrable top has on its tori alone
 _ANY_TORI = {"u", "turning"}  # rates of tori of other tops

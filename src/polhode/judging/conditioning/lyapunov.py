@@ -45,9 +45,8 @@ from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 from polhode.scenes.vocabulary import REQUESTS
-from polhode.taylor.integrator.system import System, principal_system
-from polhode.taylor.variations.equations import Variations
-from polhode.taylor.variations.reference_trajectory import pendulum, six
+from polhode.taylor.system import System, principal_system
+from polhode.taylor.variations import Variations, pendulum, six
 
 MAX_STEPS = 1_000_000  # of 3 µs
 DEFAULT_LENGTH = 2000  # in the motion's slowest unit of time

@@ -1,7 +1,7 @@
 """What rounding does to a motion: the inputs', and that of the steps.
 
 All from one quantity, Phi(t, s): what a change of the state at s has become at t, which
-:mod:`polhode.taylor.variations.state_transition` gives stretch by stretch.
+:mod:`polhode.taylor.error_growth` gives stretch by stretch.
 
 **Inputs.**  The scene's numbers are rounded to the type once.  The differences are known, and so
 is what they cause, to first order: v(t) = Phi(t, 0) dx(0) + U(t) dk.  Where a run is projected onto
@@ -51,9 +51,9 @@ from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import LOG10_2, NumberType
 from polhode.numbers.rows import Doubles
 from polhode.numbers.scalars import FLOATS
-from polhode.taylor.corrections.integral_projection import constant_columns, kept_at_zero
-from polhode.taylor.variations.reference_trajectory import six
-from polhode.taylor.variations.state_transition import Passage
+from polhode.taylor.error_growth import Passage
+from polhode.taylor.projection import constant_columns, kept_at_zero
+from polhode.taylor.variations import six
 
 VARIANCE = 1 / 12  # of a rounding, in squared spacings
 INCREMENT = 4  # roundings of the whole increment

@@ -16,7 +16,7 @@ from polhode.judging.score.report_text import SHOWN
 from polhode.judging.tables.table import Table
 from polhode.numbers.exact import Exact
 from polhode.scenes.scene import Scene
-from polhode.taylor.backend import engine
+from polhode.taylor import heyoka
 
 FOLLOWED = 400  # times at which what rounding does to the motion is followed
 
@@ -39,7 +39,7 @@ class Expectation:
         """Kappa at the times judged: from t = 0 ahead, and from t = 0 back."""
         if self.known is not None:
             return (self.known,)
-        if not engine.installed:
+        if not heyoka.installed:
             return ()
         parts = by_sign([self.subject.times[k] for k in self._rows])
         return tuple(conditioning(self.scene, part, self.subject.number) for part in parts)

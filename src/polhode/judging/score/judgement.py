@@ -50,7 +50,7 @@ from polhode.results.result import Result
 from polhode.results.table import Column, Fact, table_of_rows
 from polhode.results.table import Table as ResultTable
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
-from polhode.taylor.backend import engine
+from polhode.taylor import heyoka
 
 PRINTED = "rounding (of the printed digits)"
 _NOISES, _BIASED = (WHITE, BIASED), 5.0  # limits; a bias, times the noise about it, that limits
@@ -137,7 +137,7 @@ class Judgement(Result, Scores):
     def motion(self) -> Lyapunov | None:
         """Whether the scene's motion is regular or chaotic, from a limited number of steps; None
         where heyoka is not installed."""
-        if not engine.installed:
+        if not heyoka.installed:
             return None
         return lyapunov(self.reference.scene, max_steps=MOTION_STEPS)
 
@@ -273,7 +273,7 @@ class Judgement(Result, Scores):
         unjudged = self._unjudged
         if isinstance(self._drift, str):
             unjudged.append(f"drift of the integrals was not judged: {self._drift}")
-        if not engine.installed:
+        if not heyoka.installed:
             unjudged.append("what limits the digits was not computed: heyoka is not installed")
         return (*self.subject.notes, *unjudged)
 

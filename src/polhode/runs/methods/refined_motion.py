@@ -31,7 +31,7 @@ from polhode.refined.refinement import (
 )
 from polhode.runs.problem.options import USUAL, Options
 from polhode.scenes.scene import Scene
-from polhode.taylor.integrator.system import System
+from polhode.taylor.system import System
 
 _MORE_DIGITS, _OTHER_INTERVALS = 10, 5  # of a second run, which tells the error of the first
 _PARTED = 1e-2  # so far apart two runs say nothing of each other

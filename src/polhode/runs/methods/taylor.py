@@ -24,15 +24,14 @@ from polhode.numbers.rows import Flat, Row, Rows, flat
 from polhode.numbers.scalars import of_extended, of_mpmath
 from polhode.runs.problem.options import USUAL, Options, cadence, refuse_other_rounding
 from polhode.scenes.scene import Scene
-from polhode.taylor.backend import defaults
-from polhode.taylor.backend.protocols import Corrector
-from polhode.taylor.backend.time_grid import Times
+from polhode.taylor import defaults
+from polhode.taylor.time_grid import Times
+from polhode.taylor.types import Corrector
 
 if TYPE_CHECKING:
-    from polhode.taylor.events.rules import Rules
-    from polhode.taylor.events.watch import Watch
-    from polhode.taylor.integrator.stepping import Anchor, Integrator
-    from polhode.taylor.integrator.system import System
+    from polhode.taylor.event_watch import Rules, Watch
+    from polhode.taylor.stepping import Anchor, Integrator
+    from polhode.taylor.system import System
 
 #: Where a start at a pole is left, inside the run's frame: a fraction of a radian on.
 _OFF_THE_POLE = Fraction(1, 2)
@@ -144,7 +143,7 @@ class TaylorMotion:
 
     def advance(self, times: Times, progress: Progress | None = None) -> tuple[Rows, Outcome]:
         """Rows at the times, inside the frame, as far as they were reached; the outcome."""
-        from polhode.taylor.backend.heyoka_numbers import OutOfRange
+        from polhode.taylor.heyoka import OutOfRange
 
         try:
             watch = self._watch = self._new_watch() if self.scene.events else None
@@ -240,7 +239,7 @@ class TaylorMotion:
 
     def _with_outputs(self, outputs: tuple[str, ...]) -> System:
         """The system with these outputs alone."""
-        from polhode.taylor.integrator.system import system
+        from polhode.taylor.system import system
 
         of = self.system
         return system(of.scene, outputs, of.number, of.tolerance, of.inputs)
@@ -253,14 +252,14 @@ class TaylorMotion:
     def _corrector(self, form: Form, watch: Watch | None) -> Corrector | None:
         """What corrects the state now and then; None where nothing does."""
         if form.unit is not None:
-            from polhode.taylor.corrections.quaternion_norm import UnitNorm
+            from polhode.taylor.projection import UnitNorm
 
             return UnitNorm(form.unit, self.number)
         system = self.system
         every = cadence(self.scene, self.number, system.tolerance, self.options.project)
         if every is None or system.inputs is not None or system.rests:
             return None
-        from polhode.taylor.corrections.integral_projection import Projector
+        from polhode.taylor.projection import Projector
 
         return Projector(system.target, every, watch)
 
@@ -268,8 +267,7 @@ class TaylorMotion:
         """What looks for the scene's events; None where they are not watched."""
         if not self.scene.events:
             return None
-        from polhode.taylor.events.rules import Rules
-        from polhode.taylor.events.watch import Watch
+        from polhode.taylor.event_watch import Rules, Watch
 
         of, scene = self.system, self.scene
 
@@ -296,7 +294,7 @@ class TaylorMotion:
         self, what: System, origin: Fraction, corrector: Corrector | None, anchored: int
     ) -> Integrator:
         """The integrator of the next leg, at the start of its system."""
-        from polhode.taylor.integrator.stepping import Integrator
+        from polhode.taylor.stepping import Integrator
 
         began = time.perf_counter()
         integrator = Integrator(what, origin, self._watch, corrector, anchored=anchored)
@@ -357,7 +355,7 @@ def system_of(
     key = (number, tolerance, inputs)
 
     def new_system() -> System:
-        from polhode.taylor.integrator.system import system
+        from polhode.taylor.system import system
 
         return system(scene.apart(), scene.modelled, *key)
 

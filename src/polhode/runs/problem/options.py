@@ -13,7 +13,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rounding import rounds_to_nearest
 from polhode.numbers.scalars import AnyNumber
 from polhode.scenes.scene import Scene
-from polhode.taylor.backend import defaults
+from polhode.taylor import defaults
 
 METHODS = ("auto", "taylor", "refined")
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from polhode.scenes.variation.sweep_columns import Block, Vector
-    from polhode.taylor.batches.jobs import Columns
+    from polhode.taylor.batches import Columns
 
 #: Numbers of all members, pairs too, or one that they have in common.
 Numbers: TypeAlias = Scalar
@@ -65,7 +65,7 @@ def columns_of(
     """
     import numpy as np
 
-    from polhode.taylor.batches.jobs import Columns
+    from polhode.taylor.batches import Columns
 
     ends = [*[t for t in times if t][:1], times[-1]]  # the least and the largest that are not 0
     made = _Made(members, number)
@@ -189,12 +189,12 @@ def refuse_out_of_range(
     members: Members, index: int, number: NumberType, values: Iterable[Exact]
 ) -> None:
     """Refuse a member's numbers that the type cannot hold; raises BadInput."""
-    from polhode.taylor.backend import heyoka_numbers
+    from polhode.taylor import heyoka
 
     try:
         for x in values:
-            heyoka_numbers.scalar(x, number)
-    except heyoka_numbers.OutOfRange as fault:
+            heyoka.scalar(x, number)
+    except heyoka.OutOfRange as fault:
         raise fault.refusal(members[index].name, number) from None
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches.jobs import BatchJob, Solved
+    from polhode.taylor.batches import BatchJob, Solved
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,9 +77,9 @@ class FlatJob(NamedTuple):
 
     def solved(self, stop: Stop | None = None) -> Solved:
         """What became of the members, in the scene's axes and units; ``stop`` ends it sooner."""
-        from polhode.taylor.batches import batch_integrator
+        from polhode.taylor import batches
 
-        solved = batch_integrator.solve(self.steps, stop)
+        solved = batches.solve(self.steps, stop)
         return replace(solved, states=self.read.states(solved.states))
 
 
@@ -88,7 +88,7 @@ def job_of(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
     import numpy as np
 
     from polhode.taylor import lanes
-    from polhode.taylor.batches.jobs import BatchJob
+    from polhode.taylor.batches import BatchJob
 
     exponent, motions = int(plan.exponents[group[0]]), plan.motions.some(group)
     times = np.ldexp(plan.grid, -exponent)

@@ -27,12 +27,12 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
 from polhode.scenes.vocabulary import REQUESTS
-from polhode.taylor.backend import defaults
+from polhode.taylor import defaults
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from polhode.taylor.batches.jobs import Solved
+    from polhode.taylor.batches import Solved
 
 _JOBS = 16, 1024  # so many at least and at most
 _JOB = 0.05  # seconds that one should take
@@ -156,7 +156,7 @@ def integrate_many(
         workers = whole(scene.name, "workers", workers, 1)
     check_method(scene, method)
     scene, vary = varied_of(scene, starts, vary)
-    from polhode.taylor.batches.compiled_batch import LANES
+    from polhode.taylor.batches import LANES
 
     plan = planned(scene, vary, number, digits, tol, max_steps)
     if method == "refined" and plan.number.flat:

@@ -24,14 +24,14 @@ from polhode.runs.sweep.columns import Fastest, columns_of
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
 from polhode.scenes.variation.sweep_scenes import Members
-from polhode.taylor.backend import defaults
-from polhode.taylor.backend.time_grid import rounded_times
+from polhode.taylor import defaults
+from polhode.taylor.time_grid import rounded_times
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches.jobs import Columns
+    from polhode.taylor.batches import Columns
 
 _BYTES = 40  # of a number of the states, while they are gathered and written
 
@@ -100,7 +100,7 @@ def planned(
     """
     import numpy as np
 
-    from polhode.taylor.batches.jobs import Columns
+    from polhode.taylor.batches import Columns
 
     refuse_other_rounding(scene)
     if scene.events:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches.jobs import Solved
+    from polhode.taylor.batches import Solved
 
 
 def no_states(number: NumberType, shape: tuple[int, ...]) -> Stack:
@@ -35,7 +35,7 @@ def no_states(number: NumberType, shape: tuple[int, ...]) -> Stack:
 
 def none_of(number: NumberType, members: int, times: int, columns: int) -> Solved:
     """Nothing done yet."""
-    from polhode.taylor.batches.jobs import Solved
+    from polhode.taylor.batches import Solved
 
     return Solved.undone(no_states(number, (members, times, columns)))
 
@@ -79,7 +79,7 @@ def unpacked(held: Arrays, number: NumberType) -> Solved:
     """The same back."""
     import numpy as np
 
-    from polhode.taylor.batches.jobs import Solved
+    from polhode.taylor.batches import Solved
 
     told = json.loads(str(held["errors"]))
     return Solved(

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.taylor.batches.jobs import Solved
+    from polhode.taylor.batches import Solved
 
 
 class WideJob(NamedTuple):

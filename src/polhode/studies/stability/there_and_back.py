@@ -15,8 +15,8 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Row, Rows
 from polhode.numbers.vectors import dot, scaled
 from polhode.scenes.scene import Scene
-from polhode.taylor.integrator.stepping import Integrator
-from polhode.taylor.integrator.system import system
+from polhode.taylor.stepping import Integrator
+from polhode.taylor.system import system
 
 
 def error(scene: Scene, number: NumberType) -> float:

@@ -22,14 +22,11 @@ from polhode.numbers.rows import Array, Row, Rows, flat
 from polhode.numbers.scalars import EXACT, Functions, Scalar
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
-from polhode.taylor.backend.heyoka_numbers import OutOfRange, array, scalars
-from polhode.taylor.backend.protocols import Watcher
-from polhode.taylor.backend.time_grid import Times, rounded_times
-from polhode.taylor.corrections.integral_projection import Target
-from polhode.taylor.integrator.angle_variables import Cyclic
-from polhode.taylor.integrator.engine import Engine, lent
-from polhode.taylor.integrator.singularities import nearest
-from polhode.taylor.integrator.specification import CLOCK, Equations, built
+from polhode.taylor.engine import CLOCK, Cyclic, Engine, Equations, built, lent, nearest
+from polhode.taylor.heyoka import OutOfRange, array, scalars
+from polhode.taylor.projection import Target
+from polhode.taylor.time_grid import Times, rounded_times
+from polhode.taylor.types import Watcher
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,18 +1,8 @@
-"""Events of a run: crossings and contacts of expressions along the motion.
-
-heyoka finds the zeros of each expression's Taylor polynomial and of its rate's, step by step.  A
-callback notes the state there; when the run is over all of them are polished together
-(polhode.taylor.events.polishing), and what they mean is decided in one pass
-(polhode.taylor.events.decision).  What heyoka is given is scaled down by sqrt(eps), so that an
-event takes no part in choosing the steps: a run with events takes the steps of a run without them,
-unless an expression varies far faster than the motion, or a step would be longer than the run's
-unit of time.  Last bits may differ, where an event shares terms with the equations.
-
-A zero at t = 0, to the rounding of the start's numbers, is not an event of the run.
-"""
+"""What heyoka calls in a run with events: where one is met, and after each step, to go on?"""
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -25,32 +15,254 @@ from polhode.common.values import waiting
 from polhode.equations.form import equations
 from polhode.equations.readout import Readout
 from polhode.motion.outcomes import EventTimes
-from polhode.numbers.exact import Number, sign
+from polhode.numbers import exact
+from polhode.numbers.conversion import exactly
+from polhode.numbers.exact import ZERO, Number, sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Array, read_only
 from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
-from polhode.taylor.backend import heyoka_numbers
-from polhode.taylor.backend.engine import hy
-from polhode.taylor.backend.protocols import Desk
-from polhode.taylor.backend.types import Expression, HeyokaEvent, HeyokaIntegrator, HeyokaNumber
-from polhode.taylor.events.callbacks import AfterStep, Callback
-from polhode.taylor.events.decision import (
+from polhode.taylor import heyoka
+from polhode.taylor import heyoka as heyoka_numbers
+from polhode.taylor.engine import CLOCK, TINY
+from polhode.taylor.event_decision import (
     Decision,
     End,
     Happening,
+    Places,
     at_the_end,
     depths,
+    exact_times,
     located,
+    places,
+    polished,
 )
-from polhode.taylor.events.functions import TIME, rate, typed_constant, value_of
-from polhode.taylor.events.jets import Formulas, Jet, Marks, jet_of, joined_marks
-from polhode.taylor.events.magnitudes import middle_axis
-from polhode.taylor.events.polishing import Places, exact_times, polished
-from polhode.taylor.events.probe import Probe, mark, stays
-from polhode.taylor.events.rules import Rules
-from polhode.taylor.integrator.specification import CLOCK, TINY
+from polhode.taylor.event_functions import (
+    BAND,
+    TIME,
+    Formulas,
+    Jet,
+    Marks,
+    jet_of,
+    joined_marks,
+    middle_axis,
+    rate,
+    sign_at_start,
+    size_of,
+    typed_constant,
+    value_of,
+)
+from polhode.taylor.heyoka import array, hy, scalar
+from polhode.taylor.types import Desk, Expression, HeyokaEvent, HeyokaIntegrator, HeyokaNumber
+
+_PATIENCE = 8  # steps in a row that do not change the time; the last one before an end may be such
+
+
+class AfterStep:
+    """Go on?  Not after an event that stops the run, and not where steps stand still at a pole.
+
+    Where an expression runs to infinity, so do its Taylor coefficients, and heyoka's steps shrink
+    to zero.  Steps of zero count towards no limit: they would go on for ever.
+    """
+
+    def __init__(self, stopped: Callable[[HeyokaIntegrator], bool], number: NumberType) -> None:
+        self.stopped, self.idle = stopped, 0
+        self.eps = heyoka.scalar(number.eps, number)
+
+    def __call__(self, ta: HeyokaIntegrator) -> bool:
+        """Whether to go on."""
+        moved = abs(ta.last_h) > abs(ta.time) * self.eps
+        self.idle = 0 if moved else self.idle + 1
+        return not self.stopped(ta) and self.idle < _PATIENCE
+
+    def __deepcopy__(self, _: object) -> AfterStep:
+        return self
+
+
+class Callback:
+    """heyoka's call where an event is met; heyoka copies its callbacks, this one stays one.
+
+    ``k``: which expression; in a batch the lane is told instead.
+    """
+
+    def __init__(self, desk: Desk, k: int, order: int) -> None:
+        self.desk, self.k, self.order = desk, k, order
+
+    def __call__(
+        self, ta: HeyokaIntegrator, t: HeyokaNumber, _: int, lane: int | None = None
+    ) -> None:
+        """Tell whoever watches."""
+        if self.desk.watch is not None:
+            self.desk.watch.met(self.k if lane is None else lane, self.order, ta, t)
+
+    def __deepcopy__(self, _: object) -> Callback:
+        return self
+
+
+# --- rules ----------------------------------------------------------------------------------------
+#
+# What the events of a scene are looked for by: made once for a scene.
+
+
+class Rules:
+    """What a run's watch goes by: made once for a scene, number type and tolerance.  Immutable.
+
+    ``start``: the exact signs of the expressions at t = 0.  ``asked``: whether heyoka asks after
+    each step.  ``damping``: powers of two by which heyoka sees the expressions smaller.  ``band``:
+    a rounding error of 1, times BAND.  ``still``: the state never changes, and the events do choose
+    the steps.
+    """
+
+    def __init__(
+        self, scene: Scene, number: NumberType, tolerance: Fraction | None, still: bool
+    ) -> None:
+        self.still = still
+        self.start = [sign_at_start(scene, k) for k in range(len(scene.events))]
+        eps = max(number.eps, tolerance or ZERO)
+        self.band = BAND * eps / 2
+        small = Fraction(1)
+        if not still:
+            small = Fraction(2) ** -(((1 / eps).numerator.bit_length() - 1) // 2)
+        self.damping: list[Fraction] = []
+        sizes = [size_of(scene, event) for event in scene.events]
+        self.asked = any(e.stop for e in scene.events) or not all(x.entire for x in sizes)
+        for size in sizes:
+            value, rate = exactly(size.value) or Fraction(1), exactly(size.rate) or Fraction(1)
+            self.damping.append(small * Fraction(2) ** -_exponent(max(value, rate)))
+
+
+def _exponent(x: Fraction) -> int:
+    mantissa, exponent = exact.rounded(x, 8)
+    return exponent + mantissa.bit_length()
+
+
+# --- probe ----------------------------------------------------------------------------------------
+#
+# Other steps along a motion: for a crossing that was lost, and for what never leaves zero.
+
+
+_PROBES = 8  # steps over which an expression that starts at zero must leave it
+_OTHER_SEAMS = Fraction(1, 20)  # the longest step of a search, in the run's unit
+_MOST_STEPS = 10_000  # of a search
+
+
+def mark(
+    heyoka: HeyokaIntegrator,
+    clock: Array,
+    width: int,
+    number: NumberType,
+    ago: HeyokaNumber | None = None,
+) -> Marks:
+    """Where an integrator stands, or stood so long ago in its last step.
+
+    ``clock``: the time at which its own began, in two parts.  ``width``: how many of its variables
+    are of the form.
+    """
+    high, low = heyoka.dtime
+    row = heyoka.state
+    if ago is not None:
+        heyoka.update_d_output(ago, rel_time=True)
+        row, low = heyoka.d_output, low + ago
+    parts = [array([x], number) for x in (*clock.tolist(), high, low)]
+    return Marks._make([*parts, row[:width, None].copy()])
+
+
+class Probe:
+    """Looks for crossings along steps of its own.
+
+    ``heyoka``: the run's integrator, whose events nobody hears meanwhile; it is left alone.
+    """
+
+    def __init__(self, jet: Jet, heyoka: HeyokaIntegrator, width: int) -> None:
+        self.jet, self.number, self.heyoka, self.width = jet, jet.number, heyoka, width
+
+    def crossing(
+        self,
+        known: Places,
+        start: Places,
+        end: Places,
+        way: int,
+        side: int,
+        since: int,
+        before: int,
+    ) -> Places | None:
+        """The crossing to a side between two places: along other steps, and by bisection.
+
+        ``since``: -1 for the start, ``before``: as many as there are places for the end.  It begins
+        where the expression is nearer to zero: where steps are long for it, the motion from there
+        on is the one that was seen there.
+        """
+        first = start if since < 0 else known.those([since])
+        last = end if before == len(known.ahead) else known.those([before])
+        ways = [(first, last, side, way), (last, first, -side, -way)]
+        if abs(last.values[0, 0]) < abs(first.values[0, 0]):
+            ways.reverse()
+        for begin, stop, wanted, onwards in ways:
+            length = abs(stop.ahead[0] - begin.ahead[0])
+            found = self._along(begin.marks, length, wanted, onwards)
+            if found is not None:
+                return places(self.jet, found, way, np.array([True]))
+        return None
+
+    def _along(self, begin: Marks, length: HeyokaNumber, wanted: int, way: int) -> Marks | None:
+        """Where the expression comes to a side along steps from a place, within some length."""
+        probe = copy.deepcopy(self.heyoka)
+        clock = array([begin.high[0], begin.low[0]], self.number)
+        if self.jet.timed:
+            probe.pars[:2] = clock
+        (start,) = (begin.time + begin.rest).tolist()
+        probe.time = start
+        probe.state[: self.width] = begin.columns[:, 0]
+        longest = scalar(_OTHER_SEAMS, self.number)
+        for _ in range(_MOST_STEPS):
+            left = length - abs(probe.time - start)
+            if not left > 0:
+                break
+            probe.step(way * min(longest, left), write_tc=True)
+            if self._beyond(mark(probe, clock, self.width, self.number), wanted):
+                return self._bisected(probe, clock, wanted)
+        return None
+
+    def _bisected(self, probe: HeyokaIntegrator, clock: Array, side: int) -> Marks:
+        """Where in a probe's last step the expression comes to a side."""
+        low, high = -probe.last_h, probe.last_h - probe.last_h
+        for _ in range(self.number.bits + 8):
+            middle = (low + high) / 2
+            if self._beyond(mark(probe, clock, self.width, self.number, middle), side):
+                high = middle
+            else:
+                low = middle
+        return mark(probe, clock, self.width, self.number, high)
+
+    def _beyond(self, marks: Marks, side: int) -> bool:
+        return bool(self.jet.at(marks)[0, 0] * side >= 0)
+
+
+def stays(jet: Jet, heyoka: HeyokaIntegrator, clock: Array, width: int) -> bool:
+    """Whether an expression stays within rounding of zero for some steps."""
+    probe, longest = copy.deepcopy(heyoka), scalar(Fraction(1), jet.number)
+    for _ in range(_PROBES):
+        probe.step(longest)
+        here = mark(probe, clock, width, jet.number)
+        if not places(jet, here, 1, np.array([True])).near[0]:
+            return False
+    return True
+
+
+# --- watch ----------------------------------------------------------------------------------------
+#
+# Events of a run: crossings and contacts of expressions along the motion.
+#
+# heyoka finds the zeros of each expression's Taylor polynomial and of its rate's, step by step. A
+# callback notes the state there; when the run is over all of them are polished together
+# (polhode.taylor.event_decision), and what they mean is decided in one pass
+# (polhode.taylor.event_decision). What heyoka is given is scaled down by sqrt(eps), so that an
+# event takes no part in choosing the steps: a run with events takes the steps of a run without
+# them, unless an expression varies far faster than the motion, or a step would be longer than the
+# run's unit of time. Last bits may differ, where an event shares terms with the equations.
+#
+# A zero at t = 0, to the rounding of the start's numbers, is not an event of the run.
 
 
 class Note(NamedTuple):

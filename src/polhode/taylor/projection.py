@@ -1,49 +1,56 @@
-"""Projection onto the first integrals: the running state put back on the exact scene's values.
-
-Rounding makes the integrals of a run wander, and the phase error follows at t^1.5.  Every so many
-steps the state x is therefore moved by the least-norm Newton step
-
-    dx = J^T (J J^T + lambda D)^-1 (I* - I(x)),    D = diag(J J^T),
-
-I the integrals (polhode.equations.integrals), J their Jacobian, I* the exact scene's values.  One
-compiled function does all of it in the next wider number type, and x + dx is rounded once.
-
-Components that the equations keep at exactly zero stay there: off an unstable plane or axis
-no motion comes back.
-
-It steps aside by itself.  Where gradients are parallel or vanish (permanent rotations, steady
-precession, degenerate motions) lambda takes the step to zero along what the integrals do not
-determine: a residual is known to the wider type's rounding, so directions in which it would be
-magnified to a rounding of x itself are left alone.  A step that is not finite, or too large to be
-rounding, is not made.  Next to an event's zero the step waits: no correction carries an event's
-expression over zero, nor more than a quarter of the way there.
-"""
+"""Projection of the running state onto its first integrals, its level, and unit quaternions."""
 
 from __future__ import annotations
 
+import copy
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
 
 from polhode.common.values import cached_property
 from polhode.equations.forms import principal
 from polhode.equations.integrals import CHAPLYGIN, FirstIntegrals, exact_values, first_integrals
+from polhode.equations.section_functions import SectionZero
 from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Projection
-from polhode.numbers.conversion import exactly
+from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ZERO, Exact, Number, sign
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Flat, GivenRow
-from polhode.numbers.scalars import EXACT, Scalar
+from polhode.numbers.rows import Array, Complexes, Doubles, Flat, GivenRow, Indices
+from polhode.numbers.scalars import EXACT, Functions, Scalar
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.taylor.backend import heyoka_numbers
-from polhode.taylor.backend.engine import hy
-from polhode.taylor.backend.protocols import Watcher
-from polhode.taylor.backend.types import CompiledFunction, Expression, HeyokaNumber
-from polhode.taylor.backend.wider_type import Conversions, conversions, wider
+from polhode.taylor import defaults, heyoka
+from polhode.taylor.heyoka import Conversions, as_fraction, conversions, hy, scalar, wider
+from polhode.taylor.types import CompiledFunction, Expression, HeyokaNumber, Watcher
+
+# --- integral projection --------------------------------------------------------------------------
+#
+# Projection onto the first integrals: the running state put back on the exact scene's values.
+#
+# Rounding makes the integrals of a run wander, and the phase error follows at t^1.5. Every so
+# many steps the state x is therefore moved by the least-norm Newton step
+#
+#     dx = J^T (J J^T + lambda D)^-1 (I* - I(x)),    D = diag(J J^T),
+#
+# I the integrals (polhode.equations.integrals), J their Jacobian, I* the exact scene's values.
+# One compiled function does all of it in the next wider number type, and x + dx is rounded once.
+#
+# Components that the equations keep at exactly zero stay there: off an unstable plane or axis no
+# motion comes back.
+#
+# It steps aside by itself. Where gradients are parallel or vanish (permanent rotations, steady
+# precession, degenerate motions) lambda takes the step to zero along what the integrals do not
+# determine: a residual is known to the wider type's rounding, so directions in which it would be
+# magnified to a rounding of x itself are left alone. A step that is not finite, or too large to
+# be rounding, is not made. Next to an event's zero the step waits: no correction carries an
+# event's expression over zero, nor more than a quarter of the way there.
+
 
 #: Steps that a correction waits for an event beside it to pass, before it is given up.
 _MOST_WAITS = 16
@@ -80,13 +87,13 @@ class Target:
         """The integrals' coefficients and this scene's values of them, in the wider type."""
         known = self.integrals
         found = [known.coefficients[name] for name in self._names]
-        return [*(heyoka_numbers.scalar(x, wider(self.number)) for x in found), *self.values]
+        return [*(heyoka.scalar(x, wider(self.number)) for x in found), *self.values]
 
     @cached_property
     def values(self) -> Sequence[HeyokaNumber]:
         """This scene's values of the integrals, in the wider type."""
         found = exact_values(self.scene, self.integrals)
-        return [heyoka_numbers.scalar(x, wider(self.number)) for x in found]
+        return [heyoka.scalar(x, wider(self.number)) for x in found]
 
     @cached_property
     def held(self) -> set[int]:
@@ -116,11 +123,11 @@ class Target:
 
     def _made(self, last: Sequence[HeyokaNumber]) -> Array:
         """An array of zeros for a state, and these after it."""
-        return heyoka_numbers.array([self._zero] * self.columns + [*last], wider(self.number))
+        return heyoka.array([self._zero] * self.columns + [*last], wider(self.number))
 
     @cached_property
     def _zero(self) -> HeyokaNumber:
-        return heyoka_numbers.scalar(ZERO, wider(self.number))
+        return heyoka.scalar(ZERO, wider(self.number))
 
 
 class StartTarget(Target):
@@ -143,7 +150,7 @@ class StartTarget(Target):
     def values(self) -> Sequence[HeyokaNumber]:
         """The values at the start, in the wider type."""
         wide, known = wider(self.number), self.integrals
-        k = {name: heyoka_numbers.scalar(x, wide) for name, x in known.coefficients.items()}
+        k = {name: heyoka.scalar(x, wide) for name, x in known.coefficients.items()}
         row = [self.conversions[2](x) for x in self.start]
         return known.values(row, k, self._zero)
 
@@ -232,11 +239,11 @@ def _newton_step(
     variables = hy.make_vars(*columns)
     known = [hy.expression(f"k{i}") for i in range(len(names) + len(onto))]
     k = dict(zip(names, known, strict=False))
-    values = FirstIntegrals(onto, order, {}).values(variables, k, heyoka_numbers.EXPRESSIONS.zero)
+    values = FirstIntegrals(onto, order, {}).values(variables, k, heyoka.EXPRESSIONS.zero)
     residuals = [target - value for target, value in zip(known[len(names) :], values, strict=True)]
 
     def constant(x: Number) -> Expression:
-        return hy.expression(heyoka_numbers.scalar(x, wide))
+        return hy.expression(heyoka.scalar(x, wide))
 
     none = constant(ZERO)
     jacobian = [
@@ -248,10 +255,8 @@ def _newton_step(
     step = least_norm(jacobian, residuals, damping, floor, none)
     size = hy.sqrt(sum((d * d for d in step[1:]), step[0] * step[0]))
     moved = [x + d for x, d in zip(variables, step, strict=True)]
-    with heyoka_numbers.disk_cache(wide):
-        return hy.cfunc(
-            [*moved, size], vars=[*variables, *known], **heyoka_numbers.type_options(wide)
-        )
+    with heyoka.disk_cache(wide):
+        return hy.cfunc([*moved, size], vars=[*variables, *known], **heyoka.type_options(wide))
 
 
 def least_norm(
@@ -332,3 +337,142 @@ def constant_columns(scene: Scene) -> list[int]:
     """
     moving = {name[0] for name in principal.coefficients(scene.body)}
     return [i for i, name in enumerate("pqr") if name not in moving]
+
+
+# --- level projection -----------------------------------------------------------------------------
+#
+# Columns of states put back on the first integrals of their level, in numpy.
+
+
+ARRAYS = Functions(0.0, np.sin, np.cos, np.sqrt)
+TINY = 1e-30  # of a complex step
+
+_NO_ROUNDING = 1e-8  # a step as large as that is none of rounding's, and is not made
+_DAMPING, _FLOOR = 1 + 2.0**-18, 2.0**-256  # see polhode.taylor.projection
+
+
+class Level(NamedTuple):
+    """The integrals to which states are put back, with their coefficients as longdoubles.
+
+    ``targets``: of h, f and |gamma|^2 (shared); the fourth is each orbit's own.
+    """
+
+    integrals: FirstIntegrals
+    coefficients: Mapping[str, np.longdouble]
+    targets: tuple[np.longdouble, ...]
+
+
+class Put:
+    """Puts columns of states back on their level by one least-norm step of Newton's method.
+
+    Residuals are longdoubles, the step is of doubles.  ``drift``: the largest residual met so far
+    of h, f and |gamma|^2, relative.
+    """
+
+    def __init__(self, level: Level, starts: Doubles) -> None:
+        self.level = level
+        self.drift = 0.0
+        self._plain = {name: float(x) for name, x in level.coefficients.items()}
+        own = self._values(starts.astype(np.longdouble))
+        shared = len(level.targets)
+        self.targets = np.array([x + 0 * own[0] for x in level.targets] + own[shared:])
+        h, f = np.abs(self.targets[:2].astype(float))
+        around = np.abs(np.array(own[:1], dtype=float))[0]
+        energy = np.maximum(h, around) + 1e-300
+        self.scales = np.array([energy, np.maximum(f, np.sqrt(energy)), 1 + 0 * energy])
+
+    def begin(self, lanes: list[int], starts: Doubles) -> None:
+        """Other orbits begin in some lanes."""
+        fresh = Put(self.level, starts)
+        self.targets[:, lanes], self.scales[:, lanes] = fresh.targets, fresh.scales
+
+    def of(self, orbits: Indices) -> Put:
+        """The same for these orbits, one a column."""
+        found = copy.copy(self)
+        found.targets, found.scales = self.targets[:, orbits], self.scales[:, orbits]
+        return found
+
+    def back(self, state: Doubles) -> Doubles:
+        """The states put back; as they are where the step is no rounding."""
+        residuals = self._residuals(state)
+        off = np.abs(residuals[:3]) / self.scales
+        self.drift = max(self.drift, float(np.max(off, initial=0.0, where=np.isfinite(off))))
+        return self._stepped(state, self._gradients(_moved(state)), [*residuals])
+
+    def within(self, zero: SectionZero, state: Doubles) -> Doubles:
+        """The states put back on level and section at once, so that they leave neither."""
+        moved = _moved(state)
+        with np.errstate(all="ignore"):
+            across = np.imag(zero.value(list(moved), ARRAYS)) / TINY
+            value = np.real(zero.value(list(state), ARRAYS))
+        rows = [*self._gradients(moved), across]
+        return self._stepped(state, rows, [*self._residuals(state), -value])
+
+    def _residuals(self, state: Doubles) -> Doubles:
+        values = self._values(state.astype(np.longdouble))
+        found: Doubles = (self.targets - np.array(values)).astype(float)
+        return found
+
+    def _gradients(self, moved: Complexes) -> list[Doubles]:
+        """Of the integrals, from complex steps along each component."""
+        values = self.level.integrals.values(list(moved), self._plain, 0 * moved[0])
+        return [np.imag(value) / TINY for value in values]
+
+    def _stepped(
+        self, state: Doubles, rows: Sequence[Doubles], residuals: Sequence[Doubles]
+    ) -> Doubles:
+        with np.errstate(all="ignore"):
+            step = np.array(least_norm(rows, residuals, _DAMPING, _FLOOR, 0.0))
+            size = np.sqrt((step * step).sum(axis=0))
+        return np.where(size < _NO_ROUNDING, state + step, state)
+
+    def _values(self, state: Flat) -> list[Scalar]:
+        return self.level.integrals.values(list(state), self.level.coefficients, 0 * state[0])
+
+
+def _moved(state: Doubles) -> Complexes:
+    """Each column six times, a component of each beside itself by a complex step."""
+    return state[:, None, :] + TINY * 1j * np.eye(6)[:, :, None]
+
+
+# --- quaternion norm ------------------------------------------------------------------------------
+#
+# A vector among the variables whose length one is held by projection: a quaternion's.
+#
+# Its length is an integral of the equations, of which rounding makes the run drift. Every so many
+# steps the vector is divided by its length, which is computed in more precision than the vector
+# has; what was corrected is recorded.
+
+
+_GUARD_BITS = 32
+
+
+class UnitNorm:
+    """The corrections of one run; ``which`` of its variables form the vector."""
+
+    def __init__(self, which: slice, number: NumberType) -> None:
+        self.which, self.number, self.every = which, number, defaults.of(number).unit_norm_every
+        self.count = 0
+        self.seconds = 0.0  # nothing is compiled
+        self.largest = self.sum = 0.0
+
+    def found(self) -> Projection:
+        """What was corrected so far."""
+        return Projection(("|q|",), self.every, self.count, self.largest, self.sum)
+
+    def correct(self, state: Array) -> bool:
+        """Correct a state where it stands, in heyoka's numbers."""
+        from polhode.numbers.mpmath_context import mpmath
+
+        bits = self.number.bits + _GUARD_BITS
+        places = range(*self.which.indices(len(state)))
+        with mpmath.workprec(bits):
+            vector = [to_mpf(as_fraction(state[i], self.number), bits) for i in places]
+            length = mpmath.sqrt(mpmath.fdot(vector, vector))
+            for i, x in zip(places, vector, strict=True):
+                state[i] = scalar(exactly(x / length), self.number)
+            size = abs(float(length - 1))
+        self.count += 1
+        self.sum += size
+        self.largest = max(self.largest, size)
+        return True

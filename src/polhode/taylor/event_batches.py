@@ -1,48 +1,167 @@
-"""Zeros of an expression along many motions at once: batches of doubles, stretch after stretch.
-
-heyoka's batch integrator tells the zeros of a stretch of time: for a section all of them in a
-direction, for a first zero the earliest.  Where all are plain and fit the sides at the stretch's
-ends, they are crossings.  Any other lane goes through the stretch once more, the extrema told, too,
-and the rule of runs decides (:mod:`polhode.taylor.events.decision`); what is noted after its last
-witness is decided about with the next stretch.  The clock starts again from 0 at each stretch, so
-that a time is the stretch's start and a small rest; states of a section are put back on the first
-integrals there.
-
-A motion is *unsure* if a crossing was lost, or if its first zero is asked for and doubles do not
-tell the side on which it begins.  Of two multiple zeros in one step heyoka may tell neither:
-whoever asks hands over the odd part of an expression
-(:func:`polhode.numbers.expression.odd_part`), which has such zeros only where a factor is squared
-or a product is multiplied out.  What a lane gives does not depend on its neighbours.
-"""
+"""What a batch search watches: an expression on motions of many bodies, and heyoka's batch."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
 from functools import partial
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from polhode.common.interrupts import Stop
+from polhode.equations import kinematics
+from polhode.equations.forms import principal
 from polhode.equations.section_functions import SectionZero
 from polhode.motion.outcomes import Outcome
+from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Number
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Booleans, Doubles, Indices, double_array
-from polhode.taylor.backend.defaults import first_step_offset
-from polhode.taylor.backend.types import HeyokaIntegrator
-from polhode.taylor.batches import step_blocks
-from polhode.taylor.batches.compiled_batch import CompiledBatch
-from polhode.taylor.batches.lane_queue import LaneQueue
-from polhode.taylor.corrections.level_projection import Level, Put
-from polhode.taylor.events.batch_zeros import ORIGIN, TINY, Watched, built
-from polhode.taylor.events.decision import ULPS, Decision, End, at_the_end, located, plain_lanes
-from polhode.taylor.events.jets import Jet, Marks, joined_marks
-from polhode.taylor.events.polishing import Places, joined_places, polished
-from polhode.taylor.events.probe import Probe
-from polhode.taylor.integrator.engine import Engine, lent
-from polhode.taylor.integrator.specification import DESK, Equations, principal_engine
+from polhode.numbers.scalars import Functions, Scalar
+from polhode.taylor import batches
+from polhode.taylor.batches import LANES, CompiledBatch, LaneQueue
+from polhode.taylor.defaults import first_step_offset
+from polhode.taylor.engine import DESK, Engine, Equations, integrator, lent, principal_engine
+from polhode.taylor.event_decision import (
+    ULPS,
+    Decision,
+    End,
+    Places,
+    at_the_end,
+    joined_places,
+    located,
+    plain_lanes,
+    polished,
+)
+from polhode.taylor.event_functions import (
+    BAND,
+    TIME,
+    Formulas,
+    Jet,
+    Marks,
+    in_columns,
+    jet_of,
+    joined_marks,
+    rate,
+    typed_constant,
+)
+from polhode.taylor.event_watch import Callback, Probe
+from polhode.taylor.heyoka import EXPRESSIONS, compact_beyond, hy
+from polhode.taylor.projection import Level, Put
+from polhode.taylor.types import Desk, HeyokaIntegrator
+
+#: The parameters of a batch, and of its jet: when the stretch began, what the first step adds to
+#: the expression (a jet's other part of the time), and the numbers of :meth:`Watched.numbers`.
+ORIGIN, TINY = range(DESK)
+
+_LONG = 80  # operations of an expression and its rate whose code is compiled as loops
+_DAMPING = 2.0**-64  # of the rate: it takes no part in choosing the steps, however fast it is
+_TURN = tuple(f"turn{i}{j}" for i in range(3) for j in range(3))
+_UNITS = "1/unit", "unit"
+_BAND = BAND * DOUBLE.eps / 2
+
+
+class Watched(NamedTuple):
+    """An expression on motions of bodies with the same coefficients by name.
+
+    ``columns``: of a state.  ``zero``: a section's function, in principal axes; or a text in
+    columns and t, in the scene's axes, ``turned`` against those, and units.  ``size``: a power of
+    two above its largest value and rate.  ``constants``: the coefficients where all motions are of
+    one body; steps are shorter work with them than with parameters.
+    """
+
+    names: tuple[str, ...]
+    columns: tuple[str, ...]
+    zero: SectionZero | str
+    size: float = 1.0
+    turned: bool = False
+    constants: tuple[float, ...] = ()
+
+    @property
+    def formulas(self) -> Formulas:
+        """The expression and the motion, of parameters."""
+        turn = _TURN if self.turned else ()
+        named = {n: hy.par[i] for i, n in enumerate((*_UNITS, *self.names, *turn), DESK)}
+        return Formulas(self.value, principal.field, lambda _: named)
+
+    def numbers(self, exponent: int, coefficients: Doubles, turns: Doubles | None) -> Doubles:
+        """The numbers of motions, a column each: 1 / unit of time, unit, coefficients, turn."""
+        unit = np.full((len(coefficients), 1), 2.0**exponent)
+        parts = [1 / unit, unit, coefficients]
+        return np.hstack([*parts, turns] if turns is not None else parts).T
+
+    def value(
+        self,
+        state: Sequence[Scalar],
+        time: Scalar,
+        numbers: Mapping[str, Scalar],
+        constant: Callable[[Number], Scalar],
+        fn: Functions,
+    ) -> Scalar:
+        """At a state in principal axes, for any scalar."""
+        if isinstance(self.zero, SectionZero):
+            return self.zero.value(state, fn, lambda x: constant(Fraction(x)))
+        vectors = [
+            kinematics.in_scene_axes(state[i : i + 3], numbers, fn.zero)
+            for i in range(0, len(self.columns), 3)
+        ]
+        per_unit, unit = (numbers[name] for name in _UNITS)
+        values = [*(per_unit * x for x in vectors[0]), *(x for v in vectors[1:] for x in v)]
+        return in_columns(self.zero, self.columns, values, unit * time, constant, fn)
+
+
+def built(watched: Watched, extrema: bool = False) -> CompiledBatch:
+    """A batch that meets the zeros of an expression, and of its rate where it is asked to."""
+    variables, section = hy.make_vars(*watched.columns), isinstance(watched.zero, SectionZero)
+    constant = _double if section else typed_constant(DOUBLE)
+    formulas, desk = watched.formulas, Desk()
+    numbers = formulas.numbers(constant)
+    value = formulas.value(variables, TIME, numbers, constant, EXPRESSIONS)
+    desk.jets.append(jet_of(formulas, variables, DOUBLE, _BAND, constant))
+    if watched.constants:
+        numbers = dict(zip(watched.names, map(hy.expression, watched.constants), strict=True))
+    field = principal.field(variables, numbers, EXPRESSIONS)
+    scaled = value if section else value / hy.expression(watched.size)
+    met = [scaled]
+    if extrema:
+        met.append(rate(scaled, variables, field) * hy.expression(_DAMPING))
+    clock = {TIME: hy.time + hy.par[ORIGIN]}
+    options: dict[str, Any] = compact_beyond(_LONG, met)
+    options["nt_events"] = [
+        hy.nt_event_batch(hy.subs(f, clock) + hy.par[TINY], Callback(desk, 0, order))
+        for order, f in enumerate(met)
+        if hy.get_variables([f])  # a constant has no zeros
+    ]
+    heyoka = integrator(list(zip(variables, field, strict=True)), DOUBLE, LANES, **options)
+    return CompiledBatch(heyoka, desk=desk)
+
+
+def _double(x: Number) -> Scalar:
+    """A double as heyoka's constant, however small."""
+    return hy.expression(to_double(x))
+
+
+# --- batch search ---------------------------------------------------------------------------------
+#
+# Zeros of an expression along many motions at once: batches of doubles, stretch after stretch.
+#
+# heyoka's batch integrator tells the zeros of a stretch of time: for a section all of them in a
+# direction, for a first zero the earliest. Where all are plain and fit the sides at the stretch's
+# ends, they are crossings. Any other lane goes through the stretch once more, the extrema told,
+# too, and the rule of runs decides (:mod:`polhode.taylor.event_decision`); what is noted after
+# its last witness is decided about with the next stretch. The clock starts again from 0 at each
+# stretch, so that a time is the stretch's start and a small rest; states of a section are put
+# back on the first integrals there.
+#
+# A motion is *unsure* if a crossing was lost, or if its first zero is asked for and doubles do
+# not tell the side on which it begins. Of two multiple zeros in one step heyoka may tell neither:
+# whoever asks hands over the odd part of an expression
+# (:func:`polhode.numbers.expression.odd_part`), which has such zeros only where a factor is
+# squared or a product is multiplied out. What a lane gives does not depend on its neighbours.
+
 
 DONE, NONE_LEFT, NON_FINITE = "all crossings", "no more crossings", "not finite"
 STOPPED, UNSURE = "stopped", "not certain of a crossing"
@@ -269,7 +388,7 @@ class _Search:
 
     def _onwards(
         self, batch: CompiledBatch, which: Booleans, stop: Stop | None
-    ) -> step_blocks.Ended | None:
+    ) -> batches.Ended | None:
         """Some lanes brought to the stretch's end; None where stopped.  Raises Singular."""
         most, running = self.job.max_steps, self.lanes.motion[self.lanes.busy]
         left = None if most is None else max(1, most - int(self.steps[running].max()))

@@ -16,7 +16,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Numbers, flat
 from polhode.numbers.scalars import Scalar
 from polhode.scenes.scene import Scene
-from polhode.taylor.backend.types import HeyokaNumber
+from polhode.taylor.types import HeyokaNumber
 
 _FEW = 64  # times: the exact ones of so few are all made at the first question, and kept
 
@@ -88,7 +88,7 @@ class Times(Sequence[Fraction]):
     @cached_property
     def grid(self) -> Numbers:
         """The times as heyoka's numbers: an array, or a list above extended."""
-        from polhode.taylor.backend.heyoka_numbers import array, scalars
+        from polhode.taylor.heyoka import array, scalars
 
         found = scalars(self._exact, self.number)
         return array(found, self.number) if self.number.flat else found

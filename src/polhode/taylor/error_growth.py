@@ -1,14 +1,4 @@
-"""What happens to small changes along a motion, stretch by stretch.
-
-From the end of one stretch to that of the next a change v of the state, and changes c of the
-equations' coefficients k in units u of their own, go over into
-
-    Phi v + U c,    Phi' = J(x) Phi,    U' = J(x) U + u df/dk,    Phi = 1 and U = 0 before,
-
-all in principal axes and the scene's own unit of time.  Stretches are short enough that a double
-holds each Phi; products of them are taken by :mod:`polhode.judging.conditioning.rounding_errors`.
-Where a run leads to is where the next stretch begins, so that the lanes of a batch have one each.
-"""
+"""How a motion multiplies errors."""
 
 from __future__ import annotations
 
@@ -28,16 +18,33 @@ from polhode.equations.terms import NAMES
 from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, double_array
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor.backend import defaults
-from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes
-from polhode.taylor.integrator.specification import Equations, principal_engine
-from polhode.taylor.integrator.stepping import Integrator
-from polhode.taylor.integrator.system import System, principal_system
-from polhode.taylor.variations.reference_trajectory import Leader, pendulum, six
+from polhode.taylor import defaults
+from polhode.taylor.batches import LANES, CompiledBatch, in_lanes
+from polhode.taylor.engine import Equations, principal_engine
+from polhode.taylor.projection import kept_at_zero
+from polhode.taylor.stepping import Integrator
+from polhode.taylor.system import System, principal_system
+from polhode.taylor.variations import Leader, Variations, pendulum, six
+
+# --- state transition -----------------------------------------------------------------------------
+#
+# What happens to small changes along a motion, stretch by stretch.
+#
+# From the end of one stretch to that of the next a change v of the state, and changes c of the
+# equations' coefficients k in units u of their own, go over into
+#
+#     Phi v + U c,    Phi' = J(x) Phi,    U' = J(x) U + u df/dk,    Phi = 1 and U = 0 before,
+#
+# all in principal axes and the scene's own unit of time. Stretches are short enough that a double
+# holds each Phi; products of them are taken by
+# :mod:`polhode.judging.conditioning.rounding_errors`. Where a run leads to is where the next
+# stretch begins, so that the lanes of a batch have one each.
+
 
 STRIDES = (1.0, 8.0)  # units of the scene's own time a stretch: at least, at most
 MOST_STRETCHES = 4000  # of the shortest
@@ -121,7 +128,7 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
     found: list[Stretch] = []
     whole, height, steps, note = np.eye(6), 0.0, 0.0, ""
     nearest = min((abs(t) for t in outputs if t), default=0.0)
-    moments = _moments(outputs)
+    moments = _stops(outputs)
     ahead = [*islice(moments, _BLOCK)]
     while ahead and not note and height <= until:
         states = np.tile(state, (len(ahead), 1)) if still else leader.rows(ahead, height)
@@ -227,7 +234,7 @@ def coefficient_units(scene: Scene) -> tuple[float, ...]:
     return tuple(found.values())
 
 
-def _moments(outputs: Sequence[float]) -> Iterator[float]:
+def _stops(outputs: Sequence[float]) -> Iterator[float]:
     """The output times and every multiple of the stride between them, away from 0."""
     least, most = STRIDES
     end = abs(outputs[-1]) if outputs else 0.0
@@ -240,3 +247,182 @@ def _moments(outputs: Sequence[float]) -> Iterator[float]:
         if abs(t) == (done + 1) * stride:
             done += 1
         yield t
+
+
+# --- error growth ---------------------------------------------------------------------------------
+#
+# How much a motion multiplies errors on the way: one tangent, by the variational equations.
+#
+#     G(t) = max over s <= t of |v(t)| / |v(s)|,    v' = J(x) v,    lost(t) = log10(G(t) sqrt(n(t)))
+#
+# v along no special direction, w measured by the largest |w|, gamma as it is; n the Taylor steps
+# so far, each of which rounds the state once. A run whose numbers hold so many digits is expected
+# to have lost so many of them at t. Components that the equations keep at exactly zero take no
+# rounding, and none is given to them here.
+#
+# Where a run is put back, once in m steps, on as many integrals as fix its torus, its frequencies
+# walk at random for m steps at most. What each walk shifts is another number at random, so that
+#
+#     lost(t) = log10 max(G, sqrt(n), G m/sqrt(n)),    n > m,
+#
+# the first for the rounded inputs, which no projection puts right.
+
+
+MOST_STEPS = 50_000  # of 4 µs
+STRIDE = 8.0  # of the scene's own unit of time between two looks where the motion is led
+MOST_LOOKS, LONGEST = 64, 256.0  # otherwise: about so many looks, none so far from the last
+LED_FROM = 10.0  # log10 of G up to which a motion in double is the scene's to six digits
+TRUSTED = 14.0  # log10 of G beyond which a motion in double says nothing of the scene's
+_LATEST = 2.0**900  # of the scene's own unit of time; whatever a law says of later times
+_EXPONENTIAL = 6.0  # ln of G in the second half of the time: no power of time grows so much
+_DIRECTION = (0.6, -0.5, 0.4, 0.3, 0.2, -0.3)  # along no axis
+
+
+class Growth(NamedTuple):
+    """Decimal digits lost, at moments from 0 on; between two of them log10 is linear in time.
+
+    ``times``: in the scene's own unit 2**unit, |t| increasing.  ``lost``: see the module; at least
+    0.  ``followed``: the last time to which the tangent was followed; later values continue its
+    law.  ``steps``: Taylor steps in double to the end, about.
+    """
+
+    times: tuple[float, ...]
+    lost: tuple[float, ...]
+    followed: float
+    steps: int
+    unit: int
+
+    def at(self, t: Exact) -> float:
+        """The digits lost at a time."""
+        here = to_double(abs(t) / Fraction(2) ** self.unit)
+        return float(np.interp(here, np.abs(self.times), self.lost))
+
+    def reaches(self, lost: float) -> float | None:
+        """The first time at which so many digits are lost; None where they never are."""
+        found = self._reaches(lost)
+        return None if found is None else to_double(Fraction(found) * Fraction(2) ** self.unit)
+
+    def _reaches(self, lost: float) -> float | None:
+        before, height = 0.0, 0.0
+        for t, here in zip(self.times, self.lost, strict=True):
+            if here >= lost:
+                part = (lost - height) / (here - height) if here > height else 1.0
+                return before + min(1.0, max(0.0, part)) * (t - before)
+            before, height = t, here
+        return None
+
+
+def growth(
+    scene: Scene,
+    limit: float = math.inf,
+    max_steps: int = MOST_STEPS,
+    led: bool = False,
+    trusted: float = TRUSTED,
+    every: int = 0,
+) -> Growth:
+    """The digits lost from 0 to the scene's end, followed until ``limit`` of them are.
+
+    ``max_steps``: of the tangent; beyond them its law is continued: exponential where it was so in
+    the second half of the time, else in proportion to time.  ``led``: whether an integration of
+    wider type, which may cost as much as the run itself, keeps the motion the scene's own once G
+    has passed 1e10.  Unled, the law is continued from where G passes 10**trusted; up to there, or
+    everywhere with inf, the tangent may be that of a neighbour's motion.  ``every``: the steps
+    between two projections of an integrable top onto all its integrals, 0 without.
+    """
+    frame = Frame.of(scene)
+    inside, principal = frame.inside(scene), scene.form == "principal"
+    end = max(-_LATEST, min(_LATEST, to_double(frame.time(scene.end))))
+    if end == 0 or (principal and at_rest(inside).state):  # nothing is rounded on the way
+        return Growth((0.0,), (0.0,), end, 0, frame.exponent)
+    plain = principal_system(inside)
+    start = six(plain.start)
+    tangent = np.array(_DIRECTION)
+    tangent[:3] *= float(np.linalg.norm(start[:3])) or 1.0
+    if principal:
+        tangent[list(kept_at_zero(inside))] = 0
+    tangent[len(plain.start) :] = 0
+    flow = Variations(plain.coefficients, start, tangent[:, None])
+    leader = Leader(plain) if led else None
+    looks = [_look(flow)]
+    for t in _moments(end, led):
+        arrived = flow.to(t, max_steps - flow.steps)
+        if not flow.finite:
+            break
+        flow.rescale()
+        looks.append(_look(flow))
+        passed = _grown(looks, inside)[-1]
+        if not arrived or passed > limit * math.log(10):
+            break
+        if leader is None and passed > trusted * math.log(10):
+            break
+        if leader is not None and passed > LED_FROM * math.log(10):
+            flow.state = leader.at(t, passed / math.log(10))
+    flow.release()
+    return _continued(looks, _grown(looks, inside), end, frame.exponent, every)
+
+
+class _Look(NamedTuple):
+    """One moment, in the scene's own unit of time."""
+
+    time: float
+    steps: int
+    speed: float  # |w|
+    sizes: tuple[float, float]  # ln |v|: its part of w, its part of gamma
+
+
+def _look(flow: Variations) -> _Look:
+    v, more = flow.tangents[:, 0], flow.exponent * math.log(2)
+    sizes = [_ln(float(np.linalg.norm(part))) + more for part in (v[:3], v[3:])]
+    return _Look(flow.time, flow.steps, float(np.linalg.norm(flow.state[:3])), (sizes[0], sizes[1]))
+
+
+def _grown(looks: list[_Look], scene: Scene) -> list[float]:
+    """ln of G at each look."""
+    scale = _ln(max(look.speed for look in looks) or pendulum(scene))
+    least, found = math.inf, []
+    for look in looks:
+        size = max(look.sizes[0] - scale, look.sizes[1])
+        least = min(least, size)
+        found.append(size - least)
+    return found
+
+
+def _continued(looks: list[_Look], grown: list[float], end: float, unit: int, every: int) -> Growth:
+    """Growth from what was seen, its law continued to the end."""
+    times, last = [look.time for look in looks], looks[-1].time
+    added = [0.5 * math.log(max(1, look.steps)) for look in looks]  # ln of sqrt(n)
+    whole = [*grown]
+    if abs(last) < abs(end):
+        half = float(np.interp(abs(last) / 2, np.abs(times), grown))
+        ahead = np.geomspace(abs(last) or 1e-3 * abs(end), abs(end), 16)[1:]
+        per_time = (grown[-1] - half) / (abs(last) / 2 or 1.0)
+        exponential = grown[-1] - half > _EXPONENTIAL
+        for t in ahead:
+            ratio = float(t) / (abs(last) or float(t))
+            more = per_time * (float(t) - abs(last)) if exponential else math.log(ratio)
+            times.append(math.copysign(float(t), end))
+            whole.append(grown[-1] + more)
+            added.append(added[len(looks) - 1] + 0.5 * math.log(ratio))
+    lost = [_lost(g, n, every) / math.log(10) for g, n in zip(whole, added, strict=True)]
+    steps = math.ceil(looks[-1].steps * abs(end / last)) if last else looks[-1].steps
+    return Growth(tuple(times), tuple(lost), last, steps, unit)
+
+
+def _lost(grown: float, root: float, every: int) -> float:
+    """ln of what a rounding has become: by ln of G and of sqrt(n), see the module."""
+    if every == 0 or 2 * root <= math.log(every):
+        return grown + root
+    return max(grown, root, grown + math.log(every) - root)
+
+
+def _moments(end: float, led: bool) -> Iterator[float]:
+    """Moments from 0 to the end, without 0."""
+    stride = STRIDE if led else min(LONGEST, max(STRIDE, abs(end) / MOST_LOOKS))
+    count = math.ceil(abs(end) / stride)
+    for k in range(1, count):
+        yield math.copysign(k * stride, end)
+    yield end
+
+
+def _ln(x: float) -> float:
+    return math.log(x) if x > 0 else -math.inf

@@ -15,16 +15,13 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import joined
 from polhode.numbers.exact import ZERO
 from polhode.numbers.rows import Array, Numbers, Row, Rows
-from polhode.taylor.backend import defaults
-from polhode.taylor.backend.defaults import first_step_offset
-from polhode.taylor.backend.heyoka_numbers import array, as_fraction, as_mpf, scalar
-from polhode.taylor.backend.protocols import Corrector, Watcher
-from polhode.taylor.backend.step_outcomes import ending
-from polhode.taylor.backend.time_grid import Times
-from polhode.taylor.backend.types import HeyokaNumber, HeyokaOutcome
-from polhode.taylor.integrator.engine import Engine
-from polhode.taylor.integrator.specification import TINY
-from polhode.taylor.integrator.system import System
+from polhode.taylor import defaults
+from polhode.taylor.defaults import first_step_offset
+from polhode.taylor.engine import TINY, Engine
+from polhode.taylor.heyoka import array, as_fraction, as_mpf, ending, scalar
+from polhode.taylor.system import System
+from polhode.taylor.time_grid import Times
+from polhode.taylor.types import Corrector, HeyokaNumber, HeyokaOutcome, Watcher
 
 #: The longest step, in the run's unit, of a run with events.  Where all that moves is small beside
 #: what rests, steps are long by that, and products of small things have no polynomial over them.

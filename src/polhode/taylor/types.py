@@ -1,30 +1,48 @@
-"""What integrates, what looks for events, what puts the state back: what each asks of the others.
-
-Whoever builds an integrator gives it its watcher and its corrector, and gives the corrector the
-watcher; none of the three reaches for one through another.  No heyoka is needed to name them.
-"""
+"""heyoka's things by kind: it brings no types along, and these names say what is meant."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from fractions import Fraction
-from typing import Protocol
+from typing import Any, Protocol, TypeAlias
 
 from polhode.equations.form import Form
 from polhode.motion.outcomes import Projection
 from polhode.numbers.rows import Array
 from polhode.numbers.scalars import Functions, Scalar
-from polhode.taylor.backend.types import (
-    CompiledFunction,
-    Expression,
-    HeyokaEvent,
-    HeyokaIntegrator,
-    HeyokaNumber,
-)
+
+#: float, numpy.longdouble, heyoka.real128 or heyoka.real, by the number type of the run.
+HeyokaNumber: TypeAlias = Any
+
+#: heyoka.expression, of variables, parameters and the time.
+Expression: TypeAlias = Any
+
+#: heyoka.taylor_adaptive, or taylor_adaptive_batch: compiled code, state and time of a system.
+HeyokaIntegrator: TypeAlias = Any
+
+#: heyoka.nt_event or t_event, and their batch kinds.
+HeyokaEvent: TypeAlias = Any
+
+#: heyoka.taylor_outcome: how steps ended.
+HeyokaOutcome: TypeAlias = Any
+
+#: heyoka.continuous_output: the polynomials of some steps.
+HeyokaOutput: TypeAlias = Any
+
+#: heyoka.cfunc: compiled code of some expressions.
+CompiledFunction: TypeAlias = Any
+
+
+# --- protocols ------------------------------------------------------------------------------------
+#
+# What integrates, what looks for events, what puts the state back: what each asks of the others.
+#
+# Whoever builds an integrator gives it its watcher and its corrector, and gives the corrector the
+# watcher; none of the three reaches for one through another. No heyoka is needed to name them.
 
 
 class Rates(Protocol):
-    """What gives rates to variables (polhode.taylor.integrator.system.System)."""
+    """What gives rates to variables (polhode.taylor.system.System)."""
 
     @property
     def form(self) -> Form:
@@ -48,7 +66,7 @@ class Desk:
     """What belongs to an integrator with events, whichever run takes it up: ``watch`` is told of
     them.
 
-    ``jets``: of each expression, compiled: see :class:`polhode.taylor.events.jets.Jet`.
+    ``jets``: of each expression, compiled: see :class:`polhode.taylor.event_functions.Jet`.
     """
 
     def __init__(self) -> None:
@@ -57,7 +75,7 @@ class Desk:
 
 
 class Watcher(Listener, Protocol):
-    """What looks for events while a run is under way (polhode.taylor.events.watch.Watch)."""
+    """What looks for events while a run is under way (polhode.taylor.event_watch.Watch)."""
 
     @property
     def stop(self) -> Fraction | None:
@@ -114,7 +132,7 @@ class Watcher(Listener, Protocol):
 
 
 class Corrector(Protocol):
-    """What puts the state back now and then (polhode.taylor.corrections.integral_projection,
+    """What puts the state back now and then (polhode.taylor.projection,
     .unit_norm)."""
 
     @property

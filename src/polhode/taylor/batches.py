@@ -1,20 +1,14 @@
-"""Many motions with one compiled code: coefficients as parameters, doubles in SIMD lanes.
-
-heyoka's batch integrator steps eight motions of doubles at a time; each has its own step size, and
-its bits depend neither on its neighbours nor on its place.  A batch steps until its last lane is
-there, so that those that come one after the other should take about as many steps, see
-:func:`polhode.taylor.lanes.rates`.  A lane that is not finite stops the others: each motion of such
-a batch then goes for itself, in all lanes alike.  Longdoubles go one by one through one compiled
-code.  A job is plain data, so that it can be solved in any thread, process or machine.
-"""
+"""Which motion is in which lane of a batch: where one is over the next takes its place."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from itertools import count
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -23,13 +17,294 @@ from polhode.common.interrupts import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Booleans, Indices, Stack, kind_of
+from polhode.numbers.rows import Array, Booleans, Doubles, Flat, Indices, Stack, kind_of
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor.backend import defaults
-from polhode.taylor.batches.compiled_batch import LANES, CompiledBatch, in_lanes, out_of_lanes
-from polhode.taylor.batches.jobs import BatchJob, Solved
-from polhode.taylor.integrator.engine import Engine
-from polhode.taylor.integrator.specification import Equations, principal_engine
+from polhode.taylor import defaults
+from polhode.taylor.engine import Engine, Equations, principal_engine
+from polhode.taylor.heyoka import ending
+from polhode.taylor.types import HeyokaIntegrator, HeyokaNumber
+
+
+class LaneQueue:
+    """Motions 0, 1, ... in the lanes of a batch.
+
+    ``motion``: of each lane; spare ones repeat the last.  ``busy``: the lanes whose motion is not
+    over.
+    """
+
+    def __init__(self, many: int, places: int) -> None:
+        self.motion = np.minimum(np.arange(places), many - 1)
+        self.busy = np.arange(places) < many
+        self._many, self._ahead = many, min(places, many)
+
+    def follow(
+        self,
+        begin: Callable[[int], None],
+        stretch: Callable[[], Sequence[int] | None],
+        stop: Stop | None,
+    ) -> None:
+        """Follow all motions to their ends, or until ``stop`` says so.
+
+        ``stretch``: goes on by some time, and gives the lanes whose motion is over; None where
+        stopped.  ``begin``: a lane's next motion begins, or an idle lane stands at a start.
+        """
+        while self.busy.any() and not (stop is not None and stop()):
+            over = stretch()
+            if over is None:
+                return
+            for lane in over:
+                self._next(lane)
+                begin(lane)
+
+    def _next(self, lane: int) -> None:
+        if self._ahead == self._many:
+            self.busy[lane] = False
+        else:
+            self.motion[lane], self._ahead = self._ahead, self._ahead + 1
+
+
+# --- jobs -----------------------------------------------------------------------------------------
+#
+# Jobs of many systems, and what became of them: plain data that can be sent anywhere.
+
+
+_START = Fraction(0)
+
+
+class Columns(NamedTuple):
+    """Motions: coefficients and starts, a row each, doubles or longdoubles.
+
+    In the run's own unit of time.  One row of coefficients may serve all.
+    """
+
+    coefficients: Stack
+    starts: Stack
+
+    @property
+    def many(self) -> int:
+        """How many."""
+        return len(self.starts)
+
+    def some(self, which: npt.NDArray[np.int64] | slice | int) -> Columns:
+        """Those of some indices."""
+        own = self.coefficients
+        return Columns(own if len(own) == 1 else own[which], self.starts[which])
+
+
+class BatchJob(NamedTuple):
+    """Systems of the same equations, to be integrated to the same times, in their own unit of time.
+
+    ``names``: of the coefficients.  ``times``: away from 0, numbers of the type.  ``unit``: that of
+    time, by which what is reached is told.  ``sure``: whether all of them arrive in so few steps
+    that nobody need look.
+    """
+
+    names: tuple[str, ...]
+    number: NumberType
+    tolerance: Fraction | None
+    max_steps: int
+    times: Flat
+    unit: Fraction
+    motions: Columns
+    sure: bool = False
+
+    @property
+    def columns(self) -> int:
+        """Of a state."""
+        return int(self.motions.starts.shape[1])
+
+
+@dataclass
+class Solved:
+    """What became of systems, one after the other.
+
+    ``states``: (systems, times, columns) in principal axes and internal units, not a number where
+    a time was not reached.
+    ``outcomes``: by number, NOT_RUN of those that were stopped.  ``errors``: of the
+    states of refined members, see :class:`polhode.runs.trajectory.Trajectory`; None without any.
+    """
+
+    states: Stack
+    outcomes: npt.NDArray[np.uint8]
+    steps: npt.NDArray[np.int64]
+    reached: Stack
+    errors: list[tuple[float | None, ...] | None] | None = None
+
+    @classmethod
+    def undone(cls, states: Stack) -> Solved:
+        """Nothing done yet, with room for the states."""
+        count = len(states)
+        return cls(
+            states,
+            np.full(count, code(Outcome.NOT_RUN), dtype=np.uint8),
+            np.zeros(count, dtype=np.int64),
+            np.full(count, _START, dtype=object),
+        )
+
+    def put(self, which: npt.NDArray[np.int64], some: Solved) -> None:
+        """Put in what became of some systems."""
+        self.states[which], self.outcomes[which] = some.states, some.outcomes
+        self.steps[which], self.reached[which] = some.steps, some.reached
+
+
+# --- step blocks ----------------------------------------------------------------------------------
+#
+# Steps of heyoka's batches in blocks: between two blocks a signal is heard, and who says stop.
+#
+# Inside one call of heyoka nothing of Python runs, so that a call without a limit may last for
+# ever: where an event's expression has a pole, steps become zero. The blocks leave every bit as
+# it is, for heyoka goes on from where it stands to the same ends.
+
+
+BLOCK = 20_000  # steps of a batch: a tenth of a second, with an event
+_NEAR_END = 2.0**-50  # of a lane's end
+_EPS = 2.0**-52
+
+
+class Ended(NamedTuple):
+    """How each lane ended, and its steps.  ``stopped``: whether ``stop`` said so."""
+
+    outcomes: list[Outcome]
+    steps: npt.NDArray[np.int64]
+    stopped: bool = False
+
+
+def until(
+    ta: HeyokaIntegrator,
+    ends: Sequence[float],
+    most: int | None = None,
+    stop: Stop | None = None,
+) -> Ended:
+    """Advance the lanes of a batch, which stand at time 0, to their ends in at most so many steps.
+
+    A lane ends with REACHED_END; STEP_LIMIT; STEP_UNDERFLOW, its steps are zero or no longer change
+    its time, which ends the others, too, with STEP_LIMIT; or NON_FINITE, its state is nan, and the
+    others go on.
+    """
+    ahead, steps = np.array(ends), np.zeros(len(ends), dtype=np.int64)
+    lost = np.zeros(len(ends), dtype=bool)
+    while True:
+        block = BLOCK if most is None else max(1, min(BLOCK, most - int(steps.max())))
+        before = [part.copy() for part in ta.dtime]
+        ta.propagate_until(ahead.tolist(), max_steps=block)
+        results = ta.propagate_res
+        taken = np.array([result[3] for result in results], dtype=np.int64)
+        steps += taken
+        failed = np.array([ending(result[0]) is Outcome.NON_FINITE for result in results])
+        if failed.any():
+            lost |= failed
+            if lost.all():
+                break
+            if not np.isfinite(ta.time).all():  # of a state that is nan from the start on
+                there = np.isfinite(ta.time)
+                parts = zip(ta.dtime, before, strict=True)
+                ta.set_dtime(*(np.where(there, new, old).tolist() for new, old in parts))
+            for values in (ta.state, ta.pars):  # idles where another lane stands
+                values[:, lost] = values[:, [int(np.argmin(lost))]]
+            ahead[lost] = ta.time[lost]
+            continue
+        late = ~lost & (np.abs(ahead - ta.time) > _NEAR_END * np.abs(ahead))
+        still = np.abs(ta.time - before[0]) <= block * _EPS * np.abs(ta.time)
+        zero = late & (still | (taken < block))  # heyoka counts the steps that have a length
+        stopped = stop is not None and bool(late.any()) and stop()
+        over = most is not None and steps.max() >= most
+        if not late.any() or zero.any() or stopped or over:
+            outcomes = [
+                Outcome.NON_FINITE
+                if gone
+                else Outcome.STEP_UNDERFLOW
+                if underflows
+                else Outcome.STEP_LIMIT
+                if short
+                else Outcome.REACHED_END
+                for gone, underflows, short in zip(lost, zero, late, strict=True)
+            ]
+            ta.state[:, lost] = np.nan
+            return Ended(outcomes, steps, stopped)
+    ta.state[:] = np.nan
+    return Ended([Outcome.NON_FINITE] * len(ends), steps)
+
+
+# --- compiled batch -------------------------------------------------------------------------------
+#
+# heyoka's batch of doubles, prepared: as many systems at a time as the machine has lanes.
+
+
+T = TypeVar("T", bound=np.generic)
+
+#: How many systems of doubles one step advances.  Where the machine's own lanes are four, eight
+#: are faster still and give the same bits.
+LANES = 8
+
+
+def in_lanes(rows: npt.NDArray[T], order: Indices | None = None) -> npt.NDArray[T]:
+    """Rows as batches have them, (batches, columns, LANES), in an order; the last fills up."""
+    if order is None:
+        order = np.arange(len(rows))
+    spare = -len(order) % LANES
+    if spare and len(order):
+        order = np.concatenate([order, order[-1:].repeat(spare)])
+    found = rows[order].reshape(-1, LANES, rows.shape[1]).transpose(0, 2, 1)
+    return np.ascontiguousarray(found)
+
+
+def out_of_lanes(states: Doubles) -> Doubles:
+    """Back from (batches, times, columns, LANES) to (rows, times, columns)."""
+    found: Doubles = states.transpose(0, 3, 1, 2).reshape(-1, *states.shape[1:3])
+    return found
+
+
+class CompiledBatch(Engine):
+    """A batch of doubles from the pool: states and parameters a column for each lane."""
+
+    @property
+    def places(self) -> int:
+        """How many lanes there are."""
+        return int(self.state.shape[1])
+
+    def begin(self) -> None:
+        """All lanes at time 0 where they stand."""
+        self.heyoka.set_time(0.0)
+        if self.kept:
+            self.tell_kept()
+
+    def ended(self, _: Any) -> tuple[Outcome, Any]:
+        """How the lane ended that came least far, and the steps of each."""
+        results = self.heyoka.propagate_res
+        outcomes = {ending(result[0]) for result in results}
+        least = (x for x in (Outcome.NON_FINITE, Outcome.STEP_LIMIT) if x in outcomes)
+        return next(least, Outcome.REACHED_END), np.array([result[3] for result in results])
+
+    @property
+    def now(self) -> HeyokaNumber:
+        """The time that all lanes have reached."""
+        return min(self.heyoka.time, key=abs)
+
+    def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, Any, Outcome]:
+        """The same of all lanes, which stand at one time: states at times that all of them met."""
+        grid = np.repeat(np.array([times]).T, self.places, axis=1)
+        rows = self.heyoka.propagate_grid(grid, max_steps=most)[1][1:]
+        outcome, taken = self.ended(None)
+        return rows[~np.isnan(rows[:, 0]).any(axis=1)], taken, outcome
+
+    def in_blocks(
+        self, ends: Sequence[float], most: int | None = None, stop: Stop | None = None
+    ) -> Ended:
+        """Every lane to an end of its own, see :mod:`polhode.taylor.batches`."""
+        return until(self.heyoka, ends, most, stop)
+
+
+# --- batch integrator -----------------------------------------------------------------------------
+#
+# Many motions with one compiled code: coefficients as parameters, doubles in SIMD lanes.
+#
+# heyoka's batch integrator steps eight motions of doubles at a time; each has its own step size,
+# and its bits depend neither on its neighbours nor on its place. A batch steps until its last
+# lane is there, so that those that come one after the other should take about as many steps, see
+# :func:`polhode.taylor.lanes.rates`. A lane that is not finite stops the others: each motion of
+# such a batch then goes for itself, in all lanes alike. Longdoubles go one by one through one
+# compiled code. A job is plain data, so that it can be solved in any thread, process or machine.
+
 
 _UNITS_PER_STEP = 0.25  # of time, a radian or two of the fastest rate; at least, in any motion
 _THERE = code(Outcome.REACHED_END)

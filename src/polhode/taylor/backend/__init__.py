@@ -1,1 +1,0 @@
-"""heyoka's numbers, options and pool: all that is not an integrator."""

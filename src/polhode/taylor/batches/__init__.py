@@ -1,1 +1,0 @@
-"""Many motions of doubles at once, one in each SIMD lane."""

@@ -1,1 +1,0 @@
-"""Projection of the running state onto its first integrals."""

@@ -1,0 +1,489 @@
+"""Variables that grow without bounds and on which no rate depends: angles.
+
+heyoka's steps are as accurate as its largest variable asks, and neglect the others.  So cyclic
+variables are kept as time is: an offset of more than twice the bits, plus heyoka's own part, which
+is divided by a power of two and set back to zero so often that it stays below about one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, fields
+from fractions import Fraction
+from typing import Any, Self, TypeAlias, TypeVar
+
+import numpy as np
+
+from polhode.common.interrupts import Lock, Place
+from polhode.common.values import cached_property
+from polhode.equations.forms import principal
+from polhode.motion.outcomes import Outcome
+from polhode.numbers.exact import Number
+from polhode.numbers.number_types import DOUBLE, NumberType
+from polhode.numbers.rows import Array, Numbers
+from polhode.taylor import defaults
+from polhode.taylor.heyoka import (
+    EXPRESSIONS,
+    array,
+    as_fraction,
+    compact_beyond,
+    disk_cache,
+    ending,
+    hy,
+    scalar,
+    type_options,
+)
+from polhode.taylor.time_grid import exact_sum
+from polhode.taylor.types import (
+    Desk,
+    Expression,
+    HeyokaEvent,
+    HeyokaIntegrator,
+    HeyokaNumber,
+    HeyokaOutput,
+    Rates,
+    Watcher,
+)
+
+
+def slowed(rates: list[Expression], cyclic: int, number: NumberType) -> list[Expression]:
+    """All rates of a system, those of so many cyclic variables at its end divided."""
+    if not cyclic:
+        return rates
+    first = len(rates) - cyclic
+    unit = hy.expression(scalar(Fraction(1, defaults.of(number).divisor), number))
+    return [*rates[:first], *(rate * unit for rate in rates[first:])]
+
+
+class Cyclic:
+    """The last variables of a system, from where they start; ``every``: steps to a set-back."""
+
+    def __init__(self, start: Sequence[Number], number: NumberType) -> None:
+        chosen = defaults.of(number)
+        self.number, self.every = number, chosen.set_back
+        self._divisor = chosen.divisor
+        self._fine = 2 * number.bits + 64  # bits behind the point of the offsets, which are ints
+        whole = [number.rounded(x) for x in start]
+        self._grown = [(x.numerator << self._fine) // x.denominator for x in whole]
+        self._parts = self._split() if number.flat else []
+
+    def at_start(self) -> Cyclic:
+        """One of a run's own, at the start where this one stands."""
+        found = object.__new__(Cyclic)
+        found.__dict__.update(self.__dict__)
+        return found
+
+    def set_back(self, state: Array) -> None:
+        """Move what the cyclic variables of a state have grown by to their offsets."""
+        first = len(state) - len(self._grown)
+        self.stand_at([self._whole(i, x) for i, x in enumerate(state[first:])])
+        for i in range(first, len(state)):
+            state[i] = scalar(0, self.number)
+
+    @property
+    def grown(self) -> tuple[int, ...]:
+        """The offsets, for ``stand_at``."""
+        return tuple(self._grown)
+
+    def stand_at(self, grown: Sequence[int]) -> None:
+        """Have these offsets."""
+        self._grown, self._parts = [*grown], []
+
+    def _split(self) -> list[tuple[HeyokaNumber, HeyokaNumber]]:
+        """Each offset as two numbers of the type."""
+        found = []
+        for grown in self._grown:
+            whole = Fraction(grown, 1 << self._fine)
+            high = self.number.rounded(whole)
+            low = self.number.rounded(whole - high)
+            found.append((scalar(high, self.number), scalar(low, self.number)))
+        return found
+
+    def completed(self, rows: Array) -> Array:
+        """Rows of heyoka's numbers, now with the whole of the cyclic variables."""
+        if self.number.flat:
+            self._parts = self._parts or self._split()
+            for i, (high, low) in enumerate(self._parts, -len(self._parts)):
+                near, rest = exact_sum(high, rows[:, i] * self._divisor)
+                rows[:, i] = near + (rest + low)
+            return rows
+        for row in rows:
+            for i, x in enumerate(row[len(row) - len(self._grown) :], -len(self._grown)):
+                row[i] = scalar(Fraction(self._whole(i, x), 1 << self._fine), self.number)
+        return rows
+
+    def _whole(self, i: int, part: HeyokaNumber) -> int:
+        """A cyclic variable, of which heyoka has this part, as the offsets are kept."""
+        x = part if self.number.flat else as_fraction(part, self.number)
+        above, below = x.as_integer_ratio()
+        return self._grown[i] + (above * self._divisor << self._fine) // below
+
+
+# --- singularities --------------------------------------------------------------------------------
+#
+# Where a form of the equations is singular: a run ends near there.
+
+
+def nearest(number: NumberType) -> Fraction:
+    """The smallest distance to a form's singular set, about sqrt(eps): a run ends there.
+
+    A distance is a square (sin² theta), so the set is met within about eps**(1/4).  A passage at
+    d was measured to cost log10(1/d) digits: a run that goes on keeps three quarters of its own.
+    """
+    return Fraction(2) ** -((number.bits - 1) // 2)
+
+
+def terminal_event(distance: Expression, number: NumberType) -> HeyokaEvent:
+    """heyoka's event that ends the steps where the distance falls to :func:`nearest`.
+
+    It is scaled down, so that it takes no part in choosing the steps.
+    """
+    near, damping = (scalar(x, number) for x in (nearest(number), _damping(number)))
+    kind = {name: x for name, x in type_options(number).items() if name == "fp_type"}
+    return hy.t_event(hy.expression(damping) * (distance - hy.expression(near)), **kind)
+
+
+def _damping(number: NumberType) -> Fraction:
+    return Fraction(2) ** -(number.bits // 2)
+
+
+# --- specification --------------------------------------------------------------------------------
+#
+# The equations that compiled code is of, by value, and the one builder of heyoka's integrators.
+#
+# In the principal form the coefficients of the body are heyoka's parameters, so that one compiled
+# integrator serves all bodies of a pattern: those of which the same coefficients are exactly
+# zero. Compiling takes a quarter of a second, being found on the disk some milliseconds; a step
+# takes as long as with constants. Coefficients that are equal, 1 or -1 make no pattern of their
+# own.
+#
+# Variables that the equations keep, such as the spin of a symmetric body, stand in the rates as
+# parameters, too: what they are multiplied by is then linear in the others, and heyoka need not
+# multiply two power series. That takes a tenth off a step in double, a third in quad.
+
+
+#: Rates of variables, by the coefficients.
+Field: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], list[Expression]]
+E = TypeVar("E", bound="Engine")
+
+#: heyoka's parameters: so many for the time of events and their first step, one for each event,
+#: then the coefficients of the pattern, then the variables that are kept.  Without events the
+#: coefficients are the first.
+CLOCK = 3
+#: Added to all that heyoka watches, during the first step of a run.
+TINY = 2
+#: Before the coefficients among the parameters of a desk's functions: two parts of the time.
+DESK = 2
+
+LONG = 500  # operations of a run's events whose code is compiled as loops
+
+
+@dataclass(frozen=True)
+class Equations:
+    """What tells compiled code from any other, without its events.
+
+    ``columns``: the variables, ``cyclic`` of the last ones being cyclic, see
+    :mod:`polhode.taylor.engine`.  ``pattern``: the coefficients that are
+    parameters.  ``constants``: those of a form whose coefficients are none.  ``still``: no rate but
+    zero.  ``lanes``: of a batch, 0 for one motion.  ``tangents``: so many columns u with
+    u' = J(x) u follow the state; of the last ``driven`` of them the rate of the state by
+    coefficients of their own is added, which stand behind the first ones.
+    """
+
+    columns: tuple[str, ...]
+    pattern: tuple[str, ...]
+    number: NumberType = DOUBLE
+    tolerance: Fraction | None = None
+    form: str = "principal"
+    constants: tuple[tuple[str, Fraction], ...] = ()
+    still: bool = False
+    cyclic: int = 0
+    lanes: int = 0
+    tangents: int = 0
+    driven: int = 0
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash(tuple(getattr(self, field.name) for field in fields(self)))
+
+    def coefficients(self, first: int) -> dict[str, Expression]:
+        """Parameters from a first one on, or constants."""
+        named = {name: hy.par[i] for i, name in enumerate(self.pattern, first)}
+        for name, x in self.constants:
+            named[name] = hy.expression(scalar(x, self.number))
+        return named
+
+
+def principal_engine(equations: Equations, kind: type[E]) -> E:
+    """An engine of the principal form, from the pool or built; where it stands is anybody's."""
+    return lent(equations, lambda: built(equations, kind))
+
+
+def built(
+    equations: Equations,
+    kind: type[E],
+    system: Rates | None = None,
+    watcher: Watcher | None = None,
+) -> E:
+    """An engine of equations, ``system``'s where they are not the principal form alone."""
+    number, options, desk = equations.number, dict[str, Any](), None
+    x = hy.make_vars(*equations.columns)
+    first = 0 if watcher is None else CLOCK + len(watcher.damping)
+    pattern, k = equations.pattern, equations.coefficients(first)
+
+    def field(state: Sequence[Expression], numbers: Mapping[str, Expression]) -> list[Expression]:
+        if system is None:
+            rates = principal.field(state, numbers, EXPRESSIONS)
+        else:
+            rates = system.field(state, numbers, EXPRESSIONS)
+        return slowed(rates, equations.cyclic, number)
+
+    rates, kept = field(x, k), tuple[int, ...]()
+    stepped = list(zip(x, rates, strict=True))
+    if equations.tangents:
+        stepped += _tangents(equations, field, x, rates)
+        options["compact_mode"] = not equations.lanes or equations.tangents > 1
+    else:
+        kept = tuple(i for i, rate in enumerate(rates) if rate == EXPRESSIONS.zero)
+        inside = list(x)
+        for parameter, column in enumerate(kept, first + len(pattern)):
+            inside[column] = hy.par[parameter]
+        stepped = list(zip(x, field(inside, k) if kept else rates, strict=True))
+    if equations.tolerance is not None:
+        options["tol"] = scalar(equations.tolerance, number)
+    with disk_cache(number):
+        if watcher is not None:
+            parameters = {name: hy.par[i] for i, name in enumerate(pattern, DESK)}
+            events, desk = watcher.attach(x, rates, parameters)
+            options["nt_events"] = events
+            options |= compact_beyond(LONG, [event.expression for event in events])
+        if system is not None:
+            form = system.form
+            away = form.distance(x[: len(form.variables)], k, EXPRESSIONS)
+            if away is not None:
+                options["t_events"] = [terminal_event(away, number)]
+        heyoka = integrator(stepped, number, equations.lanes, **options)
+    count = len(pattern) * (1 + equations.driven)
+    return kind(heyoka, number, first, count, kept, desk)
+
+
+def integrator(
+    system: Sequence[tuple[Expression, Expression]],
+    number: NumberType = DOUBLE,
+    lanes: int = 0,
+    **options: Any,
+) -> HeyokaIntegrator:
+    """heyoka's integrator of variables and their rates, at zero; nothing else makes any."""
+    options, equations = type_options(number) | options, list(system)
+    with disk_cache(number):
+        if lanes:
+            return hy.taylor_adaptive_batch(equations, np.zeros((len(equations), lanes)), **options)
+        zeros = [scalar(Fraction(0), number)] * len(equations)
+        return hy.taylor_adaptive(equations, array(zeros, number), **options)
+
+
+def _tangents(
+    of: Equations, field: Field, x: Sequence[Expression], rates: Sequence[Expression]
+) -> list[tuple[Expression, Expression]]:
+    """Variables and rates of tangents, by symbolic differentiation."""
+    jacobian = [[hy.diff(rate, variable) for variable in x] for rate in rates]
+    found = []
+    for j in range(of.tangents):
+        u = hy.make_vars(*(f"{name}_{j}" for name in of.columns))
+        along = [_product(row, u) for row in jacobian]
+        drive = j - (of.tangents - of.driven)
+        if drive >= 0:
+            numbers = of.coefficients((1 + drive) * len(of.pattern))
+            driven = field(x, numbers)
+            for i in range(len("pqr")):  # gamma' has no coefficients
+                along[i] = along[i] + driven[i]
+        found += list(zip(u, along, strict=True))
+    return found
+
+
+def _product(row: Sequence[Expression], u: Sequence[Expression]) -> Expression:
+    """A row of the Jacobian times a tangent; an entry that is zero is no term."""
+    return hy.sum([a * b for a, b in zip(row, u, strict=True) if a != EXPRESSIONS.zero])
+
+
+# --- integrator pool ------------------------------------------------------------------------------
+#
+# Engines that nobody uses at the moment, by what they integrate.
+#
+# Whoever needs one takes it out, so that no two share one, and puts it back.
+
+
+MOST = 64  # of a few hundred kilobytes each: more kinds than the library's cases need at a time
+
+
+class Pool:
+    """Engines by key; of more than MOST those go first whose key was not used for longest.
+
+    Engines come back in garbage collections, too, below any lock of the thread that collects: so
+    there is no lock.  No two threads are given the same engine, for a list is never copied; one
+    that comes back while another thread puts one of the same key may be lost, and is built again.
+    """
+
+    def __init__(self) -> None:
+        self._idle: dict[Hashable, list[Any]] = {}
+
+    def take(self, key: Hashable) -> Any:
+        """One of a key, from now on the caller's; None where there is none."""
+        try:
+            return self._idle[key].pop()
+        except (KeyError, IndexError):
+            return None
+
+    def put(self, key: Hashable, engine: Any) -> None:
+        """Keep one for whoever asks next."""
+        idle = self._idle
+        engines = idle.pop(key, [])
+        engines.append(engine)
+        idle[key] = engines  # behind all others
+        while sum(map(len, list(idle.values()))) > MOST:
+            for oldest in list(idle)[:1]:
+                engines = idle.get(oldest, [])
+                del engines[:1]
+                if not engines:
+                    idle.pop(oldest, None)
+
+
+#: The one of this process.
+POOL = Pool()
+
+
+# --- engine ---------------------------------------------------------------------------------------
+#
+# heyoka's integrator with views of its memory: it stands wherever it is put, one user at a time.
+#
+# Building one takes milliseconds even when its code is found on the disk, and so does freeing it:
+# as long as a short run itself. So whoever needs one takes one that is idle, and leaves it to the
+# next user. That may be of another body: whoever takes one tells it all coefficients, and the
+# state.
+
+
+_COMPILING = Lock(Place.COMPILING)
+
+
+class Engine:
+    """heyoka's integrator, and what its parameters are.
+
+    ``heyoka``: the integrator itself, ``state`` and ``parameters``: views of its memory.  From the
+    parameter ``first`` on stand the ``coefficients``; behind them are ``kept``, the columns that
+    the equations keep, as far as any rate asks for them.  ``desk``: of its events, where it looks
+    for any.  ``singular``: whether it ends near a form's singular set.  In a ``with`` block it is
+    left to the next user at the end, unless an exception ends the block.
+    """
+
+    def __init__(
+        self,
+        heyoka: HeyokaIntegrator,
+        number: NumberType = DOUBLE,
+        first: int = 0,
+        coefficients: int = 0,
+        kept: tuple[int, ...] = (),
+        desk: Desk | None = None,
+    ) -> None:
+        self.heyoka, self.number, self.desk = heyoka, number, desk
+        self.state, self.parameters = heyoka.state, heyoka.pars
+        used = max(0, len(self.parameters) - first)  # no rate asks for those after
+        self.first, self.after = first, first + min(used, coefficients)
+        self.kept = tuple(enumerate(kept[: first + used - self.after], self.after))
+        self.singular = bool(heyoka.t_events) if heyoka.with_events else False
+        self.key: Hashable = None  # where the pool has it, if anywhere
+        self._zero = scalar(0, number)
+
+    def begin(self) -> None:
+        """Be at time 0 in the state that was written to :attr:`state`."""
+        self.heyoka.time = self._zero
+        if self.singular:
+            self.heyoka.reset_cooldowns()  # traces of a run that ended there
+        if self.kept:
+            self.tell_kept()
+
+    def tell(self, coefficients: Numbers) -> None:
+        """Give the rates their coefficients."""
+        if self.after > self.first:
+            self.parameters[self.first : self.after] = coefficients[: self.after - self.first]
+
+    def tell_kept(self) -> None:
+        """Give the rates the variables that the equations keep, from where they stand."""
+        for parameter, column in self.kept:
+            self.parameters[parameter] = self.state[column]
+
+    def stand(self, state: Numbers, coefficients: Numbers | None = None) -> None:
+        """Be at time 0 in a state, with these coefficients or those from before."""
+        self.state[:] = state
+        if coefficients is not None:
+            self.tell(coefficients)
+        self.begin()
+
+    def until(self, end: HeyokaNumber, most: int, block: int) -> tuple[Outcome, int]:
+        """Go on to a time in at most so many steps: how it ended, and the steps taken.
+
+        Between two blocks of so many steps a signal is heard.
+        """
+        ended, taken, left = Outcome.STEP_LIMIT, 0, most
+        while ended is Outcome.STEP_LIMIT and left > 0:  # to heyoka 0 is no limit
+            result = self.heyoka.propagate_until(end, max_steps=min(block, left))
+            ended, steps = self.ended(result)
+            taken, left = taken + steps, left - block
+        return ended, taken
+
+    def ended(self, result: Any) -> tuple[Outcome, int]:
+        """How heyoka's call ended, and the steps that it took."""
+        return ending(result[0]), int(result[3])
+
+    @property
+    def now(self) -> HeyokaNumber:
+        """The time reached."""
+        return self.heyoka.time
+
+    @property
+    def row(self) -> Array:
+        """The state where it stands, a view."""
+        found: Array = self.state
+        return found
+
+    def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, int, Outcome]:
+        """Go on through times, the first of them now: states at the others met, steps, ending."""
+        result = self.heyoka.propagate_grid(array(times, self.number), max_steps=most)
+        rows: Array = result[-1][1:]
+        return rows, int(result[3]), ending(result[0])
+
+    def polynomials(self, end: HeyokaNumber, most: int) -> tuple[Outcome, HeyokaOutput]:
+        """Go on to a time in at most so many steps: how it ended, and the continuous output."""
+        result = self.heyoka.propagate_until(end, max_steps=most, c_output=True)
+        return ending(result[0]), result[4]
+
+    def release(self) -> None:
+        """Leave it to the next user of such equations; the last call of all."""
+        if self.desk is not None:
+            self.desk.watch = None  # which knows a run, its scene and its times
+        if self.key is not None:
+            POOL.put(self.key, self)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, fault: type[BaseException] | None, *_: object) -> None:
+        if fault is None:
+            self.release()
+
+
+def lent(key: Hashable, build: Callable[[], E], wait: bool = True) -> E:
+    """An engine of what a key tells from others, built where none is idle.
+
+    One thread at a time builds, since the code that heyoka has compiled serves the others; not so
+    without ``wait``, for those that may hold a precision.
+    """
+    found: E | None = POOL.take(key)
+    if found is None:
+        with _COMPILING.held() if wait else nullcontext():
+            found = POOL.take(key) or build()
+        found.key = key
+    return found

@@ -1,1 +1,0 @@
-"""Crossings and contacts of expressions along a motion."""

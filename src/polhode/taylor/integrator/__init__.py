@@ -1,1 +1,0 @@
-"""One integrator of a system: specified, built, stepped."""

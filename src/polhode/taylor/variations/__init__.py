@@ -1,1 +1,0 @@
-"""Variational equations: small changes along a motion."""
