@@ -65,12 +65,12 @@ from polhode.proofs.proved_orbit import ProvedOrbit as ProvedOrbit
 from polhode.proofs.proved_stability import ProvedStability as ProvedStability
 from polhode.proofs.refusals import NotProved as NotProved
 from polhode.results.result import Result as Result
+from polhode.runs.ensemble import Ensemble as Ensemble
+from polhode.runs.integrate_many import integrate_many as integrate_many
 from polhode.runs.propagator import Propagator as Propagator
 from polhode.runs.propagator import propagator as propagator
 from polhode.runs.saved import load_result as load_result
 from polhode.runs.saved import load_run as load_run
-from polhode.runs.sweep.ensemble import Ensemble as Ensemble
-from polhode.runs.sweep.integrate_many import integrate_many as integrate_many
 from polhode.runs.trajectory import Trajectory as Trajectory
 from polhode.scenes.body import Body as Body
 from polhode.scenes.event import Event as Event

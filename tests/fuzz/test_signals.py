@@ -18,7 +18,7 @@ from polhode import cli
 from polhode.common import files
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import heard
-from polhode.runs.sweep import results
+from polhode.runs import member_jobs
 from polhode.verbs import guide
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="processor time is read from /proc")
@@ -182,13 +182,13 @@ def test_ctrl_c_waits_until_files_are_whole(monkeypatch, tmp_path):
 
 
 def test_ctrl_c_while_a_sweep_is_read_out_loses_nothing(monkeypatch):
-    put_together = results.put_together
+    put_together = member_jobs.put_together
 
     def interrupted(*given):
         interrupt()
         return put_together(*given)
 
-    monkeypatch.setattr(results, "put_together", interrupted)
+    monkeypatch.setattr(member_jobs, "put_together", interrupted)
     many = polhode.integrate_many("euler/sphere", {"start.omega[1]": [1, "1.1"]}, at=[0])
     assert many.complete
 

@@ -23,8 +23,8 @@ from polhode.common.provenance import cpu, versions
 from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
-from polhode.runs.methods.taylor import TaylorMotion, system_of
-from polhode.runs.problem.options import Options
+from polhode.runs.options import Options
+from polhode.runs.taylor_motion import TaylorMotion, system_of
 from polhode.scenes import library, scene_file
 from polhode.studies.long_run import rows as long_run
 from polhode.taylor import batches, defaults, heyoka

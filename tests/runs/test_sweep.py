@@ -19,8 +19,8 @@ from hypothesis import strategies as st
 import polhode
 from polhode.equations import integrals
 from polhode.numbers.conversion import exactly, to_mpf
-from polhode.runs.sweep import plan as sweep_plan
-from polhode.runs.sweep.columns import Fastest
+from polhode.runs import members as sweep_plan
+from polhode.runs.members import Fastest
 from polhode.scenes import scene_file
 from polhode.scenes.variation import vary
 from shared.examples import examples

@@ -12,7 +12,7 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.runs.sweep import starts_file
+from polhode.runs import integrate_many
 from polhode.verbs import terminal
 from shared.motions import heavy_file
 
@@ -250,12 +250,12 @@ def test_starts_of_a_result_are_its_states(scene, tmp_path, ending, number):
     run = polhode.integrate(scene, number, at=[1, 2])
     path = tmp_path / f"run{ending}"
     run.save(path)
-    held = starts_file.read(path, run.scene, extended=number == "extended")
+    held = integrate_many.read(path, run.scene, extended=number == "extended")
     assert held.dtype == run.states.dtype
     assert held.tolist() == run.states.tolist()
     polhode.levels("lagrange/nutation").save(path.with_name(f"levels{ending}"))
     with pytest.raises(polhode.BadInput, match="expected columns p,q,r,gamma1,gamma2,gamma3"):
-        starts_file.read(path.with_name(f"levels{ending}"), run.scene)
+        integrate_many.read(path.with_name(f"levels{ending}"), run.scene)
 
 
 NO_STARTS = [

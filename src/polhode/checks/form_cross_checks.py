@@ -13,7 +13,7 @@ from fractions import Fraction
 
 from polhode.common.errors import BadInput
 from polhode.judging.correct_digits import worst_digits
-from polhode.runs.problem.options import Options, choose_number
+from polhode.runs.options import Options, choose_number
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library

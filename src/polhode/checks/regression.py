@@ -20,7 +20,7 @@ from polhode.judging.references.reference import reference as reference_of
 from polhode.judging.score.compare import compare
 from polhode.judging.score.judgement import Judgement
 from polhode.numbers import number_types
-from polhode.runs.problem.options import Options, choose_number
+from polhode.runs.options import Options, choose_number
 from polhode.runs.solve import solve
 from polhode.scenes import library
 from polhode.scenes.scene import Scene

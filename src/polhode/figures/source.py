@@ -27,7 +27,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
 from polhode.results import reader
 from polhode.results.result import Storable
-from polhode.runs.problem.options import choose_number
+from polhode.runs.options import choose_number
 from polhode.runs.saved import Saved, load_result
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library

@@ -16,7 +16,7 @@ from polhode.numbers import number_types
 from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NumberType, wider
 from polhode.numbers.rows import Doubles, Extendeds, Objects
 from polhode.numbers.scalars import AnyNumber
-from polhode.runs.problem.options import Options, checked_options, choose_number
+from polhode.runs.options import Options, checked_options, choose_number
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library

@@ -15,7 +15,7 @@ from polhode.judging.references.reference import reference
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import wider
 from polhode.numbers.rows import Given
-from polhode.runs.problem.options import Options
+from polhode.runs.options import Options
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene

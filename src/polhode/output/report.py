@@ -26,7 +26,7 @@ from polhode.results.cells import TEXT
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table, table_of_rows
 from polhode.results.writer import ENDINGS
-from polhode.runs.problem.options import choose_number
+from polhode.runs.options import choose_number
 from polhode.runs.saved import load_result
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library

@@ -21,8 +21,8 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import EXTENDED
 from polhode.numbers.rows import Doubles, Extendeds, Flat, double_array, flat
 from polhode.numbers.scalars import AnyNumber, numbers_given
-from polhode.runs.methods.taylor import system_of
-from polhode.runs.problem.options import cadence, choose_number, corrections, rounded_tolerance
+from polhode.runs.options import cadence, choose_number, corrections, rounded_tolerance
+from polhode.runs.taylor_motion import system_of
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults, lanes

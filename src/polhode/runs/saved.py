@@ -362,8 +362,8 @@ class _Recomputed:
     @cached_property
     def dense(self) -> Interpolant:
         """The dense output of the run made once more."""
-        from polhode.runs.methods.taylor import TaylorMotion
-        from polhode.runs.reevaluate import made_again  # heyoka: a file is read without
+        from polhode.runs.solve import made_again  # heyoka: a file is read without
+        from polhode.runs.taylor_motion import TaylorMotion
 
         run = self.run
         again = made_again(run, run.scene)

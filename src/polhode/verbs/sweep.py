@@ -13,7 +13,7 @@ from polhode.scenes.variation import vary
 
 if TYPE_CHECKING:
     from polhode.dynamics.observables.reduce_many import Reductions
-    from polhode.runs.sweep.ensemble import Ensemble
+    from polhode.runs.ensemble import Ensemble
 
 
 def sweep(
@@ -63,9 +63,8 @@ def sweep(
         Called with the fraction of members done and how many.
     """
     from polhode.dynamics.observables.reduce_many import reduce_many
-    from polhode.runs.sweep import starts_file
-    from polhode.runs.sweep.array_starts import from_starts
-    from polhode.runs.sweep.integrate_many import integrate_many
+    from polhode.runs import integrate_many as starts_file
+    from polhode.runs.integrate_many import from_starts, integrate_many
 
     if (starts is None) == (vary is None):
         keys = None if vary is None else ", ".join(map(str, vary))

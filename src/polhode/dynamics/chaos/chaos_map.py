@@ -42,8 +42,8 @@ from polhode.numbers.rows import Doubles, Integers
 from polhode.numbers.scalars import AnyNumber
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
-from polhode.runs.sweep import starts_file
-from polhode.runs.sweep.array_starts import from_starts
+from polhode.runs import integrate_many
+from polhode.runs.integrate_many import from_starts
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
@@ -275,7 +275,7 @@ def chaos_map(
             key = "vary" if starts is None else "starts"
             raise BadInput(scene.name, key, None, "no grid, section or level together with it")
         if isinstance(starts, (str, Path)):
-            starts = starts_file.read(Path(starts), scene)
+            starts = integrate_many.read(Path(starts), scene)
         source, varied = (scene, vary) if starts is None else from_starts(scene, starts, vary)
         motions = map_motions.of_varied(source, varied or {}, forecast)
     begun, coefficients = motions.starts, motions.coefficients

@@ -21,11 +21,11 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.expression import ExpressionError, odd_part
 from polhode.numbers.number_types import DOUBLE
 from polhode.numbers.rows import Doubles, double_array
-from polhode.runs.problem.options import Options
+from polhode.runs import member_jobs
+from polhode.runs.member_jobs import FlatJob, Reader, reader
+from polhode.runs.members import Plan
+from polhode.runs.options import Options
 from polhode.runs.solve import solve as solve_one
-from polhode.runs.sweep import flat_members
-from polhode.runs.sweep.flat_members import FlatJob, Reader, reader
-from polhode.runs.sweep.plan import Plan
 from polhode.scenes.event import Event
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation.sweep_scenes import Members
@@ -70,7 +70,7 @@ def job_of(
     """The job of some members that have a unit of time in common."""
     read, n = reader(plan, group), int(plan.exponents[group[0]])
     motions, told = plan.motions.some(group), {what.kind for what in which}
-    states = flat_members.job_of(plan, group) if told - {FIRST, LYAPUNOV} else None
+    states = member_jobs.flat_job(plan, group) if told - {FIRST, LYAPUNOV} else None
     end = float(plan.times[-1] / Fraction(2) ** n)
     firsts = tuple(
         (what, *_of_event(scene, plan, event_of(scene, what.of), group, end), read)

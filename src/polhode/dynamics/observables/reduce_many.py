@@ -22,9 +22,9 @@ from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Stack, kind_of
 from polhode.numbers.scalars import AnyNumber
 from polhode.results.table import Column, Fact, Table
-from polhode.runs.sweep.array_starts import varied_of
-from polhode.runs.sweep.endings import SweepResult
-from polhode.runs.sweep.plan import planned
+from polhode.runs.ensemble import SweepResult
+from polhode.runs.integrate_many import varied_of
+from polhode.runs.members import planned
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (

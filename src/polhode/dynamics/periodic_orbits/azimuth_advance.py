@@ -15,7 +15,7 @@ from polhode.numbers.exact import ZERO
 from polhode.numbers.mpmath_context import mpmath, ordinary
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import Real
-from polhode.runs.problem.options import Options
+from polhode.runs.options import Options
 from polhode.runs.solve import solve
 from polhode.scenes.scene import Scene
 

@@ -32,7 +32,7 @@ from polhode.numbers.rows import Doubles, Integers
 from polhode.numbers.scalars import AnyNumber, AnyVector
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
-from polhode.runs.problem.options import refuse_other_rounding
+from polhode.runs.options import refuse_other_rounding
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (

@@ -21,7 +21,7 @@ from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Doubles, Given
-from polhode.runs.problem.options import Options, choose_number
+from polhode.runs.options import Options, choose_number
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library

@@ -40,7 +40,7 @@ from polhode.numbers.scalars import AnyNumber
 from polhode.results import cells
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
-from polhode.runs.problem.options import choose_number
+from polhode.runs.options import choose_number
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of

@@ -26,7 +26,7 @@ from polhode.judging.tables.table import Table, as_judged, of_run
 from polhode.judging.tables.table_file import ENDINGS, read_table
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber, AnyVector
-from polhode.runs.problem.options import choose_number
+from polhode.runs.options import choose_number
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 

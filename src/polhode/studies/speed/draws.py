@@ -19,7 +19,7 @@ from polhode.numbers.number_types import DOUBLE, EXTENDED, bits_for
 from polhode.numbers.rows import Doubles, Rows
 from polhode.peers.field import TERMS
 from polhode.peers.prepared import Top
-from polhode.runs.sweep.integrate_many import integrate_many
+from polhode.runs.integrate_many import integrate_many
 from polhode.scenes.output_times import even_times
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import CHAOTIC, STARTED, TOPS, random_scene

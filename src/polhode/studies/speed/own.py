@@ -17,8 +17,8 @@ import numpy as np
 from polhode.judging.adaptive_precision import integrate
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
 from polhode.peers.prepared import Run, Top
+from polhode.runs.integrate_many import integrate_many
 from polhode.runs.propagator import Propagator, propagator
-from polhode.runs.sweep.integrate_many import integrate_many
 from polhode.scenes.from_numbers import top as scene_of
 from polhode.scenes.scene import Scene
 from polhode.studies.speed.programs import PROJECTED

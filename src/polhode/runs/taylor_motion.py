@@ -22,7 +22,7 @@ from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Flat, Row, Rows, flat
 from polhode.numbers.scalars import of_extended, of_mpmath
-from polhode.runs.problem.options import USUAL, Options, cadence, refuse_other_rounding
+from polhode.runs.options import USUAL, Options, cadence, refuse_other_rounding
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults
 from polhode.taylor.time_grid import Times
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from polhode.taylor.event_watch import Rules, Watch
     from polhode.taylor.stepping import Anchor, Integrator
     from polhode.taylor.system import System
+
 
 #: Where a start at a pole is left, inside the run's frame: a fraction of a radian on.
 _OFF_THE_POLE = Fraction(1, 2)

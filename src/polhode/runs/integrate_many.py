@@ -1,31 +1,37 @@
-"""Many tops at once: initial conditions or body parameters of one scene varied."""
+"""Starts of many members in one array: what is varied, in the keys of a scene file."""
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from polhode.common.arguments import steps, whole
+from polhode.common.arguments import rows_of, steps, whole
 from polhode.common.checkpoint import JobCheckpoint
-from polhode.common.errors import BadInput
+from polhode.common.errors import UNREADABLE, BadInput
+from polhode.common.files import npy_header, read_whole
 from polhode.common.interrupts import Delay, Progress, Stop, bar
 from polhode.common.processes import run_jobs
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.scalars import AnyNumber
-from polhode.runs.problem.options import check_method
-from polhode.runs.sweep import flat_members, results, wide_members
-from polhode.runs.sweep.array_starts import varied_of
-from polhode.runs.sweep.ensemble import Ensemble
-from polhode.runs.sweep.flat_members import FlatJob
-from polhode.runs.sweep.plan import Plan, planned
-from polhode.runs.sweep.wide_members import WideJob
+from polhode.results.cells import texts, word_of
+from polhode.results.reader import is_result
+from polhode.runs import member_jobs
+from polhode.runs.ensemble import Ensemble
+from polhode.runs.member_jobs import FlatJob, WideJob
+from polhode.runs.members import Plan, planned
+from polhode.runs.options import check_method
+from polhode.runs.saved import load_result
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.variation import vary
+from polhode.scenes.variation.sweep_scenes import tables_of
 from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor import defaults
 
@@ -33,6 +39,141 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from polhode.taylor.batches import Solved
+
+
+def from_starts(
+    scene: Scene, starts: npt.ArrayLike, others: vary.Vary | None = None
+) -> tuple[Scene, dict[str, Any]]:
+    """A scene whose start is omega and gamma, and what is varied of it; raises BadInput.
+
+    ``starts``: (N, 6), or (N, 3) of a scene without gamma.  ``others``: arrays of the body's
+    numbers.
+    """
+    rows = rows_of(scene.name, "starts", starts, len(scene.columns))
+    varied: dict[str, Any] = {"start.omega": rows[:, :3]}
+    if scene.gamma is not None:
+        varied["start.gamma"] = rows[:, 3:]
+    if others is not None and not isinstance(others, Mapping):
+        raise BadInput(scene.name, "vary", "a list", "arrays of the body's numbers, beside starts")
+    for key, given in (others or {}).items():
+        if key.startswith("start.") and key != "start.psi":
+            raise BadInput(scene.name, "vary", key, "numbers of the body, beside starts")
+        varied[key] = given
+    own = tables_of(scene)["start"]
+    if "omega" not in own or ("gamma" in own) != (scene.gamma is not None):  # angles, a level
+        scene = replace(scene, source="")
+    return scene, varied
+
+
+def varied_of(
+    scene: Scene, starts: npt.ArrayLike | None, others: vary.Vary | None
+) -> tuple[Scene, vary.Vary]:
+    """The scene of a sweep and what is varied of it, by keys or by starts; raises BadInput."""
+    if starts is not None:
+        return from_starts(scene, starts, others)
+    if others is None:
+        raise BadInput(scene.name, "vary", None, "numbers to vary, or starts")
+    return scene, others
+
+
+# --- starts file ----------------------------------------------------------------------------------
+#
+# The starts of ``polhode sweep --starts FILE``: a row each, in CSV, NPY, or a saved result.
+
+
+_MOST = 1 << 32  # bytes
+_FAULTS = (*UNREADABLE, OSError, EOFError, MemoryError, OverflowError)
+
+
+def read(path: Path, scene: Scene, extended: bool = False) -> npt.NDArray[Any]:
+    """The rows of a file; raises BadInput.
+
+    A CSV has the columns of the scene's states, in any order under a header, in theirs without one;
+    its decimals are rounded to doubles, or to longdoubles where ``extended``.  Of a result that
+    polhode saved its columns of those names are taken: the states of a run, the crossings of a
+    section, a family of orbits.
+    """
+    ending = path.suffix.lower()
+    if is_result(path) or (ending == ".json" and path.is_file()):
+        return _of_result(path, scene, extended)
+    if ending not in (".csv", ".npy") and path.exists():
+        expected = "a file .csv or .npy, or a result that polhode saved"
+        raise BadInput(str(path), "--starts", path.suffix or None, expected)
+    data = read_whole(path, _MOST, "a readable file of starts")
+    return _array(path, data) if ending == ".npy" else _table(path, data, scene, extended)
+
+
+def _of_result(path: Path, scene: Scene, extended: bool) -> npt.NDArray[Any]:
+    import numpy as np
+
+    columns = {x.name: x for x in load_result(path).table().columns}
+    if any(name not in columns for name in scene.columns):
+        expected = f"columns {','.join(scene.columns)}"
+        raise BadInput(str(path), "columns", ",".join(columns), expected)
+    kind = np.longdouble if extended else np.float64
+    held = [columns[name] for name in scene.columns]
+    try:
+        return np.array([[*map(kind, texts(x.values, word_of(x)))] for x in held], kind).T
+    except ValueError as fault:
+        expected = f"a number in every cell of {','.join(scene.columns)} ({fault})"
+        raise BadInput(str(path), "columns", None, expected) from None
+
+
+def _array(path: Path, data: bytes) -> npt.NDArray[Any]:
+    import numpy as np
+
+    try:
+        dtype, count, begin = npy_header(io.BytesIO(data))
+        if begin + count * dtype.itemsize != len(data):
+            raise ValueError("it is not as long as it says")
+        found: npt.NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
+    except _FAULTS as fault:
+        raise BadInput(str(path), "file", None, f"an array that NumPy wrote ({fault})") from None
+    return found
+
+
+def _table(path: Path, data: bytes, scene: Scene, extended: bool) -> npt.NDArray[Any]:
+    import numpy as np
+
+    name, columns = str(path), list(scene.columns)
+    expected = f"{len(columns)} numbers {','.join(columns)}"
+    try:
+        lines = csv.reader(io.StringIO(data.decode("utf-8-sig"), newline=""))
+        rows = [(lines.line_num, [cell.strip() for cell in row]) for row in lines if any(row)]
+    except (UnicodeDecodeError, csv.Error) as fault:
+        raise BadInput(name, "file", None, f"a CSV file ({fault})") from None
+    if rows and sorted(rows[0][1]) == sorted(columns):
+        header = rows.pop(0)[1]
+        order = [header.index(column) for column in columns]
+    else:
+        order = list(range(len(columns)))
+    kind = np.longdouble if extended else np.float64
+    found = np.empty((len(rows), len(columns)), kind)
+    for k, (line, cells) in enumerate(rows):
+        try:
+            if len(cells) != len(columns) or any("_" in x or not x.isascii() for x in cells):
+                raise ValueError
+            found[k] = [kind(cells[i]) for i in order]
+            if any(_lost(cells[i], x) for i, x in zip(order, found[k], strict=True)):
+                raise ValueError
+        except ValueError:
+            raise BadInput(name, f"line {line}", ",".join(cells), expected) from None
+    return found
+
+
+def _lost(cell: str, rounded: Any) -> bool:
+    """Whether a decimal that is not 0 is one too small for the type to have its digits."""
+    import numpy as np
+
+    if abs(rounded) >= np.finfo(type(rounded)).smallest_normal:
+        return False
+    return any(digit in "123456789" for digit in cell.lower().partition("e")[0])
+
+
+# --- integrate many -------------------------------------------------------------------------------
+#
+# Many tops at once: initial conditions or body parameters of one scene varied.
+
 
 _JOBS = 16, 1024  # so many at least and at most
 _JOB = 0.05  # seconds that one should take
@@ -168,9 +309,9 @@ def integrate_many(
     key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance, plan.max_steps
     kept = JobCheckpoint.at(parts, "sweep", *key, *groups)
     jobs: list[FlatJob | WideJob] = [
-        flat_members.job_of(plan, group)
+        member_jobs.flat_job(plan, group)
         if plan.number.flat
-        else wide_members.job_of(plan, group, method)
+        else member_jobs.wide_job(plan, group, method)
         for group in groups
     ]
     finished = run_jobs(
@@ -180,12 +321,12 @@ def integrate_many(
         workers,
         executor,
         kept,
-        lambda found: results.packed(found, plan.number),
-        lambda held: results.unpacked(held, plan.number),
+        lambda found: member_jobs.packed(found, plan.number),
+        lambda held: member_jobs.unpacked(held, plan.number),
         progress,
     )
     with Delay() as delay:  # what is finished is not lost
-        found, told = results.put_together(plan, groups, finished.results)
+        found, told = member_jobs.put_together(plan, groups, finished.results)
         delay.forget()
     seconds = {
         "scenes": prepared - asked,

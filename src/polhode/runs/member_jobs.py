@@ -1,0 +1,253 @@
+"""Members of a sweep, run by the batch or one by one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, NamedTuple
+
+from polhode.common.checkpoint import Arrays
+from polhode.common.interrupts import Stop
+from polhode.equations.readout import Readout
+from polhode.motion.frame import Frame
+from polhode.motion.outcomes import OUTCOMES, Outcome, code
+from polhode.numbers.conversion import number_value
+from polhode.numbers.decimals import strings
+from polhode.numbers.number_types import NumberType
+from polhode.numbers.rows import Stack, flat, kind_of
+from polhode.runs import refined_motion
+from polhode.runs.members import Plan, exact_numbers, refuse_out_of_range
+from polhode.runs.options import Options
+from polhode.runs.solve import solve
+from polhode.scenes.scene import Scene
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from polhode.taylor.batches import BatchJob, Solved
+
+
+# --- results --------------------------------------------------------------------------------------
+#
+# What became of the members of a sweep: put together, and as arrays that a file keeps.
+
+
+def no_states(number: NumberType, shape: tuple[int, ...]) -> Stack:
+    """States of this shape, none of them a number."""
+    import numpy as np
+
+    if number.flat:
+        return flat(np.full(shape, np.nan, kind_of(number)))
+    from polhode.numbers.mpmath_context import mpmath, ordinary
+
+    return np.full(shape, ordinary(mpmath.nan), dtype=object)
+
+
+def none_of(number: NumberType, members: int, times: int, columns: int) -> Solved:
+    """Nothing done yet."""
+    from polhode.taylor.batches import Solved
+
+    return Solved.undone(no_states(number, (members, times, columns)))
+
+
+def put_together(
+    plan: Plan, groups: Sequence[npt.NDArray[np.int64]], found: Sequence[Solved | None]
+) -> tuple[Solved, dict[int, tuple[float | None, ...]]]:
+    """The results of all members in their order, and the errors of those that have any."""
+    columns = len(plan.members.scene.columns)
+    whole = none_of(plan.number, len(plan.members), len(plan.times), columns)
+    errors: dict[int, tuple[float | None, ...]] = {}
+    for group, some in zip(groups, found, strict=True):
+        if some is not None:
+            whole.put(group, some)
+            told = zip(group.tolist(), some.errors or (), strict=False)
+            errors |= {k: error for k, error in told if error is not None}
+    return whole, errors
+
+
+def packed(found: Solved, number: NumberType) -> Mapping[str, npt.ArrayLike]:
+    """A job's result as arrays that need no pickle; states above extended as decimals."""
+    import numpy as np
+
+    states: npt.NDArray[np.generic] = found.states
+    if not number.flat:
+        text = [
+            strings([row], number)[0] if row[0] == row[0] else ["nan"] * len(row)
+            for row in states.reshape(-1, states.shape[-1]).tolist()
+        ]
+        states = np.array(text).reshape(states.shape)
+    return {
+        "states": states,
+        "outcomes": np.array([outcome.value for outcome in OUTCOMES])[found.outcomes],
+        "steps": found.steps,
+        "reached": np.array([str(t) for t in found.reached]),
+        "errors": np.array(json.dumps(found.errors)),
+    }
+
+
+def unpacked(held: Arrays, number: NumberType) -> Solved:
+    """The same back."""
+    import numpy as np
+
+    from polhode.taylor.batches import Solved
+
+    told = json.loads(str(held["errors"]))
+    return Solved(
+        flat(held["states"]) if number.flat else _numbers(held["states"], number),
+        np.array([code(Outcome(text)) for text in held["outcomes"].tolist()], dtype=np.uint8),
+        np.asarray(held["steps"], dtype=np.int64),
+        np.array([Fraction(text) for text in held["reached"].tolist()], dtype=object),
+        None if told is None else [None if x is None else tuple(x) for x in told],
+    )
+
+
+def _numbers(texts: npt.NDArray[np.generic], number: NumberType) -> Stack:
+    import numpy as np
+
+    found = no_states(number, texts.shape)
+    for index in np.argwhere(texts != "nan"):
+        found[tuple(index)] = number_value(Fraction(str(texts[tuple(index)])), number)
+    return found
+
+
+# --- flat members ---------------------------------------------------------------------------------
+#
+# Members of a sweep in double or extended: steps of many at a time, read in the scene's axes.
+
+
+@dataclass(frozen=True, eq=False)
+class Reader:
+    """Reads rows of some members in scene axes and units: plain data, to be sent anywhere.
+
+    ``bodies``: members that have principal axes in common, with a scene of such; none where axes
+    need no turn.  ``exponent``: of the unit of time that all of them have.
+    """
+
+    number: NumberType
+    exponent: int
+    bodies: tuple[tuple[npt.NDArray[np.int64], Scene], ...]
+
+    def states(self, rows: Stack) -> Stack:
+        """States, not a number where a member did not come; of flat types, where rows were.
+
+        ``rows``: (members, times, columns) inside the members' frames.
+        """
+        import numpy as np
+
+        states = flat(rows)
+        for alike, one in self.bodies:  # one readout reads all of them
+            frame = Frame(one.body.axes, self.exponent)
+            at = np.zeros(rows.shape[:2], dtype=bool)
+            at[alike] = ~np.isnan(rows[alike, :, 0])
+            if at.any():
+                states[at] = flat(Readout(one, self.number, frame).states(flat(rows[at])))
+        if self.exponent and not self.bodies:
+            states[:, :, :3] = np.ldexp(states[:, :, :3], -self.exponent)
+        return states
+
+
+def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
+    """What reads the rows of some members of a sweep that have a unit of time in common."""
+    import numpy as np
+
+    exponent, base = int(plan.exponents[members[0]]), plan.members.scene
+    if not plan.members.axes_stay:
+        _, first, alike = np.unique(
+            np.stack(plan.bodies(members), axis=1), axis=0, return_index=True, return_inverse=True
+        )
+        own = [plan.members[int(members[k])] for k in first]
+        sets = [(np.flatnonzero(alike == n), one) for n, one in enumerate(own)]
+    else:  # a reading knows the axes alone
+        sets = [] if base.body.axes.trivial else [(np.arange(len(members)), base)]
+    bodies = tuple((these, replace(one, form="principal")) for these, one in sets)
+    return Reader(plan.number, exponent, bodies)
+
+
+class FlatJob(NamedTuple):
+    """Members that have a unit of time in common, and what reads their rows."""
+
+    steps: BatchJob
+    read: Reader
+
+    def solved(self, stop: Stop | None = None) -> Solved:
+        """What became of the members, in the scene's axes and units; ``stop`` ends it sooner."""
+        from polhode.taylor import batches
+
+        solved = batches.solve(self.steps, stop)
+        return replace(solved, states=self.read.states(solved.states))
+
+
+def flat_job(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
+    """The job of some members that have a unit of time in common."""
+    import numpy as np
+
+    from polhode.taylor import lanes
+    from polhode.taylor.batches import BatchJob
+
+    exponent, motions = int(plan.exponents[group[0]]), plan.motions.some(group)
+    times = np.ldexp(plan.grid, -exponent)
+    asked = plan.names, plan.number, plan.tolerance, plan.max_steps, times
+    job = BatchJob(*asked, Fraction(2) ** exponent, motions)
+    with np.errstate(over="ignore"):  # of a rate that is only known to be so small
+        fastest = float(np.ldexp(plan.rates[group].max(), exponent))
+    sure = lanes.surely(job, fastest)
+    return FlatJob(job._replace(sure=sure), reader(plan, group))
+
+
+# --- wide members ---------------------------------------------------------------------------------
+#
+# Members of a sweep in quad or mp: each by itself, as a single run is solved.
+
+
+class WideJob(NamedTuple):
+    """Members with their times, to be integrated one after the other."""
+
+    members: tuple[Scene, ...]
+    number: NumberType
+    options: Options
+
+    def solved(self, stop: Stop | None = None) -> Solved:
+        """What became of the members, in the scene's axes and units; ``stop`` ends it sooner."""
+
+        def heard(*_: object) -> None:
+            if stop is not None and stop():
+                raise KeyboardInterrupt  # the run's own way to be stopped
+
+        number, (first, *_) = self.number, self.members
+        found = none_of(number, len(self.members), len(first.times), len(first.columns))
+        errors = found.errors = [None] * len(self.members)
+        for k, member in enumerate(self.members):
+            if stop is not None and stop():
+                break
+            method = _method(member, number, self.options)
+            run = solve(member, number, self.options._replace(method=method), heard)
+            if run.outcome is Outcome.INTERRUPTED:
+                break
+            found.states[k, : len(run.states)] = run.states
+            found.outcomes[k], found.steps[k] = code(run.outcome), run.steps
+            found.reached[k], errors[k] = run.reached, run.errors
+        return found
+
+
+def wide_job(plan: Plan, group: npt.NDArray[np.int64], method: str) -> WideJob:
+    """The job of some members; raises BadInput for one that the number type cannot hold."""
+
+    def ready(index: int) -> Scene:
+        member = plan.members[index]
+        start, coefficients = exact_numbers(member)
+        refuse_out_of_range(plan.members, index, plan.number, [*start, *coefficients.values()])
+        return replace(member, times=plan.asked, form="principal")
+
+    options = Options(method, plan.max_steps, False, plan.tolerance)
+    return WideJob(tuple(map(ready, group.tolist())), plan.number, options)
+
+
+def _method(member: Scene, number: NumberType, options: Options) -> str:
+    """The method of a member: that which was named, where it serves."""
+    named = options.method == "refined"
+    return (
+        "taylor" if named and refined_motion.hindrance(member, number, options) else options.method
+    )

@@ -1,1 +1,0 @@
-"""The methods that integrate a system: Taylor steps, and refined ones."""

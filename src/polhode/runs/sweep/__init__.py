@@ -1,1 +1,0 @@
-"""Many motions of one scene whose numbers vary."""
