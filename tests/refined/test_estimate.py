@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from polhode.refined.error_estimate import Side, Stretch, estimate, made
+from polhode.refined.refinement import Side, Stretch, estimate, made
 
 OUTPUTS, INTERVALS, ROUNDING = 90, 60, 1e-3
 

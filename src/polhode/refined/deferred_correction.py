@@ -1,18 +1,4 @@
-"""The sweeps over a block of intervals: exact defects, corrections in double.
-
-On every interval, S the state at its start, the stages X_j and the end X satisfy
-
-    X_j = S + sum_i A_ji H f(X_i),    X = S + sum_i b_i H f(X_i),
-
-Gauss collocation, whose ends are good to the square of what the stages neglect.  Of the present x,
-the defect r = S + A H f(x) - x is computed in limbs; the correction E of x, e of S then solves
-
-    E = e + r + A (H J E),    e' = e + r_end + b (H J E),
-
-in double, to first order.  The transition of an interval follows from Y(t), the inverse of the
-state's derivative by the state at the middle, Y' = -Y J: with it e' = Phi e + delta without any
-iteration, Phi = Y(1)^-1 Y(0), delta = r_end + Y(1)^-1 sum_j b_j Y_j H J r_j.
-"""
+"""The recursion e_{n+1} = Phi_n e_n + delta_n over a block: the one thing in sequence."""
 
 from __future__ import annotations
 
@@ -27,7 +13,60 @@ from polhode.refined.collocation_tables import LARGEST_FIELD, Tables
 from polhode.refined.compiled_field import COEFFICIENTS, VARIABLES, Kernels
 from polhode.refined.errors import CannotRefine, Stalled, TooFarOff, TooLong
 from polhode.refined.expansions import Limbs
-from polhode.refined.linear_recursion import Chain
+
+
+class Chain:
+    """The transition matrices of successive intervals, (K, 6, 6), cut into about sqrt(K) chunks.
+
+    All chunks advance together; then their ends are joined, one after the other.
+    """
+
+    def __init__(self, transitions: Doubles) -> None:
+        count, n, _ = transitions.shape
+        self._count = count
+        self._long = max(1, math.isqrt(count))
+        self._chunks = -(-count // self._long)
+        padded = np.broadcast_to(np.eye(n), (self._chunks * self._long, n, n)).copy()
+        padded[:count] = transitions
+        self._steps = padded.reshape(self._chunks, self._long, n, n)
+        self._products = np.empty_like(self._steps)
+        self._products[:, 0] = self._steps[:, 0]
+        for i in range(1, self._long):
+            np.matmul(self._steps[:, i], self._products[:, i - 1], out=self._products[:, i])
+
+    def solve(self, sources: Doubles) -> Doubles:
+        """e_1 ... e_K, (K, 6), from e_0 = 0 and delta_0 ... delta_{K-1}, (K, 6)."""
+        n = sources.shape[1]
+        delta = np.zeros((self._chunks * self._long, n, 1))
+        delta[: self._count, :, 0] = sources
+        found = delta.reshape(self._chunks, self._long, n, 1)
+        for i in range(1, self._long):
+            found[:, i] += self._steps[:, i] @ found[:, i - 1]
+        begin = np.zeros((self._chunks, n, 1))
+        for c in range(1, self._chunks):
+            begin[c] = self._products[c - 1, -1] @ begin[c - 1] + found[c - 1, -1]
+        found = found + self._products @ begin[:, None]
+        return found.reshape(-1, n)[: self._count]
+
+
+# --- deferred correction --------------------------------------------------------------------------
+#
+# The sweeps over a block of intervals: exact defects, corrections in double.
+#
+# On every interval, S the state at its start, the stages X_j and the end X satisfy
+#
+#     X_j = S + sum_i A_ji H f(X_i),    X = S + sum_i b_i H f(X_i),
+#
+# Gauss collocation, whose ends are good to the square of what the stages neglect. Of the present
+# x, the defect r = S + A H f(x) - x is computed in limbs; the correction E of x, e of S then
+# solves
+#
+#     E = e + r + A (H J E),    e' = e + r_end + b (H J E),
+#
+# in double, to first order. The transition of an interval follows from Y(t), the inverse of the
+# state's derivative by the state at the middle, Y' = -Y J: with it e' = Phi e + delta without any
+# iteration, Phi = Y(1)^-1 Y(0), delta = r_end + Y(1)^-1 sum_j b_j Y_j H J r_j.
+
 
 _TURNS = 60  # of an iteration
 _TRANSITIONS = 3e-12  # to which the transition matrices are iterated
