@@ -384,7 +384,8 @@ class Ensemble(SweepResult):
     def outputs(self) -> Mapping[str, Stack]:
         """Outputs of the scene that are made of the states alone, (members, times, columns).
 
-        Others are left out of a sweep, see :attr:`attitude`.  nan at times that a member did not reach.
+        Others are left out of a sweep, see :attr:`attitude`.  nan at times that a member did not
+        reach.
         """
         words = [word for word in of_state_alone() if word in self.scene.outputs]
         return {word: derived_stack(word, self.members, self.states, self.number) for word in words}
