@@ -101,6 +101,7 @@ def test_own_starts_are_drawn_as_dots(tmp_path, capsys):
     for what in ("exponent", "verdict"):
         assert main([*command, "--what", what, "-o", str(figure)]) == 0
         assert "start.omega[2]" in figure.read_text()
+    capsys.readouterr()
     assert main([*command, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["grid"] == [2]

@@ -156,10 +156,11 @@ def time_rounding(
     ``states``: rows of the scene's columns.  ``time_errors``: by how much their times may be off.
     ``digits``: the correct ones of each row.  ``rounding``: those that rounding the states leaves.
     """
-    speed = float(np.max(np.linalg.norm(states[:, :3], axis=1))) or 1.0
-    rates = np.abs(field(scene)(0.0, states.T))
-    moved = np.maximum(np.max(rates[:3], axis=0) / speed, np.max(rates[3:], axis=0, initial=0.0))
-    moved = np.array(time_errors) * moved
+    with np.errstate(over="ignore", invalid="ignore"):  # of numbers that are no motion's
+        speed = float(np.max(np.linalg.norm(states[:, :3], axis=1))) or 1.0
+        rates = np.abs(field(scene)(0.0, states.T))
+        omega, gamma = np.max(rates[:3], axis=0), np.max(rates[3:], axis=0, initial=0.0)
+        moved = np.array(time_errors) * np.maximum(omega / speed, gamma)
     errors = 10.0 ** -np.array(digits)
     right = bool(np.all(errors <= _MORE * (moved + 10.0 ** -np.array(rounding))))
     worst = int(np.argmax(errors))
