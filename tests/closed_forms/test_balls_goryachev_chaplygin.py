@@ -174,7 +174,9 @@ def test_angles_at_the_start_and_past_a_pole():
     assert 12 < min(judged.part_digits["angles"]) < 17
 
 
-@pytest.mark.parametrize(("t", "why"), [(10**9, "300000 steps"), (10**3, "at most 1 s .* about [34]")])
+@pytest.mark.parametrize(
+    ("t", "why"), [(10**9, "300000 steps"), (10**3, "at most 1 s .* about [34]")]
+)
 def test_an_attitude_too_far_away_is_refused_before_it_is_begun(t, why, monkeypatch):
     monkeypatch.setattr(reference, "_FORETOLD_SECONDS", 1)
     truth = polhode.reference("goryachev-chaplygin/two-frequencies")
