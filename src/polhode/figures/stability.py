@@ -61,6 +61,7 @@ def draw(plt: Any, proof: Storable, axes: Any = None) -> Figure:
     right.plot(ends, rotation + slope * ends, color=line, lw=1, label="proved twist", gid="twist")
     right.plot(curves.actions, curves.turns, "o", color=dots, ms=4, label="curves", gid="turns")
     right.set(xlabel="action (area / 2π)", ylabel="turns in a period")
+    right.ticklabel_format(axis="x", style="sci", scilimits=(-2, 4))
     right.legend(frameon=False)
     right.set_title(f"rotation {rotation:.6g}, twist {twist:.6g} rad per unit of action", size=9)
     return figure
