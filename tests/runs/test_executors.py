@@ -186,10 +186,10 @@ def test_ctrl_c_of_a_terminal_does_not_reach_them(monkeypatch):
 
 ORPHANS = """\
 import time
-from polhode.common import worker_processes
+from polhode.common import processes
 from polhode.common.processes import in_order
-made, make = [], worker_processes.Process
-worker_processes.Process = lambda: made.append(make()) or made[-1]
+made, make = [], processes.Process
+processes.Process = lambda: made.append(make()) or made[-1]
 found = in_order(time.sleep, [0, 600, 600], 2)
 next(found)
 print(*(x._process.pid for x in made), flush=True)

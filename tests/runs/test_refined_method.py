@@ -17,7 +17,7 @@ from polhode.numbers.conversion import exactly
 from polhode.refined import compiled_field, refinement
 from polhode.refined.errors import Stalled
 from polhode.refined.refinement import refine
-from polhode.runs import refined_motion as refined_method
+from polhode.runs import refined as refined_method
 from polhode.scenes.event import Event
 
 SCENE = "kovalevskaya/generic"

@@ -17,7 +17,7 @@ from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import strings
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Stack, flat, kind_of
-from polhode.runs import refined_motion
+from polhode.runs import refined
 from polhode.runs.members import Plan, exact_numbers, refuse_out_of_range
 from polhode.runs.options import Options
 from polhode.runs.solve import solve
@@ -248,6 +248,4 @@ def wide_job(plan: Plan, group: npt.NDArray[np.int64], method: str) -> WideJob:
 def _method(member: Scene, number: NumberType, options: Options) -> str:
     """The method of a member: that which was named, where it serves."""
     named = options.method == "refined"
-    return (
-        "taylor" if named and refined_motion.hindrance(member, number, options) else options.method
-    )
+    return "taylor" if named and refined.hindrance(member, number, options) else options.method

@@ -20,7 +20,7 @@ from polhode.numbers.exact import sign
 from polhode.numbers.number_types import NumberType
 from polhode.numbers.rows import Given, GivenRow, Reread, Row, read_only
 from polhode.numbers.scalars import AnyNumber, numbers_given
-from polhode.runs import refined_motion
+from polhode.runs import refined
 from polhode.runs.options import USUAL, Options
 from polhode.runs.taylor_motion import TaylorMotion, system_of
 from polhode.runs.trajectory import Trajectory
@@ -107,11 +107,11 @@ def _methods(scene: Scene, number: NumberType, options: Options) -> Iterator[Met
     """Those to try, in order; raises BadInput where the one that was named does not serve."""
     named = options.method == "refined"
     if options.method != "taylor":
-        hindrance = refined_motion.hindrance(scene, number, options)
+        hindrance = refined.hindrance(scene, number, options)
         if hindrance is not None and named:
             wanted = f"{hindrance}, or the method taylor"
             raise BadInput(scene.name, "method", options.method, wanted)
-        if hindrance is None and (named or refined_motion.worth_it(scene, number)):
+        if hindrance is None and (named or refined.worth_it(scene, number)):
             from polhode.runs.refined_motion import RefinedMotion
 
             yield RefinedMotion
