@@ -20,7 +20,7 @@ import polhode
 from polhode import cli
 from polhode.closed_forms.families import FAMILIES
 from polhode.output import guide
-from polhode.scenes import keys
+from polhode.scenes import vocabulary
 from polhode.scenes.shapes import SHAPES
 
 TOP = Path(__file__).parents[1]
@@ -160,7 +160,7 @@ def test_every_link_leads_to_a_file_or_a_heading(name):
 
 def test_every_key_shape_family_and_name_is_told():
     scene, start = PAGES["scene"], PAGES["start"]
-    for key in (key for section in keys.KEYS.values() for key in section):
+    for key in (key for section in vocabulary.KEYS.values() for key in section):
         assert re.search(rf"^\| `{key.name}` \| ", scene, re.M), key
     assert re.findall(r"^\| `(\w+)` \|", start, re.M) == list(SHAPES)
     rows = re.findall(r"^\| `([\w-]+)` \| .* \| `([\w/-]+)` \|", PAGES["closed-forms"], re.M)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from polhode.judging.score.judgement import Judgement
+    from polhode.judging.judgement import Judgement
 
 #: Properties of a test, one of each for each judgement; they stand in JUnit's XML.
 _DIGITS, _SCENE = "correct_digits", "correct_digits_scene"

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
+from polhode.judging.compare import compare, refuse_incomplete
 from polhode.judging.convergence_order import ObservedOrder, observed_order
-from polhode.judging.score.compare import compare
-from polhode.judging.score.gate import refuse_incomplete
-from polhode.judging.score.judgement import Judgement
+from polhode.judging.judgement import Judgement
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.decimals import brief
-from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.numbers.number_types import AnyNumber, AnyVector
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene

@@ -15,8 +15,8 @@ from polhode.benchmark.certified_values import COLUMNS, certified_values
 from polhode.benchmark.tops import DIGITS, TOPS
 from polhode.certificates import verify
 from polhode.cli import main
-from polhode.judging.references.reference import Reference
-from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.reference import Reference
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers.conversion import exactly
 from polhode.numbers.flint_context import ctx
 from test_house import TOP

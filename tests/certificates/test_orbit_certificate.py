@@ -11,7 +11,7 @@ import pytest
 from flint import arb, ctx
 
 import polhode
-from polhode.certificates import grid, orbit_certificate, verify
+from polhode.certificates import certificate_file, orbit_certificate, verify
 from polhode.certificates.orbit_certificate import Choice, Problem
 from polhode.cli import main
 from shared.mutation import altered, without
@@ -222,7 +222,7 @@ def made_of(small, bits, monkeypatch, corner=None, later=0, point=False):
         period, fine = given["grid"][-1] * Fraction(2) ** -given["time_bits"], given["time_bits"]
         ctx.prec = 200
         at = [verify.ball((x * power + sign * size, Fraction(0))) for x, sign, size in start]
-        given |= grid.steps(body, at, period, 200, fine, 0.15)
+        given |= certificate_file.steps(body, at, period, 200, fine, 0.15)
         ctx.prec = 53
     if later:
         given["grid"][-1] += later * (1 << (given["time_bits"] + 2 - bits - SHIFT))

@@ -11,7 +11,7 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode.certificates import grid, verify
+from polhode.certificates import certificate_file, verify
 from polhode.common.errors import BadInput
 from polhode.scenes import library
 from polhode.studies.accuracy import proven
@@ -52,7 +52,7 @@ def test_what_ships_is_proved_and_of_the_scene_that_ships(path):
     assert alone.returncode == 0, alone.stdout + alone.stderr
     held = json.loads(path.read_text())
     body = library.load(SCENES[path.stem]).body
-    for key, value in grid.body_numbers(body, held["bits"] + verify.COARSE).items():
+    for key, value in certificate_file.body_numbers(body, held["bits"] + verify.COARSE).items():
         if isinstance(value, str) or not any(isinstance(x, list) for x in value):
             assert held["scene"][key] == value
 

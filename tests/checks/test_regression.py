@@ -11,7 +11,7 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.checks import published_figures, regression
+from polhode.checks import check_report, published_figures
 from polhode.checks.check_report import CheckReport
 from polhode.closed_forms.families import FAMILIES
 from polhode.equations.forms import principal
@@ -37,7 +37,7 @@ def test_every_case_loads_and_expects_something():
         assert scene.title, name
         assert scene.times, name
         for number, (low, high) in scene.expect.items():
-            assert 0 < high - low < 2 * regression.SPREAD + 0.15, (name, number)
+            assert 0 < high - low < 2 * check_report.SPREAD + 0.15, (name, number)
         if name.startswith("published/"):
             assert scene.published, name
             assert scene.cite, name
@@ -70,7 +70,7 @@ def test_a_corrupted_equation_of_motion_fails(case, which, monkeypatch):
         return numbers | {which: numbers[which] * CHANGE}
 
     monkeypatch.setattr(principal, "coefficients", corrupted)
-    (report,) = regression.check([case], ["double", "quad"])
+    (report,) = check_report.check([case], ["double", "quad"])
     assert not report.passed
     assert {line.number for line in report.lines if not line.passed} == {"quad"}
 
@@ -80,7 +80,7 @@ def test_without_a_band_nothing_passes_or_fails_and_lost_digits_are_words(tmp_pa
     path = tmp_path / "own.toml"
     text = (library.folder() / "euler" / "separatrix.toml").read_text()
     path.write_text(text.partition("[expect]")[0].replace("end = 30", "end = 400"))
-    report = next(regression.check([str(path)], ["double"]))
+    report = next(check_report.check([str(path)], ["double"]))
     assert report.passed is None
     assert cli.main(["check", str(path), "--number", "double"]) == 3
     out, err = capsys.readouterr()
@@ -98,24 +98,24 @@ def test_without_a_band_nothing_passes_or_fails_and_lost_digits_are_words(tmp_pa
 @pytest.mark.slow
 def test_cases_are_run_for_their_states_in_mp_as_users_have_it(monkeypatch):
     """Up to quad by heyoka's own steps, which are what the bands are of."""
-    runs, solve = [], regression.solve
+    runs, solve = [], check_report.solve
     monkeypatch.setattr(
-        regression, "solve", lambda *x, **more: runs.append(solve(*x, **more)) or runs[-1]
+        check_report, "solve", lambda *x, **more: runs.append(solve(*x, **more)) or runs[-1]
     )
-    report = regression.check_scene(polhode.load("lagrange/nutation"), ["double", "quad", "mp"])
+    report = check_report.check_scene(polhode.load("lagrange/nutation"), ["double", "quad", "mp"])
     assert [run.method for run in runs] == ["refined", "taylor", "taylor"]
     assert not any(run.outputs or run.events for run in runs)
     assert report.passed
 
 
 def test_a_case_passes():
-    assert next(regression.check(["euler/sphere"])).passed
+    assert next(check_report.check(["euler/sphere"])).passed
 
 
 @pytest.mark.slow
 def test_cases_shared_by_processes_give_the_same_reports():
     names = ["euler/rest", "euler/sphere", "staude/stable"]
-    one, two = ([*regression.check(names, ["double"], workers=n)] for n in (1, 2))
+    one, two = ([*check_report.check(names, ["double"], workers=n)] for n in (1, 2))
     assert [report.scene.name for report in two] == names
     assert [report.lines[0].digits for report in one] == [r.lines[0].digits for r in two]
     assert [report.lines[0].limit for report in one] == [r.lines[0].limit for r in two]
@@ -123,7 +123,7 @@ def test_cases_shared_by_processes_give_the_same_reports():
 
 def test_what_a_process_found_is_told_without_the_reference(monkeypatch):
     """Every closed form and enclosure was computed again, for each number type, to be printed."""
-    report = pickle.loads(pickle.dumps(regression.check_scene(polhode.load("euler/sphere"))))
+    report = pickle.loads(pickle.dumps(check_report.check_scene(polhode.load("euler/sphere"))))
     monkeypatch.setattr(polhode.Reference, "at", None)
     told = CheckReport([report], [])
     assert "rounding" in told.details()
@@ -134,22 +134,24 @@ def test_what_a_process_found_is_told_without_the_reference(monkeypatch):
 def test_digits_above_the_band_fail_too():
     scene = polhode.load("euler/largest-axis")
     slack = replace(scene, expect={"double": (1.0, 9.0)})
-    report = regression.check_scene(slack)
+    report = check_report.check_scene(slack)
     assert not report.passed
     assert report.lines[0].verdict == "more digits than the case can have"
 
 
 def test_a_run_that_does_not_reach_its_end_fails(monkeypatch):
-    monkeypatch.setattr(regression, "conditioning", lambda *_, **__: None)  # kappa takes long, too
+    monkeypatch.setattr(
+        check_report, "conditioning", lambda *_, **__: None
+    )  # kappa takes long, too
     scene = polhode.load("euler/largest-axis").at((Fraction(10) ** 30,))
-    report = regression.check_scene(replace(scene, expect={"double": (1.0, 9.0)}))
+    report = check_report.check_scene(replace(scene, expect={"double": (1.0, 9.0)}))
     assert not report.passed
     assert report.lines[0].verdict == "step limit"
 
 
 def test_an_unknown_number_type_is_refused():
     with pytest.raises(polhode.BadInput, match="double"):
-        list(regression.check(["euler/sphere"], ["dobule"]))
+        list(check_report.check(["euler/sphere"], ["dobule"]))
 
 
 # -- published figures ------------------------------------------------------------------------

@@ -8,8 +8,7 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode.checks.published_figures import figures
-from polhode.checks.time_labels import time_labels
+from polhode.checks.published_figures import figures, time_labels
 from polhode.scenes.scene import Published
 
 

@@ -7,7 +7,7 @@ import mpmath
 import pytest
 from flint import arb
 
-from polhode.closed_forms.balls import clocks, panels
+from polhode.closed_forms.balls import clocks
 from polhode.closed_forms.balls.clocks import Factors, Oscillating
 from polhode.closed_forms.balls.core import TooFewBits, ball
 from polhode.numbers.flint_context import ctx
@@ -98,14 +98,14 @@ def test_balls_of_all_precisions_overlap(gap):
 def test_a_rule_for_a_larger_ellipse_than_f_is_bounded_on_misses(monkeypatch, ratio):
     """By force, at 200 bits: points and error of Gauss's rule as if discs were larger."""
     exact = [numbers(seed, 330) for seed in range(3)]
-    monkeypatch.setattr(panels, "RATIO", ratio)
+    monkeypatch.setattr(clocks, "RATIO", ratio)
     for seed, fine in enumerate(exact):
         assert not overlap(numbers(seed, 200), fine)
 
 
 def test_what_few_points_miss_is_in_the_radius(monkeypatch):
     fine = numbers(2, 330)
-    monkeypatch.setattr(panels, "_SPARE", -100)
+    monkeypatch.setattr(clocks, "_SPARE", -100)
     rough = numbers(2, 200)
     assert overlap(rough, fine)
     assert rough[2].rad() > arb(-90).exp()

@@ -6,7 +6,7 @@ from itertools import pairwise
 import pytest
 from flint import acb, arb
 
-from polhode.closed_forms.balls import core, winding
+from polhode.closed_forms.balls import angles, core
 from polhode.closed_forms.balls.core import Refused, TooFewBits, ball, sure_rows, until_sure
 from polhode.closed_forms.balls.frames import Frame, quaternion, start_attitude, turned_back
 from polhode.closed_forms.balls.jacobi import Jacobi, Shift
@@ -239,17 +239,17 @@ def spinning(t):
 def test_turns_are_counted_by_a_bound_of_the_speed():
     times = [arb(3), arb(100)]
     for (one, other), t in zip(
-        winding.counted(spinning, arb(2 * SPINNING), arb(0), times), times, strict=True
+        angles.counted(spinning, arb(2 * SPINNING), arb(0), times), times, strict=True
     ):
         assert one.overlaps(SPINNING * t)
         assert other.overlaps(-t)
-    back = winding.counted(spinning, arb(2 * SPINNING), arb(0), [arb(-5)])
+    back = angles.counted(spinning, arb(2 * SPINNING), arb(0), [arb(-5)])
     assert back[0][0].overlaps(arb(-5 * SPINNING))
 
 
 def test_a_bound_that_is_none_counts_wrongly():
     """By force: the proof rests on the bound of |w|."""
-    ((one, _),) = winding.counted(spinning, arb(1), arb(0), [arb(100)])
+    ((one, _),) = angles.counted(spinning, arb(1), arb(0), [arb(100)])
     assert not one.overlaps(arb(100 * SPINNING))
 
 
@@ -261,50 +261,50 @@ def tilting(t):
 
 def test_turns_are_counted_from_a_pole_by_a_bound_of_the_slope_of_the_speed():
     begin, speed = arb(2) ** -64, arb(3)
-    leaving = winding.Leaving(1, arb("0.1"))
+    leaving = angles.Leaving(1, arb("0.1"))
     for bits in (53, 200):
         with ctx.workprec(bits):
-            ((one, other),) = winding.counted(tilting, speed, begin, [arb(2)], leaving)
+            ((one, other),) = angles.counted(tilting, speed, begin, [arb(2)], leaving)
             assert one.overlaps(2 - begin)
             assert other.overlaps(-30 * (2 - begin))
             # by the speed alone the steps vanish
             with pytest.raises(TooFewBits if bits == 53 else Refused):
-                winding.counted(tilting, speed, begin, [arb(2)])
+                angles.counted(tilting, speed, begin, [arb(2)])
 
 
 @pytest.mark.parametrize("t", [2**-6, 2])
 def test_the_way_from_a_pole_is_not_longer_than_its_bound(t):
     places = [tilting(arb(t) * k / 100) for k in range(101)]
     chords = [abs(acb(y[1] - x[1], y[2] - x[2])) for x, y in pairwise(places)]
-    way = winding.Leaving(1, arb("0.1")).way(arb(t), arb(3))
+    way = angles.Leaving(1, arb("0.1")).way(arb(t), arb(3))
     assert sum(chords) < way
 
 
 def test_a_bound_of_the_slope_that_is_none_counts_wrongly():
     """By force: the proof rests on it."""
-    wrong = winding.Leaving(1, arb("1e-9"))
-    ((_, other),) = winding.counted(tilting, arb(3), arb(2) ** -64, [arb(2)], wrong)
+    wrong = angles.Leaving(1, arb("1e-9"))
+    ((_, other),) = angles.counted(tilting, arb(3), arb(2) ** -64, [arb(2)], wrong)
     assert not other.overlaps(arb(-60))
 
 
 def test_turns_are_counted_farther_through_many_times(monkeypatch):
-    monkeypatch.setattr(winding, "_MOST_STEPS", 8)
+    monkeypatch.setattr(angles, "_MOST_STEPS", 8)
     times = [arb(k) / 100 for k in range(1, 101)]
-    *_, (one, _) = winding.counted(spinning, arb(2 * SPINNING), arb(0), times)
+    *_, (one, _) = angles.counted(spinning, arb(2 * SPINNING), arb(0), times)
     assert one.overlaps(arb(SPINNING))
     with pytest.raises(Refused, match="ask for the attitude"):
-        winding.counted(spinning, arb(2 * SPINNING), arb(0), times[-1:])
+        angles.counted(spinning, arb(2 * SPINNING), arb(0), times[-1:])
 
 
 def test_far_times_and_poles_are_not_counted():
     with pytest.raises(Refused, match="ask for the attitude"):
-        winding.counted(spinning, arb(2 * SPINNING), arb(0), [arb(3000)])
+        angles.counted(spinning, arb(2 * SPINNING), arb(0), [arb(3000)])
 
     def through(t):
         return t.cos(), t.sin(), arb(0), arb(0)
 
     with ctx.workprec(150), pytest.raises(TooFewBits):
-        winding.counted(through, arb(2), arb("0.3"), [arb(3)])
+        angles.counted(through, arb(2), arb("0.3"), [arb(3)])
 
 
 @pytest.mark.parametrize(

@@ -9,12 +9,12 @@ import pytest
 from flint import arb
 
 import polhode
-from polhode.closed_forms.balls import clocks, panels
+from polhode.closed_forms.balls import clocks
+from polhode.closed_forms.balls import clocks as panels
 from polhode.closed_forms.balls.core import TooFewBits
 from polhode.closed_forms.families import closed_form
 from polhode.common.errors import BadInput
-from polhode.judging.references import reference
-from polhode.judging.score import answers
+from polhode.judging import reference, score
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
@@ -194,8 +194,8 @@ def test_one_enclosure_goes_through_all_rows_of_a_table(monkeypatch):
         return certified(*given, **options)
 
     monkeypatch.setattr(reference, "Certified", counted)
-    monkeypatch.setattr(answers, "_PIECE", 2)
+    monkeypatch.setattr(score, "_PIECE", 2)
     truth, times = polhode.reference("goryachev-chaplygin/released"), [F(k, 9) for k in range(7)]
-    table = answers.Answers(truth, times, True, None)
+    table = score.Answers(truth, times, True, None)
     assert len(table.rows("attitude", 15)) == len(table.rows("at", 15).hi) == 7
     assert len(proofs) == 1

@@ -10,8 +10,12 @@ from flint import acb, arb, fmpq
 
 import polhode
 from polhode.closed_forms.balls.core import Refused, TooFewBits
-from polhode.closed_forms.balls.sigma import RealLattice
-from polhode.closed_forms.balls.weierstrass import Quartic, Weierstrass, complex_functions
+from polhode.closed_forms.balls.weierstrass import (
+    Quartic,
+    RealLattice,
+    Weierstrass,
+    complex_functions,
+)
 from polhode.closed_forms.closed_form import ENCLOSED_ATTITUDE
 from polhode.closed_forms.families import closed_form
 from polhode.closed_forms.kovalevskaya import degenerate

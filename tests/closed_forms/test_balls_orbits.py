@@ -12,8 +12,7 @@ from polhode.closed_forms._one_orbit import orbits, placed_motion
 from polhode.closed_forms._one_orbit.orbits import zeros
 from polhode.closed_forms.balls import periodic_attitude
 from polhode.closed_forms.balls.core import Refused, TooFewBits, ball
-from polhode.closed_forms.balls.periodic_attitude import Equations, PeriodicAttitude
-from polhode.closed_forms.balls.power_sum import PowerSum
+from polhode.closed_forms.balls.periodic_attitude import Equations, PeriodicAttitude, PowerSum
 from polhode.closed_forms.families import mpmath
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx

@@ -6,9 +6,9 @@ import mpmath
 import pytest
 from flint import acb, arb
 
-from polhode.closed_forms.balls import panels, quadrature
+from polhode.closed_forms.balls import clocks
+from polhode.closed_forms.balls.clocks import Linear, circle, unit
 from polhode.closed_forms.balls.core import TooFewBits
-from polhode.closed_forms.balls.quadrature import Linear, circle, unit
 from polhode.numbers.flint_context import ctx
 
 BITS = [24, 40, 53, 107, 200]
@@ -90,7 +90,7 @@ def test_a_rule_for_a_larger_ellipse_than_f_is_bounded_on_misses(monkeypatch, na
     """By force, at 200 bits: points and error of Gauss's rule as if discs were larger."""
     seeds, missed = range(12), 0
     exact = [integral(RULES[name], factors(seed, 0.05, True), 330) for seed in seeds]
-    monkeypatch.setattr(panels, "RATIO", ratio)
+    monkeypatch.setattr(clocks, "RATIO", ratio)
     for seed, fine in zip(seeds, exact, strict=True):
         missed += not overlap(integral(RULES[name], factors(seed, 0.05, True), 200), fine)
     assert missed >= (3 if ratio == 8 else 8)
@@ -99,13 +99,13 @@ def test_a_rule_for_a_larger_ellipse_than_f_is_bounded_on_misses(monkeypatch, na
 def test_what_few_points_leave_out_is_in_the_radius(monkeypatch):
     ends = factors(5, 1e-8, True)
     fine = integral(unit, ends, 330)
-    monkeypatch.setattr(panels, "_SPARE", -60)
+    monkeypatch.setattr(clocks, "_SPARE", -60)
     rough = integral(unit, ends, 200)
     assert overlap(rough, fine)
     assert arb("1e-40") < rough[0].real.rad() < arb("1e-20")
-    proper = quadrature._Squares._within
+    proper = clocks._Squares._within
     monkeypatch.setattr(
-        quadrature._Squares, "_within", staticmethod(lambda radius: proper(radius / 2**60))
+        clocks._Squares, "_within", staticmethod(lambda radius: proper(radius / 2**60))
     )
     assert not overlap(integral(unit, ends, 200), fine)
 
@@ -113,7 +113,7 @@ def test_what_few_points_leave_out_is_in_the_radius(monkeypatch):
 @pytest.mark.parametrize("name", RULES)
 def test_panels_too_long_raise(monkeypatch, name):
     """What middles of balls have chosen is proven: a disc that holds a zero is told."""
-    monkeypatch.setattr(panels.Panels, "_clear", lambda *_: True)
+    monkeypatch.setattr(clocks.Panels, "_clear", lambda *_: True)
     with pytest.raises(TooFewBits):
         integral(RULES[name], factors(1, 1e-8, True), 200)
 

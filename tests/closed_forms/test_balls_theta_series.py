@@ -3,9 +3,9 @@
 import pytest
 from flint import acb, arb
 
-from polhode.closed_forms.balls import theta_series
+from polhode.closed_forms.balls import jacobi
 from polhode.closed_forms.balls.core import TooFewBits
-from polhode.closed_forms.balls.theta_series import ThetaSeries
+from polhode.closed_forms.balls.jacobi import ThetaSeries
 from polhode.numbers.flint_context import ctx
 
 PLACES = ("0.49", "0.1", "-0.3", "0")
@@ -50,7 +50,7 @@ def test_every_ball_holds_the_value(width):
 @pytest.mark.parametrize("width", WIDTHS[:3])
 def test_what_is_left_out_is_in_the_ball_and_not_much_more(width, monkeypatch):
     """With few terms each ball holds its value, and with no bound of the rest hardly any would."""
-    monkeypatch.setattr(theta_series.math, "ceil", lambda x: 3 if width == "0.07" else 1)
+    monkeypatch.setattr(jacobi.math, "ceil", lambda x: 3 if width == "0.07" else 1)
     with ctx.workprec(300):
         s, y = arb(width), arb(width) / 3
         series, missed = ThetaSeries(s), 0
@@ -63,7 +63,7 @@ def test_what_is_left_out_is_in_the_ball_and_not_much_more(width, monkeypatch):
 
 
 def test_terms_that_do_not_fall_are_refused(monkeypatch):
-    monkeypatch.setattr(theta_series.math, "ceil", lambda x: 1)
+    monkeypatch.setattr(jacobi.math, "ceil", lambda x: 1)
     with ctx.workprec(100), pytest.raises(TooFewBits):
         ThetaSeries(arb("0.01"))
     with ctx.workprec(100), pytest.raises(TooFewBits):

@@ -11,11 +11,10 @@ import pytest
 import polhode
 from polhode.closed_forms import families
 from polhode.closed_forms.families import FAMILIES, Family, closed_form, closed_forms
-from polhode.closed_forms.membership.misfit import Misfit
-from polhode.closed_forms.membership.principal_scene import in_principal_axes
+from polhode.closed_forms.membership import Misfit, in_principal_axes
 from polhode.common.errors import BadInput
-from polhode.judging.references.reference import reference
-from polhode.scenes import added_families, scene_file
+from polhode.judging.reference import reference
+from polhode.scenes import scene_file, vocabulary
 from polhode.scenes.vocabulary import REFERENCES
 
 TOP = Path(__file__).parents[2]
@@ -69,7 +68,7 @@ def needs_a_slow_spin(principal):
 def test_a_family_that_says_why_is_refused_with_the_condition_and_by_how_much(monkeypatch):
     """As a new family does: a row whose ``misfit`` names the condition that fails."""
     row = Family("slow", lambda _: False, needs_a_slow_spin, lambda: pytest.fail("is not made"))
-    monkeypatch.setattr(added_families, "_OF_PROCESS", {})
+    monkeypatch.setattr(vocabulary, "_OF_PROCESS", {})
     polhode.register_family(row)
     with pytest.raises(BadInput) as refused:
         reference(scene(omega="[1, 0, '1 + 1e-30']", kind="slow"))

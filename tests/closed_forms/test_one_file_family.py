@@ -13,7 +13,7 @@ import pytest
 import polhode
 from polhode.closed_forms.families import FAMILIES, orbit_family
 from polhode.numbers.mpmath_context import mpmath
-from polhode.scenes import added_families
+from polhode.scenes import vocabulary
 from shared import steady_precession
 
 KIND = steady_precession.FAMILY.name
@@ -40,7 +40,7 @@ MIRRORED = {"up": -1, "along": "-6/5", "spin": "9/5", "height": "-4/5"}
 @pytest.fixture
 def given(monkeypatch):
     """Registered until the test ends."""
-    monkeypatch.setattr(added_families, "_OF_PROCESS", {})
+    monkeypatch.setattr(vocabulary, "_OF_PROCESS", {})
     polhode.register_family(steady_precession.FAMILY)
     polhode.register_family(steady_precession.FAMILY)  # the same again changes nothing
 

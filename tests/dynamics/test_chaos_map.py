@@ -11,8 +11,8 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.common import checkpoint
-from polhode.dynamics.chaos import chaos_map
-from polhode.dynamics.sections.initial_tangents import tangents_of
+from polhode.dynamics import chaos_map
+from polhode.dynamics.coordinates import tangents_of
 
 GENERIC = polhode.load("general/asymmetric-chaotic")
 LEVEL = {"h": 3, "f": Fraction(1, 2)}
@@ -123,7 +123,7 @@ def test_megno_of_made_up_growth():
 
 
 def test_tangents_begin_across_what_never_grows_apart():
-    from polhode.dynamics.sections import coordinates as geometry
+    from polhode.dynamics import coordinates as geometry
 
     on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
     states = geometry.momentum_states(on, *geometry.cells(5, 5), True).states

@@ -9,11 +9,10 @@ import pytest
 from flint import arb
 
 import polhode
-from polhode.dynamics.levels import regions
-from polhode.dynamics.levels.permanent_rotations import families
-from polhode.dynamics.levels.rational_body import RationalBody
+from polhode.dynamics import regions
+from polhode.dynamics.permanent_rotations import RationalBody, families
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.polynomials import middle
+from polhode.numbers.vectors import middle
 from polhode.scenes.body import Body
 
 START = {"omega": ("0.3", "0.2", "1.1"), "gamma": ("3/5", 0, "4/5")}

@@ -11,8 +11,8 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics.sections import coordinates as geometry
-from polhode.dynamics.sections import crossing_accuracy
+from polhode.dynamics import coordinates as geometry
+from polhode.dynamics import section
 from polhode.numbers.conversion import doubles, exactly
 from polhode.scenes import scene_file
 
@@ -135,7 +135,7 @@ def test_digits_are_the_same_in_any_unit_of_time():
 
 def test_none_left_from_counts_from_one():
     digits = np.array([[15.0, 3, 0.9, 0], [0.2, 0, 0, np.nan], [9, 8, 7, 6]])
-    assert crossing_accuracy.none_left_from(digits).tolist() == [3, 1, 0]
+    assert section.none_left_from(digits).tolist() == [3, 1, 0]
 
 
 def test_the_verb_tells_them(tmp_path, capsys):

@@ -103,7 +103,7 @@ def test_the_verb_tells_a_line_of_each_signal(capsys):
 
 def test_slow_lines_beside_a_constant_claim_no_digits_that_they_lack():
     """Within a few 2 pi/T of 0 a line, its mirror image and the constant hide each other."""
-    from polhode.dynamics.frequencies import naff
+    from polhode.dynamics import naff
 
     rng, factors = np.random.default_rng(3), []
     for least, most in [(0.05, 1), (1, 2), (2, 6), (0.3, 1), (6, 12)]:

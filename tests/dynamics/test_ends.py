@@ -12,9 +12,9 @@ import pytest
 
 import polhode
 from polhode.common import values
-from polhode.dynamics.levels.rational_body import MOST_SPREAD, RationalBody, Reach
-from polhode.dynamics.sections import coordinates, jobs
-from polhode.dynamics.sections.starts import asked_of
+from polhode.dynamics import coordinates, section
+from polhode.dynamics.permanent_rotations import MOST_SPREAD, RationalBody, Reach
+from polhode.dynamics.starts import asked_of
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import batches, variations
 from polhode.taylor import event_batches as taylor
@@ -75,8 +75,8 @@ def section_job():
     what = asked_of(scene, "momentum", "max", None, None)
     on = coordinates.ground(scene, what.h, what.f)
     starts = coordinates.momentum_states(on, np.array([1.5]), np.array([0.5]), True).states
-    zero = jobs.zero_of(scene, on, "momentum")
-    (job,) = jobs.jobs_of(what, on, zero, -1, 5, starts)
+    zero = section.zero_of(scene, on, "momentum")
+    (job,) = section.jobs_of(what, on, zero, -1, 5, starts)
     return job
 
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.dynamics.levels.fourth_integral import fourth_integral
-from polhode.dynamics.levels.rational_body import BODY_BITS, RationalBody
+from polhode.dynamics.levels import fourth_integral
+from polhode.dynamics.permanent_rotations import BODY_BITS, RationalBody
 from polhode.numbers.conversion import to_double
-from polhode.numbers.polynomials import fraction_near
+from polhode.numbers.vectors import fraction_near
 from polhode.scenes import scene_file
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.dynamics.frequencies import naff
-from polhode.dynamics.frequencies.leakage import leak
+from polhode.dynamics import naff
+from polhode.dynamics.naff import leak
 
 HALVES = {"s1", "s2", "u", "v"}  # of separated variables: the state has twice their period
 

@@ -13,11 +13,10 @@ from flint import arb
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics.levels.permanent_rotations import between, families
-from polhode.dynamics.levels.rational_body import RationalBody
-from polhode.dynamics.levels.regions import region, regions_between
+from polhode.dynamics.permanent_rotations import RationalBody, between, families
+from polhode.dynamics.regions import region, regions_between
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.polynomials import rational
+from polhode.numbers.vectors import rational
 from polhode.scenes.body import Body
 
 BODIES = {

@@ -10,7 +10,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics.periodic_orbits import families
+from polhode.dynamics import families
 
 #: Where Grioli's family turns in h at his f, by this program: the tests say how it is one.
 FOLD = 0.74971327932623
@@ -144,10 +144,10 @@ def test_the_verb(tmp_path, capsys):
 
 
 def test_a_family_that_cannot_be_followed_ends_with_code_3(monkeypatch, capsys):
-    from polhode.dynamics.periodic_orbits import continuation
+    from polhode.dynamics import newton_shooting
 
     def lost(*_):
-        raise continuation.NotClosed("no step is short enough")
+        raise newton_shooting.NotClosed("no step is short enough")
 
     monkeypatch.setattr(families, "stepped", lost)
     assert main(["family", "grioli/precession", "--by", "h", "--to", "0.9"]) == 3

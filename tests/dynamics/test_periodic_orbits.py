@@ -9,11 +9,10 @@ import pytest
 from mpmath import MPContext
 
 import polhode
-from polhode.dynamics.periodic_orbits import azimuth_advance, high_precision, newton_shooting
-from polhode.dynamics.periodic_orbits import orbit as periodic_orbit
-from polhode.dynamics.periodic_orbits.level_set import Surface
-from polhode.dynamics.periodic_orbits.newton_shooting import at_level, bordered
-from polhode.dynamics.periodic_orbits.recurrences import Return
+from polhode.dynamics import high_precision, newton_shooting, orbit
+from polhode.dynamics import orbit as periodic_orbit
+from polhode.dynamics.newton_shooting import Surface, at_level, bordered
+from polhode.dynamics.orbit import Return
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import exactly
 from shared import plain_taylor
@@ -236,9 +235,7 @@ def test_an_orbit_far_from_the_start_is_not_the_one_asked_for():
 
 
 def test_a_motion_that_does_not_come_near_itself(monkeypatch):
-    monkeypatch.setattr(
-        "polhode.dynamics.periodic_orbits.recurrences.FARTHEST", 30.0
-    )  # it falls again later on
+    monkeypatch.setattr("polhode.dynamics.orbit.FARTHEST", 30.0)  # it falls again later on
     with pytest.raises(polhode.BadInput, match="near which the motion returns: up to t = "):
         polhode.orbit("pendulum/separatrix")
 
@@ -267,7 +264,7 @@ def test_psi_of_a_motion_about_the_vertical_is_the_attitude_s(turn):
     asleep = polhode.top(
         moments=[2, 2, 1], centre=[0, 0, 1], weight=1, omega=[0, 0, turn], gamma=[0, 0, 1], end=1
     )
-    found = azimuth_advance.advance(asleep, number_types.DOUBLE)
+    found = orbit.advance(asleep, number_types.DOUBLE)
     assert not found.whole
     assert float(found.psi) == pytest.approx(float(turn), abs=1e-13)
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.dynamics.observables import jobs as observable_jobs
-from polhode.dynamics.observables import reduce_many as module
+from polhode.dynamics import observables as observable_jobs
+from polhode.dynamics import reduce_many as module
 from polhode.motion.outcomes import Outcome
 from polhode.scenes import scene_file
 from shared.motions import heavy
@@ -128,7 +128,7 @@ def test_exponents_of_chaotic_members_scatter_as_their_uncertainties_say():
 @pytest.mark.slow
 def test_the_uncertainty_of_a_chaotic_member_is_its_neighbours_scatter(monkeypatch):
     """Where they are the member itself, it is 0."""
-    from polhode.judging.conditioning import lyapunov
+    from polhode.judging import lyapunov
 
     monkeypatch.setattr(lyapunov, "MOVED", (1.0,) * 7)
     scene = polhode.load("general/asymmetric-chaotic").at([600])

@@ -14,9 +14,9 @@ import polhode
 from polhode.cli import main
 from polhode.common import checkpoint
 from polhode.common.checkpoint import JobCheckpoint
-from polhode.dynamics.sections import coordinates as geometry
-from polhode.dynamics.sections import jobs as section_jobs
-from polhode.dynamics.sections import starts as section_starts
+from polhode.dynamics import coordinates as geometry
+from polhode.dynamics import section as section_jobs
+from polhode.dynamics import starts as section_starts
 from polhode.scenes import scene_file
 from polhode.taylor import event_batches, event_watch
 

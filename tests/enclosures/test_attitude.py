@@ -17,15 +17,14 @@ import pytest
 
 import polhode
 from polhode.enclosures import (
+    approximation,
     attitude,
     fixed_point_problem,
     integral_contraction,
-    proof_loop,
     quaternion,
     step_bound,
-    winding_number,
+    task,
 )
-from polhode.enclosures.approximation import newton_correction
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.quaternion import Turned, Turns
 from polhode.enclosures.result import Part
@@ -86,7 +85,7 @@ def _turn(scene: Scene, problem: Any, last: int, solution: Any) -> tuple[list[An
     motion = fixed_point_problem.motion(replace(scene, outputs=("attitude",)))
     times = [fixed_point_problem.ball(Fraction(last), 400)]
     watch = attitude.Watch(motion, problem, times, solution, False)
-    proof_loop.run(problem, times, integral_contraction.prepared(motion, 400), watchers=[watch])
+    task.run(problem, times, integral_contraction.prepared(motion, 400), watchers=[watch])
     centre = [Fraction(int(x), 1 << problem.fine) for x in watch._turned.centre]
     return centre, watch._turned.radius * 2.0**-problem.noise
 
@@ -112,14 +111,14 @@ def _of_the_sphere(rate: Fraction, last: int) -> list[Fraction]:
 
 
 def _wrong_start(a: Any, defects: Any, start: Any) -> Any:
-    found = newton_correction.forced(a, defects, start)
+    found = approximation.forced(a, defects, start)
     found[:, 0, 3] += 2.0**-40 * bool(np.any(start))  # of v itself, not of a correction
     return found
 
 
 def _wrong_slope(a: Any, defects: Any, start: Any) -> Any:
     """A coefficient that is wrong by 2**-40, of v and again by whatever is corrected."""
-    found = newton_correction.forced(a, defects, start)
+    found = approximation.forced(a, defects, start)
     found[:, 1, 3] += 2.0**-40 if np.any(start) else 2.0**50  # 2**(90 - 40)
     return found
 
@@ -137,7 +136,7 @@ def _by_the_state() -> float:
     ticks = 1 << (problem.fine - 50)
     start = (*problem.start[:2], problem.start[2] + ticks, *problem.start[3:])
     boxed = replace(problem, start=start, spread=(0.0, 0.0, 2.0**40, 0.0, 0.0, 0.0))
-    centre, claimed = _turn(SPHERE, boxed, 4, newton_correction.forced)
+    centre, claimed = _turn(SPHERE, boxed, 4, approximation.forced)
     assert unit == 0
     return _off(centre, _of_the_sphere(Fraction(1, 2), 4)) / claimed
 
@@ -163,7 +162,7 @@ def _by_rounding() -> float:
 
 def _overwriting(a: Any, defects: Any, start: Any) -> Any:
     """Right, and all that it was given is other numbers afterwards."""
-    found = newton_correction.forced(a, defects, start)
+    found = approximation.forced(a, defects, start)
     for given in (a, defects, start):
         given[:] = 1.0
     return found
@@ -172,7 +171,7 @@ def _overwriting(a: Any, defects: Any, start: Any) -> Any:
 def _of_zeroed(a: Any, defects: Any, start: Any) -> Any:
     """The turn of a body that stands still."""
     a[:] = 0.0
-    return newton_correction.forced(a, defects, start)
+    return approximation.forced(a, defects, start)
 
 
 class _Hoarding:
@@ -184,7 +183,7 @@ class _Hoarding:
     def __call__(self, a: Any, defects: Any, start: Any) -> Any:
         for x in self.kept:
             x *= 2.0
-        self.kept.append(newton_correction.forced(a, defects, start))
+        self.kept.append(approximation.forced(a, defects, start))
         return self.kept[-1]
 
 
@@ -226,14 +225,14 @@ def test_no_fault_in_the_approximated_turn_makes_a_wrong_attitude() -> None:
     for _ in range(12):
 
         def faulty(a: Any, defects: Any, start: Any) -> Any:
-            found = newton_correction.forced(a, defects, start)
+            found = approximation.forced(a, defects, start)
             place = tuple(rng.randrange(n) for n in found.shape)
             found[place] += rng.choice((-1, 1)) * np.max(np.abs(found)) * 2.0 ** -rng.randrange(50)
             return found
 
         problem = fixed_point_problem.problem(motion, rng.choice((60, 90, 126)))
         watch = attitude.Watch(motion, problem, times, faulty, True)
-        proof_loop.run(problem, times, watchers=[watch])
+        task.run(problem, times, watchers=[watch])
         pose = watch.poses[0]
         ratios = trials.ratios([pose.quaternion], [true])
         assert max(ratios) <= 1.0
@@ -325,17 +324,15 @@ def test_turns_are_counted_however_many_there_are_in_a_step() -> None:
     speed = 2 * np.pi * turns * 0.01
 
     def found(bend: float, asked: Any) -> Any:
-        pace = winding_number.Pace(speed, 0.0, bend)
-        return winding_number.Followed(1.0, 2.0, True).step(
-            _around(20, 0.01), 1.0, pace, 0.0, asked
-        )
+        pace = attitude.Pace(speed, 0.0, bend)
+        return attitude.Followed(1.0, 2.0, True).step(_around(20, 0.01), 1.0, pace, 0.0, asked)
 
     true = [[1 + 20 * np.pi, 2 - 20 * np.pi], [1 + 40 * np.pi, 2 - 40 * np.pi]]
     by_chords, by_speed = (2 * np.pi * turns) ** 2 * 0.01, 1e9
     for bend in (by_chords, by_speed):
         assert np.max(np.abs(found(bend, np.array([0.5, 1.0])) - true)) < 1e-12
     for bend, term in ((by_speed, "1.01 * length * pace.speed"), (by_chords, "1.01 * pace.bend")):
-        with without(winding_number, "Followed.step", term, "0.0"):
+        with without(attitude, "Followed.step", term, "0.0"):
             assert abs(found(bend, np.array([1.0]))[0][0] - 1 - 40 * np.pi) > 1
 
 
@@ -352,25 +349,23 @@ def test_a_chord_says_nothing_where_the_motion_may_pass_0_on_its_other_side(beyo
         return np.array([path, path.conj()])
 
     def grown() -> Any:
-        pace = winding_number.Pace(
-            1e3, -1.0, bend
-        )  # so fast that nothing is known by the ends alone
-        followed = winding_number.Followed(0.0, 0.0, True)
+        pace = attitude.Pace(1e3, -1.0, bend)  # so fast that nothing is known by the ends alone
+        followed = attitude.Followed(0.0, 0.0, True)
         return followed.step(at, 1.0, pace, 0.0, np.array([1.0]))[0]
 
     true = np.unwrap(np.angle(at(np.linspace(0.0, 1.0, 10_001))[0]))
     turned = true[-1] - true[0]
     assert turned > 6  # below 0, from left to right
     assert grown() == pytest.approx([turned, -turned], abs=1e-9)
-    with without(winding_number, "Followed.step", "** 2 / 8.0", "** 2 / 32.0"):
+    with without(attitude, "Followed.step", "** 2 / 8.0", "** 2 / 32.0"):
         assert grown()[0] == pytest.approx(turned - 2 * np.pi, abs=1e-9)  # above it
 
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_departure_is_followed_until_its_direction_may_be_30_degrees_off(order: int) -> None:
     """By sup t/((order + 1) size), the sine of the angle, sup of the next derivative."""
-    pace, rate = winding_number.Pace(1.3, 0.4, 0.7), 0.3
-    leaving = winding_number.Leaving(np.array([1.0, 1.0]), order, 0.2, rate)
+    pace, rate = attitude.Pace(1.3, 0.4, 0.7), 0.3
+    leaving = attitude.Leaving(np.array([1.0, 1.0]), order, 0.2, rate)
     time = leaving.until(pace)
     sup = pace.bend if order == 1 else leaving._third(pace, time)
     off = sup * time / ((order + 1) * leaving.size)
@@ -382,8 +377,8 @@ def test_a_departure_is_followed_until_its_direction_may_be_30_degrees_off(order
 
 def test_the_bound_of_the_third_derivative_is_that_of_the_derivation() -> None:
     """Term by term as at the head of the module; infinite where |w'| is not bounded so."""
-    pace, rate = winding_number.Pace(1.3, 0.4, 0.7), 0.3
-    leaving = winding_number.Leaving(np.array([1.0, 1.0]), 2, 0.2, rate)
+    pace, rate = attitude.Pace(1.3, 0.4, 0.7), 0.3
+    leaving = attitude.Leaving(np.array([1.0, 1.0]), 2, 0.2, rate)
     for time in (0.05, 0.4):
         grown = 1 + 1.3 * time * math.exp(1.3 * time) / 2
         least = 1 - math.sqrt(2) * 0.4 * 1.3 * time - 0.7 * time**2 * grown
@@ -398,18 +393,18 @@ def test_the_bound_of_the_third_derivative_is_that_of_the_derivation() -> None:
 
 
 def test_a_passage_through_a_pole_loses_psi_and_phi_for_good() -> None:
-    followed, end = winding_number.Followed(0.0, 0.0, True), np.array([1.0])
+    followed, end = attitude.Followed(0.0, 0.0, True), np.array([1.0])
 
     def through(nodes: Any) -> Any:
         return np.array([nodes - 1 / 3 + 0j, nodes + 1 + 0j])
 
     for path, pace in ((through, (1.0, 0.0, 0.0)), (_around(1, 0.5), (4.0, 0.0, 4.0))):
-        assert followed.step(path, 1.0, winding_number.Pace(*pace), 0.0, end) is None
+        assert followed.step(path, 1.0, attitude.Pace(*pace), 0.0, end) is None
 
 
 def test_doubt_adds_up_until_the_turns_are_lost() -> None:
-    followed = winding_number.Followed(0.0, 0.0, True)
-    pace = winding_number.Pace(0.4, 0.0, 0.1)
+    followed = attitude.Followed(0.0, 0.0, True)
+    pace = attitude.Pace(0.4, 0.0, 0.1)
     for _ in range(20):
         if followed.step(_around(0.1, 0.5), 1.0, pace, 1e-3, np.array([1.0])) is None:
             break

@@ -12,15 +12,13 @@ import pytest
 from flint import arb, ctx
 
 import polhode
-from polhode.enclosures import fixed_point_problem, proof_loop, zonotope
-from polhode.enclosures._zeros import certified_zeros
+from polhode.enclosures import fixed_point_problem, task, zeros, zonotope
 from polhode.enclosures.events import certify_events
 from polhode.enclosures.polynomial import constant, rate, total, variable
 from polhode.numbers.conversion import exact_number, exactly
 from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.body import Body
-from polhode.scenes.event import Event
-from polhode.scenes.scene import Scene
+from polhode.scenes.scene import Event, Scene
 from shared import enclosure_trials as trials
 from shared.motions import asymmetric
 from shared.mutation import without
@@ -169,21 +167,21 @@ def test_what_is_zero_all_along_or_no_polynomial_is_refused(zero: str, why: str)
 def test_a_group_of_intervals_holds_a_zero_between_opposite_signs_if_it_is_steep(
     slopes: tuple[int, int], before: int, after: int, count: int, contacts: int
 ) -> None:
-    zero = certified_zeros.Zero(arb(1), (arb(0),) * 6)
-    search = certified_zeros.Search(None, None)
-    pieces = [certified_zeros._Piece(s, zero, arb(k), arb(k + 1)) for k, s in enumerate(slopes)]
-    search._group = certified_zeros._Group(before, pieces)
+    zero = zeros.Zero(arb(1), (arb(0),) * 6)
+    search = zeros.Search(None, None)
+    pieces = [zeros._Piece(s, zero, arb(k), arb(k + 1)) for k, s in enumerate(slopes)]
+    search._group = zeros._Group(before, pieces)
     search._close(after)
     search.finish()
     assert (len(search.crossings), len(search.contacts)) == (count, contacts)
 
 
-def _of(g: Any, noise: int, **given: Any) -> certified_zeros.Search:
+def _of(g: Any, noise: int, **given: Any) -> zeros.Search:
     """What a search finds of a polynomial on the wheel to t = 12."""
     motion = fixed_point_problem.motion(wheel("gamma3"))
     problem = fixed_point_problem.problem(motion, noise)
-    search = certified_zeros.Search(g.balls(400), rate(g, motion.field).balls(400), **given)
-    proof_loop.run(problem, fixed_point_problem.times(motion, [Fraction(12)]), watchers=[search])
+    search = zeros.Search(g.balls(400), rate(g, motion.field).balls(400), **given)
+    task.run(problem, fixed_point_problem.times(motion, [Fraction(12)]), watchers=[search])
     search.finish()
     return search
 
@@ -203,7 +201,7 @@ def test_what_is_left_of_a_step_after_so_many_intervals_is_undecided(
 ) -> None:
     g = variable(5) - constant(Fraction(1, 3))
     whole = _of(g, 90)
-    monkeypatch.setattr(certified_zeros, "MOST_PIECES", 2)
+    monkeypatch.setattr(zeros, "MOST_PIECES", 2)
     found = _of(g, 90)
     assert found.contacts
     times = [other.at.time for other in found.crossings]
@@ -214,13 +212,13 @@ def test_what_is_left_of_a_step_after_so_many_intervals_is_undecided(
 
 def _searched(
     zero: Fraction, noise: int = 90, twice: bool = False
-) -> tuple[certified_zeros.Search, list[int]]:
+) -> tuple[zeros.Search, list[int]]:
     """The zeros of gamma3 - zero, or of its square, on the wheel to t = 12; the grid's times."""
     motion = fixed_point_problem.motion(wheel("gamma3"))
     problem = fixed_point_problem.problem(motion, noise)
     g = variable(5) - constant(zero)
     g = g * g if twice else g
-    search = certified_zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
+    search = zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
     grid: list[int] = []
     kept = search.window
 
@@ -230,7 +228,7 @@ def _searched(
 
     search.window = window  # type: ignore[method-assign]
     end = fixed_point_problem.times(motion, [Fraction(12)], 300)
-    proof_loop.run(problem, end, watchers=[search])
+    task.run(problem, end, watchers=[search])
     search.finish()
     return search, grid
 
@@ -289,8 +287,8 @@ def _at_corners() -> list[float]:
         start = (problem.start[0] + sign * ticks, *problem.start[1:])
         spread = (units * (1 + 1e-9), *problem.spread[1:])
         boxed = replace(problem, start=start, spread=spread)
-        search = certified_zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
-        proof_loop.run(boxed, fixed_point_problem.times(motion, [Fraction(4)]), watchers=[search])
+        search = zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
+        task.run(boxed, fixed_point_problem.times(motion, [Fraction(4)]), watchers=[search])
         search.finish()
         (crossing,) = search.crossings
         with mpmath.workdps(60):
@@ -303,7 +301,7 @@ def _at_corners() -> list[float]:
 def test_a_time_holds_for_every_start_in_the_box() -> None:
     honest = max(_at_corners())
     assert 1e-4 < honest <= 1.0  # exp(alpha) of the step is in the radius
-    with without(certified_zeros, "_OnStep.fine", "[self.step.r] * 6", "[0.0] * 6"):
+    with without(zeros, "_OnStep.fine", "[self.step.r] * 6", "[0.0] * 6"):
         assert max(_at_corners()) > 1.0
 
 
@@ -312,13 +310,13 @@ def _coarse_holds_fine() -> bool:
     motion = fixed_point_problem.motion(top("3"))
     problem = fixed_point_problem.problem(motion, 120)
     state, end = zonotope.beginning(problem), 5 << fixed_point_problem.CLOCK
-    known = proof_loop._window(problem, state, end, 8, 0.3, proof_loop.HONEST)
+    known = task._window(problem, state, end, 8, 0.3, task.HONEST)
     _, _, steps = zonotope.advance(state, known, [])  # type: ignore[arg-type]
     g = variable(5)
-    search = certified_zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
+    search = zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
     held = True
     for n, step in enumerate(steps):
-        on = certified_zeros._OnStep(search, known, n, step)
+        on = zeros._OnStep(search, known, n, step)
         for tau in (arb((k, -4)) for k in range(17)):
             with ctx.workprec(64):
                 wide = on.coarse(tau)
@@ -330,7 +328,7 @@ def _coarse_holds_fine() -> bool:
 
 def test_coarse_states_hold_the_fine_ones() -> None:
     assert _coarse_holds_fine()
-    with without(certified_zeros, "_OnStep.__init__", "np.sum(pieces.gap[n])", "0.0"):
+    with without(zeros, "_OnStep.__init__", "np.sum(pieces.gap[n])", "0.0"):
         assert not _coarse_holds_fine()
 
 
@@ -386,9 +384,7 @@ def test_random_events_are_heyokas(rounds: int) -> None:
 def test_a_window_taken_for_another_is_noticed() -> None:
     # A g' of the wrong sign makes Newton's step leave the interval: a contradiction, no answer.
     with (
-        without(
-            certified_zeros, "_OnStep._newton", "middle - value / (slope", "middle + value / (slope"
-        ),
+        without(zeros, "_OnStep._newton", "middle - value / (slope", "middle + value / (slope"),
         pytest.raises(AssertionError),
     ):
         certify_events(wheel("gamma3 - 1/3", 6))

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import polhode
-from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
+from polhode.enclosures import fixed_point_problem, integral_contraction, task
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.numbers.balls import guaranteed
 from polhode.numbers.conversion import exact_number, exactly
@@ -138,8 +138,8 @@ def test_the_integrals_make_the_radii_smaller_and_keep_the_truth() -> None:
     problem = fixed_point_problem.problem(motion, 90)
     times = [fixed_point_problem.ball(Fraction(1200), 300)]  # t = 300
     known = integral_contraction.prepared(motion, 400)
-    with_them = proof_loop.run(problem, times, known).rows[0]
-    without = proof_loop.run(problem, times).rows[0]
+    with_them = task.run(problem, times, known).rows[0]
+    without = task.run(problem, times).rows[0]
     gain = max(float(x.rad()) for x in without) / max(float(x.rad()) for x in with_them)
     assert 2.0 < gain < 1000.0
 

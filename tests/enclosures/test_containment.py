@@ -14,7 +14,7 @@ import pytest
 from flint import arb, ctx
 
 import polhode
-from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
+from polhode.enclosures import fixed_point_problem, integral_contraction, task
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.numbers.conversion import exactly
 from polhode.scenes import library
@@ -47,7 +47,7 @@ def _random_ratios(seed: int, rounds: int, levels: tuple[int, ...]) -> tuple[lis
             problem = fixed_point_problem.problem(what.motion, noise)
             known = integral_contraction.prepared(what.motion, 400) if n % 2 else []
             try:
-                proof = proof_loop.run(problem, trials.asked(what, problem), known)
+                proof = task.run(problem, trials.asked(what, problem), known)
             except Refused:
                 refused += 1
                 continue
@@ -102,7 +102,7 @@ def _faulty_runs(seed: int, count: int) -> tuple[int, int, float]:
             _, untrusted = faults.random_fault(rng)
             try:
                 with np.errstate(all="ignore"):
-                    proof = proof_loop.run(problem, trials.asked(what, problem), known, untrusted)
+                    proof = task.run(problem, trials.asked(what, problem), known, untrusted)
             except Refused:
                 refused += 1
                 continue
@@ -122,31 +122,31 @@ def test_no_fault_in_an_untrusted_part_makes_a_wrong_enclosure(count: int) -> No
     assert refused >= count / 20
 
 
-def _parts_that_keep_and_change_what_they_return(kept: list[Any]) -> proof_loop.Untrusted:
+def _parts_that_keep_and_change_what_they_return(kept: list[Any]) -> task.Untrusted:
     """The series of a window, once its polynomials are made; V and e, once they are bounded.
 
     What they are given is overwritten at once.
     """
 
     def window(*given: Any) -> Any:
-        found = proof_loop.HONEST.window(*given)
+        found = task.HONEST.window(*given)
         given[1].columns[:] = 0.0
         kept.append(found.series)
         return found
 
     def matrices(a: Any) -> Any:
         kept[-1][:] *= 1.001
-        found = proof_loop.HONEST.matrices(a)
+        found = task.HONEST.matrices(a)
         a[:] = 0.0
         kept.append(found)
         return found
 
     def correction(*given: Any) -> Any:
-        found = proof_loop.HONEST.correction(*given)
+        found = task.HONEST.correction(*given)
         kept.append(found)
         return found
 
-    return proof_loop.Untrusted(window, matrices, correction)
+    return task.Untrusted(window, matrices, correction)
 
 
 class Spoiler:
@@ -169,27 +169,27 @@ def test_what_was_given_or_returned_may_be_changed() -> None:
     problem = fixed_point_problem.problem(what.motion, 79)
     problem, times, kept = _boxed(problem, 2**45, [1] * 6), trials.asked(what, problem), list[Any]()
     spoiler, untrusted = Spoiler(kept), _parts_that_keep_and_change_what_they_return(kept)
-    proof = proof_loop.run(problem, times, (), untrusted, watchers=[spoiler])
+    proof = task.run(problem, times, (), untrusted, watchers=[spoiler])
     assert max(trials.ratios(proof.rows, what.states)) <= 1.0
     assert spoiler.worst == 0.0
 
 
 def test_a_correction_that_hides_the_defect_that_it_was_given_is_noticed() -> None:
     def bent(*given: Any) -> Any:
-        found = proof_loop.HONEST.window(*given)
+        found = task.HONEST.window(*given)
         found.series[:, 1] *= 1.0 + 1e-9
         found.series[:, 2] -= 1e-9 * found.series[:, 1]  # so that the steps end where they did
         return found
 
     def hiding(*given: Any) -> Any:
         given[1][:] = 0.0
-        return 0.0 * proof_loop.HONEST.correction(*given)  # which is right where there is none
+        return 0.0 * task.HONEST.correction(*given)  # which is right where there is none
 
     what = trials.trial(trials.random_scene(random.Random(8), "generic"), [Fraction(61, 7)], 260)
     problem = fixed_point_problem.problem(what.motion, 79)
-    untrusted = replace(proof_loop.HONEST, window=bent, correction=hiding)
+    untrusted = replace(task.HONEST, window=bent, correction=hiding)
     with contextlib.suppress(Refused):
-        proof = proof_loop.run(problem, trials.asked(what, problem), (), untrusted)
+        proof = task.run(problem, trials.asked(what, problem), (), untrusted)
         assert max(trials.ratios(proof.rows, what.states)) <= 1.0
 
 
@@ -214,7 +214,7 @@ def test_a_motion_beside_the_true_one_is_excluded(part: str) -> None:
     if part == "constant":
         first, *rest = problem.constants
         problem = replace(problem, constants=(first + (1 << (142 - 100)), *rest))
-    proof = proof_loop.run(problem, trials.asked(what, problem))
+    proof = task.run(problem, trials.asked(what, problem))
     assert max(trials.ratios(proof.rows, what.states)) > 100.0
 
 
@@ -225,7 +225,7 @@ def test_an_integral_that_is_not_kept_is_a_contradiction() -> None:
     with ctx.workprec(400):
         wrong = [row._replace(value=row.value + arb((1, -60))) for row in known]
     with pytest.raises(integral_contraction.Contradiction):
-        proof_loop.run(problem, trials.asked(what, problem), wrong)
+        task.run(problem, trials.asked(what, problem), wrong)
 
 
 def _contained(name: str, digits: int) -> list[float]:

@@ -13,13 +13,7 @@ import numpy as np
 import pytest
 from flint import arb, fmpq, fmpz_poly
 
-from polhode.enclosures import (
-    fixed_point_problem,
-    integral_contraction,
-    proof_loop,
-    step_bound,
-    zonotope,
-)
+from polhode.enclosures import fixed_point_problem, integral_contraction, step_bound, task, zonotope
 from polhode.enclosures.polynomial import BallPolynomial
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
@@ -115,7 +109,7 @@ def _at_a_time_not_known() -> float:
     problem, _ = _at_rest(60)
     problem = replace(problem, spread=(1.0, 1.0, 1.0, 0.0, 0.0, 0.0))
     time, late = arb(Fraction(1, 4).numerator) / 4, Fraction(1, 64)
-    proof = proof_loop.run(problem, [time + arb(0, float(late)), arb(1)])
+    proof = task.run(problem, [time + arb(0, float(late)), arb(1)])
     # gamma = (0, 0, 1) x w t to first order
     return float(1 / 4 + late) / (float(proof.rows[0][3].rad()) * 2.0**problem.noise)
 

@@ -12,14 +12,13 @@ import numpy as np
 import pytest
 
 from polhode.enclosures import (
-    defect,
+    approximation,
     fixed_point_problem,
-    proof_loop,
     step_bound,
+    task,
     taylor_polynomials,
     zonotope,
 )
-from polhode.enclosures.approximation import newton_correction
 from polhode.enclosures.fixed_point_problem import CLOCK, Refused
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
@@ -116,7 +115,7 @@ def _window(
     motion = fixed_point_problem.motion(scene or asymmetric("0.9"))
     problem = change(fixed_point_problem.problem(motion, 60))
     state = zonotope.beginning(problem)
-    found = proof_loop.HONEST.window(problem, state, 1 << (CLOCK - 1), 1, 1.0)
+    found = task.HONEST.window(problem, state, 1 << (CLOCK - 1), 1, 1.0)
     shape = taylor_polynomials.of_doubles(found.times, found.series)
     if moved:
         off = np.zeros(shape.near.shape)
@@ -124,9 +123,9 @@ def _window(
         shape = taylor_polynomials.improved(shape, off, problem.noise, shape.level)
     a = step_bound.jacobian(problem, shape.near, shape.lengths)
     matrices = v(a)
-    known = defect.defects(problem, shape)
-    gaps = defect.gaps(problem, shape, state.centre)
-    e = newton_correction.correction(a, known.values, newton_correction.matrices(a), gaps)
+    known = taylor_polynomials.defects(problem, shape)
+    gaps = taylor_polynomials.gaps(problem, shape, state.centre)
+    e = approximation.correction(a, known.values, approximation.matrices(a), gaps)
     return motion, step_bound.bounds(problem, known, e, matrices)
 
 
@@ -145,7 +144,7 @@ def _wrong_factors(problem: Any) -> Any:
 
 
 def _bent(a: Any) -> Any:
-    found = newton_correction.matrices(a)
+    found = approximation.matrices(a)
     found[:, 1:] *= 0.99
     return found
 
@@ -164,7 +163,7 @@ def _steep(problem: Any) -> Any:
 
 
 DISC = Scene(Body.of_moments((2, 3, 5), ("0.3", "0.2", "0.5"), 1), (1, 1, 1), ("0.6", 0, "0.8"))
-_V = newton_correction.matrices
+_V = approximation.matrices
 #: Polynomials of a step moved off their doubles.
 MOVED = (lambda problem: problem, _V, 1e-3)
 

@@ -12,17 +12,15 @@ import pytest
 from flint import fmpz, fmpz_poly
 
 from polhode.enclosures import (
-    defect,
     fixed_point_problem,
-    kronecker_substitution,
-    proof_loop,
     quaternion,
     step_bound,
+    task,
     taylor_polynomials,
     zonotope,
 )
 from polhode.enclosures.fixed_point_problem import Refused
-from polhode.enclosures.kronecker_substitution import Packing
+from polhode.enclosures.taylor_polynomials import Packing
 from shared import enclosure_trials as trials
 from shared.mutation import without
 
@@ -52,7 +50,7 @@ def test_a_polynomial_and_its_slope_are_their_values_at_a_power_of_two() -> None
 
 def test_unpacked_is_right_relatively() -> None:
     rng, worst = random.Random(3), 0.0
-    allowed = Fraction(step_bound.gamma(kronecker_substitution.UNPACKED))
+    allowed = Fraction(step_bound.gamma(taylor_polynomials.UNPACKED))
     for _ in range(60):
         count, words = rng.randrange(1, 6), rng.randrange(1, 6)
         most = 2 ** (64 * words - 1) - 1
@@ -90,7 +88,7 @@ def test_a_fault_in_the_words_is_noticed(name: str, old: str, new: str) -> None:
         else test_a_polynomial_and_its_slope_are_their_values_at_a_power_of_two
     )
     with (
-        without(kronecker_substitution, f"Packing.{name}", old, new),
+        without(taylor_polynomials, f"Packing.{name}", old, new),
         pytest.raises(AssertionError),
     ):
         test()
@@ -108,10 +106,10 @@ def _shapes(kind: str, bits: int | None, monkeypatch: pytest.MonkeyPatch) -> Any
     """Polynomials of a window at all levels that its corrections go through."""
     motion = fixed_point_problem.motion(trials.random_scene(random.Random(5), kind))
     problem, found = fixed_point_problem.problem(motion, 200, bits), list[Any]()
-    defects = defect.defects
+    defects = taylor_polynomials.defects
     with monkeypatch.context() as patch:
-        patch.setattr(defect, "defects", lambda *x: found.append(x[1]) or defects(*x))
-        proof_loop._window(problem, zonotope.beginning(problem), 9 << 14, 3, 0.3, proof_loop.HONEST)
+        patch.setattr(taylor_polynomials, "defects", lambda *x: found.append(x[1]) or defects(*x))
+        task._window(problem, zonotope.beginning(problem), 9 << 14, 3, 0.3, task.HONEST)
     return problem, found
 
 
@@ -123,7 +121,7 @@ def test_defects_are_those_of_exact_polynomials(
     assert len(shapes) >= 3
     assert [len(shape.parts) for shape in shapes] == [*range(1, len(shapes) + 1)]
     for shape in shapes:
-        known = defect.defects(problem, shape)
+        known = taylor_polynomials.defects(problem, shape)
         unit = Fraction(2) ** (problem.noise - 2 * shape.level)
         for n in range(shape.count):
             row = shape.polynomials(n)
@@ -155,14 +153,14 @@ def test_words_hold_the_largest_coefficient_and_no_word_is_spare(
     start: dict[str, Any] = {"factor_slack": (0.0,) * 9, "start": (0,) * 6, "spread": (0.0,) * 6}
     constants = (1 << 76, 1, 1, 0, 0, 0, 0, 0, 0)
     problem = fixed_point_problem.Problem(60, 72, constants, (1, 1, 1), **factors, **start)
-    words = defect._words(problem, shape)
+    words = taylor_polynomials._words(problem, shape)
     true = -float(1 << 76) * -(2.0**40) * 2.0**60
-    assert defect.defects(problem, shape).values[0, 0, 0] == true
+    assert taylor_polynomials.defects(problem, shape).values[0, 0, 0] == true
     top = (1 << (76 + 14 + 40 + 2 * shape.level)).bit_length() + 1
     assert top <= 64 * words
-    monkeypatch.setattr(defect, "_words", lambda *_: words - 1)
+    monkeypatch.setattr(taylor_polynomials, "_words", lambda *_: words - 1)
     with pytest.raises((OverflowError, AssertionError)):
-        assert defect.defects(problem, shape).values[0, 0, 0] == true
+        assert taylor_polynomials.defects(problem, shape).values[0, 0, 0] == true
 
 
 def _steep(rows: int, size: float) -> taylor_polynomials.Pieces:
@@ -178,7 +176,7 @@ def _turn_is_exact(size: float) -> bool:
     near, values, _ = quaternion.defects(w, v, 90)
     unit = Fraction(2) ** (90 - w.level - v.level)
     x, y = v.polynomials(0), w.polynomials(0)
-    known, allowed = [], Fraction(step_bound.gamma(kronecker_substitution.UNPACKED))
+    known, allowed = [], Fraction(step_bound.gamma(taylor_polynomials.UNPACKED))
     for i, terms in enumerate(quaternion.PRODUCT):
         turned = sum((x[a] * y[b] * sign for sign, a, b in terms), fmpz_poly([]))
         steep = x[i].derivative() * (fmpz(1) << w.level)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from polhode.enclosures import fixed_point_problem, proof_loop, step_bound, zonotope
+from polhode.enclosures import fixed_point_problem, step_bound, task, zonotope
 from polhode.enclosures.fixed_point_problem import CLOCK
 from shared import enclosure_checker as checker
 from shared import enclosure_trials as trials
@@ -26,7 +26,7 @@ def _windows(rng: random.Random, kinds: Any, levels: Any, steps: int = 12) -> An
             state = zonotope.beginning(problem)
             for _ in range(2):  # a second window starts from rounded states
                 end = state.time + (20 << CLOCK)
-                known = proof_loop._window(problem, state, end, steps, 0.3, proof_loop.HONEST)
+                known = task._window(problem, state, end, steps, 0.3, task.HONEST)
                 assert known is not None
                 yield motion, state, known
                 state, _, _ = zonotope.advance(state, known, [])
@@ -80,7 +80,7 @@ def test_the_checker_sees_a_dropped_factor(name: str, change: tuple[str, str, st
     state = zonotope.beginning(problem)
 
     def known() -> Any:
-        return proof_loop._window(problem, state, 3 << CLOCK, 4, 0.3, proof_loop.HONEST)
+        return task._window(problem, state, 3 << CLOCK, 4, 0.3, task.HONEST)
 
     assert max(_ratios(motion, known(), name)) <= 1.0
     with without(step_bound, *change):

@@ -20,7 +20,7 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.equations import column, columns
-from polhode.figures.canvas import curve_sampling
+from polhode.figures import curve_sampling
 from polhode.numbers import row_formulas
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
@@ -41,7 +41,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from polhode.equations.column import Column
-from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.number_types import Functions, Scalar
 
 
 def _length(x: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:

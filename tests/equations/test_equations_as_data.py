@@ -10,14 +10,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.enclosures import (
-    defect,
-    fixed_point_problem,
-    proof_loop,
-    step_bound,
-    taylor_polynomials,
-    zonotope,
-)
+from polhode.enclosures import fixed_point_problem, step_bound, task, taylor_polynomials, zonotope
 from polhode.equations import terms
 from polhode.numbers.conversion import to_double
 from polhode.scenes import scene_file
@@ -210,10 +203,10 @@ def test_a_sum_in_the_derivative_is_not_proven(monkeypatch: pytest.MonkeyPatch) 
     motion = fixed_point_problem.motion(polhode.load("general/asymmetric-regular"))
     problem = fixed_point_problem.problem(motion, 60)
     state = zonotope.beginning(problem)
-    window = proof_loop.HONEST.window(problem, state, 1 << 12, 1, 1.0)
+    window = task.HONEST.window(problem, state, 1 << 12, 1, 1.0)
     assert window is not None
     pieces = taylor_polynomials.of_doubles(window.times, window.series)
-    known = defect.defects(problem, pieces)
+    known = taylor_polynomials.defects(problem, pieces)
     given = np.zeros(pieces.near.shape), np.eye(6)[None, None].repeat(pieces.count, 0)
     assert np.all(np.isfinite(step_bound.bounds(problem, known, *given).alpha))
     monkeypatch.setattr(step_bound, "SLOPES", (*terms.SLOPES, beside))

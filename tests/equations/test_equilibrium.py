@@ -10,13 +10,13 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.equations import equilibrium
+from polhode.equations import readout
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import conversion, number_types
 from polhode.numbers.exact import sqrt
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.scenes.event import Event
+from polhode.scenes.scene import Event
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
 F = Fraction
@@ -59,7 +59,7 @@ RESTS = {
 @pytest.mark.parametrize("name", RESTS)
 def test_a_relative_equilibrium_stands_still(name, number):
     scene = RESTS[name].at((F(0), F(1), F(1000), F(10) ** 9))
-    assert equilibrium.at_rest(scene) == (True, True)
+    assert readout.at_rest(scene) == (True, True)
     run = polhode.integrate(scene, number)
     assert run.outcome is Outcome.REACHED_END
     assert run.reached == 10**9
@@ -76,14 +76,14 @@ def test_a_hair_off_is_a_motion(name):
     scene = RESTS[name]
     p, q, r = scene.omega
     off = replace(scene, omega=(p + F(1, 10**30), q, r + F(1, 10**30)))
-    assert not equilibrium.at_rest(off).state
-    assert equilibrium.name(off) is None
+    assert not readout.at_rest(off).state
+    assert readout.name(off) is None
 
 
 def test_a_free_body_about_its_axis_turns_a_vertical_that_is_across():
     """w stands still, and gamma does not."""
     scene = replace(RESTS["free, along its axis"], gamma=(F(3, 5), F(4, 5), 0))
-    assert equilibrium.at_rest(scene) == (True, False)
+    assert readout.at_rest(scene) == (True, False)
     assert polhode.compare(polhode.integrate(scene, at=[10])).worst > 14
 
 

@@ -11,7 +11,7 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.checks import form_cross_checks
+from polhode.checks import check_report
 from polhode.equations.form import equations
 from polhode.judging.correct_digits import worst_digits
 from polhode.motion.outcomes import Outcome
@@ -19,8 +19,7 @@ from polhode.numbers import conversion
 from polhode.numbers.conversion import exactly
 from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.body import Body
-from polhode.scenes.event import Event
-from polhode.scenes.scene import Scene
+from polhode.scenes.scene import Event, Scene
 from polhode.scenes.vocabulary import FORMS
 from shared.form_trials import BITS, numbers, state, turned, turned_scene
 from shared.motions import ASYMMETRIC, asymmetric, in_other_units, same_bits
@@ -313,16 +312,16 @@ def test_a_wrong_equation_in_one_form_fails_the_cross_checks(monkeypatch):
     def corrupted(vector):
         return tuple(tuple(x * (1 + F(1, 10**28)) for x in row) for row in honest(vector))
 
-    monkeypatch.setattr(form_cross_checks, "SCENES", ("kovalevskaya/generic",))
-    monkeypatch.setattr(form_cross_checks, "FORMS", ("principal", "momentum", "hamiltonian"))
+    monkeypatch.setattr(check_report, "SCENES", ("kovalevskaya/generic",))
+    monkeypatch.setattr(check_report, "FORMS", ("principal", "momentum", "hamiltonian"))
     monkeypatch.setattr(matrices, "across", corrupted)
-    assert [c.passed for c in form_cross_checks.cross_checks()] == [False, True]
+    assert [c.passed for c in check_report.cross_checks()] == [False, True]
 
 
 @pytest.mark.slow
 def test_every_cross_check_passes(monkeypatch, capsys):
     """Of one scene, a free body in turned axes; ``polhode check --forms`` takes three."""
-    monkeypatch.setattr(form_cross_checks, "SCENES", ("euler/turned-axes",))
+    monkeypatch.setattr(check_report, "SCENES", ("euler/turned-axes",))
     assert cli.main(["check", "--forms", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert answer["columns"]["scene"] == []

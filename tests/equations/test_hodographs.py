@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode.cli import main
-from polhode.equations import hodographs
+from polhode.equations import kinematics
 from polhode.judging import rolling_cones
 from polhode.numbers import row_formulas
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
@@ -65,7 +65,7 @@ def test_a_vector_is_turned_exactly_and_rounded_once(q, v, number):
         rows = tuple([[to_mpf(exactly(x), number.bits) for x in r]] for r in (q, v))
     exact = exact_rotation([exactly(x) for x in q], [exactly(x) for x in v])
     largest = max(abs(x) for x in exact)
-    for found, true in zip(hodographs.in_space(*rows, number)[0], exact, strict=True):
+    for found, true in zip(kinematics.in_space(*rows, number)[0], exact, strict=True):
         assert abs(exactly(found) - true) <= largest * number.eps * Fraction(51, 100)
 
 
@@ -95,7 +95,7 @@ def test_the_body_hodograph_is_the_states_own_numbers(monkeypatch):
     wide = polhode.integrate(scene_of("kovalevskaya/generic", count=2), "extended")
     assert wide.hodographs.space.dtype == np.longdouble
     monkeypatch.setattr(row_formulas, "extended_here", lambda: False)
-    assert np.array_equal(hodographs.hodographs(run.states, run.attitude, run.number).space, space)
+    assert np.array_equal(kinematics.hodographs(run.states, run.attitude, run.number).space, space)
 
 
 # -- rolling ------------------------------------------------------------------------------------
@@ -161,7 +161,7 @@ def test_the_herpolhode_lies_in_the_invariable_plane(name, number):
         for state, q in zip(run.states, run.attitude, strict=True):
             momentum = inertia * mpmath.matrix([to_mpf(exactly(x), bits) for x in state[:3]])
             quaternion = [to_mpf(exactly(x), bits) for x in q]
-            momenta.append(hodographs.turned(quaternion, list(momentum)))
+            momenta.append(kinematics.turned(quaternion, list(momentum)))
         twice = 2 * to_mpf(scene.integrals.energy, bits)
         heights = [
             mpmath.fdot([to_mpf(exactly(x), bits) for x in row], momenta[0])
@@ -181,8 +181,8 @@ def test_the_apex_path_of_a_top_is_its_precession_and_nutation(number):
     scene = scene_of("lagrange/looping", ("angles", "attitude"), Fraction(1, 2), 9)
     run = polhode.integrate(scene, number)
     bits, bound = run.number.bits + 16, 60 * float(run.number.eps)
-    paths = hodographs.in_space(run.attitude, [[0, 0, 1]] * len(run.times), run.number)
-    upward = hodographs.in_space(run.attitude, [row[3:] for row in run.states], run.number)
+    paths = kinematics.in_space(run.attitude, [[0, 0, 1]] * len(run.times), run.number)
+    upward = kinematics.in_space(run.attitude, [row[3:] for row in run.states], run.number)
     with mpmath.workprec(bits):
         for (psi, theta, _), apex, up in zip(run.angles, paths, upward, strict=True):
             psi, theta = (to_mpf(exactly(x), bits) for x in (psi, theta))

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.equations.kinematics import AngleFunctions, angles
-from polhode.equations.pole_passage import phi_leaving_the_pole
+from polhode.equations.kinematics import AngleFunctions, angles, phi_leaving_the_pole
 
 TOP, BRICK, ASKEW = [1, 1, 0.5], [1.2, 1, 0.5], [0.2, 0.3, 1]
 

@@ -7,7 +7,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics.frequencies.frequencies import Frequencies
+from polhode.dynamics.frequencies import Frequencies
 from polhode.figures import catalogue
 from polhode.results.reader import KINDS
 from shared.results import MAKERS, result_of_kind

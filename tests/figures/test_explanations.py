@@ -9,7 +9,7 @@ import pytest
 
 import polhode
 from polhode.figures.explanations import EXPLANATIONS, explained
-from polhode.judging.references.reference import reference
+from polhode.judging.reference import reference
 from polhode.scenes import library
 
 

@@ -16,8 +16,8 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.equations.hodographs import turned
-from polhode.scenes.output_times import even_times
+from polhode.equations.kinematics import turned
+from polhode.scenes.scene import even_times
 
 pytest.importorskip("matplotlib")
 TOP = "lagrange/looping"

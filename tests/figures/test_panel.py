@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.figures.canvas.canvas import COLOURS, paper
+from polhode.figures.canvas import COLOURS, paper
 from polhode.studies.long_run import rows as long_run
 from polhode.studies.page.drawing import LOOKS, plain
 from polhode.studies.speed import number_types

@@ -15,10 +15,10 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.figures import sphere
-from polhode.figures.canvas.canvas import label_text
-from polhode.figures.canvas.curve_sampling import SAMPLES
-from polhode.figures.canvas.globe import Globe, facing_most
-from polhode.scenes.output_times import even_times
+from polhode.figures.canvas import label_text
+from polhode.figures.curve_sampling import SAMPLES
+from polhode.figures.sphere import Globe, facing_most
+from polhode.scenes.scene import even_times
 from shared.tables import of_run, through
 
 plt = pytest.importorskip("matplotlib.pyplot")

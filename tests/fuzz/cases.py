@@ -13,7 +13,7 @@ import polhode
 from fuzz import values
 from polhode import cli
 from polhode.output import new_scene
-from polhode.scenes import keys
+from polhode.scenes import vocabulary
 from shared.motions import free_file
 
 
@@ -31,8 +31,10 @@ NAMES += ("lagrange/homoclinic", "euler/angles-start", "general/section", "lagra
 FREE = free_file("end = 1\nsamples = 3\n[expect]\ndouble = [12, 17]")
 CONE = new_scene.of_shape("cone", ["3 cm", "5 cm", "50 g"], "pi/6", "9", "1", "cone.toml")
 SCENES = [FREE, CONE, *(polhode.load(name).source for name in NAMES)]
-WORDS = sorted({key.name for section in keys.KEYS.values() for key in section} | {'"a b"', "x"})
-HEADS = [f"[{section}]" for section in keys.KEYS] + ["[[events]]", "[[published]]", "[x]"]
+WORDS = sorted(
+    {key.name for section in vocabulary.KEYS.values() for key in section} | {'"a b"', "x"}
+)
+HEADS = [f"[{section}]" for section in vocabulary.KEYS] + ["[[events]]", "[[published]]", "[x]"]
 TABLE = b"t,p,q,r\n0,0.3,-0.4,1.1\n"
 FILES = {"top.toml": FREE.encode(), "table.csv": TABLE, "latin.csv": b"t,p\n0,\xe9\n"}
 

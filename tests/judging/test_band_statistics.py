@@ -13,7 +13,7 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode.judging.conditioning.conditioning import conditioning
+from polhode.judging.conditioning import conditioning
 from polhode.judging.correct_digits import digits_of, log10_errors, log10_rate
 from polhode.numbers import number_types
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD

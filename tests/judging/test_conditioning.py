@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 import polhode
 from polhode import cli
 from polhode.equations.forms import principal
-from polhode.judging.conditioning.conditioning import conditioning
-from polhode.judging.conditioning.rounding_errors import Band
+from polhode.judging.conditioning import Band, conditioning
 from polhode.judging.correct_digits import log10_rate
 from polhode.judging.diagnosis import error_budget
 from polhode.motion.frame import Frame

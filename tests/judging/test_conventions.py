@@ -13,7 +13,7 @@ import polhode
 from polhode.cli import main
 from polhode.closed_forms.euler.top import EulerTop
 from polhode.common.errors import BadInput
-from polhode.judging.diagnosis import worlds
+from polhode.judging.diagnosis import conventions
 from polhode.scenes.body import Body
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared import drifting_files as files
@@ -480,8 +480,10 @@ def test_times_in_minutes_are_shown_in_full():
 def test_a_unit_is_tried_before_the_times_that_lie_farther_away(monkeypatch, factor, most):
     """All others were followed as far as 100 000 radians, which took a third of a second."""
     asked = []
-    followed = worlds.integrated
-    monkeypatch.setattr(worlds, "integrated", lambda *given: asked.append(1) or followed(*given))
+    followed = conventions.integrated
+    monkeypatch.setattr(
+        conventions, "integrated", lambda *given: asked.append(1) or followed(*given)
+    )
     assert polhode.compare(scaled(["t"], factor)(some(whole(), STATE)), CASE).worst > 14
     assert 1 <= len(asked) <= most
 

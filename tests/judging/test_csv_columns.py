@@ -9,7 +9,7 @@ from fractions import Fraction
 import pytest
 
 from polhode.judging.tables.csv_file import most_printed, value
-from polhode.judging.tables.reading import degree
+from polhode.judging.tables.table import degree
 from polhode.judging.tables.table_file import read_table
 from polhode.numbers import expression
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType

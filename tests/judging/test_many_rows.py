@@ -13,9 +13,9 @@ import pytest
 import polhode
 from polhode.closed_forms.euler.top import EulerTop
 from polhode.common.errors import few
-from polhode.judging.conditioning.rounding_errors import Band
+from polhode.judging import score
+from polhode.judging.conditioning import Band
 from polhode.judging.diagnosis.error_budget import between
-from polhode.judging.score import row_selection
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.tables import right
 
@@ -128,7 +128,7 @@ ODD = 86  # a row that is none of these
     ],
 )
 def test_of_very_many_dear_rows_some_are_judged_and_the_worst(monkeypatch, case, column, amount):
-    monkeypatch.setattr(row_selection, "MOST_DEAR", SPREAD)
+    monkeypatch.setattr(score, "MOST_DEAR", SPREAD)
     times = [Fraction(k, 50) for k in range(DEAR)]
     table = right(case, times, "at", *["attitude"] * (column == "q2"))
     table[column][ODD] += amount
@@ -149,7 +149,7 @@ def test_of_very_many_dear_rows_some_are_judged_and_the_worst(monkeypatch, case,
 
 @pytest.mark.slow
 def test_the_farthest_row_may_be_one_of_angles_and_whole_turns_put_none_far(monkeypatch):
-    monkeypatch.setattr(row_selection, "MOST_DEAR", SPREAD)
+    monkeypatch.setattr(score, "MOST_DEAR", SPREAD)
     times = [Fraction(k, 50) for k in range(DEAR)]
     table = right("kovalevskaya/generic", times, "angles")
     table["psi"][::2] += 2 * math.pi
@@ -199,7 +199,7 @@ def test_a_table_in_another_convention_asks_for_each_row_once(monkeypatch):
 
 @pytest.mark.parametrize("case", ["euler/attitude", "hess/cone"])
 def test_every_row_is_judged_where_none_is_dear(monkeypatch, case):
-    monkeypatch.setattr(row_selection, "MOST_DEAR", SPREAD)
+    monkeypatch.setattr(score, "MOST_DEAR", SPREAD)
     found = polhode.compare(right(case, [Fraction(k, 9) for k in range(DEAR)]), case)
     assert found.rows_judged == sum(d is not None for d in found.digits) == DEAR
     assert not found.notes

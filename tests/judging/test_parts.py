@@ -11,7 +11,7 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.judging.references.reference import Reference
+from polhode.judging.reference import Reference
 from shared.answers import judged
 from shared.tables import of_run, right, text
 

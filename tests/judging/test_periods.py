@@ -10,7 +10,7 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.numbers.conversion import exactly
-from polhode.scenes import catalogue
+from polhode.scenes import library
 
 #: Of each family, and of each kind of motion that a period has.
 FEW = (
@@ -63,7 +63,7 @@ def test_omega_returns_after_the_period(name):
 
 
 @pytest.mark.sample(0, slow=3)
-@pytest.mark.parametrize("name", sorted({*catalogue.known()} - {*FEW}))
+@pytest.mark.parametrize("name", sorted({*library.known()} - {*FEW}))
 def test_omega_returns_after_the_period_in_every_case(name):
     check(polhode.load(name))
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.judging.score.residuals import SIGNIFICANCE, are_white
+from polhode.judging.residuals import SIGNIFICANCE, are_white
 from polhode.numbers.conversion import exactly
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 from shared import drifting_files as files

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.judging.conditioning import rounding_errors
-from polhode.judging.conditioning.conditioning import conditioning
+from polhode.judging import conditioning as rounding_errors
+from polhode.judging.conditioning import conditioning
 from polhode.judging.correct_digits import digits_of, log10_errors, log10_rate
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes.body import Body

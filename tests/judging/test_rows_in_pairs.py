@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.judging.score import answers
+from polhode.judging import score
 from polhode.numbers import double_double
 from polhode.numbers.double_double import binary_numbers, of_balls, of_cells
 from polhode.numbers.mpmath_context import mpf
@@ -69,7 +69,7 @@ def test_a_number_beyond_doubles_or_just_below_is_judged(size, column):
 
 
 def test_sizes_that_pairs_do_not_hold_are_asked_for_as_numbers(monkeypatch):
-    monkeypatch.setattr(answers, "_LEAST", 1e3)  # radians a second
+    monkeypatch.setattr(score, "_LEAST", 1e3)  # radians a second
     found = polhode.compare(table(CASES[0]), CASES[0], as_it_stands=True, **HELD)
     assert isinstance(found.known_answers.rows("at", 20), list)
     assert max(d for d in found.digits if d is not None) > 15

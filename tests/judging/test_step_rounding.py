@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from polhode.judging.conditioning.rounding_errors import spacing, variances
+from polhode.judging.conditioning import spacing, variances
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, extended_here
 from polhode.scenes.body import Body

@@ -3,7 +3,7 @@
 import pytest
 
 import polhode
-from polhode.judging.score.part_digits import principal_angles
+from polhode.judging.score import angles_of_attitudes
 
 SCENE = "euler/turned-symmetric"
 TIMES = 0, 1, 10**9
@@ -15,7 +15,7 @@ def rows(off=0.0):
     turn = 6.283185307179586476925286766559
     return [
         [float(psi) + off + 3 * turn, float(theta), float(phi)]
-        for psi, theta, phi in principal_angles(attitude, 100)
+        for psi, theta, phi in angles_of_attitudes(attitude, 100)
     ]
 
 
@@ -29,7 +29,7 @@ def test_angles_that_are_refused_are_judged_up_to_whole_turns():
 
 
 def test_at_a_pole_psi_and_phi_are_not_judged():
-    assert principal_angles([[1, 0, 0, 0], [0, 0.6, 0.8, 0]], 60)[0] == [None, 0, None]
+    assert angles_of_attitudes([[1, 0, 0, 0], [0, 0.6, 0.8, 0]], 60)[0] == [None, 0, None]
 
 
 @pytest.mark.sample(1)

@@ -12,14 +12,14 @@ import pytest
 
 import polhode
 from polhode.numbers.conversion import exactly, to_mpf
-from polhode.scenes import catalogue, library
+from polhode.scenes import library
 from shared import plain_taylor
 
 DIGITS = 40
 BITS = 240  # of the scene's numbers where they are irrational
 ANGLE = 16  # how far each motion is followed, in radians
 #: What each case is judged against stands in the catalogue, which ``verbs/test_list.py`` holds to.
-CASES = [name for name, case in catalogue.known().items() if case.reference == "certified"]
+CASES = [name for name, case in library.known().items() if case.reference == "certified"]
 
 
 def followed(name: str):

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from polhode.output.cases import entry_of
-from polhode.scenes import catalogue, library
+from polhode.scenes import library
 
 if __name__ == "__main__":
-    text = catalogue.written({name: entry_of(name) for name in library.names()})
-    (library.folder() / catalogue.FILE).write_text(text, "utf-8")
+    text = library.written({name: entry_of(name) for name in library.names()})
+    (library.folder() / library.FILE).write_text(text, "utf-8")

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from polhode.numbers import double_double
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.exact import sqrt
-from polhode.numbers.rationals import Rationals, of_fractions
+from polhode.numbers.row_formulas import Rationals, of_fractions
 from shared.examples import examples
 
 HIGH = mpmath.MPContext()

@@ -6,7 +6,7 @@ import pytest
 
 from polhode.numbers import exact
 from polhode.numbers.expression import MAX_LENGTH, ExpressionError, number
-from polhode.numbers.quantity import UNITS, Quantity, in_unit, named, quantity
+from polhode.scenes.given_numbers import UNITS, Quantity, in_unit, named, quantity
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.judging.references.reference_rows import right_rows
+from polhode.judging.reference_rows import right_rows
 from polhode.numbers.conversion import exactly, to_mpf
 
 

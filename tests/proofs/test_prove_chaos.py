@@ -14,7 +14,7 @@ import polhode
 from polhode.certificates import chaos_certificate, verify
 from polhode.certificates.chaos_certificate import Rectangle
 from polhode.cli import main
-from polhode.proofs.chaos import homoclinic
+from polhode.proofs import homoclinic
 from polhode.proofs.proved_orbit import as_arb
 from shared import chaos_chains as chains
 from shared import orbit_proofs as proofs

@@ -20,7 +20,7 @@ import polhode
 from polhode.common.errors import BadInput
 from polhode.common.files import write_whole
 from polhode.results import writer
-from polhode.results.packages import needed
+from polhode.results.frames import needed
 from polhode.results.reader import content_of
 from polhode.results.writer import ENDINGS, as_json, csv_text, digest
 

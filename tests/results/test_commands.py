@@ -17,8 +17,8 @@ from polhode.judging.convergence_order import order_between
 from polhode.output.about import about
 from polhode.output.cases import cases
 from polhode.output.description import describe
-from polhode.proofs.chaos import prove_chaos
-from polhode.proofs.chaos.proved_chaos import ProvedChaos
+from polhode.proofs import prove_chaos
+from polhode.proofs.proved_chaos import ProvedChaos
 from polhode.results.writer import ENDINGS
 from polhode.verbs.catalogue import VERBS, Verb
 

@@ -18,7 +18,7 @@ import polhode
 from polhode.common.values import same
 from polhode.numbers.balls import Ball
 from polhode.results import reader, writer
-from polhode.results.ball_columns import written_facts, written_table
+from polhode.results.frames import written_facts, written_table
 from polhode.results.result import Result, Storable
 from polhode.results.table import RESERVED, Column, Content, Fact, Table
 from polhode.results.writer import ENDINGS, as_json, document, files

@@ -18,7 +18,7 @@ from polhode.refined import compiled_field, refinement
 from polhode.refined.errors import Stalled
 from polhode.refined.refinement import refine
 from polhode.runs import refined as refined_method
-from polhode.scenes.event import Event
+from polhode.scenes.scene import Event
 
 SCENE = "kovalevskaya/generic"
 UNSTABLE = "hard/dzhanibekov-1e-12"

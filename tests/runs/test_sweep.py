@@ -21,8 +21,7 @@ from polhode.equations import integrals
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.runs import members as sweep_plan
 from polhode.runs.members import Fastest
-from polhode.scenes import scene_file
-from polhode.scenes.variation import vary
+from polhode.scenes import scene_file, vary
 from shared.examples import examples
 from shared.motions import free_file, heavy, heavy_file
 from shared.policies import change_policy

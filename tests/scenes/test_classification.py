@@ -7,8 +7,9 @@ import pytest
 from polhode.closed_forms.families import closed_forms
 from polhode.equations import integrals
 from polhode.motion.frame import Frame
-from polhode.scenes import classification, library
-from polhode.scenes.classification import ClassicalTop, classical_top
+from polhode.scenes import body as classification
+from polhode.scenes import library
+from polhode.scenes.body import ClassicalTop, classical_top
 
 #: moments with the axis of C last, torque, what the body is.
 BODIES = [

@@ -15,7 +15,7 @@ import pytest
 import polhode
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import noted
-from polhode.scenes import keys, library, scene_file
+from polhode.scenes import library, scene_file, vocabulary
 
 EPS = np.finfo(float).eps
 FREE = {"moments": [1, 2, 2.5], "omega": [0.1, 1, 0]}
@@ -232,9 +232,9 @@ def scene_with(section, key, value):
 
 PLAIN = [
     (section, key)
-    for section, listed in keys.KEYS.items()
+    for section, listed in vocabulary.KEYS.items()
     for key in listed
-    if key.kind not in (keys.TABLE, keys.TABLES)
+    if key.kind not in (vocabulary.TABLE, vocabulary.TABLES)
 ]
 
 

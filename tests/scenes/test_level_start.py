@@ -9,9 +9,8 @@ import pytest
 import polhode
 from polhode.numbers.exact import sign
 from polhode.numbers.vectors import cross, dot
-from polhode.scenes import scene_file
-from polhode.scenes.variation import vary
-from polhode.scenes.variation.sweep_scenes import Members
+from polhode.scenes import scene_file, vary
+from polhode.scenes.members import Members
 
 HEAD = "schema = 1\n[body]\nmoments = [2, 1.5, 1]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
 TURNED = (

@@ -10,8 +10,8 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode.scenes.variation.sweep_scenes import Members
-from polhode.scenes.variation.vary import grid
+from polhode.scenes.members import Members
+from polhode.scenes.vary import grid
 
 
 @pytest.fixture

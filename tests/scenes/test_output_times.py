@@ -14,10 +14,8 @@ import polhode
 from polhode.common.errors import BadInput
 from polhode.numbers.exact import sqrt
 from polhode.numbers.exact_sequences import ExactNumbers, spaced
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.numbers.rows import Flat
-from polhode.scenes.output_times import even_times
-from polhode.scenes.scene import Scene
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, Flat
+from polhode.scenes.scene import Scene, even_times
 
 ENDS = [Fraction(1), Fraction(-7, 3), Fraction(1000), Fraction(10**30 + 1, 3), Fraction(1, 10**200)]
 

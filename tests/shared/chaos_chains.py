@@ -15,11 +15,10 @@ from polhode import ProvedOrbit
 from polhode.certificates import chaos_certificate, verify
 from polhode.certificates.chaos_certificate import Chain, Chart, Rectangle
 from polhode.enclosures.fixed_point_problem import motion
-from polhode.numbers.rows import Doubles
-from polhode.proofs.chaos import chain, homoclinic
-from polhode.proofs.chaos.homoclinic import Homoclinic
-from polhode.proofs.chaos.lanes import Lanes
-from polhode.proofs.chaos.proved_chaos import Guess
+from polhode.numbers.number_types import Doubles
+from polhode.proofs import homoclinic, prove_chaos
+from polhode.proofs.homoclinic import Homoclinic, Lanes
+from polhode.proofs.proved_chaos import Guess
 from shared import orbit_proofs as proofs
 
 #: As the search finds it.
@@ -31,7 +30,7 @@ class Example(NamedTuple):
 
     orbit: ProvedOrbit
     guess: Guess
-    chain: Chain
+    prove_chaos: Chain
     made: dict[str, Any]
     proof: verify.Horseshoe
 
@@ -44,7 +43,7 @@ def guess() -> tuple[ProvedOrbit, Guess]:
     at = homoclinic.saddle(lanes, np.array(start_of(orbit)), float(orbit.period))
     moved, size = homoclinic.towards(at, NEAR, 1e-6)
     found = homoclinic.corrected(lanes, at, moved)
-    return orbit, Guess(lanes, at, *chain.along(lanes, at, found, size))
+    return orbit, Guess(lanes, at, *prove_chaos.along(lanes, at, found, size))
 
 
 @cache
@@ -115,8 +114,8 @@ def tilted(
     centre = chart.centre + above * chart.deep[:, 0]
     chart = chart._replace(centre=centre, wide=chart.wide + by * chart.deep[:, :2])
     times = [what.chain.times[0] + late, *what.chain.times[1:]]
-    chain = what.chain._replace(charts=[chart, *what.chain.charts[1:]], times=times)
-    image = first_image(chaos_certificate.guesses(chain))
+    later = what.chain._replace(charts=[chart, *what.chain.charts[1:]], times=times)
+    image = first_image(chaos_certificate.guesses(later))
     return image, what.chain.sets[0], chart, chart, times[0]
 
 
@@ -126,7 +125,7 @@ def stepped(time: float) -> tuple[verify.Image, Rectangle, Chart, Chart, float]:
     chart, source = what.charts[0], what.sets[0]
     start, times = chart.centre[:, None], np.array([time])
     place, slope = lanes.after(start, times)[:, 0], lanes.derivative(start, times)[0]
-    target = chain._chart(lanes, place, *(slope @ chart.wide).T)
+    target = prove_chaos._chart(lanes, place, *(slope @ chart.wide).T)
     after = Chain(what.body, what.h, what.f, [chart, target], [source], [time])
     made: Any = chaos_certificate.guesses(after)
     with ctx.workprec(made["bits"] + 2 * verify.COARSE):

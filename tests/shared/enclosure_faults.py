@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from polhode.enclosures.approximation import newton_correction, window_approximation
-from polhode.enclosures.proof_loop import Untrusted
+from polhode.enclosures import approximation
+from polhode.enclosures.task import Untrusted
 
 #: Ways of writing into an array.
 WRITES: tuple[Callable[[Any], Any], ...] = (
@@ -168,21 +168,21 @@ def _odd_grid(rng: random.Random, honest: Any, *given: Any) -> Any:
 
 
 def _long_steps(rng: random.Random, honest: Any, *given: Any) -> Any:
-    kept = window_approximation.MOST_TURN
-    window_approximation.MOST_TURN = rng.choice((0.1, 8.0, 20.0))
+    kept = approximation.MOST_TURN
+    approximation.MOST_TURN = rng.choice((0.1, 8.0, 20.0))
     try:
         return honest(*given)
     finally:
-        window_approximation.MOST_TURN = kept
+        approximation.MOST_TURN = kept
 
 
 def _few_terms(rng: random.Random, honest: Any, *given: Any) -> Any:
-    kept = newton_correction.LEAST_TERM
-    newton_correction.LEAST_TERM = rng.choice((1e-2, 1e-5, 1e-9))
+    kept = approximation.LEAST_TERM
+    approximation.LEAST_TERM = rng.choice((1e-2, 1e-5, 1e-9))
     try:
         return honest(*given)
     finally:
-        newton_correction.LEAST_TERM = kept
+        approximation.LEAST_TERM = kept
 
 
 FAULTS: list[tuple[str, str, Callable[..., Any]]] = [

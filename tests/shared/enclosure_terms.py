@@ -15,16 +15,15 @@ import numpy as np
 from flint import arb
 
 from polhode.enclosures import (
-    defect,
+    approximation,
     fixed_point_problem,
     integral_contraction,
     step_bound,
     taylor_polynomials,
     zonotope,
 )
-from polhode.enclosures.approximation import newton_correction
 from polhode.enclosures.fixed_point_problem import CLOCK, Problem
-from polhode.enclosures.proof_loop import Untrusted, run
+from polhode.enclosures.task import Untrusted, run
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from shared.enclosure_trials import ratios, trial
@@ -45,9 +44,9 @@ def generic() -> Scene:
 
 def short_steps(*given: Any) -> Any:
     """An honest approximation on steps so short that exp(alpha) is near 1."""
-    from polhode.enclosures.approximation import window_approximation
+    from polhode.enclosures import approximation
 
-    return window_approximation.window(*given, turn=0.05)
+    return approximation.window(*given, turn=0.05)
 
 
 def of_faulty(scene: Scene, untrusted: Untrusted, **changes: Any) -> list[float]:
@@ -62,7 +61,7 @@ def residual() -> list[float]:
     """int |d + e' - A e|: the correction drifts away from the motion without a jump."""
 
     def drifting(a: Any, defects: Any, v: Any, gaps: Any) -> Any:
-        found = newton_correction.correction(a, defects, v, gaps)
+        found = approximation.correction(a, defects, v, gaps)
         found[:, 0, 0] += 1e6 * np.arange(len(found))
         found[:, 1, 0] += 1e6
         return found
@@ -74,7 +73,7 @@ def jumps() -> list[float]:
     """|J_n|: the correction moves away in jumps; what is constant leaves no residual."""
 
     def jumping(a: Any, defects: Any, v: Any, gaps: Any) -> Any:
-        found = newton_correction.correction(a, defects, v, gaps)
+        found = approximation.correction(a, defects, v, gaps)
         found[:, 0, 0] += 1e6 * np.arange(1, len(found) + 1)
         return found
 
@@ -99,7 +98,7 @@ def start_box() -> list[float]:
 
 def one_step(problem: Problem, length: int, moved: Any) -> tuple[Any, Any]:
     """A state after one step whose polynomial is wrong by ``moved`` (6,), corrected once."""
-    from polhode.enclosures.approximation import window_approximation
+    from polhode.enclosures import approximation
 
     state = zonotope.beginning(problem)
     centre = tuple(
@@ -107,13 +106,13 @@ def one_step(problem: Problem, length: int, moved: Any) -> tuple[Any, Any]:
         for x, by in zip(state.centre, moved, strict=True)
     )
     false = replace(state, centre=centre)
-    found = window_approximation.window(problem, false, length, 1, 1.0)
+    found = approximation.window(problem, false, length, 1, 1.0)
     shape = taylor_polynomials.of_doubles(found.times, found.series)
     a = step_bound.jacobian(problem, shape.near, shape.lengths)
-    matrices = newton_correction.matrices(a)
-    known = defect.defects(problem, shape)
-    gaps = defect.gaps(problem, shape, state.centre)
-    e = newton_correction.correction(a, known.values, matrices, gaps)
+    matrices = approximation.matrices(a)
+    known = taylor_polynomials.defects(problem, shape)
+    gaps = taylor_polynomials.gaps(problem, shape, state.centre)
+    e = approximation.correction(a, known.values, matrices, gaps)
     bounds = step_bound.bounds(problem, known, e, matrices)
     end = arb((length, -CLOCK))
     after, rows, _ = zonotope.advance(state, bounds, [end])
@@ -139,7 +138,7 @@ def rounding() -> list[float]:
         return short_steps(problem, state, end, 1, pace)
 
     def drifting(a: Any, defects: Any, v: Any, gaps: Any) -> Any:
-        found = newton_correction.correction(a, defects, v, gaps)
+        found = approximation.correction(a, defects, v, gaps)
         found[:, 1, 0] += 0.51 * 2.0**-12  # a tick is 2**-(P + 12)
         return found
 

@@ -12,7 +12,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.refined.collocation_tables import LARGEST_FIELD, Tables
 from polhode.refined.compiled_field import COEFFICIENTS, FIELD_SHIFT, VARIABLES, Kernels
 from polhode.refined.expansions import Limbs

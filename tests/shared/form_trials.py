@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.mpmath_context import mpf, mpmath
-from polhode.numbers.number_types import mp
-from polhode.numbers.scalars import Functions
+from polhode.numbers.number_types import Functions, mp
 from polhode.numbers.vectors import cross
 from polhode.scenes.body import OWN_AXES, Body
 from polhode.scenes.scene import Scene

@@ -21,7 +21,7 @@ from polhode.closed_forms.families import (
 )
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpmath
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Scalar
 
 REGIME = "steady precession"
 

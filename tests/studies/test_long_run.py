@@ -10,8 +10,8 @@ import pytest
 
 from polhode.equations.integrals import departures
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.conditioning.conditioning import conditioning
-from polhode.judging.references.reference import reference
+from polhode.judging.conditioning import conditioning
+from polhode.judging.reference import reference
 from polhode.numbers.vectors import dot
 from polhode.studies.ensembles import random_scene
 from polhode.studies.long_run import growth, late_time, page

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 import polhode
 from polhode.equations.forms import principal
 from polhode.numbers.conversion import to_double
-from polhode.numbers.scalars import Functions
+from polhode.numbers.number_types import Functions
 from polhode.peers import field, process
 from polhode.studies.processes import ask
 from polhode.studies.speed import draws, number_types, page, refined

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from polhode.judging.references.reference import reference
+from polhode.judging.reference import reference
 from polhode.peers import splitting
 from polhode.studies.speed.draws import draw
 

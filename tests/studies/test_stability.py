@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode.equations.equilibrium import at_rest
+from polhode.equations.readout import at_rest
 from polhode.judging.correct_digits import worst_digits
 from polhode.judging.diagnosis.error_budget import selected
 from polhode.numbers import exact, number_types

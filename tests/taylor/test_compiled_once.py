@@ -14,7 +14,7 @@ import polhode
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
-from polhode.scenes.event import Event
+from polhode.scenes.scene import Event
 from polhode.taylor import engine
 from polhode.taylor.engine import Pool
 from shared.policies import change_policy

@@ -15,7 +15,7 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.scenes.event import Event
+from polhode.scenes.scene import Event
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
 
@@ -344,10 +344,10 @@ def test_a_lost_zero_is_found_again(number, monkeypatch):
 
 @pytest.mark.slow
 def test_lanes_are_sure_behind_a_start_at_zero_and_of_contacts(monkeypatch):
-    from polhode.dynamics.observables import jobs
+    from polhode.dynamics import observables
 
-    alone, solve = [], jobs.solve_one
-    monkeypatch.setattr(jobs, "solve_one", lambda *a: (alone.append(1), solve(*a))[1])
+    alone, solve = [], observables.solve_one
+    monkeypatch.setattr(observables, "solve_one", lambda *a: (alone.append(1), solve(*a))[1])
     three = {"start.omega[1]": ["0.3"] * 3}
     polhode.reduce_many(top(Event("e", "q*(p-0.28)")), three, "first e")
     assert not alone

@@ -18,8 +18,8 @@ from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.scenes import column_expressions, scene_file
-from polhode.scenes.event import Event
+from polhode.scenes import scene_file, vocabulary
+from polhode.scenes.scene import Event
 from shared.policies import change_policy
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
@@ -42,7 +42,7 @@ def true_time(scene: polhode.Scene, text: str, near: Fraction) -> Fraction:
 
     def value(t):
         row = dict(zip(scene.columns, truth.at([t], 65)[0], strict=True), t=t)
-        return column_expressions.value(text, row, BITS)
+        return vocabulary.value(text, row, BITS)
 
     with mpmath.workprec(BITS):
         guess = to_mpf(near, BITS)

@@ -9,8 +9,8 @@ import pytest
 
 import polhode
 from polhode.motion.outcomes import Outcome
-from polhode.scenes.column_expressions import value
-from polhode.scenes.event import Event
+from polhode.scenes.scene import Event
+from polhode.scenes.vocabulary import value
 
 SCENE = "kovalevskaya/generic"
 NUTATION = "p*gamma2 - q*gamma1"

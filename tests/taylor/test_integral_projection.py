@@ -14,7 +14,7 @@ from polhode.cli import main
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE
 from polhode.scenes import library
-from polhode.scenes.event import Event
+from polhode.scenes.scene import Event
 from polhode.taylor import projection
 from polhode.taylor.stepping import Integrator
 from shared.policies import change_policy

@@ -9,14 +9,14 @@ import pytest
 
 from polhode.cli import main
 from polhode.output.cases import entry_of
-from polhode.scenes import catalogue, library
+from polhode.scenes import library
 
 
 @pytest.mark.slow
 def test_the_catalogue_is_of_the_files_as_they_are():
     again = {name: entry_of(name) for name in library.names()}
     made = "python tests/measure/catalogue.py"
-    assert catalogue.written(again) == (library.folder() / catalogue.FILE).read_text("utf-8"), made
+    assert library.written(again) == (library.folder() / library.FILE).read_text("utf-8"), made
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def cases(tmp_path, monkeypatch):
     for name in ("euler/sphere", "lagrange/nutation"):
         (tmp_path / name).parent.mkdir()
         shutil.copy(library.folder() / f"{name}.toml", tmp_path / f"{name}.toml")
-    shutil.copy(library.folder() / catalogue.FILE, tmp_path / catalogue.FILE)
+    shutil.copy(library.folder() / library.FILE, tmp_path / library.FILE)
     monkeypatch.setattr(library, "folder", lambda: tmp_path)
     return tmp_path
 
@@ -52,7 +52,7 @@ def test_a_changed_case_and_a_catalogue_that_is_none_are_seen(cases, capsys, bro
     changed = listed(capsys)
     assert changed["euler/sphere"] == right["euler/sphere"] | {"title": "another"}
     if broken == "gone":
-        (cases / catalogue.FILE).unlink()
+        (cases / library.FILE).unlink()
     else:
-        (cases / catalogue.FILE).write_text(broken)
+        (cases / library.FILE).write_text(broken)
     assert listed(capsys) == changed

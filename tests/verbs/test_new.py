@@ -10,7 +10,7 @@ import pytest
 
 from polhode.cli import main
 from polhode.output import new_scene
-from polhode.scenes import keys, library, scene_file
+from polhode.scenes import library, scene_file, vocabulary
 
 
 @pytest.mark.sample(8, slow=0)
@@ -51,5 +51,5 @@ def test_a_case_is_written_with_comments(tmp_path, capsys):
     path = tmp_path / "mine.toml"
     assert main(["new", str(path), "--like", "lagrange/nutation", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["title"] == "Lagrange top, generic nutation"
-    (omega,) = [key for key in keys.KEYS["start"] if key.name == "omega"]
+    (omega,) = [key for key in vocabulary.KEYS["start"] if key.name == "omega"]
     assert f"# omega: {omega.meaning}\nomega = [0.16, 0.3, 4.1]\n" in path.read_text()

@@ -1,19 +1,32 @@
-"""Certificates are checked by their own checker before they are written."""
+"""Files of certificates, and their grids of numbers."""
 
 from __future__ import annotations
 
 import json
+import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import TypeAlias, TypeVar
+
+from flint import arb
 
 from polhode.certificates import verify
 from polhode.common.arguments import of_kind
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import check_writable, write_whole
 from polhode.common.interrupts import Progress
+from polhode.numbers import exact
+from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.vectors import middle
+from polhode.scenes.body import Body
+
+# --- certificate file -----------------------------------------------------------------------------
+#
+# Certificates are checked by their own checker before they are written.
+
 
 #: The part of the time that guesses take; the check, which takes the rest, counts from 0 again.
 MAKING = 0.2
@@ -83,3 +96,102 @@ def write(path: str | Path, text: str) -> None:
     check_writable(Path(path), [".json"], [])
     refuse_another(path)
     write_whole({Path(path): text + "\n"})
+
+
+# --- grid -----------------------------------------------------------------------------------------
+#
+# What a certificate needs besides its statement: a body's exact numbers, and a grid of steps.
+#
+# The grid uses the checker's own polynomials. Nothing of it is believed, but the numbers.
+
+
+_STEP = 0.3  # of the radius of convergence, if nothing else is asked
+_ORDER = 24  # of the polynomials that tell it
+_LONGEST = 1.0  # step, in the unit of time that the body suggests
+_FINE = 12  # bits of a step, in that unit
+_NONE = Fraction(0)
+
+
+def body_numbers(body: Body, bits: int, tolerance: Fraction = _NONE) -> dict[str, object]:
+    """A body's exact numbers as texts, irrational ones as balls.
+
+    ``tolerance``: in principal axes, balls that hold those of every body whose moments and
+    components of the centre there differ by such a part of themselves at most.
+    """
+    if tolerance:
+        lists = body.moments, body.axes.components(body.centre)
+        moments, points = ([number(x, bits, abs(x) * tolerance) for x in row] for row in lists)
+        form: dict[str, object] = {"moments": moments}
+    else:
+        rows = [[number(x, bits) for x in row] for row in body.inertia]
+        points = [number(x, bits) for x in body.centre]
+        turned = any(body.inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j)
+        form = {"inertia": rows} if turned else {"moments": [rows[i][i] for i in range(3)]}
+    return {**form, "centre": points, "weight": number(body.weight, bits)}
+
+
+def number(x: Exact, bits: int, radius: Exact = _NONE) -> str | list[str]:
+    """A number as the checker reads it: a text, or middle and radius."""
+    if not isinstance(x, Irrational) and not radius:
+        return str(x)
+    mantissa, exponent = exact.rounded(x, bits) if x else (0, -bits)
+    unit = Fraction(2) ** exponent  # more than the rounding
+    if not radius:
+        return [str(mantissa * unit), str(unit)]
+    mantissa_of_radius, below = exact.rounded(radius, 24)
+    wide = (mantissa_of_radius + 1) * Fraction(2) ** below + unit
+    return [str(mantissa * unit), str(wide)]
+
+
+def steps(
+    numbers: dict[str, object],
+    start: Sequence[arb],
+    end: Fraction,
+    bits: int,
+    time_bits: int | None = None,
+    part: float = _STEP,
+    progress: Progress | None = None,
+    growth: float = 0.0,
+) -> dict[str, object]:
+    """A grid of steps beyond ``end``, and numbers near the motion at its times.
+
+    ``time_bits``: the last time is ``end`` rounded to so many bits.  ``part``: of the radius of
+    convergence that a step is.  ``growth``: about int |A| of a step, instead.
+    """
+    rows, (centre, (weight,)), _ = verify.read_body(numbers, ())
+    inertia = [[verify.ball(x) for x in row] for row in rows]
+    torque = [verify.ball(weight) * verify.ball(x) for x in centre]
+    shift = verify.scaling(inertia, torque, start)
+    body = verify.Body(inertia, [x * arb(2) ** (-2 * shift) for x in torque])
+    sense = 1 if end > 0 else -1
+    last = math.ceil(abs(end) * Fraction(2) ** (_FINE + shift))
+    state_bits = max(bits // 2 + 30, bits - verify.STATES)  # V's bits are those that are left
+    powers = [state_bits + shift] * 3 + [state_bits] * 3
+    x = [(x * arb(2) ** (-shift if k < 3 else 0)).mid() for k, x in enumerate(start)]
+    grid, centres = [0], list[list[int]]()
+    while abs(grid[-1]) < last:
+        if progress is not None:
+            progress(abs(grid[-1]) / last, len(centres))
+        centres.append([round(middle(y * arb(2) ** e)) for y, e in zip(x, powers, strict=True)])
+        steep = float(verify.row_sum(verify.slope(body, x))) if growth else 0.0
+        longest = growth / steep if steep else _length(body, x, part)
+        ticks = max(1, min(int(longest * 2**_FINE), last - abs(grid[-1])))
+        h = arb(sense * ticks) * arb(2) ** -_FINE
+        series = verify.taylor(body, x, h, bits)
+        x = [(y + verify.summed(row)).mid() for y, row in zip(x, series, strict=True)]
+        grid.append(grid[-1] + sense * ticks)
+        if len(grid) > verify.MOST_STEPS:
+            break  # which the checker refuses
+    fine = _FINE + shift
+    if time_bits is not None:
+        times = [x << (time_bits - fine) for x in grid[:-1]]
+        grid, fine = [*times, round(end * Fraction(2) ** time_bits)], time_bits
+    return {"time_bits": fine, "grid": grid, "state_bits": state_bits, "centres": centres}
+
+
+def _length(body: verify.Body, centre: Sequence[arb], part: float) -> float:
+    """A step that is a part of the radius of convergence."""
+    rows = verify.taylor(body, centre, arb(1), _ORDER)
+    sizes = [max(float(abs(x)) for x in column) for column in zip(*rows, strict=True)]
+    rates = [x ** (1 / k) for k, x in enumerate(sizes, 1) if 3 * k > _ORDER and x > 0]
+    return min(part / max(rates, default=part), _LONGEST)

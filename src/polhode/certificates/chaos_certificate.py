@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 from flint import arb
 
-from polhode.certificates import grid, verify
+from polhode.certificates import certificate_file, verify
 from polhode.certificates.certificate_file import Made, by_checker
 from polhode.common.interrupts import Progress
 from polhode.numbers.exact import ONE, Exact
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.scenes.body import Body
 
 _BITS = 48  # of the polynomials: far finer than the sets
@@ -59,8 +59,8 @@ class Chain(NamedTuple):
 def guesses(chain: Chain) -> Made:
     """A certificate but for its statement."""
     bits = _BITS + verify.COARSE
-    numbers = grid.body_numbers(chain.body, bits)
-    level = [grid.number(x, bits) for x in (chain.h, chain.f, ONE)]
+    numbers = certificate_file.body_numbers(chain.body, bits)
+    level = [certificate_file.number(x, bits) for x in (chain.h, chain.f, ONE)]
     with ctx.workprec(bits + verify.COARSE):
         transits = [_transit(numbers, chain, n) for n in range(len(chain.sets))]
     sizes = Rectangle._fields[1:]
@@ -101,7 +101,7 @@ def _transit(numbers: Made, chain: Chain, n: int) -> Made:
     chart = chain.charts[what.chart]
     start = [arb(x) for x in (chart.centre + chart.wide[:, 0] * what.middle).tolist()]
     end = Fraction(chain.times[n])
-    found = grid.steps(numbers, start, end, _BITS, _TIME_BITS, growth=_GROWTH)
+    found = certificate_file.steps(numbers, start, end, _BITS, _TIME_BITS, growth=_GROWTH)
     return {word: found[word] for word in verify.Guesses._fields[:-1]}
 
 

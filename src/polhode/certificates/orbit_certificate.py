@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from polhode.certificates import grid, verify
+from polhode.certificates import certificate_file, verify
 from polhode.certificates.certificate_file import Made, by_checker
 from polhode.common.interrupts import Progress
 from polhode.numbers.exact import ONE, Exact
@@ -47,8 +47,8 @@ class Choice(NamedTuple):
 def guesses(problem: Problem, choice: Choice, progress: Progress | None = None) -> Made:
     """A certificate but for its statement."""
     wide = choice.bits + verify.COARSE
-    numbers = grid.body_numbers(problem.body, wide, problem.tolerance)
-    level = [grid.number(x, wide) for x in (problem.h, problem.f, ONE)]
+    numbers = certificate_file.body_numbers(problem.body, wide, problem.tolerance)
+    level = [certificate_file.number(x, wide) for x in (problem.h, problem.f, ONE)]
     with ctx.workprec(choice.bits + 2 * verify.COARSE):
         found = _steps(numbers, problem, choice, progress)
     return {
@@ -78,7 +78,7 @@ def _steps(
     """Steps of one period, the box's radius, and by how much the period is divided."""
     bits, part = choice.bits, choice.part
     x = [verify.ball((x, Fraction(0))) for x in problem.start]
-    found = grid.steps(numbers, x, problem.period, bits, bits, part, progress)
+    found = certificate_file.steps(numbers, x, problem.period, bits, bits, part, progress)
     state_bits = bits + 8  # the first centre is x* itself
     centres = found["centres"]
     assert isinstance(centres, list)

@@ -9,7 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
-from polhode.certificates import grid, verify
+from polhode.certificates import certificate_file, verify
 from polhode.certificates.certificate_file import MAKING, Made, checked, part_of, write
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
@@ -75,11 +75,13 @@ def certificate(
     def made(bits: int, tried: int) -> Made:
         body = _scene(scene, bits + verify.COARSE)
         if attitude is not None:
-            body["attitude"] = [grid.number(x, bits + verify.COARSE) for x in attitude.start]
+            body["attitude"] = [
+                certificate_file.number(x, bits + verify.COARSE) for x in attitude.start
+            ]
         with ctx.workprec(bits + 2 * verify.COARSE):
             _, _, start = verify.balls_of(verify.read_scene(body))
             making = part_of(progress, 0.0, MAKING)
-            guesses = grid.steps(_body(body), start, last, bits, progress=making)
+            guesses = certificate_file.steps(_body(body), start, last, bits, progress=making)
         return {
             "format": verify.FORMAT,
             "kind": "state",
@@ -119,9 +121,9 @@ def _scene(scene: Scene, bits: int) -> dict[str, object]:
     """The scene's exact numbers as texts, irrational ones as balls."""
     assert scene.gamma is not None
     return {
-        **grid.body_numbers(scene.body, bits),
-        "omega": [grid.number(x, bits) for x in scene.omega],
-        "gamma": [grid.number(x, bits) for x in scene.gamma],
+        **certificate_file.body_numbers(scene.body, bits),
+        "omega": [certificate_file.number(x, bits) for x in scene.omega],
+        "gamma": [certificate_file.number(x, bits) for x in scene.gamma],
     }
 
 

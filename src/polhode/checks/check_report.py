@@ -1,23 +1,261 @@
-"""The checks of many cases as a result: what ``polhode check`` shows."""
+"""The library's regression: every case against its reference, digits inside a band.
+
+A band has a lower and an upper edge: fewer digits than expected are a loss, more mean that the
+yardstick is slack.  Published figures are held against the reference as well.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import partial
 from pathlib import Path
 
-from polhode.checks.form_cross_checks import CrossCheck, cross_checks
-from polhode.checks.regression import PROPOSED, Report, check
-from polhode.common.errors import BadInput, counted, one_line
+from polhode.checks.published_figures import PrintedFigure, figures
+from polhode.checks.textbook_digits import WANTED, textbook_digits
+from polhode.common import processes as of_work
+from polhode.common.errors import BadInput, counted, nearest, one_line
 from polhode.common.interrupts import Message
 from polhode.common.processes import cores
 from polhode.common.values import ByValue
+from polhode.judging.compare import compare
+from polhode.judging.conditioning import Conditioning, conditioning
+from polhode.judging.correct_digits import worst_digits
+from polhode.judging.judgement import Judgement
+from polhode.judging.reference import AnyReference
+from polhode.judging.reference import reference as reference_of
+from polhode.numbers import number_types
 from polhode.numbers.decimals import decimal_string, shown
 from polhode.results.cells import DOUBLE, TEXT
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table, table_of_rows
+from polhode.runs.options import Options, choose_number
+from polhode.runs.solve import solve
+from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import FORMS
+
+SPREAD = 1.0  # digits by which a run of another machine or version may have more or fewer
+#: The number types for which bands are proposed.
+PROPOSED = ("double", "extended", "quad")
+TICK = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Line:
+    """One check: a case in one number type against its band.
+
+    ``outcome``: how the run ended, ``ended`` whether as it should.  ``lost``: that no digits are
+    left, and after which time; else empty.  ``limit``: what limits the digits, of a line that does
+    not pass or where details were asked for; else empty.
+    """
+
+    number: str
+    digits: float
+    band: tuple[float, float] | None
+    outcome: str
+    ended: bool
+    lost: str = ""
+    limit: str = ""
+
+    @property
+    def passed(self) -> bool | None:
+        """Whether the run ended as it should, its digits inside the band; None without a band."""
+        if not self.ended:
+            return False
+        return None if self.band is None else self.band[0] <= self.digits <= self.band[1]
+
+    @property
+    def proposal(self) -> tuple[float, float] | None:
+        """A band about the digits of this run, to be pasted; None where there are none."""
+        if not self.ended or self.lost:
+            return None
+        return max(0.0, round(self.digits - SPREAD, 1)), round(self.digits + SPREAD, 1)
+
+    @property
+    def verdict(self) -> str:
+        """In words."""
+        if not self.ended:
+            return self.outcome
+        if self.band is None:
+            return "no band to hold it against"
+        if self.digits < self.band[0]:
+            return "too few digits"
+        return "inside" if self.passed else "more digits than the case can have"
+
+
+@dataclass(frozen=True)
+class Report:
+    """What the checks of one case gave."""
+
+    scene: Scene
+    regime: str
+    reference: str
+    lines: tuple[Line, ...]
+    figures: tuple[PrintedFigure, ...]
+    textbook: float | None  # digits to which mpmath's own functions agree with the closed form
+
+    @property
+    def proposal(self) -> dict[str, tuple[float, float]]:
+        """Bands by number type, of the runs that have digits left."""
+        found = {line.number: line.proposal for line in self.lines}
+        return {number: band for number, band in found.items() if band is not None}
+
+    @property
+    def passed(self) -> bool | None:
+        """Whether everything stands; None where nothing says what should."""
+        every = [*(x.passed for x in self.lines), *(x.passed for x in self.figures)]
+        if self.textbook is not None and self.textbook < WANTED:
+            every.append(False)  # two closed forms that agree are no check of a run
+        found = [passed for passed in every if passed is not None]
+        return all(found) if found else None
+
+
+def check(
+    patterns: Sequence[str] = (),
+    numbers: Sequence[str] = (),
+    tick: TICK | None = None,
+    workers: int = 1,
+    details: bool = True,
+) -> Iterator[Report]:
+    """Check cases (all that ship, or names, patterns, paths) in the number types that they expect.
+
+    ``numbers``: these types instead; a case without a band for one is run and shown without.
+    ``workers``: processes that share the cases.  ``details``: whether what limits the digits is
+    told of all lines, for which the motion is followed; else of those that do not pass.
+    """
+    for number in numbers:
+        if number not in number_types.NAMES:
+            raise BadInput("check", "number", number, nearest(number, list(number_types.NAMES)))
+    scenes = [library.load(name) for name in library.matching(list(patterns))]
+    if not scenes:
+        raise BadInput("check", "SCENE", None, "a path: no cases are installed")
+
+    def begun(scene: Scene) -> None:
+        if tick is not None:
+            tick(scene.name)
+
+    solve = partial(check_scene, numbers=tuple(numbers), details=details)
+    yield from of_work.in_order(solve, scenes, min(workers, len(scenes)), begun)
+
+
+def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True) -> Report:
+    """The checks of one case: of its states, by runs without outputs and events.
+
+    ``details``: as of :func:`check`.
+    """
+    reference = reference_of(scene)
+    wanted = [*(numbers or scene.expect)]
+    widest = sorted(wanted, key=number_types.NAMES.index, reverse=True)
+    known: Conditioning | Judgement | None = None
+    if widest and details:
+        known = conditioning(scene, number=number_types.named(widest[0]))
+    lines: dict[str, Line] = {}
+    for number in widest:
+        lines[number], judged = _report_line(scene, reference, number, known, details)
+        if not isinstance(known, Judgement):  # whose rows of the reference judge the others, too
+            known = judged or known
+    return Report(
+        scene,
+        reference.regime,
+        reference.kind,
+        tuple(lines[number] for number in wanted),
+        tuple(figures(scene, reference)),
+        textbook_digits(reference),
+    )
+
+
+def _report_line(
+    scene: Scene,
+    reference: AnyReference,
+    number: str,
+    known: Conditioning | Judgement | None,
+    details: bool,
+) -> tuple[Line, Judgement | None]:
+    """``known``: the scene's conditioning, or a judgement in a wider type.
+
+    All that will be told is made here: the judgement does not go to another process, which would
+    have to compute the reference again.
+    """
+    band = scene.expect.get(number)
+    digits = number_types.DEFAULT_MP_DIGITS if number == "mp" else None
+    # up to quad the bands are those of heyoka's own steps; mp as users get it, refined if faster
+    options = Options("auto" if number == "mp" else "taylor", digits=digits)
+    plain = replace(scene, outputs=(), events=())  # the digits are those of the state
+    run = solve(plain, choose_number(scene, number, digits), options, interruptible=False)
+    outcome = run.outcome.value
+    if not run.outcome.done:
+        return Line(number, 0.0, band, outcome, ended=False), None
+    judged = compare(run, reference, known=known)
+    line = Line(number, judged.state_worst, band, outcome, ended=True, lost=judged.lost)
+    if details or not line.passed:
+        line = replace(line, limit=judged.limit)
+    return line, judged
+
+
+# --- form cross checks ----------------------------------------------------------------------------
+#
+# Cross-checks between the forms of the equations: a few scenes in every form, in quad.
+#
+# Evidence against a wrong equation in one form, not against what all share (the integrator). Quad
+# shows a term that is wrong by 1e-28 of itself; compiling all forms for more digits would take
+# four times as long.
+
+
+SCENES = ("euler/turned-axes", "kovalevskaya/generic", "general/asymmetric-regular")
+TIME = Fraction(10)
+LEAST = 30.0  # digits
+_OWN_STEPS = Options("taylor")  # refinement would take the principal form for others
+
+
+@dataclass(frozen=True)
+class CrossCheck:
+    """One scene in one form: the digits to which it agrees with the principal form."""
+
+    scene: str
+    form: str
+    digits: float | None
+    note: str
+
+    @property
+    def passed(self) -> bool:
+        """Whether it agrees, or the form does not take such a scene and says so."""
+        return self.digits is None or self.digits >= LEAST
+
+
+def cross_checks(tick: Callable[[str], None] | None = None) -> Iterator[CrossCheck]:
+    """Each scene in each form against its principal form."""
+    for name in SCENES:
+        if tick is not None:
+            tick(f"{name} in all forms")
+        yield from _in_all_forms(name)
+
+
+def _in_all_forms(name: str) -> list[CrossCheck]:
+    scene = replace(library.load(name), outputs=(), events=(), form="principal").at([TIME])
+    trusted = solve(scene, choose_number(scene, "quad", None), _OWN_STEPS, interruptible=False)
+    return [_checked(form, trusted) for form in FORMS if form != scene.form]
+
+
+def _checked(form: str, trusted: Trajectory) -> CrossCheck:
+    scene = trusted.scene
+    try:
+        own = replace(scene, form=form)
+        run = solve(own, trusted.number, _OWN_STEPS, interruptible=False)
+    except BadInput as refusal:
+        return CrossCheck(scene.name, form, None, f"refused: {refusal.expected}")
+    if not run.outcome.done:
+        return CrossCheck(scene.name, form, 0.0, run.outcome.value)
+    digits = worst_digits(run.states, trusted.states, scene, trusted.number.most_digits)
+    return CrossCheck(scene.name, form, digits, "agrees" if digits >= LEAST else "differs")
+
+
+# --- check report ---------------------------------------------------------------------------------
+#
+# The checks of many cases as a result: what ``polhode check`` shows.
+
 
 _MANY = 8  # cases: for fewer, processes of their own take longer to start than they save
 _MARKS = {True: "ok  ", False: "FAIL", None: "--  "}

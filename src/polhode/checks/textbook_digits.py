@@ -6,10 +6,10 @@ import math
 from fractions import Fraction
 
 from polhode.common.errors import BadInput
+from polhode.judging.certified import Certified
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import Reference
-from polhode.judging.references.textbook import FAMILIES, Textbook
+from polhode.judging.reference import Reference
+from polhode.judging.textbook import FAMILIES, Textbook
 from polhode.numbers.exact import Exact
 from polhode.scenes.scene import Scene
 

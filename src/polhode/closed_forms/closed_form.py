@@ -22,7 +22,7 @@ from polhode.closed_forms.balls.core import (
     until_sure,
 )
 from polhode.closed_forms.balls.frames import Frame, Rows, Start, Turn, start_attitude, start_sign
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership import PrincipalScene
 from polhode.closed_forms.rounding import SPARE
 from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO, Exact, Irrational, noted, sign

@@ -31,15 +31,21 @@ from polhode.closed_forms.goryachev_chaplygin import axes as goryachev_chaplygin
 from polhode.closed_forms.hess import axes as hess
 from polhode.closed_forms.kovalevskaya import regimes as kovalevskaya
 from polhode.closed_forms.lagrange import axes as lagrange
-from polhode.closed_forms.membership.misfit import Misfit
-from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, positive
-from polhode.closed_forms.membership.principal_scene import PrincipalScene, in_principal_axes
+from polhode.closed_forms.membership import (
+    Condition,
+    Misfit,
+    Placed,
+    PrincipalScene,
+    equal,
+    in_principal_axes,
+    positive,
+)
 from polhode.closed_forms.pendulum import conditions as pendulum
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
 from polhode.numbers.conversion import to_mpf as number
 from polhode.numbers.mpmath_context import mpmath
-from polhode.scenes import added_families
+from polhode.scenes import vocabulary
 from polhode.scenes.scene import Scene
 
 __all__ = [
@@ -137,15 +143,15 @@ def register_family(family: Family) -> None:
     polhode.common.errors.BadInput: register_family: name = euler: expected one that no family has
     """
     of_kind("register_family", "family", family, Family, "a Family")
-    added_families.add(family.name, family)
+    vocabulary.add(family.name, family)
 
 
 def known_families() -> Iterator[Family]:
     """polhode's own, then those from outside; raises BadInput for what is none."""
     yield from FAMILIES
-    for family in added_families.added():
+    for family in vocabulary.added():
         if not isinstance(family, Family):
-            raise BadInput(added_families.GROUP, "family", repr(family), "a Family")
+            raise BadInput(vocabulary.GROUP, "family", repr(family), "a Family")
         yield family
 
 

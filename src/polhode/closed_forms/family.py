@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from polhode.closed_forms.closed_form import ClosedForm
-from polhode.closed_forms.membership.misfit import Misfit
-from polhode.closed_forms.membership.normal_form import Conditions, placed_in, shortfall
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership import Conditions, Misfit, PrincipalScene, placed_in, shortfall
 
 #: Makes the closed form of one scene; ValueError: no fit.
 Maker: TypeAlias = type[ClosedForm[Any]]

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Scalar
 
 STABLE, UNSTABLE, UNDECIDED = "spectrally stable", "unstable", "stability undecided"
 

@@ -12,8 +12,7 @@ from typing import Any
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
-from polhode.enclosures import attitude
-from polhode.enclosures.approximation import newton_correction, precision_choice
+from polhode.enclosures import approximation, attitude
 from polhode.enclosures.derived import derived_balls
 from polhode.enclosures.fixed_point_problem import (
     CLOCK,
@@ -34,8 +33,8 @@ from polhode.numbers import exact
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.polynomials import middle
-from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.numbers.number_types import AnyNumber, AnyVector
+from polhode.numbers.vectors import middle
 from polhode.scenes import start_box
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
@@ -145,7 +144,7 @@ def certify(
             break
         if noise == MOST_NOISE:
             break
-        missing = precision_choice.BITS_A_DIGIT * (asked.digits - best.fewest)
+        missing = approximation.BITS_A_DIGIT * (asked.digits - best.fewest)
         noise = min(MOST_NOISE, noise + math.ceil(missing) + _SPARE)
     if box.radii is not None:
         nearest = shown(min(asked.times, key=abs))
@@ -160,7 +159,7 @@ def _enclosure(asked: Task, noise: int) -> Enclosure:
     """The enclosure at one noise level, as far as it came; raises Refused."""
     scene, times, bits = asked.box.scene, asked.times, noise + 100
     turned = bool({"angles", "attitude"} & {*scene.modelled})
-    solution, angles = newton_correction.forced, "angles" in scene.modelled
+    solution, angles = approximation.forced, "angles" in scene.modelled
 
     def watch(side: Side, problem: Problem, at: Sequence[Any]) -> list[attitude.Watch]:
         if not turned:

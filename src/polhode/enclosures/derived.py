@@ -10,7 +10,7 @@ from flint import arb
 from polhode.enclosures.polynomial import ball
 from polhode.equations.column import column
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.scalars import Functions
+from polhode.numbers.number_types import Functions
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS
 

@@ -15,9 +15,6 @@ from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
 from polhode.enclosures import fixed_point_problem
-from polhode.enclosures._zeros.certified_zeros import Search
-from polhode.enclosures._zeros.zero_at_start import first_derivative, is_still
-from polhode.enclosures.certified_events import CertifiedEvents, EventTime
 from polhode.enclosures.certify import balls
 from polhode.enclosures.fixed_point_problem import (
     CLOCK,
@@ -29,17 +26,18 @@ from polhode.enclosures.fixed_point_problem import (
     upper,
 )
 from polhode.enclosures.polynomial import Polynomial, constant, rate, total, variable
+from polhode.enclosures.result import CertifiedEvents, EventTime
 from polhode.enclosures.task import MAX_STEPS, Side, Task, task
+from polhode.enclosures.zeros import Search, first_derivative, is_still
 from polhode.numbers import expression
 from polhode.numbers.exact import sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.polynomials import middle
-from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.numbers.number_types import AnyNumber, AnyVector
+from polhode.numbers.vectors import middle
 from polhode.scenes import start_box
-from polhode.scenes.event import Event
 from polhode.scenes.given_numbers import TIME, reader
-from polhode.scenes.scene import Scene
+from polhode.scenes.scene import Event, Scene
 from polhode.scenes.vocabulary import STATE
 
 _MOST_TRIES = 4

@@ -26,8 +26,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.polynomials import middle
-from polhode.numbers.vectors import Matrix, Vector, dot
+from polhode.numbers.vectors import Matrix, Vector, dot, middle
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 

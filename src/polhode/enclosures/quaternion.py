@@ -26,12 +26,18 @@ import numpy as np
 from flint import arb, arb_poly, fmpz
 
 from polhode.enclosures.fixed_point_problem import CLOCK, UP, Problem
-from polhode.enclosures.kronecker_substitution import packing, words_of
 from polhode.enclosures.step_bound import TINY, Bounds
-from polhode.enclosures.taylor_polynomials import Pieces, improved, of_doubles, size
+from polhode.enclosures.taylor_polynomials import (
+    Pieces,
+    improved,
+    of_doubles,
+    packing,
+    size,
+    words_of,
+)
 from polhode.enclosures.zonotope import Step
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.numbers.vectors import quaternion_product
 
 _ROOT_OF_3 = 1.7320508076  # above it

@@ -16,8 +16,12 @@ from pathlib import Path
 
 import flint
 
-from polhode.equations.kinematics import starting_attitude, starting_phi
-from polhode.equations.pole_passage import departure, phi_leaving_the_pole
+from polhode.equations.kinematics import (
+    departure,
+    phi_leaving_the_pole,
+    starting_attitude,
+    starting_phi,
+)
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, noted, sign
 from polhode.numbers.expression import ExpressionError
@@ -25,8 +29,7 @@ from polhode.numbers.vectors import Vector, dot
 from polhode.scenes import scene_file
 from polhode.scenes.body import principal
 from polhode.scenes.given_numbers import number_in_text
-from polhode.scenes.scene import Scene
-from polhode.scenes.validation import Literal
+from polhode.scenes.scene import Literal, Scene
 
 NUMBERS = "which numbers under a root, and which of the weight and the centre, are 0"
 AXES = "which principal moments are equal, and which of their axes are the body's"
@@ -52,26 +55,27 @@ TRUSTED = (
     *(
         f"numbers/{name}"
         for name in (
-            *("exact", "ball_rules", "expression", "conversion", "decimals", "flint_context"),
-            *("rationals", "quantity", "number_types", "rows", "row_formulas", "scalars"),
-            *("mpmath_context", "lossless_mpf", "rounding", "vectors", "exact_sequences"),
-            *("balls", "polynomials"),
+            *("exact", "expression", "conversion", "decimals", "flint_context"),
+            *(
+                "number_types",
+                "row_formulas",
+                "balls",
+                "mpmath_context",
+                "lossless_mpf",
+                "rounding",
+            ),
+            *("vectors", "exact_sequences"),
         )
     ),
     *(
         f"scenes/{name}"
         for name in (
-            *("body", "body_and_start", "scene", "scene_file", "scene_text", "start_box", "keys"),
-            *("shapes", "level_start", "validation", "vocabulary", "output_times", "event"),
-            *("given_numbers", "classification"),
+            *("body", "body_and_start", "scene", "scene_file", "scene_text", "start_box"),
+            *("shapes", "vocabulary", "given_numbers"),
         )
     ),
-    *(
-        f"equations/{name}"
-        for name in ("kinematics", "pole_passage", "column", "integrals", "terms")
-    ),
+    *(f"equations/{name}" for name in ("kinematics", "column", "integrals", "terms")),
     "equations/forms/matrices",
-    "equations/hodographs",
     "motion/frame",
     *_room("equations/columns"),
 )
@@ -82,12 +86,11 @@ BESIDE = {
     "certificates": "a certificate, which is checked by itself",
     "motion/outcomes": "how a proof ended, in words",
     "enclosures/approximation": "guesses, which the proof does not trust",
-    "scenes/library": "where a case's file is",
-    "scenes/added_families": "names of closed forms",
+    "scenes/library": "where a case's file is, names of closed forms",
     "numbers/double_double": "drift of sweeps, in pairs of doubles",
     "output/notebook": "how a scene is shown",
-    "scenes/column_expressions": "whether an expression of a run can be read",
-    "scenes/variation": "scenes of a sweep, as text",
+    "scenes/vary": "keys of a sweep",
+    "scenes/members": "scenes of a sweep, as text",
     "scenes/scene_facts": "names, units and meanings of columns",
     "results": "tables and files of what is proven, whose decimals are of numbers/balls",
 }

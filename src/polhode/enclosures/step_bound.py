@@ -59,9 +59,8 @@ from typing import Any
 
 import numpy as np
 
-from polhode.enclosures.defect import Defects
 from polhode.enclosures.fixed_point_problem import UP, Problem, Refused
-from polhode.enclosures.taylor_polynomials import Pieces
+from polhode.enclosures.taylor_polynomials import Defects, Pieces
 from polhode.equations.terms import ROWS, SLOPES, Slope
 from polhode.numbers.rounding import rounds_to_nearest
 

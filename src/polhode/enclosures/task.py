@@ -1,35 +1,212 @@
-"""What a proof is asked for: a scene or a box of starts, times and digits, and what they take."""
+"""One run of a proof: windows of steps are approximated, corrected, bounded, and carried on.
+
+Nothing here is believed: a state and balls come only out of ``zonotope.advance``.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from numbers import Real
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
+
+import numpy as np
+from flint import arb
 
 from polhode.common.arguments import steps, whole
 from polhode.common.errors import BadInput
-from polhode.common.interrupts import NONE, Deadline, Progress
+from polhode.common.interrupts import NONE, Deadline, Progress, TooLong
 from polhode.common.values import cached_property
-from polhode.enclosures import fixed_point_problem, integral_contraction, proof_loop
-from polhode.enclosures.approximation import precision_choice
-from polhode.enclosures.approximation.precision_choice import Forecast
+from polhode.enclosures import (
+    approximation,
+    fixed_point_problem,
+    integral_contraction,
+    step_bound,
+    taylor_polynomials,
+    zonotope,
+)
+from polhode.enclosures.approximation import Forecast
 from polhode.enclosures.fixed_point_problem import (
+    CLOCK,
     LEAST_NOISE,
     MOST_NOISE,
+    TIME_BITS,
     Motion,
     Problem,
     Refused,
     motion,
 )
-from polhode.enclosures.proof_loop import HONEST, SHORT_STEPS, Proof, Watcher
+from polhode.enclosures.zonotope import State
+from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.flint_context import ctx
 from polhode.scenes.scene import Scene
 from polhode.scenes.start_box import StartBox
+
+_LOST = -34  # a correction above 2**_LOST: the approximation has lost the motion
+_FEWEST, _FIRST, _WIDEST = 4, 32, 128
+_MOST_ROUNDS = 60
+
+
+@dataclass(frozen=True)
+class Untrusted:
+    """The parts that may be wrong in any way; tests put faulty ones in their place.
+
+    They may write into all that they are given, copies or what nobody else uses, and into what they
+    have returned, which is copied.
+    """
+
+    window: Callable[..., Any] = approximation.window
+    matrices: Callable[..., Any] = approximation.matrices
+    correction: Callable[..., Any] = approximation.correction
+
+
+HONEST = Untrusted()
+#: For boxes: exp(int |A|) of a step multiplies the errors of V.
+SHORT_STEPS = Untrusted(window=partial(approximation.window, turn=0.5))
+
+
+class Watcher(Protocol):
+    """Something that looks at the windows of a proof as they are accepted."""
+
+    def window(self, known: step_bound.Bounds, steps: Sequence[zonotope.Step]) -> None:
+        """A window whose steps have been accepted."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """Balls at the times asked for, in the principal axes and the proof's unit, and its cost.
+
+    ``outcome``: REACHED_END; TIME_LIMIT, INTERRUPTED or TOO_WIDE where the rows are those up to
+    ``end``.
+    """
+
+    rows: list[list[arb]]
+    steps: int
+    end: State
+    outcome: Outcome = Outcome.REACHED_END
+
+
+def run(
+    problem: Problem,
+    times: Sequence[arb],
+    integrals: Sequence[integral_contraction.Integral] = (),
+    untrusted: Untrusted = HONEST,
+    progress: Progress | None = None,
+    watchers: Sequence[Watcher] = (),
+    deadline: Deadline = NONE,
+) -> Proof:
+    """Balls around the states at times >= 0, increasing, given as balls.  Raises Refused.
+
+    What is proven until the ``deadline``, or until Ctrl-C, is kept.  ``watchers``: what looks for
+    zeros on the way, or follows the attitude; they may raise TooLong.
+
+    Where the start is a box, the proof ends where the set has grown too large, too.
+    """
+    step_bound.check_arithmetic()
+    state = zonotope.beginning(problem)
+    rows: list[list[arb]] = []
+    end = _last_tick(times)
+    most = _WIDEST if problem.noise <= 150 else 48
+    wide, pace, steps = _FIRST, 0.1, 0
+    whole, outcome = state, Outcome.REACHED_END  # the watchers have seen all up to there
+    try:
+        while state.time < end:
+            tried = _window(problem, state, end, wide, pace, untrusted, deadline)
+            if tried is None:
+                if wide <= _FEWEST:
+                    raise Refused("the approximation loses the motion")
+                wide = max(_FEWEST, wide // 2)
+                continue
+            asked = zonotope.inside(times[len(rows) :], tried.pieces.times[-1])
+            before = state.time
+            try:
+                state, found, taken = zonotope.advance(state, tried, asked, deadline)
+            except Refused:
+                if problem.is_box and wide > _FEWEST:  # as far as a box can be followed
+                    wide = _FEWEST
+                    continue
+                raise
+            rows += found
+            for watcher in watchers:
+                watcher.window(tried, taken)
+            steps += len(taken)
+            pace = math.ldexp(state.time - before, -CLOCK) / len(taken)
+            state = integral_contraction.shrunk(problem, state, integrals)
+            whole, wide = state, min(most, 2 * wide)
+            if progress is not None:
+                progress(state.time / end, steps)
+    except Refused as why:
+        if problem.is_box and whole.time > 0:
+            outcome = Outcome.TOO_WIDE
+        else:
+            grown = math.log2(max(1.0, float(np.max(whole.radii))))
+            raise Refused(str(why), whole.time / end, grown) from why
+    except TooLong:
+        outcome = Outcome.TIME_LIMIT
+    except KeyboardInterrupt:
+        outcome = Outcome.INTERRUPTED
+    return Proof(rows, steps, whole, outcome)
+
+
+def _window(
+    problem: Problem,
+    state: State,
+    end: int,
+    wide: int,
+    pace: float,
+    untrusted: Untrusted,
+    deadline: Deadline = NONE,
+) -> step_bound.Bounds | None:
+    """A window, corrected as far as the noise level asks; None where the motion is lost.
+
+    Raises TooLong at the deadline.
+    """
+    deadline.check()
+    found = untrusted.window(problem, replace(state, columns=state.columns.copy()), end, wide, pace)
+    if found is None:
+        return None
+    shape = taylor_polynomials.of_doubles(found.times, found.series)
+    a = step_bound.jacobian(problem, shape.near, shape.lengths)
+    v = untrusted.matrices(a)
+    last = 10**6
+    for _ in range(_MOST_ROUNDS):
+        deadline.check()
+        known = taylor_polynomials.defects(problem, shape)
+        gaps = taylor_polynomials.gaps(problem, shape, state.centre)
+        e = untrusted.correction(a, known.values.copy(), v, gaps)
+        size = taylor_polynomials.size(e, problem.noise)
+        if size > _LOST or size >= last:
+            return None
+        # its square and its rounding are noise
+        if max(2 * size, size - 40) <= -problem.noise:
+            step_bound.check_arithmetic()
+            return step_bound.bounds(problem, known, e, v)
+        shape = taylor_polynomials.improved(shape, e, problem.noise, 53 - size)
+        last = size
+    raise Refused("the corrections do not converge")
+
+
+def _last_tick(times: Sequence[arb]) -> int:
+    """The first point of the grid that is not before the last time."""
+    if not times:
+        return 0
+    with ctx.workprec(TIME_BITS):
+        last = (times[-1] * arb((1, CLOCK))).upper().ceil().unique_fmpz()
+    if last is None or last >= 1 << 60:
+        raise Refused("the last time is too far away")
+    return max(1, int(last))
+
+
+# --- task -----------------------------------------------------------------------------------------
+#
+# What a proof is asked for: a scene or a box of starts, times and digits, and what they take.
+
 
 MOST_DIGITS = 250
 MAX_STEPS = 300_000
@@ -86,7 +263,7 @@ class Task:
     def forecasts(self) -> list[Forecast]:
         """What each side takes, roughly."""
         return [
-            precision_choice.forecast(side.motion, side.last, self.digits, self.deadline)
+            approximation.forecast(side.motion, side.last, self.digits, self.deadline)
             for side in self.sides
         ]
 
@@ -108,7 +285,7 @@ class Task:
         if noise == MOST_NOISE or (self.box.radii is not None and tries >= _OF_A_BOX):
             return None
         bits = max(found.bits for found in self.forecasts)
-        return min(MOST_NOISE, precision_choice.raised(noise, bits, why))
+        return min(MOST_NOISE, approximation.raised(noise, bits, why))
 
     def proofs(
         self, noise: int, watch: Callable[[Side, Problem, Sequence[Any]], Watchers]
@@ -122,7 +299,7 @@ class Task:
             asked = fixed_point_problem.times(side.motion, side.ordered)
             bits = 2 * problem.fine + 100
             watchers = watch(side, problem, asked)
-            proof = proof_loop.run(
+            proof = run(
                 problem,
                 asked,
                 integral_contraction.prepared(side.motion, bits),
@@ -153,7 +330,7 @@ def task(
     digits = min(digits, digits_of_box(box))
     found = Task(box, times, digits, deadline, progress)
     for side in found.sides:
-        if (needed := precision_choice.steps(side.motion, side.last)) > max_steps:
+        if (needed := approximation.steps(side.motion, side.last)) > max_steps:
             expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
             raise BadInput(name, key, shown(side.last), expected)
     return found
@@ -165,7 +342,7 @@ def digits_of_box(box: StartBox) -> int:
     if not most:
         return MOST_DIGITS
     mantissa, exponent = exact.rounded(most, 8)
-    left = -(exponent + mantissa.bit_length()) / precision_choice.BITS_A_DIGIT
+    left = -(exponent + mantissa.bit_length()) / approximation.BITS_A_DIGIT
     return min(MOST_DIGITS, max(1, math.ceil(left)) + _BEYOND_A_BOX)
 
 

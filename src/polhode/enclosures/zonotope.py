@@ -34,9 +34,9 @@ import numpy as np
 from flint import arb, arb_poly
 
 from polhode.common.interrupts import NONE, Deadline
-from polhode.enclosures.defect import difference, gaps
 from polhode.enclosures.fixed_point_problem import CLOCK, TIME_BITS, UP, Problem, Refused, upper
 from polhode.enclosures.step_bound import TINY, Bounds, gamma
+from polhode.enclosures.taylor_polynomials import difference, gaps
 from polhode.numbers.flint_context import ctx
 
 SETTLED = 24

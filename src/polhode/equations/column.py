@@ -16,8 +16,7 @@ from polhode.scenes.vocabulary import COLUMNS
 
 if TYPE_CHECKING:
     from polhode.numbers.exact import Exact
-    from polhode.numbers.number_types import NumberType
-    from polhode.numbers.rows import Columns, Given, Stack
+    from polhode.numbers.number_types import Columns, Given, NumberType, Stack
     from polhode.scenes.scene import Scene
 
 

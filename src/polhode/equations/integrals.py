@@ -26,10 +26,9 @@ from polhode.motion.frame import Frame
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.rows import Flat, Rows
-from polhode.numbers.scalars import Scalar, combination
+from polhode.numbers.number_types import Flat, Rows, Scalar, combination
 from polhode.numbers.vectors import Vector, dot
-from polhode.scenes import classification
+from polhode.scenes import body as classification
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:

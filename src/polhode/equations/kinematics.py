@@ -9,6 +9,7 @@ cos theta); the unit quaternion of R, scalar first.  With w = (p, q, r) in body 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
@@ -16,9 +17,20 @@ from typing import NamedTuple
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ONE, Exact, sign
-from polhode.numbers.rows import GivenRow
-from polhode.numbers.scalars import Scalar, combination
-from polhode.numbers.vectors import Triple, Vector
+from polhode.numbers.number_types import (
+    Columns,
+    Functions,
+    Given,
+    GivenRow,
+    NumberType,
+    Rows,
+    Scalar,
+    combination,
+    part_of,
+)
+from polhode.numbers.row_formulas import mapped
+from polhode.numbers.vectors import Triple, Vector, apply, cross, dot, inverse
+from polhode.scenes.scene import Scene
 
 
 def starting_attitude(gamma: Vector, psi: Exact) -> tuple[Exact, ...]:
@@ -142,3 +154,120 @@ def angles(gamma: Sequence[Scalar], psi_and_phi: GivenRow, fn: AngleFunctions) -
         theta,
         principal + (halves + odd) * fn.pi,
     ]
+
+
+# --- hodographs -----------------------------------------------------------------------------------
+#
+# Hodographs of omega in the body and in space, and what else rolls and turns (3.34).
+#
+# The body's motion is the rolling, without slipping, of the cone that omega describes in the body
+# upon the one that it describes in space: as w × w = 0,
+#
+#     d(R w)/dt = R (w' + w × w) = R w'
+#
+# so the two curves have a common tangent and equal arcs. For a free body they are the polhode and
+# the herpolhode. R (body -> space, z up) is that of the attitude quaternion, of whatever length:
+# R(q) v = q ⊗ (0, v) ⊗ q* / |q|², an exact rotation though |q| drifts by rounding.
+
+
+class Hodographs(NamedTuple):
+    """Rows of omega along the body's axes and along those of space (z up), one row per time.
+
+    Arrays for double and extended, rows of mpf above; ``space`` is formed in more precision than
+    the numbers have and rounded once.
+    """
+
+    body: Rows
+    space: Columns
+
+
+def hodographs(states: Rows, attitude: Rows, number: NumberType) -> Hodographs:
+    """The hodographs of a motion: rows p q r … and q0 q1 q2 q3 of one number type."""
+    omega = part_of(states, slice(3))
+    return Hodographs(omega, in_space(attitude, omega, number))
+
+
+def in_space(attitude: Given, vectors: Given, number: NumberType) -> Columns:
+    """R v for each row of the attitude and of vectors in the body, in the number type."""
+
+    def formula(x: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
+        return turned(x[:4], x[4:])
+
+    return mapped(formula, (attitude, vectors), {}, number, 3)
+
+
+def turned(quaternion: GivenRow, vector: GivenRow) -> list[Scalar]:
+    """R(q) v of one quaternion of any length, or of columns of them."""
+    q0: Scalar = quaternion[0]
+    axis: Scalar = (quaternion[1], quaternion[2], quaternion[3])
+    square = q0 * q0 + dot(axis, axis)
+    half: Scalar = cross(axis, (vector[0], vector[1], vector[2]))
+    across = cross(axis, half)
+    return [v + 2 * (q0 * a + b) / square for v, a, b in zip(vector, half, across, strict=True)]
+
+
+# --- pole passage ---------------------------------------------------------------------------------
+#
+# Poles, where the third axis is vertical and psi and phi have no meaning: the rule for branches.
+#
+# Over a pole one of psi + phi (the upper pole) and psi - phi (the lower one) stays continuous;
+# the other jumps by 2 pi up or down, and both are right. The rule:
+#
+#     a start at a pole is left with phi in [-pi, pi) from the upper one, in (-pi, pi] from the
+#     lower (:func:`phi_leaving_the_pole`), on either side of t = 0;
+#     at each later passage exactly through a pole psi jumps up by pi, and phi by pi down at the
+#     upper pole and up at the lower one.  Later means farther from t = 0, on either side of it.
+#
+# So the motion with w reversed has the angles of the same motion at -t. Closed forms count so;
+# only a pendulum's libration takes its jumps back where it returns, its angles being functions of
+# the swing. Proofs lose the angles at such a passage. A run passes the pole at a distance of
+# rounding, on either side: its psi and phi are from there on right up to whole turns.
+
+
+class Departure(NamedTuple):
+    """gamma leaves the pole with its derivative of that order, gamma x vector, which is not 0.
+
+    ``vector``: w for order 1, w' for order 2.
+    """
+
+    order: int
+    vector: Vector
+
+
+def departure(scene: Scene) -> Departure | None:
+    """How a start at a pole leaves it; None where the third axis stays vertical for ever.
+
+    gamma' = gamma x w, and gamma'' = gamma x w' where w is along the third axis.  Where both vanish
+    all derivatives do: I w' is then across gamma and w' along it, so that w'.I w' = 0 and w' = 0.
+    """
+    for order, vector in ((1, scene.omega), (2, _slope(scene))):
+        if not sign(vector[0]) == 0 == sign(vector[1]):
+            return Departure(order, vector)
+    return None
+
+
+def _slope(scene: Scene) -> Vector:
+    """w' at the start."""
+    assert scene.gamma is not None
+    moment = scene.body.moment(scene.omega, scene.gamma)
+    return apply(inverse(scene.body.inertia), moment)
+
+
+def phi_leaving_the_pole(scene: Scene, sense: int) -> float:
+    """The limit of phi at a start at a pole, as time goes on (``sense`` 1) or back (-1).
+
+    On the negative axis, where phi could be either, it is -pi from the upper pole and pi from the
+    lower one, as the closed forms count it.  0 where the pole is never left.
+    """
+    assert scene.gamma is not None
+    up, leaving = sign(scene.gamma[2]), departure(scene)
+    if leaving is None:
+        return 0.0
+    order, w = leaving
+    sense = sense if order == 1 else 1  # t^2 has the same sign on both sides
+    across, along = -sense * up * sign(w[1]), sense * up * sign(w[0])
+    if across == 0 and along < 0:
+        return -up * math.pi
+    largest = max(abs(w[0]), abs(w[1]))
+    p, q = (float(x / largest) if sign(x) else 0.0 for x in w[:2])
+    return math.atan2(-sense * up * q if across else 0.0, sense * up * p)

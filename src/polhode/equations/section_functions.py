@@ -17,7 +17,7 @@ from polhode.numbers import expression
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import Algebra
-from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.number_types import Functions, Scalar
 from polhode.scenes.vocabulary import STATE
 
 MOMENTUM, HEIGHT = "momentum", "height"

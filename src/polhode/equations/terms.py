@@ -16,7 +16,7 @@ from fractions import Fraction
 from typing import NamedTuple, TypeAlias
 
 from polhode.numbers.exact import Exact
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import scaled
 from polhode.scenes.body import Body
 from polhode.scenes.vocabulary import STATE

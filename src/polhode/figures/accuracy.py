@@ -14,8 +14,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from polhode.common.errors import printable
-from polhode.figures.canvas import canvas
-from polhode.figures.canvas.canvas import COLOURS, MARKS, SPACE, power_of_ten, time_label
+from polhode.figures import canvas
+from polhode.figures.canvas import COLOURS, MARKS, SPACE, power_of_ten, time_label
 from polhode.numbers.conversion import to_double
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene

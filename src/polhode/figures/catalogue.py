@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from polhode.common.errors import BadInput, nearest
-from polhode.figures.canvas import canvas
-from polhode.figures.canvas.curve_sampling import Samples
+from polhode.figures import canvas
+from polhode.figures.curve_sampling import Samples
 from polhode.results.result import Storable
 from polhode.runs.saved import Saved
 

@@ -9,12 +9,12 @@ import numpy as np
 
 from polhode.certificates import verify
 from polhode.common.errors import BadInput
-from polhode.dynamics.sections import coordinates as geometry
-from polhode.figures.canvas import canvas, section_axes
-from polhode.numbers.rows import Doubles
-from polhode.proofs.chaos import homoclinic
-from polhode.proofs.chaos.lanes import backward
-from polhode.proofs.chaos.proved_chaos import ProvedChaos
+from polhode.dynamics import coordinates as geometry
+from polhode.figures import canvas
+from polhode.numbers.number_types import Doubles
+from polhode.proofs import homoclinic
+from polhode.proofs.homoclinic import backward
+from polhode.proofs.proved_chaos import ProvedChaos
 from polhode.results.result import Storable
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def draw_crossings(axes: Axes, points: Crossings) -> None:
         look: dict[str, Any] = {"ms": 1.4, "mew": 0, "color": colour, "rasterized": True}
         axes.plot(*where, ".", label=gid, gid=gid, **look)
     axes.plot(*points.sets, "+", ms=5, color=SETS, label="sets, each in its own plane", gid="sets")
-    section_axes.label(axes, height=True)
+    canvas.label(axes, height=True)
     axes.set(xlim=(-0.1, 2 * np.pi + 0.1), ylim=(-1.1, 1.1))  # marks at the edges whole
 
 

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas.canvas import over_time, power_of_ten, rate_unit, remark
-from polhode.figures.canvas.curve_sampling import Samples
+from polhode.figures.canvas import over_time, power_of_ten, rate_unit, remark
+from polhode.figures.curve_sampling import Samples
 from polhode.numbers.conversion import to_double
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 
 GREY = "#777777"

@@ -9,14 +9,13 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.common.texts import Page, together
-from polhode.figures import catalogue, motion_page
-from polhode.figures.canvas import canvas
-from polhode.figures.canvas.curve_sampling import Samples
+from polhode.figures import canvas, catalogue, motion_page
+from polhode.figures.curve_sampling import Samples
 from polhode.figures.explanations import explained
 from polhode.figures.sampled_motion import ANOTHER, of_samples
 from polhode.figures.source import MOTION, Drawing, Request, Source, drawing_of
-from polhode.judging.references.reference import reference as reference_of
-from polhode.numbers.scalars import AnyNumber
+from polhode.judging.reference import reference as reference_of
+from polhode.numbers.number_types import AnyNumber
 from polhode.scenes.vocabulary import Several, Single
 
 if TYPE_CHECKING:

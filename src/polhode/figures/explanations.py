@@ -8,8 +8,7 @@ from typing import NamedTuple
 
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sign
-from polhode.scenes.body import Body
-from polhode.scenes.classification import CHAPLYGIN, kind_of_body
+from polhode.scenes.body import CHAPLYGIN, Body, kind_of_body
 from polhode.scenes.scene import Scene
 
 

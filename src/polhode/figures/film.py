@@ -16,14 +16,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.equations.hodographs import turned
-from polhode.figures.canvas.canvas import BODY, HIDDEN, SPACE, paper
-from polhode.figures.canvas.curve_sampling import Samples
-from polhode.figures.canvas.globe import facing_most
+from polhode.equations.kinematics import turned
+from polhode.figures.canvas import BODY, HIDDEN, SPACE, paper
+from polhode.figures.curve_sampling import Samples
 from polhode.figures.sampled_motion import Motion, of_samples
 from polhode.figures.solids import Faces, faces, solids
-from polhode.figures.sphere import IN_SPACE, apex
-from polhode.numbers.rows import Doubles
+from polhode.figures.sphere import IN_SPACE, apex, facing_most
+from polhode.numbers.number_types import Doubles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

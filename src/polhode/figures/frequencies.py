@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from polhode.dynamics.frequencies.frequencies import Frequencies, frequencies
-from polhode.dynamics.frequencies.naff import POWER
-from polhode.figures.canvas import canvas
-from polhode.figures.canvas.canvas import series
+from polhode.dynamics.frequencies import Frequencies, frequencies
+from polhode.dynamics.naff import POWER
+from polhode.figures import canvas
+from polhode.figures.canvas import series
 from polhode.figures.results import numbers, told
 from polhode.numbers.number_types import DOUBLE
 from polhode.results.result import Storable

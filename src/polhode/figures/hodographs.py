@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from polhode.equations.hodographs import turned
-from polhode.figures.canvas.canvas import ink, label_text, pale, panels, series
-from polhode.figures.canvas.curve_sampling import Samples
-from polhode.figures.canvas.globe import facing_most
+from polhode.equations.kinematics import turned
+from polhode.figures.canvas import ink, label_text, pale, panels, series
+from polhode.figures.curve_sampling import Samples
+from polhode.figures.sphere import facing_most
 from polhode.numbers.conversion import to_double
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 from polhode.scenes.vocabulary import SPACE as SPACE_COLUMNS
 

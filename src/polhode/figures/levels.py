@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.dynamics.levels.levels import Column, Levels, levels
-from polhode.dynamics.levels.regions import Region
-from polhode.figures.canvas import canvas
-from polhode.figures.canvas.canvas import label_text, series
+from polhode.dynamics.levels import Column, Levels, levels
+from polhode.dynamics.regions import Region
+from polhode.figures import canvas
+from polhode.figures.canvas import label_text, series
 from polhode.figures.results import told
 from polhode.numbers import expression
 from polhode.numbers.conversion import exact_number, to_double

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas import canvas, section_axes
+from polhode.figures import canvas
 from polhode.figures.results import numbers, told
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.results.result import Storable
 from polhode.runs.saved import Saved
 
@@ -86,7 +86,7 @@ def _mesh(panel: Any, facts: Saved, values: Doubles, options: dict[str, Any]) ->
     if facts.fact("h") is None:
         panel.set(xlabel=keys[0], ylabel=keys[1])
     else:
-        section_axes.label(panel, keys[0] == "azimuth", facts.scene.body.torque_free)
+        canvas.label(panel, keys[0] == "azimuth", facts.scene.body.torque_free)
     counted = ", ".join(f"{n} {name}" for name, n in facts.fact("counts").items())
     panel.set_title(f"up to t = {facts.fact('end'):g}: {counted}", size=9)
     return mesh

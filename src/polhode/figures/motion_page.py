@@ -22,10 +22,9 @@ from polhode.figures.sampled_motion import Motion
 from polhode.figures.solids import solids, unit
 from polhode.figures.sphere import apex
 from polhode.numbers.conversion import to_double
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.numbers.vectors import dot
-from polhode.scenes.body import Body
-from polhode.scenes.classification import LAGRANGE, SPHERE, kind_of_body
+from polhode.scenes.body import LAGRANGE, SPHERE, Body, kind_of_body
 
 _PARTS = Path(__file__).parent / "page"
 TURN_SECONDS = 2.5  # that a turn at the fastest rate takes on the screen

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.dynamics.periodic_orbits.continuation import BRANCH, DOUBLING, FOLD
-from polhode.figures.canvas import canvas
-from polhode.figures.canvas.canvas import ink, series
-from polhode.figures.canvas.residue_axis import residue_axis
+from polhode.dynamics.newton_shooting import BRANCH, DOUBLING, FOLD
+from polhode.figures import canvas
+from polhode.figures.canvas import ink, residue_axis, series
 from polhode.figures.results import numbers, told
 from polhode.results.result import Storable
 

@@ -8,17 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from polhode.figures.canvas import canvas
-from polhode.figures.canvas.canvas import over_time, rate_unit, series, time_label
-from polhode.figures.canvas.residue_axis import residue_axis
-from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Doubles
+from polhode.figures import canvas
+from polhode.figures.canvas import over_time, rate_unit, residue_axis, series, time_label
+from polhode.numbers.number_types import DOUBLE, Doubles
 from polhode.results.cells import doubles
 from polhode.results.result import Storable
 from polhode.results.table import Table
 from polhode.runs.saved import Saved
 from polhode.runs.solve import solve
-from polhode.scenes.output_times import even_times
+from polhode.scenes.scene import even_times
 
 MOST = 200  # times of a period; members of a sweep
 GREY = "#999999"

@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.errors import BadInput
-from polhode.figures.canvas.curve_sampling import Samples
+from polhode.figures.curve_sampling import Samples
 from polhode.numbers.conversion import to_double
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from polhode.dynamics.sections import coordinates as geometry
+from polhode.dynamics import coordinates as geometry
 from polhode.equations.section_functions import HEIGHT
-from polhode.figures.canvas import canvas, section_axes
+from polhode.figures import canvas
 from polhode.figures.results import numbers, told
 from polhode.numbers.conversion import to_double
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.results.result import Storable
 from polhode.runs.saved import Saved
 from polhode.scenes.vocabulary import STATE
@@ -33,7 +33,7 @@ def draw(plt: Any, result: Storable, axes: Any = None) -> Any:
     for k, place in enumerate(order, 1):
         own, colour = orbit == k, colours[place]
         panel.plot(first[own], second[own], ".", color=colour, gid=f"orbit {k}", **look)
-    section_axes.label(panel, height, facts.scene.body.torque_free)
+    canvas.label(panel, height, facts.scene.body.torque_free)
     kind = f", {facts.fact('extremum')}ima" if by in (HEIGHT, "momentum") else ""
     what = {"momentum": "|G|", HEIGHT: "height"}.get(by, by)
     h, f = (to_double(facts.fact(name)) for name in "hf")

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode.numbers.conversion import to_double
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.scenes.body import Body
 from polhode.scenes.shapes import SHAPES, Part
 

@@ -1,30 +1,39 @@
-"""What is drawn of a scene, a result or a file: a result, or a motion in columns."""
+"""Errors and departures of the integrals over time, as the figures draw them: decimal logarithms.
+
+nan stands for a departure of exactly 0, and where nothing was judged.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from polhode.common.errors import BadInput, nearest
 from polhode.common.interrupts import Progress
-from polhode.figures import catalogue
-from polhode.figures.canvas import curve_sampling, departures
-from polhode.figures.canvas.curve_sampling import Samples
+from polhode.equations import integrals
+from polhode.figures import catalogue, curve_sampling
+from polhode.figures.curve_sampling import Samples
 from polhode.figures.sampled_motion import ANOTHER, of_samples
+from polhode.judging.certified import Certified
+from polhode.judging.correct_digits import largest, log10_differences, log10_rate, scaled
 from polhode.judging.diagnosis.readings import table_as_told
-from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.reference import Reference
+from polhode.judging.reference import reference as reference_of
+from polhode.judging.score import Answers
 from polhode.judging.tables.column_aliases import PLAIN, naming
-from polhode.judging.tables.table import of_run
+from polhode.judging.tables.table import PARTS, Table, of_run
 from polhode.judging.tables.table_file import is_table, read_table
-from polhode.numbers.conversion import doubles
+from polhode.numbers import exact
+from polhode.numbers.conversion import doubles, exactly, mpf_row, to_double
 from polhode.numbers.decimals import brief
+from polhode.numbers.double_double import Pairs
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import AnyNumber
+from polhode.numbers.number_types import AnyNumber, NumberType, Rows, Scalar
 from polhode.results import reader
 from polhode.results.result import Storable
 from polhode.runs.options import choose_number
@@ -35,6 +44,75 @@ from polhode.scenes.given_numbers import TIME
 from polhode.scenes.given_numbers import reader as read_times
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, REQUESTS, SPACE, STATE
+
+SAMPLES = 501  # noise, not a curve
+SPARE_DIGITS = 6
+_NAMES = {integrals.ENERGY: "h", integrals.AREA: "f", integrals.LENGTH: "gamma"}
+
+
+def errors(table: Table, reference: Reference | Certified, number: NumberType | None) -> Samples:
+    """Errors against a reference: of omega over its largest modulus, and of gamma.
+
+    As far as the table has columns of the state; ``number``: the type of its numbers, if known.
+    """
+    scene = reference.scene
+    table = in_order(table)
+    if not {*scene.columns} & table.columns.keys():
+        raise BadInput(table.name, "header", None, f"a column of {', '.join(scene.columns)}")
+    most = number.most_digits if number else table.printed + 2
+    answers = Answers(reference, table.times, False, None)
+    true = answers.rows("at", math.ceil(min(most, 1000)) + SPARE_DIGITS)
+    states = table.numbers(scene.columns, in_pairs=isinstance(true, Pairs))
+    found = scaled(log10_differences(states, true), log10_rate(true, scene))
+    parts = {"omega": largest(found[:, :3]), "gamma": largest(found[:, 3:])}
+    for name, logs in parts.items():
+        logs[table.gaps(PARTS[name])] = math.nan  # of no whole vector
+    judged = {name: logs for name, logs in parts.items() if not np.isnan(logs).all()}
+    shown = {name: np.where(np.isinf(logs), math.nan, logs) for name, logs in judged.items()}
+    return _samples(table, shown, scene, number)
+
+
+def departures(table: Table, scene: Scene, number: NumberType | None) -> Samples:
+    """Relative departures of the integrals from the exact scene's (see integrals.Drift).
+
+    The table needs every column of the state.
+    """
+    missing = [name for name in scene.columns if name not in table.columns]
+    if missing:
+        raise BadInput(table.name, "header", None, f"columns {', '.join(missing)} for integrals")
+    rows = table.rows(scene.columns) or []
+    table = in_order(table.some([k for k, row in enumerate(rows) if None not in row]))
+    bits = number.bits if number else math.ceil(table.printed * math.log2(10)) + 8
+    states: Rows = [mpf_row(row, bits) for row in table.rows(scene.columns) or []]
+    if table.run is not None:
+        states = table.run.states
+    found = integrals.departures(scene, states, bits)
+    shown = {_NAMES.get(name, "fourth"): _log10(values) for name, values in found.items()}
+    return _samples(table, shown, scene, number)
+
+
+def in_order(table: Table) -> Table:
+    """A table's rows in order of time; a run's are."""
+    if table.run is not None:
+        return table
+    return table.some(sorted(range(len(table.times)), key=lambda k: table.times[k]))
+
+
+def _samples(
+    table: Table, logs: dict[str, Any], scene: Scene, number: NumberType | None
+) -> Samples:
+    columns = {"t": np.array([to_double(t) for t in table.times])} | logs
+    return Samples(table.name, columns, scene, float(number.eps) if number else None)
+
+
+def _log10(values: list[Scalar]) -> Any:
+    return np.array([exact.log10(abs(exactly(x))) if x else math.nan for x in values])
+
+
+# --- source ---------------------------------------------------------------------------------------
+#
+# What is drawn of a scene, a result or a file: a result, or a motion in columns.
+
 
 #: The outputs that a run for a figure of a motion needs; of the others none.
 OUTPUTS = {
@@ -150,7 +228,7 @@ def _of_scene(
         raise BadInput(scene.name, "--what", what, "a scene with start.gamma")
     end = None if request.end is None else _time(scene, request.end)
     long = what in OVER_TIME
-    times = curve_sampling.shown_times(scene, end, departures.SAMPLES if long else None)
+    times = curve_sampling.shown_times(scene, end, SAMPLES if long else None)
     reference = reference_of(scene) if what == "error" else None
     run = curve_sampling.run(
         scene,
@@ -178,9 +256,9 @@ def _of_scene(
         note = f"{apart:.2g} radians between two samples: a shorter --end draws curves"
         notes.append(f"{scene.name}: {note}")
     if reference is not None:
-        samples = departures.errors(of_run(run), reference, run.number)
+        samples = errors(of_run(run), reference, run.number)
     elif long:
-        samples = departures.departures(of_run(run), scene, run.number)
+        samples = departures(of_run(run), scene, run.number)
     else:
         samples = curve_sampling.of_run(run)
         _refuse_extreme_numbers(samples)
@@ -213,9 +291,9 @@ def _of_table(path: Path, what: str, request: Request) -> Drawing:
         table = table_as_told(table, reference_of(scene), request.read)
     notes = [f"{table.name}: {remark}" for remark in table.remarks]
     if what == "error" and scene is not None:
-        samples = departures.errors(table, reference_of(scene), number)
+        samples = errors(table, reference_of(scene), number)
     elif what == "integrals" and scene is not None:
-        samples = departures.departures(table, scene, number)
+        samples = departures(table, scene, number)
     else:
         samples = curve_sampling.of_table(table, scene)
         _refuse_what_is_missing(samples, what)

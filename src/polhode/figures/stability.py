@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.dynamics.sections import coordinates as geometry
-from polhode.dynamics.sections.section import Section, section
+from polhode.dynamics import coordinates as geometry
+from polhode.dynamics.section import Section, section
 from polhode.equations.section_functions import MOMENTUM
-from polhode.figures.canvas import canvas
+from polhode.figures import canvas
 from polhode.figures.results import told
 from polhode.numbers.conversion import to_double
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.results.result import Storable
 from polhode.runs.saved import Saved
 

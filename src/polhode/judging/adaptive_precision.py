@@ -13,9 +13,15 @@ from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress, bar
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
-from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NumberType, wider
-from polhode.numbers.rows import Doubles, Extendeds, Objects
-from polhode.numbers.scalars import AnyNumber
+from polhode.numbers.number_types import (
+    DEFAULT_MP_DIGITS,
+    AnyNumber,
+    Doubles,
+    Extendeds,
+    NumberType,
+    Objects,
+    wider,
+)
 from polhode.runs.options import Options, checked_options, choose_number
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory

@@ -11,13 +11,13 @@ from statistics import linear_regression, median
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
-from polhode.judging.conditioning.rounding_errors import Band
-from polhode.judging.references.reference import reference
-from polhode.judging.score.compare import compare
-from polhode.judging.score.judgement import Judgement
+from polhode.judging.compare import compare
+from polhode.judging.conditioning import Band
+from polhode.judging.judgement import Judgement
+from polhode.judging.reference import reference
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.exact import sign
-from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.numbers.number_types import AnyNumber, AnyVector
 from polhode.results.cells import TEXT
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table

@@ -22,8 +22,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.double_double import Pairs, binary_numbers
 from polhode.numbers.exact import sign
-from polhode.numbers.rows import Doubles, Given
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Doubles, Given, Scalar
 from polhode.scenes.scene import Scene
 
 _TINIEST = -(1 << 17)  # the binary exponent below which a number is 0: no digit asked for shows it

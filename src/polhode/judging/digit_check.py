@@ -11,10 +11,9 @@ from typing import NamedTuple
 from polhode.common.errors import BadInput, few
 from polhode.common.interrupts import Progress
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.references.reference import reference
+from polhode.judging.reference import reference
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.number_types import wider
-from polhode.numbers.rows import Given
+from polhode.numbers.number_types import Given, wider
 from polhode.runs.options import Options
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory

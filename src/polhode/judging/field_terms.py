@@ -21,10 +21,10 @@ import numpy.typing as npt
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, counted
-from polhode.equations.plain_field import field
-from polhode.judging.diagnosis.worlds import other_scenes, with_body
+from polhode.equations.form import field
+from polhode.judging.diagnosis.conventions import other_scenes, with_body
 from polhode.numbers.conversion import to_double
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.results.cells import DOUBLE, TEXT
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table, table_of_rows

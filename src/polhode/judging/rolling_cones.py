@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
-from polhode.equations.hodographs import turned
+from polhode.equations.kinematics import turned
 from polhode.numbers.conversion import mpf_row, to_mpf
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.row_formulas import GUARD_BITS

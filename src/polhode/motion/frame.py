@@ -17,8 +17,7 @@ from typing import NamedTuple, TypeVar
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double, to_extended
 from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Flat
+from polhode.numbers.number_types import Flat, NumberType
 from polhode.numbers.vectors import Matrix, Vector, apply, cross, dot, is_zero, scaled
 from polhode.scenes.body import IDENTITY, OWN_AXES, Body, PrincipalAxes, diagonal
 from polhode.scenes.scene import Scene

@@ -7,13 +7,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, SupportsIndex, overload
+from typing import TYPE_CHECKING, Any, Protocol, SupportsIndex, overload
 
 from polhode.common.errors import counted, nearest
 from polhode.common.values import ByValue, may_wait
 from polhode.numbers.decimals import decimal_string, digits_of, in_full
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType
-from polhode.numbers.rows import States
+from polhode.numbers.number_types import (
+    DOUBLE,
+    EXTENDED,
+    QUAD,
+    Gapped,
+    Given,
+    NumberType,
+    Row,
+    Rows,
+    States,
+)
 from polhode.results.cells import DOUBLE as DOUBLE_WORD
 from polhode.results.cells import INTEGER
 from polhode.results.result import Result
@@ -299,3 +308,39 @@ class Projection(ByValue):
             f"onto {', '.join(self.onto)} {counted(self.count, 'time')}: largest correction "
             f"{self.largest:.1e}, sum {self.sum:.1e}"
         )
+
+
+# --- protocols ------------------------------------------------------------------------------------
+#
+# What every method of integration gives: the state at any time of a motion, and its reading.
+
+
+class CannotSolve(Exception):
+    """What was tried does not serve here, and the next method is; the message says why."""
+
+
+class RowReader(Protocol):
+    """Reads a motion's rows."""
+
+    def states(self, rows: Given) -> Rows:
+        """p q r [gamma1 gamma2 gamma3] in the scene's axes and units."""
+
+    def attitude(self, rows: Given, states: Rows) -> Rows | None:
+        """q0 q1 q2 q3, where it is integrated."""
+
+    def angles(self, rows: Given, states: Rows) -> Gapped | None:
+        """psi theta phi, likewise; psi and phi None at a pole."""
+
+
+class Interpolant(Protocol):
+    """A motion at any time that it reached."""
+
+    @property
+    def read(self) -> RowReader:
+        """What reads its rows."""
+
+    def at(self, times: Sequence[Fraction]) -> tuple[Sequence[Row], Outcome, Fraction]:
+        """Rows at exact times in the scene's unit, in the order in which they are reached.
+
+        As many as are reached; how the motion ended, and the time come to.
+        """

@@ -20,9 +20,7 @@ from polhode.numbers.expression import (
     decimal,
     number,
 )
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Doubles, Given, Numbers, Rows, flat
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Doubles, Given, Numbers, NumberType, Rows, Scalar, flat
 
 #: Rows of a run's numbers, or numbers in a row.
 N = TypeVar("N", Rows, Numbers)

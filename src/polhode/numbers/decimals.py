@@ -11,9 +11,7 @@ from typing import overload
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Exact, Irrational, Number
-from polhode.numbers.number_types import LOG10_2, NumberType
-from polhode.numbers.rows import Given, Rows
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import LOG10_2, Given, NumberType, Rows, Scalar
 
 
 @overload

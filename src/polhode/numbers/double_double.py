@@ -17,12 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from polhode.numbers import exact, rationals
+from polhode.numbers import exact, row_formulas
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Irrational, Number
-from polhode.numbers.rationals import Rationals
-from polhode.numbers.rows import Places
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Places, Scalar
+from polhode.numbers.row_formulas import Rationals
 
 #: Decimal digits that a pair holds of any number, with some to spare.
 DIGITS = 30
@@ -126,7 +125,7 @@ def of_rationals(x: Rationals) -> Pairs:
 
 def of_fractions(values: Sequence[Decimal | Fraction]) -> Pairs:
     """The pairs nearest to rationals."""
-    return of_rationals(rationals.of_fractions(values))
+    return of_rationals(row_formulas.of_fractions(values))
 
 
 def of_cells(cells: Sequence[Scalar | None]) -> Pairs:

@@ -23,10 +23,9 @@ from operator import add as added
 from operator import methodcaller, mul, neg
 from typing import TYPE_CHECKING, TypeAlias
 
-from polhode.numbers import ball_rules
-
-if TYPE_CHECKING:  # only irrational data pay for this import
+if TYPE_CHECKING:
     from flint import arb
+
 
 EQUAL_BITS = 4096
 
@@ -196,7 +195,7 @@ def divide(a: Exact, b: Exact) -> Exact:
         return multiply(a, 1 / b)
     known = b.square if isinstance(a, Fraction) else None
     square = a * a / known if isinstance(known, Fraction) else None
-    return Irrational(ball_rules.quotient, a, b, square=square)
+    return Irrational(ball_quotient, a, b, square=square)
 
 
 def sqrt(x: Exact) -> Exact:
@@ -209,7 +208,7 @@ def sqrt(x: Exact) -> Exact:
             return Fraction(top, bottom)
     elif sign(x) == 0:
         return ZERO
-    return Irrational(ball_rules.root, x, square=x)
+    return Irrational(ball_root, x, square=x)
 
 
 def sin(x: Exact) -> Exact:
@@ -236,12 +235,12 @@ def arctan2(y: Exact, x: Exact) -> Exact:
         raise ValueError("the angle of a vector of length zero")
     if sign(y) == 0 and sign(x) > 0:
         return ZERO
-    return Irrational(ball_rules.angle, y, x)
+    return Irrational(ball_angle, y, x)
 
 
 def pi() -> Irrational:
     """The number pi."""
-    return Irrational(ball_rules.pi)
+    return Irrational(ball_pi)
 
 
 def power(x: Exact, exponent: Exact) -> Exact:
@@ -258,7 +257,7 @@ def power(x: Exact, exponent: Exact) -> Exact:
         if exponent < 0:
             raise ZeroDivisionError("division by zero")
         return ZERO
-    return Irrational(ball_rules.power, x, exponent)
+    return Irrational(ball_power, x, exponent)
 
 
 def _integer_power(x: Exact, n: int) -> Exact:
@@ -272,7 +271,7 @@ def _integer_power(x: Exact, n: int) -> Exact:
         return x
     if n == 2 and x.square is not None:
         return x.square
-    return Irrational(partial(ball_rules.integer_power_of, n), x)
+    return Irrational(partial(ball_integer_power, n), x)
 
 
 def sign(x: Number) -> int:
@@ -312,11 +311,11 @@ def rounded(x: Number, bits: int) -> tuple[int, int]:
     while True:
         known = x.enclosure(prec)
         if known.is_finite():
-            low, high = (_rounded_binary(*end, bits) for end in ball_rules.ends(known))
+            low, high = (_rounded_binary(*end, bits) for end in ball_ends(known))
             if low == high:
                 return low
         if prec > 2 * EQUAL_BITS + 8 * bits:  # a tie by the rule: the even neighbour
-            middle = ball_rules.middle(known)
+            middle = ball_middle(known)
             return _rounded_binary(*_rounded_binary(*middle, bits + 8), bits)
         prec *= 2
 
@@ -332,7 +331,7 @@ def magnitude(x: Irrational) -> int:
     known = x.enclosure(_LADDER[0])
     if known.contains(0) or not known.is_finite():
         return 0
-    _, (mantissa, exponent) = ball_rules.ends(known)
+    _, (mantissa, exponent) = ball_ends(known)
     return exponent + mantissa.bit_length()
 
 
@@ -390,3 +389,84 @@ def _held(part: Exact, prec: int) -> arb:
     if isinstance(part, Irrational):
         return part._known[prec]
     return as_ball(part)
+
+
+# --- ball rules -----------------------------------------------------------------------------------
+#
+# How enclosures combine: the rules of irrational numbers, on FLINT's balls.
+#
+# Each takes balls and computes with the precision in force; what it gives holds all values that
+# the operation has on them. Functions of a module, so that a number that holds one can be
+# pickled. Sums, products, sine and cosine are FLINT's own.
+
+
+def ball_quotient(a: arb, b: arb) -> arb:
+    """a/b."""
+    # While the divisor's enclosure is still too wide to exclude zero, nothing is known.
+    return ball_nothing(a) if b.contains(0) else a / b
+
+
+def ball_root(a: arb) -> arb:
+    """The square root of what cannot be negative."""
+    return a.sqrt() if a > 0 else _up_to(a.abs_upper().sqrt())
+
+
+def ball_angle(a: arb, b: arb) -> arb:
+    """The angle of (b, a), a not below zero: no branch is cut where a's enclosure is around it."""
+    if b > 0:
+        return (a / b).atan()
+    if b < 0:
+        return ball_pi() - (a / -b).atan()
+    if a > 0:
+        return ball_pi() / 2 - (b / a).atan()
+    return _up_to(ball_pi())
+
+
+def ball_pi() -> arb:
+    """The number pi."""
+    from flint import arb
+
+    return arb.pi()
+
+
+def ball_power(a: arb, e: arb) -> arb:
+    """a to the power e, for what cannot be negative."""
+    return (e * a.log()).exp() if a > 0 else ball_nothing(a)
+
+
+def ball_integer_power(n: int, a: arb) -> arb:
+    """a to the power n >= 1, by products: FLINT's power of a ball around 0 is no number."""
+    found, square = None, a
+    while n:
+        if n & 1:
+            found = square if found is None else found * square
+        n >>= 1
+        square = square * square if n else square
+    assert found is not None
+    return found
+
+
+def ball_nothing(a: arb) -> arb:
+    """A ball that holds all numbers."""
+    return type(a)(0, float("inf"))
+
+
+def ball_middle(known: arb) -> tuple[int, int]:
+    """(m, e) with m·2**e the midpoint of a ball; 0 where nothing is known."""
+    mantissa, exponent = known.mid().man_exp() if known.is_finite() else (0, 0)
+    return int(mantissa), int(exponent)
+
+
+def ball_ends(known: arb) -> tuple[tuple[int, int], tuple[int, int]]:
+    """(m, e) with m·2**e the lower and the upper end of a ball, exactly."""
+    (middle, p), (radius, q) = (
+        (int(m), int(e)) for m, e in (known.mid().man_exp(), known.rad().man_exp())
+    )
+    least = min(p, q)
+    middle, radius = middle << (p - least), radius << (q - least)
+    return (middle - radius, least), (middle + radius, least)
+
+
+def _up_to(most: arb) -> arb:
+    """A ball that holds [0, most]."""
+    return type(most)(0).union(most)

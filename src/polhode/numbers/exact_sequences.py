@@ -18,7 +18,7 @@ from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import NumberType, extended_here
 
 if TYPE_CHECKING:
-    from polhode.numbers.rows import Doubles, Flat
+    from polhode.numbers.number_types import Doubles, Flat
 
 T = TypeVar("T", covariant=True)
 

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from polhode.common.errors import listed, nearest
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, Irrational
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Scalar
 
 MAX_LENGTH = 1000
 MAX_NESTING = 50

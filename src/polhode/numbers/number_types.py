@@ -1,19 +1,30 @@
-"""Number types of a run, and the choice of one by the digits wanted.
-
-A binary number is exact as a Fraction; :func:`polhode.numbers.exact.rounded` is the one place that
-rounds.
-"""
+"""Number types, their numbers one by one, and rows of them."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, SupportsFloat, TypeAlias, TypeGuard
 
 from polhode.common.values import cached_property
 from polhode.numbers import exact
 from polhode.numbers.exact import Number
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+
+# --- number types ---------------------------------------------------------------------------------
+#
+# Number types of a run, and the choice of one by the digits wanted.
+#
+# A binary number is exact as a Fraction; :func:`polhode.numbers.exact.rounded` is the one place
+# that rounds.
+
 
 LOG10_2 = math.log10(2)
 DIGITS_HELD = {"double": 15, "extended": 18, "quad": 33}  # what --digits may ask of each type
@@ -122,3 +133,193 @@ def extended_here() -> bool:
 def mp_for(digits: int, log10_angle: float, lost: float = 0.0) -> NumberType:
     """The mp type for so many correct digits, see :func:`for_digits`."""
     return mp(digits + max(math.ceil(1.5 * log10_angle), math.ceil(lost)) + 3)
+
+
+# --- scalars --------------------------------------------------------------------------------------
+#
+# What a field needs of its scalars: floats, mpmath numbers and expressions alike.
+
+
+#: What a formula is written for: int, Fraction, Irrational, float, numpy's longdouble and arrays,
+#: mpmath's mpf, heyoka's expressions.  They have arithmetic in common and no type: mpmath and
+#: heyoka bring none along.
+Scalar: TypeAlias = Any
+
+#: A number as a user may give it: int, Fraction, float, Decimal, numpy's and mpmath's, all taken
+#: exactly; or a text that holds an expression.
+AnyNumber: TypeAlias = SupportsFloat | str
+
+#: Three of them, or four: any sequence, an array.
+AnyVector: TypeAlias = Iterable[AnyNumber]
+
+
+class Real(Protocol):
+    """A number of any precision as a reference gives it: mpmath's mpf, which has no types."""
+
+    def __float__(self) -> float: ...
+    def __abs__(self) -> Real: ...
+    def __neg__(self) -> Real: ...
+    def __add__(self, other: Real | float, /) -> Real: ...
+    def __radd__(self, other: Real | float, /) -> Real: ...
+    def __sub__(self, other: Real | float, /) -> Real: ...
+    def __rsub__(self, other: Real | float, /) -> Real: ...
+    def __mul__(self, other: Real | float, /) -> Real: ...
+    def __rmul__(self, other: Real | float, /) -> Real: ...
+    def __truediv__(self, other: Real | float, /) -> Real: ...
+    def __rtruediv__(self, other: Real | float, /) -> Real: ...
+    def __pow__(self, other: Real | float, /) -> Real: ...
+    def __lt__(self, other: Real | float, /) -> bool: ...
+    def __le__(self, other: Real | float, /) -> bool: ...
+    def __gt__(self, other: Real | float, /) -> bool: ...
+    def __ge__(self, other: Real | float, /) -> bool: ...
+
+
+def numbers_given(t: object) -> tuple[list[object], bool]:
+    """What was given as one number or several: a list of them, and whether it was several.
+
+    What has no order, a set or a mapping, is no several numbers: whoever reads it refuses it.
+    """
+    if isinstance(t, (str, bytes, Set, Mapping)) or not isinstance(t, Iterable):
+        return [t], False
+    if getattr(t, "ndim", 1) == 0:  # an array of no dimension is a number
+        return [t], False
+    return list(t), True
+
+
+class Functions(NamedTuple):
+    """What a scalar brings along: its zero, its elementary functions, and whole powers."""
+
+    zero: Scalar
+    sin: Callable[[Scalar], Scalar]
+    cos: Callable[[Scalar], Scalar]
+    sqrt: Callable[[Scalar], Scalar]
+    power: Callable[[Scalar, int], Scalar] = pow
+
+
+#: Of exact numbers.
+EXACT = Functions(exact.ZERO, exact.sin, exact.cos, exact.sqrt)
+
+#: Of Python's floats.
+FLOATS = Functions(0.0, math.sin, math.cos, math.sqrt)
+
+
+def of_mpmath() -> Functions:
+    """Of mpmath's numbers, to the precision at which they are called."""
+    from polhode.numbers.mpmath_context import mpmath
+
+    return Functions(mpmath.mpf(0), mpmath.sin, mpmath.cos, mpmath.sqrt)
+
+
+def of_extended() -> Functions:
+    """Of numpy's longdoubles and of arrays of them."""
+    import numpy as np
+
+    return Functions(np.longdouble(0), np.sin, np.cos, np.sqrt)
+
+
+def combination(k: Mapping[str, Scalar], zero: Scalar, *terms: tuple[str, Scalar]) -> Scalar:
+    """Sum of k[name]·x over the terms whose coefficient is there; an absent one is exactly zero."""
+    present = [k[name] * x for name, x in terms if name in k]
+    return sum(present[1:], present[0]) if present else zero
+
+
+# --- rows -----------------------------------------------------------------------------------------
+#
+# Rows of numbers, as a trajectory and its makers hold them: their types.
+
+
+Doubles: TypeAlias = "npt.NDArray[np.float64]"
+Extendeds: TypeAlias = "npt.NDArray[np.longdouble]"
+Complexes: TypeAlias = "npt.NDArray[np.complex128]"
+Integers: TypeAlias = "npt.NDArray[np.integer]"
+Booleans: TypeAlias = "npt.NDArray[np.bool_]"
+Indices: TypeAlias = "npt.NDArray[np.intp]"
+Objects: TypeAlias = "npt.NDArray[np.object_]"
+
+#: What picks elements of an array.
+Place: TypeAlias = "int | slice | Integers | Booleans | list[int] | None"
+Places: TypeAlias = "Place | tuple[Place, ...]"
+
+#: Rows that numpy holds: an array (rows, columns).
+Flat: TypeAlias = "Doubles | Extendeds"
+
+#: An array of numbers as heyoka takes them: of its own kinds above extended.
+Array: TypeAlias = "Flat | npt.NDArray[np.generic]"
+
+#: One row.
+Row: TypeAlias = "Flat | list[Real]"
+
+#: Several rows of one number type: an array, of mpf above extended; lists of mpf on the way.
+Rows: TypeAlias = "Flat | Objects | list[list[Real]]"
+
+#: Rows of a trajectory's states: an array, of mpf above extended.
+States: TypeAlias = "Flat | Objects"
+
+#: Rows to be read alone, of numbers of any kind.
+Given: TypeAlias = "Flat | Objects | Sequence[Sequence[Scalar | None] | Array]"
+
+#: Numbers of one type in a row, heyoka's or exact ones too: an array, or a list.
+Numbers: TypeAlias = "Array | list[Scalar]"
+
+#: One row to be read alone.
+GivenRow: TypeAlias = "Array | Sequence[Scalar]"
+
+#: Rows of several members of a sweep: an array (members, times, columns), of objects above
+#: extended.
+Stack: TypeAlias = "Flat | Objects"
+
+#: Rows with gaps: None where there is no number.
+Gapped: TypeAlias = "list[list[Real | None]]"
+
+#: Columns that may have gaps: an array where numpy has the type and no row is one.
+Columns: TypeAlias = "Flat | Gapped"
+
+
+#: A row of angles or attitude read once more, or a list of them.
+Reread: TypeAlias = "Row | list[Row] | list[Real | None] | Gapped"
+
+
+def is_flat(rows: Rows | Numbers) -> TypeGuard[Flat]:
+    """Whether rows, or numbers in a row, are of a type that numpy holds."""
+    return not isinstance(rows, list) and rows.dtype.kind == "f"
+
+
+def flat(rows: Rows | Numbers) -> Flat:
+    """Rows of a type that numpy holds, as the array that they are."""
+    assert is_flat(rows)
+    return rows
+
+
+def read_only(rows: Rows, width: int) -> States:
+    """Rows as an array (rows, ``width``) that cannot be written into, of objects above extended."""
+    import numpy as np
+
+    if isinstance(rows, list):
+        objects = np.empty((len(rows), width), dtype=np.object_)
+        for k, row in enumerate(rows):
+            objects[k] = row
+        rows = objects
+    found = rows.view()
+    found.flags.writeable = False
+    return found
+
+
+def double_array(rows: Rows | Numbers | list[list[Scalar]]) -> Doubles:
+    """Rows of doubles, or doubles in a row, as the array that they are."""
+    import numpy as np
+
+    return np.asarray(rows, dtype=np.float64)
+
+
+def part_of(rows: Rows, columns: slice) -> Rows:
+    """Some of the columns."""
+    return [row[columns] for row in rows] if isinstance(rows, list) else rows[:, columns]
+
+
+def kind_of(number: NumberType) -> npt.DTypeLike:
+    """The kind of numpy's arrays of a number type: objects above extended."""
+    import numpy as np
+
+    if number.name == "double":
+        return np.float64
+    return np.longdouble if number.name == "extended" else np.object_

@@ -15,13 +15,13 @@ from typing import Any, NamedTuple
 from polhode.common.errors import BadInput, few
 from polhode.common.interrupts import Message, heard
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.conditioning.conditioning import Conditioning, conditioning
-from polhode.judging.conditioning.lyapunov import Lyapunov, lyapunov
+from polhode.judging.certified import Certified
+from polhode.judging.compare import compare
+from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.convergence_order import ObservedOrder, order_between
-from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import AnyReference, reference
-from polhode.judging.score.compare import compare
-from polhode.judging.score.judgement import Judgement
+from polhode.judging.judgement import Judgement
+from polhode.judging.lyapunov import Lyapunov, lyapunov
+from polhode.judging.reference import AnyReference, reference
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact

@@ -10,14 +10,14 @@ from polhode.common.values import ByValue
 from polhode.results.cells import TEXT
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
-from polhode.scenes import catalogue, library
+from polhode.scenes import library
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Cases(Result, ByValue):
     """Cases by name, each with its title, tags, regime and reference."""
 
-    entries: Mapping[str, catalogue.Entry]
+    entries: Mapping[str, library.Entry]
 
     def __repr__(self) -> str:
         return f"<Cases: {counted(len(self.entries), 'case')}>"
@@ -47,7 +47,7 @@ def cases(tag: str | None = None) -> Cases:
     tag : str, optional
         Only the cases with this tag.
     """
-    entries = catalogue.known()
+    entries = library.known()
     chosen = {name: entries.get(name) or entry_of(name) for name in library.names()}
     tags = sorted({word for entry in chosen.values() for word in entry.tags})
     if tag is not None and tag not in tags:
@@ -55,10 +55,10 @@ def cases(tag: str | None = None) -> Cases:
     return Cases({name: x for name, x in chosen.items() if tag is None or tag in x.tags})
 
 
-def entry_of(name: str) -> catalogue.Entry:
+def entry_of(name: str) -> library.Entry:
     """What is listed of a case, from its file."""
-    from polhode.judging.references.reference import reference as reference_of
+    from polhode.judging.reference import reference as reference_of
 
     scene = library.load(name)
     reference = reference_of(scene)
-    return catalogue.Entry(scene.title, scene.tags, reference.regime, reference.kind)
+    return library.Entry(scene.title, scene.tags, reference.regime, reference.kind)

@@ -12,19 +12,18 @@ from polhode.common.errors import BadInput, one_line
 from polhode.common.interrupts import TooLong, within
 from polhode.common.texts import JsonObject
 from polhode.common.values import ByValue
-from polhode.equations import equilibrium
+from polhode.equations import readout
 from polhode.equations.form import equations, source
-from polhode.judging.references.reference import Reference
-from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.reference import Reference
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers import number_types
 from polhode.numbers.decimals import shown, strings
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import Real
+from polhode.numbers.number_types import NumberType, Real
 from polhode.results.cells import TEXT
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
-from polhode.scenes.classification import kind_of_body
+from polhode.scenes.body import kind_of_body
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 from polhode.scenes.vocabulary import COLUMNS, REQUESTS
@@ -123,7 +122,7 @@ def described(scene: Scene) -> JsonObject:
             facts["conditions"] = list(reference.conditions)
         facts |= _frequencies(reference)
     facts |= _near(scene)
-    if (still := equilibrium.name(scene)) is not None:
+    if (still := readout.name(scene)) is not None:
         facts["motion"] = f"{still}: the state is constant"
     facts |= {
         "form": scene.form,

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from polhode.common.errors import BadInput, listed
 from polhode.common.texts import JsonObject
-from polhode.numbers.quantity import UNITS, named
-from polhode.scenes import keys
+from polhode.scenes import vocabulary
+from polhode.scenes.given_numbers import UNITS, named
 from polhode.scenes.vocabulary import COLUMNS
 
 FOLDER = Path(__file__).parents[1] / "guide"
@@ -73,7 +73,7 @@ def _names() -> list[str]:
 def _keys(section: str) -> list[str]:
     """The keys of a section as a table, from the one that the reader of scenes goes by."""
     lines = ["| key | what | kind | default | example |", "|---|---|---|---|---|"]
-    for key in keys.KEYS[section]:
+    for key in vocabulary.KEYS[section]:
         default = f"`{key.default}`" if key.default else ""
         example = f"`{key.name} = {key.example}`" if key.example else ""
         kind = f"{key.kind}, {key.unit}" if key.unit else key.kind

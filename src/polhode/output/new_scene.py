@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from polhode.common.errors import BadInput
-from polhode.scenes import keys, scene_file
+from polhode.scenes import scene_file, vocabulary
 
 _HEADER = re.compile(r"\[{1,2}([\w.]+)\]{1,2}\s*$")
 _KEY = re.compile(r"([\w.]+)\s*=")
@@ -102,7 +102,7 @@ def commented(text: str, name: str = "scene") -> str:
 
 def _comment(section: str, name: str) -> list[str]:
     place, _, last = f"{section}.{name}".strip(".").rpartition(".")
-    for key in keys.KEYS.get(place, ()):
+    for key in vocabulary.KEYS.get(place, ()):
         if key.name == last and key.meaning:
             meaning = key.meaning.replace("`", "").removeprefix("or ")
             return [f"# {line}" for line in textwrap.wrap(f"{last}: {meaning}", _WIDTH - 2)]

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from polhode.common.errors import printable
 from polhode.numbers import decimals
-from polhode.results import shown
+from polhode.results import writer
 from polhode.results.result import Result, Storable
 from polhode.results.table import Table
-from polhode.scenes.classification import kind_of_body
+from polhode.scenes.body import kind_of_body
 
 if TYPE_CHECKING:
     from polhode.scenes.scene import Scene
@@ -48,7 +48,7 @@ def of_result(found: Storable) -> str:
 
 def _rows(table: Table) -> str:
     few_rows = [column._replace(values=column.values[:MOST_ROWS]) for column in table.columns]
-    header, rows = shown.cells(table._replace(columns=few_rows))
+    header, rows = writer.cells(table._replace(columns=few_rows))
     head = "".join(f"<th>{escape(name)}</th>" for name in header)
     lines = "".join(
         "<tr>" + "".join(f"<td>{escape(printable(x[:24]))}</td>" for x in row) + "</tr>"

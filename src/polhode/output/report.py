@@ -14,14 +14,13 @@ from polhode.common.files import check_writable
 from polhode.common.interrupts import Message
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue, cached_property
-from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import reference
+from polhode.judging.certified import Certified
+from polhode.judging.reference import reference
 from polhode.judging.tables.table_file import is_table
-from polhode.numbers.number_types import MAX_DIGITS
-from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.numbers.number_types import MAX_DIGITS, AnyNumber, AnyVector
 from polhode.output import accuracy, report_page, report_tables
 from polhode.output.accuracy import Asked, Given, Section
-from polhode.results import places, shown, writer
+from polhode.results import places, writer
 from polhode.results.cells import TEXT
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table, table_of_rows
@@ -30,8 +29,7 @@ from polhode.runs.options import choose_number
 from polhode.runs.saved import load_result
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
-from polhode.scenes.output_times import even_times
-from polhode.scenes.scene import Scene
+from polhode.scenes.scene import Scene, even_times
 from polhode.scenes.scene_facts import provenance_fact, scene_facts
 from polhode.scenes.vocabulary import REQUESTS
 
@@ -73,7 +71,7 @@ class Report(Result, ByValue):
         return f"<Report: {counted(len(self.sections), 'scene')}>"
 
     def __str__(self) -> str:
-        header, rows = shown.cells(self.table())
+        header, rows = writer.cells(self.table())
         lines = aligned(header, rows)
         files = (f"{x.name}: {x.sentence}" for one in self.sections for x in one.files)
         return "\n".join([*lines, *files])

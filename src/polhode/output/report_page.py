@@ -17,11 +17,10 @@ from polhode.common.errors import BadInput, few, one_line, printable
 from polhode.common.files import make_folder, write_whole
 from polhode.common.provenance import cpu, versions
 from polhode.common.texts import JsonObject
-from polhode.figures import accuracy
-from polhode.figures.canvas import canvas
+from polhode.figures import accuracy, canvas
 from polhode.numbers.decimals import brief
 from polhode.output.accuracy import BAD, FAIR, GOOD, UNKNOWN, Section
-from polhode.results import shown
+from polhode.results import writer
 from polhode.results.cells import doubles, word_of
 from polhode.results.table import Table, Value
 from polhode.scenes.scene_facts import scene_facts
@@ -332,7 +331,7 @@ def _shown(table: Table) -> tuple[list[str], list[list[str]]]:
     """Header and rows as people read them, without the scene's name."""
     if not table.rows:
         return [], []
-    header, rows = shown.cells(table)
+    header, rows = writer.cells(table)
     return header[1:], [row[1:] for row in rows]
 
 

@@ -1,10 +1,4 @@
-"""The search for a certificate of a periodic orbit: an approximate one, its digits, box and grid.
-
-Not trusted, as nothing of a certificate is: what ``certificates/verify.py`` proves of it holds.
-Krawczyk's test on a box of radius r knows the orbit to about r^2, or to r times the error of the
-flow's derivative, if that is more: so a centre that is right to half of the digits wanted is
-enough, or to a few less than these.
-"""
+"""Why a proof was refused."""
 
 from __future__ import annotations
 
@@ -19,22 +13,36 @@ from polhode.certificates import orbit_certificate, verify
 from polhode.certificates.certificate_file import Made
 from polhode.certificates.orbit_certificate import Choice, Problem
 from polhode.common.interrupts import Message
-from polhode.dynamics.periodic_orbits import high_precision
-from polhode.dynamics.periodic_orbits.level_set import Surface
-from polhode.dynamics.periodic_orbits.newton_shooting import (
-    Closed,
-    NotClosed,
-    at_level,
-    bordered,
-    closed,
-)
+from polhode.dynamics import high_precision
+from polhode.dynamics.newton_shooting import Closed, NotClosed, Surface, at_level, bordered, closed
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief
-from polhode.numbers.polynomials import middle
-from polhode.proofs.refusals import NotProved
+from polhode.numbers.vectors import middle
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
+
+
+class NotProved(ArithmeticError):
+    """A claim that polhode did not prove: the first inequality that does not hold, what to try.
+
+    >>> import polhode
+    >>> polhode.prove_orbit("euler/largest-axis")  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    polhode.proofs.certified_orbit.NotProved: euler/largest-axis: the orbit is not isolated, ...
+    """
+
+
+# --- certified orbit ------------------------------------------------------------------------------
+#
+# The search for a certificate of a periodic orbit: an approximate one, its digits, box and grid.
+#
+# Not trusted, as nothing of a certificate is: what ``certificates/verify.py`` proves of it holds.
+# Krawczyk's test on a box of radius r knows the orbit to about r^2, or to r times the error of
+# the flow's derivative, if that is more: so a centre that is right to half of the digits wanted
+# is enough, or to a few less than these.
+
 
 BITS_A_DIGIT = math.log2(10)
 _SPARE = 40  # bits beyond the digits wanted

@@ -15,7 +15,7 @@ from flint import arb
 from polhode.certificates import orbit_certificate, verify
 from polhode.certificates.certificate_file import Made
 from polhode.common.values import ByValue
-from polhode.dynamics.periodic_orbits.level_set import Surface
+from polhode.dynamics.newton_shooting import Surface
 from polhode.enclosures.fixed_point_problem import upper
 from polhode.enclosures.polynomial import ball
 from polhode.numbers.balls import Ball
@@ -23,10 +23,10 @@ from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import Exact, as_ball
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.polynomials import middle
+from polhode.numbers.vectors import middle
 from polhode.proofs import certified_orbit
+from polhode.proofs.certified_orbit import NotProved
 from polhode.proofs.proved_result import ProvedResult
-from polhode.proofs.refusals import NotProved
 from polhode.results.cells import EXACT
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes.body import PrincipalAxes

@@ -19,8 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.equations.kinematics import starting_attitude
-from polhode.numbers.rows import Booleans, Complexes, Doubles, GivenRow, Integers
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Booleans, Complexes, Doubles, GivenRow, Integers, Scalar
 from polhode.numbers.vectors import quaternion_product
 from polhode.refined.collocation_tables import Tables
 from polhode.refined.compiled_field import FIELD_SHIFT

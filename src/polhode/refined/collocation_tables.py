@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.refined.compiled_field import FIELD_SHIFT
 from polhode.refined.errors import CannotRefine
 from polhode.refined.expansions import Limbs

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from polhode.numbers.rows import Doubles, Integers
+from polhode.numbers.number_types import Doubles, Integers
 from polhode.refined.collocation_tables import LARGEST_FIELD, Tables
 from polhode.refined.compiled_field import COEFFICIENTS, VARIABLES, Kernels
 from polhode.refined.errors import CannotRefine, Stalled, TooFarOff, TooLong

@@ -16,7 +16,7 @@ from polhode.equations.terms import COEFFICIENTS, NAMES
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.refined.collocation_tables import LARGEST_FIELD
 from polhode.refined.errors import CannotRefine
 from polhode.refined.expansions import rounded

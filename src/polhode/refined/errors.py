@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from polhode.motion.protocols import CannotSolve
+from polhode.motion.outcomes import CannotSolve
 
 
 class CannotRefine(CannotSolve):

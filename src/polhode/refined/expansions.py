@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 
 _LAST = 54  # bits kept of the last limb: at most half a unit of the one before, so 53 of its own
 

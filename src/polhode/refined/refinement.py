@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode.common.interrupts import Progress
-from polhode.numbers.rows import Doubles, Integers
+from polhode.numbers.number_types import Doubles, Integers
 from polhode.refined.attitude import Attitude, Following, turns
 from polhode.refined.collocation_tables import tables
 from polhode.refined.compiled_field import kernels

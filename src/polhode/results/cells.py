@@ -29,8 +29,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, number_value
 from polhode.numbers.decimals import decimal_string, in_full
 from polhode.numbers.exact import Irrational
-from polhode.numbers.number_types import EXTENDED, NumberType
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import EXTENDED, Doubles, NumberType
 from polhode.results.table import Column, Fact, Value, Values
 
 if TYPE_CHECKING:  # what shows texts alone, as the list of cases, starts without numpy

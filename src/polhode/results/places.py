@@ -7,7 +7,7 @@ from pathlib import Path
 
 from polhode.common.errors import BadInput
 from polhode.common.files import check_writable, is_stream
-from polhode.results.packages import needed
+from polhode.results.frames import needed
 from polhode.results.reader import kind_at
 from polhode.results.writer import ENDINGS, beside
 

@@ -29,7 +29,7 @@ from polhode.results.cells import (
     plain,
     values_of,
 )
-from polhode.results.packages import needed
+from polhode.results.frames import needed
 from polhode.results.table import RESERVED, Column, Content, Fact, Table, Value
 from polhode.results.writer import ABOUT, ENDINGS, FORMAT, METADATA, beside, digest
 

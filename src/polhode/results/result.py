@@ -137,7 +137,7 @@ class Result(Storable):
 
     def content(self) -> Content:
         """What a file of the result holds."""
-        from polhode.results.ball_columns import written_facts, written_table
+        from polhode.results.frames import written_facts, written_table
 
         kind, facts = type(self).__name__, tuple(written_facts(self.facts()))
         return Content(kind, __version__, repr(self), written_table(self.table()), facts)

@@ -32,15 +32,16 @@ from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers.decimals import shown
 from polhode.numbers.double_double import Pairs, pairs, sqrt
 from polhode.numbers.exact import Irrational, sign
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rationals import Rationals
-from polhode.numbers.rows import Doubles, Flat, Rows, Stack, read_only
+from polhode.numbers.number_types import Doubles, Flat, NumberType, Rows, Stack, read_only
+from polhode.numbers.row_formulas import Rationals
 from polhode.results.cells import DOUBLE, EXACT
 from polhode.results.result import Result
-from polhode.results.shown import lines
 from polhode.results.table import Column, Fact, Table
+from polhode.results.writer import lines
 from polhode.runs.members import blocks
 from polhode.runs.trajectory import ERROR, Trajectory
+from polhode.scenes import vary
+from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
     provenance_fact,
@@ -50,16 +51,14 @@ from polhode.scenes.scene_facts import (
     time_column,
     varied_columns,
 )
-from polhode.scenes.variation import vary
-from polhode.scenes.variation.sweep_scenes import Members
 from polhode.scenes.vocabulary import ATTITUDE, COLUMNS
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.scenes.variation.sweep_columns import Block, Vector
-    from polhode.scenes.variation.sweep_columns import Column as Numbers
+    from polhode.scenes.members import Block, Vector
+    from polhode.scenes.members import Column as Numbers
 
 
 class SweepResult(Result, ByValue):

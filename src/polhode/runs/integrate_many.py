@@ -18,8 +18,7 @@ from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import npy_header, read_whole
 from polhode.common.interrupts import Delay, Progress, Stop, bar
 from polhode.common.processes import run_jobs
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.scalars import AnyNumber
+from polhode.numbers.number_types import AnyNumber, NumberType
 from polhode.results.cells import texts, word_of
 from polhode.results.reader import is_result
 from polhode.runs import member_jobs
@@ -28,10 +27,9 @@ from polhode.runs.member_jobs import FlatJob, WideJob
 from polhode.runs.members import Plan, planned
 from polhode.runs.options import check_method
 from polhode.runs.saved import load_result
-from polhode.scenes import library
+from polhode.scenes import library, vary
+from polhode.scenes.members import tables_of
 from polhode.scenes.scene import Scene
-from polhode.scenes.variation import vary
-from polhode.scenes.variation.sweep_scenes import tables_of
 from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor import defaults
 

@@ -15,8 +15,7 @@ from polhode.motion.frame import Frame
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import strings
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Stack, flat, kind_of
+from polhode.numbers.number_types import NumberType, Stack, flat, kind_of
 from polhode.runs import refined
 from polhode.runs.members import Plan, exact_numbers, refuse_out_of_range
 from polhode.runs.options import Options

@@ -15,16 +15,22 @@ from polhode.equations.terms import NAMES, coefficients_of
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import number_value, to_double
 from polhode.numbers.exact import ZERO, Exact
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rationals import Rationals
-from polhode.numbers.rows import Booleans, Doubles, Flat, kind_of
-from polhode.numbers.scalars import AnyNumber, Scalar
+from polhode.numbers.number_types import (
+    AnyNumber,
+    Booleans,
+    Doubles,
+    Flat,
+    NumberType,
+    Scalar,
+    kind_of,
+)
+from polhode.numbers.row_formulas import Rationals
 from polhode.numbers.vectors import scaled
 from polhode.runs.options import choose_number, refuse_other_rounding, rounded_tolerance
+from polhode.scenes import vary
 from polhode.scenes.body import PrincipalAxes
+from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
-from polhode.scenes.variation import vary
-from polhode.scenes.variation.sweep_scenes import Members
 from polhode.taylor import defaults
 from polhode.taylor.time_grid import rounded_times
 
@@ -32,7 +38,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from polhode.scenes.variation.sweep_columns import Block, Vector
+    from polhode.scenes.members import Block, Vector
     from polhode.taylor.batches import Columns
 
 
@@ -165,7 +171,7 @@ def _check_arrays(name: str, varied: vary.Grid, number: NumberType) -> None:
 #
 # The members of a sweep as the integrator takes them: starts, coefficients, units of time.
 #
-# In columns (:mod:`polhode.scenes.variation.sweep_columns`) where they can be, else member by
+# In columns (:mod:`polhode.scenes.members`) where they can be, else member by
 # member. Starts that are given as arrays go as they are. Other numbers are rounded once, from
 # exact ones or from pairs of doubles: to a hundred bits a number tells which one of the type is
 # the nearest, but for one in 2**40.
@@ -185,7 +191,7 @@ _CANCELLED = 2.0**-20  # of a sum's terms: what is less has lost bits
 
 def blocks(members: Members) -> Iterator[Block]:
     """The members in columns, some at a time; raises BadInput for one that cannot be."""
-    from polhode.scenes.variation.sweep_columns import Blocks
+    from polhode.scenes.members import Blocks
 
     read = Blocks(members)
     for first in range(0, len(members), BLOCK):

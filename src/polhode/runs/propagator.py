@@ -18,9 +18,16 @@ from polhode.common.values import cached_property, refuse_too_much
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import EXTENDED
-from polhode.numbers.rows import Doubles, Extendeds, Flat, double_array, flat
-from polhode.numbers.scalars import AnyNumber, numbers_given
+from polhode.numbers.number_types import (
+    EXTENDED,
+    AnyNumber,
+    Doubles,
+    Extendeds,
+    Flat,
+    double_array,
+    flat,
+    numbers_given,
+)
 from polhode.runs.options import cadence, choose_number, corrections, rounded_tolerance
 from polhode.runs.taylor_motion import system_of
 from polhode.scenes import library

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from polhode.equations import equilibrium
+from polhode.equations import readout
 from polhode.numbers.number_types import NumberType
 from polhode.runs.options import Options
 from polhode.scenes.scene import Scene
@@ -38,7 +38,7 @@ def hindrance(scene: Scene, number: NumberType, options: Options) -> str | None:
         return "no tolerance, rounded inputs or projection of its own"
     if scene.log10_angle > _MOST_LOG10_ANGLE:
         return f"a motion of at most 10**{_MOST_LOG10_ANGLE} radians"
-    if equilibrium.at_rest(scene).state:
+    if readout.at_rest(scene).state:
         return "a motion that does not stand still"
     return None
 

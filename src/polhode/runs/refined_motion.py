@@ -16,9 +16,7 @@ from polhode.motion.frame import Frame
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
 from polhode.numbers.exact import ZERO
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Doubles, Row, Rows
-from polhode.numbers.scalars import Real, Scalar
+from polhode.numbers.number_types import Doubles, NumberType, Real, Row, Rows, Scalar
 from polhode.refined.attitude import Attitude, Following
 from polhode.refined.errors import CannotRefine, Stalled
 from polhode.refined.refinement import (

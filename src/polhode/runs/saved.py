@@ -14,18 +14,24 @@ from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, nearest
 from polhode.common.values import cached_property, same
 from polhode.equations.integrals import Drift
-from polhode.motion.outcomes import Events, EventTimes, Outcome, Projection
-from polhode.motion.protocols import Interpolant, RowReader
+from polhode.motion.outcomes import Events, EventTimes, Interpolant, Outcome, Projection, RowReader
 from polhode.numbers.conversion import exactly, to_double
-from polhode.numbers.number_types import LEAST_MP_BITS, MAX_DIGITS, NAMES, NumberType, named
-from polhode.numbers.rows import Row, States, read_only
+from polhode.numbers.number_types import (
+    LEAST_MP_BITS,
+    MAX_DIGITS,
+    NAMES,
+    NumberType,
+    Row,
+    States,
+    named,
+    read_only,
+)
 from polhode.results.reader import DAMAGED, content_of
 from polhode.results.result import Result
 from polhode.results.table import Content, Fact, Table, Value
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
-from polhode.scenes.output_times import listed_times
-from polhode.scenes.scene import Scene
+from polhode.scenes.scene import Scene, listed_times
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE
 
 
@@ -356,7 +362,7 @@ class _Recomputed:
         return self.dense.read
 
     def at(self, times: Sequence[Fraction]) -> tuple[Sequence[Row], Outcome, Fraction]:
-        """Rows at exact times, see :class:`polhode.motion.protocols.Interpolant`."""
+        """Rows at exact times, see :class:`polhode.motion.outcomes.Interpolant`."""
         return self.dense.at(times)
 
     @cached_property

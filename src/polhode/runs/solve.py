@@ -13,13 +13,19 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from polhode.common.errors import BadInput, plain
 from polhode.common.interrupts import Progress
-from polhode.motion.outcomes import Events, Outcome
-from polhode.motion.protocols import CannotSolve, Interpolant, RowReader
+from polhode.motion.outcomes import CannotSolve, Events, Interpolant, Outcome, RowReader
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import sign
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Given, GivenRow, Reread, Row, read_only
-from polhode.numbers.scalars import AnyNumber, numbers_given
+from polhode.numbers.number_types import (
+    AnyNumber,
+    Given,
+    GivenRow,
+    NumberType,
+    Reread,
+    Row,
+    numbers_given,
+    read_only,
+)
 from polhode.runs import refined
 from polhode.runs.options import USUAL, Options
 from polhode.runs.taylor_motion import TaylorMotion, system_of

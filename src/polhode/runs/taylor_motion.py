@@ -12,16 +12,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
 from polhode.common.values import Recent, cached_property
-from polhode.equations import equilibrium, kinematics
+from polhode.equations import kinematics, readout
 from polhode.equations.form import Form
-from polhode.equations.pole_passage import phi_leaving_the_pole
+from polhode.equations.kinematics import phi_leaving_the_pole
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.conversion import exactly, number_value, to_extended
 from polhode.numbers.exact import ZERO
 from polhode.numbers.expression import ExpressionError
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Flat, Row, Rows, flat
-from polhode.numbers.scalars import of_extended, of_mpmath
+from polhode.numbers.number_types import Flat, NumberType, Row, Rows, flat, of_extended, of_mpmath
 from polhode.runs.options import USUAL, Options, cadence, refuse_other_rounding
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults
@@ -247,7 +245,7 @@ class TaylorMotion:
 
     def _rows_at_rest(self, times: Sequence[Fraction]) -> Rows:
         """Rows of a state that never changes, at times in the scene's unit."""
-        exact = (equilibrium.variables(self.scene, t) for t in times)
+        exact = (readout.variables(self.scene, t) for t in times)
         return self.system.rows([[number_value(x, self.number) for x in row] for row in exact])
 
     def _corrector(self, form: Form, watch: Watch | None) -> Corrector | None:

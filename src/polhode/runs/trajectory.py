@@ -12,19 +12,20 @@ from polhode.common.errors import counted, few, nearest
 from polhode.common.values import ByValue, cached_property, may_wait
 from polhode.equations.column import derived, derived_words
 from polhode.equations.form import equations
-from polhode.equations.hodographs import Hodographs
 from polhode.equations.integrals import Drift, drift
-from polhode.motion.outcomes import NO_EVENTS, Events, Outcome, Projection
-from polhode.motion.protocols import Interpolant
+from polhode.equations.kinematics import Hodographs
+from polhode.motion.outcomes import NO_EVENTS, Events, Interpolant, Outcome, Projection
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import in_full, shown, strings
 from polhode.numbers.exact_sequences import ExactNumbers
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import (
+from polhode.numbers.number_types import (
+    AnyNumber,
     Columns,
     Flat,
     Given,
+    NumberType,
     Objects,
+    Real,
     Reread,
     Row,
     Rows,
@@ -32,7 +33,6 @@ from polhode.numbers.rows import (
     kind_of,
     part_of,
 )
-from polhode.numbers.scalars import AnyNumber, Real
 from polhode.results.cells import DOUBLE
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table

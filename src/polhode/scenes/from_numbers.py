@@ -7,10 +7,9 @@ from typing import Any, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput, plain
-from polhode.numbers.scalars import AnyNumber, AnyVector
-from polhode.scenes import keys, scene_file
-from polhode.scenes.event import Event
-from polhode.scenes.scene import Scene
+from polhode.numbers.number_types import AnyNumber, AnyVector
+from polhode.scenes import scene_file, vocabulary
+from polhode.scenes.scene import Event, Scene
 from polhode.scenes.scene_text import owned, written
 from polhode.scenes.shapes import Part
 
@@ -157,10 +156,12 @@ def top(
     """
     of_kind("top", "name", name, str, "text")
     of_kind(name, "start.normalise", normalise, bool, "True or False")
-    refuse_unknown(name, top, unknown, **keys.OF_OTHERS)
+    refuse_unknown(name, top, unknown, **vocabulary.OF_OTHERS)
     given = {key: value for key, value in locals().items() if value is not None}
     data: dict[str, Any] = {
-        section: {key.name: given[key.name] for key in keys.KEYS[section] if key.name in given}
+        section: {
+            key.name: given[key.name] for key in vocabulary.KEYS[section] if key.name in given
+        }
         for section in ("body", "start", "run")
     }
     if not normalise:

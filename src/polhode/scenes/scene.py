@@ -1,31 +1,343 @@
-"""A scene: one body, one start, the output times.  Exact, immutable, checked once.
-
-Body axes O xyz, O the fixed point; omega = (p, q, r) and gamma, the upward vertical, in body axes,
-as in Yehia, *Rigid Body Dynamics: A Lagrangian Approach*, chapter 3.  The first integrals are its
-(3.30): h = ½ w·I w + Mg r0·gamma, f = I w·gamma, |gamma|² = 1.
-"""
+"""An event of a scene: what vanishes, in which direction, and whether the run ends there."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field
-from typing import NamedTuple
+from fractions import Fraction
+from typing import Any, NamedTuple, TypeGuard
 
 from polhode.common.arguments import each, of_kind
-from polhode.common.errors import BadInput, counted, nearest, one_line, say_change, say_doubt
+from polhode.common.errors import BadInput, counted, nearest, one_line, plain, say_change, say_doubt
 from polhode.common.provenance import provenance
 from polhode.common.values import cached_property, may_wait
-from polhode.numbers import exact
+from polhode.numbers import exact, expression
 from polhode.numbers.conversion import derived_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.numbers.exact_sequences import ExactNumbers
-from polhode.numbers.scalars import AnyNumber
+from polhode.numbers.exact_sequences import ExactNumbers, spaced
+from polhode.numbers.expression import ExpressionError
+from polhode.numbers.number_types import AnyNumber
 from polhode.numbers.vectors import Vector, dot, scaled
+from polhode.scenes import vocabulary
 from polhode.scenes.body import Body, exact_vector
-from polhode.scenes.event import Event, check_event
-from polhode.scenes.output_times import listed_times
-from polhode.scenes.vocabulary import COLUMNS, FORMS, STATE, UNITS
+from polhode.scenes.given_numbers import TIME, number_in_text, reader
+from polhode.scenes.vocabulary import (
+    COLUMNS,
+    DIRECTIONS,
+    FORMS,
+    READY_MADE,
+    SECTION,
+    STATE,
+    UNITS,
+    check,
+)
+
+
+class Event(NamedTuple):
+    """An event: the zeros of an expression in p q r gamma1 gamma2 gamma3 t, in the scene's units.
+
+    >>> from dataclasses import replace
+    >>> import polhode
+    >>> event = polhode.Event("level", "gamma3 - 1/2", "rising", stop=True)
+    >>> scene = replace(polhode.load("lagrange/nutation"), events=(event,))
+    >>> polhode.integrate(scene).outcome.value
+    'stopped at event'
+
+    ``zero``: the expression; empty for a name that is known, such as "nutation".  ``direction``:
+    rising, falling or any, as t grows, in backward runs too.  ``stop``: the run ends at the first
+    one.
+    """
+
+    name: str
+    zero: str = ""
+    direction: str = "any"
+    stop: bool = False
+
+    @property
+    def table(self) -> dict[str, object]:
+        """Its keys in a scene file; None for a zero that its name says."""
+        return self._asdict() | {"zero": self.zero or None}
+
+    @property
+    def expression(self) -> str | None:
+        """What vanishes, as text; None for w along the middle principal axis."""
+        if self.zero:
+            return self.zero
+        if self.name.startswith(SECTION):
+            return self.name.removeprefix(SECTION)
+        return READY_MADE.get(self.name, "")
+
+    @property
+    def timed(self) -> bool:
+        """Whether the time enters what vanishes."""
+        return "t" in re.findall(r"\w+", self.expression or "")
+
+    @property
+    def needs_zero(self) -> bool:
+        """Whether the name alone does not say what vanishes."""
+        return self.name not in READY_MADE and not self.name.startswith(SECTION)
+
+    def counts(self, slope: int) -> bool:
+        """Whether a zero of that slope is one asked for; a grazing contact (0) always is."""
+        return slope == 0 or self.direction in ("any", "rising" if slope > 0 else "falling")
+
+
+def check_event(event: Event, scene: str, key: str) -> None:
+    """Refuse what no event can be; raises BadInput in the name of a scene and a key of it."""
+    for word in ("name", "zero", "direction"):
+        of_kind(scene, f"{key}.{word}", getattr(event, word), str, "text")
+    if not event.name.isprintable():  # it is the name of a row, a column and a key
+        raise BadInput(scene, f"{key}.name", event.name, "text of one line that can be printed")
+    of_kind(scene, f"{key}.stop", event.stop, bool, "True or False")
+    if event.direction not in DIRECTIONS:
+        expected = nearest(event.direction, [*DIRECTIONS])
+        raise BadInput(scene, f"{key}.direction", event.direction, expected)
+    if event.expression is not None:
+        names = (*STATE, "t")
+        try:
+            check(event.expression, names)
+        except ValueError as fault:
+            expected = f"an expression in {' '.join(names)} ({fault})"
+            word = "zero" if event.zero or event.needs_zero else "name"
+            raise BadInput(scene, f"{key}.{word}", event.expression, expected) from None
+
+
+# --- output times ---------------------------------------------------------------------------------
+#
+# Output times, exact: evenly spaced, or listed.
+
+
+def even_times(end: Exact, samples: int) -> ExactNumbers[Exact]:
+    """The times end·k/(samples - 1), 0 and end included."""
+    return spaced(ZERO, end, samples)
+
+
+def listed_times(
+    source: str, key: str, values: Iterable[AnyNumber], units: str = ""
+) -> ExactNumbers[Exact]:
+    """Times of any kind taken exactly; those of an array of doubles stay one.  Raises BadInput.
+
+    ``units``: the scene's.
+    """
+    numpy = sys.modules.get("numpy")
+    if numpy is not None and isinstance(values, numpy.ndarray):
+        bare = type(values) is numpy.ndarray  # no masked one
+        flat = bare and values.ndim == 1 and values.dtype == numpy.float64
+        if flat and len(values) and bool(numpy.isfinite(values).all()):
+            return ExactNumbers(floats=values.copy())
+    return ExactNumbers(each(source, key, values, reader(units, TIME), "a list of times"))
+
+
+# --- validation -----------------------------------------------------------------------------------
+#
+# Typed access to the tables of a scene: every value checked, every fault named by its key.
+
+
+_LONG = 24  # characters: no double is printed with more
+
+#: Between the middle and the radius of an interval, which proofs alone take.
+PLUS_MINUS = ("\u00b1", "+-", "+/-")
+
+
+#: Output times, or crossings of an orbit.
+MAX_SAMPLES = 1_000_000
+
+
+class Literal(str):
+    """A decimal of the file, digit for digit."""
+
+
+class Reading:
+    """One scene being read: typed access to its keys, faults named by key."""
+
+    def __init__(self, name: str, data: dict[str, Any]) -> None:
+        self.name, self.data = name, data
+        self.change = ""  # of the start, which rounding alone kept from being possible
+        self.doubt = ""  # what of it is hardly meant
+        self.in_si = False  # a number was written with a unit, and is more than an angle
+
+    def bad(self, key: str, value: object, expected: str) -> BadInput:
+        """The fault of a key's value, to be raised."""
+        return BadInput(self.name, key, as_written(value), expected)
+
+    def known(self, section: str, table: Mapping[str, Any], where: str = "") -> None:
+        """Refuse a key that the section has not."""
+        allowed = vocabulary.names(section)
+        for key, value in table.items():
+            if key not in allowed:
+                full = ".".join(filter(None, (where or section, key)))
+                if ours := vocabulary.ours(section, key):
+                    raise self.bad(full, value, ours)
+                home = vocabulary.homes(key)
+                if home:
+                    raise self.bad(full, value, f"no such key here: it belongs in {home}")
+                raise self.bad(full, value, f"one of the keys {nearest(key, allowed)}")
+
+    def table(self, section: str, required: bool = True) -> Mapping[str, Any]:
+        """A section that is one table."""
+        table = self.data.get(section)
+        if table is None and not required:
+            return {}
+        if not isinstance(table, dict):
+            raise self.bad(section, table, f"a table [{section}]")
+        self.known(section, table)
+        return table
+
+    def tables(self, section: str) -> list[dict[str, Any]]:
+        """A section of several tables."""
+        tables = self.data.get(section, [])
+        if not isinstance(tables, list) or not all(isinstance(t, dict) for t in tables):
+            raise self.bad(section, tables, f"tables [[{section}]]")
+        for index, table in enumerate(tables):
+            self.known(section, table, f"{section}[{index + 1}]")
+        return tables
+
+    def alone(
+        self, section: str, table: Mapping[str, Any], others: Iterable[str], expected: str
+    ) -> None:
+        """Refuse the first of some keys that the section has all the same."""
+        for key in others:
+            if key in table:
+                raise self.bad(f"{section}.{key}", table[key], expected)
+
+    def read(self, section: str, table: Mapping[str, Any], name: str, where: str = "") -> Any:
+        """What a section holds under a key, or the key's default, read as its kind says.
+
+        ``where``: the table of several, as ``events[1]``.
+        """
+        key = vocabulary.key(section, name)
+        readers: dict[str, Callable[[str, Any], Any]] = {
+            vocabulary.NUMBER: self.number,
+            vocabulary.VECTOR: self.vector,
+            vocabulary.WORD: self.word,
+            vocabulary.WORDS: self.words,
+            vocabulary.TRUTH: self.truth,
+        }
+        full = ".".join(filter(None, (where or section, name)))
+        value = table[name] if name in table else vocabulary.default(section, name)
+        return readers[key.kind](full, value)
+
+    def truth(self, key: str, value: object) -> bool:
+        """True or false."""
+        if not isinstance(value, bool):
+            raise self.bad(key, value, "true or false")
+        return value
+
+    def whole(self, section: str, table: Mapping[str, Any], name: str, least: int) -> int:
+        """What a section holds under a key, or its default: a whole number up to a million."""
+        value = table.get(name, vocabulary.default(section, name))
+        if not is_int(value) or not least <= value <= MAX_SAMPLES:
+            expected = f"a whole number from {least} to {MAX_SAMPLES}"
+            raise self.bad(f"{section}.{name}", value, expected)
+        return value
+
+    def word(self, key: str, value: object) -> str:
+        """A text."""
+        if not is_expression(value):
+            raise self.bad(key, value, "a text")
+        return value
+
+    def words(self, key: str, value: object) -> tuple[str, ...]:
+        """A list of texts."""
+        return tuple(self.word(key, item) for item in self.array(key, value))
+
+    def array(self, key: str, value: Any, length: int | None = None) -> list[Any]:
+        """An array, of so many numbers."""
+        expected = "an array" if length is None else f"an array of {length} numbers"
+        if not isinstance(value, list) or (length is not None and len(value) != length):
+            raise self.bad(key, value, expected)
+        return value
+
+    def vector(self, key: str, value: Any) -> Vector:
+        """Three numbers."""
+        a, b, c = (self.number(key, item) for item in self.array(key, value, 3))
+        return a, b, c
+
+    def number(self, key: str, value: Any) -> Exact:
+        """The exact number that a value stands for."""
+        try:
+            if isinstance(value, Literal):
+                return expression.decimal(value)
+            if is_int(value):
+                if abs(value).bit_length() > expression.MAX_BITS:
+                    raise ExpressionError("too large")
+                return Fraction(value)
+            if isinstance(value, str):
+                found, in_units = number_in_text(value, vocabulary.unit(key))
+                self.in_si |= in_units
+                return found
+            if hasattr(value, "__float__") and not isinstance(value, bool):  # given in Python
+                return derived_number(value)
+        except ValueError as fault:
+            if isinstance(value, str) and any(mark in value for mark in PLUS_MINUS):
+                expected = "a number; intervals are allowed in start.omega, for proofs only: "
+                raise self.bad(key, value, expected + "polhode certify") from None
+            raise self.bad(key, value, f"a number ({fault})") from None
+        raise self.bad(key, value, "a number")
+
+    def readable(self, key: str, text: str, names: tuple[str, ...]) -> None:
+        """Check an expression in named columns by computing it once with arbitrary values."""
+        from polhode.scenes.vocabulary import check
+
+        try:
+            check(text, names)
+        except ExpressionError as fault:
+            raise self.bad(key, text, f"an expression in {' '.join(names)} ({fault})") from None
+
+
+def is_expression(value: object) -> TypeGuard[str]:
+    """Whether a value is a text, which holds an exact expression; a decimal of the file is none."""
+    return isinstance(value, str) and not isinstance(value, Literal)
+
+
+def is_int(value: object) -> TypeGuard[int]:
+    """Whether a value is a whole number of the file."""
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def as_written(value: object, depth: int = 4) -> Any:
+    """A TOML value for an error message: as TOML, without quotes around decimals."""
+    if isinstance(value, (list, dict)) and depth == 0:
+        return "..."
+    if isinstance(value, list):
+        return "[" + ", ".join(_shown(item, depth) for item in value[:20]) + "]"
+    if isinstance(value, dict):
+        items = list(value.items())[:20]
+        return "{" + ", ".join(f"{key} = {_shown(item, depth)}" for key, item in items) + "}"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, exact.Irrational):
+        return shown(value)
+    if isinstance(value, Fraction) or (isinstance(value, Literal) and len(value) > _LONG):
+        return _as_double(value)
+    return value
+
+
+def _as_double(value: Literal | Fraction) -> str:
+    """A number that is a double as Python prints that one; any other as it is."""
+    try:
+        given = expression.decimal(value) if isinstance(value, str) else value
+        if given == Fraction(near := float(given)):
+            return repr(near).removesuffix(".0")
+    except (ExpressionError, OverflowError):
+        pass
+    return value if isinstance(value, str) else shown(value)
+
+
+def _shown(item: object, depth: int) -> str:
+    return plain(as_written(item, depth - 1))
+
+
+# --- scene ----------------------------------------------------------------------------------------
+#
+# A scene: one body, one start, the output times. Exact, immutable, checked once.
+#
+# Body axes O xyz, O the fixed point; omega = (p, q, r) and gamma, the upward vertical, in body
+# axes, as in Yehia, *Rigid Body Dynamics: A Lagrangian Approach*, chapter 3. The first integrals
+# are its (3.30): h = ½ w·I w + Mg r0·gamma, f = I w·gamma, |gamma|² = 1.
 
 
 class Published(NamedTuple):

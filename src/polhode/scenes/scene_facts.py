@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 from polhode.numbers import exact
 from polhode.numbers.exact import Irrational
 from polhode.numbers.exact_sequences import ExactNumbers
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Doubles, Given, Indices
+from polhode.numbers.number_types import Doubles, Given, Indices, NumberType
 from polhode.results.cells import EXACT, TEXT, bits_word
 from polhode.results.table import Column, Fact, Value, Values
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_text import as_toml
-from polhode.scenes.variation.vary import Grid
+from polhode.scenes.vary import Grid
 from polhode.scenes.vocabulary import (
     ANGLES,
     ATTITUDE,
@@ -27,7 +26,7 @@ from polhode.scenes.vocabulary import (
 )
 
 if TYPE_CHECKING:
-    from polhode.numbers.rows import Stack
+    from polhode.numbers.number_types import Stack
 
 RATES, GAMMA = STATE[:3], STATE[3:]
 _AXES = ("first", "second", "third")

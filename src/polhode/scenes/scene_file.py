@@ -16,13 +16,19 @@ from polhode.numbers import expression
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.vectors import Vector
-from polhode.scenes import added_families
+from polhode.scenes import vocabulary
 from polhode.scenes.body import Body
 from polhode.scenes.body_and_start import body_of, start_of
-from polhode.scenes.event import Event
-from polhode.scenes.output_times import even_times
-from polhode.scenes.scene import Published, Scene, SectionPlan
-from polhode.scenes.validation import Literal, Reading, is_int
+from polhode.scenes.scene import (
+    Event,
+    Literal,
+    Published,
+    Reading,
+    Scene,
+    SectionPlan,
+    even_times,
+    is_int,
+)
 from polhode.scenes.vocabulary import (
     EXTREMA,
     FORMER_REFERENCES,
@@ -171,7 +177,7 @@ class _File(Reading):
         run = self.table("run", required=False)
         judged = self.table("reference", required=False)
         kind = self.read("reference", judged, "kind")
-        if kind not in REFERENCES and kind not in (more := added_families.names()):
+        if kind not in REFERENCES and kind not in (more := vocabulary.added_names()):
             expected = FORMER_REFERENCES.get(kind) or nearest(kind, [*REFERENCES, *more])
             raise self.bad("reference.kind", kind, expected)
         times = self.times(run)

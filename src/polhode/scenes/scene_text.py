@@ -13,10 +13,9 @@ from polhode.common.errors import BadInput, plain
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import in_full, is_decimal
 from polhode.numbers.exact import Exact, Irrational
-from polhode.scenes import keys, scene_file
-from polhode.scenes.scene import Scene
-from polhode.scenes.validation import Literal
-from polhode.scenes.variation.sweep_scenes import tables_of
+from polhode.scenes import scene_file, vocabulary
+from polhode.scenes.members import tables_of
+from polhode.scenes.scene import Literal, Scene
 
 _TITLES = ("title", "tags", "cite", "units")
 _OF_TIMES = ("end", "samples", "at")
@@ -140,9 +139,13 @@ def _finite(x: Exact, name: str, key: str) -> int | Fraction | str:
 
 
 def _lines(section: str, table: Mapping[str, Any], name: str) -> Iterable[str]:
-    for key in keys.KEYS[section]:
+    for key in vocabulary.KEYS[section]:
         value = table.get(key.name)
-        if value is None or key.kind in (keys.TABLE, keys.TABLES) or key.name == "schema":
+        if (
+            value is None
+            or key.kind in (vocabulary.TABLE, vocabulary.TABLES)
+            or key.name == "schema"
+        ):
             continue
         held = _text(value, name, f"{section}.{key.name}".lstrip("."))
         if held == key.default:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.numbers.number_types import AnyNumber, AnyVector
 from polhode.numbers.vectors import Matrix, Vector
 from polhode.scenes.given_numbers import in_units, reader
 

@@ -20,10 +20,9 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.scalars import AnyNumber, AnyVector
+from polhode.numbers.number_types import AnyNumber, AnyVector
 from polhode.scenes import library, scene_file
-from polhode.scenes.scene import Scene
-from polhode.scenes.validation import PLUS_MINUS, Literal, Reading
+from polhode.scenes.scene import PLUS_MINUS, Literal, Reading, Scene
 from polhode.scenes.vocabulary import REQUESTS
 
 KEY = "start.omega"

@@ -1,9 +1,30 @@
-"""The words that a scene file may use, and the names of columns."""
+"""The words of scenes: columns, events, families, and the keys of their files."""
 
 from __future__ import annotations
 
+import re
+import tomllib
 from collections.abc import Mapping
-from typing import Literal, NamedTuple, TypeAlias
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+
+from polhode.common.errors import BadInput
+from polhode.numbers import expression
+from polhode.numbers.conversion import to_mpf
+from polhode.numbers.exact import Exact
+from polhode.numbers.expression import Algebra
+from polhode.scenes import vocabulary
+from polhode.scenes.shapes import AXES, SHAPES
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+
+# --- vocabulary -----------------------------------------------------------------------------------
+#
+# The words that a scene file may use, and the names of columns.
+
 
 #: What ``reference.kind`` may ask for: the first that fits, a closed form by the name of its family
 #: (polhode.closed_forms.families), or a proven enclosure.
@@ -135,3 +156,189 @@ SIGNS = ("+", "-")
 #: Figures of several panels, and of one.
 Several: TypeAlias = Literal["angles", "hodographs", "sphere", "integrals", "error"]
 Single: TypeAlias = Literal["omega", "momentum", "attitude"]
+
+
+# --- keys -----------------------------------------------------------------------------------------
+#
+# Every key of a scene file, as keys.md lists them: for the reader, its refusals, and the guide.
+
+
+NUMBER, VECTOR, WORD, WORDS = "number", "three numbers", "text", "list of texts"
+WHOLE, TRUTH, TABLE, TABLES = "whole number", "true or false", "table", "tables"
+
+_INDEX = re.compile(r"\[[0-9]+\]")
+_TOP = "the top level"
+
+
+class Key(NamedTuple):
+    """A key of a section: its kind, the unit of its numbers, an example and default, its meaning.
+
+    Example and default are TOML.
+    """
+
+    name: str
+    kind: str
+    unit: str
+    example: str
+    default: str
+    meaning: str
+
+
+def _listed(words: re.Match[str]) -> str:
+    """What a name in the table stands for."""
+    known = vars(vocabulary) | {"SHAPES": SHAPES, "AXES": AXES}
+    found = known[words[1]]
+    return found if isinstance(found, str) else ", ".join(f"`{word}`" for word in found)
+
+
+def _read() -> dict[str, tuple[Key, ...]]:
+    """The sections by name, "" the file's top level."""
+    text = Path(__file__).with_name("keys.md").read_text("utf-8")
+    sections: dict[str, tuple[Key, ...]] = {}
+    for section in text.split("\n## ")[1:]:
+        name, *lines = re.sub("<([A-Z_]+)>", _listed, section).splitlines()
+        rows = [line for line in lines if line.startswith("| ")][1:]  # below the heads
+        cells = ([cell.strip() for cell in row[1:-1].split("|")] for row in rows)
+        sections["" if name == _TOP else name] = tuple(Key(*row) for row in cells)
+    return sections
+
+
+KEYS = _read()
+
+#: Keys of a start by which others may mean what ours have other names for.
+OF_OTHERS = {
+    "p_psi": "f, the momentum about the vertical, or p_phi, which is Goldstein's p_psi",
+    "p_theta": "momentum, or h with f and p_phi",
+    "E": "h, the energy",
+}
+
+_OF_TABLES = ("body.parts", "events", "published")
+_HEADS = {x: f"[[{x}]]" if x in _OF_TABLES else f"[{x}]" for x in KEYS} | {"": _TOP}
+
+
+def names(section: str) -> list[str]:
+    """The keys that a section may have."""
+    return [key.name for key in KEYS[section]]
+
+
+def ours(section: str, name: str) -> str:
+    """What a section calls a key of that name in other books; "" for nothing."""
+    return OF_OTHERS.get(name, "") if section == "start" else ""
+
+
+def homes(name: str) -> str:
+    """The sections that have a key of this name, as they are written; "" for none."""
+    return " or ".join(_HEADS[section] for section in KEYS if name in names(section))
+
+
+def words(section: str) -> set[str]:
+    """The keys of a section that hold no number, and so cannot be varied."""
+    return {key.name for key in KEYS[section] if key.kind in (WORD, WORDS, TRUTH, WHOLE)}
+
+
+def unit(full: str) -> str:
+    """The unit of a key's numbers; ``full``: the key as ``body.parts[1].size``; "" for none."""
+    section, _, name = _INDEX.sub("", full).rpartition(".")
+    return key(section, name).unit if section in KEYS and name in names(section) else ""
+
+
+@cache
+def key(section: str, name: str) -> Key:
+    """A key by its name."""
+    return next(x for x in KEYS[section] if x.name == name)
+
+
+@cache
+def default(section: str, name: str) -> Any:
+    """What leaving out a key means; None where it has no default."""
+    return tomllib.loads(f"x = {text}")["x"] if (text := key(section, name).default) else None
+
+
+# --- column expressions ---------------------------------------------------------------------------
+#
+# Expressions in the columns of a state: events and published figures.
+
+
+def check(text: str, names: tuple[str, ...]) -> None:
+    """Raise ExpressionError unless ``text`` reads as an expression in these names."""
+    expression.evaluate(
+        text,
+        dict.fromkeys(names, _ANY),
+        Algebra(_lift_any, dict.fromkeys(expression.FUNCTIONS, _same)),
+    )
+
+
+def value(text: str, columns: Mapping[str, Any], bits: int) -> Any:
+    """The value of an expression at one instant, its columns given as mpf, to so many bits."""
+    from polhode.numbers.mpmath_context import mpmath, own
+
+    functions = {"sqrt": mpmath.sqrt, "sin": mpmath.sin, "cos": mpmath.cos}
+    given = {name: own(x) for name, x in columns.items()}
+    with mpmath.workprec(bits):
+        found = expression.evaluate(text, given, Algebra(lambda x: to_mpf(x, bits + 8), functions))
+        return found if isinstance(found, mpmath.mpf) else to_mpf(found, bits)
+
+
+class _Any:
+    """A value of which nothing is known: any operation gives it back."""
+
+    def _same(self, *_: Any) -> _Any:
+        return self
+
+    __add__ = __sub__ = __mul__ = __truediv__ = __pow__ = __neg__ = _same
+
+
+_ANY = _Any()
+
+
+def _lift_any(_: Exact) -> _Any:
+    return _ANY
+
+
+def _same(argument: object) -> Any:
+    return argument
+
+
+# --- added families -------------------------------------------------------------------------------
+#
+# Families of closed forms from outside polhode, by name: of this process, or of a package.
+#
+# A package names them in the group ``polhode.families`` of its entry points, which every process
+# finds; ``polhode.register_family`` adds one to this process alone. What a family is, only
+# :mod:`polhode.closed_forms.families` knows.
+
+
+GROUP = "polhode.families"
+_OF_PROCESS: dict[str, object] = {}
+
+
+def add(name: str, family: object) -> None:
+    """Add one to this process; raises BadInput where the name is taken."""
+    if name in (*REFERENCES, *_installed()) or _OF_PROCESS.get(name, family) is not family:
+        raise BadInput("register_family", "name", name, "one that no family has")
+    _OF_PROCESS[name] = family
+
+
+def added_names() -> tuple[str, ...]:
+    """Of all that were added."""
+    return (*_OF_PROCESS, *_installed())
+
+
+def added() -> list[object]:
+    """The families; raises BadInput where a package's cannot be imported."""
+    found = [*_OF_PROCESS.values()]
+    for point in _installed().values():
+        try:
+            found.append(point.load())
+        except Exception as fault:  # whatever a package's own code raises
+            expected = f"a family to import ({type(fault).__name__}: {fault})"
+            raise BadInput(GROUP, point.name, point.value, expected) from fault
+    return found
+
+
+@cache
+def _installed() -> dict[str, EntryPoint]:
+    """The entry points; of a name that polhode has its own is meant."""
+    from importlib.metadata import entry_points  # which takes a seventh of the time of polhode list
+
+    return {p.name: p for p in entry_points(group=GROUP) if p.name not in REFERENCES}

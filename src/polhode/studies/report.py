@@ -23,7 +23,7 @@ from polhode.common.files import check_writable, make_folder, write_whole
 from polhode.common.interrupts import Message, heard
 from polhode.common.provenance import cpu, digest, versions
 from polhode.common.texts import JsonObject, as_json
-from polhode.figures.canvas import canvas
+from polhode.figures import canvas
 from polhode.scenes import library
 from polhode.studies.page.html import html
 from polhode.studies.page.html import require as require_markdown

@@ -16,8 +16,16 @@ import numpy.typing as npt
 from polhode.common.interrupts import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Booleans, Doubles, Flat, Indices, Stack, kind_of
+from polhode.numbers.number_types import (
+    Array,
+    Booleans,
+    Doubles,
+    Flat,
+    Indices,
+    NumberType,
+    Stack,
+    kind_of,
+)
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import defaults
 from polhode.taylor.engine import Engine, Equations, principal_engine

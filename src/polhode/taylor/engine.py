@@ -20,8 +20,7 @@ from polhode.common.values import cached_property
 from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.exact import Number
-from polhode.numbers.number_types import DOUBLE, NumberType
-from polhode.numbers.rows import Array, Numbers
+from polhode.numbers.number_types import DOUBLE, Array, Numbers, NumberType
 from polhode.taylor import defaults
 from polhode.taylor.heyoka import (
     EXPRESSIONS,

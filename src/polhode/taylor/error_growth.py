@@ -12,15 +12,14 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.common.values import cached_property
-from polhode.equations.equilibrium import at_rest
 from polhode.equations.forms import principal
+from polhode.equations.readout import at_rest
 from polhode.equations.terms import NAMES
 from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Doubles, double_array
+from polhode.numbers.number_types import DOUBLE, Doubles, double_array
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import defaults
@@ -42,7 +41,7 @@ from polhode.taylor.variations import Leader, Variations, pendulum, six
 #
 # all in principal axes and the scene's own unit of time. Stretches are short enough that a double
 # holds each Phi; products of them are taken by
-# :mod:`polhode.judging.conditioning.rounding_errors`. Where a run leads to is where the next
+# :mod:`polhode.judging.conditioning`. Where a run leads to is where the next
 # stretch begins, so that the lanes of a batch have one each.
 
 

@@ -18,9 +18,15 @@ from polhode.equations.section_functions import SectionZero
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Number
-from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Booleans, Doubles, Indices, double_array
-from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.number_types import (
+    DOUBLE,
+    Booleans,
+    Doubles,
+    Functions,
+    Indices,
+    Scalar,
+    double_array,
+)
 from polhode.taylor import batches
 from polhode.taylor.batches import LANES, CompiledBatch, LaneQueue
 from polhode.taylor.defaults import first_step_offset

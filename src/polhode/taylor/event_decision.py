@@ -14,9 +14,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from polhode.motion.frame import Frame
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Booleans, Flat, Indices
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Booleans, Flat, Indices, NumberType, Scalar
 from polhode.taylor.event_functions import BAND, OWN, Jet, Marks, joined_marks
 from polhode.taylor.heyoka import array, as_fraction, scalar
 

@@ -23,12 +23,18 @@ from polhode.numbers import exact, expression
 from polhode.numbers.conversion import to_double, to_extended, to_mpf
 from polhode.numbers.exact import ZERO, Irrational, Number, sign
 from polhode.numbers.expression import Algebra, ExpressionError
-from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
-from polhode.numbers.rows import Booleans, Flat, Indices
-from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.number_types import (
+    DOUBLE,
+    EXTENDED,
+    Booleans,
+    Flat,
+    Functions,
+    Indices,
+    NumberType,
+    Scalar,
+)
 from polhode.numbers.vectors import dot
-from polhode.scenes.event import Event
-from polhode.scenes.scene import Scene
+from polhode.scenes.scene import Event, Scene
 from polhode.scenes.vocabulary import FLIP
 from polhode.taylor import heyoka
 from polhode.taylor.heyoka import EXPRESSIONS, constant, hy, scalar, type_options

@@ -18,11 +18,8 @@ from polhode.motion.outcomes import EventTimes
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ZERO, Number, sign
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, read_only
-from polhode.numbers.scalars import Functions, Scalar
-from polhode.scenes.event import Event
-from polhode.scenes.scene import Scene
+from polhode.numbers.number_types import Array, Functions, NumberType, Scalar, read_only
+from polhode.scenes.scene import Event, Scene
 from polhode.taylor import heyoka
 from polhode.taylor import heyoka as heyoka_numbers
 from polhode.taylor.engine import CLOCK, TINY

@@ -19,9 +19,18 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.exact import Number, sign
-from polhode.numbers.number_types import EXTENDED, QUAD, NumberType, extended_here
-from polhode.numbers.rows import Array, Numbers, Row, flat
-from polhode.numbers.scalars import Functions, Real
+from polhode.numbers.number_types import (
+    EXTENDED,
+    QUAD,
+    Array,
+    Functions,
+    Numbers,
+    NumberType,
+    Real,
+    Row,
+    extended_here,
+    flat,
+)
 from polhode.taylor import defaults
 from polhode.taylor.types import Expression, HeyokaNumber, HeyokaOutcome
 

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from polhode.common import processes
 from polhode.common.interrupts import Stop
 from polhode.motion.outcomes import Outcome, code
-from polhode.numbers.rows import Booleans, Doubles, Indices, Stack
+from polhode.numbers.number_types import Booleans, Doubles, Indices, Stack
 from polhode.taylor import batches as batch_integrator
 from polhode.taylor.batches import LANES, BatchJob
 

@@ -20,9 +20,18 @@ from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Projection
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ZERO, Exact, Number, sign
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Array, Complexes, Doubles, Flat, GivenRow, Indices
-from polhode.numbers.scalars import EXACT, Functions, Scalar
+from polhode.numbers.number_types import (
+    EXACT,
+    Array,
+    Complexes,
+    Doubles,
+    Flat,
+    Functions,
+    GivenRow,
+    Indices,
+    NumberType,
+    Scalar,
+)
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults, heyoka

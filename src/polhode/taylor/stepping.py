@@ -14,7 +14,7 @@ from polhode.common.interrupts import Progress
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import joined
 from polhode.numbers.exact import ZERO
-from polhode.numbers.rows import Array, Numbers, Row, Rows
+from polhode.numbers.number_types import Array, Numbers, Row, Rows
 from polhode.taylor import defaults
 from polhode.taylor.defaults import first_step_offset
 from polhode.taylor.engine import TINY, Engine

@@ -10,16 +10,24 @@ from fractions import Fraction
 import numpy as np
 
 from polhode.common.values import cached_property
-from polhode.equations import equilibrium, kinematics
+from polhode.equations import kinematics, readout
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import number_value
 from polhode.numbers.exact import Exact
 from polhode.numbers.exact_sequences import ExactNumbers
-from polhode.numbers.number_types import DOUBLE, NumberType
-from polhode.numbers.rows import Array, Row, Rows, flat
-from polhode.numbers.scalars import EXACT, Functions, Scalar
+from polhode.numbers.number_types import (
+    DOUBLE,
+    EXACT,
+    Array,
+    Functions,
+    NumberType,
+    Row,
+    Rows,
+    Scalar,
+    flat,
+)
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
 from polhode.taylor.engine import CLOCK, Cyclic, Engine, Equations, built, lent, nearest
@@ -81,7 +89,7 @@ class System:
     def rests(self) -> bool:
         """Whether the state need not be integrated: it is that of a relative equilibrium."""
         principal_form = self.scene.form == "principal" and self.inputs is None
-        return principal_form and equilibrium.at_rest(self.scene).state
+        return principal_form and readout.at_rest(self.scene).state
 
     @cached_property
     def singular(self) -> bool:

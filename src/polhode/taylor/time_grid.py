@@ -12,9 +12,7 @@ from polhode.common.values import cached_property
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.exact_sequences import ExactNumbers
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Flat, Numbers, flat
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Flat, Numbers, NumberType, Scalar, flat
 from polhode.scenes.scene import Scene
 from polhode.taylor.types import HeyokaNumber
 

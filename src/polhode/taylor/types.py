@@ -8,8 +8,7 @@ from typing import Any, Protocol, TypeAlias
 
 from polhode.equations.form import Form
 from polhode.motion.outcomes import Projection
-from polhode.numbers.rows import Array
-from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.number_types import Array, Functions, Scalar
 
 #: float, numpy.longdouble, heyoka.real128 or heyoka.real, by the number type of the run.
 HeyokaNumber: TypeAlias = Any

@@ -20,9 +20,17 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact, Number, sign
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType, extended_here
-from polhode.numbers.rows import Array, Doubles, GivenRow
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import (
+    DOUBLE,
+    EXTENDED,
+    QUAD,
+    Array,
+    Doubles,
+    GivenRow,
+    NumberType,
+    Scalar,
+    extended_here,
+)
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import defaults

@@ -83,7 +83,7 @@ ROWS = (
         prints_rows=True,
     ),
     Verb(
-        *("reference", "polhode.judging.references.reference_table", "reference_table"),
+        *("reference", "polhode.judging.reference", "reference_table"),
         "ReferenceTable",
         "the closed form alone, to any number of digits, no integration",
         {"at": None},
@@ -168,7 +168,7 @@ ROWS = (
         own=".json",
     ),
     Verb(
-        *("prove orbits", "polhode.proofs.prove_orbits", "prove_orbits", "ProvedOrbits"),
+        *("prove orbits", "polhode.proofs.prove_orbit", "prove_orbits", "ProvedOrbits"),
         "which orbits of a search of a level exist",
         figure_options=None,
     ),
@@ -179,7 +179,7 @@ ROWS = (
         own=".json",
     ),
     Verb(
-        *("prove chaos", "polhode.proofs.chaos.prove_chaos", "prove_chaos", "ProvedChaos"),
+        *("prove chaos", "polhode.proofs.prove_chaos", "prove_chaos", "ProvedChaos"),
         "that the motion on a level is chaotic",
         own=".json",
     ),

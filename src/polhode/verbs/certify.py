@@ -47,7 +47,7 @@ def certified(
     from polhode.enclosures.certify import certify
     from polhode.enclosures.events import certify_events
     from polhode.enclosures.task import MAX_STEPS
-    from polhode.judging.references.reference_rows import held_times
+    from polhode.judging.reference_rows import held_times
 
     top, radii = scene
     if events and not top.events:

@@ -13,7 +13,7 @@ from polhode.verbs.terminal import LONG, NotEnough, ProgressLine, note
 
 if TYPE_CHECKING:
     from polhode.judging.convergence_order import ObservedOrder
-    from polhode.judging.score.judgement import Judgement
+    from polhode.judging.judgement import Judgement
 
 _SECONDS = 1e-4  # about, for a radian of the motion that is followed
 _FOLLOWED = 3e5  # radians: as far as its steps go
@@ -74,7 +74,7 @@ def judged(
     )
     if at_least is None:
         return judgement
-    from polhode.judging.score.gate import refuse_incomplete
+    from polhode.judging.compare import refuse_incomplete
 
     refuse_incomplete(judgement)
     if judgement.worst >= at_least:
@@ -149,8 +149,8 @@ def _judged(
     path: Path, scene: str | Path, line: ProgressLine, max_seconds: float | None, **options: Any
 ) -> Judgement:
     """The judgement of a file; ``options``: others of :func:`polhode.compare`."""
-    from polhode.judging.score.compare import compare
-    from polhode.proofs.refusals import NotProved
+    from polhode.judging.compare import compare
+    from polhode.proofs.certified_orbit import NotProved
 
     def foretold(seconds: float) -> None:
         if seconds > LONG:

@@ -10,10 +10,8 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.expression import ExpressionError
 from polhode.scenes.given_numbers import TIME, in_text
-from polhode.scenes.output_times import even_times
-from polhode.scenes.scene import Scene
-from polhode.scenes.validation import MAX_SAMPLES
-from polhode.scenes.variation.vary import numbers
+from polhode.scenes.scene import MAX_SAMPLES, Scene, even_times
+from polhode.scenes.vary import numbers
 
 
 def times_of(options: Namespace, scene: Scene) -> Sequence[Exact]:

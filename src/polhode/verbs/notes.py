@@ -17,14 +17,13 @@ from polhode.numbers.decimals import brief
 from polhode.scenes import library
 
 if TYPE_CHECKING:
-    from polhode.dynamics.chaos.chaos_map import ChaosMap
-    from polhode.dynamics.frequencies.frequencies import Frequencies
-    from polhode.dynamics.periodic_orbits.orbit import Orbit
-    from polhode.dynamics.sections.section import Section
-    from polhode.enclosures.certified_events import CertifiedEvents
-    from polhode.enclosures.result import Enclosure
+    from polhode.dynamics.chaos_map import ChaosMap
+    from polhode.dynamics.frequencies import Frequencies
+    from polhode.dynamics.orbit import Orbit
+    from polhode.dynamics.section import Section
+    from polhode.enclosures.result import CertifiedEvents, Enclosure
     from polhode.motion.outcomes import EventTimes
-    from polhode.proofs.chaos.proved_chaos import ProvedChaos
+    from polhode.proofs.proved_chaos import ProvedChaos
     from polhode.proofs.proved_orbit import ProvedOrbit
     from polhode.proofs.proved_stability import ProvedStability
     from polhode.runs.trajectory import Trajectory

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Message
-from polhode.dynamics.periodic_orbits.orbit import DIGITS, Orbit
-from polhode.dynamics.periodic_orbits.orbit import orbit as near
-from polhode.dynamics.periodic_orbits.search import picked
-from polhode.numbers.scalars import AnyNumber
+from polhode.dynamics.families import picked
+from polhode.dynamics.orbit import DIGITS, Orbit
+from polhode.dynamics.orbit import orbit as near
+from polhode.numbers.number_types import AnyNumber
 from polhode.scenes import library
 
 

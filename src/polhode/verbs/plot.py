@@ -85,8 +85,7 @@ def main(options: Namespace) -> int:
 def make(options: Namespace, endings: tuple[str, ...]) -> int:
     """Write one file of these endings."""
     from polhode.common.files import called, check_writable, is_stdout, write_whole
-    from polhode.figures import catalogue, film
-    from polhode.figures.canvas import canvas
+    from polhode.figures import canvas, catalogue, film
     from polhode.figures.drawing import samples_of
     from polhode.figures.source import Request, Unreached, drawing_of
 
@@ -162,7 +161,7 @@ def _look(options: Namespace, suffix: str) -> Look:
 
 def _span(drawing: Drawing) -> dict[str, float | int]:
     """How many samples of a motion are drawn, from when to when."""
-    from polhode.figures.canvas.curve_sampling import Samples
+    from polhode.figures.curve_sampling import Samples
 
     if not isinstance(drawing.subject, Samples):
         return {}

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
-from polhode.numbers.scalars import AnyNumber
+from polhode.numbers.number_types import AnyNumber
+from polhode.scenes import vary
 from polhode.scenes.scene import Scene
-from polhode.scenes.variation import vary
 
 if TYPE_CHECKING:
-    from polhode.dynamics.observables.reduce_many import Reductions
+    from polhode.dynamics.reduce_many import Reductions
     from polhode.runs.ensemble import Ensemble
 
 
@@ -62,7 +62,7 @@ def sweep(
     progress : callable, optional
         Called with the fraction of members done and how many.
     """
-    from polhode.dynamics.observables.reduce_many import reduce_many
+    from polhode.dynamics.reduce_many import reduce_many
     from polhode.runs import integrate_many as starts_file
     from polhode.runs.integrate_many import from_starts, integrate_many
 

@@ -29,7 +29,7 @@ from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import Turn, conjugate, quaternion
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.balls.weierstrass import complex_functions
-from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, moving, on_axis_1
+from polhode.closed_forms.membership import Condition, Placed, equal, moving, on_axis_1
 from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 from polhode.numbers.vectors import quaternion_product

@@ -25,14 +25,7 @@ from flint import acb
 from polhode.closed_forms._one_orbit.orbits import FlowOrbit
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.membership.normal_form import (
-    Condition,
-    Placed,
-    equal,
-    matching,
-    on_axis_1,
-    positive,
-)
+from polhode.closed_forms.membership import Condition, Placed, equal, matching, on_axis_1, positive
 from polhode.numbers.exact import ONE, ZERO, Exact, power, sign, sqrt
 
 

@@ -7,7 +7,7 @@ Mg r0 = (c, 0, 0), c > 0, A (9B - 8C) = 16 C (B - C), 2C < B < 8C/3; with D = 9B
     c0 = 2 b0 (B-2C)(3B-2C)/(BC),    c2 = 16 (3B-4C)(9B^2-28BC+16C^2)/(B D^2),
     c4 = -256 C^2 (3B-4C)^2 (5B-4C)/(B b0 D^4),    H = b0 (9B^2-22BC+12C^2)/4C
 
-(D. N. Goryachev 1899), gamma by :mod:`polhode.closed_forms._one_orbit.gamma_from_omega`.  X2 > 0 >
+(D. N. Goryachev 1899), gamma by :mod:`polhode.closed_forms._one_orbit.orbits`.  X2 > 0 >
 -d being the roots of c0 + c2 X + c4 X^2 and X3 = -b0/b2 > X2, v = v0 + nu t and E = d + X2 cn^2 v,
 
     p = sqrt(X2 d/E) sn v,    q = s sqrt(b0 (d + X2)/E) dn v,    r = s sqrt(c0) (d + X2) cn v/E,
@@ -20,18 +20,10 @@ from collections.abc import Iterator, Sequence
 
 from flint import acb
 
-from polhode.closed_forms._one_orbit.gamma_from_omega import GammaOfOmega, gamma_of_omega
-from polhode.closed_forms._one_orbit.orbits import EllipticTime
+from polhode.closed_forms._one_orbit.orbits import EllipticTime, GammaOfOmega, gamma_of_omega
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.membership.normal_form import (
-    Condition,
-    Placed,
-    equal,
-    matching,
-    on_axis_1,
-    positive,
-)
+from polhode.closed_forms.membership import Condition, Placed, equal, matching, on_axis_1, positive
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 
 

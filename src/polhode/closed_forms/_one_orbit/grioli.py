@@ -21,13 +21,7 @@ from flint import arb
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Turn
-from polhode.closed_forms.membership.normal_form import (
-    Condition,
-    Placed,
-    equal,
-    matching,
-    positive,
-)
+from polhode.closed_forms.membership import Condition, Placed, equal, matching, positive
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
 from polhode.numbers.vectors import Vector, dot, quaternion_product, scaled
 

@@ -15,18 +15,10 @@ from typing import NamedTuple
 
 from flint import acb
 
-from polhode.closed_forms._one_orbit.gamma_from_omega import GammaOfOmega, gamma_of_omega
-from polhode.closed_forms._one_orbit.orbits import FlowOrbit
+from polhode.closed_forms._one_orbit.orbits import FlowOrbit, GammaOfOmega, gamma_of_omega
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.membership.normal_form import (
-    Condition,
-    Placed,
-    equal,
-    matching,
-    on_axis_1,
-    positive,
-)
+from polhode.closed_forms.membership import Condition, Placed, equal, matching, on_axis_1, positive
 from polhode.numbers.exact import ONE, Exact, sqrt
 
 

@@ -20,7 +20,7 @@ from polhode.closed_forms.balls.frames import Turn
 from polhode.closed_forms.balls.periodic_attitude import PeriodicOrbit
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpmath
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Scalar
 
 _FEWER = 24  # bits of the second precision
 

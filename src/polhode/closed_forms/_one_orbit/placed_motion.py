@@ -24,8 +24,13 @@ from polhode.closed_forms.balls.periodic_attitude import (
 )
 from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.family import Family, by_conditions
-from polhode.closed_forms.membership.normal_form import Condition, Placed, placed_in
-from polhode.closed_forms.membership.principal_scene import PrincipalScene, in_usual_units
+from polhode.closed_forms.membership import (
+    Condition,
+    Placed,
+    PrincipalScene,
+    in_usual_units,
+    placed_in,
+)
 from polhode.common.values import cached_property
 from polhode.numbers.exact import noted, sign, sqrt
 from polhode.numbers.vectors import dot

@@ -16,7 +16,7 @@ from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMo
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.one_axis import Permanent
-from polhode.closed_forms.membership.normal_form import Condition, Placed, equal
+from polhode.closed_forms.membership import Condition, Placed, equal
 from polhode.closed_forms.rotation_stability import Stability, spectrum
 from polhode.common.values import cached_property
 from polhode.numbers.exact import sign, sqrt

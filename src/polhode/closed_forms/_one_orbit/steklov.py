@@ -21,13 +21,7 @@ from flint import acb
 from polhode.closed_forms._one_orbit.orbits import EllipticTime
 from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.membership.normal_form import (
-    Condition,
-    Placed,
-    matching,
-    on_axis_1,
-    positive,
-)
+from polhode.closed_forms.membership import Condition, Placed, matching, on_axis_1, positive
 from polhode.numbers.exact import Exact, exact, sign
 
 

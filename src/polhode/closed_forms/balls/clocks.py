@@ -1,28 +1,277 @@
-"""The phases of variables that move between two roots or tend to one, and their inverses, in balls.
+"""Integrals of one over square roots of products of linear functions, in balls, errors proven.
 
-A variable z grows with the parameter s of the motion, and its phase x as ds = f dx, where f is one
-over the square root of the product of its distances from roots (:mod:`.panels`).  Three kinds:
+A variable z is a function of a phase x, and what is integrated over x is
 
-    Oscillating   z = low + (high - low) sin^2(x/2), to and fro between two roots;
-    Tending       z = limit + (end - limit) sech^2 x, from a double root to ``end`` and back to it;
-    Standing      z constant; its phase is S itself.
+    f = scale/sqrt(product of linear functions of z),    and z f: S and U.
+
+The way from 0 to ``end`` is cut into panels.  On the disc of RATIO times a panel's half, z stays
+within ``reach`` of its value in the middle, and there no linear function vanishes: that is proven,
+and bounds f by M.  The disc holds the ellipse of the sum e^eta of half axes, cosh eta = RATIO, and
+Gauss's rule of n points is off by at most
+
+    64/15 M half exp(-2 n eta)/(1 - exp(-2 eta))      (Rabinowitz 1969).
+
+Towards a zero the panels shrink with the distance from it: a gap of 1e-40 costs a hundred more.
 """
 
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import lru_cache
+from typing import NamedTuple, Protocol, TypeAlias
 
-from flint import arb
+from flint import acb, arb
 
 from polhode.closed_forms.balls.core import TooFewBits, around, nearest_integer, square
-from polhode.closed_forms.balls.panels import RATIO, Panels, points
 from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.number_types import Scalar
+
+RATIO = 3
+_DISC = RATIO + 0.01  # of which f is bounded
+_SHARE = 0.7  # of its modulus by which a linear function may change on a disc
+_SHRINK = 0.8
+_SPARE = 10  # nats beyond the bits in force
+_MOST_PANELS = 5_000
+
+
+class Integrand(Protocol):
+    """f as a function of z."""
+
+    def value(self, z: arb) -> Scalar:
+        """f at a real z."""
+        ...
+
+    def moduli(self, z: arb) -> Sequence[tuple[arb, arb]]:
+        """Of each linear function at a real z, and of its slope; both of a pair that is conjugate.
+
+        The scale, if there is one, is a function without slope.
+        """
+        ...
+
+
+class Panels(ABC):
+    """S and U from 0 to the ends of panels, ``S[n]`` and ``U[n]``, at the precision in force."""
+
+    end: arb
+
+    def __init__(self, integrand: Integrand) -> None:
+        self.integrand = integrand
+        self._starts: list[arb] = []
+        self._most: list[tuple[arb, arb]] = []  # bounds of |f| and |z f| on a panel's disc
+        self._cut()
+        self._ends = [*self._starts[1:], self.end]
+        self.S: list[Scalar] = [arb(0)]
+        self.U: list[Scalar] = [arb(0)]
+        for n, (a, b) in enumerate(zip(self._starts, self._ends, strict=True)):
+            s, u = self._gauss(a, b, n, points(RATIO), RATIO)
+            self.S.append(self.S[-1] + s)
+            self.U.append(self.U[-1] + u)
+
+    @abstractmethod
+    def variable(self, x: arb) -> arb:
+        """z at a phase."""
+
+    @abstractmethod
+    def reach(self, x: arb, radius: arb) -> arb:
+        """How far z moves from its value at x within ``radius`` of it, in the plane."""
+
+    def slope(self, x: arb) -> tuple[Scalar, arb]:
+        """f and z."""
+        z = self.variable(x)
+        return self.integrand.value(z), z
+
+    def _cut(self) -> None:
+        start, half, least = arb(0), self.end.mid() / 8, arb(2) ** (-2 * ctx.prec)
+        while True:
+            left = (self.end - start) / 2
+            half = min(2 * half, left, key=lambda h: h.mid()).mid()
+            last = not half < left.mid()
+            while not self._clear(start + half, half):
+                half, last = (half * _SHRINK).mid(), False
+                if not half > least:
+                    raise TooFewBits
+            end = self.end if last else (start + 2 * half).mid()
+            self._bound(start, end)
+            if last:
+                return
+            if len(self._starts) == _MOST_PANELS:
+                raise TooFewBits
+            start = end
+
+    def _clear(self, x: arb, half: arb) -> bool:
+        """Whether a panel is short enough, by middles."""
+        moduli = self.integrand.moduli(self.variable(x))
+        if not all(size.is_finite() for size, _ in moduli):
+            raise TooFewBits
+        reach = self.reach(x, _DISC * half).mid()
+        return all((reach * slope).mid() < _SHARE * size.mid() for size, slope in moduli)
+
+    def _bound(self, start: arb, end: arb) -> None:
+        """Bound f and z f on the disc about a panel, whose ends were rounded."""
+        middle, half = (start + end) / 2, (end - start) / 2
+        z, reach = self.variable(middle), self.reach(middle, _DISC * half)
+        bound = arb(1)
+        for size, slope in self.integrand.moduli(z):
+            room = size - slope * reach
+            if not room > 0:
+                raise TooFewBits
+            bound /= room.sqrt()
+        self._starts.append(start)
+        self._most.append((bound, bound * (abs(z) + reach)))
+
+    def _gauss(self, a: arb, b: arb, n: int, count: int, ratio: int) -> tuple[Scalar, Scalar]:
+        """S and U from a to b on panel n by so many points."""
+        middle, half = (a + b) / 2, (b - a) / 2
+        s, u = arb(0), arb(0)
+        for node, weight in gauss(count, ctx.prec):
+            for x in (middle + half * node, middle - half * node):
+                f, z = self.slope(x)
+                f *= weight
+                s += f
+                u += f * z
+        eta = arb(ratio).acosh()
+        off = arb(64) / 15 * (-2 * count * eta).exp() / (1 - (-2 * eta).exp())
+        f, zf = (self._within(x * off) for x in self._most[n])
+        return half * (s + f), half * (u + zf)
+
+    @staticmethod
+    def _within(radius: arb) -> Scalar:
+        """A ball around 0 that holds an error."""
+        return around(radius).real
+
+
+@lru_cache(maxsize=256)
+def gauss(n: int, bits: int) -> tuple[tuple[arb, arb], ...]:
+    """The positive nodes and the weights of Gauss's rule of n points, n even, at ``bits`` bits."""
+    with ctx.workprec(bits):
+        return tuple(arb.legendre_p_root(n, k, weight=True) for k in range(n // 2))
+
+
+def points(ratio: int) -> int:
+    """Of Gauss's rule, for the bits in force."""
+    return 2 * math.ceil((ctx.prec * math.log(2) + _SPARE) / (4 * math.acosh(ratio)))
+
+
+# --- quadrature -----------------------------------------------------------------------------------
+#
+# Integrals of one over square roots of products of linear functions between two of their zeros.
+#
+# Two of them make every period of a hyperelliptic curve and every image under Abel's map:
+#
+#     :func:`unit`:    over x from 0 to 1 of (1, x^2),        y = x^2,
+#     :func:`circle`:  over phi from 0 to pi of (1, cos phi), y = (1 - cos phi)/2,
+#
+# both times the product of (first + slope y)^(-1/2), principal roots. The line from ``first`` to
+# ``last`` must keep clear of the negative numbers: the product on the way is then that of roots
+# which are analytic on each panel's disc (:mod:`.panels`), where no linear function vanishes.
+
+
+#: Two complex balls.
+Pair: TypeAlias = tuple[acb, acb]
+
+
+@dataclass(frozen=True)
+class Linear:
+    """A linear function by its values at both ends and their difference.
+
+    All three are asked for, since a difference of what is nearly the same would cost digits.
+    """
+
+    first: acb
+    last: acb
+    slope: acb
+
+    @property
+    def real(self) -> bool:
+        """Whether it is real, and so positive all the way."""
+        return all(x.imag.is_zero() for x in (self.first, self.last, self.slope))
+
+    def reversed(self) -> Linear:
+        """The same from the other end."""
+        return Linear(self.last, self.first, -self.slope)
+
+    @property
+    def half(self) -> Linear:
+        """The same from the first end to the middle."""
+        return Linear(self.first, (self.first + self.last) / 2, self.slope / 2)
+
+
+class InverseRoots:
+    """The product of (first + slope y)^(-1/2), for y from 0 to 1."""
+
+    def __init__(self, factors: Sequence[Linear]) -> None:
+        self._factors = [(f.first, f.slope) for f in factors]
+        self._real = [(f.first.real, f.slope.real) for f in factors if f.real]
+        self._complex = [(f.first, f.slope) for f in factors if not f.real]
+
+    def value(self, y: arb) -> acb:
+        """The product at one y."""
+        product = arb(1)
+        for first, slope in self._real:
+            product *= first + slope * y
+        value = acb(product.rsqrt())
+        for base, way in self._complex:
+            value *= (base + way * y).rsqrt()
+        return value
+
+    def moduli(self, y: arb) -> list[tuple[arb, arb]]:
+        """Those of the linear functions at one y, and of their slopes."""
+        return [(abs(first + slope * y), abs(slope)) for first, slope in self._factors]
+
+
+class _Squares(Panels):
+    """y = x^2 from 0 to 1."""
+
+    end = arb(1)
+
+    def variable(self, x: arb) -> arb:
+        """y at x."""
+        return x * x
+
+    def reach(self, x: arb, radius: arb) -> arb:
+        """By y^2 - x^2 = (y - x)(y + x)."""
+        return radius * (2 * x + radius)
+
+    @staticmethod
+    def _within(radius: arb) -> acb:
+        return around(radius)
+
+
+def unit(factors: Sequence[Linear]) -> Pair:
+    """The integrals over x from 0 to 1 of 1 and x^2 times the inverse roots of what x^2 gives."""
+    sums = _Squares(InverseRoots(factors))
+    return sums.S[-1], sums.U[-1]
+
+
+def circle(factors: Sequence[Linear]) -> Pair:
+    """The integrals over phi from 0 to pi of 1 and cos phi times the inverse roots.
+
+    From each end to the middle: cos phi = 1 - x^2 and dphi = 2 dx/sqrt(2 - x^2), and mirrored.
+    """
+    root = Linear(acb(2), acb(1), acb(-1))
+    one, first = unit([*(factor.half for factor in factors), root])
+    two, second = unit([*(factor.reversed().half for factor in factors), root])
+    return 2 * (one + two), 2 * (one - first) - 2 * (two - second)
+
+
+# --- clocks ---------------------------------------------------------------------------------------
+#
+# The phases of variables that move between two roots or tend to one, and their inverses, in
+# balls.
+#
+# A variable z grows with the parameter s of the motion, and its phase x as ds = f dx, where f is
+# one over the square root of the product of its distances from roots (:mod:`.panels`). Three
+# kinds:
+#
+#     Oscillating   z = low + (high - low) sin^2(x/2), to and fro between two roots;
+#     Tending       z = limit + (end - limit) sech^2 x, from a double root to ``end`` and back;
+#     Standing      z constant; its phase is S itself.
+
 
 _PART = 2 * RATIO - 1  # RATIO of a part of a panel that is not longer than its half
 _WAY = 10  # of the phase towards a double root, beyond what rounding leaves

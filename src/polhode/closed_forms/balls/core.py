@@ -27,7 +27,7 @@ from polhode.closed_forms.rounding import SPARE
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
-from polhode.numbers.polynomials import middle
+from polhode.numbers.vectors import middle
 
 T = TypeVar("T")
 

@@ -1,24 +1,8 @@
-"""The attitude of a motion whose w and gamma repeat after T, in balls, at any time.
+"""A polynomial at places on the unit circle, in balls: the sums of Fourier series.
 
-The motion is given as a function of a phase s, which is time or grows by S in T.  u is an axis of
-the body that is never vertical.  Its azimuth about the vertical grows with s by
-
-    F = dt/ds (w.g - (w.u)(u.g))/(1 - (u.g)^2),    of period S.
-
-F is analytic where |Im s| <= eta S, and |F| <= M there: both proven on discs that cover a period of
-the strip, on each from the state in its middle and a bound of how far the equations let it move.
-With its 2n samples and their Fourier sums below n, the integral of F is off by at most
-
-    4 M S exp(-2 pi eta n)/(1 - exp(-2 pi eta))    for 0 <= s <= S
-
-(what the samples cannot tell from lower frequencies, and what is left out).  The horizontal part of
-u, its cross product and g make a matrix, and that a quaternion up to its sign.  The sign is that of
-the nearest of some moments so close that |w| h <= 1: between two of them the quaternion moves by
-less than 1/2.  After a whole period it has been multiplied by z = q(T)/q(0), a turn about the
-vertical, and after n of them by z^n: not by its angle, which may be pi.
-
-Of a motion that is known at real times only nothing is proven: samples are doubled until their last
-Fourier sums vanish.
+In n = m l terms: the m l products of coefficients with powers below m by one product of matrices,
+and l more with powers of w^m.  Powers are products of halves: a chain of single factors would
+widen the balls by sqrt 2 each.
 """
 
 from __future__ import annotations
@@ -29,15 +13,69 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from flint import acb, arb
+from flint import acb, acb_mat, arb
 
 from polhode.closed_forms.balls.core import Refused, TooFewBits, around, nearest_integer
 from polhode.closed_forms.balls.frames import Turn, conjugate, of_matrix
-from polhode.closed_forms.balls.power_sum import PowerSum
 from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import cross, dot, quaternion_product
+
+
+class PowerSum:
+    """The sum of c_k w^k, k from 0."""
+
+    def __init__(self, coefficients: Sequence[acb]) -> None:
+        self._width = math.isqrt(len(coefficients)) + 1
+        self._height = -(-len(coefficients) // self._width)
+        lacking = self._width * self._height - len(coefficients)
+        flat = [*coefficients, *[acb(0)] * lacking]
+        self._matrix = acb_mat(self._height, self._width, flat)
+
+    def at(self, w: acb) -> acb:
+        """The value at w, |w| = 1."""
+        powers = _powers(w, self._width + 1)
+        column = self._matrix * acb_mat(self._width, 1, powers[:-1])
+        total = acb(0)
+        for row, power in enumerate(_powers(powers[-1], self._height)):
+            total += column[row, 0] * power
+        return total
+
+
+def _powers(w: acb, count: int) -> list[acb]:
+    """w^k for k below ``count``, which is positive."""
+    powers = [acb(1), w]
+    for k in range(2, count):
+        powers.append(powers[k // 2] * powers[k - k // 2])
+    return powers[:count]
+
+
+# --- periodic attitude ----------------------------------------------------------------------------
+#
+# The attitude of a motion whose w and gamma repeat after T, in balls, at any time.
+#
+# The motion is given as a function of a phase s, which is time or grows by S in T. u is an axis
+# of the body that is never vertical. Its azimuth about the vertical grows with s by
+#
+#     F = dt/ds (w.g - (w.u)(u.g))/(1 - (u.g)^2),    of period S.
+#
+# F is analytic where |Im s| <= eta S, and |F| <= M there: both proven on discs that cover a
+# period of the strip, on each from the state in its middle and a bound of how far the equations
+# let it move. With its 2n samples and their Fourier sums below n, the integral of F is off by at
+# most
+#
+#     4 M S exp(-2 pi eta n)/(1 - exp(-2 pi eta))    for 0 <= s <= S
+#
+# (what the samples cannot tell from lower frequencies, and what is left out). The horizontal part
+# of u, its cross product and g make a matrix, and that a quaternion up to its sign. The sign is
+# that of the nearest of some moments so close that |w| h <= 1: between two of them the quaternion
+# moves by less than 1/2. After a whole period it has been multiplied by z = q(T)/q(0), a turn
+# about the vertical, and after n of them by z^n: not by its angle, which may be pi.
+#
+# Of a motion that is known at real times only nothing is proven: samples are doubled until their
+# last Fourier sums vanish.
+
 
 _AXES = tuple(v for v in itertools.product((1, 0, -1), repeat=3) if v > (0, 0, 0))
 _LOOKS = 60  # moments at which an axis is chosen

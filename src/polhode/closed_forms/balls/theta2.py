@@ -27,8 +27,8 @@ from typing import TypeAlias
 
 from flint import acb, acb_mat, arb
 
+from polhode.closed_forms.balls.clocks import Pair
 from polhode.closed_forms.balls.core import TooFewBits, around, nearest_integer
-from polhode.closed_forms.balls.quadrature import Pair
 from polhode.numbers.flint_context import ctx
 
 #: a1, a2, b1, b2.

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from polhode.closed_forms.membership.misfit import Misfit
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership import Misfit, PrincipalScene
 from polhode.numbers.exact import sqrt
 from polhode.numbers.vectors import dot, is_zero
 

@@ -23,7 +23,7 @@ from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.euler.conditions import fits
 from polhode.closed_forms.euler.motion import Polhode
 from polhode.closed_forms.euler.regimes import is_permanent, numbered, numbers, regime
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership import PrincipalScene
 from polhode.numbers.vectors import dot
 
 _ODD = ((0, 2, 1), (1, 0, 2), (2, 1, 0))

@@ -19,15 +19,15 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from polhode.closed_forms.balls.frames import Frame, Rows
-from polhode.closed_forms.membership.normal_form import (
+from polhode.closed_forms.membership import (
     Condition,
     Placed,
+    PrincipalScene,
     equal,
     exclusion,
     placed_in,
     shortfall,
 )
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.closed_forms.rounding import log2
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 from polhode.numbers.vectors import Vector, is_zero

@@ -26,7 +26,7 @@ from polhode.closed_forms.goryachev_chaplygin import regimes
 from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart, start
 from polhode.closed_forms.goryachev_chaplygin.explicit import explicit
 from polhode.closed_forms.goryachev_chaplygin.separated import Point, Separated
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership import PrincipalScene
 
 
 class GoryachevMotion:

@@ -17,16 +17,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from polhode.closed_forms.balls.frames import Frame, Rows
-from polhode.closed_forms.membership.normal_form import (
+from polhode.closed_forms.membership import (
     Condition,
     Placed,
+    PrincipalScene,
     equal,
     exclusion,
     placed_in,
     positive,
     shortfall,
 )
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
 from polhode.numbers.exact import ONE, ZERO, Exact, sqrt
 from polhode.numbers.vectors import Vector, cross, dot, is_zero, momentum
 

@@ -20,7 +20,7 @@ from polhode.closed_forms.hess import axes as surface
 from polhode.closed_forms.hess import motion as kinds
 from polhode.closed_forms.hess.motion import ConeSpin, HessMotion
 from polhode.closed_forms.hess.period_map import PeriodMap
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership import PrincipalScene
 from polhode.closed_forms.pendulum.motion import Swing
 from polhode.numbers.mpmath_context import mpf
 

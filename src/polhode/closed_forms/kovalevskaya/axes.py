@@ -22,12 +22,12 @@ from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Frame, Rows
 from polhode.closed_forms.balls.periodic_attitude import Equations
 from polhode.closed_forms.kovalevskaya.divisor import State
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership import PrincipalScene
 from polhode.closed_forms.rounding import log2
 from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
 from polhode.numbers.vectors import Vector
-from polhode.scenes.classification import KOVALEVSKAYA, classical_top, with_last
+from polhode.scenes.body import KOVALEVSKAYA, classical_top, with_last
 
 #: In the top's axes and units.
 EQUATIONS = Equations((arb(2), arb(2), arb(1)), (arb(1), arb(0), arb(0)))

@@ -35,7 +35,7 @@ from polhode.closed_forms.balls.core import (
     nearest_integer,
     root,
 )
-from polhode.closed_forms.balls.sigma import RealLattice, Shifted
+from polhode.closed_forms.balls.weierstrass import RealLattice, Shifted
 from polhode.closed_forms.kovalevskaya.axes import EQUATIONS, KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.branch_points import ascending, square_roots
 from polhode.closed_forms.kovalevskaya.divisor import State

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Scalar
 
 
 class State(NamedTuple):

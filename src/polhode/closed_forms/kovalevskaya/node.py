@@ -14,7 +14,7 @@ from typing import NamedTuple
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.divisor import State
 from polhode.numbers.exact import sign
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Scalar
 
 
 class Line(NamedTuple):

@@ -17,11 +17,16 @@ from collections.abc import Iterator
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_start
 from polhode.closed_forms.kovalevskaya.branch_points import discriminant, kind
 from polhode.closed_forms.kovalevskaya.node import is_node
-from polhode.closed_forms.membership.misfit import Misfit
-from polhode.closed_forms.membership.normal_form import Condition, Placed, equal, shortfall
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership import (
+    Condition,
+    Misfit,
+    Placed,
+    PrincipalScene,
+    equal,
+    shortfall,
+)
 from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.scenes.classification import KOVALEVSKAYA, classical_top
+from polhode.scenes.body import KOVALEVSKAYA, classical_top
 
 HANGING, UPRIGHT = "rest, hanging", "rest, upright"
 ROTATION = "permanent rotation"

@@ -38,10 +38,10 @@ from polhode.closed_forms.kovalevskaya.periodic import Periodic, quartic
 from polhode.closed_forms.kovalevskaya.theta.cycles import rates
 from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
 from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership import PrincipalScene
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.mpmath_context import mpc
-from polhode.numbers.scalars import Scalar
+from polhode.numbers.number_types import Scalar
 
 _CHECKED = "states are proven; of the attitude the formula is checked, the arithmetic proven"
 

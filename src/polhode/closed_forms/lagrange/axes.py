@@ -11,12 +11,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from polhode.closed_forms.balls.frames import Frame, Rows
-from polhode.closed_forms.membership.normal_form import Condition, Placed, equal
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership import Condition, Placed, PrincipalScene, equal
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 from polhode.numbers.vectors import Vector, cross, dot
 from polhode.scenes import body
-from polhode.scenes.classification import LAGRANGE, SPHERE, classical_top, with_last
+from polhode.scenes.body import LAGRANGE, SPHERE, classical_top, with_last
 
 
 def fits(scene: PrincipalScene) -> bool:

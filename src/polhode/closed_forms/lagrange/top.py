@@ -21,7 +21,7 @@ from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.lagrange.axes import top_axes
 from polhode.closed_forms.lagrange.motion import LagrangeMotion, Nutating, Seen, Steady, own_start
 from polhode.closed_forms.lagrange.regimes import constants, regime
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership import PrincipalScene
 from polhode.numbers.exact import sign
 from polhode.numbers.mpmath_context import mpf
 

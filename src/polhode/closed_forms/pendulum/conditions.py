@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from polhode.closed_forms.membership.normal_form import Condition, Placed, equal
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership import Condition, Placed, PrincipalScene, equal
 from polhode.numbers.exact import ZERO, sign, sqrt
 from polhode.numbers.vectors import Vector, cross, dot, is_zero, momentum
 

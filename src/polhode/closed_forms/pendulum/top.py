@@ -31,7 +31,7 @@ from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Frame, Rows
 from polhode.closed_forms.balls.one_axis import OneAxis, PermanentRotation
 from polhode.closed_forms.closed_form import ClosedForm
-from polhode.closed_forms.membership.principal_scene import PrincipalScene
+from polhode.closed_forms.membership import PrincipalScene
 from polhode.closed_forms.pendulum.conditions import axis_of, fits
 from polhode.closed_forms.pendulum.motion import (
     HANGING,

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from polhode.equations.column import Column
-from polhode.equations.hodographs import turned
-from polhode.numbers.scalars import Functions, Scalar
+from polhode.equations.kinematics import turned
+from polhode.numbers.number_types import Functions, Scalar
 from polhode.scenes.vocabulary import STATE
 
 

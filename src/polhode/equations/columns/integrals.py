@@ -9,8 +9,8 @@ from polhode.equations.column import Column
 from polhode.equations.integrals import AREA, ENERGY, along
 from polhode.motion.frame import Frame
 from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import Functions, Scalar
 from polhode.numbers.row_formulas import RowFormula
-from polhode.numbers.scalars import Functions, Scalar
 from polhode.scenes.scene import Scene
 
 

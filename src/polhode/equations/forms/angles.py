@@ -19,7 +19,7 @@ from polhode.equations.form import Coefficients, Form, Values
 from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits
 from polhode.numbers import exact
 from polhode.numbers.exact import sign
-from polhode.numbers.scalars import Functions, Scalar, combination
+from polhode.numbers.number_types import Functions, Scalar, combination
 from polhode.numbers.vectors import Vector
 from polhode.scenes.scene import Scene
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
 from polhode.equations.forms import matrices
 from polhode.equations.forms.matrices import GAMMA, OMEGA
-from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.number_types import Functions, Scalar
 from polhode.numbers.vectors import inverse
 from polhode.scenes.body import OWN_AXES, PrincipalAxes
 from polhode.scenes.scene import Scene

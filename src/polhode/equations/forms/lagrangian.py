@@ -17,7 +17,7 @@ from polhode.equations.form import Coefficients, OmegaAndGamma, Values
 from polhode.equations.forms import angles, principal
 from polhode.equations.forms.angles import InAngles, Turn
 from polhode.equations.forms.natural_units import own_units, present
-from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.number_types import Functions, Scalar
 from polhode.scenes.scene import Scene
 
 NAME = "lagrangian"

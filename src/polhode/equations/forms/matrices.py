@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.numbers.scalars import Scalar, combination
+from polhode.numbers.number_types import Scalar, combination
 from polhode.numbers.vectors import Matrix, Vector
 
 OMEGA = ("p", "q", "r")

@@ -15,7 +15,7 @@ from polhode.equations.forms import matrices
 from polhode.equations.forms.matrices import GAMMA, OMEGA
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact
-from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.number_types import Functions, Scalar
 from polhode.numbers.vectors import inverse, scaled
 from polhode.scenes.body import OWN_AXES, PrincipalAxes
 from polhode.scenes.scene import Scene

@@ -9,7 +9,7 @@ from __future__ import annotations
 from polhode.equations.form import Coefficients, Values
 from polhode.equations.forms import without_gamma
 from polhode.equations.forms.without_gamma import WithoutGamma
-from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.number_types import Functions, Scalar
 from polhode.scenes.scene import Scene
 
 NAME = "momentum-only"

@@ -21,7 +21,7 @@ from polhode.equations.terms import (
     product,
 )
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.scalars import Functions, Scalar, combination
+from polhode.numbers.number_types import Functions, Scalar, combination
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE

@@ -13,7 +13,7 @@ from polhode.common.errors import BadInput
 from polhode.equations import kinematics
 from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
 from polhode.equations.forms import principal
-from polhode.numbers.scalars import Functions, Scalar
+from polhode.numbers.number_types import Functions, Scalar
 from polhode.numbers.vectors import vertical
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE

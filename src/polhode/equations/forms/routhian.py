@@ -20,7 +20,7 @@ from polhode.equations.forms import angles, principal
 from polhode.equations.forms.angles import InAngles, Turn
 from polhode.equations.forms.lagrangian import accelerations
 from polhode.equations.forms.natural_units import own_units, present
-from polhode.numbers.scalars import Functions, Scalar, combination
+from polhode.numbers.number_types import Functions, Scalar, combination
 from polhode.scenes.scene import Scene
 
 NAME = "routhian"

@@ -26,7 +26,7 @@ from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
 from polhode.equations.forms.matrices import turning_rates
 from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits, own_units, present
 from polhode.numbers.exact import Exact, sign, sqrt
-from polhode.numbers.scalars import Functions, Scalar, combination
+from polhode.numbers.number_types import Functions, Scalar, combination
 from polhode.numbers.vectors import dot
 from polhode.scenes.scene import Scene
 

@@ -1,20 +1,9 @@
-"""Why a table leaves the motion: another constant of the body, another start, another clock.
-
-One number at a time (of a symmetric body its equal moments, too, as one) is fitted to the table, by
-Gauss's and Newton's method on the motion integrated in double, over rows from the first ones on, so
-that a motion that turns many times is not lost.
-Where one number makes the table right to three digits more, it is told, with the digits that it is
-fitted to.  Nothing is changed: it may be the program's mistake, or the scene's.
-
-A rough method is late or early as a slow clock is, or as a body of other moments: so what differs
-by less than ``LEAST`` is not told; of a clock's pace, which a crystal holds to some 1e-5, less if
-the table is then right to more digits than such a method's is.
-"""
+"""That a table begins with another state than the scene, and with which case's, in words."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -24,17 +13,87 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from polhode.common.errors import few
-from polhode.judging.diagnosis.motion_in_double import integrated
-from polhode.judging.tables.reading import GAIN, WRONG, TimeChange
-from polhode.judging.tables.table import Table
+from polhode.judging.diagnosis.error_budget import integrated
+from polhode.judging.diagnosis.ways import matrices
+from polhode.judging.tables.table import GAIN, WRONG, Table, TimeChange
 from polhode.motion.frame import Frame
-from polhode.numbers.conversion import doubles, to_double
+from polhode.numbers.conversion import doubles, exactly, to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.numbers.vectors import Vector
+from polhode.scenes import library
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.scenes.vocabulary import STATE
+from polhode.scenes.vocabulary import ATTITUDE, STATE
+
+_SAME_START = 6.0  # digits of a start that is a case's
+_SHOWN = 2  # cases
+
+
+def other_start(subject: Table, scene: Scene) -> str:
+    """That a table's row at t = 0 is not the scene's start; empty where it is, or there is none."""
+    row = _start_of(subject)
+    off = {name: digits for name, digits in _digits(row, scene).items() if digits < WRONG}
+    if not off:
+        return ""
+    own = dict(zip(scene.columns, map(to_double, scene.start), strict=True))
+    theirs = ", ".join(f"{name} = {row[name]:.6g}" for name in off)
+    right = ", ".join(f"{name} = {own[name]:.6g}" for name in off)
+    cases = (library.load(name) for name in library.names())
+    alike = [case.name for case in cases if min(_digits(row, case).values()) >= _SAME_START]
+    return f"at t = 0 it has {theirs}, where {scene.name} has {right}{_begin_so(alike)}"
+
+
+def _begin_so(cases: list[str]) -> str:
+    """Which cases begin as the table does, the hard ones last; nothing where none does."""
+    if not cases:
+        return ""
+    shown = sorted(cases, key=lambda name: name.startswith("hard/"))[:_SHOWN]
+    more = f" (and {len(cases) - _SHOWN} more)" * (len(cases) > _SHOWN)
+    return f"; {' and '.join(shown)}{more} begin{'s' * (len(cases) == 1)} so"
+
+
+def _start_of(subject: Table) -> Mapping[str, float]:
+    """The numbers of the state at t = 0, as far as they are there; gamma also of a quaternion."""
+    if 0 not in subject.times:
+        return {}
+    place = subject.times.index(0)
+    cells = {
+        name: subject.columns[name][place]
+        for name in (*subject.state, *ATTITUDE)
+        if name in subject.columns
+    }
+    row = {name: to_double(exactly(x)) for name, x in cells.items() if x is not None}
+    if {*ATTITUDE} <= row.keys():
+        (turned,) = matrices(np.array([[row[name] for name in ATTITUDE]]))
+        row = dict(zip(STATE[3:], turned[2].tolist(), strict=True)) | row
+    return {name: x for name, x in row.items() if name in STATE}
+
+
+def _digits(row: Mapping[str, float], scene: Scene) -> Mapping[str, float]:
+    """To how many digits each number is that of a scene's start; 0 where the scene has none."""
+    start = dict(zip(scene.columns, map(to_double, scene.start), strict=True))
+    size = math.hypot(*(start[name] for name in STATE[:3])) or 1.0
+    off = {name: abs(x - start.get(name, math.inf)) for name, x in row.items()}
+    for name in {*STATE[:3]} & off.keys():
+        off[name] /= size
+    return {name: -math.log10(x) if x else math.inf for name, x in off.items()}
+
+
+# --- causes ---------------------------------------------------------------------------------------
+#
+# Why a table leaves the motion: another constant of the body, another start, another clock.
+#
+# One number at a time (of a symmetric body its equal moments, too, as one) is fitted to the
+# table, by Gauss's and Newton's method on the motion integrated in double, over rows from the
+# first ones on, so that a motion that turns many times is not lost. Where one number makes the
+# table right to three digits more, it is told, with the digits that it is fitted to. Nothing is
+# changed: it may be the program's mistake, or the scene's.
+#
+# A rough method is late or early as a slow clock is, or as a body of other moments: so what
+# differs by less than ``LEAST`` is not told; of a clock's pace, which a crystal holds to some
+# 1e-5, less if the table is then right to more digits than such a method's is.
+
 
 LEAST = 1e-5  # of a number: below it a method's error may look like it
 _CLOCK, _CLOCK_IF_SURE, _SURE = 1e-4, 1e-7, 9.0  # of a clock's pace, and digits of a sure one

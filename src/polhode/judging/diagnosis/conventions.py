@@ -1,51 +1,240 @@
-"""What a table that is wrong may mean: the usual other conventions, tried together.
+"""Whether a table is right in another convention: told by its first rows, whatever comes later.
 
-A table is held against the scene's motion at the times as they stand and, where it is not right
-there, against other worlds (:mod:`worlds`).  In each of them each part is tried in all its
-conventions (:mod:`ways`), by one measure: the digits of its first rows (:mod:`evidence`).  What a
-program loses later is its drift, and is reported in the reading that fits.
+A program that drifts is right at the start, where the scene is exact, and wrong at the end.  So the
+digits of a convention are counted from the first row on and never rise again: one that is wrong in
+the first rows is wrong, and one that is right there may drift as it likes.
+
+What a wrong table could have by chance is not told.  A convention of which ``tries`` were tried has
+to have so many digits more than the table as it stands that one in some thousand tables of random
+numbers has one; and it has to follow the motion: where the motion has left its first row, it is
+nearer to it than a table that stays there, or goes elsewhere, would be.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from polhode.judging.diagnosis.evidence import (
-    BEGINS,
-    FAR_GAIN,
-    LEAST_GAIN,
-    SURE,
-    course,
-    first_rows,
-    follows,
-    is_alike,
-    is_better,
-    is_sure,
-    least_gain,
-    probed_rows,
-)
-from polhode.judging.diagnosis.motion_in_double import integrated
-from polhode.judging.diagnosis.rotation_matrices import matrices
+from polhode.common.errors import BadInput
+from polhode.judging.certified import Certified
+from polhode.judging.diagnosis.error_budget import integrated
 from polhode.judging.diagnosis.ways import (
     ALIKE_AT_START,
     FREEDOM,
     SCALAR_FIRST,
     Right,
     Way,
+    matrices,
+    other_times,
     ways,
 )
-from polhode.judging.diagnosis.worlds import World, other_worlds
-from polhode.judging.references.certified import Certified
-from polhode.judging.references.reference import AnyReference
-from polhode.judging.tables.reading import WRONG, Reading
-from polhode.judging.tables.table import PARTS, Table
-from polhode.numbers.conversion import doubles
-from polhode.numbers.rows import Doubles
+from polhode.judging.reference import AnyReference
+from polhode.judging.tables.table import PARTS, WRONG, Reading, Table, TimeChange
+from polhode.numbers.conversion import doubles, to_double
+from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import Doubles
+from polhode.numbers.vectors import Matrix
+from polhode.scenes.body import exact_vector
 from polhode.scenes.scene import Scene
+
+Rows = TypeVar("Rows", Doubles, list[int])
+
+MOST = 12.0  # digits that count: more are no more certain
+BEGINS = 1.0  # digits of a first row that is right
+LEAST_GAIN = 1.5  # digits that a convention gives at least, at some of the first rows
+FAR_GAIN = 2.0  # likewise other times, or another scene
+_RARE = 3.5  # log10 of so many tables of which one is right by chance
+_ALIKE, _ALIKE_IF_EXACT, _EXACT = 0.3, 1.0, 9.0  # digits by which conventions do not differ
+SURE = 6.0  # digits of a first row that is the start
+_STAYS = 0.5  # digits that are left where the motion has left it
+_LEFT = 0.1  # of its size: by so much the motion has left its first row
+_FAR_LEFT = 0.5  # likewise, so that what goes elsewhere is plainly not there
+_STILL = 0.01  # and by less it stands still
+_FOLLOWS = 0.7  # digits of the way that the motion has come
+_FOLLOWS_FITTED = 1.3  # likewise, of what is fitted to the first row
+_FIRST_ROWS, _LATER_ROWS = 5, 6  # that are looked at: the first, and later ones ever farther apart
+
+
+def probed_rows(times: Sequence[Fraction]) -> list[int]:
+    """The rows that tell a convention: from the start on, the last one too."""
+    order = sorted(range(len(times)), key=lambda k: abs(to_double(times[k])))
+    count = len(order)
+    if count <= _FIRST_ROWS + _LATER_ROWS:
+        return order
+    later = np.geomspace(_FIRST_ROWS, count - 1, _LATER_ROWS)
+    return [order[k] for k in sorted({*range(_FIRST_ROWS), *(round(float(x)) for x in later)})]
+
+
+def first_rows(rows: Rows) -> Rows:
+    """The first of rows in the order of their times, which tell whether a table begins right."""
+    return rows[:_FIRST_ROWS]
+
+
+def course(digits: Doubles, fitted: bool = False) -> Doubles:
+    """Digits that count at each row: the fewest up to there.
+
+    ``fitted``: to the first row, which therefore says nothing.
+    """
+    held = np.clip(digits, 0.0, MOST)
+    if fitted:
+        held = np.concatenate([held[1:2], held[1:]])
+    return np.minimum.accumulate(held)
+
+
+def is_better(mine: Doubles, other: Doubles, gain: float) -> bool:
+    """Whether a course has so many more digits somewhere, and fewer nowhere before."""
+    more = mine - other
+    rows = np.flatnonzero(more >= gain)
+    return bool(len(rows)) and not np.any(more[: rows[0]] < -_slack(other[: rows[0]]))
+
+
+def is_alike(mine: Doubles, best: Doubles) -> bool:
+    """Whether a course is as good as the best one, where that has any digits."""
+    return bool(np.all((mine >= best - _slack(best)) | (best < 1.0)))
+
+
+def _slack(digits: Doubles) -> Doubles:
+    return np.where(digits >= _EXACT, _ALIKE_IF_EXACT, _ALIKE)
+
+
+def least_gain(tries: int, freedom: int) -> float:
+    """The digits that random numbers, so many in a row, hardly have in any of so many tries."""
+    return max(LEAST_GAIN, (math.log10(tries) + _RARE) / freedom)
+
+
+def is_sure(mine: Doubles) -> bool:
+    """Whether the first row is right to many digits."""
+    return bool(mine[0] >= SURE)
+
+
+def follows(mine: Doubles, moved: Doubles, fitted: bool, must_move: bool, sure: bool) -> bool:
+    """Whether a course goes with the motion; ``moved``: how far that is from its first row.
+
+    ``must_move``: whether a motion that stands still tells nothing.  ``sure``: whether the first
+    row alone tells, being the start to many digits in one convention.
+    """
+    sure = sure and is_sure(mine) and not must_move
+    left = np.flatnonzero(moved >= (_FAR_LEFT if sure or fitted else _LEFT))
+    row = int(left[0]) if len(left) else int(np.argmax(moved))
+    if sure:
+        return float(mine[row]) >= _STAYS
+    if moved[row] < _STILL and not (fitted or must_move):
+        return True
+    if moved[row] == 0:
+        return False
+    digits = float(mine[row]) + math.log10(float(moved[row]))
+    return digits >= (_FOLLOWS_FITTED if fitted else _FOLLOWS)
+
+
+# --- worlds ---------------------------------------------------------------------------------------
+#
+# Worlds: the motions that a table may be of, beside the scene's at the times as they stand.
+#
+# Each is the scene's motion at other times (:mod:`other_times`), or that of another scene, with a
+# sign or an order of numbers that is often another; all in double.
+
+
+_FARTHEST = (1e4, 1e5)  # radians or so, to which motions at other times are followed
+_FEWEST = 2  # rows that tell other times
+_POLE = 1e-9  # the sine of theta where psi and phi are one angle
+
+
+class World(NamedTuple):
+    """What a table may be a motion of, in words: the scene's motion at times that are changed, or
+    another scene's.
+
+    ``right``: the motion at the first of the rows, as far as it is followed.  ``change``: of the
+    times; None of another scene, which no table is read as.
+    """
+
+    words: str
+    right: Right
+    change: TimeChange | None = None
+
+
+def other_worlds(
+    times: Sequence[Fraction], all_times: Sequence[Fraction], scene: Scene
+) -> Iterator[World]:
+    """The motion at other times, and those of other scenes that may be meant."""
+    yield from at_times(other_times(all_times), times, scene)
+    for words, other in other_scenes(scene):
+        right = integrated(other, times)
+        if right is not None:
+            yield World(words, right)
+
+
+def at_times(
+    changes: Mapping[str, TimeChange], times: Sequence[Fraction], scene: Scene
+) -> Iterator[World]:
+    """The motion at changed times, as far as it is followed, near times before far ones."""
+    rate = 10.0**scene.log10_rate
+    moved = {words: [change.of(t) for t in times] for words, change in changes.items()}
+    for words in sorted(moved, key=lambda words: max(map(abs, moved[words]))):
+        some = moved[words]
+        for farthest in _FARTHEST:
+            far = [k for k, t in enumerate(some) if abs(t) * rate > farthest]
+            there = some[: far[0]] if far else some
+            if len(there) >= _FEWEST:
+                break
+        right = integrated(scene, there) if len(there) >= _FEWEST else None
+        if right is not None:
+            yield World(words, right, changes[words])
+
+
+def other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
+    """Scenes with a sign or an order of numbers that is often another."""
+    body = scene.body
+    if body.weight:
+        yield "a weight of the other sign", with_body(scene, body.inertia, -body.weight)
+    products = [(i, j) for i in range(3) for j in range(i) if body.inertia[i][j] != 0]
+    some = [products, *([one] for one in products)] if len(products) > 1 else [products]
+    for signs in filter(None, some):
+        x, y, z = (
+            exact_vector([-m if {(i, j), (j, i)} & {*signs} else m for j, m in enumerate(row)])
+            for i, row in enumerate(body.inertia)
+        )
+        names = ", ".join("I" + "xyz"[j] + "xyz"[i] for i, j in signs)
+        words = f"products of inertia of the other sign ({names})"
+        with suppress(BadInput, ValueError):  # moments of no body
+            yield words, with_body(scene, (x, y, z), body.weight)
+    if scene.columns[3:] and "quaternion" in scene.source:
+        start = integrated(scene, [Fraction(0)])
+        if start is not None and start.attitude is not None:
+            a, b, c, d = start.attitude[0]
+            turned = _with_attitude(scene, (d, a, b, c))
+            yield "the scene's quaternion taken as scalar-last", turned
+
+
+def with_body(scene: Scene, inertia: Matrix, weight: Exact | None = None) -> Scene:
+    """The scene of another inertia, and of another weight unless it is None."""
+    weight = scene.body.weight if weight is None else weight
+    return replace(scene, body=scene.body.replaced(inertia=inertia, weight=weight))
+
+
+def _with_attitude(scene: Scene, given: Sequence[float]) -> Scene:
+    """The scene from another attitude, a quaternion, scalar first."""
+    (turned,) = matrices(np.array([given]))
+    x, y = turned[0, 2], -turned[1, 2]  # the sine of theta times those of psi
+    if math.hypot(x, y) < _POLE:
+        x, y = turned[1, 0], turned[0, 0]
+    gamma = exact_vector([float(z) for z in turned[2]])
+    return replace(scene, gamma=gamma, psi=Fraction(math.atan2(x, y)), normalise=True)
+
+
+# --- conventions ----------------------------------------------------------------------------------
+#
+# What a table that is wrong may mean: the usual other conventions, tried together.
+#
+# A table is held against the scene's motion at the times as they stand and, where it is not right
+# there, against other worlds (:mod:`worlds`). In each of them each part is tried in all its
+# conventions (:mod:`ways`), by one measure: the digits of its first rows (:mod:`evidence`). What
+# a program loses later is its drift, and is reported in the reading that fits.
 
 
 class _Part(NamedTuple):

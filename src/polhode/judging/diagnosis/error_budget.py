@@ -1,30 +1,76 @@
-"""What limits the digits of a trajectory: rounding, inputs, conditioning, method or reference.
-
-And where a part leaves the motion: right until one time, and wrong from the next one on.  A motion
-that multiplies errors takes digits too, and takes them from any part: what is expected of rounding
-explains such a fall, and then none is told.
-"""
+"""The motion at any times in doubles: dearer digits are not needed to tell what a table means."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
-from itertools import accumulate, pairwise
+from itertools import accumulate, chain, pairwise
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from polhode.equations.plain_field import field
+from polhode.common.errors import BadInput
+from polhode.equations.form import field
+from polhode.judging.diagnosis.ways import Right, matrices
+from polhode.judging.reference import by_sign
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import brief
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import DOUBLE, Doubles, NumberType
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
-    from polhode.judging.conditioning.rounding_errors import Band
+    from polhode.judging.conditioning import Band
     from polhode.scenes.body import Body
+
+
+FARTHEST = 1e6  # radians, to which the steps of a run do not go
+
+
+def integrated(
+    scene: Scene, times: Sequence[Fraction], attitude: bool = True, number: NumberType = DOUBLE
+) -> Right | None:
+    """The motion, its attitude too where it has one; None where it cannot be integrated so far.
+
+    ``number``: the type in which it is integrated.
+    """
+    if max((abs(to_double(t)) for t in times), default=0.0) * 10.0**scene.log10_rate > FARTHEST:
+        return None
+    from polhode.runs.solve import solve
+
+    turning = attitude and bool(scene.columns[3:])
+    asked = replace(scene, outputs=("attitude",) if turning else (), events=())
+    parts = by_sign(times)
+    states, turned = [], []
+    try:
+        for part in parts:
+            run = solve(asked.at(part), number, interruptible=False)
+            if len(run.times) < len(part):
+                return None
+            states.append(np.asarray(run.states, dtype=float))
+            if turning:
+                turned.append(np.asarray(run.attitude, dtype=float))
+    except (BadInput, ImportError, ValueError, OverflowError):
+        return None
+    places = {t: k for k, t in enumerate(chain(*parts))}
+    order = [places[t] for t in times]
+    rows = np.concatenate(states)[order]
+    if not turning:
+        return Right(rows)
+    quaternions = np.concatenate(turned)[order]
+    return Right(rows, quaternions, matrices(quaternions))
+
+
+# --- error budget ---------------------------------------------------------------------------------
+#
+# What limits the digits of a trajectory: rounding, inputs, conditioning, method or reference.
+#
+# And where a part leaves the motion: right until one time, and wrong from the next one on. A
+# motion that multiplies errors takes digits too, and takes them from any part: what is expected
+# of rounding explains such a fall, and then none is told.
+
 
 LAST = 1.0  # digits: the type's own last ones
 MOTION_TAKES = 2.0  # digits: what the motion takes before it is named
@@ -151,7 +197,7 @@ def time_rounding(
     """By how much rounded times are off at most, if that explains the digits; None if not.
 
     A row holds at a time that the table has rounded, such as a clock's late ones:
-    :mod:`polhode.judging.tables.type_inference`.
+    :mod:`polhode.judging.tables.csv_file`.
 
     ``states``: rows of the scene's columns.  ``time_errors``: by how much their times may be off.
     ``digits``: the correct ones of each row.  ``rounding``: those that rounding the states leaves.

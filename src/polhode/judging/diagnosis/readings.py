@@ -1,7 +1,7 @@
 """How a table is read that is wrong as it stands, before it is judged.
 
 Its times may have another unit or another beginning, each part another convention.  All of that is
-found from a few rows (:func:`polhode.judging.diagnosis.evidence.probed_rows`); the rows of very
+found from a few rows (:func:`polhode.judging.diagnosis.conventions.probed_rows`); the rows of very
 many that a file has are then judged once, as they are read.  Or somebody tells the readings, which
 are applied whatever they give: ``omega degrees; attitude scalar-last``.  The words are those that a
 judgement prints, and no others.
@@ -22,12 +22,10 @@ from polhode.judging.diagnosis.conventions import (
     shown_rows,
     view,
 )
-from polhode.judging.diagnosis.other_times import clock_remark, other_times
-from polhode.judging.diagnosis.ways import Way, ways
-from polhode.judging.references.reference import AnyReference
-from polhode.judging.tables.attitude_forms import lengths, of_length_one
-from polhode.judging.tables.reading import LENGTH, Reading, TimeChange
-from polhode.judging.tables.table import Table, as_judged
+from polhode.judging.diagnosis.ways import Way, clock_remark, other_times, ways
+from polhode.judging.reference import AnyReference
+from polhode.judging.tables.column_aliases import lengths, of_length_one
+from polhode.judging.tables.table import LENGTH, Reading, Table, TimeChange, as_judged
 from polhode.scenes.vocabulary import ATTITUDE
 
 _APPLIED = "a reading that can be applied; this one is reported, and not applied"

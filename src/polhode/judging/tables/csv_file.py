@@ -1,12 +1,9 @@
-"""Tables in CSV files of other programs.
+"""Of which number type the cells of a table are, and by how much its times may be off.
 
-Separators are comma, semicolon, tab, or blanks, as the first line of the table has them, or as
-Excel's ``sep=;`` before it says.  Between semicolons or tabs the numbers may have decimal commas,
-if none has a point.  A header may stand in a comment (``# t p q r``, as NumPy writes it), or be
-given.  Numbers may be spelt as other languages write them: see :func:`plain_cell`.
-
-A decimal that stands for a double is the double nearest to it, which Python's ``float`` gives; all
-others are read exactly and rounded once.
+Arrays and lists of floats say their type themselves; decimals may be numbers of a type, printed
+with more digits than the type has.  A row of a right program holds at a time that the table has
+only in a number type, or in decimals of so many places: late in a clock's time that costs digits
+that the program did not lose.
 """
 
 from __future__ import annotations
@@ -14,26 +11,380 @@ from __future__ import annotations
 import codecs
 import csv
 import io
+import math
 import re
 import string
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from decimal import Decimal
+from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from polhode.common.errors import BadInput
+from polhode.common.arguments import each
+from polhode.common.errors import BadInput, few, nearest
 from polhode.common.files import STDIN, called, read_stdin, read_whole
-from polhode.judging.tables.attitude_forms import Cells
-from polhode.judging.tables.column_aliases import Column, Naming, by_clock
-from polhode.judging.tables.given_columns import refuse_names, table_of_cells
-from polhode.judging.tables.table import Table
-from polhode.judging.tables.type_inference import of_decimals, of_type, printed_type
+from polhode.judging.tables.column_aliases import (
+    PLAIN,
+    Cells,
+    Column,
+    Naming,
+    by_clock,
+    columns,
+    known,
+    not_judged,
+    twice,
+    with_quaternions,
+)
+from polhode.judging.tables.table import Table, degree
 from polhode.numbers import expression
+from polhode.numbers.conversion import exact_number, exactly, to_double
 from polhode.numbers.expression import ExpressionError
-from polhode.numbers.number_types import DIGITS_HELD, DOUBLE, NumberType
+from polhode.numbers.number_types import (
+    DIGITS_HELD,
+    DOUBLE,
+    EXTENDED,
+    QUAD,
+    SINGLE,
+    AnyNumber,
+    AnyVector,
+    NumberType,
+    bits_for,
+    mp,
+)
+from polhode.scenes.vocabulary import ATTITUDE, STATE
+
+_WIDER = (SINGLE, DOUBLE, EXTENDED)
+_KINDS = {"float32": 0, "float": 1, "float64": 1, "longdouble": 2}
+_NEUTRAL = ("bool", "int", "NoneType")  # exact in every type, or empty, or refused elsewhere
+
+_LOOKED_AT = 1000  # cells of a column
+_TIMES = 2000  # that are looked at
+_MANY = 8  # times that are not evenly spaced, of which the last digits tell
+_ROUND = 3  # one in so many may end in 0
+_FARTHEST = 400  # places of a cell that is looked at
+_SURE = 4.0  # log10 of how seldom other decimals are of a type by chance
+
+
+def type_of(parts: Iterable[Any]) -> NumberType | None:
+    """The widest floating-point type of the cells; None where a cell is of no such type.
+
+    ``parts``: arrays, lists or tuples of cells.  Integers and empty cells go with any type.
+    """
+    widest = -1
+    for kind in {kind for part in parts for kind in _kinds(part)}:
+        if _is_neutral(kind):
+            continue
+        if kind.__name__ not in _KINDS:
+            return None
+        widest = max(widest, _KINDS[kind.__name__])
+    return None if widest < 0 else _WIDER[widest]
+
+
+def _kinds(part: Any) -> set[type]:
+    """The classes of the cells of one part."""
+    dtype = getattr(part, "dtype", None)
+    if dtype is not None and dtype.kind != "O":
+        return {dtype.type}
+    return {*map(type, part)} if dtype is not None or isinstance(part, (list, tuple)) else {object}
+
+
+def _is_neutral(kind: type) -> bool:
+    return kind.__name__ in _NEUTRAL or kind.__name__.startswith(("int", "uint"))
+
+
+def printed_type(columns: Iterable[Sequence[str]], printed: int) -> NumberType | None:
+    """The narrowest type whose numbers decimals are, printed longer than it has digits, as NumPy's
+    ``savetxt`` writes doubles; None where they are of no such type.  Of extended and quad numbers
+    as many digits as they have tell; shorter decimals are read as doubles anyway.
+
+    ``printed``: the most significant digits of any cell.  A decimal of fewer digits than the type's
+    goes with any; each other must be the decimal of a number of the type.
+
+    >>> printed_type([["1.599999999999999922e-01", "2.999999999999999889e-01", "4.5"]], 19)
+    """
+    some = [[column[k] for k in few(len(column), _LOOKED_AT)] for column in columns]
+    for kind in (SINGLE, DOUBLE, EXTENDED, QUAD):
+        if printed < _telling(kind):
+            return None
+        evidence = 0.0
+        for cell in (cell for column in some for cell in column if cell):
+            told = _told(cell, kind)
+            if told is None:
+                break
+            evidence += told
+        else:
+            if evidence >= _SURE:
+                return kind
+    return None
+
+
+def _telling(kind: NumberType) -> int:
+    """The digits from which on decimals tell of a type."""
+    return kind.printed_digits + (kind.bits <= DOUBLE.bits)
+
+
+def _told(cell: str, kind: NumberType) -> float | None:
+    """How much a decimal tells for a type, as a power of ten; None where it is not of the type."""
+    try:
+        _, digits, places = Decimal(cell).as_tuple()
+    except InvalidOperation:  # refused where the cells are read
+        return None
+    if not isinstance(places, int):
+        return None
+    short = "".join(map(str, digits)).strip("0")
+    if len(short) < _telling(kind) or abs(places) > _FARTHEST:
+        return 0.0
+    x, unit = Fraction(int("".join(map(str, digits)))), Fraction(10) ** places
+    size = kind.rounded(x * unit)
+    if abs(size - x * unit) >= unit:
+        return None
+    spacing = math.log10(x) - (kind.bits - 1) * math.log10(2)
+    return max(0.0, spacing - math.log10(2))
+
+
+def of_type(times: Sequence[Fraction], number: NumberType) -> tuple[float, ...]:
+    """Half a unit in the last place, at most, of times of a number type."""
+    return tuple(abs(to_double(t)) * 2.0**-number.bits for t in times)
+
+
+def of_decimals(times: Sequence[Fraction], unit: Fraction) -> tuple[float, ...]:
+    """Half a unit of the last decimal place, if the times are rounded to it; empty if not.
+
+    They are if they are evenly spaced but for a unit; or if they are not evenly spaced, and their
+    last digits are of any kind.
+
+    >>> thirds = [Fraction(k, 3) for k in range(4)]
+    >>> of_decimals([Fraction(round(1000 * t), 1000) for t in thirds], Fraction(1, 1000))
+    (0.0005, 0.0005, 0.0005, 0.0005)
+    >>> of_decimals([Fraction(k, 10) for k in range(4)], Fraction(1, 10))
+    ()
+    """
+    counts = [t / unit for t in times[:_TIMES]]
+    steps = [after - before for before, after in pairwise(counts)]
+    uneven = max(steps, default=Fraction(0)) - min(steps, default=Fraction(0))
+    ending = sum(count % 10 == 0 for count in counts)
+    arbitrary = len(counts) >= _MANY and ending * _ROUND <= len(counts)
+    if uneven == 0 or (uneven > 2 and not arbitrary) or any(step == 0 for step in steps):
+        return ()
+    return (to_double(unit) / 2,) * len(times)
+
+
+# --- given columns --------------------------------------------------------------------------------
+#
+# Tables of columns: what their names and cells mean, wherever they come from.
+
+
+NAMING = "--columns 'NAME=COLUMN, ...' (in Python columns=[...])"
+_OFF = 0.05  # of 1: a length in most rows that no noise of a unit vector has
+MOST_PRINTED = 60  # digits that rows of exact numbers are counted as
+_MISSING = ("MaskedConstant", "NAType")  # of NumPy's masked arrays, of pandas
+MOST_DIGITS = 1000.0  # that are told of a table
+
+
+def table_of_rows(
+    states: Iterable[AnyVector],
+    at: Iterable[AnyNumber] | None,
+    columns: Sequence[str],
+    number: NumberType | None = None,
+) -> Table:
+    """Rows of numbers as a table; raises BadInput.  ``number``: their type, where it is not plain.
+
+    Floats, of Python or of an array, say so themselves; other numbers without ``number`` are exact.
+    """
+    at = at if at is None or hasattr(at, "dtype") or not isinstance(at, Iterable) else list(at)
+    times = each("compare", "at", () if at is None else at, _exactly, "a list of times")
+    try:
+        rows = [list(row) for row in states]
+    except TypeError as fault:
+        expected = f"a run, a file, columns by name or rows of finite numbers ({fault})"
+        raise BadInput("compare", "states", None, expected) from None
+    if at is None or len(times) != len(rows) or not rows:
+        raise BadInput("compare", "at", len(times), f"a time for each of {len(rows)} rows")
+    judged = [name for name in known()[1:] if name not in not_judged()]
+    for name in each("compare", "columns", columns, str, "a list of names"):
+        if name not in judged:
+            raise BadInput("compare", "columns", name, nearest(name, judged))
+    # Here, since of two columns of one name a mapping keeps the last.
+    refuse_names("compare", "columns", columns, PLAIN.columns(columns))
+    if any(len(row) != len(columns) for row in rows):
+        expected = f"{len(columns)} numbers in each row: {', '.join(columns)}"
+        raise BadInput("compare", "states", None, expected)
+    named = dict(zip(columns, zip(*rows, strict=True), strict=True))
+    return replace(table_of_columns({"t": at, **named}, number), name="states")
+
+
+def table_of_columns(
+    given: Any,
+    number: NumberType | None = None,
+    source: str = "compare",
+    names: Naming = PLAIN,
+) -> Table:
+    """Columns by name as a table: a mapping, a pandas DataFrame, an xarray Dataset.
+
+    ``source``: what complaints name.  ``names``: what was said of single names.
+
+    Names are those of a file's header; the time may be a DataFrame's index.  Columns of floats
+    are known as such; nan, NaT and None are empty cells.  Raises BadInput.
+    """
+    if hasattr(given, "iloc"):  # a DataFrame
+        if not hasattr(given, "columns"):
+            expected = "columns by name, t among them: a DataFrame, not one Series"
+            raise BadInput(source, "columns", type(given).__name__, expected)
+        if names.columns([str(given.index.name)])[0].name == "t":
+            given = given.reset_index()
+        held = {str(name): given[name].to_numpy() for name in given.columns}
+    else:
+        present = [*getattr(given, "coords", ()), *given.keys()]
+        held = {str(name): getattr(given[name], "values", given[name]) for name in present}
+    if (places := names.stamp([*held])) is not None:
+        held = _columns_with_whole_stamps(source, held, *([*held][k] for k in places))
+    header = [*held]
+    named = names.columns(header)
+    clock = next((k for k, one in enumerate(named) if one.name == "t"), None)
+    if clock is None:
+        expected = f"a column t among them, or {NAMING} that names it"
+        raise BadInput(source, "columns", ",".join(header), expected)
+    refuse_names(source, "columns", header, named)
+    if number is None:
+        judged = zip(header, named, strict=True)
+        number = type_of(held[name] for name, one in judged if one.name not in (None, "t"))
+    cells = [
+        None if one.name is None else each(source, name, held[name], _cell, "a column of numbers")
+        for name, one in zip(header, named, strict=True)
+    ]
+    whole = all(isinstance(t, Fraction) and t.denominator == 1 for t in cells[clock] or ())
+    named, remarks = by_clock(header, named) if whole else (named, ())
+    printed = number.printed_digits if number else MOST_PRINTED
+    found = table_of_cells(source, header, named, cells, printed, number)
+    errors = _errors(found.times, held[header[clock]], named[clock].factor)
+    name = "columns" if source == "compare" else source
+    return replace(found, name=name, remarks=(*remarks, *found.remarks), time_errors=errors)
+
+
+def _columns_with_whole_stamps(
+    source: str, held: Mapping[str, Any], seconds: str, rest: str
+) -> dict[str, Any]:
+    """Columns whose time is in two of them, seconds and nanoseconds, as one of them."""
+    parts = [each(source, name, held[name], _whole, "whole numbers") for name in (seconds, rest)]
+    if not all(0 <= part < 10**9 for part in parts[1]) or len(parts[0]) != len(parts[1]):
+        raise BadInput(source, rest, None, "whole nanoseconds below 1e9, one for each second")
+    times = [Fraction(whole * 10**9 + part, 10**9) for whole, part in zip(*parts, strict=True)]
+    joined = {"t" if name == seconds else name: x for name, x in held.items() if name != rest}
+    return joined | {"t": times}
+
+
+def _whole(value: Any) -> int:
+    exact = _exactly(value)
+    if exact.denominator != 1:
+        raise ValueError("not whole")
+    return exact.numerator
+
+
+def table_of_cells(
+    source: str,
+    header: Sequence[str],
+    named: Sequence[Column],
+    cells: Sequence[Cells | None],
+    printed: int,
+    number: NumberType | None,
+) -> Table:
+    """What cells mean by their columns' names: in the scene's units, one column of each name.
+
+    ``cells``: of each column; None of one that is not known.  Raises BadInput for a row without a
+    time.
+    """
+    found: dict[str, Cells] = {}
+    for (name, degrees, factor), column in zip(named, cells, strict=True):
+        if name is None or column is None:
+            continue
+        if degrees or factor != 1:
+            scale = factor * degree() if degrees else factor
+            column = tuple(x and exactly(x) * scale for x in column)
+        found[name] = column
+    times = [exactly(t) for t in found.pop("t") if t is not None]
+    if not times or any(len(column) != len(times) for column in found.values()):
+        expected = "columns as long as t, with a time in each row"
+        raise BadInput(source, "columns", ",".join(header), expected)
+    ignored = tuple(name for name, one in zip(header, named, strict=True) if one.name is None)
+    found = with_quaternions(found, bits_for(printed))
+    yardstick = number or (DOUBLE if printed <= DOUBLE.printed_digits else mp(printed))
+    told = number.most_digits if number else min(printed + 2.0, MOST_DIGITS)
+    held = min(told, yardstick.most_digits)
+    found, remarks = _with_rates(found, header)
+    return Table(
+        source, tuple(times), found, yardstick, held, printed, ignored=ignored, remarks=remarks
+    )
+
+
+def _with_rates(
+    found: dict[str, Cells], header: Sequence[str]
+) -> tuple[dict[str, Cells], tuple[str, ...]]:
+    """Columns in which ``gx gy gz`` beside a quaternion are rates, where they are not of length 1;
+    and that they are, in words."""
+    omega, gamma = STATE[:3], STATE[3:]
+    beside = columns([*header, "ax"])  # what they are beside accelerations
+    if not {*gamma, *ATTITUDE} <= found.keys() or {*omega} & found.keys():
+        return found, ()
+    if not {*omega} <= {one.name for one in beside}:
+        return found, ()
+    rows = zip(*(found[name] for name in gamma), strict=True)
+    sizes = [math.hypot(*(to_double(exactly(x)) for x in row)) for row in rows if None not in row]
+    if 2 * sum(abs(size - 1) > _OFF for size in sizes) <= len(sizes):
+        return found, ()
+    rates = {omega[gamma.index(name)] if name in gamma else name: x for name, x in found.items()}
+    return rates, ("gx gy gz were read as rates, for they are no unit vector",)
+
+
+def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[Column]) -> None:
+    """Raise BadInput for a column that is there twice, or a header with no column to judge."""
+    if (name := twice(named)) is not None:
+        both = [f"{of!r}" for of, meant in zip(header, named, strict=True) if meant.name == name]
+        expected = f"each column once ({', '.join(both)}), or {NAMING} that chooses one"
+        raise BadInput(source, key, name, expected)
+    if all(meant.name in (None, "t") for meant in named):
+        expected = f"columns besides t that can be judged: {NAMING} translates names"
+        expected += f" to {', '.join(known()[1:])}"
+        if "xyz[0]" in header:
+            expected += " (PX4's xyz[0] is p in vehicle_angular_velocity alone)"
+        raise BadInput(source, key, ",".join(header), expected)
+
+
+def _errors(times: Sequence[Fraction], given: Any, factor: Fraction) -> tuple[float, ...]:
+    """By how much times may be off that were given so: in floats, or in units of a clock."""
+    number = type_of([given])
+    if number is None:
+        return of_decimals(times, abs(factor)) if factor < 1 else ()
+    return of_type(times, number)
+
+
+def _cell(value: Any) -> float | Fraction | None:
+    """A cell's exact number, None where it is empty."""
+    if value is None or type(value).__name__ in _MISSING or value != value:
+        return None
+    if isinstance(value, float) and math.isfinite(value):
+        return float(value)
+    return _exactly(value)
+
+
+def _exactly(value: Any) -> Fraction:
+    return exactly(exact_number(value))
+
+
+# --- csv file -------------------------------------------------------------------------------------
+#
+# Tables in CSV files of other programs.
+#
+# Separators are comma, semicolon, tab, or blanks, as the first line of the table has them, or as
+# Excel's ``sep=;`` before it says. Between semicolons or tabs the numbers may have decimal
+# commas, if none has a point. A header may stand in a comment (``# t p q r``, as NumPy writes
+# it), or be given. Numbers may be spelt as other languages write them: see :func:`plain_cell`.
+#
+# A decimal that stands for a double is the double nearest to it, which Python's ``float`` gives;
+# all others are read exactly and rounded once.
+
 
 MAX_BYTES = 1 << 30
 MAX_LINE = 1_000_000  # characters

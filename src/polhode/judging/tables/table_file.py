@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import called, read_npz, read_whole
 from polhode.judging.tables.column_aliases import PLAIN, Naming, columns
-from polhode.judging.tables.csv_file import MAX_BYTES, read_csv
-from polhode.judging.tables.given_columns import refuse_names, table_of_columns
+from polhode.judging.tables.csv_file import MAX_BYTES, read_csv, refuse_names, table_of_columns
 from polhode.judging.tables.table import Table, of_run
 from polhode.numbers.number_types import NumberType
 from polhode.results import reader, writer

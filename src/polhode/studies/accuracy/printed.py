@@ -5,9 +5,15 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from polhode.checks.published_figures import PrintedFigure, figures, last_unit, significant_digits
-from polhode.checks.time_labels import TimeLabel, time_labels
-from polhode.judging.references.reference import reference as reference_of
+from polhode.checks.published_figures import (
+    PrintedFigure,
+    TimeLabel,
+    figures,
+    last_unit,
+    significant_digits,
+    time_labels,
+)
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers.decimals import decimal_string
 from polhode.scenes.scene import Scene
 

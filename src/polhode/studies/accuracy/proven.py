@@ -8,10 +8,9 @@ from fractions import Fraction
 from typing import Any
 
 from polhode.closed_forms.families import closed_form
-from polhode.enclosures import fixed_point_problem
-from polhode.enclosures.approximation import precision_choice
+from polhode.enclosures import approximation, fixed_point_problem
 from polhode.enclosures.certify import certify
-from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Exact
 from polhode.scenes.scene import Scene
@@ -28,7 +27,7 @@ def provable(scene: Scene) -> Scene | None:
 
 def proven_times(scene: Scene) -> list[Exact]:
     """Three times, the last at most so many steps away."""
-    away = precision_choice.steps(fixed_point_problem.motion(scene), scene.end)
+    away = approximation.steps(fixed_point_problem.motion(scene), scene.end)
     last = scene.end * min(Fraction(1), Fraction(STEPS) / Fraction(math.ceil(away) + 1))
     return [last * Fraction(k, 3) for k in (1, 2, 3)]
 

@@ -15,13 +15,12 @@ from polhode.common.processes import cores, in_order
 from polhode.common.provenance import digest
 from polhode.common.texts import JsonObject
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.conditioning.conditioning import Conditioning, conditioning
-from polhode.judging.conditioning.rounding_errors import Band
+from polhode.judging.compare import compare
+from polhode.judging.conditioning import Band, Conditioning, conditioning
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.references.reference import AnyReference
-from polhode.judging.references.reference import reference as reference_of
-from polhode.judging.score.compare import compare
-from polhode.judging.score.judgement import Judgement
+from polhode.judging.judgement import Judgement
+from polhode.judging.reference import AnyReference
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers import conversion, decimals, number_types
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.texts import JsonObject
-from polhode.figures.canvas.canvas import COLOURS, MARKS, as_svg, paper
+from polhode.figures.canvas import COLOURS, MARKS, as_svg, paper
 from polhode.studies.page import drawing
 
 if TYPE_CHECKING:

@@ -17,8 +17,7 @@ from polhode.numbers import decimals, exact, number_types
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.scenes import library
-from polhode.scenes.event import Event
-from polhode.scenes.scene import Scene
+from polhode.scenes.scene import Event, Scene
 from polhode.studies.events.zeros import Zeros, ulp
 from polhode.studies.row_filter import Only
 

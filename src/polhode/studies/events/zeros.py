@@ -8,12 +8,12 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from polhode.judging.references.reference import Reference
-from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.reference import Reference
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.mpmath_context import mpmath, own
-from polhode.scenes import column_expressions as columns_
+from polhode.scenes import vocabulary as columns_
 from polhode.scenes.scene import Scene
 
 DIGITS = 65  # of the closed form where its zeros are located

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from polhode.common.interrupts import Message
 from polhode.judging.correct_digits import log10_errors, log10_rate
-from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.reference import reference as reference_of
 from polhode.peers import process
 from polhode.studies.ensembles import TOPS
 from polhode.studies.processes import ask

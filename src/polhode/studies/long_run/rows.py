@@ -24,13 +24,12 @@ from polhode.common.interrupts import Message
 from polhode.common.processes import in_order
 from polhode.equations.integrals import departures
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.conditioning.conditioning import conditioning
+from polhode.judging.conditioning import conditioning
 from polhode.judging.correct_digits import log10_errors, log10_rate
-from polhode.judging.references.reference import Reference
-from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.reference import Reference
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers.decimals import significant
-from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.rows import Doubles
+from polhode.numbers.number_types import DOUBLE, Doubles
 from polhode.scenes.scene import Scene
 from polhode.studies.ensembles import TOPS, random_scene
 from polhode.studies.long_run import growth, late_time

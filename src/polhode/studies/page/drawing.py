@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from polhode.figures.canvas import canvas
-from polhode.figures.canvas.canvas import COLOURS, MARKS, power_of_ten
+from polhode.figures import canvas
+from polhode.figures.canvas import COLOURS, MARKS, power_of_ten
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

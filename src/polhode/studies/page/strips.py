@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from polhode.common.texts import JsonObject
-from polhode.figures.canvas.canvas import COLOURS, MARKS, as_svg, paper
+from polhode.figures.canvas import COLOURS, MARKS, as_svg, paper
 from polhode.studies.page.drawing import SHADE, WIDTH, legend
 
 #: Digits that a number type holds, and that the runs in mp are asked for.

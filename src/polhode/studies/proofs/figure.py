@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from polhode.common.texts import JsonObject
-from polhode.figures.canvas.canvas import BODY, REST, SPACE, as_svg, paper
-from polhode.figures.canvas.residue_axis import residue_axis
+from polhode.figures.canvas import BODY, REST, SPACE, as_svg, paper, residue_axis
 from polhode.figures.chaos_proof import Crossings, draw_crossings
 from polhode.studies.page import drawing
 

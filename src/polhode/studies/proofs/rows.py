@@ -17,15 +17,15 @@ from polhode.common.errors import BadInput
 from polhode.common.interrupts import Message
 from polhode.common.processes import cores, in_order
 from polhode.common.texts import JsonObject
-from polhode.dynamics.periodic_orbits.search import orbit_search
+from polhode.dynamics.families import orbit_search
 from polhode.figures.chaos_proof import crossings
 from polhode.numbers.decimals import brief
-from polhode.proofs.chaos.prove_chaos import prove_chaos
-from polhode.proofs.chaos.proved_chaos import ProvedChaos
+from polhode.proofs.certified_orbit import NotProved
+from polhode.proofs.prove_chaos import prove_chaos
 from polhode.proofs.prove_orbit import prove_all
 from polhode.proofs.prove_stability import prove_stability
+from polhode.proofs.proved_chaos import ProvedChaos
 from polhode.proofs.proved_orbit import ProvedOrbit
-from polhode.proofs.refusals import NotProved
 from polhode.scenes import library
 from polhode.scenes.from_numbers import top
 from polhode.scenes.scene import Scene

@@ -12,16 +12,14 @@ import numpy as np
 from polhode.equations.forms import principal
 from polhode.judging.adaptive_precision import integrate
 from polhode.judging.correct_digits import digits_of, log10_rate
-from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import DOUBLE, EXTENDED, bits_for
-from polhode.numbers.rows import Doubles, Rows
+from polhode.numbers.number_types import DOUBLE, EXTENDED, Doubles, Rows, bits_for
 from polhode.peers.field import TERMS
 from polhode.peers.prepared import Top
 from polhode.runs.integrate_many import integrate_many
-from polhode.scenes.output_times import even_times
-from polhode.scenes.scene import Scene
+from polhode.scenes.scene import Scene, even_times
 from polhode.studies.ensembles import CHAOTIC, STARTED, TOPS, random_scene
 from polhode.studies.speed.programs import DIAGRAM
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from polhode.common.texts import JsonObject
-from polhode.figures.canvas.canvas import as_svg, paper
+from polhode.figures.canvas import as_svg, paper
 from polhode.studies.page import drawing
 from polhode.studies.page.drawing import LOOKS, OTHER_LOOK, WIDTH
 from polhode.studies.speed.programs import BY_NAME

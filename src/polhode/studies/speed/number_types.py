@@ -9,13 +9,11 @@ from typing import Any, NamedTuple
 
 from polhode.judging.adaptive_precision import integrate
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers.decimals import significant
-from polhode.numbers.number_types import DOUBLE, named
-from polhode.numbers.rows import Given
+from polhode.numbers.number_types import DOUBLE, Given, named
 from polhode.scenes import library
-from polhode.scenes.output_times import even_times
-from polhode.scenes.scene import Scene
+from polhode.scenes.scene import Scene, even_times
 from polhode.studies.row_filter import Only
 from polhode.studies.speed.clock import timed
 

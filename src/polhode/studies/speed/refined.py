@@ -11,9 +11,9 @@ from typing import Any
 from polhode.common.interrupts import Message
 from polhode.judging.adaptive_precision import integrate
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.references.reference import reference
+from polhode.judging.reference import reference
 from polhode.numbers import number_types
-from polhode.numbers.rows import Given
+from polhode.numbers.number_types import Given
 from polhode.scenes import library
 from polhode.studies.row_filter import Only
 from polhode.studies.speed.clock import timed

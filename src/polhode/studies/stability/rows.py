@@ -7,8 +7,8 @@ from typing import Any
 
 from polhode.common.interrupts import Message
 from polhode.common.processes import cores, in_order
-from polhode.judging.conditioning.conditioning import conditioning
-from polhode.judging.references.reference import reference as reference_of
+from polhode.judging.conditioning import conditioning
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers import number_types
 from polhode.scenes import library
 from polhode.scenes.scene import Scene

@@ -11,8 +11,7 @@ from polhode.equations.readout import Readout
 from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
-from polhode.numbers.number_types import NumberType
-from polhode.numbers.rows import Row, Rows
+from polhode.numbers.number_types import NumberType, Row, Rows
 from polhode.numbers.vectors import dot, scaled
 from polhode.scenes.scene import Scene
 from polhode.taylor.stepping import Integrator

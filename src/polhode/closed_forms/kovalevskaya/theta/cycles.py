@@ -7,8 +7,8 @@ from itertools import pairwise
 
 from flint import acb, arb
 
+from polhode.closed_forms.balls.clocks import Linear, circle
 from polhode.closed_forms.balls.core import TooFewBits
-from polhode.closed_forms.balls.quadrature import Linear, circle
 from polhode.closed_forms.kovalevskaya.branch_points import ascending
 from polhode.closed_forms.kovalevskaya.theta.jacobian import segment
 

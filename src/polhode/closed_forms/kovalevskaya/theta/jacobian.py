@@ -14,8 +14,8 @@ from collections.abc import Sequence
 
 from flint import acb, arb
 
+from polhode.closed_forms.balls.clocks import Linear, Pair, circle, unit
 from polhode.closed_forms.balls.core import TooFewBits
-from polhode.closed_forms.balls.quadrature import Linear, Pair, circle, unit
 from polhode.closed_forms.balls.theta2 import (
     CHARACTERISTICS,
     Characteristic,

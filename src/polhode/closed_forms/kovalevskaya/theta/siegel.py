@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from polhode.closed_forms.balls.clocks import Pair
 from polhode.closed_forms.balls.core import TooFewBits
-from polhode.closed_forms.balls.quadrature import Pair
 
 #: Two periods, each of du = (ds/w, s ds/w).
 Columns: TypeAlias = tuple[Pair, Pair]

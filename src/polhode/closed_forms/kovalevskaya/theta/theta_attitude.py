@@ -24,9 +24,9 @@ from typing import TypeAlias
 
 from flint import acb, acb_mat, arb
 
+from polhode.closed_forms.balls.clocks import Pair
 from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
 from polhode.closed_forms.balls.frames import Turn, conjugate
-from polhode.closed_forms.balls.quadrature import Pair
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState, Values, dot
 from polhode.numbers.vectors import quaternion_product

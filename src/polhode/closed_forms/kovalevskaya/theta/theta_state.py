@@ -23,8 +23,8 @@ from typing import TypeAlias
 
 from flint import acb, arb
 
+from polhode.closed_forms.balls.clocks import Pair
 from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
-from polhode.closed_forms.balls.quadrature import Pair
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, square_roots

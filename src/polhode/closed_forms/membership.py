@@ -1,0 +1,307 @@
+"""Which scenes belong to a family of closed forms, and why others do not."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple
+
+from polhode.closed_forms.rounding import log2
+from polhode.numbers.decimals import decimal_string
+from polhode.numbers.exact import ONE, ZERO, Exact, binary, exact, log10, rounded, sign, sqrt
+from polhode.numbers.number_types import Scalar
+from polhode.numbers.vectors import Vector, cross, dot, is_zero, minus, momentum, scaled
+from polhode.scenes.scene import Scene
+
+# --- misfit ---------------------------------------------------------------------------------------
+#
+# Why a scene does not belong to a family of closed forms.
+
+
+class Misfit(NamedTuple):
+    """Why a scene does not belong to a family: the condition that fails, and by how much.
+
+    ``condition``: as in "A = 2C".  ``off``: by how much its two sides differ, relative to the
+    size of what is compared; None for a condition that holds or does not, with nothing between.
+    ``order``: which principal axes (0, 1, 2) are the family's axes 1, 2, 3, where they have other
+    names there.  ``worst``: by how much the condition that is off most is, where that is another.
+    """
+
+    condition: str
+    off: Exact | None = None
+    order: tuple[int, int, int] = (0, 1, 2)
+    worst: Exact | None = None
+
+    def within(self, share: Fraction) -> bool:
+        """Whether all conditions hold up to that share of what is compared."""
+        worst = self.off if self.worst is None else self.worst
+        return worst is not None and worst <= share
+
+    def __str__(self) -> str:
+        if self.off is None:
+            return self.condition
+        off = decimal_string(binary(*rounded(self.off, 60)), 3)
+        names = ""
+        if self.order != (0, 1, 2):
+            names = f" (its axes 1, 2, 3 are here {', '.join(str(i + 1) for i in self.order)})"
+        return f"{self.condition}{names}, off by {off}"
+
+
+# --- principal scene ------------------------------------------------------------------------------
+#
+# A body and its start in principal axes, exact: what decides which closed form fits.
+
+
+_USUAL = 256  # bits: numbers whose binary exponents are within are products of few doubles
+
+
+class PrincipalScene(NamedTuple):
+    """A body and its start in principal axes, every number exact.
+
+    ``moments``: the principal moments A, B, C.  ``torque``: Mg r0.  ``omega`` and ``gamma``: the
+    angular velocity and the upward vertical at t = 0; ``gamma`` is None where a torque-free body
+    was given without it, never for a heavy one.
+    """
+
+    moments: Vector
+    torque: Vector
+    omega: Vector
+    gamma: Vector | None
+
+
+def in_principal_axes(scene: Scene) -> PrincipalScene:
+    """The body and the start of a scene in the body's principal axes."""
+    body = scene.body
+    along = body.axes.components
+    gamma = None if scene.gamma is None else along(scene.gamma)
+    return PrincipalScene(body.moments, along(body.torque), along(scene.omega), gamma)
+
+
+def in_usual_units(scene: PrincipalScene) -> tuple[PrincipalScene, Fraction]:
+    """A heavy body in units where doubles hold its numbers, and the unit of its rates."""
+    mass = log2(max(scene.moments))
+    fastest = [log2(x) for x in scene.omega if sign(x)]
+    fastest += [(log2(x) - mass) / 2 for x in scene.torque if sign(x)]
+    inertia, rate = _unit(mass), _unit(max(fastest, default=0.0))
+    moments, torque = scaled(1 / inertia, scene.moments), scaled(1 / inertia, scene.torque)
+    torque, omega = scaled(1 / (rate * rate), torque), scaled(1 / rate, scene.omega)
+    return PrincipalScene(moments, torque, omega, scene.gamma), rate
+
+
+def _unit(log2_size: float) -> Fraction:
+    """1, or a power of two of such a size."""
+    return Fraction(2) ** round(log2_size) if abs(log2_size) > _USUAL else Fraction(1)
+
+
+# --- normal form ----------------------------------------------------------------------------------
+#
+# The axes in which a case has its normal form, and the conditions that it asks of a scene.
+#
+# A signed permutation P of the principal axes takes the moments to their permutation, polar
+# vectors (Mg r0, gamma) v to P v, and the angular velocity, an axial vector, to det(P) P w:
+# reflections are allowed. A case fits a scene if one of the 48 brings the scene to where all its
+# conditions hold.
+
+
+_ORDERS = 3  # of magnitude by which conditions that fail together may differ
+_EVEN = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+
+
+@dataclass(frozen=True)
+class NormalAxes:
+    """Axis n of the normal form is ``signs[n]`` times principal axis ``order[n]``."""
+
+    order: tuple[int, int, int]
+    signs: tuple[int, int, int]
+
+    @property
+    def determinant(self) -> int:
+        """1, or -1 for a reflection."""
+        x, y, z = self.signs
+        return x * y * z * (1 if self.order in _EVEN else -1)
+
+    def polar(self, v: Sequence[Scalar]) -> tuple[Scalar, Scalar, Scalar]:
+        """A polar vector, from principal axes to the normal ones; any scalars."""
+        x, y, z = (s * v[i] for s, i in zip(self.signs, self.order, strict=True))
+        return x, y, z
+
+    def axial(self, v: Sequence[Scalar]) -> tuple[Scalar, Scalar, Scalar]:
+        """An axial vector, from principal axes to the normal ones."""
+        x, y, z = (self.determinant * u for u in self.polar(v))
+        return x, y, z
+
+    def placed(self, moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Placed:
+        """A scene, given in principal axes, in these."""
+        a, b, c = (moments[i] for i in self.order)
+        return Placed((a, b, c), self.polar(torque), self.axial(omega), self.polar(gamma))
+
+
+#: All 48, the scene's own axes first.
+ALL_AXES = tuple(
+    NormalAxes(order, (x, y, z))
+    for order in (*_EVEN, (1, 0, 2), (0, 2, 1), (2, 1, 0))
+    for x, y, z in itertools.product((1, -1), repeat=3)
+)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A body and its start in some axes, exactly; ``torque`` is Mg r0."""
+
+    moments: Vector
+    torque: Vector
+    omega: Vector
+    gamma: Vector
+
+    @property
+    def speed(self) -> Exact:
+        """A size of w: the largest of |w| and sqrt(P/A), P = |Mg r0| and A the largest moment."""
+        fourth = dot(self.torque, self.torque) / max(self.moments) ** 2
+        return sqrt(max(dot(self.omega, self.omega), sqrt(fourth)))
+
+    @property
+    def weight(self) -> Exact:
+        """P."""
+        return sqrt(dot(self.torque, self.torque))
+
+    @property
+    def momentum(self) -> Vector:
+        """Iw."""
+        return momentum(self.moments, self.omega)
+
+    @property
+    def impulse(self) -> Exact:
+        """A size of Iw: the largest of |Iw| and sqrt(A P), what the weight makes of rest."""
+        return sqrt(max(dot(self.momentum, self.momentum), max(self.moments) * self.weight))
+
+    @property
+    def energy(self) -> Exact:
+        """H = w.Iw/2 + T.gamma."""
+        return dot(self.momentum, self.omega) / 2 + dot(self.torque, self.gamma)
+
+    @property
+    def area(self) -> Exact:
+        """F = Iw.gamma."""
+        return dot(self.momentum, self.gamma)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One condition of a case: what it says, and by how much a scene is off.
+
+    ``off`` is relative to the size of what is compared; 0 where the condition holds, 1 where an
+    ungraded one, with nothing between, does not.
+    """
+
+    text: str
+    off: Exact
+    graded: bool = True
+
+    @property
+    def holds(self) -> bool:
+        """Whether it holds, by the rule for *equal*."""
+        return sign(self.off) == 0
+
+
+_NOT_REAL = Condition("real constants of the motion", ONE, graded=False)
+
+
+def equal(text: str, left: Exact | int, right: Exact | int, size: Exact | None = None) -> Condition:
+    """left = right; ``size`` in place of |left| + |right|."""
+    left, right = exact(left), exact(right)
+    difference = left - right
+    if sign(difference) == 0:
+        return Condition(text, ZERO)
+    return Condition(text, abs(difference) / (abs(left) + abs(right) if size is None else size))
+
+
+def positive(text: str, value: Exact) -> Condition:
+    """value > 0: it holds or it does not, since nothing near its edge need fit."""
+    return Condition(text, ZERO if sign(value) > 0 else ONE, graded=False)
+
+
+def exclusion(text: str, applies: bool) -> Condition:
+    """What a case is not: it is told in words, with nothing between."""
+    return Condition(text, ONE if applies else ZERO, graded=False)
+
+
+def moving(scene: Placed) -> Condition:
+    """Not all six right-hand sides vanish."""
+    moment = minus(cross(scene.gamma, scene.torque), cross(scene.omega, scene.momentum))
+    still = is_zero(moment) and is_zero(cross(scene.gamma, scene.omega))
+    return exclusion("no permanent rotation", still)
+
+
+def matching(
+    scene: Placed, gamma: Sequence[Exact], squares: Sequence[Exact] | None = None
+) -> Iterator[Condition]:
+    """The start's gamma is that of the formulas; so are q^2 and r^2, if they are given."""
+    if squares is not None:
+        size = scene.speed * scene.speed
+        for name, w, square in zip("qr", scene.omega[1:], squares, strict=True):
+            yield equal(f"{name}^2 as p requires", w * w, square, size)
+    for i, (one, other) in enumerate(zip(scene.gamma, gamma, strict=True)):
+        yield equal(f"gamma{i + 1} as w requires", one, other, ONE)
+
+
+def on_axis_1(scene: Placed) -> Iterator[Condition]:
+    """The centre of mass is on the positive axis 1."""
+    yield equal("y0 = 0", scene.torque[1], ZERO, scene.weight)
+    yield equal("z0 = 0", scene.torque[2], ZERO, scene.weight)
+    yield positive("x0 > 0", scene.torque[0])
+
+
+#: The conditions of a case, in the order in which they are tested.
+Conditions = Callable[[Placed], Iterator[Condition]]
+
+
+def placed_in(conditions: Conditions, scene: PrincipalScene) -> tuple[NormalAxes, Placed] | None:
+    """The first axes in which all conditions hold, and the scene in them; None where none do."""
+    if scene.gamma is None or is_zero(scene.torque):
+        return None
+    for axes in ALL_AXES:
+        placed = axes.placed(scene.moments, scene.torque, scene.omega, scene.gamma)
+        if all(condition.holds for condition in conditions(placed)):
+            return axes, placed
+    return None
+
+
+def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
+    """In the axes that come nearest, the condition that fails; None where all hold.
+
+    Of several, the first that is off by about as much as the worst: those that follow from it fail
+    too.
+    """
+    if scene.gamma is None or is_zero(scene.torque):
+        return Misfit("a body on which the weight has a moment")
+    best, least = Misfit(_NOT_REAL.text), math.inf
+    for axes in ALL_AXES:
+        placed = axes.placed(scene.moments, scene.torque, scene.omega, scene.gamma)
+        failing = _failing(conditions, placed, least)
+        if not failing:
+            return None
+        sizes = [log10(condition.off) for condition in failing]
+        if max(sizes) < least:
+            least = max(sizes)
+            first = next(n for n, size in enumerate(sizes) if size > least - _ORDERS)
+            text, off, graded = failing[first].text, failing[first].off, failing[first].graded
+            worst = failing[sizes.index(least)].off
+            best = Misfit(text, off, axes.order, worst) if graded else Misfit(text)
+    return best
+
+
+def _failing(conditions: Conditions, placed: Placed, least: float) -> list[Condition]:
+    """The conditions that fail, up to one that is off by more than 10^least."""
+    failing: list[Condition] = []
+    try:
+        for condition in conditions(placed):
+            if not condition.holds:
+                failing.append(condition)
+                if log10(condition.off) >= least:
+                    break
+    except (ZeroDivisionError, ValueError):  # constants that are not real
+        failing.append(_NOT_REAL)
+    return failing

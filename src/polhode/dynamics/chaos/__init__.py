@@ -1,1 +1,0 @@
-"""Chaos maps: which motions of a level or of a family are chaotic."""

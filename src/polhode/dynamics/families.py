@@ -1,0 +1,567 @@
+"""Families of periodic orbits along h or f: what is asked, what is found."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from polhode.common.arguments import cells, each, whole
+from polhode.common.errors import BadInput, counted, nearest
+from polhode.common.interrupts import Message
+from polhode.common.values import ByValue
+from polhode.dynamics import coordinates as geometry
+from polhode.dynamics.coordinates import turned
+from polhode.dynamics.newton_shooting import (
+    BY,
+    FIRST_STEP,
+    TARGET,
+    Arc,
+    Closed,
+    Member,
+    NotClosed,
+    Surface,
+    at_level,
+    closed,
+    stepped,
+)
+from polhode.dynamics.orbit import (
+    ASTRAY,
+    DIGITS,
+    Orbit,
+    completed,
+    kind_of,
+    moved_from,
+    orbit,
+    primitive,
+)
+from polhode.dynamics.section import section
+from polhode.dynamics.starts import MAXIMA, MOST_STARTS, asked_of, starts_of
+from polhode.equations.section_functions import MOMENTUM
+from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact, sign
+from polhode.numbers.number_types import DOUBLE, AnyNumber, Doubles
+from polhode.results.cells import INTEGER
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
+from polhode.scenes import library
+from polhode.scenes.given_numbers import AREA, ENERGY, reader
+from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import (
+    provenance_fact,
+    row_columns,
+    scene_facts,
+    text_column,
+    unit_of,
+)
+from polhode.scenes.vocabulary import REQUESTS, STATE
+from polhode.taylor.variations import NotFollowed
+
+POINTS = 200
+LOST = "not followed beyond"
+MOST_POINTS = 100_000
+_KNOWN = 1e-9  # about the error of a residue in double, times the matrix's size
+
+
+class FamilyPoint(NamedTuple):
+    """An orbit of a family, in double: its level, its period, its residue and a state of it.
+
+    ``state``: p q r gamma1 gamma2 gamma3 in the scene's axes and units.
+    """
+
+    h: float
+    f: float
+    period: float
+    residue: float
+    state: tuple[float, ...]
+
+    @property
+    def kind(self) -> str:
+        """elliptic, hyperbolic, inverse hyperbolic or parabolic."""
+        return kind_of(self.residue, _KNOWN)
+
+
+def points_table(scene: Scene, points: Sequence[FamilyPoint]) -> Table:
+    """One row per orbit."""
+    states = [point.state for point in points]
+    return Table(
+        [
+            Column("orbit", [*range(1, len(points) + 1)], type=INTEGER),
+            Column("h", [x.h for x in points], "energy"),
+            Column("f", [x.f for x in points], "vertical momentum"),
+            Column("period", [x.period for x in points], "", unit_of(scene, "t"), digits=12),
+            Column("residue", [x.residue for x in points], "Greene's"),
+            text_column("kind", [x.kind for x in points], "of its stability"),
+            *row_columns(scene, STATE, states, DOUBLE, digits=6),
+        ]
+    )
+
+
+class Bifurcation(NamedTuple):
+    """Where a residue passes 0 or 1: ``what``: fold, branch point or period doubling.
+
+    Folds are found to ten digits and more; branch points, where two families meet, to about six.
+    ``after``: the number of points before it.
+    """
+
+    what: str
+    point: FamilyPoint
+    after: int
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class OrbitFamily(Result, ByValue):
+    """Periodic orbits along a curve on which h (or f) varies and f (or h) is kept fixed.
+
+    ``by``: h or f.  ``points``: from the first orbit on, in double.  ``bifurcations``: in the order
+    in which they were passed.  ``ended``: why the family ends there.
+
+    >>> import polhode
+    >>> found = polhode.orbit_family("grioli/precession", "h", "0.76")
+    >>> found.ended
+    'reached h = 19/25'
+    >>> [one.what for one in found.bifurcations]
+    ['branch point']
+    """
+
+    scene: Scene
+    by: str
+    points: tuple[FamilyPoint, ...]
+    bifurcations: tuple[Bifurcation, ...]
+    ended: str
+    interrupted: bool
+    members: tuple[Member, ...]
+    surface: Surface
+    provenance: Mapping[str, object] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        n = len(self.points)
+        orbits = counted(n, "orbit")
+        return f"<OrbitFamily of {self.scene.name}: {orbits} along {self.by}, {self.ended}>"
+
+    def table(self) -> Table:
+        """One row per orbit, from the first on."""
+        return points_table(self.scene, self.points)
+
+    def facts(self) -> list[Fact]:
+        """What varies, why the family ends, and its bifurcations."""
+        passed = points_table(self.scene, [x.point for x in self.bifurcations])
+        bifurcations = [
+            text_column("what", [x.what for x in self.bifurcations]),
+            Column("after", [x.after for x in self.bifurcations], "orbits before", type=INTEGER),
+            *passed.columns[1:],
+        ]
+        return [
+            *scene_facts(self.scene),
+            Fact("by", self.by, "what varies"),
+            Fact("h", self.surface.h, "energy of the first orbit"),
+            Fact("f", self.surface.f, "vertical momentum of the first orbit"),
+            Fact("ended", self.ended, "why the family ends there"),
+            Fact("complete", self.complete, "whether followed as far as asked"),
+            Fact("bifurcations", Table(bifurcations, 0)),
+            provenance_fact(self.provenance),
+        ]
+
+    @property
+    def complete(self) -> bool:
+        """Whether it was followed as far as it was asked for, or came back."""
+        return not self.interrupted and not self.ended.startswith(LOST)
+
+    def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
+        """The k-th point's orbit to ``digits`` digits, on exactly the level of its doubles."""
+        point = self.points[k]
+        levels = self.surface.h, self.surface.f
+        given: list[Exact] = [exactly(point.h), exactly(point.f)]
+        held = 1 - BY.index(self.by)
+        given[held] = levels[held]
+        on = Surface(self.scene, *given)
+        known = self.members[k].found
+        anchor = [exactly(x) for x in known.state.tolist()]
+        return completed(on, known, anchor, digits, self.scene.name, 0.0)
+
+
+def orbit_family(
+    start: Orbit | Scene | str | Path,
+    by: str,
+    to: AnyNumber,
+    *,
+    points: int = POINTS,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
+    period: AnyNumber | None = None,
+    returns: int | None = None,
+    progress: Message | None = None,
+) -> OrbitFamily:
+    """Follow a family of periodic orbits from one orbit to another value of h or f.
+
+    It is followed through folds; if it returns to the value at which it began, it ends there.
+    Ctrl-C ends it and keeps the orbits found.
+
+    Parameters
+    ----------
+    start : Orbit, Scene, str or Path
+        An orbit, or a scene near one (see :func:`polhode.orbit`).
+    by : {"h", "f"}
+        What varies, the energy or the vertical momentum; the other one is kept fixed.
+    to : number
+        The value at which to end.
+    points : int
+        The largest number of orbits (200).
+    h, f : number, optional
+        The level of a scene's first orbit, if not the scene's.
+    period, returns : number and int, optional
+        A guess of its period, or the number of near returns to try, as in :func:`polhode.orbit`.
+    progress : callable, optional
+        Called with a line of text now and then.
+
+    Returns
+    -------
+    OrbitFamily
+        A point for each orbit: value, start, period, residue; and how it ended.
+
+    Raises
+    ------
+    BadInput
+        If there is no first orbit, or several families pass through it.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> spun = polhode.top(moments=[2, 1.5, 1], omega=[1, 0, 0], gamma=["4/5", "3/5", 0])
+    >>> found = polhode.orbit_family(spun, "h", 4)  # the axis's rotation, twice as fast
+    >>> abs(found.points[-1].period - 3.141592653589793) < 1e-13, found.ended
+    (True, 'reached h = 4')
+    """
+    if by not in BY:
+        raise BadInput("orbit_family", "by", by, nearest(by, [*BY]))
+    if not isinstance(start, Orbit):
+        found = orbit(start, h=h, f=f, period=period, returns=returns, progress=progress)
+    elif h is f is period is returns is None:
+        found = start
+    else:
+        raise BadInput(start.name, "start", None, "a scene, whose first orbit is looked for")
+    on = found.surface
+    name = on.scene.name
+    most = whole(name, "points", points, 2, MOST_POINTS)
+    unit = ENERGY if by == "h" else AREA
+    (end,) = each(name, "to", (to,), reader(on.scene.units, unit), "a number")
+    begin = on.h if by == "h" else on.f
+    if sign(end - begin) == 0:
+        raise BadInput(name, "to", shown(end), f"another {by} than that of the first orbit")
+    try:
+        arc = Arc(on, found.closed, by)
+    except NotClosed as fault:
+        expected = f"an orbit of one family ({fault}: its residue is {float(found.residue):.1e})"
+        raise BadInput(name, "start", None, expected) from None
+    return _followed(on, arc, by, begin, end, most, progress)
+
+
+def _followed(
+    on: Surface, arc: Arc, by: str, begin: Exact, end: Exact, most: int, progress: Message | None
+) -> OrbitFamily:
+    """The family from the first member towards one value, within both."""
+    member, factor = arc.first, _factor(on, by)
+    low, high = to_double(begin) / factor, to_double(end) / factor
+    if member.slope * (high - low) < 0:
+        member = member._replace(tangent=-member.tangent, slope=-member.slope)
+    members, special = [member], []
+    ended, interrupted, length = f"{most} points", False, FIRST_STEP
+    try:
+        while len(members) < most:
+            ends = (high,) if len(members) == 1 else (low, high)
+            step = stepped(arc, member, length, ends)
+            targets = [one for one in step.passed if one.what == TARGET]
+            for one in step.passed:
+                if one.what == TARGET:
+                    break
+                special.append(Bifurcation(one.what, point_of(on, one.member.found), len(members)))
+            if targets:
+                last, back = targets[0].member, targets[0].member.value
+                back = abs(back - low) < abs(back - high)
+                value = begin if back else end
+                members.append(_exactly_there(on, arc, last, by, value))
+                ended = f"{'came back to' if back else 'reached'} {by} = {shown(value)}"
+                break
+            member, length = step.member, step.length
+            members.append(member)
+            if progress is not None:
+                progress(f"{len(members)} orbits, {by} = {member.value * factor:.6g}")
+    except NotClosed as fault:
+        ended = f"{LOST} {by} = {member.value * factor:.6g} ({fault})"
+    except KeyboardInterrupt:
+        ended, interrupted = "interrupted", True
+    return OrbitFamily(
+        on.scene,
+        by,
+        tuple(point_of(on, one.found) for one in members),
+        tuple(special),
+        ended,
+        interrupted,
+        tuple(members),
+        on,
+        on.scene.provenance(),
+    )
+
+
+def _exactly_there(on: Surface, arc: Arc, last: Member, by: str, value: Exact) -> Member:
+    """The member with just this value: along the arc it is met to a few digits less."""
+    level = Surface(on.scene, value, on.f) if by == "h" else Surface(on.scene, on.h, value)
+    state = last.found.state
+    try:
+        orbit = closed(level, state, last.found.period, at_level(level, state))
+        return arc.member(orbit, last.tangent)
+    except NotClosed:
+        return last
+
+
+def _factor(on: Surface, by: str) -> float:
+    """What h (or f) of the surface is multiplied by to be in the scene's units."""
+    largest, unit = to_double(max(on.scene.body.moments)), float(on.unit)
+    return largest / unit**2 if by == "h" else largest / unit
+
+
+def point_of(on: Surface, orbit: Closed) -> FamilyPoint:
+    """An orbit in the units and axes of its scene."""
+    h, f, _ = on.integrals(orbit.state)
+    state = turned(on.scene, orbit.state)
+    return FamilyPoint(
+        float(h) * _factor(on, "h"),
+        float(f) * _factor(on, "f"),
+        float(orbit.period * float(on.unit)),
+        float(orbit.residue),
+        tuple(state.tolist()),
+    )
+
+
+# --- search ---------------------------------------------------------------------------------------
+#
+# Periodic orbits of a level, searched for from the cells of its section.
+#
+# From every cell's centre an orbit is followed to its first returns to the section of extrema of
+# |G|. Where the n-th return comes nearer to its start than from all cells around, Newton's method
+# begins. Orbits that cross between cells, or are too unstable to be met, stay unseen: no list is
+# complete.
+
+
+GRID = (20, 20)
+CROSSINGS = 3
+MOST_CROSSINGS = 100
+FARTHEST = 0.5  # scaled: a return farther away than this is none
+LOOKS = 400  # along an orbit with which another one is compared
+ALIKE = 1e-7  # relative: periods and residues of one orbit
+
+
+class Guess(NamedTuple):
+    """A start, a time, the distance at that time, and after how many crossings."""
+
+    state: Doubles
+    time: float
+    distance: float
+    crossings: int
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class OrbitSearch(Result, ByValue):
+    """The periodic orbits that were found on one level, by increasing period.
+
+    The list is not complete.  ``orbits``: each with its period, residue and a state, in double.
+    ``guesses``: how many were tried.
+
+    >>> import polhode
+    >>> found = polhode.orbit_search("general/asymmetric-regular", (8, 8), crossings=1)
+    >>> found
+    <OrbitSearch of general/asymmetric-regular: 3 orbits from 3 guesses>
+    >>> found.orbit(0, digits=20).kind
+    'elliptic'
+    """
+
+    scene: Scene
+    orbits: tuple[FamilyPoint, ...]
+    guesses: int
+    interrupted: bool
+    closed: tuple[Closed, ...]
+    surface: Surface
+    provenance: Mapping[str, object] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        orbits = counted(len(self.orbits), "orbit")
+        guesses = f"{self.guesses} guess" + "es" * (self.guesses != 1)
+        return f"<OrbitSearch of {self.scene.name}: {orbits} from {guesses}>"
+
+    def table(self) -> Table:
+        """One row per orbit, by increasing period."""
+        return points_table(self.scene, self.orbits)
+
+    def facts(self) -> list[Fact]:
+        """The level, and how many guesses were tried."""
+        return [
+            *scene_facts(self.scene),
+            Fact("h", self.surface.h, "energy"),
+            Fact("f", self.surface.f, "vertical momentum"),
+            Fact("guesses", self.guesses, "that were tried"),
+            Fact("complete", not self.interrupted, "whether all guesses were tried"),
+            provenance_fact(self.provenance),
+        ]
+
+    def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
+        """The k-th orbit to ``digits`` digits."""
+        known = self.closed[k]
+        anchor = [exactly(x) for x in known.state.tolist()]
+        return completed(self.surface, known, anchor, digits, self.scene.name, 0.0)
+
+
+def orbit_search(
+    scene: Scene | str | Path,
+    grid: tuple[int, int] | None = None,
+    crossings: int | None = None,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
+    progress: Message | None = None,
+) -> OrbitSearch:
+    """Search a level for periodic orbits; orbits between the cells may be missed.
+
+    Ctrl-C ends it and keeps the orbits found.
+
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    grid : tuple of int, optional
+        The cells of the section's coordinates l and L/G (20x20 unless given).
+    crossings : int, optional
+        The largest number of crossings in a period (3 unless given).
+    h, f : number, optional
+        The level's energy h or vertical momentum f, if not the scene's.
+    progress : callable, optional
+        Called with a line of text now and then.
+
+    Returns
+    -------
+    OrbitSearch
+        The orbits found, each once, by increasing period.
+
+    Raises
+    ------
+    BadInput
+        A level that does not exist.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> found = polhode.orbit_search("general/asymmetric-regular", crossings=2)
+    >>> sorted({one.kind for one in found.orbits})
+    ['elliptic', 'hyperbolic']
+    """
+    scene = library.load(scene, takes=REQUESTS)
+    most = CROSSINGS if crossings is None else crossings
+    most = whole(scene.name, "crossings", most, 1, MOST_CROSSINGS)
+    across = cells(scene.name, GRID if grid is None else grid, MOST_STARTS)
+    asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
+    on = Surface(scene, asked.h, asked.f)
+    orbits: list[Closed] = []
+    tried, interrupted = 0, False
+    try:
+        for guess in _guesses(on, across, most):
+            tried += 1
+            orbit = _closed(on, guess)
+            if orbit is not None and not any(_same(on, orbit, other) for other in orbits):
+                orbits.append(orbit)
+            if progress is not None:
+                progress(f"{tried} guesses, {len(orbits)} orbits")
+    except KeyboardInterrupt:
+        interrupted = True
+    orbits.sort(key=lambda one: float(one.period))
+    points = tuple(point_of(on, one) for one in orbits)
+    return OrbitSearch(scene, points, tried, interrupted, tuple(orbits), on, scene.provenance())
+
+
+def picked(
+    scene: Scene,
+    grid: tuple[int, int] | None,
+    pick: int | None,
+    crossings: int | None,
+    h: AnyNumber | None,
+    f: AnyNumber | None,
+    progress: Message | None,
+    digits: int = DIGITS,
+) -> Orbit:
+    """The orbit of this number among those of a search, from 1, to so many digits."""
+    if grid is None or pick is None:
+        expected = "a search and the number of an orbit in it; polhode orbits lists them"
+        raise BadInput(scene.name, "pick", pick, expected)
+    found = orbit_search(scene, grid, crossings, h, f, progress)
+    if not 1 <= pick <= len(found.orbits):
+        expected = f"a number to {len(found.orbits)}: so many orbits were found"
+        raise BadInput(scene.name, "pick", pick, expected)
+    return found.orbit(pick - 1, digits)
+
+
+def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[Guess]:
+    """Starts whose return is nearer than those of the cells around, by rising number of it."""
+    scene, unit = on.scene, float(on.unit)
+    asked = asked_of(scene, MOMENTUM, MAXIMA, on.h, on.f)
+    begun = starts_of(asked, geometry.ground(scene, on.h, on.f), None, grid)
+    cut = section(
+        scene,
+        MOMENTUM,
+        MAXIMA,
+        grid=grid,
+        crossings=most,
+        h=on.h,
+        f=on.f,
+        workers=1,
+        accuracy=False,
+    )
+    if cut.interrupted:
+        raise KeyboardInterrupt
+    states = geometry.turned(scene, cut.states, back=True)
+    for n in range(most):
+        off = (states[:, n] - begun.states) / on.scale(begun.states[0])
+        distance = np.where(np.isnan(off).any(axis=1), np.inf, np.sqrt((off**2).sum(axis=1)))
+        cells = np.full(grid[0] * grid[1], np.inf)
+        np.minimum.at(cells, begun.of, distance)
+        least = _least_around(cells.reshape(grid)).ravel()
+        for k in np.flatnonzero((distance <= least[begun.of]) & (distance < FARTHEST)).tolist():
+            time = float(cut.times[k, n]) / unit
+            yield Guess(begun.states[k], time, float(distance[k]), n + 1)
+
+
+def _least_around(cells: Doubles) -> Doubles:
+    """The least of each cell and its eight neighbours; the first coordinate is an angle."""
+    wide = np.pad(np.pad(cells, ((1, 1), (0, 0)), mode="wrap"), ((0, 0), (1, 1)), mode="edge")
+    first, second = cells.shape
+    parts = [wide[i : i + first, j : j + second] for i in range(3) for j in range(3)]
+    least: Doubles = np.min(parts, axis=0)
+    return least
+
+
+def _closed(on: Surface, guess: Guess) -> Closed | None:
+    """The orbit near a guess, with its shortest period; None where there is none."""
+    try:
+        orbit = closed(on, guess.state, guess.time, at_level(on, guess.state))
+    except NotClosed:
+        return None
+    if moved_from(on, orbit, guess.state) > ASTRAY * guess.distance:
+        return None
+    return primitive(on, orbit)
+
+
+def _same(on: Surface, one: Closed, other: Closed) -> bool:
+    """Whether a state of one orbit lies on another: mirror images have period and residue alike."""
+    alike = abs(one.period - other.period) < ALIKE * other.period
+    if not alike or abs(one.residue - other.residue) > ALIKE * np.linalg.norm(other.monodromy):
+        return False
+    scale = on.scale(other.state)
+    try:
+        times = np.linspace(0, float(other.period), LOOKS + 1)
+        off = (on.plain_flow.along(other.state, times) - one.state) / scale
+    except NotFollowed:
+        return False
+    near = off[int(np.argmin((off**2).sum(axis=1)))]
+    way = on.rates(one.state) / scale
+    across = near - (near @ way) / (way @ way) * way
+    return bool(np.linalg.norm(across) < 0.1 * float(other.period) / LOOKS * np.linalg.norm(way))

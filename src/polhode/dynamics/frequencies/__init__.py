@@ -1,1 +1,0 @@
-"""Frequencies of a motion from its samples."""

@@ -1,1 +1,0 @@
-"""Levels of energy and area: permanent rotations, regions, effective potential."""

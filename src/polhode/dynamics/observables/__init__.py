@@ -1,1 +1,0 @@
-"""Sweeps that keep some numbers of each member."""

@@ -1,1 +1,0 @@
-"""Periodic orbits: found, refined to any digits, continued in families."""

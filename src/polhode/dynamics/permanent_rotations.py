@@ -1,0 +1,404 @@
+"""A body in rational numbers, and how far from it exact arithmetic reaches."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from flint import arb, arb_poly, fmpq_poly
+
+from polhode.closed_forms.rotation_stability import spectrum
+from polhode.common.errors import BadInput
+from polhode.common.values import cached_property
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact
+from polhode.numbers.flint_context import ctx
+from polhode.numbers.number_types import Doubles
+from polhode.numbers.vectors import Polynomial, dot, fraction_near, middle, rational, real_roots
+from polhode.scenes.body import Body
+
+BITS = 320  # of balls around what is irrational
+
+BODY_BITS = 1024  # of the numbers of a body that are irrational themselves
+
+_SHORT_BITS = 256  # of the denominator of a level's rational number
+
+MOST_SPREAD = 140.0  # bits between the roots that are looked for: 3 s of FLINT's, no more
+
+
+class RationalBody(NamedTuple):
+    """Moments and T = Mg r0 in principal axes; ``exact``: whether they are the body's own."""
+
+    moments: tuple[Fraction, ...]
+    torque: tuple[Fraction, ...]
+    exact: bool
+
+    @classmethod
+    def of(cls, body: Body) -> RationalBody:
+        """A body's; irrational numbers to :data:`BODY_BITS` bits, zeros and equal ones kept."""
+        torque = body.axes.components(body.torque)
+        pairs = [fraction_near(x, BODY_BITS) for x in (*body.moments, *torque)]
+        numbers = [x for x, _ in pairs]
+        return cls(tuple(numbers[:3]), tuple(numbers[3:]), all(same for _, same in pairs))
+
+    @property
+    def axis(self) -> int | None:
+        """The axis of a body that is symmetric with its centre of mass; None without one."""
+        a, t = self.moments, self.torque
+        for k in (2, 0, 1):
+            i, j = (k + 1) % 3, (k + 2) % 3
+            if a[i] == a[j] and t[i] == t[j] == 0:
+                return k
+        return None
+
+    @property
+    def heavy(self) -> Fraction:
+        """|T|^2."""
+        return sum((t * t for t in self.torque), Fraction(0))
+
+    def below_all(self, f: Fraction) -> Fraction:
+        """An energy below that of every motion at f: f^2/2A - |T|, A the largest moment."""
+        size = Fraction(math.isqrt(math.ceil(self.heavy * 4**BITS)) + 1, 2**BITS)
+        return f * f / (2 * max(self.moments)) - size
+
+
+class Reach(NamedTuple):
+    """The sizes of f whose exact roots are computed within seconds: f = 0, and from least to most.
+
+    Roots of the polynomials of permanent rotations crowd around the moments, the nearer the farther
+    apart the numbers are, and FLINT's isolation of them can neither be interrupted nor does it end
+    in time.  How many bits it needs is told beforehand, by twice the bits of the body's own gaps
+    and those of f over the root of the largest moment times |Mg r0|.
+    """
+
+    least: float
+    most: float
+
+    @classmethod
+    def of(cls, body: RationalBody) -> Reach:
+        """A body's; an empty one, most < least, of a body whose own numbers lie too far apart."""
+        square = body.heavy
+        if square == 0:
+            return cls(0.0, math.inf)
+        moments, largest = body.moments, max(body.moments)
+        gaps = [log2(abs(a - b) / largest) for a in moments for b in moments if a != b]
+        gaps += [log2(a / largest) for a in moments]
+        gaps += [log2(t * t / square) / 2 for t in body.torque if t != 0]
+        spare = MOST_SPREAD + 2 * min(gaps)
+        unit = (log2(largest) + log2(square) / 2) / 2
+        poles = {a for a, t in zip(moments, body.torque, strict=True) if t != 0}
+        if len(poles) == 1:  # little crowds; but most f are those of balls of BITS bits
+            return cls(_power(unit - 2 * MOST_SPREAD), _power(unit + MOST_SPREAD))
+        return cls(_power(unit - spare), _power(unit + spare))
+
+    def __contains__(self, f: object) -> bool:
+        """Whether f, exact, is within reach."""
+        return isinstance(f, Fraction) and (f == 0 or self.least <= abs(f) <= self.most)
+
+
+def refuse_far(name: str, key: str, body: RationalBody, f: Fraction) -> None:
+    """Raise BadInput for an f that exact arithmetic does not reach within seconds."""
+    reach = Reach.of(body)
+    if f in reach:
+        return
+    if reach.most < reach.least:
+        expected = (
+            "moments, gaps between them and components of Mg r0 within "
+            f"{2 ** (MOST_SPREAD / 2):.0e} of each other, for exact levels"
+        )
+        raise BadInput(name, "body", None, expected)
+    low = f"0, or from {reach.least:.3g}" if reach.least else "0"
+    expected = f"of a size within the reach of exact levels: {low} to {reach.most:.3g}"
+    raise BadInput(name, key, shown(f), expected)
+
+
+def simplest(x: Exact) -> Exact:
+    """A rational number that x is by the rule for *equal*, if it is a short one; else x.
+
+    A start on a rational level has an irrational omega, from which h and f are computed.
+    """
+    if isinstance(x, Fraction):
+        return x
+    near = fraction_near(x, BODY_BITS)[0].limit_denominator(2**_SHORT_BITS)
+    return near if x == near else x
+
+
+def log2(x: Fraction) -> float:
+    """Of a number above 0, of any size."""
+    return math.log2(x.numerator) - math.log2(x.denominator)
+
+
+def _power(x: float) -> float:
+    """2**x within the range of doubles."""
+    return math.exp2(max(-1000.0, min(1000.0, x)))
+
+
+# --- permanent rotations --------------------------------------------------------------------------
+#
+# Permanent rotations of a body as curves in the plane of area f and energy h, their types exact.
+#
+# The critical points of h at fixed f are Staude's rotations: w = om gamma with om^2 (I - s) gamma
+# = T, T = Mg r0 (O. Staude, J. reine angew. Math. 113 (1894) 318). They form a *first family*, by
+# s, between poles at the moments A_i with T_i != 0, and a *second* one for each axis with T_i =
+# 0, which has s = A_i and leaves the first where gamma_i = 0. In both gamma is along a vector g
+# of polynomials in one number x, and om^2 = |g|/|k|:
+#
+#     first    x = s                      g_j = k T_j/(A_j - x)          k = product of the A_j - x
+#     second   om^2 = (x^2 + c)/(2 x)     g_j = 2 x d_j, g_i = x^2 - c   k = 2 x
+#              c = sum d_j^2, x > sqrt(c)     d_j = T_j/(A_j - A_i)
+#
+#     gamma = g/(sign(k) |g|),   f = om gamma.I gamma,   h = om f/2 + T.gamma
+#
+# On every curve dh = om df. The type is that of the spectrum lam^2 (lam^4 + b lam^2 + d); b, d
+# and the derivative of f are polynomials in x times something positive: their roots are isolated
+# exactly. om and -om mirror f; here om > 0, f > 0.
+
+
+CENTRE, MIXED, SADDLE = "centre-centre", "centre-saddle", "saddle-saddle"
+
+FOCUS, DEGENERATE = "focus-focus", "degenerate"
+
+CUSP, HOPF, BRANCH = "cusp", "Hamiltonian-Hopf", "branch"
+
+POLE, START = "pole", "start"
+
+FIRST, SECOND = "first", "second"
+
+SAMPLES = 257  # points of a curve's piece
+
+_CLUSTER = 14.0  # pieces are followed to e^-14 of their length from an open end
+
+_X: Polynomial = fmpq_poly([0, 1])
+
+
+class End(NamedTuple):
+    """Where a piece ends: a cusp (f' = 0), a Hamiltonian-Hopf point (b^2 = 4d), a branch, where a
+    second family leaves; a pole, or the start of a second family."""
+
+    kind: str
+    x: arb
+
+
+class Piece(NamedTuple):
+    """A piece of one type, between two ends, None for an infinite one.
+
+    ``morse``: how many directions on the sphere lower W_f; None where it is degenerate.
+    """
+
+    first: End | None
+    last: End | None
+    type: str
+    morse: int | None
+
+
+class Point(NamedTuple):
+    """A rotation in balls: gamma in principal axes, om, f and h."""
+
+    gamma: tuple[arb, ...]
+    om: arb
+    f: arb
+    h: arb
+
+
+@dataclass(frozen=True)
+class Family:
+    """One family.  ``axis``: i of a second one, None of the first; ``g``, ``k``, ``s``: of x."""
+
+    body: RationalBody
+    axis: int | None
+    g: tuple[Polynomial, ...]
+    k: Polynomial
+    s: Polynomial
+    start: Fraction = Fraction(0)
+
+    @property
+    def name(self) -> str:
+        """first or second."""
+        return FIRST if self.axis is None else SECOND
+
+    @cached_property
+    def ends(self) -> tuple[End, ...]:
+        """All ends of pieces, by rising x."""
+        pairs = [*zip(self.body.moments, self.body.torque, strict=True)]
+        free = [a for a, t in pairs if t == 0]
+        with ctx.workprec(BITS):
+            if self.axis is None:
+                outer = [End(POLE, arb(rational(a))) for a in {a for a, t in pairs if t != 0}]
+            else:
+                outer = [End(START, arb(rational(self.start)).sqrt())]
+            found = []
+            b, d = self._spectrum
+            for root in real_roots(d):
+                # balls that overlap are one root: each holds no other one, and d(A_i) = 0
+                leaves = self.axis is None and any(
+                    root.ball.overlaps(arb(rational(a))) for a in free
+                )
+                found.append(End(BRANCH if leaves else CUSP, root.ball))
+            gap = real_roots(b * b - 4 * d)
+            found += [End(HOPF, root.ball) for root in gap if root.multiplicity % 2]
+            inside = [end for end in found if self.holds(end.x, outer)]
+        return tuple(sorted([*outer, *inside], key=lambda end: middle(end.x)))
+
+    @cached_property
+    def pieces(self) -> tuple[Piece, ...]:
+        """By rising x; on a first family that is s, on a second one om rises with it.
+
+        Two ends may be one point, as a branch at which b^2 = 4d: no piece lies between them.
+        """
+        ends = [*self.ends, None] if self.axis is not None else [None, *self.ends, None]
+        with ctx.workprec(BITS):
+            return tuple(
+                Piece(first, last, *self.type(arb(rational(between(first, last)))))
+                for first, last in pairwise(ends)
+                if first is None or last is None or first.x < last.x
+            )
+
+    def holds(self, x: arb, outer: list[End]) -> bool:
+        """Whether a number is on this family."""
+        return all(x > end.x if end.kind == START else not x.overlaps(end.x) for end in outer)
+
+    def at(self, x: arb) -> Point:
+        """The rotation at x, in balls of the precision in force."""
+        moments, torque = ([rational(a) for a in numbers] for numbers in self.body[:2])
+        g, k = [arb_poly(p)(x) for p in self.g], arb_poly(self.k)(x)
+        square = dot(g, g)
+        size = square.sqrt()
+        om = (size / abs(k)).sqrt()
+        f = om * dot(g, [a * y for a, y in zip(moments, g, strict=True)]) / square
+        size = size if k > 0 else -size
+        return Point(tuple(y / size for y in g), om, f, om * f / 2 + dot(torque, g) / size)
+
+    def parameter(self, x: arb) -> arb:
+        """What a point is told by: s on the first family, om on a second one."""
+        if self.axis is None:
+            return x
+        return self.at(x).om if x > 0 else arb(0)
+
+    def meets(self, f: Fraction) -> Iterator[arb]:
+        """The x at which f > 0 is the area, in balls of the precision in force."""
+        q, n, f4 = self._square, self._inertia, rational(f) ** 4
+        for root in real_roots(f4 * self.k * self.k * q * q * q - n**4):
+            if self.axis is None or (root.ball > 0 and root.ball**2 > rational(self.start)):
+                yield root.ball
+
+    def type(self, x: arb) -> tuple[str, int | None]:
+        """The type by the signs of b, d and b^2 - 4d, and the Morse index.
+
+        The second variation of W_f across gamma is
+
+            om^2 [s - I + 4 (I gamma)(I gamma)^T/(gamma.I gamma)];
+
+        its determinant has the sign of d.
+        """
+        b, d = (arb_poly(p)(x) for p in self._spectrum)
+        if d.contains(0):
+            return DEGENERATE, None
+        if d < 0:
+            return MIXED, 1
+        moments = [rational(a) for a in self.body.moments]
+        squares = [y * y for y in self.at(x).gamma]
+        inertia = dot(moments, squares)
+        bend = 4 * dot([a * a for a in moments], squares) / inertia - 3 * inertia
+        trace = 2 * arb_poly(self.s)(x) - sum(moments[1:], moments[0]) + bend
+        kind = FOCUS if b * b < 4 * d else CENTRE if b > 0 else SADDLE
+        return kind, 0 if trace > 0 else 2
+
+    def points(self, piece: Piece) -> Doubles:
+        """f and h on a piece, doubles (n, 2), denser towards its ends."""
+        with ctx.workprec(BITS):
+            first, last = (None if end is None else self.parameter(end.x) for end in piece[:2])
+            parameters = _samples(first, last, self.axis, self._pace)
+            closed = [
+                [] if end is None or end.kind == POLE or end.x == 0 else [end.x]
+                for end in piece[:2]
+            ]
+            at = [*closed[0], *map(self._x, parameters), *closed[1]]
+            found = [self.at(x) for x in at]
+            rows = [(float(point.f), float(point.h)) for point in found]
+        return np.array([row for row in rows if all(map(np.isfinite, row))]).reshape(-1, 2)
+
+    def _x(self, parameter: float) -> arb:
+        at = arb(parameter)
+        return at if self.axis is None else at**2 + (at**4 - rational(self.start)).sqrt()
+
+    @property
+    def _pace(self) -> float:
+        """A rate of turning, where nothing but the unit of time says one."""
+        heavy = arb(rational(self.body.heavy)).sqrt() / rational(max(self.body.moments))
+        return float(heavy.sqrt()) or 1.0
+
+    @cached_property
+    def _square(self) -> Polynomial:
+        found: Polynomial = dot(self.g, self.g)
+        return found
+
+    @cached_property
+    def _inertia(self) -> Polynomial:
+        found: Polynomial = dot(
+            self.g, [rational(a) * y for a, y in zip(self.body.moments, self.g, strict=True)]
+        )
+        return found
+
+    @cached_property
+    def _spectrum(self) -> tuple[Polynomial, Polynomial]:
+        moments, torque = ([rational(x) for x in numbers] for numbers in self.body[:2])
+        return spectrum(moments, [t * self.k for t in torque], self.g, self.g)
+
+
+def families(body: RationalBody) -> tuple[Family, ...]:
+    """The first family, unless there is no torque, then the second ones."""
+    found, seen = [], []
+    pairs = [*zip(body.moments, body.torque, strict=True)]
+    poles = sorted({a for a, t in pairs if t != 0})
+    if poles:
+        k = fmpq_poly([1])
+        for a in poles:
+            k *= rational(a) - _X
+        g = tuple((k // (rational(a) - _X)) * rational(t) if t != 0 else 0 * _X for a, t in pairs)
+        found.append(Family(body, None, g, k, _X))
+    for i, (a, t) in enumerate(pairs):
+        others = [pair for j, pair in enumerate(pairs) if j != i]
+        if t == 0 and a not in seen and all(x == 0 or b != a for b, x in others):
+            tilts = [x / (b - a) if x != 0 else Fraction(0) for b, x in pairs]
+            start = sum((x * x for x in tilts), Fraction(0))
+            g = tuple(
+                _X * _X - rational(start) if j == i else 2 * _X * rational(x)
+                for j, x in enumerate(tilts)
+            )
+            found.append(Family(body, i, g, 2 * _X, fmpq_poly([rational(a)]), start))
+            seen.append(a)
+    return tuple(found)
+
+
+def between(first: End | None, last: End | None) -> Fraction:
+    """A number between two ends, one of which may be infinite."""
+    low, high = (None if end is None else middle(end.x) for end in (first, last))
+    if low is None:
+        assert high is not None
+        return high - max(abs(high), Fraction(1))
+    if high is None:
+        return low + max(abs(low), Fraction(1))
+    return (low + high) / 2
+
+
+def _samples(first: arb | None, last: arb | None, axis: int | None, pace: float) -> list[float]:
+    """Parameters inside a piece."""
+    rising = np.linspace(-_CLUSTER, _CLUSTER, SAMPLES)
+    if first is not None and last is not None:
+        low, high = float(first), float(last)
+        nearer = 1 / (1 + np.exp(np.abs(rising)))  # the part of the length to the nearer end
+        at = np.where(rising < 0, low + (high - low) * nearer, high - (high - low) * nearer)
+    elif last is not None:  # first family, s -> -inf
+        high = float(last)
+        at = high - (abs(high) or 1.0) * np.exp(-rising)
+    else:
+        assert first is not None
+        low = float(first)
+        at = low + (low or pace) * np.exp(rising if axis is None else rising / 2)
+    found: list[float] = at.tolist()
+    return found

@@ -1,0 +1,634 @@
+"""The jobs of a section: orbits and the level they keep to, plain data to be sent anywhere."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from polhode.common.arguments import whole
+from polhode.common.checkpoint import Arrays, JobCheckpoint
+from polhode.common.errors import BadInput, counted
+from polhode.common.interrupts import Progress
+from polhode.common.processes import run_jobs
+from polhode.common.values import ByValue, cached_property, refuse_too_much
+from polhode.dynamics import coordinates as geometry
+from polhode.dynamics.coordinates import Ground, tangents_of
+from polhode.dynamics.starts import MAXIMA, Asked, asked_of, starts_of
+from polhode.equations.forms import principal
+from polhode.equations.integrals import first_integrals
+from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
+from polhode.motion.frame import Frame
+from polhode.numbers.conversion import to_double, to_extended
+from polhode.numbers.exact import Exact
+from polhode.numbers.expression import odd_part
+from polhode.numbers.number_types import (
+    DOUBLE,
+    AnyNumber,
+    AnyVector,
+    Doubles,
+    Integers,
+    double_array,
+)
+from polhode.results.result import Result
+from polhode.results.table import Column, Fact, Table
+from polhode.runs.options import refuse_other_rounding
+from polhode.scenes import library
+from polhode.scenes.body import Body
+from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import (
+    provenance_fact,
+    row_columns,
+    scene_facts,
+    text_column,
+    time_column,
+)
+from polhode.scenes.vocabulary import REQUESTS, STATE
+
+if TYPE_CHECKING:
+    from polhode.taylor.event_batches import Crossed, SearchJob
+    from polhode.taylor.projection import Level
+
+
+LANES = 64  # orbits of a job: where one is over the next takes its lane
+CHUNK = 160.0  # radians of the fastest rate between two projections
+WORTH_A_PROCESS = 200_000  # crossings, of two seconds
+PATIENCE = 1000.0  # the level's units of time without a crossing until an orbit is given up
+
+
+def jobs_of(
+    asked: Asked, on: Ground, zero: SectionZero, direction: int, count: int, states: Doubles
+) -> list[SearchJob]:
+    """The jobs of orbits from ``states``, LANES of them each, in principal axes and inner units.
+
+    They are in the level's own unit of time, 2**``on.slower`` inner ones: what is a step there, and
+    what rounding adds up to in it, is measured by that.
+    """
+    from polhode.taylor.event_batches import SearchJob, Watched
+
+    scene = asked.scene
+    frame, slower = Frame.of(scene).slower(on.slower), 2.0**on.slower
+    level = level_of(scene, asked.h, asked.f, frame)
+    k = principal.coefficients(frame.inside(scene).body)
+    constants = tuple(map(to_double, k.values()))
+    own = np.tile(constants, (len(states), 1))
+    x, y, z = zero.arm
+    arm = (x / slower, y / slower, z / slower)
+    own_zero = zero._replace(arm=arm, unit=float(frame.unit))
+    watched = Watched((*k,), STATE, own_zero, constants=constants)
+    states = states * np.repeat([slower, 1.0], 3)
+    chunk = 2.0 ** round(np.log2(CHUNK / (on.fastest * slower or 1.0)))
+    patience = int(-(-PATIENCE // chunk))
+    return [
+        SearchJob(
+            *(watched, direction, count, np.inf, chunk, own[first : first + LANES]),
+            states[first : first + LANES],
+            patience=patience,
+            level=level,
+        )
+        for first in range(0, len(states), LANES)
+    ]
+
+
+def level_of(scene: Scene, h: Exact, f: Exact, frame: Frame) -> Level:
+    """The integrals of a level, as those of a scene on it, inside a frame."""
+    from polhode.equations import integrals
+    from polhode.taylor.projection import Level
+
+    known = first_integrals(frame.inside(scene))
+    if integrals.CHAPLYGIN in known.onto and f != 0:
+        known = integrals.FirstIntegrals(known.onto[:-1], known.order, known.coefficients)
+    unit, largest = frame.unit, max(scene.body.moments)
+    targets = (2 * h * unit * unit / largest, f * unit / largest, Fraction(1))
+    coefficients = {name: to_extended(x) for name, x in known.coefficients.items()}
+    return Level(known, coefficients, tuple(to_extended(x) for x in targets))
+
+
+def zero_of(scene: Scene, on: Ground, by: str) -> SectionZero:
+    """A section's function, scaled to order one; of an expression the odd part."""
+    from polhode.equations.section_functions import SectionZero
+
+    moments = tuple(float(a) for a in on.moments)
+    side = -1.0 if on.weight < 0 and by != HEIGHT else 1.0
+    size = on.largest_momentum if by == MOMENTUM else on.fastest
+    arm = tuple(float(side * x / (size or 1.0)) for x in on.frame[2])
+    frame = Frame.of(scene)
+    rows = tuple(tuple(to_double(x) for x in row) for row in frame.axes.rows)
+    return SectionZero(odd_part(by), moments, arm, rows, float(frame.unit))  # type: ignore[arg-type]
+
+
+def worker_count(jobs: int, crossings: int) -> int:
+    """Processes: as many as pay, for each costs half a second to begin.
+
+    Threads would not do: at every crossing they wait for each other.
+    """
+    from polhode.common.processes import cores
+
+    return max(1, min(cores(), jobs, jobs * LANES * crossings // WORTH_A_PROCESS))
+
+
+def packed(result: Crossed) -> Arrays:
+    """What a job found as arrays by name, to be kept in a file."""
+    return {name: np.asarray(value) for name, value in result._asdict().items()}
+
+
+def unpacked(held: Arrays) -> Crossed:
+    """What a job found, from those arrays."""
+    from polhode.taylor.event_batches import Crossed
+
+    states, times, rests = (double_array(held[name]) for name in ("states", "times", "rests"))
+    found, steps = (np.asarray(held[name], dtype=np.int64) for name in ("found", "steps"))
+    outcomes, drift = tuple(held["outcomes"].tolist()), float(held["drift"].item())
+    return Crossed(states, times, rests, found, steps, outcomes, drift)
+
+
+# --- crossing accuracy ----------------------------------------------------------------------------
+#
+# How many digits a crossing has: what the motion makes of a rounding on the way to it.
+#
+# One tangent u along each orbit, across the flow and the gradients of h, f and |gamma|^2, on
+# whose values the orbit is kept:
+#
+#     G(t) = max over s <= t' <= t of |u(t')| / |u(s)|,    digits(t) = -log10(eps G(t))
+#
+# from 0 to those of a double: what one rounding on the way is multiplied by. Where the orbit
+# grazes the section, an error across it moves the crossing along the orbit by |x'| |grad z|/|z'|
+# of itself, z the section's function; G is multiplied by what of that exceeds STRAIGHT. A run
+# makes many, and the tangent has one direction of two: found were from two digits fewer to one
+# more, of the state at the crossing. On a chaotic orbit G grows exponentially, and from some
+# crossing on no digit is left: later ones are those of a neighbour, right for pictures and
+# statistics and not this orbit's. w counts in radians of the inner unit of time, gamma as it is;
+# G is taken at looks, each crossing's at the next one.
+
+
+EPS = 2.0**-52
+LOOK = 8.0  # units of the inner time between two looks at the tangent
+STRAIGHT = 10.0  # so much more does the scatter of errors hide
+LOST = math.log(1 / EPS)  # of ln G
+
+
+def digits(
+    scene: Scene, starts: Doubles, times: Doubles, slants: Doubles, workers: int | None = None
+) -> Doubles:
+    """Correct digits to be expected of each crossing, nan where there is none: (n, m).
+
+    ``starts`` (n, 6): states in principal axes and the run's unit of time; ``times`` (n, m): of the
+    crossings in that unit, nan past an orbit's last one.  ``slants`` (n, m): see :func:`slant`.
+    ``workers``: threads.
+    """
+    from polhode.common.processes import run_jobs
+    from polhode.taylor import variations
+
+    digits_left: Doubles = np.full(times.shape, np.nan)
+    is_crossing = np.isfinite(times)
+    grazing = np.log(np.maximum(slants / STRAIGHT, 1.0))
+    last = np.where(is_crossing, times, 0.0).max(axis=1, initial=0.0)
+    orbits = np.argsort(last, kind="stable")
+    orbits = orbits[last[orbits] > 0]
+    if len(orbits) == 0:
+        return digits_left
+    frame = Frame.of(scene)
+    moments, torque = _numbers_of(frame.inside(scene).body)
+    slower = _slowness(starts, torque, moments)
+    starts, times = starts * np.repeat([2.0**slower, 1.0], 3), times * 2.0**-slower
+    last *= 2.0**-slower
+    body = frame.slower(slower).inside(scene).body
+    moments, torque = _numbers_of(body)
+    k = {n: to_double(x) for n, x in principal.coefficients(body).items()}
+    groups = [orbits[first : first + LANES] for first in range(0, len(orbits), LANES)]
+    jobs, spans = [], []
+    for group in groups:
+        # no further than the last crossing: on a high level a whole look holds millions of turns
+        span = min(LOOK, float(last[group].max()))
+        spans.append(span)
+        many, looks = (len(group), 1), math.ceil(last[group].max() / span)
+        bodies = np.tile(moments, many), np.tile(torque, many)
+        first = tangents_of(starts[group], *bodies, alike=True)
+        coefficients = np.tile(np.array([*k.values()]), many)
+        end, early = looks * span, tuple(range(2, looks, 2))
+        jobs.append(
+            variations.TangentJob(
+                tuple(k), coefficients, starts[group], first, end, looks, None, early, LOST
+            )
+        )
+    sizes = [len(group) for group in groups]
+    finished = run_jobs(variations.solve, jobs, sizes, workers)
+    if finished.interrupted:
+        raise KeyboardInterrupt
+    for group, span, result in zip(groups, spans, finished.done, strict=True):
+        least = np.minimum.accumulate(np.where(np.isfinite(result.sizes), result.sizes, np.inf), 1)
+        grown = np.where(np.isfinite(result.sizes), result.sizes - least, LOST)
+        grown = np.maximum.accumulate(grown, axis=1)
+        looks = np.ceil(np.where(is_crossing[group], times[group], 0.0) / span).astype(int)
+        at = np.take_along_axis(grown, looks, axis=1)
+        right = np.clip((LOST - at - grazing[group]) / math.log(10), 0.0, DOUBLE.most_digits)
+        digits_left[group] = np.where(is_crossing[group], right, np.nan)
+    return digits_left
+
+
+def slant(scene: Scene, zero: SectionZero, states: Doubles, fastest: float) -> Doubles:
+    """|x'| |grad z|/|z'| of states (n, m, 6) in principal axes and the run's unit of time.
+
+    ``fastest``: what w is measured by.
+    """
+    from polhode.taylor.projection import ARRAYS, TINY
+
+    body = Frame.of(scene).inside(scene).body
+    k = {n: to_double(x) for n, x in principal.coefficients(body).items()}
+    scales = np.array([fastest or 1.0] * 3 + [1.0] * 3)
+    x = np.moveaxis(states, -1, 0)
+    steps = TINY * 1j * np.diag(scales)[:, :, None, None]
+    across = slope = speed = 0.0 * x[0]
+    with np.errstate(all="ignore"):
+        rates = principal.field([*x], k, ARRAYS)
+        for step, rate, scale in zip(steps, rates, scales, strict=True):
+            gradient = np.imag(zero.value([*(x + step)], ARRAYS)) / TINY
+            across = across + gradient**2
+            slope = slope + gradient * rate / scale
+            speed = speed + (rate / scale) ** 2
+        slants: Doubles = np.sqrt(across * speed) / np.abs(slope)
+    return slants
+
+
+def _numbers_of(body: Body) -> tuple[Doubles, Doubles]:
+    """Moments and Mg r0 of a body inside its frame."""
+    moments, torque = (np.array([to_double(x) for x in v]) for v in (body.moments, body.torque))
+    return moments, torque
+
+
+def _slowness(starts: Doubles, torque: Doubles, moments: Doubles) -> int:
+    """The power of two by which a level is slower than the unit of time, if by far, else 0.
+
+    The unit is the scene's, which may be on another level.
+    """
+    spin = float(np.linalg.norm(starts[:, :3], axis=1).max())
+    speed = max(spin, math.sqrt(float(np.linalg.norm(torque)) / float(moments.min())))
+    return max(0, -4 - math.floor(math.log2(speed)))
+
+
+def none_left_from(digits: Doubles) -> Integers:
+    """The number, from 1 on, of the first crossing with less than one digit; 0: all have one."""
+    gone = digits < 1
+    first: Integers = np.where(gone.any(axis=1), gone.argmax(axis=1) + 1, 0)
+    return first
+
+
+# --- section --------------------------------------------------------------------------------------
+#
+# Sections of a level: where many orbits of one body cross it, and in which coordinates.
+
+
+MOST_CROSSINGS = 1_000_000
+_RATIO = "cosine of the angle between r0 and the angular momentum"
+_BYTES = 400  # of a crossing, while it is found and put in order
+_STEP = 1e-8  # along the motion, a complex one: of numbers of 1e-300, too, some digits are left
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Section(Result, ByValue):
+    """Crossings of a section by orbits on one level, one row per orbit; nan after its last one.
+
+    ``by``: momentum, height, or an expression.  ``starts`` (n, 2): coordinates of the starts;
+    ``start_states`` (n, 6): their states, like those of the crossings.
+    ``states`` (n, m, 6): p q r gamma1 gamma2 gamma3 in the scene's axes and units.  ``times``,
+    ``times_low`` (n, m): a time is the sum of both.  ``l``, ``L_over_G`` (n, m): Andoyer's angle l
+    and L/G about r0.  ``counts`` (n,): the crossings of each orbit; ``outcomes``: how each orbit
+    ended.  ``drift``: the largest residual of h, f and |gamma|^2 before a projection, relative.
+    ``accuracy``: whether its table has the digits that are expected of each crossing.
+
+    >>> import numpy as np
+    >>> import polhode
+    >>> found = polhode.section("lagrange/nutation", starts=[[1, 0.2]], crossings=20)
+    >>> found
+    <Section of lagrange/nutation by momentum: 1 orbit, 20 crossings>
+    >>> bool(np.ptp(found.L_over_G[0]) < 1e-14)  # L is an integral, and so is G
+    True
+    """
+
+    scene: Scene
+    h: Exact
+    f: Exact
+    by: str
+    extremum: str
+    starts: Doubles
+    start_states: Doubles
+    states: Doubles
+    times: Doubles
+    times_low: Doubles
+    l: Doubles
+    L_over_G: Doubles
+    counts: Integers
+    outcomes: tuple[str, ...]
+    drift: float
+    interrupted: bool = False
+    kept: JobCheckpoint | None = None
+    provenance: Mapping[str, object] = field(default_factory=dict)
+    accuracy: bool = True
+
+    def __repr__(self) -> str:
+        orbits = counted(len(self.counts), "orbit")
+        crossings = counted(int(self.counts.sum()), "crossing")
+        return f"<Section of {self.scene.name} by {self.by}: {orbits}, {crossings}>"
+
+    @cached_property
+    def digits(self) -> Doubles:
+        """Expected correct digits of each crossing's state, nan after the last one: (n, m).
+
+        From the growth of a rounding error since the start, estimated by one tangent along each
+        orbit, which takes as long as the section itself, or longer: :func:`section` does it unless
+        ``accuracy`` is False, and they are then computed when first asked for.  All are nan for a
+        section that was interrupted.
+
+        >>> import polhode
+        >>> scene = polhode.load("general/asymmetric-chaotic")
+        >>> found = polhode.section(scene, starts="scene", crossings=80)
+        >>> [bool(found.digits[0, m] > 8) for m in (0, 19, 59)], 40 < found.none_left_from[0] < 80
+        ([True, True, False], np.True_)
+        """
+        if self.interrupted:
+            return self.times * float("nan")
+        scene = self.scene
+        starts, states = (
+            geometry.turned(scene, x, back=True) for x in (self.start_states, self.states)
+        )
+        on = geometry.ground(scene, self.h, self.f)
+        zero = zero_of(scene, on, self.by)
+        slants = slant(scene, zero, states, on.fastest)
+        times = self.times / float(Frame.of(scene).unit)
+        return digits(scene, starts, times, slants)
+
+    @property
+    def none_left_from(self) -> Integers:
+        """The number, from 1 on, of each orbit's first crossing without a digit.
+
+        0: of none, or of a section that was interrupted, whose digits are not known.
+        """
+        return none_left_from(self.digits)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every orbit made all its crossings."""
+        return not self.interrupted and bool((self.counts == self.times.shape[1]).all())
+
+    def table(self) -> Table:
+        """One row per crossing: its orbit, time, coordinates, and state."""
+        import numpy as np
+
+        there = np.arange(self.times.shape[1]) < self.counts[:, None]
+        orbit, crossing = np.nonzero(there)
+        columns = [
+            Column("orbit", orbit + 1),
+            Column("crossing", crossing + 1, "number of the crossing of its orbit"),
+            time_column(self.scene, (self.times + self.times_low)[there], DOUBLE, digits=15),
+            Column("l", self.l[there], "Andoyer's angle about r0", "rad", digits=15),
+            Column("L_over_G", self.L_over_G[there], _RATIO, digits=15),
+        ]
+        if self.accuracy:
+            digits = self.digits[there]
+            columns.append(Column("digits_expected", digits, "correct digits", digits=3))
+        states = self.states[there]
+        return Table([*columns, *row_columns(self.scene, STATE, states, DOUBLE, digits=0)], 2)
+
+    def facts(self) -> list[Fact]:
+        """The level, the section, and of each orbit its start and its end."""
+        import numpy as np
+
+        first, second = ("azimuth", "cosine") if self.by == "height" else ("l", "L_over_G")
+        starts = [f"start_{name}" for name in (first, second, *STATE)]
+        values = np.concatenate([self.starts, self.start_states], axis=1)
+        orbits = [
+            Column("orbit", np.arange(1, len(self.counts) + 1)),
+            *(Column(name, values[:, k]) for k, name in enumerate(starts)),
+            Column("crossings", self.counts),
+            text_column("outcome", self.outcomes),
+        ]
+        if self.accuracy:
+            meaning = "first crossing without a digit, 0 for none"
+            orbits.append(Column("none_left_from", self.none_left_from, meaning))
+        return [
+            *scene_facts(self.scene),
+            Fact("h", self.h, "energy"),
+            Fact("f", self.f, "vertical momentum"),
+            Fact("by", self.by, "what makes the section"),
+            Fact("extremum", self.extremum),
+            Fact("drift", self.drift, "largest residual of h, f and |gamma|^2, relative"),
+            Fact("complete", self.complete, "whether every orbit made all its crossings"),
+            Fact("orbits", Table(orbits)),
+            provenance_fact(self.provenance),
+        ]
+
+
+def section(
+    scene: Scene | str | Path,
+    by: str | None = None,
+    extremum: str | None = None,
+    starts: Iterable[AnyVector] | str | Path | None = None,
+    grid: tuple[int, int] | None = None,
+    crossings: int | None = None,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    parts: str | Path | None = None,
+    progress: Progress | None = None,
+    accuracy: bool = True,
+) -> Section:
+    """Follow orbits of a scene's body on a level to their crossings of a section.
+
+    Arguments that are left out have the values of the scene's [section].
+
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    by : str, optional
+        "momentum" (extrema of |G|, taken unless given) or "height" (extrema of r0·gamma), both of
+        which every orbit crosses; or an expression in p q r gamma1 gamma2 gamma3, whose zeros in
+        either direction are taken.
+    extremum : {"max", "min"}, optional
+        Which extrema are crossings, max unless given.
+    starts : iterable of vectors, "scene" or path, optional
+        "scene" for the scene's own start, or a text file with one start per line.  Or rows: [l,
+        L/G], or [l, L/G, k], the k-th of several by rising y, for momentum and expressions;
+        [gamma1, gamma2, gamma3, ±1] in the scene's axes for height.
+    grid : tuple of int, optional
+        Cells of both coordinates, with starts in their centres (9x8 by default).
+    crossings : int, optional
+        The number of crossings of each orbit.
+    h, f : number, optional
+        The level's energy h or vertical momentum f, if not the scene's.
+    workers : int, optional
+        Processes, as many as there are cores unless given.
+    executor : Executor, optional
+        An executor of ``concurrent.futures`` instead.
+    parts : str or Path, optional
+        A folder for finished jobs, from which the same call continues after a kill.
+    progress : callable, optional
+        Called with the fraction done and the orbits done.
+    accuracy : bool
+        Whether to estimate the correct digits of each crossing, at about the section's own cost.
+
+    Returns
+    -------
+    Section
+        The crossings of each orbit: states in the scene's body axes, times and the section's
+        coordinates.
+
+    Raises
+    ------
+    BadInput
+        A level that does not exist, a start outside the section, an expression that does not change
+        or is never zero.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> scene = polhode.load("general/asymmetric-chaotic")
+    >>> found = polhode.section(scene, grid=(2, 2), crossings=5, h=3, f="1/2")
+    >>> found.states.shape
+    (4, 5, 6)
+    """
+    from polhode.taylor import event_batches
+
+    scene = library.load(scene, takes=REQUESTS)
+    refuse_other_rounding(scene)
+    plan, asked = scene.section, asked_of(scene, by, extremum, h, f)
+    count = plan.crossings if crossings is None else crossings
+    count = whole(scene.name, "crossings", count, 1, MOST_CROSSINGS)
+    if starts is None and grid is None and plan.starts:
+        starts = plan.starts
+    on = geometry.ground(scene, asked.h, asked.f)
+
+    def forecast(orbits: int, more_than: str = "") -> None:
+        what = f"{more_than}{orbits} orbits to {count} crossings"
+        words = "crossings in all; a coarser grid, or fewer of each orbit"
+        refuse_too_much(scene.name, "section", what, orbits * count, _BYTES, words)
+
+    begun = starts_of(asked, on, starts, grid, lambda orbits: forecast(orbits, "more than "))
+    forecast(len(begun.states))
+    zero = zero_of(asked.scene, on, asked.by)
+    direction = 0
+    if asked.by in (MOMENTUM, HEIGHT):
+        direction = -1 if asked.extremum == MAXIMA else 1
+    _refuse_constant(asked, on, zero, begun.states)
+    jobs = jobs_of(asked, on, zero, direction, count, begun.states)
+    key = scene.text, str(asked[1:]), count, direction, begun.states
+    kept = JobCheckpoint.at(parts, "section", *key)
+    with _refused(asked, on, kept):
+        finished = run_jobs(
+            event_batches.solve,
+            jobs,
+            [len(job.starts) for job in jobs],
+            workers or worker_count(len(jobs), count),
+            executor,
+            kept,
+            packed,
+            unpacked,
+            progress,
+            processes=True,
+        )
+    crossed = event_batches.joined(finished.done)
+    crossed.states[..., :3] *= 2.0**-on.slower
+    if asked.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
+        with _refused(asked, on, kept):
+            _refuse_never_zero(asked, on, zero)
+    states = begun.states[finished.rows]
+    angles = geometry.height_coordinates if asked.by == HEIGHT else geometry.coordinates
+    l, ratio = geometry.coordinates(on, crossed.states)
+    unit = float(Frame.of(scene).slower(on.slower).unit)
+    result = Section(
+        scene,
+        asked.h,
+        asked.f,
+        asked.by,
+        asked.extremum,
+        np.stack(angles(on, states), axis=-1),
+        geometry.turned(scene, states),
+        geometry.turned(scene, crossed.states),
+        crossed.times * unit,
+        crossed.rests * unit,
+        l,
+        ratio,
+        crossed.found,
+        crossed.outcomes,
+        crossed.drift,
+        finished.interrupted,
+        kept,
+        scene.provenance(),
+        accuracy,
+    )
+    if accuracy:
+        _ = result.digits
+    return result
+
+
+def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Doubles) -> None:
+    """Raise BadInput for an expression that has no value at a start, or no rate at any of them."""
+    from polhode.taylor.projection import ARRAYS
+
+    if asked.by in (MOMENTUM, HEIGHT):
+        return
+    inside = Frame.of(asked.scene).inside(asked.scene)
+    k = {name: to_double(x) for name, x in principal.coefficients(inside.body).items()}
+    moved = states.T + 1e-3 * np.random.default_rng(0).normal(size=states.T.shape)
+    try:
+        with np.errstate(all="ignore"):
+            rates = principal.field([*moved], k, ARRAYS)
+            ahead = np.array([x + _STEP * 1j * rate for x, rate in zip(moved, rates, strict=True)])
+            speed = np.imag(zero.value([*ahead], ARRAYS)) / _STEP
+            value = np.real(zero.value(list(moved), ARRAYS))
+            here = zero.value(list(states.T), ARRAYS) + 0 * states[:, 0]
+        if not np.isfinite(here).all():
+            raise _not_finite(asked, on, states[int(np.argmin(np.isfinite(here)))], 0.0)
+    except (ArithmeticError, AttributeError, TypeError):  # no name in it
+        speed = value = np.zeros(1)
+    if not np.any(np.abs(speed) > 1e-12 * np.maximum(1e-300, np.abs(value))):
+        expected = "an expression that changes along the motion; this one is constant"
+        raise BadInput(asked.scene.name, "by", asked.by, expected)
+
+
+@contextmanager
+def _refused(asked: Asked, on: Ground, kept: JobCheckpoint | None) -> Iterator[None]:
+    """Leave nothing behind where the section's function is refused, on the way too."""
+    from polhode.taylor.event_batches import Singular
+
+    try:
+        try:
+            yield
+        except Singular as met:
+            raise _not_finite(asked, on, met.start, met.time) from None
+    except BadInput:
+        if kept is not None:
+            kept.remove()
+        raise
+
+
+def _not_finite(asked: Asked, on: Ground, start: Sequence[float], time: float) -> BadInput:
+    """The refusal of an expression that has no finite value on an orbit, at a time of the run."""
+    l, ratio = (float(x) for x in geometry.coordinates(on, np.array(start)))
+    t = math.ldexp(time, Frame.of(asked.scene).exponent + on.slower)
+    expected = (
+        "an expression that is real and finite on all orbits; on the one from "
+        f"l = {l:.6g}, L/G = {ratio:.6g} it has a pole or stops being real at t = {t:.6g}"
+    )
+    return BadInput(asked.scene.name, "by", asked.by, expected)
+
+
+def _refuse_never_zero(asked: Asked, on: Ground, zero: SectionZero) -> None:
+    from polhode.taylor.projection import ARRAYS
+
+    grid = geometry.cells(60, 60)
+    states = [geometry.momentum_states(on, *grid, kind).states for kind in (True, False)]
+    values = np.real(zero.value(list(np.concatenate(states).T), ARRAYS))
+    expected = (
+        "an expression that becomes zero; at the extrema of |G| on this level it is from "
+        f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g}, and no orbit crosses 0"
+    )
+    raise BadInput(asked.scene.name, "by", asked.by, expected)

@@ -1,1 +1,0 @@
-"""Sections of a level by many orbits."""

@@ -1,1 +1,0 @@
-"""Zeros of polynomials along the exact motion: found, and proven or undecided."""

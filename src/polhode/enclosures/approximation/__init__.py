@@ -1,1 +1,0 @@
-"""Guesses that guide a proof and are not trusted: approximate motions, corrections, costs."""

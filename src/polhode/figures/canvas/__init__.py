@@ -1,1 +1,0 @@
-"""What figures share: the canvas, panels of series, labels, curves, scales."""

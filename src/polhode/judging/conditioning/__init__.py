@@ -1,1 +1,0 @@
-"""How a motion multiplies errors: amplification, rounding, Lyapunov's exponent."""

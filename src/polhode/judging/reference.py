@@ -1,0 +1,453 @@
+"""Columns of a reference, those that are derived too."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, overload
+
+from polhode.closed_forms.families import ClosedForm, closed_form, misfit
+from polhode.common.arguments import each, whole
+from polhode.common.errors import BadInput, nearest
+from polhode.equations.column import derived
+from polhode.equations.kinematics import Hodographs, hodographs
+from polhode.judging.certified import Certified
+from polhode.judging.reference_rows import ReferenceTable, tabulated
+from polhode.numbers import exact, number_types
+from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Exact, Irrational
+from polhode.numbers.mpmath_context import mpmath, ordinary
+from polhode.numbers.number_types import AnyNumber, Real
+from polhode.results.result import Storable
+from polhode.results.table import Content
+from polhode.scenes import library
+from polhode.scenes.given_numbers import TIME, reader
+from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import COLUMNS, REQUESTS
+
+if TYPE_CHECKING:
+    from polhode.judging.textbook import Textbook
+    from polhode.numbers.double_double import Pairs
+
+
+#: A reference's answer to a question by its name: rows at times, to so many digits.
+Asked = Callable[[str], Callable[..., list[list[Real | None]]]]
+
+
+def column_of(
+    asked: Asked, scene: Scene, word: str, times: Iterable[AnyNumber], digits: int
+) -> list[list[Real | None]]:
+    """Rows of an output at the times; raises BadInput.
+
+    A derived one is the formula of the reference's own rows: those of the state to so many digits,
+    others to one more, and the formula to more than either.
+    """
+    if word not in COLUMNS:
+        raise BadInput(scene.name, "outputs", word, nearest(word, [*COLUMNS]))
+    times = list(times)
+    if COLUMNS[word].how == "integrated":
+        return asked(word)(times, digits)
+    parts = [
+        asked("at")(times, digits) if need == "state" else asked(need)(times, digits + 1)
+        for need in COLUMNS[word].needs
+    ]
+    rows = derived(word, scene, parts, number_types.mp(digits + 1))
+    return [list(row) for row in rows]
+
+
+# --- reference table ------------------------------------------------------------------------------
+#
+# The closed form of a scene as a table: what ``polhode reference`` prints.
+
+
+def reference_table(
+    scene: Scene | str | Path,
+    at: Iterable[AnyNumber] | None = None,
+    digits: int = 50,
+    outputs: Iterable[str] | None = None,
+    backend: str = "flint",
+) -> ReferenceTable:
+    """Tabulate the closed form of a scene, every printed digit right; no integration.
+
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    at : iterable of numbers, optional
+        The times, in the scene's unit; the scene's own by default.
+    digits : int
+        Correct digits of each number.
+    outputs : iterable of str, optional
+        Words of what is tabulated beside the state; the scene's own by default.
+    backend : {"flint", "mpmath"}
+        As of :func:`polhode.reference`; mpmath has states alone.
+
+    Returns
+    -------
+    ReferenceTable
+        The rows, with proven bounds of the errors where the closed form has them.
+
+    Raises
+    ------
+    BadInput
+        A scene without a closed form, or times or outputs that it does not have.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> found = polhode.reference_table("lagrange/nutation", at=["1/3"], digits=30)
+    >>> found.fact("reference"), found.fact("proven")
+    ('lagrange', True)
+    """
+    scene = library.load(scene, takes=REQUESTS)
+    if outputs is not None:
+        scene = replace(scene, outputs=tuple(outputs))
+    if at is not None:
+        scene = scene.at(at)
+    if not len(scene.times):
+        raise BadInput(scene.name, "run.end", None, "a time, or times given")
+    if backend == "mpmath" and outputs is None:
+        scene = replace(scene, outputs=())  # it has states alone
+    found = reference(scene, backend)
+    if isinstance(found, Certified):
+        expected = "a scene with a closed form, or polhode.certify"
+        raise BadInput(scene.name, "reference", found.regime, expected)
+    return tabulated(found, digits)
+
+
+# --- reference ------------------------------------------------------------------------------------
+#
+# The reference of a scene: its closed form, or a proven enclosure.
+#
+# Both answer the same questions; ``kind`` says which it is, and nothing else is called exact.
+
+
+BACKENDS = ("flint", "mpmath")
+MAX_LOG10_ANGLE = 100
+_FORETOLD_SECONDS, _MOST_SECONDS = 60, 300  # of an enclosure where there is no other attitude
+_MOST_SHOWN = 3  # numbers that are called 0 by the rule
+ROUGH = 53  # bits in which a closed form plans; it computes with more
+
+
+T = TypeVar("T")
+
+
+class Reference(Storable):
+    """The closed form of a scene.
+
+    ``kind``: which closed form; ``regime``: the kind of motion.  Answers are in the scene's body
+    axes and units.
+
+    >>> import polhode
+    >>> exact = polhode.reference("euler/largest-axis")
+    >>> print(exact.at([1], digits=20)[0][0])  # p at t = 1, an mpf
+    0.447808688218415
+    """
+
+    is_closed_form = True
+    agreement = math.inf  # no rounding enters that the digits asked for would show
+    __hash__ = None  # type: ignore[assignment]
+
+    def __init__(self, scene: Scene, kind: str, motion: ClosedForm[Any]) -> None:
+        self.scene, self.kind, self._motion = scene, kind, motion
+        self.regime = motion.regime
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Reference):
+            return NotImplemented
+        return self.kind == other.kind and self.scene == other.scene
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return reference, (self.scene,)  # what was computed so far is computed again
+
+    def __repr__(self) -> str:
+        return f"<Reference of {self.scene.name}: {self.kind}, {self.regime}>"
+
+    def content(self) -> Content:
+        """Its rows at the times of the scene, to 30 digits."""
+        return tabulated(self).content()
+
+    def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
+        """Rows p q r [gamma1 gamma2 gamma3] as mpf, right to ``digits`` digits.
+
+        ``times``: ints, Fractions, floats, mpf or decimal strings, taken exactly.
+        """
+        return self._asked(self._motion.at, times, digits)
+
+    def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
+        """Rows q0 q1 q2 q3: the quaternion body to space, scalar first, continuous from q0 >= 0."""
+        return self._turned("attitude", times, digits)
+
+    def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
+        """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
+        return self._turned("angles", times, digits)
+
+    def pairs(self, word: str, times: Sequence[Exact], digits: int) -> Pairs:
+        """Many rows of ``word``, "at" or "attitude", each number the sum of two doubles.
+
+        Right to ``digits`` digits, at most :data:`polhode.numbers.double_double.DIGITS`.
+        """
+        _refuse_far(self.scene, times)
+        attitude = word == "attitude"
+        return self._told(lambda: self._motion.pairs(times, digits, attitude=attitude))
+
+    def _turned(self, word: str, times: Iterable[AnyNumber], digits: int) -> list[list[Any]]:
+        """Attitude or angles: the closed form's, or enclosed where that has the state alone."""
+        if isinstance(times, Iterator):  # asked twice
+            times = list(times)
+        at_start = all(exact.sign(t) == 0 for t in _times(self.scene, times))
+        if self._motion.has_attitude or at_start:
+            return self._asked(getattr(self._motion, word), times, digits)
+
+        def foretold(seconds: float) -> None:
+            if seconds > _FORETOLD_SECONDS:
+                expected = (
+                    f"times that take at most {_FORETOLD_SECONDS} s (these take about "
+                    f"{seconds:.0f} s), or reference.kind = certified"
+                )
+                raise BadInput(self.scene.name, "t", None, expected)
+
+        proof = Certified(self.scene, forecast=foretold, max_seconds=_MOST_SECONDS)
+        try:
+            found: list[list[Any]] = getattr(proof, word)(times, digits)
+        except BadInput as fault:
+            expected = f"{fault.expected}: {self.kind} has the state alone, {word} is enclosed"
+            # Past a pole: no answer here, but the attitude is one.
+            key = "reference" if fault.key == "angles" else fault.key
+            raise BadInput(fault.source, key, fault.value, expected) from None
+        return found
+
+    def column(
+        self, word: str, times: Iterable[AnyNumber], digits: int = 50
+    ) -> list[list[Real | None]]:
+        """Rows of an output by its word, such as "angles"; of hodographs omega in space.
+
+        What is derived is the same formula as a run's, of rows right to ``digits`` digits.
+        """
+        return column_of(partial(getattr, self), self.scene, word, times, digits)
+
+    def hodographs(self, times: Iterable[AnyNumber], digits: int = 50) -> Hodographs:
+        """Rows of omega in the body and in space, right to ``digits`` digits of the largest |w|."""
+        times = _times(self.scene, times)
+        rows, attitude = self.at(times, digits), self.attitude(times, digits + 1)
+        return hodographs(rows, attitude, number_types.mp(digits + 1))
+
+    def error(self, times: Iterable[AnyNumber], digits: int = 50) -> Real:
+        """A bound of the error of :meth:`at`, of w over its largest modulus, or of gamma.
+
+        It is an estimate where the closed form is only reproduced.
+        """
+        own: Real = self._asked(
+            lambda exactly, wanted: self._motion.error(wanted, exactly), times, digits
+        )
+        return own
+
+    def radii(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]] | None:
+        """Proven bounds of the errors of :meth:`at`, number by number.
+
+        None where the closed form is only reproduced.
+
+        >>> import polhode
+        >>> (row,) = polhode.reference("euler/largest-axis").radii([1], digits=20)
+        >>> max(row) < 1e-20
+        True
+        """
+        return self._asked(self._motion.radii, times, digits)
+
+    @property
+    def proven(self) -> bool | str:
+        """Whether every digit given so far is proven: by a theorem, exact decisions and balls.
+
+        False where the digits are only reproduced, with more bits; a text where the proof rests on
+        something more, such as the numbers that are called 0 by the rule for irrational ones.
+        """
+        how, zero = self._motion.proven, self._motion.assumed
+        if not how or not zero:
+            return how
+        bounds = [*dict.fromkeys(map(_shown, zero))]  # of several numbers one may be the same
+        numbers = ", ".join(bounds[:_MOST_SHOWN])
+        if (more := len(bounds) - _MOST_SHOWN) > 0:
+            numbers += f" and {more} more"
+        told = f"if these numbers are 0: {numbers}"
+        return f"{how}; {told}" if isinstance(how, str) else told
+
+    @property
+    def encloses_attitude(self) -> bool:
+        """Whether the closed form has the state alone: attitude and angles are then enclosed."""
+        return not self._motion.has_attitude
+
+    @property
+    def is_dear(self) -> bool:
+        """Whether a row costs so much that of a table of very many only some are judged."""
+        return self._motion.is_dear
+
+    @property
+    def conditions(self) -> tuple[str, ...]:
+        """The conditions on body and start that hold exactly, of a family that names them."""
+        return self._motion.held
+
+    @property
+    def curve(self) -> dict[str, object] | None:
+        """The algebraic curve of a Kovalevskaya top: H, K2, its roots e and period matrix tau."""
+        return self._told(lambda: self._motion.curve(50))
+
+    @property
+    def approach(self) -> Real | None:
+        """The rate at which a motion of Hess's tends to a periodic one; None where it does not."""
+        return self._told(lambda: self._motion.approach(50))
+
+    def _asked(
+        self, question: Callable[[list[Exact], int], T], times: Iterable[AnyNumber], digits: int
+    ) -> T:
+        digits = whole(self.scene.name, "digits", digits, 1, number_types.MOST_ASKED)
+        return self._told(lambda: question(_times(self.scene, times), digits))
+
+    def _told(self, answer: Callable[[], T]) -> T:
+        """An answer of the closed form; raises BadInput where it has none."""
+        try:
+            with mpmath.workprec(ROUGH):  # one question at a time; each sets what it needs
+                return ordinary(answer())
+        except BadInput:
+            raise
+        except (ValueError, ArithmeticError) as fault:
+            expected = f"a question that this closed form answers ({fault})"
+            raise BadInput(self.scene.name, "reference", self.kind, expected) from None
+
+    @property
+    def period(self) -> Real | None:
+        """The least period of omega in the body, to 50 digits; None where none is known.
+
+        Of a Lagrange top that nutates, omega does not return when theta does:
+        ``frequencies["nutation"]`` is the rate of theta.
+
+        >>> import polhode
+        >>> polhode.reference("lagrange/nutation").period is None
+        True
+        >>> exact = polhode.reference("lagrange/planar-librating")
+        >>> print(round(exact.period * exact.frequencies["nutation"] / 6.283185307179586, 9))
+        2.0
+        """
+        found: Real | None = self._told(lambda: self._motion.period(50))
+        return found
+
+    @property
+    def frequencies(self) -> dict[str, Real]:
+        """The motion's frequencies by name, radians per unit of time, to 50 digits."""
+        found: dict[str, Real] = self._told(lambda: self._motion.frequencies(50))
+        return found
+
+    @property
+    def rates_of(self) -> dict[str, str]:
+        """Of which axis about which a frequency is, by its name, where the name leaves it open.
+
+        >>> import polhode
+        >>> polhode.reference("euler/attitude").rates_of["precession"]
+        'of principal axis 3 (of the largest moment) about the angular momentum'
+        """
+        return {k: words for k, words in self._motion.rates_of.items() if k in self.frequencies}
+
+
+#: Anything that a table or a run can be held against.
+AnyReference: TypeAlias = Reference | Certified
+
+
+@overload
+def reference(
+    scene: Scene | str | Path, backend: Literal["flint"] = "flint"
+) -> Reference | Certified: ...
+
+
+@overload
+def reference(scene: Scene | str | Path, backend: str) -> Reference | Certified | Textbook: ...
+
+
+def reference(
+    scene: Scene | str | Path, backend: str = "flint"
+) -> Reference | Certified | Textbook:
+    """Give the reference of a scene: the closed form that fits, else a proven enclosure.
+
+    If the scene's ``reference`` names one, it is that one.
+
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    backend : {"flint", "mpmath"}
+        ``"mpmath"``: of the three classical tops, by mpmath's own functions in a textbook's
+        formulas, which share nothing with the closed forms in balls; states alone.
+
+    Returns
+    -------
+    Reference, Certified or Textbook
+        It gives the state p q r [gamma1 gamma2 gamma3] in the scene's body axes, to the digits
+        wanted, at any time.
+
+    Raises
+    ------
+    BadInput
+        A scene that asks for a closed form that does not fit: the condition, and by how much.
+        Another backend, or a family that it does not have.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> polhode.reference("euler/separatrix")
+    <Reference of euler/separatrix: euler, separatrix>
+    >>> body = polhode.Body.of_moments((3, 2, 1.5), (1, 1, 0), 1)
+    >>> polhode.reference(polhode.Scene(body, (1, 0, 0), (0, 0, 1)))
+    <Certified of scene: heavy asymmetric body>
+    """
+    scene = library.load(scene, takes=REQUESTS)
+    if backend not in BACKENDS:
+        raise BadInput(scene.name, "backend", backend, " or ".join(BACKENDS))
+    if backend == "mpmath":
+        from polhode.judging.textbook import Textbook
+
+        return Textbook(scene)
+    if scene.reference == "certified":
+        return Certified(scene)
+    with mpmath.workprec(ROUGH):
+        found = closed_form(scene, scene.reference)
+    if found is not None:
+        return Reference(scene, *found)
+    if scene.reference != "auto":
+        other = closed_form(scene)
+        fits = f"{other[0] if other else 'certified'}, which fits body and start"
+        if (why := misfit(scene, scene.reference)) is not None:
+            fits += f"; {scene.reference} needs {why}"
+        raise BadInput(scene.name, "reference.kind", scene.reference, fits)
+    return Certified(scene)
+
+
+def _shown(x: Irrational) -> str:
+    """A number that is called 0 by the rule, by the bound of it that is known."""
+    top = x.enclosure(exact.EQUAL_BITS).abs_upper()
+    return f"|x| < 1e{math.ceil(float(top.log()) / math.log(10))}" if top > 0 else "0"
+
+
+def by_sign(times: Sequence[Fraction]) -> list[list[Fraction]]:
+    """The different times from 0 ahead, and those from 0 back, each in order; none empty."""
+    different = dict.fromkeys(times)  # in the order given, which is nearly always sorted
+    ahead, behind = ([t for t in different if s * t.numerator > 0] for s in (1, -1))
+    if 0 in different:
+        (ahead if ahead or not behind else behind).append(Fraction(0))
+    return [part for part in (sorted(ahead), sorted(behind, reverse=True)) if part]
+
+
+def _times(scene: Scene, times: Iterable[AnyNumber]) -> list[Exact]:
+    """Times taken exactly; raises BadInput for those that are too far."""
+    found = [*each(scene.name, "t", times, reader(scene.units, TIME), "a list of times")]
+    _refuse_far(scene, found)
+    return found
+
+
+def _refuse_far(scene: Scene, times: Sequence[Exact]) -> None:
+    """Raise BadInput for times beyond 10**100 radians, where digits cost more each."""
+    far = exact.log10(max(times, key=lambda t: abs(to_double(t)), default=exact.ZERO))
+    if scene.log10_rate + far > MAX_LOG10_ANGLE:
+        expected = f"at most 10**{MAX_LOG10_ANGLE} radians turned"
+        raise BadInput(scene.name, "t", f"10**{far:.0f}", expected)

@@ -1,1 +1,0 @@
-"""What a trajectory is judged against: closed form, enclosure."""

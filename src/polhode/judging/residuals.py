@@ -1,0 +1,139 @@
+"""What is left of a table beside the reference: its size, its bias, and whether it is white noise.
+
+An attitude's residual is the rotation from the true attitude to the table's, as a vector along body
+axes.  Residuals are called white if three tests do not reject that at a significance of one in a
+hundred over all tests and columns: Ljung's and Box's of their autocorrelations, the runs of their
+signs about the median (Wald, Wolfowitz), and the ratio of the variances of their halves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from statistics import NormalDist
+from typing import NamedTuple
+
+import numpy as np
+
+from polhode.judging.correct_digits import plain_rows
+from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.double_double import Pairs
+from polhode.numbers.number_types import Doubles, Given, Scalar
+
+FEWEST = 30  # rows of which it can be told
+SIGNIFICANCE = 0.01
+_LAGS = 10
+_TESTS = 3
+
+
+class Residual(NamedTuple):
+    """Of a column: the root mean square about the bias, the bias, and its standard error."""
+
+    column: str
+    rms: float
+    bias: float
+    bias_error: float
+
+
+def differences(own: Given | Pairs, true: Given | Pairs, signs: Doubles | None = None) -> Doubles:
+    """Own numbers, each row times its sign, less the true ones, rounded once; not a number where
+    either is not there."""
+    if signs is None:
+        signs = np.ones(len(own.hi) if isinstance(own, Pairs) else len(list(own)))
+    if isinstance(own, Pairs) and isinstance(true, Pairs):
+        signed = Pairs(own.hi * signs[:, None], own.lo * signs[:, None])
+        found: Doubles = (signed - true).hi
+        return found
+    rows = zip(signs.tolist(), plain_rows(own), plain_rows(true), strict=True)
+    return np.array(
+        [
+            [_difference(sign, x, y) for x, y in zip(mine, right, strict=True)]
+            for sign, mine, right in rows
+        ],
+        dtype=float,
+    )
+
+
+def rotations(own: Given | Pairs, true: Given | Pairs) -> Doubles:
+    """Rotations from true attitudes to own ones, vectors along body axes in degrees.
+
+    By the quaternions' difference d: the vector part of true* own is that of true* d.  They are of
+    any length and sign.
+    """
+    theirs, right = (_doubles(rows) for rows in (own, true))
+    product = np.sum(theirs * right, axis=1)
+    d = differences(own, true, np.where(product < 0, -1.0, 1.0))
+    a, b = right[:, :1], right[:, 1:]
+    vector = a * d[:, 1:] - b * d[:, :1] - np.cross(b, d[:, 1:])
+    sine = np.linalg.norm(vector, axis=1)
+    angle = 2 * np.arctan2(sine, np.abs(product))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        factor = np.where(sine > 0, np.degrees(angle) / sine, 0.0)
+    found: Doubles = vector * factor[:, None]
+    return found
+
+
+def residuals(names: Sequence[str], rows: Doubles) -> tuple[Residual, ...]:
+    """Of each column, of whole rows in the order of time."""
+    count = max(1, len(rows))
+    spread = np.std(rows, axis=0) if len(rows) else np.zeros(len(names))
+    means = np.mean(rows, axis=0) if len(rows) else spread
+    pairs = zip(names, spread.tolist(), means.tolist(), strict=True)
+    return tuple(Residual(name, rms, bias, rms / math.sqrt(count)) for name, rms, bias in pairs)
+
+
+def are_white(rows: Doubles) -> bool:
+    """Whether columns may be white noise, each about its bias."""
+    count, columns = rows.shape
+    if count < FEWEST or not np.all(np.ptp(rows, axis=0) > 0):
+        return False
+    share = SIGNIFICANCE / (_TESTS * columns)
+    limit, one_sided = (NormalDist().inv_cdf(1 - x) for x in (share / 2, share))
+    return all(
+        _correlation(x) < one_sided and abs(_runs(x)) < limit and abs(_halves(x)) < limit
+        for x in rows.T
+    )
+
+
+def _correlation(values: Doubles) -> float:
+    """Ljung's and Box's statistic as a normal deviate, by Wilson's and Hilferty's cube root."""
+    x, count = values - np.mean(values), len(values)
+    square = float(x @ x)
+    ratios = [float(x[k:] @ x[:-k]) / square for k in range(1, _LAGS + 1)]
+    q = count * (count + 2) * sum(r * r / (count - k) for k, r in enumerate(ratios, 1))
+    spread = 2 / (9 * _LAGS)
+    return (math.cbrt(q / _LAGS) - (1 - spread)) / math.sqrt(spread)
+
+
+def _runs(values: Doubles) -> float:
+    """The number of runs of signs about the median, as a normal deviate."""
+    signs = values > np.median(values)
+    above, count = int(np.sum(signs)), len(signs)
+    mean = 2 * above * (count - above) / count + 1
+    variance = (mean - 1) * (mean - 2) / (count - 1)
+    runs = 1 + int(np.sum(signs[1:] != signs[:-1]))
+    return (runs - mean) / math.sqrt(variance) if variance > 0 else math.inf
+
+
+def _halves(values: Doubles) -> float:
+    """The logarithm of the ratio of the variances of both halves, as a normal deviate."""
+    first, second = np.array_split(values, 2)
+    variances = [float(np.var(half, ddof=1)) for half in (first, second)]
+    if not min(variances) > 0:
+        return math.inf
+    spread = 2 / (len(first) - 1) + 2 / (len(second) - 1)
+    return math.log(variances[1] / variances[0]) / math.sqrt(spread)
+
+
+def _doubles(rows: Given | Pairs) -> Doubles:
+    if isinstance(rows, Pairs):
+        return np.asarray(rows.hi, dtype=float)
+    return np.array(
+        [[math.nan if x is None else to_double(exactly(x)) for x in row] for row in rows]
+    )
+
+
+def _difference(sign: float, x: Scalar | None, y: Scalar | None) -> float:
+    if x is None or y is None:
+        return math.nan
+    return to_double(int(sign) * exactly(x) - exactly(y))

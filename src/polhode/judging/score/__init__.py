@@ -1,1 +1,0 @@
-"""A trajectory compared with its reference: the score, and its text."""

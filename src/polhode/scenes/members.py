@@ -1,0 +1,445 @@
+"""The members of a sweep: as scenes, and as columns of their numbers."""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from polhode.common.errors import BadInput, FileName, nearest, say_change
+from polhode.common.values import cached_property
+from polhode.numbers.conversion import exactly
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact, sign
+from polhode.numbers.exact_sequences import ExactNumbers, LazySequence
+from polhode.numbers.number_types import Flat, Scalar
+from polhode.numbers.row_formulas import Rationals, of_floats, of_fractions
+from polhode.scenes import scene_file, vocabulary
+from polhode.scenes.body import OWN_AXES, Body, PrincipalAxes
+from polhode.scenes.scene import Scene
+from polhode.scenes.scene_file import exact_value
+from polhode.scenes.vary import Grid
+from polhode.scenes.vocabulary import CENTRE
+
+# --- sweep scenes ---------------------------------------------------------------------------------
+#
+# Many scenes from one: the members of a sweep, every one exact, and checked when it is made.
+
+
+_BODIES = 1024  # that are remembered
+_LOOKED_AT = 64  # members, for notes
+_NEAR_FLAT = Fraction(1, 1 << 40)
+_MAY_BE_ROUNDED = {"body.moments", "body.inertia", "start.gamma", "start.quaternion"}
+
+_SECTIONS = ("body", "start")
+_KEY = re.compile(r"(body|start)\.[a-z_]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
+#: Where a number of the tables stands: in which table or list, and under which key or index.
+Place: TypeAlias = tuple[Any, Any]
+
+_WORDS = vocabulary.words("body") | vocabulary.words("body.parts") | vocabulary.words("start")
+
+
+class Members(LazySequence[Scene]):
+    """The scenes of a sweep, without output times; each made, and checked, when it is asked for."""
+
+    def __init__(self, scene: Scene, varied: Grid) -> None:
+        self.scene, self.varied = scene, varied
+        self._mine = threading.local()  # one reads by writing into tables
+
+    def __len__(self) -> int:
+        return len(self.varied.rows)
+
+    def at(self, k: int) -> Scene:
+        """The scene of a member."""
+        reading: _Reading | None = getattr(self._mine, "reading", None)
+        if reading is None:
+            reading = self._mine.reading = _Reading(self.scene, self.varied)
+        return reading.member(k)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Members):
+            return NotImplemented
+        return self.scene == other.scene and self.varied == other.varied
+
+    __hash__ = None
+
+    def __getstate__(self) -> tuple[Scene, Grid]:
+        return self.scene, self.varied
+
+    def __setstate__(self, state: tuple[Scene, Grid]) -> None:
+        self.__init__(*state)  # type: ignore[misc]
+
+    @cached_property
+    def axes_stay(self) -> bool:
+        """Whether all members have the principal axes of the scene.
+
+        A body of parts, or one whose inertia is given about its centre of mass, turns its axes with
+        nearly every number.  Two equal moments leave a choice, which the centre of mass makes.
+        """
+        varied = {key.partition("[")[0] for key in self.varied.keys if key.startswith("body.")}
+        varied -= {"body.weight", "body.g"}
+        if not varied:
+            return True
+        body, axes = self.tables["body"], self.scene.body.axes
+        if "parts" in body or body.get("about") == CENTRE:
+            return False
+        if not varied <= {"body.moments", "body.mass", "body.centre"}:
+            return False
+        a, b, c = self.scene.body.moments
+        return axes.trivial or "body.centre" not in varied or not (a == b or b == c or c == a)
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """The notes of the scene, and what was changed of the first members, as of one of them."""
+        varied = {key.partition("[")[0] for key in self.varied.keys}
+        each = zip(self.varied.keys, self.varied.rows.columns, strict=True)
+        as_is = any(k.startswith("start.") for k, x in each if x.floats is not None)
+        if as_is:  # members begin at the numbers of the arrays
+            varied = {key for key in varied if key.startswith("body.")}
+        if not varied & _MAY_BE_ROUNDED:
+            return self.scene.notes
+        starts = any(key.startswith("start.") for key in varied & _MAY_BE_ROUNDED)
+        few = range(min(len(self), _LOOKED_AT))
+        members = (self[k] for k in few if starts or self._body_may_be_changed(k))
+        of_members = ([*filter(None, [x.body.change])] if as_is else x.changes for x in members)
+        changes = next(filter(None, of_members), ())
+        return (*self.scene.notes, *(f"members: {text}" for text in changes))
+
+    def _body_may_be_changed(self, index: int) -> bool:
+        """Not where three moments vary and are far from those of a flat body."""
+        each = zip(self.varied.keys, self.varied.rows[index], strict=True)
+        moments = [x for key, x in each if key.startswith("body.moments")]
+        return len(moments) < 3 or 2 * max(moments) > sum(moments) * (1 - _NEAR_FLAT)
+
+    def provenance(self) -> dict[str, object]:
+        """Where a result comes from, see :meth:`Scene.provenance`; members' notes are said, too."""
+        for text in self.notes[len(self.scene.notes) :]:
+            say_change(self.scene.name, text)
+        found = self.scene.provenance()
+        return found | {"notes": list(self.notes)} if self.notes else found
+
+    @cached_property
+    def tables(self) -> dict[str, Any]:
+        """The tables that are varied, as they were before; not to be written to."""
+        data = tables_of(self.scene)
+        _places(dict(_leaves(data)), self.varied.keys, self.scene.name)
+        return data
+
+
+class _Reading:
+    """A scene's tables in which a member's values are put before it is read."""
+
+    def __init__(self, scene: Scene, varied: Grid) -> None:
+        self.scene, self.varied = scene, varied
+        self.data = tables_of(scene)
+        leaves = dict(_leaves(self.data))
+        for key, (table, at) in leaves.items():  # read once for all members
+            table[at] = scene_file.exact_value(table[at], key, scene.name)
+        self.places = _places(leaves, varied.keys, scene.name)
+        self.same_body = not any(key.startswith("body.") for key in varied.keys)
+        bare = replace(scene, times=(), published=(), expect={}, source="", outputs=())
+        self.bare = replace(bare, change="", doubt="")
+        self.bodies: dict[tuple[Any, ...], Body] = {}
+
+    def member(self, index: int) -> Scene:
+        row = self.varied.rows[index]
+        name = label(self.scene.name, self.varied, index)
+        for spots, value in zip(self.places, row, strict=True):
+            for table, at in spots:
+                table[at] = value
+        body = self.scene.body if self.same_body else self._known(row, name)
+        body, omega, gamma, psi, change = scene_file.body_and_start(self.data, name, body)
+        found = replace(self.bare, body=body, omega=omega, gamma=gamma, psi=psi, name=name)
+        return replace(found, change=change) if change else found
+
+    def _known(self, row: tuple[Exact, ...], name: str) -> Body:
+        """The body that the tables hold now: one for all members that have the same."""
+        of_body = tuple(
+            x if isinstance(x, Fraction) else (id(x),)
+            for key, x in zip(self.varied.keys, row, strict=True)
+            if key.startswith("body.")
+        )
+        if of_body not in self.bodies:
+            if len(self.bodies) >= _BODIES:
+                self.bodies.clear()
+            self.bodies[of_body] = scene_file.body_and_start(self.data, name)[0]
+        return self.bodies[of_body]
+
+
+def label(name: str, varied: Grid, index: int) -> str:
+    """How a member is called in messages."""
+    row = zip(varied.keys, varied.rows[index], strict=True)
+    more = f" member {index + 1} ({', '.join(f'{key} = {shown(x)}' for key, x in row)})"
+    return name.with_more(more) if isinstance(name, FileName) else name + more
+
+
+def tables_of(scene: Scene) -> dict[str, Any]:
+    """The tables of body and start: those of the scene's file, if they still say what it is."""
+    text = scene_file.source_text(scene)
+    if text is not None and text.tells(scene, "body", "omega", "gamma", "psi"):
+        return {name: dict(text.tables[name]) for name in _SECTIONS}
+    body = scene.body
+    start: dict[str, Any] = {"omega": list(scene.omega)}
+    if scene.gamma is not None:
+        start |= {"gamma": list(scene.gamma), "psi": scene.psi}
+    inertia = body.inertia
+    if any(inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j):
+        form: dict[str, Any] = {"inertia": [list(row) for row in inertia]}
+    else:
+        form = {"moments": [inertia[i][i] for i in range(3)]}
+    return {"body": {**form, "centre": list(body.centre), "weight": body.weight}, "start": start}
+
+
+def _places(known: Mapping[str, Place], varied: Sequence[str], name: str) -> list[list[Place]]:
+    """For each key the places of its number among those known; an inertia's mirror image with it.
+
+    Raises BadInput.
+    """
+    places, taken = [], set()
+    for key in varied:
+        if key not in known or not _KEY.fullmatch(key):
+            raise BadInput(name, "vary", key, f"a number of the scene: {nearest(key, [*known])}")
+        spots = [known[key]]
+        if key.startswith("body.inertia"):
+            row, column = key[13], key[16]
+            mirror = f"body.inertia[{column}][{row}]"
+            if mirror != key:
+                spots.append(known[mirror])
+            if mirror in taken:
+                raise BadInput(name, "vary", key, f"not {mirror} too: they are one number")
+        taken.add(key)
+        places.append(spots)
+    return places
+
+
+def _leaves(data: dict[str, Any]) -> Iterator[tuple[str, Place]]:
+    """Every number of the tables: its key, and where it stands, also of those left out."""
+    body, start = data["body"], data["start"]
+    if "centre" in body and "g" not in body:
+        body.setdefault("weight", 0)
+    if "gamma" in start:
+        start.setdefault("psi", 0)
+    pending: list[tuple[str, Any, Any]] = [
+        (f"{section}.{key}", data[section], key) for section in _SECTIONS for key in data[section]
+    ]
+    for key, table, at in pending:
+        value = table[at]
+        if isinstance(value, list):
+            table[at] = value = list(value)  # the caller's tables stay as they are
+            pending += [(f"{key}[{i + 1}]", value, i) for i in range(len(value))]
+        elif isinstance(value, dict):  # one of [[body.parts]]
+            table[at] = value = dict(value)
+            pending += [(f"{key}.{name}", value, name) for name in value]
+        elif not isinstance(value, bool) and at not in _WORDS:
+            yield key, (table, at)
+
+
+# --- sweep columns --------------------------------------------------------------------------------
+#
+# The members of a sweep as columns of exact numbers: many at once, and without an object each.
+#
+# Every member is checked as :class:`.sweep_scenes.Members` checks it. What these columns cannot
+# tell (an irrational value, a start in angles, inertia that varies beside principal axes that are
+# not the body's own) they leave to the member's scene, and the words of a fault too. Starts and
+# moments that were given as arrays stay the arrays that they are.
+
+
+#: A number that all members have in common (Exact), or one for each: Rationals, or the floats of
+#: an array.  They have arithmetic in common.
+Column: TypeAlias = Scalar
+Vector: TypeAlias = tuple[Column, Column, Column]
+Booleans = npt.NDArray[np.bool_]
+
+#: What may be varied here, and what a scene's tables may hold.
+_KEYS = (
+    *("body.moments", "body.centre", "body.weight"),
+    *("start.omega", "start.gamma", "start.psi"),
+)
+_BODY = {"moments", "inertia", "centre", "weight"}
+_START = {"omega", "gamma", "psi", "normalise"}
+
+#: Of what the columns stay arrays.
+_ARRAYS = ("start.omega", "start.gamma", "body.moments")
+
+_NONE: Vector = (Fraction(0), Fraction(0), Fraction(0))
+
+
+@dataclass(frozen=True)
+class Block:
+    """Members ``first`` to ``last`` (not included) in columns; ``left``: those that are not in it.
+
+    ``moments``: the principal ones.  ``torque`` (Mg r0), ``omega`` and ``gamma`` at t = 0 in body
+    axes, which are principal axes where ``axes`` is trivial.
+    """
+
+    first: int
+    last: int
+    left: Booleans
+    moments: Vector
+    torque: Vector
+    omega: Vector
+    gamma: Vector | None
+    axes: PrincipalAxes = OWN_AXES
+
+    def __len__(self) -> int:
+        return self.last - self.first
+
+    @property
+    def arrays(self) -> bool:
+        """Whether numbers of the starts are floats of an array."""
+        return any(isinstance(x, np.ndarray) for x in (*self.omega, *(self.gamma or ())))
+
+    def given_gamma(self, k: int) -> tuple[Exact, Exact, Exact] | None:
+        """Gamma of one member as an array gives it, of length 1 but for rounding; else None."""
+        if self.gamma is None or not all(isinstance(x, np.ndarray) for x in self.gamma):
+            return None
+        a, b, c = (exactly(x[k]) for x in self.gamma)
+        return a, b, c
+
+    def exact(self) -> Block:
+        """The same with rationals in the place of arrays."""
+
+        def vector(of: Vector) -> Vector:
+            a, b, c = (of_floats(x) if isinstance(x, np.ndarray) else x for x in of)
+            return a, b, c
+
+        gamma = None if self.gamma is None else vector(self.gamma)
+        return replace(self, moments=vector(self.moments), omega=vector(self.omega), gamma=gamma)
+
+
+class Blocks:
+    """Reads blocks of a sweep's members."""
+
+    def __init__(self, members: Members) -> None:
+        self.members = members
+        self.keys = members.varied.keys
+        self.varied = members.varied.rows
+        self.data = members.tables
+        each = zip(self.keys, self.varied.columns, strict=True)
+        self._known = [_parts(column, key.startswith(_ARRAYS)) for key, column in each]
+
+    @cached_property
+    def readable(self) -> bool:
+        """Whether such a scene can be read in columns."""
+        scene, start, body = self.members.scene, self.data["start"], self.data["body"]
+        known = all(key.partition("[")[0] in _KEYS for key in self.keys)
+        plain = "omega" in start and {*start} <= _START and {*body} <= _BODY
+        if not (known and plain and self.members.axes_stay):
+            return False
+        own = scene.body.moments if scene.body.axes.trivial else ()
+        rational = isinstance(scene.body.weight, Fraction) and all(
+            isinstance(x, Fraction) for x in (*own, *scene.body.centre)
+        )
+        if any(key.startswith("body.") for key in self.keys) and not rational:
+            return False
+        return not self._has("start.gamma") or self._array("start.gamma") or self._plain_gamma
+
+    @property
+    def _plain_gamma(self) -> bool:
+        """Whether gamma is rational as it is given, and is not to be normalised."""
+        start, name = self.data["start"], self.members.scene.name
+        numbers = (exact_value(x, "start.gamma", name) for x in start["gamma"])
+        return not start.get("normalise") and all(isinstance(x, Fraction) for x in numbers)
+
+    def _array(self, vector: str) -> bool:
+        """Whether all of a vector is given as an array."""
+        each = zip(self.keys, self.varied.columns, strict=True)
+        return sum(k.startswith(vector) and x.floats is not None for k, x in each) == 3
+
+    def _has(self, start: str) -> bool:
+        return any(key.startswith(start) for key in self.keys)
+
+    def block(self, first: int, last: int) -> Block:
+        """Some of the members.  Raises BadInput where one of them cannot be."""
+        count, scene = last - first, self.members.scene
+        if not self.readable:
+            return Block(first, last, np.ones(count, bool), _NONE, _NONE, _NONE, None)
+        left = np.zeros(count, dtype=bool)
+        found: dict[str, Column] = {}
+        where = np.arange(first, last)
+        each = zip(self.keys, self._known, self.varied.columns, self.varied.repeats, strict=True)
+        for key, (column, odd), values, repeat in each:
+            at = where // repeat % len(values)
+            found[key] = column[at]
+            if odd is not None:
+                left |= odd[at]
+
+        def vector(name: str, fixed: Sequence[Exact]) -> Vector:
+            a, b, c = (found.get(f"{name}[{i + 1}]", x) for i, x in enumerate(fixed))
+            return a, b, c
+
+        moments = vector("body.moments", scene.body.moments)
+        weight = found.get("body.weight", scene.body.weight)
+        centre = vector("body.centre", scene.body.centre)
+        torque: Vector = scene.body.torque
+        if self._has("body.weight") or self._has("body.centre"):
+            x, y, z = (_times(weight, c) for c in centre)
+            torque = x, y, z
+        omega = vector("start.omega", scene.omega)
+        gamma = None if scene.gamma is None else vector("start.gamma", scene.gamma)
+        bad = np.zeros(count, dtype=bool)
+        if self._has("body.moments"):
+            bad |= _unphysical(moments)
+        if self._has("start.gamma") and gamma is not None and not self._array("start.gamma"):
+            square = sum((_times(g, g) for g in gamma), Rationals(0, 1)) - 1
+            bad |= np.asarray(_sign(square) != 0)
+        if gamma is None or "centre" not in self.data["body"]:
+            bad |= np.any(
+                [np.broadcast_to(_sign(x) != 0, count) for x in (weight, *torque)], axis=0
+            )
+        for k in np.flatnonzero(bad & ~left):
+            _ = self.members[first + int(k)]  # says what is wrong, if it is
+            left[k] = True
+        return Block(first, last, left, moments, torque, omega, gamma, scene.body.axes)
+
+
+def _times(a: Column, b: Column) -> Column:
+    return a * b
+
+
+def _sign(x: Column) -> Any:
+    return x.sign if isinstance(x, Rationals) else sign(x)
+
+
+def _unphysical(moments: Vector) -> Booleans:
+    """Where no body has such moments; of arrays where rounding might hide it, too."""
+    a, b, c = moments
+    if any(isinstance(x, np.ndarray) for x in moments):
+        a, b, c = np.broadcast_arrays(*(np.asarray(_near(x), np.float64) for x in moments))
+        slack = 2.0**-50 * (np.abs(a) + np.abs(b) + np.abs(c))
+        sums = (b + c - a, c + a - b, a + b - c)
+        hidden: Booleans = np.minimum.reduce([a, b, c, *(x - slack for x in sums)]) <= 0
+        return hidden
+    signs = [_sign(x) <= 0 for x in moments]
+    signs += [_sign(x + y - z) < 0 for x, y, z in ((a, b, c), (b, c, a), (c, a, b))]
+    found: Booleans = np.logical_or.reduce(np.broadcast_arrays(*signs))
+    return found
+
+
+def _near(x: Column) -> Flat | float:
+    return x.doubles() if isinstance(x, Rationals) else x if isinstance(x, np.ndarray) else float(x)
+
+
+def _parts(column: ExactNumbers[Exact], array: bool) -> tuple[Rationals | Flat, Booleans | None]:
+    """A column's rationals, and where there is another number in it (1 in its place).
+
+    ``array``: whether an array stays one.
+    """
+    if column.floats is not None:
+        return column.floats if array else of_floats(column.floats), None
+    if column.ends is not None:
+        first, last = column.ends
+        if isinstance(first, Fraction) and isinstance(last, Fraction):
+            step = (last - first) / max(1, len(column) - 1)
+            top = step.numerator * first.denominator * np.arange(len(column)).astype(object)
+            top = top + first.numerator * step.denominator
+            return Rationals(top, first.denominator * step.denominator), None
+    odd = np.array([not isinstance(x, Fraction) for x in column])
+    rationals = of_fractions([x if isinstance(x, Fraction) else Fraction(1) for x in column])
+    return rationals, odd if odd.any() else None

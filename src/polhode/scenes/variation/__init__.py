@@ -1,1 +1,0 @@
-"""Variation of a scene's numbers: keys, scenes, and their numbers in columns."""

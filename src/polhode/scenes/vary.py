@@ -1,0 +1,258 @@
+"""Variation of a scene's numbers: keys and ranges."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from polhode.common.arguments import each, of_kind, rows_of
+from polhode.common.errors import BadInput, plain, say_doubt
+from polhode.numbers import exact
+from polhode.numbers.exact import ZERO, Exact
+from polhode.numbers.exact_sequences import ExactNumbers, LazySequence, spaced
+from polhode.numbers.expression import ExpressionError
+from polhode.numbers.number_types import numbers_given
+from polhode.scenes.body_and_start import THETA, doubtful_theta
+from polhode.scenes.given_numbers import in_text, reader
+from polhode.scenes.vocabulary import unit
+
+if TYPE_CHECKING:
+    from polhode.numbers.number_types import Flat
+
+
+# --- array columns --------------------------------------------------------------------------------
+#
+# Columns of a sweep given as arrays: N members, row by row, never every combination.
+#
+# ``{"start.omega": (N, 3), "start.gamma": (N, 3), "body.weight": (N, 1)}``. The floats stay the
+# array that they are; exact numbers are made where a member is asked for.
+
+
+#: How many numbers the keys have that are no single number.
+_WIDTHS = {
+    **{f"body.{key}": 3 for key in ("moments", "centre")},
+    **{f"start.{key}": 3 for key in ("omega", "gamma", "momentum", "angles", "rates")},
+    "start.quaternion": 4,
+}
+
+
+def row_by_row(
+    vary: Mapping[str, Any], name: str
+) -> tuple[tuple[str, ...], list[ExactNumbers[Fraction]]]:
+    """Keys and columns, where an array of rows is among what is varied; else none of them.
+
+    Raises BadInput, also for two arrays of one length without rows: they may mean either.
+    """
+    arrays = {key: given for key, given in vary.items() if _dimensions(given) > 0}
+    rows = [key for key, given in arrays.items() if _dimensions(given) > 1]
+    if not rows:
+        _ask(arrays, name)
+        return (), []
+    first, keys = rows[0], []
+    columns: list[ExactNumbers[Fraction]] = []
+    for key, given in vary.items():
+        if key not in arrays:
+            expected = f"an array with a row for each of {first}: never every combination"
+            raise BadInput(name, key, plain(given), expected)
+        width = _WIDTHS.get(key, 1)
+        table = rows_of(name, key, given if key in rows else _standing(given), width)
+        own = [key] if width == 1 else [f"{key}[{i + 1}]" for i in range(width)]
+        twice = [number for number in own if number in keys]
+        if twice:
+            raise BadInput(name, key, f"{twice[0]}, given twice", "each number in one array")
+        keys += own
+        columns += [ExactNumbers(floats=column.copy()) for column in table.T]
+        if len(columns[-1]) != len(columns[0]):
+            expected = f"{len(columns[0])} rows, as many as {next(iter(vary))} has"
+            raise BadInput(name, key, f"{len(columns[-1])} rows", expected)
+    return tuple(keys), columns
+
+
+def _dimensions(given: object) -> int:
+    """Of an array of any kind; 0 of anything else."""
+    return int(getattr(given, "ndim", 0)) if hasattr(given, "__array__") else 0
+
+
+def _standing(given: object) -> Flat:
+    """An array of numbers as one of rows with a number each."""
+    import numpy as np
+
+    found: Flat = np.asanyarray(given)[:, None]
+    return found
+
+
+def _ask(arrays: Mapping[str, Any], name: str) -> None:
+    """Two arrays of one length may be meant member by member, or every combination of them."""
+    lengths: dict[int, str] = {}
+    for key, given in arrays.items():
+        other = lengths.setdefault(len(given), key)
+        if other != key and len(given) > 1:
+            what = f"two arrays of {len(given)} numbers ({other} is the other)"
+            expected = (
+                "[:, None] on both for member by member, or .tolist() on both for every combination"
+            )
+            raise BadInput(name, key, what, expected)
+
+
+# --- vary -----------------------------------------------------------------------------------------
+#
+# Numbers of a scene file varied: which, and every value, exact, made when asked for.
+
+
+MAX_MEMBERS = 10_000_000
+
+#: Varied numbers by key: a sequence of values or ``"FROM:TO:N"`` each, of which every combination
+#: is a member; or arrays with a row for each member; or the members one by one, each with the same
+#: keys; or texts ``KEY=FROM:TO:N``, as on the command line.
+Vary = Mapping[str, Any] | Sequence[Mapping[str, Any]] | Sequence[str]
+
+
+class Rows(LazySequence[tuple[Exact, ...]]):
+    """A row of values for each member, made when asked.
+
+    ``product``: every combination of the columns' values, the last column's changing fastest; else
+    the columns are as long as the rows are many.
+    """
+
+    def __init__(self, columns: Sequence[Sequence[Exact]], product: bool) -> None:
+        each = (x if isinstance(x, ExactNumbers) else ExactNumbers(tuple(x)) for x in columns)
+        self.columns, self.product = tuple[ExactNumbers[Exact], ...](each), product
+        sizes = [len(column) for column in self.columns]
+        self._count = math.prod(sizes) if product else sizes[0]
+        #: For each column how many rows have the same value in a row of rows.
+        self.repeats = [math.prod(sizes[i + 1 :]) if product else 1 for i in range(len(sizes))]
+
+    def __len__(self) -> int:
+        return self._count
+
+    def at(self, k: int) -> tuple[Exact, ...]:
+        """The values of a member."""
+        each = zip(self.columns, self.repeats, strict=True)
+        return tuple(column[k // repeat % len(column)] for column, repeat in each)
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, Rows) and self.product == other.product:
+            return self.columns == other.columns
+        return super().__eq__(other)
+
+    __hash__ = None
+
+    def __repr__(self) -> str:
+        return f"Rows({[column.summary for column in self.columns]}, {self.product})"
+
+
+class Grid(NamedTuple):
+    """What is varied: the keys, and a row of values for each member."""
+
+    keys: tuple[str, ...]
+    rows: Rows
+
+
+def option(text: str, name: str, units: str = "") -> tuple[str, Sequence[Exact]]:
+    """Key and values of ``KEY=FROM:TO:N`` or ``KEY=a,b,c``; raises BadInput.
+
+    Here and below ``units`` are those of the scene.
+    """
+    key, equals, listed = text.partition("=")
+    if not equals:
+        raise BadInput(name, "--vary", text, "KEY=FROM:TO:N or KEY=a,b,c")
+    key = key.strip()
+    return key, numbers(listed, key, name, units, unit(key))
+
+
+def options(texts: Sequence[str], name: str, units: str = "") -> dict[str, Sequence[Exact]]:
+    """What all ``--vary`` say together; raises BadInput."""
+    varied: dict[str, Sequence[Exact]] = {}
+    for text in texts:
+        key, found = option(text, name, units)
+        if key in varied:
+            raise BadInput(name, "--vary", text, f"{key} once")
+        varied[key] = found
+    return varied
+
+
+def numbers(text: str, key: str, name: str, units: str, dimension: str) -> Sequence[Exact]:
+    """The numbers of ``a,b,c``, where each may be ``FROM:TO:N``: N evenly spaced, ends included.
+
+    ``dimension``: as in ``given_numbers.in_text``.  Raises BadInput.
+    """
+    parts = []
+    for item in text.split(","):
+        try:
+            first, *rest = item.split(":")
+            ends = [in_text(x, units, dimension) for x in (first, *rest[:1])]
+        except ExpressionError as fault:
+            raise BadInput(name, key, item, f"numbers ({fault})") from None
+        count = int(rest[1]) if rest[1:] and re.fullmatch(r"\s*\d{1,9}\s*", rest[1]) else 0
+        if rest and not (len(rest) == 2 and 1 <= count <= MAX_MEMBERS):
+            raise BadInput(name, key, item, f"FROM:TO:N with N from 1 to {MAX_MEMBERS}")
+        parts.append(spaced(ends[0], ends[1], count) if rest else ends)
+    return parts[0] if len(parts) == 1 else [x for part in parts for x in part]
+
+
+def grid(vary: Vary, name: str, units: str = "") -> Grid:
+    """Keys and rows of what is varied; raises BadInput."""
+    if isinstance(vary, (list, tuple)) and vary and all(isinstance(x, str) for x in vary):
+        vary = options(vary, name, units)
+    product = isinstance(vary, Mapping)
+    if isinstance(vary, Mapping):
+        keys, arrays = row_by_row(vary, name)
+        if keys:
+            return _limited(Grid(keys, Rows(arrays, product=False)), name)
+        columns = [_column(key, given, name, units) for key, given in vary.items()]
+        keys = tuple(vary)
+    else:
+        vary = each(name, "vary", vary, lambda member: member, "keys with their values, or members")
+        for k, member in enumerate(vary):
+            of_kind(name, f"vary[{k + 1}]", member, Mapping, "a mapping of keys to values")
+        keys = tuple(vary[0]) if vary else ()
+        for k, member in enumerate(vary):
+            if set(member) != set(keys):
+                listed = ", ".join(map(plain, member))
+                raise BadInput(name, f"member {k + 1}", listed, f"the keys {', '.join(keys)}")
+        columns = [[_exact(m[key], key, name, units) for m in vary] for key in keys]
+    if not keys:
+        raise BadInput(name, "vary", None, "at least one number of the scene file to vary")
+    found = _limited(Grid(keys, Rows(columns, product)), name)
+    if THETA in keys:
+        _doubt(found.rows.columns[keys.index(THETA)], name)
+    return found
+
+
+def _limited(found: Grid, name: str) -> Grid:
+    """A grid that is not too large; raises BadInput."""
+    count = len(found.rows)
+    if count > MAX_MEMBERS:
+        raise BadInput(name, "vary", f"{count} members", f"at most {MAX_MEMBERS}; split the sweep")
+    return found
+
+
+def _doubt(column: ExactNumbers[Exact], name: str) -> None:
+    """Say where a theta is of more than a turn."""
+    largest = max(column.ends or column, key=abs, default=ZERO)
+    if abs(largest) > 2 * exact.pi():
+        say_doubt(name, doubtful_theta(largest))
+
+
+def _column(key: str, given: object, name: str, units: str) -> Sequence[Exact]:
+    if isinstance(given, str):
+        return numbers(given, key, name, units, unit(key))
+    if isinstance(given, ExactNumbers):
+        return given
+    listed, several = numbers_given(given)
+    if not several:
+        raise BadInput(name, key, plain(given), "a sequence of numbers, or FROM:TO:N")
+    column = [_exact(x, key, name, units) for x in listed]
+    if not column:
+        raise BadInput(name, key, "nothing", "at least one value")
+    return column
+
+
+def _exact(value: object, key: str, name: str, units: str) -> Exact:
+    try:
+        return reader(units, unit(key))(value)
+    except ValueError as fault:
+        raise BadInput(name, key, plain(value), f"a number ({fault})") from None
