@@ -180,11 +180,11 @@ def held_at(value, place):
 
 @pytest.mark.slow
 def test_drawn_changes_of_a_certificate_prove_nothing_false(given):
-    """Every number in turn, changed as chance has it: refused, or the statement is true."""
+    """Numbers changed as chance has it (700 once): refused, or the statement is true."""
     chance = random.Random(65)
     places = [place for place in numbers(given) if place.split()[0] not in ("format", "kind")]
     truth = stability()
-    for _ in range(500):
+    for _ in range(60):
         place = chance.choice(places)
         held = altered(given, place, lambda x: drawn(x, chance))
         text = answer(held)
