@@ -42,8 +42,6 @@ class Verb(NamedTuple):
     figure_options: Mapping[str, Mapping[str, Any]] | None = _TITLE
 
 
-_DYNAMICS = "polhode.dynamics"
-_ORBITS = f"{_DYNAMICS}.periodic_orbits"
 _MOTION = "angles (default), omega, momentum, attitude, hodographs, sphere, integrals or error"
 _MAP = "fli (default), megno, exponent or verdict"
 
@@ -121,18 +119,18 @@ ROWS = (
         prints_rows=True,
     ),
     Verb(
-        *("levels", f"{_DYNAMICS}.levels.levels", "levels", "Levels"),
+        *("levels", "polhode.dynamics.levels", "levels", "Levels"),
         "the (f, h) diagram in closed form: permanent rotations, cusps, where a scene lies",
         figure_options={"--f-range": _RANGE, "--h-range": _RANGE, **_TITLE},
     ),
     Verb(
-        *("section", f"{_DYNAMICS}.sections.section", "section", "Section"),
+        *("section", "polhode.dynamics.section", "section", "Section"),
         "crossings of a section by many orbits on one level of energy and area",
         counts="orbits",
         prints_rows=True,
     ),
     Verb(
-        *("map", f"{_DYNAMICS}.chaos.chaos_map", "chaos_map", "ChaosMap"),
+        *("map", "polhode.dynamics.chaos_map", "chaos_map", "ChaosMap"),
         "a chaos map: growth of one tangent per motion, over a grid or two varied numbers",
         figure_options={"--what": _what(_MAP), "--cmap": _CMAP, **_TITLE},
         counts="motions",
@@ -143,17 +141,17 @@ ROWS = (
         own=".toml",
     ),
     Verb(
-        *("orbits", f"{_ORBITS}.search", "orbit_search", "OrbitSearch"),
+        *("orbits", "polhode.dynamics.families", "orbit_search", "OrbitSearch"),
         "the periodic orbits of a level, searched from cells of its section",
         prints_rows=True,
     ),
     Verb(
-        *("family", f"{_ORBITS}.families", "orbit_family", "OrbitFamily"),
+        *("family", "polhode.dynamics.families", "orbit_family", "OrbitFamily"),
         "a family of periodic orbits along the energy or the vertical momentum",
         prints_rows=True,
     ),
     Verb(
-        *("frequencies", f"{_DYNAMICS}.frequencies.frequencies", "frequencies", "Frequencies"),
+        *("frequencies", "polhode.dynamics.frequencies", "frequencies", "Frequencies"),
         "frequency analysis (Laskar) of a motion, from a scene or a trajectory file",
         prints_rows=True,
     ),
