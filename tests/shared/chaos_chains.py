@@ -30,7 +30,7 @@ class Example(NamedTuple):
 
     orbit: ProvedOrbit
     guess: Guess
-    prove_chaos: Chain
+    chain: Chain
     made: dict[str, Any]
     proof: verify.Horseshoe
 
