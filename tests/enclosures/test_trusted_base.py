@@ -39,11 +39,6 @@ def test_a_trusted_file_imports_what_is_trusted_or_said_to_be_beside(name):
     assert {x for x in imported(name) - {*TRUSTED} if not is_beside(x)} == set()
 
 
-def test_columns_that_are_imported_by_their_words_are_trusted():
-    files = {p.stem for p in (TOP / "equations" / "columns").glob("*.py")}
-    assert {f"equations/columns/{name}" for name in files - {"__init__"}} <= {*TRUSTED}
-
-
 def test_what_is_beside_is_imported_by_a_trusted_file_and_is_not_trusted():
     found = {x for name in TRUSTED for x in imported(name)}
     for part, why in BESIDE.items():

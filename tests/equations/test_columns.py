@@ -1,4 +1,4 @@
-"""A derived column: one file and one row, and it is right in every output and number type."""
+"""A derived column: one formula and its two rows, and it is right in every output and number type."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.equations import column, columns
+from polhode.equations import columns
 from polhode.figures import curve_sampling
 from polhode.numbers import row_formulas
 from polhode.numbers.conversion import exactly
@@ -32,38 +32,29 @@ from polhode.scenes.vocabulary import COLUMNS, STATE, ColumnWord, column_names
 NUMBERS = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD, "mp": mp(50)}
 TOP = "lagrange/nutation"
 
-#: The one file, ``equations/columns/speed.py``, and the one row, of ``COLUMNS``.
-FILE = '''"""The length of omega."""
-
-from __future__ import annotations
-
-from collections.abc import Mapping, Sequence
-from typing import Final
-
-from polhode.equations.column import Column
-from polhode.numbers.number_types import Functions, Scalar
-
+#: What is added to ``equations/columns.py``: a formula and its row; and the row of ``COLUMNS``.
+ADDED = '''
 
 def _length(x: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
     return [fn.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])]
 
 
-COLUMN: Final = Column(_length)
+FORMULAS["speed"] = DerivedColumn(_length)
 '''
 ROW = ColumnWord(("speed",), ("state",), "derived", "the length of omega")
 
 
 @pytest.fixture(scope="module", autouse=True)
-def speed(tmp_path_factory):
-    """The column in a folder of its own beside the package's."""
-    folder = tmp_path_factory.mktemp("columns")
-    (folder / "speed.py").write_text(FILE)
+def speed():
+    """The column in the package that is imported."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(columns, "__path__", [*columns.__path__, str(folder)])
+        patch.setitem(columns.FORMULAS, "speed", columns.DerivedColumn(_speed))
         patch.setitem(COLUMNS, "speed", ROW)
-        importlib.invalidate_caches()
         yield
-    sys.modules.pop("polhode.equations.columns.speed", None)
+
+
+def _speed(x, k, fn):
+    return [fn.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])]
 
 
 def true_speed(state):
@@ -330,13 +321,14 @@ def test_a_column_may_need_numbers_of_the_body_and_angles(monkeypatch):
 
 
 @pytest.mark.slow
-def test_one_file_and_one_row_are_all(tmp_path):
-    """The package itself with the file and the row, as somebody who adds the column has it."""
+def test_a_formula_and_two_rows_are_all(tmp_path):
+    """The package itself with the formula and the rows, as somebody who adds the column has it."""
     top = Path(polhode.__file__).parents[2]
     shutil.copytree(top / "src", tmp_path / "src", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copytree(top / "cases", tmp_path / "cases")
     package = tmp_path / "src/polhode"
-    (package / "equations/columns/speed.py").write_text(FILE)
+    formulas = package / "equations/columns.py"
+    formulas.write_text(formulas.read_text() + ADDED)
     vocabulary = package / "scenes/vocabulary.py"
     before, table, after = vocabulary.read_text().partition(
         "COLUMNS: Mapping[str, ColumnWord] = {\n"

@@ -26,7 +26,7 @@ from polhode.enclosures.fixed_point_problem import (
 from polhode.enclosures.result import Enclosure, Part, digits_of
 from polhode.enclosures.statement import assumed
 from polhode.enclosures.task import MAX_STEPS, Side, Task, task
-from polhode.equations.column import derived_words
+from polhode.equations.columns import derived_words
 from polhode.equations.terms import LINEAR, ROWS
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact

@@ -8,7 +8,7 @@ from typing import Any
 from flint import arb
 
 from polhode.enclosures.polynomial import ball
-from polhode.equations.column import column
+from polhode.equations.columns import FORMULAS
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Functions
 from polhode.scenes.scene import Scene

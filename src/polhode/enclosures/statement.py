@@ -59,10 +59,8 @@ TRUSTED = (
             *(
                 "number_types",
                 "row_formulas",
-                "balls",
                 "mpmath_context",
                 "lossless_mpf",
-                "rounding",
             ),
             *("vectors", "exact_sequences"),
         )
@@ -74,10 +72,9 @@ TRUSTED = (
             *("shapes", "vocabulary", "given_numbers"),
         )
     ),
-    *(f"equations/{name}" for name in ("kinematics", "column", "integrals", "terms")),
+    *(f"equations/{name}" for name in ("kinematics", "columns", "integrals", "terms")),
     "equations/forms/matrices",
     "motion/frame",
-    *_room("equations/columns"),
 )
 
 #: What trusted files import and rest nothing on, and why: folders and files.
@@ -91,7 +88,7 @@ BESIDE = {
     "output/notebook": "how a scene is shown",
     "scenes/members": "scenes of a sweep, as text",
     "scenes/scene_facts": "names, units and meanings of columns",
-    "results": "tables and files of what is proven, whose decimals are of numbers/balls",
+    "results": "tables and files of what is proven, whose decimals are of numbers/decimals",
 }
 
 

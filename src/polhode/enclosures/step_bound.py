@@ -62,7 +62,7 @@ import numpy as np
 from polhode.enclosures.fixed_point_problem import UP, Problem, Refused
 from polhode.enclosures.taylor_polynomials import Defects, Pieces
 from polhode.equations.terms import ROWS, SLOPES, Slope
-from polhode.numbers.rounding import rounds_to_nearest
+from polhode.numbers.conversion import rounds_to_nearest
 
 U = 2.0**-53
 MOST_ALPHA = 1e4

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, overload
 from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
-from polhode.equations.column import derived
+from polhode.equations.columns import derived
 from polhode.equations.kinematics import Hodographs, hodographs
 from polhode.judging.certified import Certified
 from polhode.judging.reference_rows import ReferenceTable, tabulated

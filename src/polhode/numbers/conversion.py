@@ -25,6 +25,8 @@ from polhode.numbers.number_types import Doubles, Given, Numbers, NumberType, Ro
 #: Rows of a run's numbers, or numbers in a row.
 N = TypeVar("N", Rows, Numbers)
 
+_ONE, _HALF = 1.0, 2.0**-53  # of its last bit
+
 
 def mpf_row(row: Sequence[Scalar], bits: int) -> list[Scalar]:
     """The binary numbers of so many bits nearest to each of a row."""
@@ -170,3 +172,9 @@ def _too_large(value: object) -> bool:
 def _bits(top: int, bottom: int) -> int:
     """The bits of a rational before its point, to one."""
     return top.bit_length() - bottom.bit_length()
+
+
+def rounds_to_nearest() -> bool:
+    """Whether this thread's doubles are rounded to the nearest; any library may change that."""
+    up, down = _ONE + 1.5 * _HALF, -_ONE - 1.5 * _HALF
+    return _ONE + _HALF == _ONE and -_ONE - _HALF == -_ONE and up > _ONE and down < -_ONE

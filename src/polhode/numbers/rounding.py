@@ -20,17 +20,9 @@ from polhode.numbers.vectors import Matrix, Vector
 #: What is forgiven, relative to the largest number.
 GRACE = 8 * Fraction(sys.float_info.epsilon)
 
-_ONE, _HALF = 1.0, 2.0**-53  # of its last bit
-
 _PAIRS = ((0, 1), (0, 2), (1, 2))
 _WIDEST = 64  # bits of a longdouble
 _FINEST = 1100  # bits of the denominator of the smallest double
-
-
-def rounds_to_nearest() -> bool:
-    """Whether this thread's doubles are rounded to the nearest; any library may change that."""
-    up, down = _ONE + 1.5 * _HALF, -_ONE - 1.5 * _HALF
-    return _ONE + _HALF == _ONE and -_ONE - _HALF == -_ONE and up > _ONE and down < -_ONE
 
 
 def are_rounded(numbers: Iterable[object]) -> bool:

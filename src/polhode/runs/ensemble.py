@@ -13,7 +13,7 @@ import numpy.typing as npt
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput, counted
 from polhode.common.values import ByValue, cached_property
-from polhode.equations.column import derived_stack, of_state_alone
+from polhode.equations.columns import derived_stack, of_state_alone
 from polhode.equations.integrals import (
     AREA,
     ENERGY,

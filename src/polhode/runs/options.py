@@ -10,7 +10,7 @@ from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.number_types import AnyNumber, NumberType
-from polhode.numbers.rounding import rounds_to_nearest
+from polhode.numbers.conversion import rounds_to_nearest
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Generic, Literal, NamedTuple, SupportsFloat, c
 
 from polhode.common.errors import counted, few, nearest
 from polhode.common.values import ByValue, cached_property, may_wait
-from polhode.equations.column import derived, derived_words
+from polhode.equations.columns import derived, derived_words
 from polhode.equations.form import equations
 from polhode.equations.integrals import Drift, drift
 from polhode.equations.kinematics import Hodographs

@@ -23,8 +23,7 @@ from functools import partial
 from typing import NamedTuple, TypeAlias
 
 from polhode.common.errors import BadInput, nearest
-from polhode.equations.column import column as derived_column
-from polhode.equations.column import derived_words
+from polhode.equations.columns import FORMULAS, derived_words
 from polhode.numbers import exact, expression
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.expression import ExpressionError
@@ -232,7 +231,7 @@ def not_judged() -> dict[str, str]:
     return {
         name: why
         for word in derived_words()
-        if (why := derived_column(word).not_judged)
+        if (why := FORMULAS[word].not_judged)
         for name in COLUMNS[word].names
     }
 
