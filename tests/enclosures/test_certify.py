@@ -13,8 +13,8 @@ import pytest
 import polhode
 from polhode.enclosures import fixed_point_problem, integral_contraction, task
 from polhode.enclosures.fixed_point_problem import Refused
-from polhode.numbers.balls import guaranteed
 from polhode.numbers.conversion import exact_number, exactly
+from polhode.numbers.decimals import guaranteed
 from polhode.numbers.exact import Irrational
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene

@@ -13,8 +13,8 @@ import pytest
 import polhode
 from polhode import cli
 from polhode.enclosures.task import Task
-from polhode.numbers.balls import rounded_up
 from polhode.numbers.conversion import exactly
+from polhode.numbers.decimals import rounded_up
 from polhode.results.writer import beside
 from polhode.scenes.start_box import StartBox
 

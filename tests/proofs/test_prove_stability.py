@@ -14,7 +14,7 @@ import polhode
 from polhode.certificates import verify
 from polhode.cli import main
 from polhode.common.errors import BadInput
-from polhode.numbers.balls import Ball
+from polhode.numbers.decimals import Ball
 from polhode.proofs import prove_stability as module
 from shared import orbit_proofs as proofs
 from shared.stable_orbits import NAME, PERIOD, START, near, orbit, stability

@@ -16,7 +16,7 @@ import pytest
 
 import polhode
 from polhode.common.values import same
-from polhode.numbers.balls import Ball
+from polhode.numbers.decimals import Ball
 from polhode.results import reader, writer
 from polhode.results.frames import written_facts, written_table
 from polhode.results.result import Result, Storable

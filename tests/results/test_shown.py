@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from polhode.numbers.balls import Ball
+from polhode.numbers.decimals import Ball
 from polhode.numbers.exact import sqrt
 from polhode.results.table import Column, Table
 from polhode.results.writer import cells, lines

@@ -22,15 +22,15 @@ def derived_balls(
 
     A row is None throughout where a number that it needs is, or where no ball is finite.
     """
-    found, width = column(word), len(COLUMNS[word].names)
+    width = len(COLUMNS[word].names)
     rows = []
     with ctx.workprec(bits):
-        formula, coefficients = found.of(scene)
+        formula, coefficients = FORMULAS[word].of(scene)
         k = {name: ball(x, bits) for name, x in coefficients.items()}
         fn = Functions(arb(0), arb.sin, arb.cos, arb.sqrt)
         for parts in zip(*(given[need] for need in COLUMNS[word].needs), strict=True):
             row = [x for part in parts for x in part]
-            made = [] if any(x is None for x in row) else [arb(x) for x in formula(row, k, fn)]
-            kept = made if all(x.is_finite() for x in made) else []
-            rows.append([*kept, *[None] * (width - len(kept))])
+            balls = [] if any(x is None for x in row) else [arb(x) for x in formula(row, k, fn)]
+            finite = balls if all(x.is_finite() for x in balls) else []
+            rows.append([*finite, *[None] * (width - len(finite))])
     return rows

@@ -15,9 +15,8 @@ from polhode.common.values import ByValue, cached_property
 from polhode.enclosures.statement import stated
 from polhode.equations.kinematics import starting_attitude
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.balls import Ball, decimal_ball, guaranteed
 from polhode.numbers.conversion import to_mpf
-from polhode.numbers.decimals import shown
+from polhode.numbers.decimals import Ball, decimal_ball, guaranteed, shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import ordinary
 from polhode.numbers.number_types import DOUBLE, Real

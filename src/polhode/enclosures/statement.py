@@ -56,12 +56,7 @@ TRUSTED = (
         f"numbers/{name}"
         for name in (
             *("exact", "expression", "conversion", "decimals", "flint_context"),
-            *(
-                "number_types",
-                "row_formulas",
-                "mpmath_context",
-                "lossless_mpf",
-            ),
+            *("number_types", "row_formulas", "mpmath_context", "lossless_mpf"),
             *("vectors", "exact_sequences"),
         )
     ),

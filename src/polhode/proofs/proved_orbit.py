@@ -18,8 +18,7 @@ from polhode.common.values import ByValue
 from polhode.dynamics.newton_shooting import Surface
 from polhode.enclosures.fixed_point_problem import upper
 from polhode.enclosures.polynomial import ball
-from polhode.numbers.balls import Ball
-from polhode.numbers.decimals import brief, shown
+from polhode.numbers.decimals import Ball, brief, shown
 from polhode.numbers.exact import Exact, as_ball
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import DOUBLE

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from polhode.common.values import ByValue
-from polhode.numbers.balls import Ball
+from polhode.numbers.decimals import Ball
 from polhode.proofs.proved_orbit import ProvedOrbit
 from polhode.proofs.proved_result import ProvedResult
 from polhode.results.table import Column, Fact, Table

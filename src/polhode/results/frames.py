@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.numbers.balls import Ball
 from polhode.numbers.conversion import to_double
+from polhode.numbers.decimals import Ball
 from polhode.numbers.exact import Irrational
 from polhode.results.cells import DOUBLE, EXACT, doubles, word_of
 from polhode.results.table import Column, Content, Fact, Table, Values

@@ -16,8 +16,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput, aligned, nearest
 from polhode.common.files import is_stream
-from polhode.numbers.balls import Ball, guaranteed
-from polhode.numbers.decimals import in_full, is_decimal, strings
+from polhode.numbers.decimals import Ball, guaranteed, in_full, is_decimal, strings
 from polhode.numbers.number_types import DOUBLE as DOUBLES
 from polhode.results.cells import (
     DOUBLE,

@@ -8,9 +8,8 @@ from typing import NamedTuple
 from polhode.common.arguments import of_kind, steps, whole
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import number_types
-from polhode.numbers.conversion import exact_number
+from polhode.numbers.conversion import exact_number, rounds_to_nearest
 from polhode.numbers.number_types import AnyNumber, NumberType
-from polhode.numbers.conversion import rounds_to_nearest
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults
 

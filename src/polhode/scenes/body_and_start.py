@@ -36,7 +36,6 @@ from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.rounding import GRACE, is_unit_but_for_rounding
 from polhode.numbers.vectors import (
     Vector,
     cross,
@@ -46,7 +45,14 @@ from polhode.numbers.vectors import (
     rotation,
     scaled,
 )
-from polhode.scenes.body import MATRIX, Body, UnphysicalBody, diagonal
+from polhode.scenes.body import (
+    GRACE,
+    MATRIX,
+    Body,
+    UnphysicalBody,
+    diagonal,
+    is_unit_but_for_rounding,
+)
 from polhode.scenes.given_numbers import in_units
 from polhode.scenes.scene import Reading, as_written, is_expression
 from polhode.scenes.shapes import Part

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 from polhode.common.errors import counted
 from polhode.common.files import is_stdout
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.balls import guaranteed
-from polhode.numbers.decimals import brief
+from polhode.numbers.decimals import brief, guaranteed
 from polhode.scenes import library
 
 if TYPE_CHECKING:
