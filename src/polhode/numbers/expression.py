@@ -114,7 +114,11 @@ def evaluate(text: str, names: Mapping[str, Scalar], algebra: Algebra | None = N
     if len(text) > MAX_LENGTH:
         raise ExpressionError(f"longer than {MAX_LENGTH} characters")
     try:
-        return _Reader(text, names, algebra).all()
+        reader = _Reader(text, names, algebra)
+        value = reader.value()
+        if reader.token:
+            raise ExpressionError(f"{reader.token!r} stands where an operator was expected")
+        return value
     except ZeroDivisionError:
         raise ExpressionError("division by zero") from None
     except ExpressionError:
@@ -124,72 +128,63 @@ def evaluate(text: str, names: Mapping[str, Scalar], algebra: Algebra | None = N
 
 
 class _Reader:
+    """A text, read token by token and computed as it is read: by precedence of the operators."""
+
     def __init__(self, text: str, names: Mapping[str, Scalar], algebra: Algebra | None) -> None:
-        self.tokens = _split(text)
-        self.position = 0
+        self.tokens = iter(_split(text))
+        self.token = next(self.tokens)  # the next to be read; empty at the end
         self.depth = 0
         self.names, self.algebra = names, algebra
         self.units = None if algebra is None else algebra.units
 
-    def all(self) -> Scalar:
-        value = self.sum()
-        if self.peek() != "":
-            raise ExpressionError(f"{self.peek()!r} stands where an operator was expected")
-        return value
-
-    def peek(self) -> str:
-        return self.tokens[self.position]
-
     def take(self) -> str:
-        self.position += 1
-        return self.tokens[self.position - 1]
+        """The token to be read; then it is the next one's turn."""
+        token, self.token = self.token, next(self.tokens, "")
+        return token
 
-    def sum(self) -> Scalar:
-        value = self.product()
-        while self.peek() in ("+", "-"):
-            operator, other = self.take(), self.product()
+    def rank(self) -> int:
+        """How tightly what comes binds what is before it: 1 as a sum, 2 as a product, 0 not."""
+        if self.token in ("+", "-"):
+            return 1
+        return 2 if self.token in ("*", "/") or self.names_unit() else 0
+
+    def names_unit(self) -> bool:
+        """Whether a unit comes, which multiplies what is before it without a sign."""
+        named = self.token[:1].isalpha() and self.token not in (*FUNCTIONS, "pi")
+        return self.units is not None and named
+
+    def value(self, least: int = 1) -> Scalar:
+        """The value of what binds at least as tightly as that."""
+        value, divided = self.signed(), False
+        while (rank := self.rank()) >= least:
+            if divided and self.names_unit():
+                raise ExpressionError(f"write * or / before {self.token!r}")
+            operator = "*" if self.names_unit() else self.take()
+            other = self.value(rank + 1)
+            divided |= operator == "/" and not _is_exact(other)
             value = self.combine(operator, value, other)
         return value
-
-    def product(self) -> Scalar:
-        value, divided = self.signed(), False
-        while True:
-            if self.peek() in ("*", "/"):
-                operator, other = self.take(), self.signed()
-                divided |= operator == "/" and not _is_exact(other)
-            elif self.units is not None and self.named(self.peek()):
-                if divided:
-                    raise ExpressionError(f"write * or / before {self.peek()!r}")
-                operator, other = "*", self.signed()
-            else:
-                return value
-            value = self.combine(operator, value, other)
-
-    def named(self, token: str) -> bool:
-        return token[:1].isalpha() and token not in FUNCTIONS and token != "pi"
 
     def signed(self) -> Scalar:
+        """A number, a name or a bracket, raised to a power, with its signs."""
         minus = False
-        while self.peek() in ("+", "-"):
+        while self.token in ("+", "-"):
             minus ^= self.take() == "-"
-        value = self.power()
+        value = self.atom()
+        if self.token == "**":
+            self.take()
+            self.enter()
+            exponent = self.signed()
+            self.depth -= 1
+            value = self.raised(value, exponent)
         return -value if minus else value
 
-    def power(self) -> Scalar:
-        base = self.atom()
-        if self.peek() != "**":
-            return base
-        self.take()
-        self.enter()
-        exponent = self.signed()
-        self.depth -= 1
-        return self.raised(base, exponent)
-
     def atom(self) -> Scalar:
+        """A number, a name, a function's value, or what stands in brackets."""
         token = self.take()
         if token == "(":
             self.enter()
-            value = self.sum()
+            value = self.value()
             if self.take() != ")":
                 raise ExpressionError("a bracket is not closed")
             self.depth -= 1
@@ -197,7 +192,7 @@ class _Reader:
         if token and token[0] in "0123456789.":
             return decimal(token)
         if token in FUNCTIONS:
-            if self.peek() != "(":
+            if self.token != "(":
                 raise ExpressionError(f"{token} needs its argument in brackets")
             return self.applied(token, self.atom())
         if token == "pi":
