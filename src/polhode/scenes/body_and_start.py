@@ -54,7 +54,7 @@ from polhode.scenes.body import (
     is_unit_but_for_rounding,
 )
 from polhode.scenes.given_numbers import in_units
-from polhode.scenes.scene import Reading, as_written, is_expression
+from polhode.scenes.scene import Reading, is_expression
 from polhode.scenes.shapes import Part
 from polhode.scenes.vocabulary import CENTRE, FIXED_POINT, SIGNS
 
@@ -371,16 +371,15 @@ def _square(
     reading: Reading, key: str, given: list[object], numbers: Sequence[Exact], normalise: bool
 ) -> Exact:
     """The squared length of a unit vector, 1 or anything above 0 that may be normalised."""
-    shown = as_written(given)
     square = sum((x * x for x in numbers), ZERO)
     if square != 1 and not normalise:
         amount = f"1 {_signed(square - 1)}"
         if not is_unit_but_for_rounding(given):
             expected = f"length exactly 1, or normalise = true: its square is {amount}"
-            raise reading.bad(f"start.{key}", shown, expected)
+            raise reading.bad(f"start.{key}", given, expected)
         reading.change = f"start.{key} brought to length 1 (its square was {amount}: rounding)"
     if sign(square) == 0:
-        raise reading.bad(f"start.{key}", shown, "a vector that is not zero")
+        raise reading.bad(f"start.{key}", given, "a vector that is not zero")
     return square
 
 
@@ -398,8 +397,8 @@ def _of_angles(reading: Reading, table: Mapping[str, Any]) -> Turn:
         sine, cosine = exact.sin(theta), exact.cos(theta)
         s, c = exact.sin(phi), exact.cos(phi)
     except ValueError as fault:
-        shown = as_written(table["angles"])
-        raise reading.bad("start.angles", shown, f"smaller angles ({fault})") from None
+        expected = f"smaller angles ({fault})"
+        raise reading.bad("start.angles", table["angles"], expected) from None
     if sign(sine) == 0:  # a pole: only psi ± phi has a meaning, and phi is counted as 0
         psi, phi = psi + phi * (1 if sign(cosine) > 0 else -1), ZERO
         s, c = ZERO, ONE
