@@ -63,7 +63,7 @@ def test_omega_returns_after_the_period(name):
 
 
 @pytest.mark.sample(0, slow=3)
-@pytest.mark.parametrize("name", sorted({*library.known()} - {*FEW}))
+@pytest.mark.parametrize("name", sorted({*library.entries()} - {*FEW}))
 def test_omega_returns_after_the_period_in_every_case(name):
     check(polhode.load(name))
 

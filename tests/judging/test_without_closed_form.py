@@ -19,7 +19,7 @@ DIGITS = 40
 BITS = 240  # of the scene's numbers where they are irrational
 ANGLE = 16  # how far each motion is followed, in radians
 #: What each case is judged against stands in the catalogue, which ``verbs/test_list.py`` holds to.
-CASES = [name for name, case in library.known().items() if case.reference == "certified"]
+CASES = [name for name, case in library.entries().items() if case.reference == "certified"]
 
 
 def followed(name: str):

@@ -80,27 +80,27 @@ def rows_of(
     return rows
 
 
-def not_taken(values: Any, found: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+def not_taken(values: Any, taken_values: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
     """Which numbers of an array of floats are not those of the values that it was made of.
 
     Masked ones, also in arrays inside a list; long integers, which numpy rounds silently.
     """
     import numpy as np
 
-    wrong = np.zeros(found.shape, dtype=bool)
+    wrong = np.zeros(taken_values.shape, dtype=bool)
     if type(values) is np.ndarray and values.dtype.kind == "f":  # narrower floats stay themselves
         return wrong
-    if isinstance(values, (list, tuple)) and found.ndim > 1:
+    if isinstance(values, (list, tuple)) and taken_values.ndim > 1:
         for k, row in enumerate(values):
             if isinstance(row, np.ma.MaskedArray):
                 wrong[k] = np.ma.getmaskarray(row)
     else:
         wrong |= np.ma.getmaskarray(values)
-    for place in np.argwhere(np.isfinite(found) & (np.abs(found) >= _LONG)).tolist():
+    for place in np.argwhere(np.isfinite(taken_values) & (np.abs(taken_values) >= _LONG)).tolist():
         value: Any = values if isinstance(values, (list, tuple)) else np.asarray(values)
         for k in place:
             value = value[k]
-        wrong[tuple(place)] = int(value) != int(found[tuple(place)])
+        wrong[tuple(place)] = int(value) != int(taken_values[tuple(place)])
     return wrong
 
 
@@ -134,17 +134,17 @@ def each(
         values, (Iterable, Sequence)
     ):
         raise BadInput(source, key, values, expected)
-    found = []
+    elements = []
     try:
         listed = list(values)
     except TypeError:  # an array of no dimension
         raise BadInput(source, key, values, expected) from None
     for k, value in enumerate(listed):
         try:
-            found.append(read(value))
+            elements.append(read(value))
         except (TypeError, ValueError) as fault:
             raise BadInput(source, f"{key}[{k + 1}]", value, f"a number ({fault})") from None
-    return tuple(found)
+    return tuple(elements)
 
 
 #: What other programs call an argument or an option, and what it is called here.
@@ -163,10 +163,10 @@ _ELSEWHERE = {
 }
 
 
-def called_here(name: str, known: Iterable[str]) -> str | None:
+def called_here(name: str, candidates: Iterable[str]) -> str | None:
     """The one of the known names that says what a name of other programs does; None without."""
     here = (key for key, names in _ELSEWHERE.items() if name in names)
-    return next((key for key in here if key in known), None)
+    return next((key for key in here if key in candidates), None)
 
 
 def refuse_unknown(

@@ -157,22 +157,22 @@ class Checkpoint:
 class JobCheckpoint(Checkpoint):
     """The finished jobs of a command in ``folder``: ``job-00000.npz`` and so on, one's arrays each.
 
-    ``what``: the verb.  ``key``: all that decides the results; arrays count by their bytes.  Jobs
-    are written about once a second: a command that ends sooner makes no folder."""
+    ``verb``: of the command line.  ``key``: all that decides the results; arrays count by their
+    bytes.  Jobs are written about once a second: a command that ends sooner makes no folder."""
 
-    def __init__(self, folder: str | Path, what: str, *key: object) -> None:
+    def __init__(self, folder: str | Path, verb: str, *key: object) -> None:
         import numpy as np
 
         parts = [x.tobytes() if isinstance(x, np.ndarray) else x for x in key]
         digest = hashlib.sha256(repr(parts).encode()).hexdigest()
-        super().__init__(folder, {"jobs of": f"polhode {what}", "key": digest}, ("jobs", "command"))
+        super().__init__(folder, {"jobs of": f"polhode {verb}", "key": digest}, ("jobs", "command"))
         self._waiting: dict[int, Mapping[str, npt.ArrayLike]] = {}
         self._last = time.monotonic()
 
     @classmethod
-    def at(cls, folder: str | Path | None, what: str, *key: object) -> Self | None:
+    def at(cls, folder: str | Path | None, verb: str, *key: object) -> Self | None:
         """That of a folder, if there is one."""
-        return None if folder is None else cls(folder, what, *key)
+        return None if folder is None else cls(folder, verb, *key)
 
     def load(self, job: int) -> Arrays | None:
         """A finished job's arrays; None where it is not there, or cannot be read."""

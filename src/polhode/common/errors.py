@@ -58,23 +58,23 @@ UNREADABLE = (ValueError, RecursionError)
 
 
 class FileName(str):
-    """What results call a file, and ``given``: what its user called it, for a line of an error."""
+    """What results call a file; ``original``: what its user called it, for a line of an error."""
 
-    __slots__ = ("given",)
-    given: str
+    __slots__ = ("original",)
+    original: str
 
-    def __new__(cls, name: str, given: str) -> FileName:
-        """A name and what was given."""
+    def __new__(cls, name: str, original: str) -> FileName:
+        """A name and the one that the user wrote."""
         text = super().__new__(cls, name)
-        text.given = given
+        text.original = original
         return text
 
     def __reduce__(self) -> tuple[type, tuple[str, str]]:
-        return type(self), (str(self), self.given)
+        return type(self), (str(self), self.original)
 
     def with_more(self, text: str) -> FileName:
         """Both with a text after them."""
-        return FileName(self + text, self.given + text)
+        return FileName(self + text, self.original + text)
 
 
 class BadInput(ValueError):
@@ -90,7 +90,7 @@ class BadInput(ValueError):
     """
 
     def __init__(self, source: str, key: str, value: object, expected: str) -> None:
-        source = source.given if isinstance(source, FileName) else source
+        source = source.original if isinstance(source, FileName) else source
         self.source, self.key, self.value, self.expected = source, key, value, expected
         shown = "" if value is None else f" = {short(value)}"
         where = f"{short(source, 200)}: {short(key, 80)}"
@@ -108,23 +108,23 @@ class StdoutFault(Exception):
         super().__init__(fault.strerror)
 
 
-def nearest(word: object, known: list[str]) -> str:
+def nearest(word: object, names: list[str]) -> str:
     """The words allowed, the nearest one first in mind: for the end of an error message."""
-    choices = ", ".join(known) if len(known) <= 20 else f"one of {len(known)} names"
-    return choices + _meant(word, known)
+    choices = ", ".join(names) if len(names) <= 20 else f"one of {len(names)} names"
+    return choices + _meant(word, names)
 
 
-def listed(word: object, known: list[str]) -> str:
+def listed(word: object, names: list[str]) -> str:
     """All of the words allowed, however many, and the nearest one."""
-    return ", ".join(known) + _meant(word, known)
+    return ", ".join(names) + _meant(word, names)
 
 
-def _meant(word: object, known: list[str]) -> str:
+def _meant(word: object, names: list[str]) -> str:
     from difflib import get_close_matches
 
-    close = get_close_matches(word, known, n=1) if isinstance(word, str) else []
+    close = get_close_matches(word, names, n=1) if isinstance(word, str) else []
     if not close and isinstance(word, str) and len(word) > 2:  # the end of a long name
-        close = [name for name in known if word.lower() in name.lower()][:1]
+        close = [name for name in names if word.lower() in name.lower()][:1]
     return f" (did you mean {close[0]!r}?)" if close else ""
 
 

@@ -38,7 +38,7 @@ FEW_TEXTS, TEXTS = 100_000, 20  # elements of text, each of which is read; and p
 PATIENCE = 10.0  # seconds to wait for the first byte of a pipe
 
 
-def read_whole(path: Path, most: int, what: str, name: str | None = None) -> bytes:
+def read_whole(path: Path, most: int, expected: str, name: str | None = None) -> bytes:
     """The bytes of a file, a pipe or a device; raises BadInput for more than ``most`` of them.
 
     ``what``: what was expected, such as "a readable scene file".  ``name``: what to call the file.
@@ -47,19 +47,19 @@ def read_whole(path: Path, most: int, what: str, name: str | None = None) -> byt
     try:
         with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                return _streamed(file.fileno(), most, name, what)
+                return _streamed(file.fileno(), most, name, expected)
             data = file.read(most + 1)
     except (OSError, ValueError) as error:
         if isinstance(error, BadInput):
             raise
         reason = getattr(error, "strerror", None) or str(error)
-        raise BadInput(name, "file", None, f"{what} ({reason})") from None
+        raise BadInput(name, "file", None, f"{expected} ({reason})") from None
     if len(data) > most:
         raise BadInput(name, "file", None, f"at most {most} bytes")
     return data
 
 
-def read_stdin(most: int, what: str) -> bytes:
+def read_stdin(most: int, expected: str) -> bytes:
     """What comes on the standard input until it ends, however slowly; raises BadInput for more than
     ``most`` bytes.  ``what``: what was expected."""
     parts: list[bytes] = []
@@ -69,13 +69,13 @@ def read_stdin(most: int, what: str) -> bytes:
             parts.append(part)
             size += len(part)
     except OSError as error:
-        raise BadInput(STDIN, "file", None, f"{what} ({error.strerror})") from None
+        raise BadInput(STDIN, "file", None, f"{expected} ({error.strerror})") from None
     if size > most:
         raise BadInput(STDIN, "file", None, f"at most {most} bytes")
     return b"".join(parts)
 
 
-def _streamed(handle: int, most: int, name: str, what: str) -> bytes:
+def _streamed(handle: int, most: int, name: str, expected: str) -> bytes:
     """What a pipe or a device gives until it ends; refused where nothing comes at all."""
     parts: list[bytes] = []
     size = 0
@@ -86,7 +86,9 @@ def _streamed(handle: int, most: int, name: str, what: str) -> bytes:
         ready, _, _ = select.select([handle], [], [], max(0.0, left))
         part = os.read(handle, 1 << 20) if ready else b""
         if not part and left <= 0:
-            raise BadInput(name, "file", None, f"{what} (nothing came for {PATIENCE:g} seconds)")
+            raise BadInput(
+                name, "file", None, f"{expected} (nothing came for {PATIENCE:g} seconds)"
+            )
         if not part and (parts or not pipe):
             return b"".join(parts)
         if part:

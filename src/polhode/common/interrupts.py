@@ -218,8 +218,8 @@ class _Leave(partial[None]):
         return leave
 
 
-def _leave(known: ReferenceType[Generator[None, None, None]], *fault: object) -> None:
-    steps = known()
+def _leave(generator: ReferenceType[Generator[None, None, None]], *fault: object) -> None:
+    steps = generator()
     if steps is not None:
         steps.close()
 
@@ -311,11 +311,11 @@ class ProgressLine:
         if fraction < self.fraction or self.fraction == 0.0:  # a new one
             self.first = now, fraction
         self.fraction = fraction
-        passed, done = now - self.first[0], fraction - self.first[1]
-        left = f", {passed / done * (1 - fraction):.0f} s left" if passed > 1 and done > 0 else ""
+        passed, gain = now - self.first[0], fraction - self.first[1]
+        left = f", {passed / gain * (1 - fraction):.0f} s left" if passed > 1 and gain > 0 else ""
         self.say(f"{100 * fraction:.1f} %, {steps} {what}{left}")
 
-    def foretelling(self, told: Callable[[float], None]) -> Callable[[float, int], None]:
+    def foretelling(self, foretell: Callable[[float], None]) -> Callable[[float, int], None]:
         """What shows progress, and tells once, early, how many seconds the work will take."""
         began, is_foretold = time.monotonic(), False
 
@@ -325,7 +325,7 @@ class ProgressLine:
             if not is_foretold and passed > 2 and fraction > 0:
                 is_foretold = True
                 self.clear()
-                told(passed / fraction)
+                foretell(passed / fraction)
             self.show(fraction, steps)
 
         return show
@@ -366,9 +366,9 @@ def bar(name: str) -> Iterator[Progress]:
     form = "{l_bar}{bar}| {elapsed}<{remaining}{postfix}"
     with tqdm(total=100.0, desc=name, bar_format=form, leave=False) as shown:
 
-        def told(fraction: float, count: int) -> None:
+        def show(fraction: float, count: int) -> None:
             shown.n = min(100.0, 100 * fraction)
             shown.set_postfix_str(f"{count} done", refresh=False)
             shown.refresh()
 
-        yield told
+        yield show

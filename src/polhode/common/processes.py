@@ -83,26 +83,26 @@ def run_jobs(
     result as arrays, and back, for ``kept``, which other processes may then take.
     """
     results: list[T | None] = [None] * len(jobs)
-    done = 0
+    finished = 0
 
     def ready(k: int, result: T) -> None:
-        nonlocal done
+        nonlocal finished
         if results[k] is not None:  # handed on once more, since Ctrl-C came while it was
             return
         with Delay():
             if kept is not None and packed is not None:
                 kept.save(k, packed(result))
             results[k] = result
-            done += sizes[k]
+            finished += sizes[k]
         if progress is not None:
-            progress(done / max(1, sum(sizes)), done)
+            progress(finished / max(1, sum(sizes)), finished)
 
     whole = True
     with kept or nullcontext():
         for k in range(len(jobs)):
             if kept is not None and unpacked is not None and (piece := kept.load(k)) is not None:
                 results[k] = unpacked(piece)
-                done += sizes[k]
+                finished += sizes[k]
         left = [k for k in range(len(jobs)) if results[k] is None]
         if executor is not None:
             whole, lost = solve_in_executor(
@@ -210,17 +210,17 @@ def in_order(
     solve: Callable[[J], T],
     jobs: Sequence[J],
     workers: int,
-    begun: Callable[[J], None] | None = None,
+    announce: Callable[[J], None] | None = None,
 ) -> Iterator[T]:
     """The results of the jobs, in their order, from so many processes; with one, from this one.
 
-    ``begun`` is called with the job whose result is waited for.  The job of a process that died
+    ``announce`` is called with the job whose result is waited for.  The job of a process that died
     is done here; where the caller goes, by Ctrl-C too, the processes are ended.
     """
     if workers == 1:
         for job in jobs:
-            if begun is not None:
-                begun(job)
+            if announce is not None:
+                announce(job)
             yield solve(job)
         return
     workers_pool = WorkerPool()
@@ -228,8 +228,8 @@ def in_order(
     try:
         futures = [pool.submit(workers_pool.do, solve, job) for job in jobs]
         for job, future in zip(jobs, futures, strict=True):
-            if begun is not None:
-                begun(job)
+            if announce is not None:
+                announce(job)
             try:
                 result = future.result()
             except WorkerDied:
@@ -395,7 +395,7 @@ class WorkerPool:
 def work() -> None:
     """What such a process does: jobs, until nobody is there to ask."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    asked, told = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    questions, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     os.dup2(os.open(os.devnull, os.O_RDWR), 0)
     try:
         os.dup2(2, 1)  # what a library may print is no answer
@@ -404,21 +404,21 @@ def work() -> None:
     jobs: SimpleQueue[bytes] = SimpleQueue()
 
     def listen() -> None:
-        while (job := _read(asked)) is not None:
+        while (job := _read(questions)) is not None:
             jobs.put(job)
         os._exit(0)  # in the middle of a job too: nobody is there to whom its answer could go
 
     threading.Thread(target=listen, daemon=True).start()
     with suppress(OSError):
         while True:
-            _write(told, _answer(jobs.get()))
+            _write(answers, _answer(jobs.get()))
     os._exit(0)
 
 
-def _answer(asked: bytes) -> bytes:
+def _answer(question: bytes) -> bytes:
     """A job's fault, or None, and its result."""
     try:
-        solve, job = pickle.loads(asked)
+        solve, job = pickle.loads(question)
         return pickle.dumps((None, solve(job)))
     except Exception as fault:
         try:

@@ -42,22 +42,22 @@ class ByValue:
             object.__setattr__(self, name, value)
 
 
-def same(one: object, other: object) -> bool:
+def same(first: object, second: object) -> bool:
     """Whether two values are equal; arrays, lists and mappings by their elements, nan as itself."""
-    if one is other:
+    if first is second:
         return True
-    if isinstance(one, float) and isinstance(other, float):  # numpy's doubles are floats, too
-        return one == other or (one != one and other != other)
-    if hasattr(one, "dtype") or hasattr(other, "dtype"):
-        return _same_arrays(one, other)
-    if isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)):
-        alike = type(one) is type(other) and len(one) == len(other)
-        return alike and all(map(same, one, other))
-    if isinstance(one, Mapping):
-        if not isinstance(other, Mapping) or one.keys() != other.keys():
+    if isinstance(first, float) and isinstance(second, float):  # numpy's doubles are floats, too
+        return first == second or (first != first and second != second)
+    if hasattr(first, "dtype") or hasattr(second, "dtype"):
+        return _same_arrays(first, second)
+    if isinstance(first, (list, tuple)) and isinstance(second, (list, tuple)):
+        alike = type(first) is type(second) and len(first) == len(second)
+        return alike and all(map(same, first, second))
+    if isinstance(first, Mapping):
+        if not isinstance(second, Mapping) or first.keys() != second.keys():
             return False
-        return all(same(one[key], other[key]) for key in one)
-    return bool(one == other) or (one != one and other != other)
+        return all(same(first[key], second[key]) for key in first)
+    return bool(first == second) or (first != first and second != second)
 
 
 def may_wait(name: str) -> Callable[[type[T]], type[T]]:
@@ -93,15 +93,15 @@ class _Waiting:
         vars(instance)[self._name] = value
 
 
-def _same_arrays(one: Any, other: Any) -> bool:
+def _same_arrays(first: Any, second: Any) -> bool:
     import numpy as np
 
-    both = hasattr(one, "dtype") and hasattr(other, "dtype")
-    if not both or one.dtype != other.dtype or one.shape != other.shape:
+    both = hasattr(first, "dtype") and hasattr(second, "dtype")
+    if not both or first.dtype != second.dtype or first.shape != second.shape:
         return False
-    if one.dtype == object:
-        return all(map(same, one.ravel().tolist(), other.ravel().tolist()))
-    return bool(np.array_equal(one, other, equal_nan=one.dtype.kind == "f"))
+    if first.dtype == object:
+        return all(map(same, first.ravel().tolist(), second.ravel().tolist()))
+    return bool(np.array_equal(first, second, equal_nan=first.dtype.kind == "f"))
 
 
 # --- cached property ------------------------------------------------------------------------------
@@ -133,11 +133,11 @@ else:
         def __get__(self, instance: object, owner: type | None = None) -> object:
             if instance is None:
                 return self
-            kept = instance.__dict__
-            found = kept.get(self._name, _NOTHING)
-            if found is _NOTHING:  # by now another thread's may be there
-                found = kept.setdefault(self._name, self.func(instance))
-            return found
+            values = instance.__dict__
+            value = values.get(self._name, _NOTHING)
+            if value is _NOTHING:  # by now another thread's may be there
+                value = values.setdefault(self._name, self.func(instance))
+            return value
 
 
 # --- recent ---------------------------------------------------------------------------------------
@@ -159,17 +159,17 @@ class Recent(Generic[T]):
 
     def get(self, owner: object, key: Hashable, make: Callable[[], T]) -> T:
         """The owner's value of a key, made where there is none."""
-        kept = self._kept.get(owner)
-        found = None if kept is None else kept.get(key)
-        if found is not None:
-            return found
-        made = make()
+        values = self._kept.get(owner)
+        value = None if values is None else values.get(key)
+        if value is not None:
+            return value
+        new = make()
         with self._lock.held():
-            kept = self._kept.setdefault(owner, {})
-            found = kept.setdefault(key, made)  # another thread's may be there
-            if len(kept) > self._most:
-                del kept[next(iter(kept))]
-            return found
+            values = self._kept.setdefault(owner, {})
+            value = values.setdefault(key, new)  # another thread's may be there
+            if len(values) > self._most:
+                del values[next(iter(values))]
+            return value
 
 
 # --- memory ---------------------------------------------------------------------------------------

@@ -149,7 +149,7 @@ def certify(
     if box.radii is not None:
         nearest = shown(min(asked.times, key=abs))
         expected = f"narrower intervals, to be followed to t = {nearest}"
-        raise BadInput(scene.name, start_box.KEY, box.told, expected)
+        raise BadInput(scene.name, start_box.KEY, box.text, expected)
     had = f"{best.fewest:.1f} proven" if best else refusal
     expected = f"digits that can be proven to t = {shown(max(times, key=abs))} ({had})"
     raise BadInput(scene.name, "digits", asked.digits, expected)

@@ -126,7 +126,7 @@ def certify_events(
         except Refused as why:
             noise = asked.raised(noise, why, tries)
     if box.radii is not None:
-        raise BadInput(scene.name, start_box.KEY, box.told, "narrower intervals")
+        raise BadInput(scene.name, start_box.KEY, box.text, "narrower intervals")
     raise BadInput(scene.name, "digits", asked.digits, "digits that can be proven to the end")
 
 

@@ -77,13 +77,13 @@ class Form(ABC):
 
 def equations(scene: Scene) -> Form:
     """The equations of a scene in the form that it asks for; raises BadInput where it has none."""
-    return _kept.get(scene.identity, scene.form, lambda: _made(scene))
+    return _recent.get(scene.identity, scene.form, lambda: _new_form(scene))
 
 
-_kept: Recent[Form] = Recent(2)  # a run asks several times
+_recent: Recent[Form] = Recent(2)  # a run asks several times
 
 
-def _made(scene: Scene) -> Form:
+def _new_form(scene: Scene) -> Form:
     module = _module(scene.form)
     axes = module.axes(scene) if hasattr(module, "axes") else None
     frame = Frame.of(scene, axes)

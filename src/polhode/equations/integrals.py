@@ -65,11 +65,13 @@ class Drift(NamedTuple):
     fourth: float | None = None
 
     def __str__(self) -> str:
-        told = self._asdict().items()
-        return ", ".join(f"{name} {_told(value)}" for name, value in told if value is not None)
+        drifts = self._asdict().items()
+        return ", ".join(
+            f"{name} {_drift_text(value)}" for name, value in drifts if value is not None
+        )
 
 
-def _told(drift: float) -> str:
+def _drift_text(drift: float) -> str:
     return f"over {sys.float_info.max:.1e}" if math.isinf(drift) else f"{drift:.3e}"
 
 
@@ -92,19 +94,19 @@ class FirstIntegrals:
         """The integrals at one state, for any scalar: ``k`` the coefficients as such scalars."""
         omega, gamma = state[:3], state[3:6]
         momentum = [k[f"I{i}"] * omega[i] for i in range(3)]
-        found = {ENERGY: dot(momentum, omega), MOMENTUM: dot(momentum, momentum)}
+        values = {ENERGY: dot(momentum, omega), MOMENTUM: dot(momentum, momentum)}
         if gamma:
             torque = combination(k, zero, *((f"2m{i}", gamma[i]) for i in range(3)))
-            found |= {
-                ENERGY: found[ENERGY] + torque,
+            values |= {
+                ENERGY: values[ENERGY] + torque,
                 AREA: dot(momentum, gamma),
                 LENGTH: dot(gamma, gamma),
             }
         if self.onto[-1] in _FOURTH:
             u = [omega[i] for i in self.order]
             g = [gamma[i] for i in self.order] if gamma else []
-            found[self.onto[-1]] = _FOURTH[self.onto[-1]](u, g, k, zero)
-        return [found[name] for name in self.onto]
+            values[self.onto[-1]] = _FOURTH[self.onto[-1]](u, g, k, zero)
+        return [values[name] for name in self.onto]
 
 
 def _spin(
@@ -155,8 +157,8 @@ def first_integrals(scene: Scene) -> FirstIntegrals:
     if name is not None:
         onto.append(name)
     k = coefficients(body.moments, torque, max(body.moments), onto[-1], order, exact.sqrt)
-    kept = {key: x for key, x in k.items() if sign(x) != 0}
-    return FirstIntegrals(tuple(onto), order, kept)
+    nonzero = {key: x for key, x in k.items() if sign(x) != 0}
+    return FirstIntegrals(tuple(onto), order, nonzero)
 
 
 def coefficients(
@@ -194,9 +196,9 @@ def _fourth(scene: Scene, torque: Vector) -> tuple[str | None, tuple[int, int, i
     return name, classification.with_last(top.axis)
 
 
-def exact_values(scene: Scene, found: FirstIntegrals) -> list[Exact]:
+def exact_values(scene: Scene, integrals: FirstIntegrals) -> list[Exact]:
     """The values of its first integrals of an exact scene that is inside its frame."""
-    return [exact.exact(x) for x in found.values(scene.start, found.coefficients, ZERO)]
+    return [exact.exact(x) for x in integrals.values(scene.start, integrals.coefficients, ZERO)]
 
 
 def drift(scene: Scene, states: Rows, bits: int) -> Drift:
@@ -207,9 +209,9 @@ def drift(scene: Scene, states: Rows, bits: int) -> Drift:
     """
     import numpy as np
 
-    found = departures(scene, states, bits).values()
+    departures_found = departures(scene, states, bits).values()
     with np.errstate(over="ignore"):  # told as inf
-        return _named(scene, [float(np.max(np.abs(d.astype(float)))) for d in found])
+        return _named(scene, [float(np.max(np.abs(d.astype(float)))) for d in departures_found])
 
 
 def departures(scene: Scene, states: Rows, bits: int = 53) -> dict[str, Any]:
@@ -223,9 +225,9 @@ def departures(scene: Scene, states: Rows, bits: int = 53) -> dict[str, Any]:
     names = first_integrals(Frame.of(scene).inside(scene)).onto
     if isinstance(states, np.ndarray) and states.dtype == np.float64:
         columns = list(states.astype(np.longdouble).T)
-        found = _departures(scene, [columns], to_extended)[0]
-        one = np.ones(len(states))  # an integral of nothing but zeros is one number
-        return {name: d * one for name, d in zip(names, found, strict=True)}
+        columns_of = _departures(scene, [columns], to_extended)[0]
+        ones = np.ones(len(states))  # an integral of nothing but zeros is one number
+        return {name: d * ones for name, d in zip(names, columns_of, strict=True)}
     from polhode.numbers.mpmath_context import mpmath
 
     precision = bits + GUARD_BITS
@@ -249,8 +251,8 @@ def drift_of_columns(scene: Scene, columns: Sequence[Pairs]) -> Drift | None:
             departures = _departures(scene, [columns], of_exact)[0]
         except OverflowError:
             return None
-    found = [float(np.max(np.abs(d.hi))) for d in departures]
-    return _named(scene, found) if all(map(math.isfinite, found)) else None
+    largest = [float(np.max(np.abs(d.hi))) for d in departures]
+    return _named(scene, largest) if all(map(math.isfinite, largest)) else None
 
 
 def _named(scene: Scene, values: list[float]) -> Drift:
@@ -277,14 +279,14 @@ def along(scene: Scene) -> tuple[Along, Mapping[str, Exact]]:
     """
     frame = Frame.of(scene)
     axes, inside = frame.axes, frame.inside(scene)
-    found = first_integrals(inside)
-    onto, turn = found.onto, range(0 if axes.trivial else 3)
+    integrals = first_integrals(inside)
+    onto, turn = integrals.onto, range(0 if axes.trivial else 3)
     targets = [f"{name} at the start" for name in onto]
     measures = [f"scale of {name}" for name in onto]
     coefficients: dict[str, Exact] = {
-        **found.coefficients,
-        **dict(zip(targets, exact_values(inside, found), strict=True)),
-        **dict(zip(measures, _scales(inside, found), strict=True)),
+        **integrals.coefficients,
+        **dict(zip(targets, exact_values(inside, integrals), strict=True)),
+        **dict(zip(measures, _scales(inside, integrals), strict=True)),
         **{f"axis {i}{j}": axes.rows[i][j] for i in turn for j in turn},
         "unit": frame.unit,
     }
@@ -298,7 +300,7 @@ def along(scene: Scene) -> tuple[Along, Mapping[str, Exact]]:
 
         inside = [k["unit"] * w for w in principal(state[:3])]
         inside += principal(state[3:]) if len(state) > 3 else []
-        values = found.values(inside, k, zero)
+        values = integrals.values(inside, k, zero)
         parts = zip(values, targets, measures, strict=True)
         return values, [(value - k[target]) / k[measure] for value, target, measure in parts]
 
@@ -307,17 +309,17 @@ def along(scene: Scene) -> tuple[Along, Mapping[str, Exact]]:
 
 def scales(scene: Scene) -> tuple[Exact, Exact]:
     """The scales of h and f, see Drift."""
-    found = scene.integrals
-    area = found.area_scale
+    integrals = scene.integrals
+    area = integrals.area_scale
     swing = exact.sqrt(
         exact.sqrt(dot(scene.body.torque, scene.body.torque)) * max(scene.body.moments)
     )
     if sign(NEAR_REST * area - swing) < 0:
         area = swing
-    return tuple(x if sign(x) else ONE for x in (found.energy_scale, area))  # type: ignore[return-value]
+    return tuple(x if sign(x) else ONE for x in (integrals.energy_scale, area))  # type: ignore[return-value]
 
 
-def _scales(scene: Scene, found: FirstIntegrals) -> list[Exact]:
+def _scales(scene: Scene, integrals: FirstIntegrals) -> list[Exact]:
     """The scales of Drift of a scene inside its frame, in the units of FirstIntegrals."""
     largest = max(scene.body.moments)
     energy, area = scales(scene)
@@ -326,13 +328,13 @@ def _scales(scene: Scene, found: FirstIntegrals) -> list[Exact]:
         AREA: area / largest,
         LENGTH: ONE,
     }
-    name = found.onto[-1]
+    name = integrals.onto[-1]
     if name == MOMENTUM:
         whole[name] = whole[AREA] * whole[AREA]
     elif name not in whole:
         square = max(dot(scene.omega, scene.omega), scene.pendulum_rate_squared)
-        rate, k = exact.sqrt(square), found.coefficients
+        rate, k = exact.sqrt(square), integrals.coefficients
         c0, c1 = k.get("c0", ZERO), k.get("c1", ZERO)
         around = square + exact.sqrt(c0 * c0 + c1 * c1)
         whole[name] = {SPIN: rate, KOVALEVSKAYA: around * around}.get(name, rate * around)
-    return [whole[name] for name in found.onto]
+    return [whole[name] for name in integrals.onto]

@@ -124,8 +124,12 @@ def principal_angles(
     ``atan2``, ``hypot``: those of the numbers.
     """
     q0, q1, q2, q3 = quaternion
-    one, other = atan2(q3, q0), atan2(q2, q1)
-    return one + other, 2 * atan2(hypot(q1, q2), hypot(q0, q3)), one - other
+    half_sum, half_difference = atan2(q3, q0), atan2(q2, q1)
+    return (
+        half_sum + half_difference,
+        2 * atan2(hypot(q1, q2), hypot(q0, q3)),
+        half_sum - half_difference,
+    )
 
 
 class AngleFunctions(NamedTuple):

@@ -88,13 +88,13 @@ def variables(scene: Scene, t: Fraction) -> list[Exact]:
     if gamma is None:
         return values
     if scene.modelled:
-        values += _turned(kinematics.starting_attitude(gamma, scene.psi), scene.omega, t)
+        values += _after_turn(kinematics.starting_attitude(gamma, scene.psi), scene.omega, t)
     if "angles" in scene.modelled and not scene.starts_at_pole:
         values += [scene.psi + dot(scene.omega, gamma) * t, kinematics.starting_phi(gamma)]
     return values
 
 
-def _turned(quaternion: tuple[Exact, ...], omega: Vector, t: Fraction) -> tuple[Exact, ...]:
+def _after_turn(quaternion: tuple[Exact, ...], omega: Vector, t: Fraction) -> tuple[Exact, ...]:
     """A quaternion after a uniform turn with omega, body axes, for a time t."""
     if is_zero(omega) or t == 0:
         return quaternion
@@ -129,28 +129,30 @@ class Readout:
     def states(self, rows: Given) -> Rows:
         """p q r [gamma1 gamma2 gamma3] in scene axes: an ndarray, or rows of mpf above extended."""
         if len(rows) == 0:
-            return self._kept([]).reshape(0, self.columns) if self.number.flat else []
+            return self._array([]).reshape(0, self.columns) if self.number.flat else []
         exponent = -self.frame.exponent
         if self.number.flat:
             import numpy as np
 
-            turned = self._flat(self._kept(rows)[:, : len(self.form.variables)])
+            states = self._flat(self._array(rows)[:, : len(self.form.variables)])
             if exponent:
-                turned[:, :3] = np.ldexp(turned[:, :3], exponent)
-            return turned
+                states[:, :3] = np.ldexp(states[:, :3], exponent)
+            return states
         wide = self._vectors([row[: len(self.form.variables)] for row in rows])
         from polhode.numbers.mpmath_context import mpmath, ordinary
 
-        found = [ordinary([mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:]) for row in wide]
+        mantissas = [
+            ordinary([mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:]) for row in wide
+        ]
         if self._begins_with_the_start(rows[0]):
-            found[0] = [*self._start]
-        return found
+            mantissas[0] = [*self._start]
+        return mantissas
 
     @cached_property
     def _start(self) -> list[Scalar]:
         """The scene's own omega and gamma, rounded to the run's type."""
-        given = (*self.scene.omega, *(self.scene.gamma or ()))
-        return [number_value(x, self.number) for x in given]
+        start = (*self.scene.omega, *(self.scene.gamma or ()))
+        return [number_value(x, self.number) for x in start]
 
     def _begins_with_the_start(self, row: GivenRow) -> bool:
         """Whether a row is that of the start, to the bit, and omega and gamma no copies of it."""
@@ -164,15 +166,15 @@ class Readout:
         if "attitude" not in self.scene.modelled:
             return None
         if self.number.flat:
-            return self._upright(self._kept(rows), flat(states)).T.astype(self._kind)
+            return self._upright(self._array(rows), flat(states)).T.astype(self._kind)
         from polhode.numbers.mpmath_context import mpmath, ordinary
 
-        found = []
+        quaternions = []
         for row, state in zip(rows, states, strict=True):
             q = self._upright_row(row, state)
             with mpmath.workprec(self.number.bits):
-                found.append(ordinary([+x for x in q]))
-        return found
+                quaternions.append(ordinary([+x for x in q]))
+        return quaternions
 
     def angles(self, rows: Given, states: Rows) -> Gapped | None:
         """psi theta phi beside states, if asked for; psi and phi None at a pole.
@@ -185,22 +187,22 @@ class Readout:
         if len(rows) == 0:
             return []
         if self.number.flat:
-            found = self._flat_angles(self._kept(rows), flat(states))
+            rows_of_angles = self._flat_angles(self._array(rows), flat(states))
         else:
-            found = [self._angles(*pair) for pair in zip(rows, states, strict=True)]
-        for row, state in zip(found, states, strict=True):
+            rows_of_angles = [self._angles(*pair) for pair in zip(rows, states, strict=True)]
+        for row, state in zip(rows_of_angles, states, strict=True):
             if state[3] == 0 == state[4]:
                 row[0] = row[2] = None
-        return found
+        return rows_of_angles
 
     def _upright(self, rows: Flat, states: Flat) -> Extendeds:
         """The quaternion beside states, a column each; the start's as it is."""
         import numpy as np
 
-        given = rows[:, self._first : self._first + 4].T.astype(np.longdouble)
+        quaternions = rows[:, self._first : self._first + 4].T.astype(np.longdouble)
         gamma = states[:, 3:].T.astype(np.longdouble)
-        found = np.array(upright([*given], [*gamma], np.sqrt), dtype=np.longdouble)
-        return np.where(self._begin(rows), given, found)
+        nearest = np.array(upright([*quaternions], [*gamma], np.sqrt), dtype=np.longdouble)
+        return np.where(self._begin(rows), quaternions, nearest)
 
     def _upright_row(self, row: GivenRow, state: GivenRow) -> list[Scalar]:
         """The same above extended, with some more bits."""
@@ -214,8 +216,8 @@ class Readout:
 
     def _begin(self, rows: Flat) -> Booleans:
         """Which rows have the quaternion of the start."""
-        found: Booleans = (rows[:, self._first : self._first + 4] == self._first_attitude).all(1)
-        return found
+        begins: Booleans = (rows[:, self._first : self._first + 4] == self._first_attitude).all(1)
+        return begins
 
     def _begins(self, row: GivenRow) -> bool:
         """Whether a row has it."""
@@ -244,16 +246,16 @@ class Readout:
         """psi theta phi, all rows at once."""
         import numpy as np
 
-        turned = np.zeros((2, len(rows)), dtype=np.longdouble)
+        turns = np.zeros((2, len(rows)), dtype=np.longdouble)
         if rows.shape[1] > self._first + 4:  # not of a motion that stays at a pole
-            turned += rows[:, self._first + 4 :].T
+            turns += rows[:, self._first + 4 :].T
         pi = 4 * np.arctan(np.longdouble(1))
         if not self._spins:
-            turned[0] = self._psi(rows, states, turned[0])
+            turns[0] = self._psi(rows, states, turns[0])
         fn = AngleFunctions(np.hypot, np.arctan2, pi, np.rint, np.where)
         gamma = states[:, 3:].T.astype(np.longdouble)
-        found = np.array(angles([*gamma], [*turned], fn)).T
-        listed: Gapped = found.astype(self._kind).tolist()
+        columns = np.array(angles([*gamma], [*turns], fn)).T
+        listed: Gapped = columns.astype(self._kind).tolist()
         return listed
 
     def _psi(self, rows: Flat, states: Flat, integrated: Extendeds) -> Extendeds:
@@ -265,26 +267,26 @@ class Readout:
         high = np.longdouble(np.float32(np.pi))  # whole multiples of it are exact
         low = 4 * np.arctan(np.longdouble(1)) - high
         halves = np.rint((integrated - psi) / (high + low))
-        told = (psi + halves * high) + halves * low
-        return np.where(self._begin(rows), integrated, told)
+        rounded = (psi + halves * high) + halves * low
+        return np.where(self._begin(rows), integrated, rounded)
 
     def _angles(self, row: GivenRow, state: GivenRow) -> list[Real | None]:
         """The same of a row above extended."""
         from polhode.numbers.mpmath_context import mpmath, ordinary, own
 
-        turned = [*map(own, row[self._first + 4 :])] or [mpmath.mpf(0)] * 2
+        turns = [*map(own, row[self._first + 4 :])] or [mpmath.mpf(0)] * 2
         fn = AngleFunctions(
             mpmath.hypot, mpmath.atan2, mpmath.pi, mpmath.nint, lambda c, a, b: a if c else b
         )
-        more = GUARD_BITS + int(abs(turned[0])).bit_length()
+        more = GUARD_BITS + int(abs(turns[0])).bit_length()
         with mpmath.workprec(self.number.bits + more):
             if not (self._spins or self._begins(row)):
                 q = self._upright_row(row, state)
                 psi = mpmath.atan2(q[3], q[0]) + mpmath.atan2(q[2], q[1])
-                turned[0] = psi + mpmath.pi * mpmath.nint((turned[0] - psi) / mpmath.pi)
-            found = angles([*map(own, state[3:])], turned, fn)
+                turns[0] = psi + mpmath.pi * mpmath.nint((turns[0] - psi) / mpmath.pi)
+            values = angles([*map(own, state[3:])], turns, fn)
         with mpmath.workprec(self.number.bits):
-            listed: list[Real | None] = ordinary([+x for x in found])
+            listed: list[Real | None] = ordinary([+x for x in values])
             return listed
 
     @cached_property
@@ -293,12 +295,12 @@ class Readout:
 
         return np.float64 if self.number.name == "double" else np.longdouble
 
-    def _kept(self, rows: Given) -> Flat:
+    def _array(self, rows: Given) -> Flat:
         """An array of the type, which numpy holds."""
         import numpy as np
 
-        found: Flat = np.asarray(rows, dtype=self._kind)
-        return found
+        array: Flat = np.asarray(rows, dtype=self._kind)
+        return array
 
     def _flat(self, rows: Flat) -> Flat:
         """The same of an array, as a new array."""
@@ -307,7 +309,7 @@ class Readout:
         if self.number.name == "double":
             return self._in_extended(rows)
         wide = [[to_extended(exactly(x)) for x in row] for row in self._vectors(rows)]
-        return self._kept(wide).reshape(len(rows), self.columns)
+        return self._array(wide).reshape(len(rows), self.columns)
 
     def _vectors(self, rows: Given) -> list[list[Scalar]]:
         """Rows of omega and gamma in scene axes and the frame's unit, rounded once at the end."""
@@ -317,19 +319,21 @@ class Readout:
         with mpmath.workprec(bits):
             k = {name: to_mpf(x, bits) for name, x in self.form.coefficients.items()}
             fn = of_mpmath()
-            found = [
+            vectors = [
                 self.form.state([to_mpf(exactly(x), bits) for x in row], k, fn) for row in rows
             ]
-        return self._turned(found, bits)
+        return self._in_scene_axes(vectors, bits)
 
-    def _turned(self, found: Iterable[Iterable[Sequence[Scalar]]], bits: int) -> list[list[Scalar]]:
+    def _in_scene_axes(
+        self, rows: Iterable[Iterable[Sequence[Scalar]]], bits: int
+    ) -> list[list[Scalar]]:
         """Pairs of omega and gamma, one after the other, turned and rounded to the run's type."""
         from polhode.numbers.mpmath_context import mpmath
 
         axes = self.frame.axes
         with mpmath.workprec(self.number.bits):
             if axes.trivial:
-                return [[+x for vector in pair for x in vector] for pair in found]
+                return [[+x for vector in pair for x in vector] for pair in rows]
             entries = [[to_mpf(x, bits) for x in row] for row in axes.rows]
             return [
                 [
@@ -338,7 +342,7 @@ class Readout:
                     if vector
                     for j in range(3)
                 ]
-                for pair in found
+                for pair in rows
             ]
 
     def _in_extended(self, rows: Flat) -> Flat:

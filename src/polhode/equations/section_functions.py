@@ -72,9 +72,9 @@ class SectionZero(NamedTuple):
         zero: Scalar,
     ) -> Scalar:
         """g.(arm x v), terms of an arm's zero components left out."""
-        found = zero
+        total = zero
         for i, a in enumerate(self.arm):
             if a:
                 j, k = (i + 1) % 3, (i + 2) % 3
-                found = found + lift(a) * (v[j] * g[k] - v[k] * g[j])
-        return found
+                total = total + lift(a) * (v[j] * g[k] - v[k] * g[j])
+        return total

@@ -122,7 +122,7 @@ class Frame(NamedTuple):
             inertia = along(axes, inertia)
             x, y, z = map(axes.components, own.directions)
             own = PrincipalAxes((x, y, z), own.squares)
-        turned = _changed(
+        principal = _changed(
             body,
             {
                 "inertia": inertia,
@@ -131,8 +131,8 @@ class Frame(NamedTuple):
                 "parts": (),
             },
         )
-        turned.__dict__["_principal"] = body.moments, own
-        return turned
+        principal.__dict__["_principal"] = body.moments, own
+        return principal
 
     def _psi(self, gamma: Vector) -> Exact:
         """By how much psi of these axes is ahead of that of the scene's.
@@ -172,10 +172,10 @@ _OUTSIDE = dict.fromkeys(("times", "tags", "cite", "outputs", "events", "publish
 _FIELDS = {kind: tuple(field.name for field in fields(kind)) for kind in (Scene, Body)}
 
 
-def _changed(what: T, changes: Mapping[str, object]) -> T:
+def _changed(thing: T, changes: Mapping[str, object]) -> T:
     """A scene or a body with other fields, not checked again: what is exact stays possible."""
-    other = object.__new__(type(what))
-    values = vars(what)
-    vars(other).update({name: values[name] for name in _FIELDS[type(what)] if name in values})
-    vars(other).update(changes)
-    return other
+    copy = object.__new__(type(thing))
+    values = vars(thing)
+    vars(copy).update({name: values[name] for name in _FIELDS[type(thing)] if name in values})
+    vars(copy).update(changes)
+    return copy

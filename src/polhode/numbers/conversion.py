@@ -131,10 +131,13 @@ def exact_number(value: object) -> Exact:
     """
     if isinstance(value, float):
         return exactly(value)
-    found = derived_number(value)
-    if isinstance(found, Fraction) and _bits(found.numerator, found.denominator) > MAX_BITS:
+    number_there = derived_number(value)
+    if (
+        isinstance(number_there, Fraction)
+        and _bits(number_there.numerator, number_there.denominator) > MAX_BITS
+    ):
         raise ExpressionError(TOO_LARGE)
-    return found
+    return number_there
 
 
 def derived_number(value: object) -> Exact:

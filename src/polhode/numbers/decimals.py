@@ -206,8 +206,8 @@ def _positional(value: int, places: int) -> str:
 
 def rounded_up(values: Sequence[float]) -> list[str]:
     """Radii as decimals of three digits, rounded up."""
-    found = []
+    texts = []
     for value in values:
         text = f"{value:.2e}"
-        found.append(text if float(text) >= value else f"{value * 1.01:.2e}")
-    return found
+        texts.append(text if float(text) >= value else f"{value * 1.01:.2e}")
+    return texts

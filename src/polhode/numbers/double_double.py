@@ -77,10 +77,10 @@ class Pairs:
 
     def __pow__(self, times: int) -> Pairs:
         """A whole power, 0 or more."""
-        found = Pairs(np.ones_like(self.hi), np.zeros_like(self.hi))
+        power = Pairs(np.ones_like(self.hi), np.zeros_like(self.hi))
         for _ in range(times):
-            found = found * self
-        return found
+            power = power * self
+        return power
 
     def __abs__(self) -> Pairs:
         sign = np.where(self.hi < 0, -1.0, 1.0)
@@ -142,9 +142,9 @@ def of_cells(cells: Sequence[Scalar | None]) -> Pairs:
     quick = (Decimal, Fraction)
     numbers = [x if type(x) in quick else exactly(x) for x in cells if x is not None]
     pairs_there = of_fractions(numbers)
-    found = Pairs(np.full(len(cells), math.nan), np.zeros(len(cells)))
-    found.hi[there], found.lo[there] = pairs_there.hi, pairs_there.lo
-    return found
+    cells_as_pairs = Pairs(np.full(len(cells), math.nan), np.zeros(len(cells)))
+    cells_as_pairs.hi[there], cells_as_pairs.lo[there] = pairs_there.hi, pairs_there.lo
+    return cells_as_pairs
 
 
 def of_balls(rows: Sequence[Sequence[Any]]) -> Pairs:

@@ -78,7 +78,7 @@ class Irrational:
             if lacking:
                 pending.extend(lacking)
                 continue
-            node._known[prec] = node._rule(*(_held(part, prec) for part in node._parts))
+            node._known[prec] = node._rule(*(_ball_of(part, prec) for part in node._parts))
             pending.pop()
         return self._known[prec]
 
@@ -171,14 +171,14 @@ def multiply(a: Exact, b: Exact) -> Exact:
         return a * b
     if a is b and isinstance(a, Irrational):
         return a.square if a.square is not None else _integer_power(a, 2)
-    for one, other in ((a, b), (b, a)):
-        if isinstance(one, Fraction):
-            if one == 0:
+    for first, second in ((a, b), (b, a)):
+        if isinstance(first, Fraction):
+            if first == 0:
                 return ZERO
-            if one == 1:
-                return other
-            known = other.square if isinstance(other, Irrational) else None
-            square = one * one * known if isinstance(known, Fraction) else None
+            if first == 1:
+                return second
+            own_square = second.square if isinstance(second, Irrational) else None
+            square = first * first * own_square if isinstance(own_square, Fraction) else None
             return Irrational(mul, a, b, square=square)
     return Irrational(mul, a, b)
 
@@ -193,8 +193,8 @@ def divide(a: Exact, b: Exact) -> Exact:
         return ZERO
     if isinstance(b, Fraction):
         return multiply(a, 1 / b)
-    known = b.square if isinstance(a, Fraction) else None
-    square = a * a / known if isinstance(known, Fraction) else None
+    own_square = b.square if isinstance(a, Fraction) else None
+    square = a * a / own_square if isinstance(own_square, Fraction) else None
     return Irrational(ball_quotient, a, b, square=square)
 
 
@@ -280,10 +280,10 @@ def sign(x: Number) -> int:
         over = x.numerator  # compared as an int, which takes a tenth of the time
         return (over > 0) - (over < 0)
     for prec in _LADDER:
-        known = x.enclosure(prec)
-        if known > 0:
+        ball = x.enclosure(prec)
+        if ball > 0:
             return 1
-        if known < 0:
+        if ball < 0:
             return -1
     if (met := _noted.get()) is not None:
         met.append(x)
@@ -309,13 +309,13 @@ def rounded(x: Number, bits: int) -> tuple[int, int]:
         return 0, 0
     prec = max(bits + 64, _LADDER[0])  # which the sign has asked for
     while True:
-        known = x.enclosure(prec)
-        if known.is_finite():
-            low, high = (_rounded_binary(*end, bits) for end in ball_ends(known))
+        ball = x.enclosure(prec)
+        if ball.is_finite():
+            low, high = (_rounded_binary(*end, bits) for end in ball_ends(ball))
             if low == high:
                 return low
         if prec > 2 * EQUAL_BITS + 8 * bits:  # a tie by the rule: the even neighbour
-            middle = ball_middle(known)
+            middle = ball_middle(ball)
             return _rounded_binary(*_rounded_binary(*middle, bits + 8), bits)
         prec *= 2
 
@@ -328,10 +328,10 @@ def log10(x: Number) -> float:
 
 def magnitude(x: Irrational) -> int:
     """The exponent of two just above |x|, or 0 where 128 bits do not tell x from zero."""
-    known = x.enclosure(_LADDER[0])
-    if known.contains(0) or not known.is_finite():
+    ball = x.enclosure(_LADDER[0])
+    if ball.contains(0) or not ball.is_finite():
         return 0
-    _, (mantissa, exponent) = ball_ends(known)
+    _, (mantissa, exponent) = ball_ends(ball)
     return exponent + mantissa.bit_length()
 
 
@@ -374,8 +374,8 @@ def _rounded_ratio(over: int, bottom: int, bits: int) -> tuple[int, int]:
 
 def _rounded_binary(mantissa: int, exponent: int, bits: int) -> tuple[int, int]:
     """mantissa·2**exponent to so many bits."""
-    found, by = _rounded_ratio(mantissa, 1, bits)
-    return (found, by + exponent) if found else (0, 0)
+    nearest, by = _rounded_ratio(mantissa, 1, bits)
+    return (nearest, by + exponent) if nearest else (0, 0)
 
 
 def _irrational(
@@ -385,7 +385,7 @@ def _irrational(
     return Irrational(rule, *parts, square=square)
 
 
-def _held(part: Exact, prec: int) -> arb:
+def _ball_of(part: Exact, prec: int) -> arb:
     if isinstance(part, Irrational):
         return part._known[prec]
     return as_ball(part)
@@ -436,14 +436,14 @@ def ball_power(a: arb, e: arb) -> arb:
 
 def ball_integer_power(n: int, a: arb) -> arb:
     """a to the power n >= 1, by products: FLINT's power of a ball around 0 is no number."""
-    found, square = None, a
+    product, square = None, a
     while n:
         if n & 1:
-            found = square if found is None else found * square
+            product = square if product is None else product * square
         n >>= 1
         square = square * square if n else square
-    assert found is not None
-    return found
+    assert product is not None
+    return product
 
 
 def ball_nothing(a: arb) -> arb:
@@ -451,16 +451,16 @@ def ball_nothing(a: arb) -> arb:
     return type(a)(0, float("inf"))
 
 
-def ball_middle(known: arb) -> tuple[int, int]:
+def ball_middle(ball: arb) -> tuple[int, int]:
     """(m, e) with m·2**e the midpoint of a ball; 0 where nothing is known."""
-    mantissa, exponent = known.mid().man_exp() if known.is_finite() else (0, 0)
+    mantissa, exponent = ball.mid().man_exp() if ball.is_finite() else (0, 0)
     return int(mantissa), int(exponent)
 
 
-def ball_ends(known: arb) -> tuple[tuple[int, int], tuple[int, int]]:
+def ball_ends(ball: arb) -> tuple[tuple[int, int], tuple[int, int]]:
     """(m, e) with m·2**e the lower and the upper end of a ball, exactly."""
     (middle, p), (radius, q) = (
-        (int(m), int(e)) for m, e in (known.mid().man_exp(), known.rad().man_exp())
+        (int(m), int(e)) for m, e in (ball.mid().man_exp(), ball.rad().man_exp())
     )
     least = min(p, q)
     middle, radius = middle << (p - least), radius << (q - least)

@@ -118,9 +118,9 @@ class ExactNumbers(LazySequence[N]):
         if isinstance(other, ExactNumbers) and self.size == other.size > 0:
             if self.ends and other.ends:
                 return (self[0], self[-1]) == (other[0], other[-1])  # of one, the last is not in it
-            one, two = self.floats, other.floats
-            if one is not None and two is not None and one.dtype == two.dtype:
-                return bool((one == two).all())
+            mine, theirs = self.floats, other.floats
+            if mine is not None and theirs is not None and mine.dtype == theirs.dtype:
+                return bool((mine == theirs).all())
         if not isinstance(other, Sequence):
             return NotImplemented
         return self.size == len(other) and self.exact == tuple(other)
@@ -204,25 +204,25 @@ class ExactNumbers(LazySequence[N]):
 
     def rounded(self, number: NumberType) -> ExactNumbers[Fraction]:
         """The nearest numbers of a type."""
-        found = self._flat(number) if number.flat and self.size >= _FEW else None
-        if found is None:
+        floats = self._flat(number) if number.flat and self.size >= _FEW else None
+        if floats is None:
             return ExactNumbers(tuple(map(number.rounded, self.exact)))
-        return ExactNumbers(floats=found)
+        return ExactNumbers(floats=floats)
 
     def _flat(self, number: NumberType) -> Flat | None:
         """The nearest doubles or longdoubles; None where they are to be rounded one by one."""
         import numpy as np
 
         if number.bits == 53:
-            found: Flat = self.doubles()
+            nearest: Flat = self.doubles()
             least, most = 2.0**-900, 2.0**900
         elif self.floats is not None:
             return self.floats.astype(np.longdouble)
         else:
-            found = np.array([to_extended(t) for t in self.exact])
+            nearest = np.array([to_extended(t) for t in self.exact])
             least, most = np.ldexp(np.longdouble(1), -16000), np.ldexp(np.longdouble(1), 16000)
-        sizes = np.abs(found[1:] if sign(self[0]) == 0 else found)
-        return found if np.all((sizes > least) & (sizes < most)) else None
+        sizes = np.abs(nearest[1:] if sign(self[0]) == 0 else nearest)
+        return nearest if np.all((sizes > least) & (sizes < most)) else None
 
 
 def spaced(first: Exact, last: Exact, size: int) -> ExactNumbers[Exact]:

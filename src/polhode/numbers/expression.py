@@ -160,9 +160,9 @@ class _Reader:
             if divided and self.names_unit():
                 raise ExpressionError(f"write * or / before {self.token!r}")
             operator = "*" if self.names_unit() else self.take()
-            other = self.value(rank + 1)
-            divided |= operator == "/" and not _is_exact(other)
-            value = self.combine(operator, value, other)
+            operand = self.value(rank + 1)
+            divided |= operator == "/" and not _is_exact(operand)
+            value = self.combine(operator, value, operand)
         return value
 
     def signed(self) -> Scalar:
@@ -202,11 +202,11 @@ class _Reader:
         if token == "":
             raise ExpressionError("it ends where a number was expected")
         if self.units is not None and token[0].isalpha():
-            known = listed(token, [*self.units])
-            raise ExpressionError(f"unknown unit {token[:40]!r}; known are {known}")
+            names = listed(token, [*self.units])
+            raise ExpressionError(f"unknown unit {token[:40]!r}; known are {names}")
         if token[0].isalpha() or token[0] == "_":
-            known = nearest(token, [*self.names, *FUNCTIONS, "pi"])
-            raise ExpressionError(f"unknown name {token[:40]!r}; known are {known}")
+            names = nearest(token, [*self.names, *FUNCTIONS, "pi"])
+            raise ExpressionError(f"unknown name {token[:40]!r}; known are {names}")
         raise ExpressionError(f"{token!r} stands where a number was expected")
 
     def enter(self) -> None:
@@ -263,11 +263,11 @@ def odd_part(text: str) -> str:
     powers: dict[str, int] = {}
     for factor, power in _factors(_split(text)[:-1]):
         powers[factor] = powers.get(factor, 0) + power
-    kept = [
+    factors = [
         f"({factor})" if power % 2 else f"({factor})**2"  # which may be 0 all along
         for factor, power in powers.items()
     ]
-    odd = "*".join(kept)
+    odd = "*".join(factors)
     return text if max(powers.values()) < 3 or len(odd) > MAX_LENGTH else odd
 
 
@@ -353,8 +353,8 @@ def exact_power(base: Exact, exponent: Fraction) -> Exact:
 
 def exact_function(name: str, argument: Exact) -> Exact:
     """The root, sine or cosine of a number."""
-    found: Exact = {"sqrt": exact.sqrt, "sin": exact.sin, "cos": exact.cos}[name](argument)
-    return found
+    value: Exact = {"sqrt": exact.sqrt, "sin": exact.sin, "cos": exact.cos}[name](argument)
+    return value
 
 
 def bounded(value: Scalar) -> Scalar:

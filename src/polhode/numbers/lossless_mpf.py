@@ -44,16 +44,16 @@ class mpc(mpmath.mpc):  # type: ignore[misc]  # noqa: N801
 
 def real(raw: Raw) -> mpf:
     """The mpf that mpmath holds as these."""
-    found = _new(mpf)
-    found._mpf_ = raw
-    return found
+    number = _new(mpf)
+    number._mpf_ = raw
+    return number
 
 
 def pair(first: Raw, second: Raw) -> mpc:
     """The mpc whose parts mpmath holds as these."""
-    found = _new(mpc)
-    found._mpc_ = first, second
-    return found
+    number = _new(mpc)
+    number._mpc_ = first, second
+    return number
 
 
 def plain(raw: Raw) -> Raw:

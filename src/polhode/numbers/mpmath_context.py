@@ -102,27 +102,27 @@ def _pair(*raw: Raw) -> mpc:
 
 def ordinary(value: T) -> T:
     """A value with its mpf and mpc, in lists, tuples and dicts too, as those of plain mpmath."""
-    found: Any = value
+    copy: Any = value
     if (raw := getattr(value, "_mpf_", None)) is not None:
-        found = real(raw)
+        copy = real(raw)
     elif (parts := getattr(value, "_mpc_", None)) is not None:
-        found = pair(*parts)
+        copy = pair(*parts)
     elif type(value) in (list, tuple):
-        found = type(found)(map(ordinary, found))
+        copy = type(copy)(map(ordinary, copy))
     elif isinstance(value, Mapping):
-        found = {name: ordinary(x) for name, x in value.items()}
-    same: T = found
+        copy = {name: ordinary(x) for name, x in value.items()}
+    same: T = copy
     return same
 
 
 def own(value: T) -> T:
     """The way back: a number, or rows of them, to be computed with here; exact."""
-    found: Any = value
+    copy: Any = value
     if (raw := getattr(value, "_mpf_", None)) is not None:
-        found = mpmath.make_mpf(raw)
+        copy = mpmath.make_mpf(raw)
     elif type(value) in (list, tuple):
-        found = type(found)(map(own, found))
+        copy = type(copy)(map(own, copy))
     elif getattr(getattr(value, "dtype", None), "kind", "") == "O":  # an array of mpf
-        found = own(found.tolist())
-    same: T = found
+        copy = own(copy.tolist())
+    same: T = copy
     return same

@@ -103,9 +103,9 @@ def for_digits(digits: int, log10_angle: float, lost: float = 0.0) -> NumberType
     like its 3/2 power times a small factor; the guard digits cover both.  ``lost``: the digits that
     this very motion is expected to lose on the way, where they were measured.
     """
-    for name, held in DIGITS_HELD.items():
+    for name, digits_held in DIGITS_HELD.items():
         kind = named(name)
-        enough = digits + math.ceil(log10_angle) <= held
+        enough = digits + math.ceil(log10_angle) <= digits_held
         enough = enough and digits + lost + (lost > 0) * _SPARE <= kind.most_digits
         if enough and (name != "extended" or extended_here()):
             return kind
@@ -299,9 +299,9 @@ def read_only(rows: Rows, width: int) -> States:
         for k, row in enumerate(rows):
             objects[k] = row
         rows = objects
-    found = rows.view()
-    found.flags.writeable = False
-    return found
+    view = rows.view()
+    view.flags.writeable = False
+    return view
 
 
 def double_array(rows: Rows | Numbers | list[list[Scalar]]) -> Doubles:

@@ -150,14 +150,14 @@ def mapped(
     flat = number.name == "double" and extended_here()
     if flat and all(hasattr(part, "ndim") or _whole(part) for part in parts):
         return _at_once(formula, parts, coefficients, width)
-    found = _row_by_row(formula, parts, coefficients, number, width)
-    if not number.flat or not _whole(found):
-        return found
+    rows = _row_by_row(formula, parts, coefficients, number, width)
+    if not number.flat or not _whole(rows):
+        return rows
     import numpy as np
 
     if number.name == "double":
-        return np.array(found, dtype=np.float64).reshape(len(found), width)
-    return np.array(found, dtype=np.longdouble).reshape(len(found), width)
+        return np.array(rows, dtype=np.float64).reshape(len(rows), width)
+    return np.array(rows, dtype=np.longdouble).reshape(len(rows), width)
 
 
 def mapped_stack(
@@ -172,13 +172,13 @@ def mapped_stack(
 
     there = stack[:, :, 0] == stack[:, :, 0]
     rows = stack[there]
-    found: Stack = np.full((*stack.shape[:2], width), np.nan, dtype=stack.dtype)
+    values: Stack = np.full((*stack.shape[:2], width), np.nan, dtype=stack.dtype)
     if len(rows):
-        made = mapped(
+        member = mapped(
             formula, [rows if number.flat else rows.tolist()], coefficients, number, width
         )
-        found[there] = [[np.nan if x is None else x for x in row] for row in made]
-    return found
+        values[there] = [[np.nan if x is None else x for x in row] for row in member]
+    return values
 
 
 def _whole(rows: Given) -> bool:
@@ -201,14 +201,14 @@ def _at_once(
     ]
     k = {name: to_extended(x) for name, x in coefficients.items()}
     with np.errstate(all="ignore"):
-        made = formula(columns, k, of_extended())
-        found: Doubles = np.empty((count, len(made)))
-        for i, column in enumerate(made):
-            found[:, i] = np.broadcast_to(column, count)
-    whole = np.all(np.isfinite(found), axis=1, keepdims=True).ravel()
-    if whole.all() and len(made) == width:
-        return found
-    rows = (row if ok else [] for ok, row in zip(whole, found.tolist(), strict=True))
+        values = formula(columns, k, of_extended())
+        doubles: Doubles = np.empty((count, len(values)))
+        for i, column in enumerate(values):
+            doubles[:, i] = np.broadcast_to(column, count)
+    whole = np.all(np.isfinite(doubles), axis=1, keepdims=True).ravel()
+    if whole.all() and len(values) == width:
+        return doubles
+    rows = (row if ok else [] for ok, row in zip(whole, doubles.tolist(), strict=True))
     return [[*row, *[None] * (width - len(row))] for row in rows]
 
 
@@ -223,18 +223,18 @@ def _row_by_row(
     from polhode.numbers.mpmath_context import mpmath
 
     wide = number.bits + GUARD_BITS
-    found: Gapped = []
+    rows: Gapped = []
     with mpmath.workprec(wide):
         k = {name: to_mpf(x, wide) for name, x in coefficients.items()}
         fn = of_mpmath()
         for pieces in zip(*parts, strict=True):
             row = [x for piece in pieces for x in piece]
-            made = None if any(x is None for x in row) else _value(formula, row, k, fn, wide)
-            values = None if made is None else [number_value(x, number) for x in made]
+            cells = None if any(x is None for x in row) else _value(formula, row, k, fn, wide)
+            values = None if cells is None else [number_value(x, number) for x in cells]
             if values is None or any(x - x != 0 for x in values):  # beyond the type's range
                 values = []
-            found.append([*values, *[None] * (width - len(values))])
-    return found
+            rows.append([*values, *[None] * (width - len(values))])
+    return rows
 
 
 def _value(
@@ -242,14 +242,14 @@ def _value(
 ) -> list[Fraction] | None:
     """A formula of one row; None where it has no finite real value."""
     try:
-        given = mpf_row(row, bits)
+        numbers = mpf_row(row, bits)
     except ValueError:  # not finite
         return None
     try:
-        made = formula(given, k, fn)
+        values = formula(numbers, k, fn)
     except ZeroDivisionError:
         return None
     try:
-        return [exactly(x) for x in made]
+        return [exactly(x) for x in values]
     except ValueError:  # complex
         return None

@@ -116,9 +116,9 @@ def upright(q: GivenRow, gamma: GivenRow, root: Callable[[Scalar], Scalar]) -> l
     turn of gamma to q's own vertical; ``root``: the square root.
     """
     own = vertical(q)
-    found = quaternion_product(q, (1 + dot(gamma, own), *cross(gamma, own)))
-    length = root(sum((x * x for x in found[1:]), found[0] * found[0]))
-    return [x / length for x in found]
+    quaternion = quaternion_product(q, (1 + dot(gamma, own), *cross(gamma, own)))
+    length = root(sum((x * x for x in quaternion[1:]), quaternion[0] * quaternion[0]))
+    return [x / length for x in quaternion]
 
 
 def quaternion_products(r: Sequence[Scalar]) -> tuple[Quadruple, ...]:
@@ -137,12 +137,12 @@ def rotation(q: Sequence[Scalar]) -> tuple[Scalar, ...]:
     """The nine elements of the rotation matrix of a quaternion of any length, row by row."""
     a, b, c, d = q
     square = a * a + b * b + c * c + d * d
-    found = (
+    rows = (
         *(a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
         *(2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
         *(2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d),
     )
-    return tuple(x / square for x in found)
+    return tuple(x / square for x in rows)
 
 
 # --- polynomials ----------------------------------------------------------------------------------
@@ -179,8 +179,8 @@ def real_roots(polynomial: Polynomial) -> list[Root]:
     if polynomial.degree() < 1:
         return []
     every: list[Any] = polynomial.complex_roots()
-    found = [Root(root.real, int(m)) for root, m in every if root.imag == 0]
-    return sorted(found, key=lambda root: root.middle)
+    roots = [Root(root.real, int(m)) for root, m in every if root.imag == 0]
+    return sorted(roots, key=lambda root: root.middle)
 
 
 def middle(ball: arb) -> Fraction:

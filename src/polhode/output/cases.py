@@ -47,7 +47,7 @@ def cases(tag: str | None = None) -> Cases:
     tag : str, optional
         Only the cases with this tag.
     """
-    entries = library.known()
+    entries = library.entries()
     chosen = {name: entries.get(name) or entry_of(name) for name in library.names()}
     tags = sorted({word for entry in chosen.values() for word in entry.tags})
     if tag is not None and tag not in tags:

@@ -147,17 +147,17 @@ def document(
 
 def _about_column(column: Column) -> dict[str, Value]:
     digits = {} if column.digits == _USUAL_DIGITS else {"digits": column.digits}
-    return {"type": word_of(column)} | _told(column) | digits
+    return {"type": word_of(column)} | _unit_and_meaning(column) | digits
 
 
 def _about_fact(fact: Fact) -> dict[str, Value]:
     if not isinstance(fact.value, Table):
-        return {"type": word_of(fact)} | _told(fact)
+        return {"type": word_of(fact)} | _unit_and_meaning(fact)
     columns = {x.name: _about_column(x) for x in fact.value.columns}
-    return {"labels": fact.value.labels, "columns": columns} | _told(fact)
+    return {"labels": fact.value.labels, "columns": columns} | _unit_and_meaning(fact)
 
 
-def _told(x: Column | Fact) -> dict[str, Value]:
+def _unit_and_meaning(x: Column | Fact) -> dict[str, Value]:
     return {key: text for key, text in (("unit", x.unit), ("meaning", x.meaning)) if text}
 
 
@@ -236,11 +236,11 @@ def _npz(content: Content) -> bytes:
     arrays[ABOUT] = np.frombuffer(about, dtype=np.uint8)
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w") as packed:
-        for name, held in arrays.items():
+        for name, stored in arrays.items():
             part = zipfile.ZipInfo(f"{name}.npy")  # of a fixed date, where numpy tells today's
-            part.compress_type = zipfile.ZIP_DEFLATED if held.dtype.kind == "U" else 0
+            part.compress_type = zipfile.ZIP_DEFLATED if stored.dtype.kind == "U" else 0
             with packed.open(part, "w", force_zip64=True) as file:
-                np.lib.format.write_array(file, held, allow_pickle=False)
+                np.lib.format.write_array(file, stored, allow_pickle=False)
     return out.getvalue()
 
 

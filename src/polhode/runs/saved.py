@@ -65,13 +65,13 @@ class Saved(Result):
         """A fact or a column by its name: what is no attribute else."""
         if name.startswith("_"):
             raise AttributeError(name)
-        held = self._named
-        if name in held:
-            return held[name]
+        values = self._named
+        if name in values:
+            return values[name]
         if name == "kind":
             warnings.warn("kind of a loaded result is result", DeprecationWarning, stacklevel=2)
             return self.result
-        words = nearest(name, [*held])
+        words = nearest(name, [*values])
         raise AttributeError(f"a {self.result} from a file has no {name}: expected {words}")
 
     @cached_property
@@ -145,8 +145,8 @@ def load_result(path: str | Path) -> Trajectory | Saved:
     except BadInput:
         raise
     except DAMAGED as fault:
-        told = "it is damaged" if isinstance(fault, KeyError) else str(fault)
-        raise BadInput(str(path), "file", None, f"a result that polhode saved ({told})") from None
+        words = "it is damaged" if isinstance(fault, KeyError) else str(fault)
+        raise BadInput(str(path), "file", None, f"a result that polhode saved ({words})") from None
 
 
 def load_run(path: str | Path) -> Trajectory:
@@ -177,11 +177,11 @@ def load_run(path: str | Path) -> Trajectory:
     >>> again == run
     True
     """
-    found = load_result(path)
-    if not isinstance(found, Trajectory):
-        expected = f"a run that polhode saved (it holds a result {found.result})"
+    run = load_result(path)
+    if not isinstance(run, Trajectory):
+        expected = f"a run that polhode saved (it holds a result {run.result})"
         raise BadInput(str(path), "file", None, expected)
-    return found
+    return run
 
 
 def run_of(content: Content) -> Trajectory:
@@ -191,9 +191,9 @@ def run_of(content: Content) -> Trajectory:
     number = _number(facts)
     times = tuple(exactly(t) for t in columns["t"])
     scene, outcome = _scene(facts, times), Outcome(facts["outcome"])
-    asked = scene.output_times.rounded(number)
+    outputs = scene.output_times.rounded(number)
     count = len(times)
-    if asked[:count] != times or (outcome is Outcome.REACHED_END and count < len(asked)):
+    if outputs[:count] != times or (outcome is Outcome.REACHED_END and count < len(outputs)):
         raise ValueError("times: not those of the scene")
     angles = errors = attitude = None
     if "psi" in columns:
@@ -233,11 +233,13 @@ def run_of(content: Content) -> Trajectory:
 
 
 def _number(facts: Mapping[str, Value]) -> NumberType:
-    found = NumberType(_of(str, facts["number"]), _whole(facts["bits"]))
-    known = found.name in NAMES and (found.name != "mp" or found.bits >= LEAST_MP_BITS)
-    if not known or (found.name != "mp" and found != named(found.name)):
-        raise ValueError(f"number: {found.name} of {found.bits} bits")
-    return found
+    number_type = NumberType(_of(str, facts["number"]), _whole(facts["bits"]))
+    possible = number_type.name in NAMES and (
+        number_type.name != "mp" or number_type.bits >= LEAST_MP_BITS
+    )
+    if not possible or (number_type.name != "mp" and number_type != named(number_type.name)):
+        raise ValueError(f"number: {number_type.name} of {number_type.bits} bits")
+    return number_type
 
 
 def _scene(facts: Mapping[str, Value], times: tuple[Fraction, ...]) -> Scene:
@@ -282,40 +284,40 @@ def _events(facts: Mapping[str, Value], scene: Scene, number: NumberType) -> Eve
     names = columns["event"]
     if not {*names} <= {event.name for event in scene.events}:
         raise ValueError("events: not those of the scene")
-    found = []
+    lists = []
     for event, complete in zip(scene.events, facts["events_complete"], strict=True):
         place = [k for k, name in enumerate(names) if name == event.name]
-        held = {name: _picked(values, place) for name, values in columns.items()}
-        signs = tuple(held["sign"].tolist())
+        rows = {name: _picked(values, place) for name, values in columns.items()}
+        signs = tuple(rows["sign"].tolist())
         if not {*signs} <= {-1, 0, 1}:
             raise ValueError("sign: expected -1, 1, and 0 where they graze")
-        found.append(
+        lists.append(
             EventTimes(
                 event.name,
-                tuple(exactly(t) for t in held["t"]),
-                _rows(held, scene.columns, number),
+                tuple(exactly(t) for t in rows["t"]),
+                _rows(rows, scene.columns, number),
                 signs,
-                tuple(held["uncertainty"].tolist()),
-                tuple(held["depth"].tolist()),
+                tuple(rows["uncertainty"].tolist()),
+                tuple(rows["depth"].tolist()),
                 _of(bool, complete),
             )
         )
-    return Events(tuple(found))
+    return Events(tuple(lists))
 
 
 def _picked(values: Any, place: Sequence[int]) -> Any:
     return [values[k] for k in place] if isinstance(values, list) else values[list(place)]
 
 
-def _projection(told: Value) -> Projection | None:
-    if told is None:
+def _projection(fact: Value) -> Projection | None:
+    if fact is None:
         return None
     return Projection(
-        tuple(_of(str, name) for name in told["onto"]),
-        _whole(told["every"]),
-        _whole(told["count"]),
-        _finite(told["largest"]),
-        _finite(told["sum"]),
+        tuple(_of(str, name) for name in fact["onto"]),
+        _whole(fact["every"]),
+        _whole(fact["count"]),
+        _finite(fact["largest"]),
+        _finite(fact["sum"]),
     )
 
 
@@ -342,8 +344,8 @@ def _digits(value: Value) -> int | None:
 
 
 def _gap_or_float(value: Value) -> float | None:
-    found: float | None = _of((float, type(None)), value)
-    return found
+    number: float | None = _of((float, type(None)), value)
+    return number
 
 
 def _finite(value: Value) -> float:
@@ -373,8 +375,8 @@ class _Recomputed:
 
         run = self.run
         again = made_again(run, run.scene)
-        kept = len(run.times)
-        if not same(list(again.states[:kept]), list(run.states)):
+        size = len(run.times)
+        if not same(list(again.states[:size]), list(run.states)):
             warnings.warn(
                 f"{run.scene.name}: computed again on this machine, the run differs from the "
                 "one in the file in its last digits",

@@ -82,32 +82,36 @@ def expected(
     if not times:
         return Expected((), None, None)
     full = tolerance <= float(number.eps)
-    held = number.most_digits if full else -math.log10(tolerance)
-    asked = scene.at((times[-1],))
+    digits_held = number.most_digits if full else -math.log10(tolerance)
+    until_last = scene.at((times[-1],))
     most = max(_FEWEST_STEPS, int(_SHARE * defaults.seconds(number, steps) / _TANGENT))
-    found = growth(asked, held, most, every=every)
-    if not number.flat and max(found.lost) > LED_FROM:
-        found = growth(asked, held, most, True, every=every)
-    digits = tuple(max(0.0, held - found.at(t)) for t in times)
-    return Expected(digits, found.reaches(held / 2), found.reaches(held))
+    growths = growth(until_last, digits_held, most, every=every)
+    if not number.flat and max(growths.lost) > LED_FROM:
+        growths = growth(until_last, digits_held, most, True, every=every)
+    digits = tuple(max(0.0, digits_held - growths.at(t)) for t in times)
+    return Expected(digits, growths.reaches(digits_held / 2), growths.reaches(digits_held))
 
 
 def by_errors(
     errors: Sequence[float | None], number: NumberType, times: Sequence[Fraction], states: Rows
 ) -> Expected:
     """What a refined run is expected to have: by its own estimates, None for no digit left."""
-    held = number.most_digits
+    digits_held = number.most_digits
     speed = max((math.hypot(*(float(x) for x in row[:3])) for row in states), default=0.0) or 1.0
 
     def right(error: float | None) -> float:
         if error is None:
             return 0.0
-        return held if error == 0 else max(0.0, min(held, -math.log10(error / min(1.0, speed))))
+        return (
+            digits_held
+            if error == 0
+            else max(0.0, min(digits_held, -math.log10(error / min(1.0, speed))))
+        )
 
     digits = tuple(right(error) for error in errors)
     below = [
         next((to_double(t) for t, d in zip(times, digits, strict=True) if d <= least), None)
-        for least in (held / 2, 0.0)
+        for least in (digits_held / 2, 0.0)
     ]
     return Expected(digits, below[0], below[1])
 
@@ -208,10 +212,10 @@ class Trajectory(Result, ByValue, Generic[S_co]):
 
         rows = solve.at_times(self, "states", t)
         kind = kind_of(self.number)
-        found = np.array(rows, dtype=kind)
+        states = np.array(rows, dtype=kind)
         if len(rows) == 0:
-            found = found.reshape(0, len(self.columns))
-        return cast("S_co", found)
+            states = states.reshape(0, len(self.columns))
+        return cast("S_co", states)
 
     def __repr__(self) -> str:
         return (
@@ -239,8 +243,8 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         for names, rows in self.named:
             if name in names:
                 return cast("S_co", self._column(rows, names.index(name)))
-        known = ["t", *(name for names, _ in self.named for name in names)]
-        raise KeyError(f"{name}: expected {nearest(name, known)}; outputs= adds others")
+        names_here = ["t", *(name for names, _ in self.named for name in names)]
+        raise KeyError(f"{name}: expected {nearest(name, names_here)}; outputs= adds others")
 
     __iter__ = None  # columns have names, and no order
 
@@ -248,8 +252,8 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         import numpy as np
 
         if isinstance(rows, np.ndarray):
-            found: Flat | Objects = rows[:, place]
-            return found
+            cells: Flat | Objects = rows[:, place]
+            return cells
         column = np.empty(len(rows), dtype=kind_of(self.number))
         for k, row in enumerate(rows):
             column[k] = math.nan if row[place] is None else row[place]
@@ -345,8 +349,8 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     @property
     def seconds(self) -> Mapping[str, float]:
         """Seconds that computing took: of building the integrator and of the run."""
-        found = self.provenance.get("seconds", {})
-        return found if isinstance(found, dict) else {}
+        seconds = self.provenance.get("seconds", {})
+        return seconds if isinstance(seconds, dict) else {}
 
     @cached_property
     def drift(self) -> Drift:
@@ -372,22 +376,22 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         """
         return self._expected_at(range(len(self.times)))
 
-    def _expected_at(self, kept: Sequence[int]) -> Expected:
+    def _expected_at(self, places: Sequence[int]) -> Expected:
         """The same at some of the times."""
-        times = [self.times[k] for k in kept]
+        times = [self.times[k] for k in places]
         if self.errors is not None:
-            errors, states = [self.errors[k] for k in kept], self.states[list(kept)]
+            errors, states = [self.errors[k] for k in places], self.states[list(places)]
             return by_errors(errors, self.number, times, states)
-        held = self.projection
-        every = held.every if held is not None and len(held.onto) == _TORUS else 0
+        projection = self.projection
+        every = projection.every if projection is not None and len(projection.onto) == _TORUS else 0
         return expected(self.scene, self.number, self.tolerance, self.steps, times, every)
 
     @cached_property
     def _least_expected(self) -> tuple[float | None, float | None]:
         if not self.times or self.correct_digits is not None:
             return None, None
-        found = self._expected_at(few(len(self.times), _LOOKED_AT))
-        return min(found.digits), found.lost_after
+        forecast = self._expected_at(few(len(self.times), _LOOKED_AT))
+        return min(forecast.digits), forecast.lost_after
 
     @property
     def digits_expected(self) -> float | None:
@@ -410,15 +414,15 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         >>> {word: len(rows) for word, rows in run.outputs.items()}
         {'attitude': 2, 'angles': 2}
         """
-        found: dict[str, Columns | None] = {
+        values: dict[str, Columns | None] = {
             word: getattr(self, word) for word, x in COLUMNS.items() if x.how == "integrated"
         }
-        given: dict[str, Given | None] = {"state": self.states, **found}
+        needs: dict[str, Given | None] = {"state": self.states, **values}
         for word in derived_words():
-            parts = [part for need in COLUMNS[word].needs if (part := given[need]) is not None]
+            parts = [part for need in COLUMNS[word].needs if (part := needs[need]) is not None]
             if word in self.scene.outputs and len(parts) == len(COLUMNS[word].needs):
-                found[word] = derived(word, self.scene, parts, self.number)
-        return {word: rows for word in COLUMNS if (rows := found.get(word)) is not None}
+                values[word] = derived(word, self.scene, parts, self.number)
+        return {word: rows for word in COLUMNS if (rows := values.get(word)) is not None}
 
     @cached_property
     def others(self) -> dict[str, Interpolant]:
@@ -450,8 +454,8 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     @property
     def projected(self) -> bool:
         """Whether the state was ever put back on the integrals: their drift then says nothing."""
-        found = self.projection
-        return found is not None and found.count > 0 and "h" in found.onto
+        projection = self.projection
+        return projection is not None and projection.count > 0 and "h" in projection.onto
 
     @property
     def at_full_tolerance(self) -> bool:

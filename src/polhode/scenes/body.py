@@ -46,12 +46,12 @@ _FINEST = 1100  # bits of the denominator of the smallest double
 
 def are_rounded(numbers: Iterable[object]) -> bool:
     """Whether some of the numbers that were given are floats, and none is a text."""
-    given = [*numbers]
-    if any(isinstance(x, str) for x in given):
+    values = [*numbers]
+    if any(isinstance(x, str) for x in values):
         return False
     return any(
         not isinstance(x, (Fraction, Irrational, Decimal)) and not hasattr(x, "__index__")
-        for x in given
+        for x in values
     )
 
 
@@ -116,8 +116,8 @@ def flattened(matrix: Matrix, over: Exact) -> tuple[Matrix, str]:
         else "inertia made that of a flat body, by its diagonal"
     )
     a, b, c = (tuple(row) for row in rows)
-    told = f"{change} (the largest moment exceeded it by {brief(over, 2)}: rounding)"
-    return (a, b, c), told  # type: ignore[return-value]  # of three elements each
+    words = f"{change} (the largest moment exceeded it by {brief(over, 2)}: rounding)"
+    return (a, b, c), words  # type: ignore[return-value]  # of three elements each
 
 
 def _above(x: Irrational) -> Fraction:
@@ -238,13 +238,13 @@ class Body:
     change: str = field(default="", init=False, repr=False, compare=False)
 
     def __post_init__(self, rounded: bool | None) -> None:
-        given = each("Body", "inertia", self.inertia, _listed, MATRIX)
-        if len(given) != 3 or isinstance(self.inertia, Mapping):
-            shown = f"{len(given)} rows" if len(given) != 3 else self.inertia
+        rows = each("Body", "inertia", self.inertia, _listed, MATRIX)
+        if len(rows) != 3 or isinstance(self.inertia, Mapping):
+            shown = f"{len(rows)} rows" if len(rows) != 3 else self.inertia
             raise BadInput("Body", "inertia", shown, MATRIX)
-        x, y, z = (exact_vector(row, key=f"inertia[{i + 1}]") for i, row in enumerate(given))
+        x, y, z = (exact_vector(row, key=f"inertia[{i + 1}]") for i, row in enumerate(rows))
         if rounded is None:
-            rounded = are_rounded(number for row in given for number in row)
+            rounded = are_rounded(number for row in rows for number in row)
         object.__setattr__(self, "inertia", (x, y, z))
         if rounded:
             self._take(*symmetrised(self.inertia))
@@ -281,9 +281,9 @@ class Body:
             way_out = _free_body_of_same_path(self.moments) if self.torque_free else _NO_WAY_OUT
         else:
             expected, amount, way_out = "positive principal moments", "", self._as_pendulum()
-        told = f"{expected}: they are {', '.join(brief(x) for x in self.moments)}{amount}"
+        words = f"{expected}: they are {', '.join(brief(x) for x in self.moments)}{amount}"
         signs = "" if self.axes.trivial else f"; {PRODUCTS}"
-        raise UnphysicalBody(f"{told}{signs}{way_out}")
+        raise UnphysicalBody(f"{words}{signs}{way_out}")
 
     def _as_pendulum(self) -> str:
         """What to write of a thin rod, or a point on one, which turn about it without any moment.
@@ -307,12 +307,12 @@ class Body:
         cls, moments: AnyVector, centre: AnyVector = (0, 0, 0), weight: AnyNumber = 0
     ) -> Body:
         """A body given in principal axes by its moments A, B, C."""
-        given = _listed(moments)
+        values = _listed(moments)
         return cls(
-            diagonal(exact_vector(given, key="moments")),
+            diagonal(exact_vector(values, key="moments")),
             exact_vector(centre, key="centre"),
             weight,  # type: ignore[arg-type]  # taken exactly there
-            rounded=isinstance(given, list) and are_rounded(given),
+            rounded=isinstance(values, list) and are_rounded(values),
         )
 
     @classmethod
@@ -334,9 +334,9 @@ class Body:
         if sign(of_mass) <= 0:
             raise BadInput("Body", "mass", mass, "a mass above 0")
         moved = carried(own.inertia, of_mass, place)
-        found = cls(moved, place, weight, rounded=rounded)  # type: ignore[arg-type]
-        object.__setattr__(found, "change", own.change)
-        return found
+        body = cls(moved, place, weight, rounded=rounded)  # type: ignore[arg-type]
+        object.__setattr__(body, "change", own.change)
+        return body
 
     @classmethod
     def of_parts(
@@ -532,7 +532,11 @@ def _rational_if_so(inertia: Matrix, moments: list[Exact]) -> Exact:
     candidate = Fraction(round(mantissa * Fraction(2) ** exponent), common)
     x, y, z = _shifted(inertia, candidate)
     root = dot(x, cross(y, z)) == 0
-    return candidate if root and all(sign(other - candidate) for other in others) else moment
+    return (
+        candidate
+        if root and all(sign(moment_beside - candidate) for moment_beside in others)
+        else moment
+    )
 
 
 # --- classification -------------------------------------------------------------------------------

@@ -107,15 +107,15 @@ def omega_of_momenta(
     across = (f - p_phi * z) / square
     base: Vector = (across * x, across * y, p_phi)
     nodes: Vector = (y, -x, ZERO)
-    moved, turned = body.omega(base), body.omega(nodes)
-    size, mixed = dot(nodes, turned), dot(nodes, moved)
-    spare = h - dot(body.torque, gamma) - dot(base, moved) / 2 + mixed * mixed / (2 * size)
+    at_base, along_nodes = body.omega(base), body.omega(nodes)
+    size, mixed = dot(nodes, along_nodes), dot(nodes, at_base)
+    spare = h - dot(body.torque, gamma) - dot(base, at_base) / 2 + mixed * mixed / (2 * size)
     if sign(spare) < 0:
         expected = f"at least {shown(h - spare)}, the least energy at this theta, f and p_phi"
         raise BadInput(name, "start.h", shown(h), expected)
     root = exact.sqrt(2 * size * spare)
     along = ((root if positive else -root) - mixed) / size
-    p, q, r = (a + along * b for a, b in zip(moved, turned, strict=True))
+    p, q, r = (a + along * b for a, b in zip(at_base, along_nodes, strict=True))
     return p, q, r
 
 
@@ -191,11 +191,11 @@ def body_of(reading: Reading, table: Mapping[str, Any]) -> Body:
     """The body of a table [body]; raises BadInput."""
     if "parts" in table:
         return _of_parts(reading, table)
-    key, other = ("moments", "inertia") if "moments" in table else ("inertia", "moments")
+    key, second = ("moments", "inertia") if "moments" in table else ("inertia", "moments")
     if key not in table:
         expected = "moments = [A, B, C], inertia = a 3 x 3 matrix, or [[body.parts]]"
         raise reading.bad("body.moments", None, expected)
-    reading.alone("body", table, [other], "only one of moments and inertia")
+    reading.alone("body", table, [second], "only one of moments and inertia")
     if key == "moments":
         inertia = diagonal(reading.read("body", table, "moments"))
     else:
@@ -232,10 +232,10 @@ def body_of(reading: Reading, table: Mapping[str, Any]) -> Body:
 def _of_parts(reading: Reading, table: Mapping[str, Any]) -> Body:
     others = ("moments", "inertia", "about", "centre", "mass")
     reading.alone("body", table, others, "no value together with parts")
-    given = table["parts"]
-    if not isinstance(given, list) or not given or not all(isinstance(p, dict) for p in given):
-        raise reading.bad("body.parts", given, "tables [[body.parts]]")
-    parts = tuple(_part(reading, k, part) for k, part in enumerate(given))
+    tables = table["parts"]
+    if not isinstance(tables, list) or not tables or not all(isinstance(p, dict) for p in tables):
+        raise reading.bad("body.parts", tables, "tables [[body.parts]]")
+    parts = tuple(_part(reading, k, part) for k, part in enumerate(tables))
     if ("g" in table) == ("weight" in table):
         raise reading.bad("body.g", table.get("g"), "one of g and weight; 0 for none")
     gravity = "weight" if "weight" in table else "g"
@@ -247,7 +247,7 @@ def _of_parts(reading: Reading, table: Mapping[str, Any]) -> Body:
 
 def _part(reading: Reading, index: int, table: dict[str, Any]) -> Part:
     key = f"body.parts[{index + 1}]"
-    reading.known("body.parts", table, key)
+    reading.refuse_unknown("body.parts", table, key)
     for needed in ("shape", "mass"):
         if needed not in table:
             raise reading.bad(f"{key}.{needed}", None, "a value for each part")
@@ -283,23 +283,23 @@ def start_of(
     reading: Reading, table: Mapping[str, Any], body: Body
 ) -> tuple[Vector, Vector | None, Exact]:
     """Omega, gamma and psi of a table [start]; raises BadInput."""
-    turned = [way for way in _WAYS_TO_TURN if way in table]
-    if turned:
-        reading.alone("start", table, turned[1:], f"no value together with {turned[0]}")
-    moved = [way for way in _WAYS_TO_MOVE if way in table]
+    turns = [key for key in _WAYS_TO_TURN if key in table]
+    if turns:
+        reading.alone("start", table, turns[1:], f"no value together with {turns[0]}")
+    motions = [key for key in _WAYS_TO_MOVE if key in table]
     for whole in ("rates", "h"):
-        if whole in moved:
-            others = [way for way in moved if way != whole]
+        if whole in motions:
+            others = [key for key in motions if key != whole]
             reading.alone("start", table, others, f"no value together with {whole}")
     for idle in ("f", "sign", "p_phi"):
         if idle in table and "h" not in table:
             raise reading.bad("start.h", None, "a number, for a start on the level h, f")
-    if len(moved) != 1:
+    if len(motions) != 1:
         expected = "one of omega, momentum, h with f, or angles with rates"
         raise reading.bad("start.omega", table.get("omega"), expected)
     if "rates" in table and "angles" not in table:
         raise reading.bad("start.angles", None, "three numbers (psi, theta, phi)")
-    if "p_phi" in table and not turned:
+    if "p_phi" in table and not turns:
         reading.alone("start", table, ["normalise"], "no value without an orientation")
         h, f, p_phi, upper = _momenta(reading, table)
         assert p_phi is not None
@@ -352,7 +352,7 @@ def _turn(reading: Reading, table: Mapping[str, Any], body: Body) -> Turn | None
     if "mrp" in table:
         reading.alone("start", table, ("psi", "normalise"), "no value together with mrp")
         sigma = reading.read("start", table, "mrp")
-        return _turned(1 - dot(sigma, sigma), *(2 * x for x in sigma))
+        return _turn_of(1 - dot(sigma, sigma), *(2 * x for x in sigma))
     if "matrix" in table:
         reading.alone("start", table, ["psi"], "no value together with matrix")
         return _of_matrix(reading, table["matrix"], normalise)
@@ -368,18 +368,18 @@ def _turn(reading: Reading, table: Mapping[str, Any], body: Body) -> Turn | None
 
 
 def _square(
-    reading: Reading, key: str, given: list[object], numbers: Sequence[Exact], normalise: bool
+    reading: Reading, key: str, values: list[object], numbers: Sequence[Exact], normalise: bool
 ) -> Exact:
     """The squared length of a unit vector, 1 or anything above 0 that may be normalised."""
     square = sum((x * x for x in numbers), ZERO)
     if square != 1 and not normalise:
         amount = f"1 {_signed(square - 1)}"
-        if not is_unit_but_for_rounding(given):
+        if not is_unit_but_for_rounding(values):
             expected = f"length exactly 1, or normalise = true: its square is {amount}"
-            raise reading.bad(f"start.{key}", given, expected)
+            raise reading.bad(f"start.{key}", values, expected)
         reading.change = f"start.{key} brought to length 1 (its square was {amount}: rounding)"
     if sign(square) == 0:
-        raise reading.bad(f"start.{key}", given, "a vector that is not zero")
+        raise reading.bad(f"start.{key}", values, "a vector that is not zero")
     return square
 
 
@@ -390,8 +390,8 @@ def _signed(x: Exact) -> str:
 def _of_angles(reading: Reading, table: Mapping[str, Any]) -> Turn:
     """R = Rz(psi) Rx(theta) Rz(phi)."""
     psi, theta, phi = reading.read("start", table, "angles")
-    given = table["angles"][1]
-    if abs(theta) > 2 * exact.pi() and not (is_expression(given) and in_units(given)):
+    nutation = table["angles"][1]
+    if abs(theta) > 2 * exact.pi() and not (is_expression(nutation) and in_units(nutation)):
         reading.doubt = doubtful_theta(theta)
     try:
         sine, cosine = exact.sin(theta), exact.cos(theta)
@@ -407,8 +407,8 @@ def _of_angles(reading: Reading, table: Mapping[str, Any]) -> Turn:
 
 def doubtful_theta(theta: Exact) -> str:
     """What is said of a theta of more than a turn, without a unit."""
-    taken = f"start.angles: theta = {brief(theta)} is taken in radians, and is more than a turn"
-    return f'{taken}; for degrees write "{brief(theta)} deg"'
+    reading = f"start.angles: theta = {brief(theta)} is taken in radians, and is more than a turn"
+    return f'{reading}; for degrees write "{brief(theta)} deg"'
 
 
 def _of_rates(turn: Turn, rates: Vector) -> Vector:
@@ -423,16 +423,16 @@ def _of_rates(turn: Turn, rates: Vector) -> Vector:
     )
 
 
-def _of_quaternion(reading: Reading, given: object, normalise: bool) -> Turn:
-    numbers = reading.array("start.quaternion", given, 4)
+def _of_quaternion(reading: Reading, value: object, normalise: bool) -> Turn:
+    numbers = reading.array("start.quaternion", value, 4)
     q = [reading.number("start.quaternion", x) for x in numbers]
     _square(reading, "quaternion", numbers, q, normalise)
-    return _turned(*q)
+    return _turn_of(*q)
 
 
-def _of_matrix(reading: Reading, given: object, normalise: bool) -> Turn:
+def _of_matrix(reading: Reading, value: object, normalise: bool) -> Turn:
     """By the quaternion, whose largest component times itself the matrix tells without a root."""
-    rows: list[Any] = given if isinstance(given, list) and len(given) == 3 else [None] * 3
+    rows: list[Any] = value if isinstance(value, list) and len(value) == 3 else [None] * 3
     r = [x for i, row in enumerate(rows) for x in reading.vector(f"start.matrix[{i + 1}]", row)]
     products = quaternion_products(r)
     q = products[max(range(4), key=lambda k: products[k][k])]
@@ -445,10 +445,10 @@ def _of_matrix(reading: Reading, given: object, normalise: bool) -> Turn:
         reading.change = f"start.matrix made a rotation (it was off by {brief(off, 2)}: rounding)"
     if off > _SKEWED:
         raise reading.bad("start.matrix", None, f"a rotation: it is off by {brief(off, 2)}")
-    return _turned(*q)
+    return _turn_of(*q)
 
 
-def _turned(a: Exact, b: Exact, c: Exact, d: Exact) -> Turn:
+def _turn_of(a: Exact, b: Exact, c: Exact, d: Exact) -> Turn:
     """Gamma is the third row of R, and psi the direction of its third column.
 
     R is quadratic in the quaternion: it is divided by the squared length, no root is drawn.

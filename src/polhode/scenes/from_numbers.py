@@ -157,10 +157,10 @@ def top(
     of_kind("top", "name", name, str, "text")
     of_kind(name, "start.normalise", normalise, bool, "True or False")
     refuse_unknown(name, top, unknown, **vocabulary.OF_OTHERS)
-    given = {key: value for key, value in locals().items() if value is not None}
+    values = {key: value for key, value in locals().items() if value is not None}
     data: dict[str, Any] = {
         section: {
-            key.name: given[key.name] for key in vocabulary.KEYS[section] if key.name in given
+            key.name: values[key.name] for key in vocabulary.KEYS[section] if key.name in values
         }
         for section in ("body", "start", "run")
     }
@@ -185,12 +185,12 @@ def top(
     return scene
 
 
-def _table(name: str, section: str, index: int, given: object) -> Mapping[str, object]:
+def _table(name: str, section: str, index: int, value: object) -> Mapping[str, object]:
     """The keys of a Part, an Event, or of a mapping; raises BadInput."""
-    if isinstance(given, (Part, Event)):
-        return given.table
-    if not isinstance(given, Mapping):
+    if isinstance(value, (Part, Event)):
+        return value.table
+    if not isinstance(value, Mapping):
         kind = "a Part" if section == "body.parts" else "an Event"
         expected = f"{kind}, or a mapping of its keys"
-        raise BadInput(name, f"{section}[{index + 1}]", plain(given), expected)
-    return given
+        raise BadInput(name, f"{section}[{index + 1}]", plain(value), expected)
+    return value

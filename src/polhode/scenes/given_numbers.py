@@ -45,8 +45,8 @@ class Quantity(NamedTuple):
     def __add__(self, other: object) -> Quantity:
         assert isinstance(other, Quantity)
         if self.dimension != other.dimension:
-            one, two = named(self.dimension), named(other.dimension)
-            raise ExpressionError(f"{one} and {two} are added")
+            mine, theirs = named(self.dimension), named(other.dimension)
+            raise ExpressionError(f"{mine} and {theirs} are added")
         return Quantity(bounded(self.value + other.value), self.dimension)
 
     def __sub__(self, other: Quantity) -> Quantity:
@@ -148,7 +148,7 @@ def _size(size: Exact | str) -> Exact:
 
 
 #: The units by name, one name for each.
-UNITS = {names.split()[0]: Quantity(_size(size), what) for names, size, what in _TABLE}
+UNITS = {names.split()[0]: Quantity(_size(size), dimension) for names, size, dimension in _TABLE}
 
 #: The same under all of their names.
 _NAMED = {name: UNITS[names.split()[0]] for names, _, _ in _TABLE for name in names.split()}
@@ -158,9 +158,9 @@ _ALGEBRA = Algebra(Quantity, {"sqrt": _root, "sin": _sine, "cos": _cosine}, tupl
 
 def quantity(text: str) -> Exact | Quantity:
     """The exact value of an expression, a Quantity where units are in it."""
-    found = evaluate(text, _NAMED, _ALGEBRA)
-    assert isinstance(found, (Quantity, Fraction, exact.Irrational))
-    return found
+    value = evaluate(text, _NAMED, _ALGEBRA)
+    assert isinstance(value, (Quantity, Fraction, exact.Irrational))
+    return value
 
 
 def mentions_unit(text: str) -> bool:
@@ -176,22 +176,22 @@ def in_unit(text: str, unit: str) -> Exact:
     An angle's unit may be left out: ``"10/s"`` for ``"10 rad/s"``.  Raises ExpressionError for
     another dimension.
     """
-    found = quantity(text)
-    if not isinstance(found, Quantity):
-        return found
-    wanted = quantity(unit or "1 rad/rad")
-    assert isinstance(wanted, Quantity)
-    if not unit and any(found.dimension):
-        raise ExpressionError(f"in {named(found.dimension)}, where no unit belongs")
-    if found.dimension not in (wanted.dimension, (*wanted.dimension[:3], Fraction(0))):
-        raise ExpressionError(f"in {named(found.dimension)}, not in {unit}")
-    return found.value
+    value = quantity(text)
+    if not isinstance(value, Quantity):
+        return value
+    target = quantity(unit or "1 rad/rad")
+    assert isinstance(target, Quantity)
+    if not unit and any(value.dimension):
+        raise ExpressionError(f"in {named(value.dimension)}, where no unit belongs")
+    if value.dimension not in (target.dimension, (*target.dimension[:3], Fraction(0))):
+        raise ExpressionError(f"in {named(value.dimension)}, not in {unit}")
+    return value.value
 
 
 def is_angle(text: str) -> bool:
     """Whether an expression is an angle or has no unit: the same number in any units."""
-    found = quantity(text)
-    return not isinstance(found, Quantity) or found.dimension in (_NONE, _ANGLE)
+    value = quantity(text)
+    return not isinstance(value, Quantity) or value.dimension in (_NONE, _ANGLE)
 
 
 def named(dimension: Dimension) -> str:
@@ -242,10 +242,10 @@ def reader(units: str, unit: str) -> Callable[[object], Exact]:
 
 def in_text(text: str, units: str, unit: str) -> Exact:
     """The number in a text; raises ExpressionError, a ValueError."""
-    found, in_si = number_in_text(text, unit)
+    value, in_si = number_in_text(text, unit)
     if in_si and not units:
         raise ExpressionError(_UNITLESS)
-    return found
+    return value
 
 
 def number_in_text(text: str, unit: str) -> tuple[Exact, bool]:

@@ -92,14 +92,14 @@ def load(scene: Scene | str | Path, *, takes: Collection[str] | None = None) -> 
     return scene
 
 
-def _expected(given: object) -> str:
+def _expected(value: object) -> str:
     """What is loaded; of a result, what of it may have been meant."""
     meant = ""
-    if callable(getattr(given, "orbit", None)):  # a family of orbits, or a search for them
+    if callable(getattr(value, "orbit", None)):  # a family of orbits, or a search for them
         meant = "; its orbit k is .orbit(k)"
-    elif hasattr(given, "residue") and hasattr(given, "state"):
+    elif hasattr(value, "residue") and hasattr(value, "state"):
         meant = "; the orbit of point k of a family or a search is family.orbit(k)"
-    elif isinstance(getattr(given, "scene", None), Scene):
+    elif isinstance(getattr(value, "scene", None), Scene):
         meant = "; did you mean its .scene?"
     return f"a Scene, a path, or the name of a case{meant}"
 
@@ -111,10 +111,10 @@ def place(scene: str | Path) -> tuple[Path, str | None]:
     if ships(name):
         return folder() / f"{name}.toml", name
     if not name or not os.path.exists(scene):  # False for what can be no path, too
-        known = nearest(name.removesuffix(".toml"), names())
+        words = nearest(name.removesuffix(".toml"), names())
         if name and os.path.isfile(f"{name}.toml"):
-            known = f"did you mean the file {name}.toml?"
-        raise BadInput(name or "''", "SCENE", None, f"a path, or the name of a case: {known}")
+            words = f"did you mean the file {name}.toml?"
+        raise BadInput(name or "''", "SCENE", None, f"a path, or the name of a case: {words}")
     if Path(scene).suffix.lower() in _TABLES:
         expected = "a scene file (.toml): this is a table, as for polhode compare FILE SCENE"
         raise BadInput(name, "SCENE", None, expected)
@@ -131,13 +131,13 @@ def matching(patterns: list[str]) -> list[str]:
     itself."""
     if not patterns:
         return names()
-    found: list[str] = []
+    matches: list[str] = []
     for pattern in patterns:
         hits = [name for name in names() if fnmatchcase(name, pattern)]
         if not hits and not os.path.isfile(pattern):
             hits = [name for name in names() if fnmatchcase(name, f"{pattern}/*")]
-        found += [name for name in hits or [pattern] if name not in found]
-    return found
+        matches += [name for name in hits or [pattern] if name not in matches]
+    return matches
 
 
 # --- catalogue ------------------------------------------------------------------------------------
@@ -162,18 +162,18 @@ class Entry(NamedTuple):
     reference: str
 
 
-def known() -> Mapping[str, Entry]:
+def entries() -> Mapping[str, Entry]:
     """The entries of the cases whose files are as they were when the catalogue was made."""
-    top, found = library.folder(), {}
+    top, entries = library.folder(), {}
     try:
-        held = json.loads((top / FILE).read_bytes())
-        for name, (fingerprint, title, tags, regime, reference) in held.items():
+        rows = json.loads((top / FILE).read_bytes())
+        for name, (fingerprint, title, tags, regime, reference) in rows.items():
             path = top / f"{name}.toml"
             if path.is_file() and digest(path.read_text("utf-8")) == fingerprint:
-                found[name] = Entry(title, tuple(tags), regime, reference)
+                entries[name] = Entry(title, tuple(tags), regime, reference)
     except (AttributeError, OSError, TypeError, ValueError):
         return {}  # gone or broken: then every case is read
-    return found
+    return entries
 
 
 def written(entries: Mapping[str, Entry]) -> str:

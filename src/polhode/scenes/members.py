@@ -121,8 +121,8 @@ class Members(LazySequence[Scene]):
         """Where a result comes from, see :meth:`Scene.provenance`; members' notes are said, too."""
         for text in self.notes[len(self.scene.notes) :]:
             say_change(self.scene.name, text)
-        found = self.scene.provenance()
-        return found | {"notes": list(self.notes)} if self.notes else found
+        facts = self.scene.provenance()
+        return facts | {"notes": list(self.notes)} if self.notes else facts
 
     @cached_property
     def tables(self) -> dict[str, Any]:
@@ -153,12 +153,12 @@ class _Reading:
         for spots, value in zip(self.places, row, strict=True):
             for table, at in spots:
                 table[at] = value
-        body = self.scene.body if self.same_body else self._known(row, name)
+        body = self.scene.body if self.same_body else self._body(row, name)
         body, omega, gamma, psi, change = scene_file.body_and_start(self.data, name, body)
-        found = replace(self.bare, body=body, omega=omega, gamma=gamma, psi=psi, name=name)
-        return replace(found, change=change) if change else found
+        scene = replace(self.bare, body=body, omega=omega, gamma=gamma, psi=psi, name=name)
+        return replace(scene, change=change) if change else scene
 
-    def _known(self, row: tuple[Exact, ...], name: str) -> Body:
+    def _body(self, row: tuple[Exact, ...], name: str) -> Body:
         """The body that the tables hold now: one for all members that have the same."""
         of_body = tuple(
             x if isinstance(x, Fraction) else (id(x),)
@@ -196,24 +196,24 @@ def tables_of(scene: Scene) -> dict[str, Any]:
     return {"body": {**form, "centre": list(body.centre), "weight": body.weight}, "start": start}
 
 
-def _places(known: Mapping[str, Place], varied: Sequence[str], name: str) -> list[list[Place]]:
+def _places(homes: Mapping[str, Place], varied: Sequence[str], name: str) -> list[list[Place]]:
     """For each key the places of its number among those known; an inertia's mirror image with it.
 
     Raises BadInput.
     """
-    places, taken = [], set()
+    places, keys = [], set()
     for key in varied:
-        if key not in known or not _KEY.fullmatch(key):
-            raise BadInput(name, "vary", key, f"a number of the scene: {nearest(key, [*known])}")
-        spots = [known[key]]
+        if key not in homes or not _KEY.fullmatch(key):
+            raise BadInput(name, "vary", key, f"a number of the scene: {nearest(key, [*homes])}")
+        spots = [homes[key]]
         if key.startswith("body.inertia"):
             row, column = key[13], key[16]
             mirror = f"body.inertia[{column}][{row}]"
             if mirror != key:
-                spots.append(known[mirror])
-            if mirror in taken:
+                spots.append(homes[mirror])
+            if mirror in keys:
                 raise BadInput(name, "vary", key, f"not {mirror} too: they are one number")
-        taken.add(key)
+        keys.add(key)
         places.append(spots)
     return places
 
@@ -328,9 +328,9 @@ class Blocks:
     def readable(self) -> bool:
         """Whether such a scene can be read in columns."""
         scene, start, body = self.members.scene, self.data["start"], self.data["body"]
-        known = all(key.partition("[")[0] in _KEYS for key in self.keys)
+        readable_keys = all(key.partition("[")[0] in _KEYS for key in self.keys)
         plain = "omega" in start and {*start} <= _START and {*body} <= _BODY
-        if not (known and plain and self.members.axes_stay):
+        if not (readable_keys and plain and self.members.axes_stay):
             return False
         own = scene.body.moments if scene.body.axes.trivial else ()
         rational = isinstance(scene.body.weight, Fraction) and all(
@@ -361,21 +361,21 @@ class Blocks:
         if not self.readable:
             return Block(first, last, np.ones(count, bool), _NONE, _NONE, _NONE, None)
         left = np.zeros(count, dtype=bool)
-        found: dict[str, Column] = {}
+        columns: dict[str, Column] = {}
         where = np.arange(first, last)
         each = zip(self.keys, self._known, self.varied.columns, self.varied.repeats, strict=True)
         for key, (column, odd), values, repeat in each:
             at = where // repeat % len(values)
-            found[key] = column[at]
+            columns[key] = column[at]
             if odd is not None:
                 left |= odd[at]
 
         def vector(name: str, fixed: Sequence[Exact]) -> Vector:
-            a, b, c = (found.get(f"{name}[{i + 1}]", x) for i, x in enumerate(fixed))
+            a, b, c = (columns.get(f"{name}[{i + 1}]", x) for i, x in enumerate(fixed))
             return a, b, c
 
         moments = vector("body.moments", scene.body.moments)
-        weight = found.get("body.weight", scene.body.weight)
+        weight = columns.get("body.weight", scene.body.weight)
         centre = vector("body.centre", scene.body.centre)
         torque: Vector = scene.body.torque
         if self._has("body.weight") or self._has("body.centre"):
@@ -418,8 +418,8 @@ def _unphysical(moments: Vector) -> Booleans:
         return hidden
     signs = [_sign(x) <= 0 for x in moments]
     signs += [_sign(x + y - z) < 0 for x, y, z in ((a, b, c), (b, c, a), (c, a, b))]
-    found: Booleans = np.logical_or.reduce(np.broadcast_arrays(*signs))
-    return found
+    anywhere: Booleans = np.logical_or.reduce(np.broadcast_arrays(*signs))
+    return anywhere
 
 
 def _near(x: Column) -> Flat | float:

@@ -163,7 +163,7 @@ class Reading:
         """The fault of a key's value, to be raised."""
         return BadInput(self.name, key, as_written(value), expected)
 
-    def known(self, section: str, table: Mapping[str, Any], where: str = "") -> None:
+    def refuse_unknown(self, section: str, table: Mapping[str, Any], where: str = "") -> None:
         """Refuse a key that the section has not."""
         allowed = vocabulary.names(section)
         for key, value in table.items():
@@ -183,7 +183,7 @@ class Reading:
             return {}
         if not isinstance(table, dict):
             raise self.bad(section, table, f"a table [{section}]")
-        self.known(section, table)
+        self.refuse_unknown(section, table)
         return table
 
     def tables(self, section: str) -> list[dict[str, Any]]:
@@ -192,7 +192,7 @@ class Reading:
         if not isinstance(tables, list) or not all(isinstance(t, dict) for t in tables):
             raise self.bad(section, tables, f"tables [[{section}]]")
         for index, table in enumerate(tables):
-            self.known(section, table, f"{section}[{index + 1}]")
+            self.refuse_unknown(section, table, f"{section}[{index + 1}]")
         return tables
 
     def alone(
@@ -266,9 +266,9 @@ class Reading:
                     raise ExpressionError("too large")
                 return Fraction(value)
             if isinstance(value, str):
-                found, in_units = number_in_text(value, vocabulary.unit(key))
+                exactly, in_units = number_in_text(value, vocabulary.unit(key))
                 self.in_si |= in_units
-                return found
+                return exactly
             if hasattr(value, "__float__") and not isinstance(value, bool):  # given in Python
                 return derived_number(value)
         except ValueError as fault:
@@ -319,8 +319,8 @@ def as_written(value: object, depth: int = 4) -> Any:
 def _as_double(value: Literal | Fraction) -> str:
     """A number that is a double as Python prints that one; any other as it is."""
     try:
-        given = expression.decimal(value) if isinstance(value, str) else value
-        if given == Fraction(near := float(given)):
+        number = expression.decimal(value) if isinstance(value, str) else value
+        if number == Fraction(near := float(number)):
             return repr(near).removesuffix(".0")
     except (ExpressionError, OverflowError):
         pass
@@ -466,7 +466,7 @@ class Scene:
             raise self._bad("events", f"{len(self.events)} events", f"at most {MOST_EVENTS}")
         for k, event in enumerate(self.events):
             check_event(event, self.name, f"events[{k + 1}]")
-            if any(event.name == other.name for other in self.events[:k]):
+            if any(event.name == earlier.name for earlier in self.events[:k]):
                 expected = "a name of its own, which its rows are told by"
                 raise self._bad(f"events[{k + 1}].name", event.name, expected)
         of_kind(self.name, "section", self.section, SectionPlan, "a SectionPlan")
@@ -516,15 +516,15 @@ class Scene:
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)
 
-    def _checked_times(self, key: str, given: Iterable[AnyNumber]) -> ExactNumbers[Exact]:
+    def _checked_times(self, key: str, values: Iterable[AnyNumber]) -> ExactNumbers[Exact]:
         """The times exactly; raises BadInput for what is no number, and where the order is wrong.
 
         ``key``: of the argument or the scene file that gives them.
         """
         times = (
-            given
-            if isinstance(given, ExactNumbers)
-            else listed_times(self.name, key, given, self.units)
+            values
+            if isinstance(values, ExactNumbers)
+            else listed_times(self.name, key, values, self.units)
         )
         wrong = times.misplaced()
         if wrong is not None:
@@ -534,14 +534,14 @@ class Scene:
 
     def at(self, times: Iterable[AnyNumber]) -> Scene:
         """The same scene, asked for at other times, numbers of any kind; raises BadInput."""
-        asked = self._checked_times("at", times)
+        checked = self._checked_times("at", times)
         for name in _OF_ANY_TIMES:  # made here, so that the next scene like this has them, too
             getattr(self, name)
-        found = object.__new__(type(self))
-        found.__dict__.update(vars(self), times=asked)
+        scene = object.__new__(type(self))
+        scene.__dict__.update(vars(self), times=checked)
         for name in _OF_TIMES:
-            found.__dict__.pop(name, None)
-        return found
+            scene.__dict__.pop(name, None)
+        return scene
 
     @cached_property
     def identity(self) -> object:
@@ -550,14 +550,14 @@ class Scene:
 
     def apart(self) -> Scene:
         """The same scene with an identity of its own, for who is to live no longer than this."""
-        found = object.__new__(type(self))
-        found.__dict__.update(vars(self))
-        found.__dict__.pop("identity", None)
-        return found
+        scene = object.__new__(type(self))
+        scene.__dict__.update(vars(self))
+        scene.__dict__.pop("identity", None)
+        return scene
 
     def __getstate__(self) -> dict[str, object]:
-        found = {name: x for name, x in vars(self).items() if name != "identity"}
-        return found | {"_source": self.source}
+        state = {name: x for name, x in vars(self).items() if name != "identity"}
+        return state | {"_source": self.source}
 
     @cached_property
     def text(self) -> str:
@@ -594,8 +594,8 @@ class Scene:
 
     def provenance(self) -> dict[str, object]:
         """Where a result comes from: versions, processor, the text's fingerprint, notes if any."""
-        found = provenance(self.text)
-        return found | {"notes": list(self.notes)} if self.notes else found
+        facts = provenance(self.text)
+        return facts | {"notes": list(self.notes)} if self.notes else facts
 
     def speak(self) -> None:
         """Say its notes on stderr: a change once in a process, a doubt as a warning."""
@@ -607,8 +607,8 @@ class Scene:
     @property
     def output_times(self) -> ExactNumbers[Exact]:
         """The times, which know their doubles all at once."""
-        found: ExactNumbers[Exact] = self.times  # type: ignore[assignment]  # made so at its birth
-        return found
+        times: ExactNumbers[Exact] = self.times  # type: ignore[assignment]  # made so at its birth
+        return times
 
     @property
     def end(self) -> Exact:

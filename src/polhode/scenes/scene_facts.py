@@ -57,10 +57,10 @@ def scene_facts(
     ``times``: of the column t; the text leaves out an array of the same times.  Irrational times,
     which no text holds, stand in it as those of the column, or rounded to 160 bits.
     """
-    asked = scene.output_times
-    in_column = times is not None and asked.floats is not None and asked == times
-    if asked.floats is None and any(isinstance(t, Irrational) for t in asked.ends or asked):
-        scene = scene.at(times or tuple(exact.binary(*exact.rounded(t, 160)) for t in asked))
+    outputs = scene.output_times
+    in_column = times is not None and outputs.floats is not None and outputs == times
+    if outputs.floats is None and any(isinstance(t, Irrational) for t in outputs.ends or outputs):
+        scene = scene.at(times or tuple(exact.binary(*exact.rounded(t, 160)) for t in outputs))
     text = as_toml(scene.at(()) if in_column else scene)
     return [
         Fact("scene", name or scene.name, "the scene's name"),
@@ -70,8 +70,8 @@ def scene_facts(
 
 def provenance_fact(provenance: Mapping[str, object]) -> Fact:
     """The last fact of every result: versions, processor, the scene's fingerprint; no durations."""
-    kept = {key: value for key, value in provenance.items() if key != "seconds"}
-    return Fact("provenance", kept, "versions, processor, fingerprint of the scene")
+    facts = {key: value for key, value in provenance.items() if key != "seconds"}
+    return Fact("provenance", facts, "versions, processor, fingerprint of the scene")
 
 
 def unit_of(scene: Scene | None, name: str) -> str:
@@ -97,8 +97,8 @@ def time_column(
     """
     values: Values = times
     if number.bits == 53 and not hasattr(times, "dtype"):
-        held = times if isinstance(times, ExactNumbers) else ExactNumbers(tuple(times))
-        values = held.doubles()
+        numbers = times if isinstance(times, ExactNumbers) else ExactNumbers(tuple(times))
+        values = numbers.doubles()
     kind = bits_word(number) if number.bits == 53 else EXACT
     shown = number.printed_digits - 2 if digits is None else digits
     return Column("t", values, "time", unit_of(scene, "t"), kind, shown)

@@ -86,9 +86,9 @@ def read(path: Path, name: str | None = None) -> Scene:
 
 def text_of(path: Path, name: str) -> str:
     """A scene file's text; raises BadInput with that name."""
-    found = read_whole(path, MAX_FILE, "a readable scene file", name)
+    content = read_whole(path, MAX_FILE, "a readable scene file", name)
     try:
-        return found.decode("utf-8-sig").replace("\r\n", "\n")
+        return content.decode("utf-8-sig").replace("\r\n", "\n")
     except UnicodeDecodeError:
         raise BadInput(name, "file", None, "a readable scene file (not UTF-8 text)") from None
 
@@ -169,7 +169,7 @@ class _File(Reading):
     def scene(self, text: str | Callable[[], str]) -> Scene:
         """The scene of the file with this text, or with one that a function writes."""
         data = self.data
-        self.known("", data)
+        self.refuse_unknown("", data)
         if data.get("schema") != 1 or isinstance(data.get("schema"), bool):
             raise self.bad("schema", data.get("schema"), "1")
         body = body_of(self, self.table("body"))
@@ -228,8 +228,8 @@ class _File(Reading):
         key = f"events[{index + 1}]"
         name = self.word(f"{key}.name", table.get("name", f"event {index + 1}"))
         if "zero" not in table and Event(name).needs_zero:
-            known = nearest(name, [*READY_MADE, f"{SECTION}<expression>"])
-            raise self.bad(f"{key}.zero", None, f"an expression, or one of the names {known}")
+            words = nearest(name, [*READY_MADE, f"{SECTION}<expression>"])
+            raise self.bad(f"{key}.zero", None, f"an expression, or one of the names {words}")
         zero = self.word(f"{key}.zero", table.get("zero", ""))
         direction, stop = (self.read("events", table, x, key) for x in ("direction", "stop"))
         return Event(name, zero, direction, stop)  # the scene checks what they say

@@ -84,9 +84,9 @@ def written(data: Mapping[str, Any], name: str) -> str:
     lines = ["schema = 1", *_lines("", data, name)]
     for section in ("body", "start", "run", "section", "reference", "expect"):
         table = data.get(section, {})
-        told = list(_lines(section, table, name))
-        if told or section in ("body", "start"):
-            lines += ["", f"[{section}]", *told]
+        body_lines = list(_lines(section, table, name))
+        if body_lines or section in ("body", "start"):
+            lines += ["", f"[{section}]", *body_lines]
         if section == "body":
             for part in table.get("parts", ()):
                 lines += ["", "[[body.parts]]", *_lines("body.parts", part, name)]
@@ -147,12 +147,12 @@ def _lines(section: str, table: Mapping[str, Any], name: str) -> Iterable[str]:
             or key.name == "schema"
         ):
             continue
-        held = _text(value, name, f"{section}.{key.name}".lstrip("."))
-        if held == key.default:
+        text = _text(value, name, f"{section}.{key.name}".lstrip("."))
+        if text == key.default:
             continue
         floats = [x for x in _flat(value) if isinstance(x, float) and not _short(x)]
-        told = ", ".join(map(repr, floats[:3])) + ", ..." * (len(floats) > 3)
-        yield f"{key.name} = {held}" + (f"  # the doubles {told} in full" if floats else "")
+        doubles = ", ".join(map(repr, floats[:3])) + ", ..." * (len(floats) > 3)
+        yield f"{key.name} = {text}" + (f"  # the doubles {doubles} in full" if floats else "")
 
 
 def _text(value: Any, name: str, key: str) -> str:
@@ -167,8 +167,8 @@ def _text(value: Any, name: str, key: str) -> str:
         items = [_text(x, name, key) for x in value]
         many = sum(map(len, items)) > 1000
         return "[\n  " + ",\n  ".join(items) + ",\n]" if many else f"[{', '.join(items)}]"
-    held = _finite(exact_number(value), name, key)
-    return json.dumps(held) if isinstance(held, str) else in_full(Fraction(held))
+    number = _finite(exact_number(value), name, key)
+    return json.dumps(number) if isinstance(number, str) else in_full(Fraction(number))
 
 
 def _quoted(text: str) -> str:

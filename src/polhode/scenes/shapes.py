@@ -40,8 +40,8 @@ class Shape(NamedTuple):
     lift: Callable[[Mapping[str, Any]], Exact] = lambda _: ZERO
 
 
-def _of_squares(given: Vector, part: int) -> Vector:
-    a, b, c = (x * x for x in given)
+def _of_squares(lengths: Vector, part: int) -> Vector:
+    a, b, c = (x * x for x in lengths)
     return (b + c) / part, (c + a) / part, (a + b) / part
 
 
@@ -137,15 +137,15 @@ class Part:
             raise BadInput("Part", "shape", self.shape, nearest(self.shape, [*SHAPES]))
         shape = SHAPES[self.shape]
         for key in _LENGTHS:
-            given = getattr(self, key)
-            if given is None and key in shape.needs:
+            length = getattr(self, key)
+            if length is None and key in shape.needs:
                 raise BadInput("Part", key, None, f"a value for shape {self.shape}")
-            if given is not None and key not in (*shape.needs, *shape.takes):
+            if length is not None and key not in (*shape.needs, *shape.takes):
                 needed = ", ".join((*shape.needs, *shape.takes)) or "no length"
-                raise BadInput("Part", key, given, f"nothing: shape {self.shape} has {needed}")
-            if given is not None:
-                object.__setattr__(self, key, self._lengths(key, given))
-            if given is None and key in shape.takes:
+                raise BadInput("Part", key, length, f"nothing: shape {self.shape} has {needed}")
+            if length is not None:
+                object.__setattr__(self, key, self._lengths(key, length))
+            if length is None and key in shape.takes:
                 object.__setattr__(self, key, ZERO)
         object.__setattr__(self, "mass", self._numbers("mass", (self.mass,))[0])
         if sign(self.mass) <= 0:
@@ -158,21 +158,21 @@ class Part:
         if self.inner is not None and self.radius is not None and self.inner > self.radius:
             raise BadInput("Part", "inner", self.inner, "a radius no larger than radius")
 
-    def _lengths(self, key: str, given: object) -> Any:
-        values = self._vector(key, given) if key in _VECTORS else self._numbers(key, (given,))
+    def _lengths(self, key: str, value: object) -> Any:
+        values = self._vector(key, value) if key in _VECTORS else self._numbers(key, (value,))
         for x in values:
             if sign(x) < 0 or (sign(x) == 0 and key not in _MAY_VANISH):
                 raise BadInput("Part", key, x, "a length above 0")
         return values if key in _VECTORS else values[0]
 
-    def _vector(self, key: str, given: object) -> Vector:
-        values = self._numbers(key, given)
+    def _vector(self, key: str, value: object) -> Vector:
+        values = self._numbers(key, value)
         if len(values) != 3:
             raise BadInput("Part", key, f"{len(values)} numbers", "three numbers")
         return values[0], values[1], values[2]
 
-    def _numbers(self, key: str, given: object) -> tuple[Exact, ...]:
-        values = each("Part", key, given, lambda x: x, "numbers")
+    def _numbers(self, key: str, value: object) -> tuple[Exact, ...]:
+        values = each("Part", key, value, lambda x: x, "numbers")
         if any(isinstance(x, str) and in_units(x) for x in values):
             object.__setattr__(self, "units", "SI")
         return each("Part", key, values, reader("SI", "kg" if key == "mass" else "m"), "numbers")
@@ -185,8 +185,8 @@ class Part:
     @property
     def lengths(self) -> dict[str, Exact | tuple[Exact, ...]]:
         """Its lengths by name; what may be left out is 0."""
-        found = {key: getattr(self, key) for key in _LENGTHS if getattr(self, key) is not None}
-        return {"height": ZERO, "inner": ZERO} | found
+        lengths = {key: getattr(self, key) for key in _LENGTHS if getattr(self, key) is not None}
+        return {"height": ZERO, "inner": ZERO} | lengths
 
     @property
     def direction(self) -> Vector:
@@ -231,12 +231,12 @@ def together(parts: Sequence[Part]) -> tuple[Exact, Vector, Matrix]:
     for part in parts:
         mass = mass + part.mass
         moment = _row(moment, (part.mass * x for x in part.centre))
-        a, b, c = (_row(row, other) for row, other in zip(rows, part.inertia, strict=True))
+        a, b, c = (_row(row, more) for row, more in zip(rows, part.inertia, strict=True))
         rows = (a, b, c)
     x, y, z = (m / mass for m in moment)
     return mass, (x, y, z), rows
 
 
-def _row(one: Vector, other: Iterable[Exact]) -> Vector:
-    a, b, c = (x + y for x, y in zip(one, other, strict=True))
+def _row(row: Vector, more: Iterable[Exact]) -> Vector:
+    a, b, c = (x + y for x, y in zip(row, more, strict=True))
     return a, b, c

@@ -39,7 +39,7 @@ class StartBox(NamedTuple):
     radii: tuple[Fraction, Fraction, Fraction] | None = None
 
     @property
-    def told(self) -> str:
+    def text(self) -> str:
         """The radii for a complaint."""
         return f"{PLUS_MINUS[0]} ({', '.join(map(shown, self.radii or ()))})"
 
@@ -62,10 +62,10 @@ def read(scene: Scene | str | Path) -> StartBox:
             radii.append(Fraction(0))
             continue
         middle, _, radius = (part.strip() for part in item.partition(mark))
-        found = reading.number(KEY, radius)
-        if sign(found) < 0:
+        exactly = reading.number(KEY, radius)
+        if sign(exactly) < 0:
             raise reading.bad(KEY, item, _EXPECTED)
-        radii.append(_fraction(found))
+        radii.append(_fraction(exactly))
         omega[k], text = middle, text.replace(item, middle)
     own = scene_file.of_tables(tables, source, lambda: text)
     own.speak()
@@ -91,10 +91,10 @@ def chosen(scene: Scene | str | Path, radius: AnyNumber | AnyVector | None) -> S
 
 
 def _radius(radius: AnyNumber) -> Fraction:
-    found = exact_number(radius)
-    if sign(found) < 0:
+    exactly = exact_number(radius)
+    if sign(exactly) < 0:
         raise ValueError("0 or more")
-    return _fraction(found)
+    return _fraction(exactly)
 
 
 def _fraction(radius: Exact) -> Fraction:
@@ -109,8 +109,8 @@ def _fraction(radius: Exact) -> Fraction:
 def _omega(tables: Mapping[str, object]) -> list[object]:
     """The components as they are written; empty where omega is not three of them."""
     start = tables.get("start")
-    found = start.get("omega") if isinstance(start, dict) else None
-    return found if isinstance(found, list) and len(found) == 3 else []
+    omega = start.get("omega") if isinstance(start, dict) else None
+    return omega if isinstance(omega, list) and len(omega) == 3 else []
 
 
 def _mark(item: object) -> str:

@@ -46,19 +46,19 @@ def row_by_row(
 
     Raises BadInput, also for two arrays of one length without rows: they may mean either.
     """
-    arrays = {key: given for key, given in vary.items() if _dimensions(given) > 0}
-    rows = [key for key, given in arrays.items() if _dimensions(given) > 1]
+    arrays = {key: values for key, values in vary.items() if _dimensions(values) > 0}
+    rows = [key for key, values in arrays.items() if _dimensions(values) > 1]
     if not rows:
         _ask(arrays, name)
         return (), []
     first, keys = rows[0], []
     columns: list[ExactNumbers[Fraction]] = []
-    for key, given in vary.items():
+    for key, values in vary.items():
         if key not in arrays:
             expected = f"an array with a row for each of {first}: never every combination"
-            raise BadInput(name, key, plain(given), expected)
+            raise BadInput(name, key, plain(values), expected)
         width = _WIDTHS.get(key, 1)
-        table = rows_of(name, key, given if key in rows else _standing(given), width)
+        table = rows_of(name, key, values if key in rows else _standing(values), width)
         own = [key] if width == 1 else [f"{key}[{i + 1}]" for i in range(width)]
         twice = [number for number in own if number in keys]
         if twice:
@@ -71,30 +71,30 @@ def row_by_row(
     return tuple(keys), columns
 
 
-def _dimensions(given: object) -> int:
+def _dimensions(values: object) -> int:
     """Of an array of any kind; 0 of anything else."""
-    return int(getattr(given, "ndim", 0)) if hasattr(given, "__array__") else 0
+    return int(getattr(values, "ndim", 0)) if hasattr(values, "__array__") else 0
 
 
-def _standing(given: object) -> Flat:
+def _standing(values: object) -> Flat:
     """An array of numbers as one of rows with a number each."""
     import numpy as np
 
-    found: Flat = np.asanyarray(given)[:, None]
-    return found
+    column: Flat = np.asanyarray(values)[:, None]
+    return column
 
 
 def _ask(arrays: Mapping[str, Any], name: str) -> None:
     """Two arrays of one length may be meant member by member, or every combination of them."""
     lengths: dict[int, str] = {}
-    for key, given in arrays.items():
-        other = lengths.setdefault(len(given), key)
-        if other != key and len(given) > 1:
-            what = f"two arrays of {len(given)} numbers ({other} is the other)"
+    for key, values in arrays.items():
+        first = lengths.setdefault(len(values), key)
+        if first != key and len(values) > 1:
+            words = f"two arrays of {len(values)} numbers ({first} is the other)"
             expected = (
                 "[:, None] on both for member by member, or .tolist() on both for every combination"
             )
-            raise BadInput(name, key, what, expected)
+            raise BadInput(name, key, words, expected)
 
 
 # --- vary -----------------------------------------------------------------------------------------
@@ -167,10 +167,10 @@ def options(texts: Sequence[str], name: str, units: str = "") -> dict[str, Seque
     """What all ``--vary`` say together; raises BadInput."""
     varied: dict[str, Sequence[Exact]] = {}
     for text in texts:
-        key, found = option(text, name, units)
+        key, values = option(text, name, units)
         if key in varied:
             raise BadInput(name, "--vary", text, f"{key} once")
-        varied[key] = found
+        varied[key] = values
     return varied
 
 
@@ -202,7 +202,7 @@ def grid(vary: Vary, name: str, units: str = "") -> Grid:
         keys, arrays = row_by_row(vary, name)
         if keys:
             return _limited(Grid(keys, Rows(arrays, product=False)), name)
-        columns = [_column(key, given, name, units) for key, given in vary.items()]
+        columns = [_column(key, values, name, units) for key, values in vary.items()]
         keys = tuple(vary)
     else:
         vary = each(name, "vary", vary, lambda member: member, "keys with their values, or members")
@@ -216,18 +216,18 @@ def grid(vary: Vary, name: str, units: str = "") -> Grid:
         columns = [[_exact(m[key], key, name, units) for m in vary] for key in keys]
     if not keys:
         raise BadInput(name, "vary", None, "at least one number of the scene file to vary")
-    found = _limited(Grid(keys, Rows(columns, product)), name)
+    whole = _limited(Grid(keys, Rows(columns, product)), name)
     if THETA in keys:
-        _doubt(found.rows.columns[keys.index(THETA)], name)
-    return found
+        _doubt(whole.rows.columns[keys.index(THETA)], name)
+    return whole
 
 
-def _limited(found: Grid, name: str) -> Grid:
+def _limited(whole: Grid, name: str) -> Grid:
     """A grid that is not too large; raises BadInput."""
-    count = len(found.rows)
+    count = len(whole.rows)
     if count > MAX_MEMBERS:
         raise BadInput(name, "vary", f"{count} members", f"at most {MAX_MEMBERS}; split the sweep")
-    return found
+    return whole
 
 
 def _doubt(column: ExactNumbers[Exact], name: str) -> None:
@@ -237,14 +237,14 @@ def _doubt(column: ExactNumbers[Exact], name: str) -> None:
         say_doubt(name, doubtful_theta(largest))
 
 
-def _column(key: str, given: object, name: str, units: str) -> Sequence[Exact]:
-    if isinstance(given, str):
-        return numbers(given, key, name, units, unit(key))
-    if isinstance(given, ExactNumbers):
-        return given
-    listed, several = numbers_given(given)
+def _column(key: str, values: object, name: str, units: str) -> Sequence[Exact]:
+    if isinstance(values, str):
+        return numbers(values, key, name, units, unit(key))
+    if isinstance(values, ExactNumbers):
+        return values
+    listed, several = numbers_given(values)
     if not several:
-        raise BadInput(name, key, plain(given), "a sequence of numbers, or FROM:TO:N")
+        raise BadInput(name, key, plain(values), "a sequence of numbers, or FROM:TO:N")
     column = [_exact(x, key, name, units) for x in listed]
     if not column:
         raise BadInput(name, key, "nothing", "at least one value")

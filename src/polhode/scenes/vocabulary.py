@@ -186,9 +186,9 @@ class Key(NamedTuple):
 
 def _listed(words: re.Match[str]) -> str:
     """What a name in the table stands for."""
-    known = vars(vocabulary) | {"SHAPES": SHAPES, "AXES": AXES}
-    found = known[words[1]]
-    return found if isinstance(found, str) else ", ".join(f"`{word}`" for word in found)
+    namespace = vars(vocabulary) | {"SHAPES": SHAPES, "AXES": AXES}
+    values = namespace[words[1]]
+    return values if isinstance(values, str) else ", ".join(f"`{word}`" for word in values)
 
 
 def _read() -> dict[str, tuple[Key, ...]]:
@@ -273,10 +273,12 @@ def value(text: str, columns: Mapping[str, Any], bits: int) -> Any:
     from polhode.numbers.mpmath_context import mpmath, own
 
     functions = {"sqrt": mpmath.sqrt, "sin": mpmath.sin, "cos": mpmath.cos}
-    given = {name: own(x) for name, x in columns.items()}
+    numbers = {name: own(x) for name, x in columns.items()}
     with mpmath.workprec(bits):
-        found = expression.evaluate(text, given, Algebra(lambda x: to_mpf(x, bits + 8), functions))
-        return found if isinstance(found, mpmath.mpf) else to_mpf(found, bits)
+        result = expression.evaluate(
+            text, numbers, Algebra(lambda x: to_mpf(x, bits + 8), functions)
+        )
+        return result if isinstance(result, mpmath.mpf) else to_mpf(result, bits)
 
 
 class _Any:
@@ -326,14 +328,14 @@ def added_names() -> tuple[str, ...]:
 
 def added() -> list[object]:
     """The families; raises BadInput where a package's cannot be imported."""
-    found = [*_OF_PROCESS.values()]
+    words_added = [*_OF_PROCESS.values()]
     for point in _installed().values():
         try:
-            found.append(point.load())
+            words_added.append(point.load())
         except Exception as fault:  # whatever a package's own code raises
             expected = f"a family to import ({type(fault).__name__}: {fault})"
             raise BadInput(GROUP, point.name, point.value, expected) from fault
-    return found
+    return words_added
 
 
 @cache

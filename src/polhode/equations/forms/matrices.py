@@ -32,12 +32,12 @@ def turning(matrix: Matrix) -> list[list[Exact]]:
     """
     rows = []
     for a, b in _CYCLE:
-        found: dict[tuple[int, int], Exact] = dict.fromkeys(_PAIRS, ZERO)
+        coefficients: dict[tuple[int, int], Exact] = dict.fromkeys(_PAIRS, ZERO)
         for i in range(3):
             for first, second, term in ((a, i, matrix[b][i]), (b, i, -matrix[a][i])):
-                pair = (first, second) if (first, second) in found else (second, first)
-                found[pair] = found[pair] + term
-        rows.append([found[pair] for pair in _PAIRS if pair != (2, 2)])
+                pair = (first, second) if (first, second) in coefficients else (second, first)
+                coefficients[pair] = coefficients[pair] + term
+        rows.append([coefficients[pair] for pair in _PAIRS if pair != (2, 2)])
     return rows
 
 
@@ -51,12 +51,12 @@ def named(
     rows: Sequence[str], columns: Iterable[str], entries: Sequence[Sequence[Exact]]
 ) -> dict[str, Exact]:
     """The entries of a matrix that are not zero, as coefficients row.column."""
-    found = {
+    coefficients = {
         f"{row}.{column}": x
         for row, line in zip(rows, entries, strict=True)
         for column, x in zip(columns, line, strict=True)
     }
-    return {name: x for name, x in found.items() if sign(x) != 0}
+    return {name: x for name, x in coefficients.items() if sign(x) != 0}
 
 
 def products(names: Sequence[str], vector: Sequence[Scalar]) -> dict[str, Scalar]:

@@ -129,5 +129,5 @@ def starting(scene: Scene, form: str) -> tuple[OwnUnits, dict[str, Exact]]:
         raise refused("at the start the momentum I w is parallel to the centre r0, or 0")
     bound = 2 * max(own.moments) * (own.energy + sqrt(n2))  # |G|² <= 2 A T, T <= h + |n|
     k = own.coefficients() | {"h": own.energy, "f.n2": own.area * n2}
-    found = present(k | {"n2": n2, "1/n2": 1 / n2, "nearness": 1 / (n2 * bound)})
-    return own, found | {f"1/{name}": 1 / x for name, x in zip("ABC", own.moments, strict=True)}
+    start = present(k | {"n2": n2, "1/n2": 1 / n2, "nearness": 1 / (n2 * bound)})
+    return own, start | {f"1/{name}": 1 / x for name, x in zip("ABC", own.moments, strict=True)}
