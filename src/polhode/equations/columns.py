@@ -92,17 +92,19 @@ def of_state_alone() -> list[str]:
     return [word for word in derived_words() if COLUMNS[word].needs == ("state",)]
 
 
-def derived_stack(word: str, scenes: Sequence[Scene], states: Stack, number: NumberType) -> Stack:
+def derived_stack(
+    word: str, scenes: Sequence[Scene], states: Stack, number_type: NumberType
+) -> Stack:
     """A column of states alone, (members, times, columns); not a number where there is none."""
     width = len(COLUMNS[word].names)
     columns: Stack = states[:, :, :1].repeat(width, axis=2)
     for k, scene in enumerate(scenes):
         formula, coefficients = FORMULAS[word].of(scene)
-        columns[k] = mapped_stack(formula, states[k : k + 1], coefficients, number, width)[0]
+        columns[k] = mapped_stack(formula, states[k : k + 1], coefficients, number_type, width)[0]
     return columns
 
 
-def derived(word: str, scene: Scene, parts: Sequence[Given], number: NumberType) -> Columns:
+def derived(word: str, scene: Scene, parts: Sequence[Given], number_type: NumberType) -> Columns:
     """A derived column of rows of all that it needs, in the order of its ``needs``."""
     formula, coefficients = FORMULAS[word].of(scene)
-    return mapped(formula, parts, coefficients, number, len(COLUMNS[word].names))
+    return mapped(formula, parts, coefficients, number_type, len(COLUMNS[word].names))

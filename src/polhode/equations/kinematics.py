@@ -185,19 +185,19 @@ class Hodographs(NamedTuple):
     space: Columns
 
 
-def hodographs(states: Rows, attitude: Rows, number: NumberType) -> Hodographs:
+def hodographs(states: Rows, attitude: Rows, number_type: NumberType) -> Hodographs:
     """The hodographs of a motion: rows p q r … and q0 q1 q2 q3 of one number type."""
     omega = part_of(states, slice(3))
-    return Hodographs(omega, in_space(attitude, omega, number))
+    return Hodographs(omega, in_space(attitude, omega, number_type))
 
 
-def in_space(attitude: Given, vectors: Given, number: NumberType) -> Columns:
+def in_space(attitude: Given, vectors: Given, number_type: NumberType) -> Columns:
     """R v for each row of the attitude and of vectors in the body, in the number type."""
 
     def formula(x: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
         return turned(x[:4], x[4:])
 
-    return mapped(formula, (attitude, vectors), {}, number, 3)
+    return mapped(formula, (attitude, vectors), {}, number_type, 3)
 
 
 def turned(quaternion: GivenRow, vector: GivenRow) -> list[Scalar]:

@@ -121,8 +121,8 @@ class Readout:
     0 there is 0.
     """
 
-    def __init__(self, scene: Scene, number: NumberType, frame: Frame | None = None) -> None:
-        self.scene, self.number = scene, number
+    def __init__(self, scene: Scene, number_type: NumberType, frame: Frame | None = None) -> None:
+        self.scene, self.number = scene, number_type
         self.form, self.columns = equations(scene), len(scene.columns)
         self.frame = frame or self.form.frame
 

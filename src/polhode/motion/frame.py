@@ -86,14 +86,14 @@ class Frame(NamedTuple):
         named = {f"turn{i}{j}": rows[i][j] for i in range(3) for j in range(3)}
         return {name: x for name, x in named.items() if sign(x) != 0}
 
-    def matrix(self, number: NumberType) -> Flat:
+    def matrix(self, number_type: NumberType) -> Flat:
         """Its axes along the scene's, a row each, as doubles or longdoubles.
 
         A row of components inside, times it, is along the scene's axes.
         """
         import numpy as np
 
-        nearest = to_double if number.name == "double" else to_extended
+        nearest = to_double if number_type.name == "double" else to_extended
         matrix: Flat = np.array([[nearest(x) for x in row] for row in self.axes.rows])
         return matrix
 

@@ -246,7 +246,7 @@ class Events(tuple[EventTimes, ...]):
                 return event
         raise KeyError(f"{which}: expected {nearest(which, [event.name for event in self])}")
 
-    def table(self, scene: Scene, number: NumberType) -> Table:
+    def table(self, scene: Scene, number_type: NumberType) -> Table:
         """One row per event, of a run of this scene in numbers of a type."""
         names = [event.name for event in self for _ in event.times]
         counts = [k for event in self for k in range(1, len(event.times) + 1)]
@@ -254,7 +254,7 @@ class Events(tuple[EventTimes, ...]):
             text_column("event", names),
             Column("count", counts, "with those before", type=INTEGER),
         ]
-        return Table([*columns, *_columns(scene, scene.columns, self, number)], 2)
+        return Table([*columns, *_columns(scene, scene.columns, self, number_type)], 2)
 
 
 _SIGN = "1 rising, -1 falling, 0 a contact"
@@ -263,7 +263,7 @@ _DEPTH = "how far the expression goes beyond zero beside it; at a contact, how f
 
 
 def _columns(
-    scene: Scene | None, names: Sequence[str], events: Sequence[EventTimes], number: NumberType
+    scene: Scene | None, names: Sequence[str], events: Sequence[EventTimes], number_type: NumberType
 ) -> list[Column]:
     """Times, signs, uncertainties, depths and states of events, one after the other."""
 
@@ -271,11 +271,11 @@ def _columns(
         return [x for event in events for x in getattr(event, name)]
 
     return [
-        time_column(scene, joined("times"), number),
+        time_column(scene, joined("times"), number_type),
         Column("sign", joined("signs"), _SIGN, type=INTEGER),
         Column("uncertainty", joined("uncertainty"), _UNSURE, type=DOUBLE_WORD, digits=2),
         Column("depth", joined("depths"), _DEPTH, type=DOUBLE_WORD, digits=2),
-        *row_columns(scene, names, joined("states"), number),
+        *row_columns(scene, names, joined("states"), number_type),
     ]
 
 

@@ -33,20 +33,20 @@ def mpf_row(row: Sequence[Scalar], bits: int) -> list[Scalar]:
     return [to_mpf(exactly(x), bits) for x in row]
 
 
-def number_value(x: Number, number: NumberType) -> Scalar:
+def number_value(x: Number, number_type: NumberType) -> Scalar:
     """The number nearest to x of the kind that a trajectory holds: float, longdouble or mpf."""
-    if number.name == "double":
+    if number_type.name == "double":
         return to_double(x)
-    if number.name == "extended":
+    if number_type.name == "extended":
         return to_extended(x)
     from polhode.numbers.mpmath_context import ordinary
 
-    return ordinary(to_mpf(x, number.bits))
+    return ordinary(to_mpf(x, number_type.bits))
 
 
-def joined(parts: Sequence[N], number: NumberType) -> N:
+def joined(parts: Sequence[N], number_type: NumberType) -> N:
     """Several parts' rows, or numbers, in one: an array, or a list above extended."""
-    if not number.flat:
+    if not number_type.flat:
         return [row for part in parts for row in part]
     import numpy as np
 

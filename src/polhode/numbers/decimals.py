@@ -19,13 +19,13 @@ from polhode.numbers.number_types import LOG10_2, Given, NumberType, Rows, Scala
 
 
 @overload
-def strings(rows: Rows, number: NumberType) -> list[list[str]]: ...
+def strings(rows: Rows, number_type: NumberType) -> list[list[str]]: ...
 @overload
-def strings(rows: Given, number: NumberType) -> list[list[str | None]]: ...
-def strings(rows: Given, number: NumberType) -> Sequence[Sequence[str | None]]:
+def strings(rows: Given, number_type: NumberType) -> list[list[str | None]]: ...
+def strings(rows: Given, number_type: NumberType) -> Sequence[Sequence[str | None]]:
     """Rows of numbers of one type as decimal strings that round-trip; None stays None."""
-    digits = number.printed_digits
-    if number.name == "double":
+    digits = number_type.printed_digits
+    if number_type.name == "double":
         return [[_double_string(x) for x in row] for row in rows]
     return [
         [None if x is None else decimal_string(exactly(x), digits) for x in row] for row in rows
@@ -92,16 +92,16 @@ def significant(x: float, digits: int) -> float:
     return float(f"{x:.{digits}g}")
 
 
-def shortest(x: Fraction, number: NumberType) -> str:
+def shortest(x: Fraction, number_type: NumberType) -> str:
     """The shortest decimal that rounds to x, a number of this type; exact where that is short."""
-    if number.name == "double" and 1e-4 <= abs(x) < 1e16:
+    if number_type.name == "double" and 1e-4 <= abs(x) < 1e16:
         return repr(float(x)).removesuffix(".0")  # Python's are the shortest
-    if is_decimal(x) and len(text := in_full(x)) <= number.printed_digits:
+    if is_decimal(x) and len(text := in_full(x)) <= number_type.printed_digits:
         return text
-    few, enough = 0, number.printed_digits
+    few, enough = 0, number_type.printed_digits
     while enough - few > 1:
         middle = (few + enough) // 2
-        if number.rounded(Fraction(decimal_string(x, middle))) == x:
+        if number_type.rounded(Fraction(decimal_string(x, middle))) == x:
             enough = middle
         else:
             few = middle

@@ -202,18 +202,18 @@ class ExactNumbers(LazySequence[N]):
             near[k] = to_double(step * k)
         return near
 
-    def rounded(self, number: NumberType) -> ExactNumbers[Fraction]:
+    def rounded(self, number_type: NumberType) -> ExactNumbers[Fraction]:
         """The nearest numbers of a type."""
-        floats = self._flat(number) if number.flat and self.size >= _FEW else None
+        floats = self._flat(number_type) if number_type.flat and self.size >= _FEW else None
         if floats is None:
-            return ExactNumbers(tuple(map(number.rounded, self.exact)))
+            return ExactNumbers(tuple(map(number_type.rounded, self.exact)))
         return ExactNumbers(floats=floats)
 
-    def _flat(self, number: NumberType) -> Flat | None:
+    def _flat(self, number_type: NumberType) -> Flat | None:
         """The nearest doubles or longdoubles; None where they are to be rounded one by one."""
         import numpy as np
 
-        if number.bits == 53:
+        if number_type.bits == 53:
             nearest: Flat = self.doubles()
             least, most = 2.0**-900, 2.0**900
         elif self.floats is not None:

@@ -112,14 +112,14 @@ def for_digits(digits: int, log10_angle: float, lost: float = 0.0) -> NumberType
     return mp_for(digits, log10_angle, lost)
 
 
-def wider(number: NumberType) -> NumberType:
+def wider(number_type: NumberType) -> NumberType:
     """The next wider type, which sees what rounding in this one does."""
     nexts = {
         "double": EXTENDED if extended_here() else QUAD,
         "extended": QUAD,
         "quad": NumberType("mp", QUAD.bits + 40),
     }
-    return nexts.get(number.name) or NumberType("mp", number.bits + 40)
+    return nexts.get(number_type.name) or NumberType("mp", number_type.bits + 40)
 
 
 @cache
@@ -316,10 +316,10 @@ def part_of(rows: Rows, columns: slice) -> Rows:
     return [row[columns] for row in rows] if isinstance(rows, list) else rows[:, columns]
 
 
-def kind_of(number: NumberType) -> npt.DTypeLike:
+def kind_of(number_type: NumberType) -> npt.DTypeLike:
     """The kind of numpy's arrays of a number type: objects above extended."""
     import numpy as np
 
-    if number.name == "double":
+    if number_type.name == "double":
         return np.float64
-    return np.longdouble if number.name == "extended" else np.object_
+    return np.longdouble if number_type.name == "extended" else np.object_

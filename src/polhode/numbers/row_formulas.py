@@ -136,7 +136,7 @@ def mapped(
     formula: RowFormula,
     parts: Sequence[Given],
     coefficients: Mapping[str, Exact],
-    number: NumberType,
+    number_type: NumberType,
     width: int,
 ) -> Columns:
     """What a formula makes of each row: evaluated with guard bits, rounded once to the type.
@@ -147,15 +147,15 @@ def mapped(
     with ``GUARD_BITS`` more in mpmath's numbers.  A row is a gap, None throughout, where a number
     that it needs is missing or the formula has no finite real value.
     """
-    flat = number.name == "double" and extended_here()
+    flat = number_type.name == "double" and extended_here()
     if flat and all(hasattr(part, "ndim") or _whole(part) for part in parts):
         return _at_once(formula, parts, coefficients, width)
-    rows = _row_by_row(formula, parts, coefficients, number, width)
-    if not number.flat or not _whole(rows):
+    rows = _row_by_row(formula, parts, coefficients, number_type, width)
+    if not number_type.flat or not _whole(rows):
         return rows
     import numpy as np
 
-    if number.name == "double":
+    if number_type.name == "double":
         return np.array(rows, dtype=np.float64).reshape(len(rows), width)
     return np.array(rows, dtype=np.longdouble).reshape(len(rows), width)
 
@@ -164,7 +164,7 @@ def mapped_stack(
     formula: RowFormula,
     stack: Stack,
     coefficients: Mapping[str, Exact],
-    number: NumberType,
+    number_type: NumberType,
     width: int,
 ) -> Stack:
     """The same of an array (members, times, columns), not a number where there is no row."""
@@ -175,7 +175,7 @@ def mapped_stack(
     values: Stack = np.full((*stack.shape[:2], width), np.nan, dtype=stack.dtype)
     if len(rows):
         member = mapped(
-            formula, [rows if number.flat else rows.tolist()], coefficients, number, width
+            formula, [rows if number_type.flat else rows.tolist()], coefficients, number_type, width
         )
         values[there] = [[np.nan if x is None else x for x in row] for row in member]
     return values
@@ -216,13 +216,13 @@ def _row_by_row(
     formula: RowFormula,
     parts: Sequence[Given],
     coefficients: Mapping[str, Exact],
-    number: NumberType,
+    number_type: NumberType,
     width: int,
 ) -> Gapped:
     """Of any type: a formula of each row in polhode's own mpmath, one rounding at the end."""
     from polhode.numbers.mpmath_context import mpmath
 
-    wide = number.bits + GUARD_BITS
+    wide = number_type.bits + GUARD_BITS
     rows: Gapped = []
     with mpmath.workprec(wide):
         k = {name: to_mpf(x, wide) for name, x in coefficients.items()}
@@ -230,7 +230,7 @@ def _row_by_row(
         for pieces in zip(*parts, strict=True):
             row = [x for piece in pieces for x in piece]
             cells = None if any(x is None for x in row) else _value(formula, row, k, fn, wide)
-            values = None if cells is None else [number_value(x, number) for x in cells]
+            values = None if cells is None else [number_value(x, number_type) for x in cells]
             if values is None or any(x - x != 0 for x in values):  # beyond the type's range
                 values = []
             rows.append([*values, *[None] * (width - len(values))])

@@ -47,9 +47,9 @@ _DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE]([+-]?\d{1,5}))?", re.ASC
 _INFINITE = ("inf", "-inf")
 
 
-def bits_word(number: NumberType) -> str:
+def bits_word(number_type: NumberType) -> str:
     """The word for numbers of a type."""
-    return DOUBLE if number.bits == 53 else f"{number.bits} bits"
+    return DOUBLE if number_type.bits == 53 else f"{number_type.bits} bits"
 
 
 def digits_word(digits: int) -> str:
@@ -259,17 +259,17 @@ def _number(kind: str) -> NumberType:
     return EXTENDED if bits == EXTENDED.bits else NumberType("mp", bits)
 
 
-def _binary(text: str, number: NumberType) -> Value:
+def _binary(text: str, number_type: NumberType) -> Value:
     if text in _INFINITE:
         infinite = float(text)
-        if number.flat:
+        if number_type.flat:
             import numpy as np
 
             return np.longdouble(infinite)
         from polhode.numbers.mpmath_context import mpmath, ordinary
 
         return ordinary(mpmath.mpf(infinite))
-    return number_value(number.rounded(decimal(text)), number)
+    return number_value(number_type.rounded(decimal(text)), number_type)
 
 
 def _fraction(text: str) -> Fraction:

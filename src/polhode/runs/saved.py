@@ -254,7 +254,7 @@ def _scene(facts: Mapping[str, Value], times: tuple[Fraction, ...]) -> Scene:
     return scene if source is None else replace(scene, source=_of(str, source))
 
 
-def _rows(columns: Mapping[str, Any], names: Sequence[str], number: NumberType) -> States:
+def _rows(columns: Mapping[str, Any], names: Sequence[str], number_type: NumberType) -> States:
     import numpy as np
 
     parts = [columns[name] for name in names]
@@ -264,8 +264,8 @@ def _rows(columns: Mapping[str, Any], names: Sequence[str], number: NumberType) 
             raise ValueError(f"{names[k]}: not all are numbers of the run")
         rows[:, k] = part
     kinds = {"double": np.float64, "extended": np.longdouble}
-    if rows.dtype != kinds.get(number.name, np.object_):
-        raise ValueError(f"{names[0]}: no {number.name} numbers")
+    if rows.dtype != kinds.get(number_type.name, np.object_):
+        raise ValueError(f"{names[0]}: no {number_type.name} numbers")
     return read_only(rows, len(names))
 
 
@@ -277,7 +277,7 @@ def _all_finite(part: Any) -> bool:
     return all(x is not None and x - x == 0 for x in part)
 
 
-def _events(facts: Mapping[str, Value], scene: Scene, number: NumberType) -> Events:
+def _events(facts: Mapping[str, Value], scene: Scene, number_type: NumberType) -> Events:
     if not scene.events:
         return Events(())
     columns = {x.name: x.values for x in facts["events"].columns}
@@ -295,7 +295,7 @@ def _events(facts: Mapping[str, Value], scene: Scene, number: NumberType) -> Eve
             EventTimes(
                 event.name,
                 tuple(exactly(t) for t in rows["t"]),
-                _rows(rows, scene.columns, number),
+                _rows(rows, scene.columns, number_type),
                 signs,
                 tuple(rows["uncertainty"].tolist()),
                 tuple(rows["depth"].tolist()),

@@ -60,7 +60,7 @@ class Expected(NamedTuple):
 
 def expected(
     scene: Scene,
-    number: NumberType,
+    number_type: NumberType,
     tolerance: float,
     steps: int,
     times: Sequence[Fraction],
@@ -81,22 +81,22 @@ def expected(
 
     if not times:
         return Expected((), None, None)
-    full = tolerance <= float(number.eps)
-    digits_held = number.most_digits if full else -math.log10(tolerance)
+    full = tolerance <= float(number_type.eps)
+    digits_held = number_type.most_digits if full else -math.log10(tolerance)
     until_last = scene.at((times[-1],))
-    most = max(_FEWEST_STEPS, int(_SHARE * defaults.seconds(number, steps) / _TANGENT))
+    most = max(_FEWEST_STEPS, int(_SHARE * defaults.seconds(number_type, steps) / _TANGENT))
     growths = growth(until_last, digits_held, most, every=every)
-    if not number.flat and max(growths.lost) > LED_FROM:
+    if not number_type.flat and max(growths.lost) > LED_FROM:
         growths = growth(until_last, digits_held, most, True, every=every)
     digits = tuple(max(0.0, digits_held - growths.at(t)) for t in times)
     return Expected(digits, growths.reaches(digits_held / 2), growths.reaches(digits_held))
 
 
 def by_errors(
-    errors: Sequence[float | None], number: NumberType, times: Sequence[Fraction], states: Rows
+    errors: Sequence[float | None], number_type: NumberType, times: Sequence[Fraction], states: Rows
 ) -> Expected:
     """What a refined run is expected to have: by its own estimates, None for no digit left."""
-    digits_held = number.most_digits
+    digits_held = number_type.most_digits
     speed = max((math.hypot(*(float(x) for x in row[:3])) for row in states), default=0.0) or 1.0
 
     def right(error: float | None) -> float:

@@ -87,7 +87,7 @@ def unit_of(scene: Scene | None, name: str) -> str:
 def time_column(
     scene: Scene | None,
     times: Sequence[Fraction] | Doubles,
-    number: NumberType,
+    number_type: NumberType,
     *,
     digits: int | None = None,
 ) -> Column:
@@ -96,11 +96,11 @@ def time_column(
     ``digits``: on a terminal; unless given those that decimals of the type keep.
     """
     values: Values = times
-    if number.bits == 53 and not hasattr(times, "dtype"):
+    if number_type.bits == 53 and not hasattr(times, "dtype"):
         numbers = times if isinstance(times, ExactNumbers) else ExactNumbers(tuple(times))
         values = numbers.doubles()
-    kind = bits_word(number) if number.bits == 53 else EXACT
-    shown = number.printed_digits - 2 if digits is None else digits
+    kind = bits_word(number_type) if number_type.bits == 53 else EXACT
+    shown = number_type.printed_digits - 2 if digits is None else digits
     return Column("t", values, "time", unit_of(scene, "t"), kind, shown)
 
 
@@ -108,7 +108,7 @@ def row_columns(
     scene: Scene | None,
     names: Sequence[str],
     rows: Given | Stack | Sequence[Sequence[Value]],
-    number: NumberType,
+    number_type: NumberType,
     *,
     digits: int | None = None,
 ) -> list[Column]:
@@ -116,7 +116,7 @@ def row_columns(
 
     ``digits``: on a terminal; unless given as many as round-trip.
     """
-    word, shown = bits_word(number), number.printed_digits if digits is None else digits
+    word, shown = bits_word(number_type), number_type.printed_digits if digits is None else digits
     return [
         Column(name, _column(rows, k), _MEANINGS.get(name, ""), unit_of(scene, name), word, shown)
         for k, name in enumerate(names)
