@@ -9,7 +9,6 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import NamedTuple
 
-from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, nearest
 from polhode.common.provenance import digest
 from polhode.scenes import library
@@ -106,7 +105,8 @@ def _expected(value: object) -> str:
 
 def place(scene: str | Path) -> tuple[Path, str | None]:
     """The file of a scene, and its name where it is a case that ships; raises BadInput."""
-    of_kind("load", "scene", scene, (str, Path), _expected(scene))
+    if not isinstance(scene, (str, Path)):
+        raise BadInput("load", "scene", scene, _expected(scene))
     name = str(scene)
     if ships(name):
         return folder() / f"{name}.toml", name

@@ -14,6 +14,7 @@ from polhode.common.files import called, read_whole
 from polhode.common.values import waiting
 from polhode.numbers import expression
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.vectors import Vector
 from polhode.scenes import vocabulary
@@ -213,7 +214,9 @@ class _File(Reading):
             values = self.array("run.at", run["at"])
             if not values:
                 raise self.bad("run.at", values, "at least one time")
-            return tuple(self.number(f"run.at[{i + 1}]", t) for i, t in enumerate(values))
+            return ExactNumbers(
+                tuple(self.number(f"run.at[{i + 1}]", t) for i, t in enumerate(values))
+            )
         if "end" not in run:
             if "samples" in run:
                 raise self.bad("run.end", None, "a time, with samples")
