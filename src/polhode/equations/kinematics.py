@@ -228,7 +228,7 @@ def turned(quaternion: GivenRow, vector: GivenRow) -> list[Scalar]:
 # rounding, on either side: its psi and phi are from there on right up to whole turns.
 
 
-class Departure(NamedTuple):
+class PoleDeparture(NamedTuple):
     """gamma leaves the pole with its derivative of that order, gamma x vector, which is not 0.
 
     ``vector``: w for order 1, w' for order 2.
@@ -238,7 +238,7 @@ class Departure(NamedTuple):
     vector: Vector
 
 
-def departure(scene: Scene) -> Departure | None:
+def departure(scene: Scene) -> PoleDeparture | None:
     """How a start at a pole leaves it; None where the third axis stays vertical for ever.
 
     gamma' = gamma x w, and gamma'' = gamma x w' where w is along the third axis.  Where both vanish
@@ -246,7 +246,7 @@ def departure(scene: Scene) -> Departure | None:
     """
     for order, vector in ((1, scene.omega), (2, _slope(scene))):
         if not sign(vector[0]) == 0 == sign(vector[1]):
-            return Departure(order, vector)
+            return PoleDeparture(order, vector)
     return None
 
 

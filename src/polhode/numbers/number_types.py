@@ -237,8 +237,8 @@ Indices: TypeAlias = "npt.NDArray[np.intp]"
 Objects: TypeAlias = "npt.NDArray[np.object_]"
 
 #: What picks elements of an array.
-Place: TypeAlias = "int | slice | Integers | Booleans | list[int] | None"
-Places: TypeAlias = "Place | tuple[Place, ...]"
+Index: TypeAlias = "int | slice | Integers | Booleans | list[int] | None"
+Places: TypeAlias = "Index | tuple[Index, ...]"
 
 #: Rows that numpy holds: an array (rows, columns).
 Flat: TypeAlias = "Doubles | Extendeds"

@@ -54,7 +54,7 @@ from polhode.scenes.body import (
     is_unit_but_for_rounding,
 )
 from polhode.scenes.given_numbers import in_units
-from polhode.scenes.scene import Reading, is_expression
+from polhode.scenes.scene import SceneTables, is_expression
 from polhode.scenes.shapes import Part
 from polhode.scenes.vocabulary import CENTRE, FIXED_POINT, SIGNS
 
@@ -179,7 +179,7 @@ _SKEWED = Fraction(1, 1000)  # of an element of a matrix that is still meant as 
 _WAYS_TO_MOVE = ("omega", "momentum", "rates", "h")
 
 
-class Turn(NamedTuple):
+class Orientation(NamedTuple):
     """An orientation: gamma, and psi as it is counted at t = 0; phi where angles gave it."""
 
     gamma: Vector
@@ -187,7 +187,7 @@ class Turn(NamedTuple):
     phi: tuple[Exact, Exact] | None = None  # its sine and cosine
 
 
-def body_of(reading: Reading, table: Mapping[str, Any]) -> Body:
+def body_of(reading: SceneTables, table: Mapping[str, Any]) -> Body:
     """The body of a table [body]; raises BadInput."""
     if "parts" in table:
         return _of_parts(reading, table)
@@ -229,7 +229,7 @@ def body_of(reading: Reading, table: Mapping[str, Any]) -> Body:
         raise reading.bad(f"body.{key}", value, fault.expected) from None
 
 
-def _of_parts(reading: Reading, table: Mapping[str, Any]) -> Body:
+def _of_parts(reading: SceneTables, table: Mapping[str, Any]) -> Body:
     others = ("moments", "inertia", "about", "centre", "mass")
     reading.alone("body", table, others, "no value together with parts")
     tables = table["parts"]
@@ -245,7 +245,7 @@ def _of_parts(reading: Reading, table: Mapping[str, Any]) -> Body:
         raise reading.bad("body.parts", None, f"parts of {fault.expected}") from None
 
 
-def _part(reading: Reading, index: int, table: dict[str, Any]) -> Part:
+def _part(reading: SceneTables, index: int, table: dict[str, Any]) -> Part:
     key = f"body.parts[{index + 1}]"
     reading.refuse_unknown("body.parts", table, key)
     for needed in ("shape", "mass"):
@@ -258,7 +258,7 @@ def _part(reading: Reading, index: int, table: dict[str, Any]) -> Part:
         raise reading.bad(f"{key}.{fault.key}", shown, fault.expected) from None
 
 
-def _mass(reading: Reading, table: Mapping[str, Any]) -> Exact | None:
+def _mass(reading: SceneTables, table: Mapping[str, Any]) -> Exact | None:
     if "mass" not in table:
         return None
     mass: Exact = reading.read("body", table, "mass")
@@ -267,7 +267,7 @@ def _mass(reading: Reading, table: Mapping[str, Any]) -> Exact | None:
     return mass
 
 
-def _weight(reading: Reading, table: Mapping[str, Any], mass: Exact | None) -> Exact:
+def _weight(reading: SceneTables, table: Mapping[str, Any], mass: Exact | None) -> Exact:
     if "g" in table:
         if mass is None:
             raise reading.bad("body.mass", None, "a number, with g")
@@ -280,7 +280,7 @@ def _weight(reading: Reading, table: Mapping[str, Any], mass: Exact | None) -> E
 
 
 def start_of(
-    reading: Reading, table: Mapping[str, Any], body: Body
+    reading: SceneTables, table: Mapping[str, Any], body: Body
 ) -> tuple[Vector, Vector | None, Exact]:
     """Omega, gamma and psi of a table [start]; raises BadInput."""
     turns = [key for key in _WAYS_TO_TURN if key in table]
@@ -318,7 +318,9 @@ def start_of(
     return (omega, None, ZERO) if turn is None else (omega, turn.gamma, turn.psi)
 
 
-def _on_level(reading: Reading, table: Mapping[str, Any], body: Body, turn: Turn | None) -> Vector:
+def _on_level(
+    reading: SceneTables, table: Mapping[str, Any], body: Body, turn: Orientation | None
+) -> Vector:
     if turn is None:
         expected = "a unit vector, for a start on the level h, f"
         raise reading.bad("start.gamma", None, expected)
@@ -328,7 +330,9 @@ def _on_level(reading: Reading, table: Mapping[str, Any], body: Body, turn: Turn
     return omega_on_level(body, turn.gamma, h, f, positive, reading.name)
 
 
-def _momenta(reading: Reading, table: Mapping[str, Any]) -> tuple[Exact, Exact, Exact | None, bool]:
+def _momenta(
+    reading: SceneTables, table: Mapping[str, Any]
+) -> tuple[Exact, Exact, Exact | None, bool]:
     """The energy, the momenta about the vertical and about the third axis, and the sign."""
     if "f" not in table:
         raise reading.bad("start.f", None, "a number, for a start on the level h, f")
@@ -340,7 +344,7 @@ def _momenta(reading: Reading, table: Mapping[str, Any]) -> tuple[Exact, Exact, 
     return h, f, p_phi, side == SIGNS[0]
 
 
-def _turn(reading: Reading, table: Mapping[str, Any], body: Body) -> Turn | None:
+def _turn(reading: SceneTables, table: Mapping[str, Any], body: Body) -> Orientation | None:
     """The orientation, None of a torque-free body of which none is given."""
     normalise = reading.read("start", table, "normalise")
     if "angles" in table:
@@ -364,11 +368,11 @@ def _turn(reading: Reading, table: Mapping[str, Any], body: Body) -> Turn | None
     psi = reading.read("start", table, "psi")
     gamma = reading.read("start", table, "gamma")
     square = _square(reading, "gamma", table["gamma"], gamma, normalise)
-    return Turn(gamma if square == 1 else scaled(1 / exact.sqrt(square), gamma), psi)
+    return Orientation(gamma if square == 1 else scaled(1 / exact.sqrt(square), gamma), psi)
 
 
 def _square(
-    reading: Reading, key: str, values: list[object], numbers: Sequence[Exact], normalise: bool
+    reading: SceneTables, key: str, values: list[object], numbers: Sequence[Exact], normalise: bool
 ) -> Exact:
     """The squared length of a unit vector, 1 or anything above 0 that may be normalised."""
     square = sum((x * x for x in numbers), ZERO)
@@ -387,7 +391,7 @@ def _signed(x: Exact) -> str:
     return f"{'-' if sign(x) < 0 else '+'} {brief(abs(x), 2)}"
 
 
-def _of_angles(reading: Reading, table: Mapping[str, Any]) -> Turn:
+def _of_angles(reading: SceneTables, table: Mapping[str, Any]) -> Orientation:
     """R = Rz(psi) Rx(theta) Rz(phi)."""
     psi, theta, phi = reading.read("start", table, "angles")
     nutation = table["angles"][1]
@@ -402,7 +406,7 @@ def _of_angles(reading: Reading, table: Mapping[str, Any]) -> Turn:
     if sign(sine) == 0:  # a pole: only psi ± phi has a meaning, and phi is counted as 0
         psi, phi = psi + phi * (1 if sign(cosine) > 0 else -1), ZERO
         s, c = ZERO, ONE
-    return Turn((sine * s, sine * c, cosine), psi, (s, c))
+    return Orientation((sine * s, sine * c, cosine), psi, (s, c))
 
 
 def doubtful_theta(theta: Exact) -> str:
@@ -411,7 +415,7 @@ def doubtful_theta(theta: Exact) -> str:
     return f'{reading}; for degrees write "{brief(theta)} deg"'
 
 
-def _of_rates(turn: Turn, rates: Vector) -> Vector:
+def _of_rates(turn: Orientation, rates: Vector) -> Vector:
     """Omega by (3.32)."""
     assert turn.phi is not None
     psi_rate, theta_rate, phi_rate = rates
@@ -423,14 +427,14 @@ def _of_rates(turn: Turn, rates: Vector) -> Vector:
     )
 
 
-def _of_quaternion(reading: Reading, value: object, normalise: bool) -> Turn:
+def _of_quaternion(reading: SceneTables, value: object, normalise: bool) -> Orientation:
     numbers = reading.array("start.quaternion", value, 4)
     q = [reading.number("start.quaternion", x) for x in numbers]
     _square(reading, "quaternion", numbers, q, normalise)
     return _turn_of(*q)
 
 
-def _of_matrix(reading: Reading, value: object, normalise: bool) -> Turn:
+def _of_matrix(reading: SceneTables, value: object, normalise: bool) -> Orientation:
     """By the quaternion, whose largest component times itself the matrix tells without a root."""
     rows: list[Any] = value if isinstance(value, list) and len(value) == 3 else [None] * 3
     r = [x for i, row in enumerate(rows) for x in reading.vector(f"start.matrix[{i + 1}]", row)]
@@ -448,7 +452,7 @@ def _of_matrix(reading: Reading, value: object, normalise: bool) -> Turn:
     return _turn_of(*q)
 
 
-def _turn_of(a: Exact, b: Exact, c: Exact, d: Exact) -> Turn:
+def _turn_of(a: Exact, b: Exact, c: Exact, d: Exact) -> Orientation:
     """Gamma is the third row of R, and psi the direction of its third column.
 
     R is quadratic in the quaternion: it is divided by the squared length, no root is drawn.
@@ -459,4 +463,4 @@ def _turn_of(a: Exact, b: Exact, c: Exact, d: Exact) -> Turn:
     x, y = 2 * (b * d + a * c), 2 * (a * b - c * d)  # R13 and -R23: sin theta (sin psi, cos psi)
     if sign(x) == 0 == sign(y):  # a pole: phi is counted as 0, and psi is the turn itself
         x, y = 2 * (b * c + a * d), a * a + b * b - c * c - d * d
-    return Turn(gamma, exact.arctan2(x, y))
+    return Orientation(gamma, exact.arctan2(x, y))

@@ -40,7 +40,7 @@ _MAY_BE_ROUNDED = {"body.moments", "body.inertia", "start.gamma", "start.quatern
 _SECTIONS = ("body", "start")
 _KEY = re.compile(r"(body|start)\.[a-z_]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
 #: Where a number of the tables stands: in which table or list, and under which key or index.
-Place: TypeAlias = tuple[Any, Any]
+Slot: TypeAlias = tuple[Any, Any]
 
 _WORDS = vocabulary.words("body") | vocabulary.words("body.parts") | vocabulary.words("start")
 
@@ -196,7 +196,7 @@ def tables_of(scene: Scene) -> dict[str, Any]:
     return {"body": {**form, "centre": list(body.centre), "weight": body.weight}, "start": start}
 
 
-def _places(homes: Mapping[str, Place], varied: Sequence[str], name: str) -> list[list[Place]]:
+def _places(homes: Mapping[str, Slot], varied: Sequence[str], name: str) -> list[list[Slot]]:
     """For each key the places of its number among those known; an inertia's mirror image with it.
 
     Raises BadInput.
@@ -218,7 +218,7 @@ def _places(homes: Mapping[str, Place], varied: Sequence[str], name: str) -> lis
     return places
 
 
-def _leaves(data: dict[str, Any]) -> Iterator[tuple[str, Place]]:
+def _leaves(data: dict[str, Any]) -> Iterator[tuple[str, Slot]]:
     """Every number of the tables: its key, and where it stands, also of those left out."""
     body, start = data["body"], data["start"]
     if "centre" in body and "g" not in body:

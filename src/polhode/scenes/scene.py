@@ -150,7 +150,7 @@ class Literal(str):
     """A decimal of the file, digit for digit."""
 
 
-class Reading:
+class SceneTables:
     """One scene being read: typed access to its keys, faults named by key."""
 
     def __init__(self, name: str, data: dict[str, Any]) -> None:

@@ -24,8 +24,8 @@ from polhode.scenes.scene import (
     Event,
     Literal,
     Published,
-    Reading,
     Scene,
+    SceneTables,
     SectionPlan,
     even_times,
     is_int,
@@ -125,7 +125,7 @@ def body_and_start(
 
     ``body``: the body that the tables are known to hold, to spare reading it again.
     """
-    reading = Reading(name, data)
+    reading = SceneTables(name, data)
     if body is None:
         body = body_of(reading, reading.table("body"))
     omega, gamma, psi = start_of(reading, reading.table("start"), body)
@@ -134,7 +134,7 @@ def body_and_start(
 
 def exact_value(value: object, key: str, name: str) -> Exact:
     """The exact number that a value in a scene file's tables stands for; raises BadInput."""
-    return Reading(name, {}).number(key, value)
+    return SceneTables(name, {}).number(key, value)
 
 
 def tables(text: str, name: str = "scene") -> dict[str, Any]:
@@ -164,7 +164,7 @@ def _refuse_bare_expression(text: str, name: str, reason: str) -> None:
             raise BadInput(name, key[1] if key else f"line {place[1]}", value, expected)
 
 
-class _File(Reading):
+class _File(SceneTables):
     """A scene file being read."""
 
     def scene(self, text: str | Callable[[], str]) -> Scene:

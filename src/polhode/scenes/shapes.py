@@ -24,7 +24,7 @@ _VECTORS = ("size", "semi_axes")
 _MAY_VANISH = ("height", "inner")
 
 
-class Shape(NamedTuple):
+class SolidShape(NamedTuple):
     """How a solid of mass 1 is described: its lengths, moments about its centre, where that is.
 
     ``needs`` and ``takes``: names of its lengths, the second may be left out.  ``moments``: about
@@ -70,21 +70,25 @@ def _rod(k: Mapping[str, Any]) -> Vector:
 
 
 #: The solids by name.
-SHAPES: dict[str, Shape] = {
-    "box": Shape(
+SHAPES: dict[str, SolidShape] = {
+    "box": SolidShape(
         ("size",), (), lambda k: _of_squares(k["size"], 12), "edges along the body's axes", False
     ),
-    "cylinder": Shape(("radius", "height"), ("inner",), _cylinder, "hollow up to the radius inner"),
-    "disc": Shape(("radius",), ("inner",), _cylinder, "a cylinder of height 0, a rotor or a ring"),
-    "cone": Shape(
+    "cylinder": SolidShape(
+        ("radius", "height"), ("inner",), _cylinder, "hollow up to the radius inner"
+    ),
+    "disc": SolidShape(
+        ("radius",), ("inner",), _cylinder, "a cylinder of height 0, a rotor or a ring"
+    ),
+    "cone": SolidShape(
         ("radius", "height"), (), _cone, "its tip at `at`", lift=lambda k: 3 * k["height"] / 4
     ),
-    "ellipsoid": Shape(
+    "ellipsoid": SolidShape(
         ("semi_axes",), (), lambda k: _of_squares(k["semi_axes"], 5), "along the body's axes", False
     ),
-    "sphere": Shape(("radius",), ("inner",), _ball, "hollow up to the radius inner", False),
-    "rod": Shape(("height",), (), _rod, "thin"),
-    "point": Shape((), (), lambda _: (ZERO, ZERO, ZERO), "a mass alone", False),
+    "sphere": SolidShape(("radius",), ("inner",), _ball, "hollow up to the radius inner", False),
+    "rod": SolidShape(("height",), (), _rod, "thin"),
+    "point": SolidShape((), (), lambda _: (ZERO, ZERO, ZERO), "a mass alone", False),
 }
 
 

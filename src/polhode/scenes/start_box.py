@@ -22,7 +22,7 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import AnyNumber, AnyVector
 from polhode.scenes import library, scene_file
-from polhode.scenes.scene import PLUS_MINUS, Literal, Reading, Scene
+from polhode.scenes.scene import PLUS_MINUS, Literal, Scene, SceneTables
 from polhode.scenes.vocabulary import REQUESTS
 
 KEY = "start.omega"
@@ -55,7 +55,7 @@ def read(scene: Scene | str | Path) -> StartBox:
     omega = _omega(tables)
     if not any(_mark(x) for x in omega):
         return StartBox(library.load(scene, takes=REQUESTS))
-    reading, radii = Reading(source, tables), []
+    reading, radii = SceneTables(source, tables), []
     for k, item in enumerate(omega):
         mark = _mark(item)
         if not isinstance(item, str) or not mark:

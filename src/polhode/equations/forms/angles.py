@@ -28,7 +28,7 @@ ANGLES = ("precession", "nutation", "rotation")
 RATES = ("psi1", "theta1", "phi1")
 
 
-class Turn(NamedTuple):
+class Angles(NamedTuple):
     """Sines and cosines of theta and phi: s c and sf cf."""
 
     s: Scalar
@@ -37,7 +37,7 @@ class Turn(NamedTuple):
     cf: Scalar
 
     @classmethod
-    def of(cls, theta: Scalar, phi: Scalar, fn: Functions) -> Turn:
+    def of(cls, theta: Scalar, phi: Scalar, fn: Functions) -> Angles:
         """From the angles."""
         return cls(fn.sin(theta), fn.cos(theta), fn.sin(phi), fn.cos(phi))
 
@@ -73,14 +73,14 @@ class InAngles(Form):
         return s * s
 
 
-class Start(NamedTuple):
+class AngularStart(NamedTuple):
     """Angles of the principal axes and their rates at t = 0."""
 
     angles: Vector
     rates: Vector
 
 
-def start(scene: Scene, own: OwnUnits, form: str) -> Start:
+def start(scene: Scene, own: OwnUnits, form: str) -> AngularStart:
     """Angles and rates at t = 0; raises BadInput where sin theta = 0."""
     (g1, g2, g3), (p, q, r) = own.gamma, own.omega
     square = g1 * g1 + g2 * g2
@@ -90,4 +90,4 @@ def start(scene: Scene, own: OwnUnits, form: str) -> Start:
     across = exact.sqrt(square)
     psi1 = (p * g1 + q * g2) / square
     angles = scene.psi, exact.arctan2(across, g3), exact.arctan2(g1, g2)
-    return Start(angles, (psi1, (p * g2 - q * g1) / across, r - psi1 * g3))
+    return AngularStart(angles, (psi1, (p * g2 - q * g1) / across, r - psi1 * g3))

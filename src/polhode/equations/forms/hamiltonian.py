@@ -18,7 +18,7 @@ from collections.abc import Sequence
 
 from polhode.equations.form import Coefficients, OmegaAndGamma, Values
 from polhode.equations.forms import angles as euler_angles
-from polhode.equations.forms.angles import InAngles, Turn
+from polhode.equations.forms.angles import Angles, InAngles
 from polhode.equations.forms.natural_units import own_units, present
 from polhode.numbers import exact
 from polhode.numbers.number_types import Functions, Scalar, combination
@@ -29,7 +29,7 @@ SOURCE = "3.47–3.53"
 VARIABLES = (*euler_angles.ANGLES, "p_psi", "p_theta", "p_phi")
 
 
-def _momentum(turn: Turn, momenta: Sequence[Scalar]) -> list[Scalar]:
+def _momentum(turn: Angles, momenta: Sequence[Scalar]) -> list[Scalar]:
     """A p, B q, C r."""
     p_psi, p_theta, p_phi = momenta
     n = (p_psi - p_phi * turn.c) / turn.s
@@ -41,7 +41,7 @@ class Hamiltonian(InAngles):
 
     def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of the angles and of their momenta."""
-        turn = Turn.of(values[1], values[2], fn)
+        turn = Angles.of(values[1], values[2], fn)
         s, c, sf, cf = turn
         p_psi, _, p_phi = values[3:]
         G1, G2, G3 = _momentum(turn, values[3:])
@@ -59,7 +59,7 @@ class Hamiltonian(InAngles):
 
     def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """Components of w and of gamma."""
-        turn = Turn.of(values[1], values[2], fn)
+        turn = Angles.of(values[1], values[2], fn)
         names = ("1/A", "1/B", "1/C")
         momentum = _momentum(turn, values[3:])
         return [k[name] * G for name, G in zip(names, momentum, strict=True)], turn.gamma

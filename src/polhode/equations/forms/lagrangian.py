@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 
 from polhode.equations.form import Coefficients, OmegaAndGamma, Values
 from polhode.equations.forms import angles, principal
-from polhode.equations.forms.angles import InAngles, Turn
+from polhode.equations.forms.angles import Angles, InAngles
 from polhode.equations.forms.natural_units import own_units, present
 from polhode.numbers.number_types import Functions, Scalar
 from polhode.scenes.scene import Scene
@@ -26,7 +26,7 @@ VARIABLES = (*angles.ANGLES, *angles.RATES)
 
 
 def accelerations(
-    turn: Turn, rates: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
+    turn: Angles, rates: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions
 ) -> tuple[Scalar, Scalar, Scalar]:
     """psi'' theta'' phi'' from the angles and their rates."""
     s, c, sf, cf = turn
@@ -42,12 +42,12 @@ class Lagrangian(InAngles):
 
     def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of psi theta phi psi' theta' phi'."""
-        turn = Turn.of(values[1], values[2], fn)
+        turn = Angles.of(values[1], values[2], fn)
         return [*values[3:], *accelerations(turn, values[3:], k, fn)]
 
     def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """Components of w and of gamma."""
-        turn = Turn.of(values[1], values[2], fn)
+        turn = Angles.of(values[1], values[2], fn)
         return turn.omega(*values[3:]), turn.gamma
 
 

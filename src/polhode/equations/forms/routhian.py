@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 from polhode.equations.form import Coefficients, OmegaAndGamma, Values
 from polhode.equations.forms import angles, principal
-from polhode.equations.forms.angles import InAngles, Turn
+from polhode.equations.forms.angles import Angles, InAngles
 from polhode.equations.forms.lagrangian import accelerations
 from polhode.equations.forms.natural_units import own_units, present
 from polhode.numbers.number_types import Functions, Scalar, combination
@@ -28,7 +28,7 @@ SOURCE = "3.54–3.59"
 VARIABLES = (*angles.ANGLES[1:], *angles.RATES[1:])
 
 
-def precession(turn: Turn, rates: Sequence[Scalar], k: Coefficients, fn: Functions) -> Scalar:
+def precession(turn: Angles, rates: Sequence[Scalar], k: Coefficients, fn: Functions) -> Scalar:
     """psi' from f (3.54)."""
     s, c, sf, cf = turn
     theta1, phi1 = rates
@@ -38,7 +38,7 @@ def precession(turn: Turn, rates: Sequence[Scalar], k: Coefficients, fn: Functio
 
 
 def general(
-    turn: Turn, rates: Sequence[Scalar], k: Coefficients, fn: Functions
+    turn: Angles, rates: Sequence[Scalar], k: Coefficients, fn: Functions
 ) -> tuple[Scalar, Scalar]:
     """theta'' and phi'' of a body with any moments (3.56)."""
     psi1 = precession(turn, rates, k, fn)
@@ -47,7 +47,7 @@ def general(
 
 
 def symmetric(
-    turn: Turn, rates: Sequence[Scalar], k: Coefficients, fn: Functions
+    turn: Angles, rates: Sequence[Scalar], k: Coefficients, fn: Functions
 ) -> tuple[Scalar, Scalar]:
     """theta'' and phi'' for A = B (3.58).
 
@@ -69,7 +69,7 @@ def symmetric(
 
 
 def spherical(
-    turn: Turn, rates: Sequence[Scalar], k: Coefficients, fn: Functions
+    turn: Angles, rates: Sequence[Scalar], k: Coefficients, fn: Functions
 ) -> tuple[Scalar, Scalar]:
     """theta'' and phi'' for A = B = C, with g = f/A:
 
@@ -85,7 +85,7 @@ def spherical(
 
 
 def about_second_axis(
-    turn: Turn, rates: Sequence[Scalar], k: Coefficients, fn: Functions
+    turn: Angles, rates: Sequence[Scalar], k: Coefficients, fn: Functions
 ) -> tuple[Scalar, Scalar]:
     """theta'' and phi'' for A = C (3.59), the second axis one of symmetry.
 
@@ -118,16 +118,16 @@ class Routhian(InAngles):
     """The form for one scene; ``reduced``: its body's equations for theta'' and phi''."""
 
     theta = 0
-    reduced: Callable[[Turn, Sequence[Scalar], Coefficients, Functions], tuple[Scalar, Scalar]]
+    reduced: Callable[[Angles, Sequence[Scalar], Coefficients, Functions], tuple[Scalar, Scalar]]
 
     def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of theta phi theta' phi'."""
-        turn = Turn.of(values[0], values[1], fn)
+        turn = Angles.of(values[0], values[1], fn)
         return [*values[2:], *self.reduced(turn, values[2:], k, fn)]
 
     def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """Components of w and of gamma."""
-        turn = Turn.of(values[0], values[1], fn)
+        turn = Angles.of(values[0], values[1], fn)
         return turn.omega(precession(turn, values[2:], k, fn), *values[2:]), turn.gamma
 
 
