@@ -49,9 +49,9 @@ from polhode.runs.options import Options
 from polhode.runs.solve import solve
 from polhode.scenes import library, scene_file
 from polhode.scenes.given_numbers import TIME, reader
-from polhode.scenes.members import tables_of
 from polhode.scenes.scene import Literal, Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
+from polhode.scenes.scene_file import tables_of
 from polhode.scenes.scene_text import as_toml, written
 from polhode.scenes.vocabulary import REQUESTS, STATE
 from polhode.taylor.variations import NotFollowed

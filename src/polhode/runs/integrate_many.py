@@ -28,8 +28,8 @@ from polhode.runs.members import Plan, planned
 from polhode.runs.options import check_method
 from polhode.runs.saved import load_result
 from polhode.scenes import library, vary
-from polhode.scenes.members import tables_of
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_file import tables_of
 from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor import defaults
 

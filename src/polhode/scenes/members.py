@@ -127,7 +127,7 @@ class Members(LazySequence[Scene]):
     @cached_property
     def tables(self) -> dict[str, Any]:
         """The tables that are varied, as they were before; not to be written to."""
-        data = tables_of(self.scene)
+        data = scene_file.tables_of(self.scene)
         _places(dict(_leaves(data)), self.varied.keys, self.scene.name)
         return data
 
@@ -137,7 +137,7 @@ class _Reading:
 
     def __init__(self, scene: Scene, varied: Grid) -> None:
         self.scene, self.varied = scene, varied
-        self.data = tables_of(scene)
+        self.data = scene_file.tables_of(scene)
         leaves = dict(_leaves(self.data))
         for key, (table, at) in leaves.items():  # read once for all members
             table[at] = scene_file.exact_value(table[at], key, scene.name)
@@ -177,23 +177,6 @@ def label(name: str, varied: Grid, index: int) -> str:
     row = zip(varied.keys, varied.rows[index], strict=True)
     more = f" member {index + 1} ({', '.join(f'{key} = {shown(x)}' for key, x in row)})"
     return name.with_more(more) if isinstance(name, FileName) else name + more
-
-
-def tables_of(scene: Scene) -> dict[str, Any]:
-    """The tables of body and start: those of the scene's file, if they still say what it is."""
-    text = scene_file.source_text(scene)
-    if text is not None and text.tells(scene, "body", "omega", "gamma", "psi"):
-        return {name: dict(text.tables[name]) for name in _SECTIONS}
-    body = scene.body
-    start: dict[str, Any] = {"omega": list(scene.omega)}
-    if scene.gamma is not None:
-        start |= {"gamma": list(scene.gamma), "psi": scene.psi}
-    inertia = body.inertia
-    if any(inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j):
-        form: dict[str, Any] = {"inertia": [list(row) for row in inertia]}
-    else:
-        form = {"moments": [inertia[i][i] for i in range(3)]}
-    return {"body": {**form, "centre": list(body.centre), "weight": body.weight}, "start": start}
 
 
 def _places(homes: Mapping[str, Slot], varied: Sequence[str], name: str) -> list[list[Slot]]:

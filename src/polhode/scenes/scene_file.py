@@ -111,6 +111,23 @@ def source_text(scene: Scene) -> SceneText | None:
     return text if isinstance(text, SceneText) else None
 
 
+def tables_of(scene: Scene) -> dict[str, Any]:
+    """The tables of body and start: those of the scene's file, if they still say what it is."""
+    text = source_text(scene)
+    if text is not None and text.tells(scene, "body", "omega", "gamma", "psi"):
+        return {name: dict(text.tables[name]) for name in ("body", "start")}
+    body = scene.body
+    start: dict[str, Any] = {"omega": list(scene.omega)}
+    if scene.gamma is not None:
+        start |= {"gamma": list(scene.gamma), "psi": scene.psi}
+    inertia = body.inertia
+    if any(inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j):
+        form: dict[str, Any] = {"inertia": [list(row) for row in inertia]}
+    else:
+        form = {"moments": [inertia[i][i] for i in range(3)]}
+    return {"body": {**form, "centre": list(body.centre), "weight": body.weight}, "start": start}
+
+
 def of_tables(data: dict[str, object], name: str, text: Callable[[], str]) -> Scene:
     """The scene in tables that were never a text; ``text`` writes them where it is wanted."""
     return _File(name, data).scene(text)

@@ -14,7 +14,6 @@ from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import in_full, is_decimal
 from polhode.numbers.exact import Exact, Irrational
 from polhode.scenes import scene_file, vocabulary
-from polhode.scenes.members import tables_of
 from polhode.scenes.scene import Literal, Scene
 
 _TITLES = ("title", "tags", "cite", "units")
@@ -67,7 +66,7 @@ def as_toml(scene: Scene) -> str:
     if text is not None and text.tells(scene):
         return str(text)
     data: dict[str, Any] = {key: _plainly(getattr(scene, key)) for key in _TITLES}
-    data |= tables_of(scene)
+    data |= scene_file.tables_of(scene)
     data["run"] = {"form": scene.form, "outputs": list(scene.outputs)} | _times(scene)
     data["section"] = scene.section._asdict()
     data["events"] = [event.table for event in scene.events]
