@@ -210,7 +210,6 @@ def test_kinds_without_a_figure_say_so():
         (f"map {TOP} --grid 2x2 --what flu -o y.svg", "did you mean 'fli'?"),
         (f"levels {TOP} --f-range 2:1 -o y.svg", "--f-range = 2:1: expected A:B with A below B"),
         ("plot x.npz -o y.svg --f-range 0:1", "plot fli: f_range = 0:1: expected cmap, title"),
-        (f"plot {TOP} -o y.svg --what chaos-proof", "polhode prove chaos SCENE -o FILE.svg"),
         (f"levels {TOP} --h-range 2 -o y.svg", "--h-range = 2: expected A:B, two numbers"),
     ],
 )

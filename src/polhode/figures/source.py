@@ -125,7 +125,6 @@ OUTPUTS = {
 OVER_TIME = ("integrals", "error")  # of the whole run: not cut to a window
 FREE_OF_GAMMA = ("omega", "momentum", *OVER_TIME)
 LARGEST = 1e150  # of numbers whose squares are doubles
-CHAOS = "chaos-proof"
 MOTION = "motion"  # what pages and films show
 
 #: What figures are drawn of.
@@ -208,8 +207,6 @@ def drawing_of(
 def _check(what: str, source: str) -> None:
     """Raise BadInput for what is no figure of a motion."""
     figures = [*catalogue.MOTION, MOTION]
-    if what == CHAOS:
-        raise BadInput(source, "--what", what, "polhode prove chaos SCENE -o FILE.svg from 0.3 on")
     if what not in figures:
         raise BadInput(source, "--what", what, nearest(what, figures))
 

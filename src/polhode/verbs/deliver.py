@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from polhode.common.errors import BadInput
 from polhode.common.files import check_writable, is_stdout, is_stream, write_stdout, write_whole
 from polhode.verbs import options, scene_options
-from polhode.verbs.catalogue import Verb
+from polhode.verbs.catalogue import VERBS, Verb
 from polhode.verbs.terminal import (
     DONE,
     FAILED,
@@ -66,9 +66,11 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
         if verb.named.get(x.name, x.name) is not None and vars(namespace).get(x.name) is not None
     }
     inputs = [library.path_of(x) for x in _sources(arguments)]
-    others = [kind for name, kind in verb.other_kinds.items() if name in arguments]
-    kind = others[0] if others else verb.kind
-    places = Places(verb, kind, [*map(Path, namespace.places or ())], namespace.json, inputs)
+    home = verb.home
+    for name, other in verb.other_kinds.items():
+        if name in arguments:
+            verb = VERBS.get(other) or verb._replace(kind=other)
+    places = Places(verb, [*map(Path, namespace.places or ())], namespace.json, inputs)
     places.check()
     places.check_figure(vars(namespace))
     if verb.scene:
@@ -85,10 +87,10 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
         arguments[first] = StartBox(scene, box.radii) if verb.is_box else scene
     with ProgressLine(verb.name) as line:
         try:
-            module = import_module(verb.home)
+            module = import_module(home)
             arguments |= places.extras(function, line)
             try:
-                result, missed = getattr(module, verb.function)(**arguments), ""
+                result, missed = getattr(module, function.name)(**arguments), ""
             except NotEnough as fault:
                 result, missed = fault.result, str(fault)
             written = places.write(result, vars(namespace), line)
@@ -102,7 +104,7 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
         write_stdout(result.to_json())
     elif text is not None:
         (note if places.take_stdout else say)(text)
-    for sentence in notes.of(verb.name, result, written, namespace):
+    for sentence in notes.of(verb, result, written, namespace):
         note(sentence)
     if missed:
         note(missed)
@@ -122,12 +124,11 @@ class Places:
     def __init__(
         self,
         verb: Verb,
-        kind: str,
         paths: Sequence[Path],
         json: bool,
         inputs: Sequence[Path | None],
     ) -> None:
-        self.verb, self.kind, self.paths, self.json, self.inputs = verb, kind, paths, json, inputs
+        self.verb, self.paths, self.json, self.inputs = verb, paths, json, inputs
 
     @property
     def take_stdout(self) -> bool:
@@ -162,7 +163,7 @@ class Places:
             else:
                 from polhode.results.places import check_place
 
-                check_place(path, self.kind, self.inputs)
+                check_place(path, self.verb.kind, self.inputs)
 
     def check_figure(self, values: Mapping[str, Any]) -> None:
         """Refuse options of a figure where none is written, and figures that there are not."""

@@ -28,6 +28,7 @@ class Parameter(NamedTuple):
 class Front(NamedTuple):
     """A function as its source tells it."""
 
+    name: str
     parameters: Sequence[Parameter]
     docstring: str
 
@@ -60,6 +61,7 @@ def front(home: str, name: str) -> Front:
     lacking = len(positional) - len(given.defaults)
     defaults = [*[None] * lacking, *given.defaults, *given.kw_defaults]
     return Front(
+        name,
         [
             _parameter(x, default)
             for x, default in zip([*positional, *given.kwonlyargs], defaults, strict=True)

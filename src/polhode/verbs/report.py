@@ -18,7 +18,6 @@ from polhode.verbs.terminal import (
     say,
 )
 
-HELP = "an accuracy report of your scenes, and of files that other programs made of their motions"
 _WHAT = (
     "scenes (cases that ship, or paths), and files of trajectories as for polhode compare, each "
     "after the scene that it is judged against (a run that polhode saved may stand first, and is "
@@ -28,7 +27,7 @@ _WHAT = (
 )
 
 
-def options(parser: ArgumentParser) -> None:
+def add_report(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("what", type=word, nargs="*", metavar="SCENE|FILE", help=_WHAT)
     endings = (
@@ -51,7 +50,7 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("--max-seconds", type=real, metavar="X", default=20.0, help=limit)
 
 
-def main(options: Namespace) -> int:
+def report(options: Namespace) -> int:
     """Measure, print the first table, and write the pages."""
     from polhode.common.files import is_stdout, write_stdout
     from polhode.judging.tables.table_file import is_table
