@@ -39,7 +39,7 @@ class Own(Result):
 def test_where_a_figure_fails_nothing_is_written(names, tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
-    verb = Verb("own", "", "", "Own", "", "", own=".own")
+    verb = Verb("own", "", "", "Own", "", "", own=(".own",))
     places = Places(verb, [*map(Path, names)], False, [])
     with pytest.raises(polhode.BadInput, match="result = Own: expected one that has a figure"):
         places.write(Own(), {}, ProgressLine("own"))

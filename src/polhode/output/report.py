@@ -110,8 +110,7 @@ class Report(Result, ByValue):
         """What stands in the files of a page or of numbers, by their places."""
         if path.suffix.lower() in ENDINGS:
             return writer.files(self.content(), path)
-        blocks = report_page.blocks(self.sections, self._parts, bool(self.figures))
-        return report_page.files(path, [*blocks], self.figures)
+        return report_page.page(path, self.sections, self._parts, self.figures).files()
 
     def save(self, path: str | Path) -> None:
         """Write it: .html, one page; .md, with its figures in a folder beside it; or as a result.

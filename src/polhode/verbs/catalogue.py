@@ -21,9 +21,9 @@ class Verb(NamedTuple):
     it wrote.  ``named``: options whose names differ from the parameters'; one without dashes is an
     argument, None for none.  ``scene``: options that change the scene before the function takes it.
     ``notes``: the function of :mod:`polhode.verbs.notes` that tells of its result.  ``counts``:
-    what its progress counts.  ``own``: the ending of a file of the kind's own, which a stream gets,
-    too; ``checks``: whether that is a certificate whose check takes long.  ``is_box``: whether its
-    scene's start may be a box.  ``other_kinds``: of the result where a parameter is
+    what its progress counts.  ``own``: the endings of files of the kind's own, of which a stream
+    gets the first; ``checks``: whether that is a certificate whose check takes long.  ``is_box``:
+    whether its scene's start may be a box.  ``other_kinds``: of the result where a parameter is
     given, or the verb whose result it then is.
     ``prints_rows``: whether it prints rows that a file of its data has, too, and then leaves them
     out; what another verb prints is printed with ``-o``, too.  ``figure_options``: None where it
@@ -40,7 +40,7 @@ class Verb(NamedTuple):
     scene: Sequence[str] = ()
     notes: str = "itself"
     counts: str = "steps"
-    own: str = ""
+    own: Sequence[str] = ()
     checks: bool = False
     is_box: bool = False
     other_kinds: Mapping[str, str] = {}
@@ -109,7 +109,7 @@ ROWS = (
         {"certificate": None},
         (TIMES, OUTPUTS),
         notes="certified",
-        own=".json",
+        own=(".json",),
         checks=True,
         is_box=True,
         prints_rows=True,
@@ -185,7 +185,7 @@ ROWS = (
         "the periodic orbit near a start to any number of digits, and its stability",
         "grioli/precession --digits 20",
         notes="orbit",
-        own=".toml",
+        own=(".toml",),
     ),
     Verb(
         *("orbits", _FUNCTIONS, "orbits", "OrbitSearch"),
@@ -206,7 +206,7 @@ ROWS = (
         "that a periodic orbit exists, where, how stable it is",
         "grioli/precession -o orbit.json",
         notes="proved_orbit",
-        own=".json",
+        own=(".json",),
     ),
     Verb(
         *("prove orbits", f"{_PROOFS}.prove_orbit", "prove_orbits", "ProvedOrbits"),
@@ -220,14 +220,14 @@ ROWS = (
         "that a periodic orbit is stable for all time",
         "general/asymmetric-regular -o stability.json",
         notes="proved_orbit",
-        own=".json",
+        own=(".json",),
     ),
     Verb(
         *("prove chaos", f"{_PROOFS}.prove_chaos", "prove_chaos", "ProvedChaos"),
         "that the motion on a level is chaotic",
         "general/asymmetric-chaotic -o chaos.json",
         notes="proved_chaos",
-        own=".json",
+        own=(".json",),
     ),
     Verb(
         *("verify", "polhode.certificates.verdict", "verify", "Verdict"),
@@ -244,9 +244,13 @@ ROWS = (
         prints_rows=True,
     ),
     Verb(
-        *("report", "polhode.verbs.report", "report", ""),
+        *("report", _FUNCTIONS, "report", "Report"),
         "an accuracy report of your scenes, and of files that other programs made of their motions",
         "top.toml top.csv -o report.html",
+        scene=(TIMES,),
+        notes="nothing",
+        own=(".html", ".md"),
+        figure_options=None,
     ),
     Verb(
         *("study", "polhode.verbs.study", "study", ""),

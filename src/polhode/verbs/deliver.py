@@ -50,7 +50,7 @@ def add_options(parser: ArgumentParser, verb: Verb) -> None:
 
 
 def _endings(verb: Verb) -> Sequence[str]:
-    own = (verb.own,) if verb.own and verb.own not in _DATA else ()
+    own = [x for x in verb.own if x not in _DATA]
     return [*own, *_DATA, *(() if verb.figure_options is None else _FIGURES)]
 
 
@@ -78,13 +78,13 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
         from polhode.scenes.start_box import StartBox
 
         first = function.parameters[0].name
-        box = (
-            start_box.read(arguments[first])
-            if verb.is_box
-            else StartBox(library.load(arguments[first]))
-        )
-        scene = scene_options.applied(namespace, box.scene, verb.scene)
-        arguments[first] = StartBox(scene, box.radii) if verb.is_box else scene
+        given = arguments[first]
+        if isinstance(given, list):
+            arguments[first] = scene_options.applied_to_all(namespace, given, verb.scene)
+        else:
+            box = start_box.read(given) if verb.is_box else StartBox(library.load(given))
+            scene = scene_options.applied(namespace, box.scene, verb.scene)
+            arguments[first] = StartBox(scene, box.radii) if verb.is_box else scene
     with ProgressLine(verb.name) as line:
         try:
             module = import_module(home)
@@ -154,7 +154,7 @@ class Places:
 
                 canvas.require()
             elif self._is_own(path):
-                if path.suffix != ".toml":
+                if ".json" in self.verb.own:
                     from polhode.certificates import certificate_file
                     from polhode.results.places import refuse_facts
 
@@ -246,7 +246,7 @@ class Places:
     def _is_own(self, path: Path) -> bool:
         suffix = path.suffix.lower()
         stream = is_stream(path) and suffix not in _DATA
-        return bool(self.verb.own) and (suffix == self.verb.own or stream)
+        return bool(self.verb.own) and (suffix in self.verb.own or stream)
 
 
 def _foretell(name: str, seconds: float) -> None:

@@ -41,7 +41,7 @@ def of(
     """The lines about a result of a verb, and what was ``written`` of it."""
     yield from globals()[verb.notes](result, namespace)
     proofs: list[Path] = []
-    if verb.own == ".json":
+    if ".json" in verb.own:
         asked = [x for x in map(Path, namespace.places or ()) if x in written]
         proofs = [x for x in asked if x.suffix.lower() == ".json" or is_stdout(x)][:1]
     if files := [str(x) for x in written if x not in proofs and not is_stdout(x)]:

@@ -39,6 +39,20 @@ def applied(options: Namespace, scene: Scene, words: Sequence[str]) -> Scene:
     return scene
 
 
+def applied_to_all(
+    options: Namespace, names: Sequence[str], words: Sequence[str]
+) -> list[Scene | str]:
+    """The scenes of these names with what the options say; tables stay names."""
+    from polhode.judging.tables.table_file import is_table
+    from polhode.output.report import file_of
+    from polhode.scenes import library
+
+    return [
+        name if is_table(file_of(name)) else applied(options, library.load(name), words)
+        for name in names
+    ]
+
+
 def _add_times(parser: ArgumentParser) -> None:
     at = "output times instead of the scene's; one of them may be FROM:TO:N, for N evenly spaced"
     parser.add_argument("--at", metavar="T,T...", help=at)
