@@ -6,27 +6,23 @@ from typing import Any
 
 import numpy as np
 
-from polhode.dynamics.frequencies import Frequencies, frequencies
+from polhode.dynamics.frequencies import Frequencies
 from polhode.dynamics.naff import POWER
 from polhode.figures import canvas
 from polhode.figures.canvas import series
 from polhode.figures.results import numbers, told
-from polhode.numbers.number_types import DOUBLE
 from polhode.results.result import Storable
-from polhode.runs.solve import solve
 from polhode.scenes.vocabulary import STATE
 
 
 def draw(plt: Any, found: Storable, axes: Any = None) -> Any:
     """|F| over frequency by a window of (1 + cos)^5, and a circle on each line.
 
-    The samples of a file are made anew from its scene; of one that has none the lines alone.
+    Of a file, which has no samples, the lines alone.
     """
     known = told(found)
     signal = np.array(known.column("signal"), dtype=np.str_)
     frequency, amplitude = (numbers(known, name) for name in ("frequency", "amplitude"))
-    if not isinstance(found, Frequencies) and any(x.name == "scene_text" for x in known.facts()):
-        found = frequencies(solve(known.scene, DOUBLE), [*dict.fromkeys(signal.tolist())])
     samples = found.signals if isinstance(found, Frequencies) else {}
     names = [*(samples or dict.fromkeys(signal.tolist()))] or ["no signal"]
     size = (6.4, 0.6 + 1.9 * len(names))
