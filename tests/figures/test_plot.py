@@ -16,7 +16,7 @@ import polhode
 from polhode.cli import main
 from polhode.figures import sphere
 from polhode.figures.canvas import label_text
-from polhode.figures.curve_sampling import SAMPLES
+from polhode.figures.samples import SAMPLES
 from polhode.figures.sphere import Globe, facing_most
 from polhode.scenes.scene import even_times
 from shared.tables import of_run, through

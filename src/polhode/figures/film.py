@@ -14,8 +14,7 @@ import numpy as np
 
 from polhode.equations.kinematics import turned
 from polhode.figures.canvas import BODY, HIDDEN, SPACE, paper
-from polhode.figures.curve_sampling import Samples
-from polhode.figures.sampled_motion import Motion, of_samples
+from polhode.figures.samples import Motion, Samples, of_samples
 from polhode.figures.solids import Faces, faces, solids
 from polhode.figures.sphere import IN_SPACE, apex, facing_most
 from polhode.numbers.number_types import Doubles

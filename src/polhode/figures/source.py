@@ -16,9 +16,9 @@ import numpy as np
 from polhode.common.errors import BadInput, nearest
 from polhode.common.interrupts import Progress
 from polhode.equations import integrals
-from polhode.figures import catalogue, curve_sampling
-from polhode.figures.curve_sampling import Samples
-from polhode.figures.sampled_motion import ANOTHER, of_samples
+from polhode.figures import catalogue
+from polhode.figures import samples as curve_sampling
+from polhode.figures.samples import ANOTHER, Samples, of_samples
 from polhode.judging.certified import Certified
 from polhode.judging.correct_digits import largest, log10_differences, log10_rate, scaled
 from polhode.judging.diagnosis.readings import table_as_told

@@ -18,7 +18,7 @@ from polhode.judging.certified import Certified
 from polhode.judging.reference import reference
 from polhode.judging.tables.table_file import is_table
 from polhode.numbers.number_types import MAX_DIGITS, AnyNumber, AnyVector
-from polhode.output import accuracy, report_page, report_tables
+from polhode.output import accuracy, report_page
 from polhode.output.accuracy import Asked, Given, Section
 from polhode.results import places, writer
 from polhode.results.cells import TEXT
@@ -79,7 +79,7 @@ class Report(Result, ByValue):
     @cached_property
     def tables(self) -> Mapping[str, Table]:
         """All numbers, by the names of their tables."""
-        return report_tables.tables(self.sections)
+        return accuracy.tables(self.sections)
 
     @cached_property
     def figures(self) -> Mapping[str, str]:
@@ -89,7 +89,7 @@ class Report(Result, ByValue):
     @cached_property
     def _parts(self) -> Sequence[Mapping[str, Table]]:
         """The tables of each section."""
-        return [report_tables.tables([section]) for section in self.sections]
+        return [accuracy.tables([section]) for section in self.sections]
 
     def table(self) -> Table:
         """A row for each scene: what it is, the fewest correct digits, and what limits them."""

@@ -164,7 +164,7 @@ def _page(every: Sequence[Drawing], command: str, options: Namespace) -> str:
 
 def _span(drawing: Drawing) -> dict[str, float | int]:
     """How many samples of a motion are drawn, from when to when."""
-    from polhode.figures.curve_sampling import Samples
+    from polhode.figures.samples import Samples
 
     if not isinstance(drawing.subject, Samples):
         return {}
