@@ -72,7 +72,10 @@ class Report(Result, ByValue):
 
     def __str__(self) -> str:
         header, rows = writer.cells(self.table())
-        lines = aligned(header, rows)
+        ends = [header.index(name) for name in ("limit", "regime")]  # long ones, which come last
+        order = [k for k in range(len(header)) if header[k] != "reference" and k not in ends]
+        used = [k for k in (*order, *ends) if any(row[k] for row in rows)]
+        lines = aligned([header[k] for k in used], [[row[k] for k in used] for row in rows])
         files = (f"{x.name}: {x.sentence}" for one in self.sections for x in one.files)
         return "\n".join([*lines, *files])
 
