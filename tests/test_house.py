@@ -284,7 +284,6 @@ def test_a_run_imports_no_room_that_it_does_not_need():
         for name in (
             "catalogue",
             "deliver",
-            "given_times",
             "notes",
             "options",
             "scene_options",

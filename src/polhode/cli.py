@@ -25,13 +25,6 @@ from polhode.common.provenance import __version__
 from polhode.verbs import catalogue, deliver, terminal
 from polhode.verbs.terminal import BAD_INPUT, DONE
 
-VERBS = (
-    *("list", "show", "new", "run", "reference", "certify", "check", "compare", "order", "sweep"),
-    *("plot", "view", "levels", "section", "map", "orbit", "orbits", "family", "prove", "verify"),
-    *("frequencies", "report", "study", "benchmark", "guide", "about"),
-)
-
-
 #: What other programs call a verb, and what is meant here.
 _MEANT = {
     "help": "polhode --help, or polhode VERB --help; polhode guide explains everything",
@@ -75,7 +68,7 @@ class _Parser(ArgumentParser):
         command = f"polhode {verb}" if verb else "polhode"
         if found := re.match(r"argument VERB: invalid choice: '(.*?)'", message):
             meant = _MEANT.get(found[1].lower())
-            raise BadInput(command, "VERB", found[1], meant or listed(found[1], [*VERBS]))
+            raise BadInput(command, "VERB", found[1], meant or listed(found[1], [*catalogue.NAMES]))
         if found := re.match(
             r"argument ([\w-]+): invalid choice: '(.*?)' \(choose from (.*)\)", message
         ):
@@ -96,10 +89,6 @@ class _Parser(ArgumentParser):
         first = rest[0].partition("=")[0]
         options = self._option_string_actions
         known = [name for name in options if name.startswith("--")]
-        moved = catalogue.MOVED.get(self.prog.removeprefix("polhode "), {})
-        for option in (x.partition("=")[0] for x in rest):
-            if option in moved:
-                raise BadInput(self.prog, "option", option, f"{moved[option]} from version 0.3 on")
         if first.startswith("-"):
             name = first.lstrip("-").replace("-", "_")
             here = called_here(name, [option.lstrip("-") for option in options])
@@ -237,12 +226,12 @@ def _parser(given: Sequence[str], whole: bool = False) -> ArgumentParser:
     )
     top.add_argument("--version", action="version", version=f"polhode {__version__}")
     kinds = top.add_subparsers(dest="verb", required=True, metavar="VERB", parser_class=_Parser)
-    known = given[:1] if given[:1] and given[0] in VERBS else VERBS
+    known = given[:1] if given[:1] and given[0] in catalogue.NAMES else catalogue.NAMES
     for name in known:
         in_full = whole or len(known) == 1
         if name in catalogue.VERBS:
             _add_row(kinds, catalogue.VERBS[name], name, in_full)
-        elif name in catalogue.GROUPS:
+        else:
             about = catalogue.GROUPS[name]
             group = kinds.add_parser(name, help=about, description=about, allow_abbrev=False)
             below = group.add_subparsers(
@@ -251,21 +240,25 @@ def _parser(given: Sequence[str], whole: bool = False) -> ArgumentParser:
             for row in catalogue.ROWS:
                 if row.name.startswith(f"{name} "):
                     _add_row(below, row, row.name.partition(" ")[2], in_full)
-        else:
-            verb = import_module(f"polhode.verbs.{name}")
-            added = kinds.add_parser(
-                name, help=verb.HELP, description=verb.HELP, allow_abbrev=False
-            )
-            added.add_argument("--json", action="store_true", help="results as JSON on stdout")
-            verb.options(added)
-            added.set_defaults(main=verb.main, parser=added)
     return top
 
 
 def _add_row(kinds: Any, row: catalogue.Verb, name: str, in_full: bool) -> None:
-    added = kinds.add_parser(name, help=row.help, description=row.help, allow_abbrev=False)
+    added = kinds.add_parser(
+        name,
+        help=row.help,
+        description=row.help,
+        epilog=f"example:\n  {row.command}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
     if in_full:
-        deliver.add_options(added, row)
+        if row.kind:
+            deliver.add_options(added, row)
+        else:
+            module = import_module(row.home)
+            getattr(module, f"add_{row.function}")(added)
+            added.set_defaults(main=getattr(module, row.function))
         added.add_argument("--json", action="store_true", help="the result as JSON on stdout")
         added.set_defaults(parser=added)
 

@@ -62,8 +62,8 @@ class _Digits:
             return
         from polhode.output import report_page
 
-        page, svgs = report_page.of_tests([row for rows in self.rows.values() for row in rows])
-        report_page.write(report_page.files(self.place, page, svgs))
+        rows = [row for rows in self.rows.values() for row in rows]
+        report_page.write(report_page.of_tests(self.place, rows).files())
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -411,9 +411,6 @@ def test_the_command_line(tmp_path, capsys):
     assert "certificate in" in capsys.readouterr().err
     assert main(["verify", str(path), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["proven"] is True
-    command = ["prove", "orbit", "grioli/precession", "--search", "4x4", "-o", str(path)]
-    assert main(command) == 2
-    assert "polhode orbits lists them" in capsys.readouterr().err
     assert main(["prove", "orbit", "grioli/precession", "-o", "-"]) == 0
     out = capsys.readouterr().out
     assert json.loads(out)["kind"] == "orbit"

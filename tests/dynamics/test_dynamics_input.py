@@ -127,9 +127,6 @@ VERBS = {
     "family G --by x --to 3": "by = x: expected h, f",
     "family G --by h --to 1:2:1": "to[1] = 1:2:1: expected a number",
     "family G --by h --to 1 --digits 20": "option = --digits: expected",
-    "orbit G --continue h=1": "option = --continue: expected polhode family",
-    "orbit G --pick 3": "pick = 3: expected a search and the number of an orbit in it",
-    "orbit G --search 2x2 --pick 1 --period 3": "expected no --period with it",
     "orbits G --grid 0x3": "--grid = 0x3: expected NxM",
 }
 

@@ -134,7 +134,7 @@ def test_the_verb(tmp_path, capsys):
     case = "general/asymmetric-regular"
     assert main(["orbits", case, "--grid", "8x8", "--crossings", "1", "--json"]) == 0
     orbits = json.loads(capsys.readouterr().out)["columns"]
-    search = ["orbit", case, "--search", "8x8", "--returns", "1"]
+    search = ["orbits", case, "--grid", "8x8", "--crossings", "1"]
     assert main([*search, "--pick", "2", "--digits", "20", "--json"]) == 0
     one = json.loads(capsys.readouterr().out)
     assert float(one["period"]) == pytest.approx(orbits["period"][1], rel=1e-13)

@@ -18,7 +18,7 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.equations import columns
-from polhode.figures import curve_sampling
+from polhode.figures import samples
 from polhode.numbers import row_formulas
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
@@ -125,7 +125,7 @@ def test_a_run_has_the_speed_wherever_it_goes(number, scene, tmp_path, capsys):
     assert list(frame.columns) == [*STATE, "speed", *errors] == list(dataset.data_vars)
     assert list(frame["speed"]) == held == list(dataset["speed"].values)
     assert "<th>speed</th>" in run._repr_html_()
-    assert curve_sampling.of_run(run).columns["speed"].tolist() == [float(x) for x in held]
+    assert samples.of_run(run).columns["speed"].tolist() == [float(x) for x in held]
     judged = polhode.compare(run)
     assert kind.most_digits - 3 < judged.parts["speed"] <= kind.most_digits
 

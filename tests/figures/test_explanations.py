@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.figures.explanations import EXPLANATIONS, explained
+from polhode.figures.motion_page import EXPLANATIONS, explained
 from polhode.judging.reference import reference
 from polhode.scenes import library
 

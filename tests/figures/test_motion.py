@@ -17,6 +17,7 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.equations.kinematics import turned
+from polhode.figures import film
 from polhode.scenes.scene import even_times
 
 pytest.importorskip("matplotlib")
@@ -250,7 +251,7 @@ def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
     assert main(["run", TOP, "--at", times, "--outputs", "attitude", "-o", str(table)]) == 0
     table.with_name("x.csv.json").unlink()  # with which it would be known as polhode's own
     view = ["view", str(table), "-o", str(page)]
-    film = ["plot", str(table), "--what", "motion", "--size", "100", "--fps", "1"]
+    film = ["plot", str(table), "--what", "motion"]
     film += ["-o", str(tmp_path / "x.gif")]
 
     def said(command, scene, code=0):
@@ -300,22 +301,6 @@ def test_a_file_is_shown_in_the_conventions_that_are_told(tmp_path, capsys):
 # -- films --------------------------------------------------------------------------------------
 
 
-def test_an_ffmpeg_that_is_not_there_or_fails_is_one_line(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("PATH", str(tmp_path))
-    film = ["plot", TOP, "--what", "motion", "--end", "1", "-o", "x.mp4"]
-    assert main(film) == 2
-    assert "the program ffmpeg" in capsys.readouterr().err
-    fake = tmp_path / "ffmpeg"
-    for text in ("#!/bin/sh\necho no such codec >&2; exit 3\n", "#!/nowhere/sh\n"):
-        fake.write_text(text)
-        fake.chmod(0o755)
-        assert main(film) == 2
-        (line,) = [x for x in capsys.readouterr().err.splitlines() if "drawn to" not in x]
-        assert "a program ffmpeg that films in MP4" in line
-        assert [path.name for path in tmp_path.iterdir()] == ["ffmpeg"]
-
-
 def gif_pictures(path):
     from PIL import Image
 
@@ -325,24 +310,12 @@ def gif_pictures(path):
             yield np.array(made.convert("RGB")).astype(int)
 
 
-def mp4_pictures(path):
-    """Read again by ffmpeg; each is 100 x 100."""
-    command = ["ffmpeg", "-v", "error", "-i", path, "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
-    done = subprocess.run(command, capture_output=True, timeout=100, check=True)
-    yield from np.frombuffer(done.stdout, np.uint8).reshape(-1, 100, 100, 3).astype(int)
-
-
-SMALL = ["--what", "motion", "--fps", "1", "--size", "100"]
-
-
-@pytest.mark.parametrize(("suffix", "pictures"), [(".gif", gif_pictures), (".mp4", mp4_pictures)])
-def test_a_film_shows_the_motion_to_its_end_in_the_size_asked_for(tmp_path, suffix, pictures):
-    if suffix == ".mp4" and shutil.which("ffmpeg") is None:
-        pytest.skip("no ffmpeg here")
-    path = tmp_path / f"x{suffix}"
-    assert main(["plot", TOP, *SMALL, "--end", "4", "-o", str(path)]) == 0
-    shown = [*pictures(path)]
-    assert [picture.shape for picture in shown] == 6 * [(100, 100, 3)]
+def test_a_film_shows_the_motion_to_its_end(tmp_path, monkeypatch):
+    monkeypatch.setattr(film, "FRAMES", 6)
+    path = tmp_path / "x.gif"
+    assert main(["plot", TOP, "--what", "motion", "--end", "4", "-o", str(path)]) == 0
+    shown = [*gif_pictures(path)]
+    assert [picture.shape for picture in shown] == 6 * [(360, 360, 3)]
     counts = [int(np.sum((p[..., 0] > 180) & (p[..., 2] < 90))) for p in shown]
     assert counts == sorted(counts)  # the path grows
     assert counts[-1] > 5 * counts[0]
@@ -360,10 +333,14 @@ def test_a_film_shows_the_motion_to_its_end_in_the_size_asked_for(tmp_path, suff
         ("euler/rest", 5, 0),
     ],
 )
-def test_a_film_ends_where_the_motion_is_back_at_its_start(tmp_path, capsys, name, end, turns):
+def test_a_film_ends_where_the_motion_is_back_at_its_start(
+    tmp_path, monkeypatch, capsys, name, end, turns
+):
     """A pendulum's as many whole periods as there are; of a top that comes never back, not."""
+    monkeypatch.setattr(film, "FRAMES", 6)
     path = tmp_path / "x.gif"
-    assert main(["plot", name, *SMALL, "--end", str(end), "-o", str(path), "--json"]) == 0
+    command = ["plot", name, "--what", "motion", "--end", str(end), "-o", str(path)]
+    assert main([*command, "--json"]) == 0
     out, err = capsys.readouterr()
     back = json.loads(out)["to"]
     assert ("the motion is as at t = 0," in err) == (turns > 0)
@@ -385,8 +362,8 @@ def test_what_is_nearer_is_drawn_later(tmp_path, monkeypatch):
     monkeypatch.setattr(
         collections, "PolyCollection", lambda x, **how: drawn.append(x) or made(x, **how)
     )
-    film = ["plot", "euler/sphere", *SMALL, "--end", "1", "-o", str(tmp_path / "x.gif")]
-    assert main(film) == 0
+    command = ["plot", "euler/sphere", "--what", "motion", "--end", "1"]
+    assert main([*command, "-o", str(tmp_path / "x.gif")]) == 0
     squares = np.sum(np.array([face for face in drawn[0] if len(face) == 4]) ** 2, axis=2)
     radius = np.sqrt(np.max(squares))
     depths = np.sqrt(radius**2 - squares[np.max(squares, axis=1) < 0.8 * radius**2]).mean(axis=1)

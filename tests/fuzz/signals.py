@@ -88,7 +88,7 @@ WORKS = ENDING | {
     "map": "map C --grid 100x100 --end 20000 -o x.npz",
     "map-far": "map C --grid 2x2 --end 1e5 --h 40 --f 0 -o x.npz",
     "orbits": "orbits C --grid 12x12",
-    "orbit-search": "orbit C --search 12x12 --pick 1",
+    "orbit-search": "orbits C --grid 12x12 --pick 1",
     "prove": "prove orbits C --grid 12x12",
     "prove-digits": "prove orbit grioli/precession --digits 200",
     "orbit-digits": "orbit grioli/precession --digits 400",

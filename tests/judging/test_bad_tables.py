@@ -44,10 +44,6 @@ def npz(**arrays):
     return saved
 
 
-#: The arrays of a run's file as polhode 0.2 wrote them.
-EARLIER = {"about": np.array("{}"), "times": np.array(["0"]), "states": np.array([["1"] * 6])}
-
-
 def mapping(**changes):
     """Columns of which some are changed, or left out."""
     columns = {"t": [0.5, 1, 2]} | {name: [1.0, 1.0, 1.0] for name in STATE} | changes
@@ -97,7 +93,6 @@ BAD = [
     *((commas(cell), {}, "expected a finite decimal number") for cell in ("0.5", "1.000,5")),
     *((commas(cell), {}, "expected a finite decimal number") for cell in ("1,000,5", "x,5")),
     (npz(t=np.array([0, 1], dtype=object), p=np.zeros(2)), {}, "arrays of numbers that NumPy"),
-    (npz(**EARLIER), {}, "columns (this is of polhode 0.2: of a run its .csv has them"),
     (lambda folder: folder / "none.json", {}, "none.json: file: expected a result that polhode"),
     (npz(t=ZEROS, omega=np.zeros((3, 2))), {}, ": omega"),
     (npz(t=ZEROS, picture=np.zeros((3, 3))), {}, ": picture"),

@@ -45,7 +45,8 @@ def of(name: str) -> polhode.ProvedStability:
         return polhode.prove_stability(proofs.proved(proofs.ELLIPTIC))
     if name == "goryachev":
         case = "goryachev-chaplygin/two-frequencies"
-        return polhode.prove_stability(case, search=(16, 16), returns=3, pick=1)
+        search = polhode.orbit_search(case, (16, 16), crossings=3)
+        return polhode.prove_stability(case, search.orbit(0))
     case = {"grioli": "grioli/precession", "hairer": "published/hairer-vilmart"}[name]
     return polhode.prove_stability(case)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable
+from fractions import Fraction
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -20,93 +21,71 @@ from polhode.output.description import describe
 from polhode.proofs import prove_chaos
 from polhode.proofs.proved_chaos import ProvedChaos
 from polhode.results.writer import ENDINGS
-from polhode.verbs.catalogue import VERBS, Verb
+from polhode.scenes.scene import even_times
+from polhode.verbs.catalogue import ROWS, VERBS
+from shared.verb_examples import EXAMPLES, TOP, prepare, verb_of, without_files
 
-TOP = "lagrange/nutation"
 GENERAL = "general/asymmetric-regular"
 VARY = {"start.omega[3]": "2:4:3"}
 
-#: Commands without -o, and the same in Python.
+GRIOLI = "grioli/precession"
+#: What the example of each verb gives, in Python.
 SAME: dict[str, Callable[[], Any]] = {
-    "list --tag euler": lambda: cases("euler"),
-    f"show {TOP}": lambda: describe(TOP),
-    "about --cite": lambda: about(cite=True),
-    "check euler/rest --number double": lambda: check_cases(["euler/rest"], number=["double"]),
-    f"compare run.csv {TOP}": lambda: polhode.compare(Path("run.csv"), TOP),
-    f"order run.csv fine.csv {TOP} --steps 2,1": lambda: order_between(
-        [polhode.compare(Path(name), TOP) for name in ("run.csv", "fine.csv")], ["2", "1"]
+    "list": lambda: cases("chaotic"),
+    "show": lambda: describe(TOP),
+    "run": lambda: polhode.integrate(polhode.load("top.toml").at(even_times(Fraction(1, 2), 51))),
+    "reference": lambda: polhode.reference_table("euler/separatrix", at=[1], digits=40),
+    "certify": lambda: polhode.certify(polhode.load(GENERAL).at([1]), digits=20),
+    "check": lambda: check_cases(["euler/rest"]),
+    "compare": lambda: polhode.compare(Path("top.csv"), "top.toml"),
+    "order": lambda: order_between(
+        [polhode.compare(Path(name), TOP) for name in ("coarse.csv", "fine.csv")], ["0.02", "0.01"]
     ),
-    "verify cert.json": lambda: polhode.verify("cert.json"),
+    "sweep": lambda: polhode.integrate_many(TOP, VARY, at=[0, 1]),
+    "levels": lambda: polhode.levels(GENERAL),
+    "section": lambda: polhode.section(GENERAL, grid=(2, 2), crossings=3),
+    "map": lambda: polhode.chaos_map(GENERAL, (2, 2), end=20),
+    "orbit": lambda: polhode.orbit(GRIOLI, 20),
+    "orbits": lambda: polhode.orbit_search(GENERAL, (4, 4), crossings=1),
+    "family": lambda: polhode.orbit_family(GRIOLI, "h", "0.84"),
+    "prove orbit": lambda: polhode.prove_orbit(GRIOLI),
+    "prove orbits": lambda: polhode.prove_orbits(GENERAL, (4, 4), crossings=1),
+    "prove stability": lambda: polhode.prove_stability(GENERAL),
+    "verify": lambda: polhode.verify("state.json"),
+    "frequencies": lambda: polhode.frequencies(TOP, ["gamma3"], 50),
+    "about": lambda: about(cite=True),
+}
+#: Whose answers have times of a clock.
+MEASURED = {"report"}
+#: Other commands, and the same in Python.
+MORE: dict[str, Callable[[], Any]] = {
     f"run {TOP} --at 0,1/3,pi": lambda: polhode.integrate(TOP, at=["0", "1/3", "pi"]),
     f"run {TOP} --number quad --at 1": lambda: polhode.integrate(TOP, "quad", at=[1]),
     f"run {TOP} --digits 20 --at 1 --no-prove": lambda: polhode.integrate(
         TOP, digits=20, at=[1], prove=False
     ),
-    f"reference {TOP} --at 1/3 --digits 40": lambda: polhode.reference_table(
-        TOP, at=["1/3"], digits=40
-    ),
-    f"certify {GENERAL} --at 1 --digits 20": lambda: polhode.certify(
-        polhode.load(GENERAL).at([1]), digits=20
-    ),
-    f"sweep {TOP} --vary 'start.omega[3]=2:4:3' --at 0,1": lambda: polhode.integrate_many(
-        TOP, VARY, at=[0, 1]
-    ),
     f"sweep {TOP} --vary 'start.omega[3]=2:4:3' --keep final --at 1": lambda: polhode.reduce_many(
         TOP, VARY, ["final"], at=[1]
     ),
-    f"levels {GENERAL}": lambda: polhode.levels(GENERAL),
-    f"section {GENERAL} --grid 2x2 --crossings 3": lambda: polhode.section(
-        GENERAL, grid=(2, 2), crossings=3
-    ),
-    f"map {GENERAL} --grid 2x2 --end 20": lambda: polhode.chaos_map(GENERAL, (2, 2), end=20),
-    "orbit grioli/precession --digits 20": lambda: polhode.orbit("grioli/precession", 20),
-    f"orbits {GENERAL} --grid 4x4 --crossings 1": lambda: polhode.orbit_search(
+    f"orbits {GENERAL} --grid 4x4 --crossings 1 --pick 1 --digits 20": lambda: polhode.orbit_search(
         GENERAL, (4, 4), crossings=1
-    ),
-    "family grioli/precession --by h --to 0.84": lambda: polhode.orbit_family(
-        "grioli/precession", "h", "0.84"
-    ),
-    f"frequencies {TOP} --of gamma3 --end 50": lambda: polhode.frequencies(TOP, ["gamma3"], 50),
-    "prove orbit grioli/precession": lambda: polhode.prove_orbit("grioli/precession"),
-    f"prove orbits {GENERAL} --grid 4x4 --crossings 1": lambda: polhode.prove_orbits(
-        GENERAL, (4, 4), crossings=1
-    ),
-    f"prove stability {GENERAL}": lambda: polhode.prove_stability(GENERAL),
+    ).orbit(0, 20),
 }
-#: Those that draw their results.
-WITHOUT_FIGURE = ("list", "show", "about", "check", "order", "orbits", "verify", "prove orbits")
+COMMANDS = {without_files(EXAMPLES[verb]): same for verb, same in SAME.items()} | MORE
 DRAWN = [
-    *(f"{command} -o x.svg" for command in SAME if not command.startswith(WITHOUT_FIGURE)),
-    pytest.param("prove chaos general/asymmetric-chaotic -o x.svg", marks=pytest.mark.campaign),
+    *(f"{x} -o x.svg" for x in COMMANDS if verb_of(x).figure_options is not None),
+    pytest.param(f"{without_files(EXAMPLES['prove chaos'])} -o x.svg", marks=pytest.mark.campaign),
 ]
 CERTIFICATES = ("certify", "prove orbit grioli", "prove stability")
 
 
-def verb_of(command: str) -> Verb:
-    """The row of a command's verb, of two words if there is one."""
-    first, second = command.split()[:2]
-    return VERBS.get(f"{first} {second}") or VERBS[first]
-
-
-def files_read(command: str) -> None:
-    """Files that a command reads: other programs' tables with errors, a certificate."""
-    if command.startswith(("compare", "order")):
-        run = polhode.integrate(TOP, at=[1, 2, 3])
-        for name, digits in (("run.csv", 3), ("fine.csv", 5)):
-            cells = [[repr(float(x) + 10.0**-digits) for x in row] for row in run.states]
-            rows = [f"{t},{','.join(row)}" for t, row in zip("123", cells, strict=True)]
-            Path(name).write_text("\n".join(["t,p,q,r,gamma1,gamma2,gamma3", *rows, ""]))
-    if command.startswith("verify"):
-        polhode.certify("euler/largest-axis", at=[1], digits=20).save("cert.json")
-
-
 @pytest.mark.sample(5, first=2, slow=8)
-@pytest.mark.parametrize("command", SAME)
+@pytest.mark.parametrize("command", COMMANDS)
 def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
     command, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)
-    files_read(command)
+    prepare(command)
     certified = command.startswith(CERTIFICATES)
     endings = [x for x in ENDINGS if not (certified and x == ".json")]
     if find_spec("pyarrow") is None:
@@ -122,7 +101,7 @@ def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
     assert err.splitlines()[-1] == f"written: {files.replace('x.csv', 'x.csv, x.csv.json')}"
     assert main([*words, *places, "--json"]) == 0  # its own kind is replaced
     printed = capsys.readouterr().out
-    found = SAME[command]()
+    found = COMMANDS[command]()
     assert printed == found.to_json()
     for ending in endings:
         found.save(f"y{ending}")
@@ -139,7 +118,7 @@ def test_a_command_draws_its_result_and_prints_what_the_figure_has_not(
 ):
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
-    files_read(command)
+    prepare(command)
     words = shlex.split(command)
     assert main(words) == 0
     assert Path("x.svg").read_text().startswith("<?xml")
@@ -149,9 +128,31 @@ def test_a_command_draws_its_result_and_prints_what_the_figure_has_not(
     assert capsys.readouterr().out == out != ""
 
 
-def test_every_verb_is_a_command_here():
+def test_every_verb_with_a_result_is_a_command_here():
     """But the one that takes minutes, whose answer the next test prints."""
-    assert {verb_of(command).name for command in SAME} == {*VERBS} - {"prove chaos"}
+    assert {*SAME} == {verb.name for verb in ROWS if verb.kind} - {"prove chaos"} - MEASURED
+
+
+@pytest.mark.parametrize(
+    "verb", [x for x in EXAMPLES if (not VERBS[x].kind and x != "benchmark") or x in MEASURED]
+)
+def test_the_example_of_a_verb_that_writes_pages_runs(verb, tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    prepare(EXAMPLES[verb])
+    capsys.readouterr()
+    assert main(shlex.split(EXAMPLES[verb])) == 0
+    out, _ = capsys.readouterr()
+    _, _, place = EXAMPLES[verb].partition(" -o ")
+    assert out
+    assert not place or Path(place).exists()
+
+
+@pytest.mark.parametrize("verb", EXAMPLES)
+def test_help_prints_the_example(verb, capsys):
+    with pytest.raises(SystemExit):
+        main([*verb.split(), "--help"])
+    assert capsys.readouterr().out.endswith(f"example:\n  polhode {EXAMPLES[verb]}\n")
 
 
 def test_a_proof_of_minutes_is_told_although_it_is_saved(tmp_path, monkeypatch, capsys):
@@ -184,8 +185,8 @@ def test_a_verdict_goes_to_stderr_where_stdout_is_the_files(
 ):
     """And the exit code is the verdict's, whatever is written."""
     monkeypatch.chdir(tmp_path)
-    command = f"compare run.csv {TOP}"
-    files_read(command)
+    command = f"compare fine.csv {TOP}"
+    prepare(command)
     words = [*command.split(), *flags]
     assert main(words) == code
     answer = capsys.readouterr().out

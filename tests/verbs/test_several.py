@@ -39,12 +39,12 @@ class Own(Result):
 def test_where_a_figure_fails_nothing_is_written(names, tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
-    verb = Verb("own", "", "", "Own", "", own=".own")
-    places = Places(verb, "Own", [*map(Path, names)], False, [])
+    verb = Verb("own", "", "", "Own", "", "", own=(".own",))
+    places = Places(verb, [*map(Path, names)], False, [])
     with pytest.raises(polhode.BadInput, match="result = Own: expected one that has a figure"):
         places.write(Own(), {}, ProgressLine("own"))
     assert not [*tmp_path.iterdir()]
-    places = Places(verb, "Own", [*map(Path, names[:-1])], False, [])
+    places = Places(verb, [*map(Path, names[:-1])], False, [])
     places.write(Own(), {}, ProgressLine("own"))
     assert {x.name for x in tmp_path.iterdir()} == {*names[:-1]}
 

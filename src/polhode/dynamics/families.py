@@ -479,27 +479,6 @@ def orbit_search(
     return OrbitSearch(scene, points, tried, interrupted, tuple(orbits), on, scene.provenance())
 
 
-def picked(
-    scene: Scene,
-    grid: tuple[int, int] | None,
-    pick: int | None,
-    crossings: int | None,
-    h: AnyNumber | None,
-    f: AnyNumber | None,
-    progress: Message | None,
-    digits: int = DIGITS,
-) -> Orbit:
-    """The orbit of this number among those of a search, from 1, to so many digits."""
-    if grid is None or pick is None:
-        expected = "a search and the number of an orbit in it; polhode orbits lists them"
-        raise BadInput(scene.name, "pick", pick, expected)
-    found = orbit_search(scene, grid, crossings, h, f, progress)
-    if not 1 <= pick <= len(found.orbits):
-        expected = f"a number to {len(found.orbits)}: so many orbits were found"
-        raise BadInput(scene.name, "pick", pick, expected)
-    return found.orbit(pick - 1, digits)
-
-
 def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[Guess]:
     """Starts whose return is nearer than those of the cells around, by rising number of it."""
     scene, unit = on.scene, float(on.unit)

@@ -418,7 +418,7 @@ def orbit(
         A guess of the period, in the scene's unit of time.  Without one the times at which the
         motion returns near its start are tried.
     returns : int, optional
-        The number of near returns of the motion to try (10); in a search, of crossings (3).
+        The number of near returns of the motion to try (10).
     progress : callable, optional
         Called with a line of text now and then.
 

@@ -61,6 +61,11 @@ class RationalBody(NamedTuple):
         """|T|^2."""
         return sum((t * t for t in self.torque), Fraction(0))
 
+    def reached(self, f: Fraction) -> Fraction:
+        """An energy at f: that of a rotation about a principal axis that is vertical, the least."""
+        pairs = zip(self.moments, self.torque, strict=True)
+        return min(f * f / (2 * a) - abs(t) for a, t in pairs)
+
     def below_all(self, f: Fraction) -> Fraction:
         """An energy below that of every motion at f: f^2/2A - |T|, A the largest moment."""
         size = Fraction(math.isqrt(math.ceil(self.heavy * 4**BITS)) + 1, 2**BITS)

@@ -80,7 +80,6 @@ BESIDE = {
     "enclosures/approximation": "guesses, which the proof does not trust",
     "scenes/library": "where a case's file is, names of closed forms",
     "numbers/double_double": "drift of sweeps, in pairs of doubles",
-    "output/notebook": "how a scene is shown",
     "scenes/scene_facts": "names, units and meanings of columns",
     "results": "tables and files of what is proven, whose decimals are of numbers/decimals",
 }

@@ -12,7 +12,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput, nearest
 from polhode.figures import canvas
-from polhode.figures.curve_sampling import Samples
+from polhode.figures.samples import Samples
 from polhode.results.result import Storable
 from polhode.runs.saved import Saved
 
@@ -22,12 +22,12 @@ MOTION: Mapping[str, tuple[str, str]] = {
     "omega": ("curves", "omega"),
     "momentum": ("curves", "momentum"),
     "attitude": ("curves", "attitude"),
-    "hodographs": ("hodographs", "draw"),
+    "hodographs": ("curves", "hodographs"),
     "sphere": ("sphere", "draw"),
     "integrals": ("curves", "integrals"),
     "error": ("curves", "error"),
 }
-_MAPS = {word: ("map", word) for word in ("fli", "megno", "exponent", "verdict")}
+_MAPS = {word: ("diagrams", word) for word in ("fli", "megno", "exponent", "verdict")}
 _PERIOD = {"omega": ("results", "period")}
 _ROWS = {"omega": ("results", "reference")}
 _PROVEN = {"digits": ("results", "proven")}
@@ -40,19 +40,19 @@ FIGURES: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "Enclosure": _PROVEN,
     "Ensemble": {"members": ("results", "members")},
     "EventTimes": _EVENTS,
-    "Frequencies": {"lines": ("frequencies", "draw")},
+    "Frequencies": {"lines": ("diagrams", "lines")},
     "Judgement": {"digits": ("results", "digits")},
     "Levels": {"diagram": ("levels", "draw")},
     "Orbit": _PERIOD,
-    "OrbitFamily": {"residue": ("orbit_family", "draw")},
+    "OrbitFamily": {"residue": ("diagrams", "family")},
     "OrbitSearch": {"residue": ("results", "residues")},
-    "ProvedChaos": {"chaos-proof": ("chaos_proof", "draw")},
+    "ProvedChaos": {"chaos-proof": ("proofs", "chaos")},
     "ProvedOrbit": _PERIOD,
-    "ProvedStability": {"curves": ("stability", "draw")},
+    "ProvedStability": {"curves": ("proofs", "stability")},
     "Reductions": {"kept": ("results", "reductions")},
     "Reference": _ROWS,
     "ReferenceTable": _ROWS,
-    "Section": {"crossings": ("section", "draw")},
+    "Section": {"crossings": ("diagrams", "crossings")},
     "Trajectory": MOTION,
 }
 

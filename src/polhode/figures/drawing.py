@@ -10,9 +10,8 @@ import numpy as np
 from polhode.common.errors import BadInput
 from polhode.common.texts import Page, together
 from polhode.figures import canvas, catalogue, motion_page
-from polhode.figures.curve_sampling import Samples
-from polhode.figures.explanations import explained
-from polhode.figures.sampled_motion import ANOTHER, of_samples
+from polhode.figures.motion_page import explained
+from polhode.figures.samples import ANOTHER, Samples, of_samples
 from polhode.figures.source import MOTION, Drawing, Request, Source, drawing_of
 from polhode.judging.reference import reference as reference_of
 from polhode.numbers.number_types import AnyNumber

@@ -1,4 +1,4 @@
-"""A motion as a film, GIF or MP4: the body turning, its apex drawing a path, by matplotlib.
+"""A motion as a film, a GIF: the body turning, its apex drawing a path, by matplotlib.
 
 Where the motion comes back to its first moment the film ends there, and repeats without a jump.
 """
@@ -6,20 +6,15 @@ Where the motion comes back to its first moment the film ends there, and repeats
 from __future__ import annotations
 
 import math
-import subprocess
-import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from io import BytesIO
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from polhode.common.errors import BadInput
 from polhode.equations.kinematics import turned
 from polhode.figures.canvas import BODY, HIDDEN, SPACE, paper
-from polhode.figures.curve_sampling import Samples
-from polhode.figures.sampled_motion import Motion, of_samples
+from polhode.figures.samples import Motion, Samples, of_samples
 from polhode.figures.solids import Faces, faces, solids
 from polhode.figures.sphere import IN_SPACE, apex, facing_most
 from polhode.numbers.number_types import Doubles
@@ -29,43 +24,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from PIL.Image import Image
 
-SUFFIXES = (".gif", ".mp4")
-SECONDS = 6
-DOTS = 100  # an inch
-COLOURS = 64  # of a GIF
+FRAMES, DURATION = 120, 50  # of a film, and the milliseconds of one
+INCHES, DOTS = 3.6, 100  # of a side, and of an inch
+COLOURS = 64
 _SEEN = 1e-3  # radians that are seen
 CLOSED = 3e-7  # radians: what a motion may miss its first moment by and count as back
 _LIGHT = np.array([-0.4, 0.6, 0.7]) / math.sqrt(1.01)  # right, up, to the viewer
 _PALE = np.array([0.93, 0.93, 0.93])
 _MESH = 16  # pieces of a meridian
 _ARM = 12  # pieces of a line from the fixed point, each hidden or not
-
-
-class Look(NamedTuple):
-    """``size``: pixels of a side; ``rate``: frames a second."""
-
-    size: int = 360
-    rate: int = 20
-
-
-USUAL = Look()
-
-
-def require(suffix: str, look: Look = USUAL) -> None:
-    """Raise BadInput where a film of this kind cannot be made here."""
-    if not 100 <= look.size <= 2000 or look.size % 2:
-        raise BadInput("plot", "--size", look.size, "an even number of pixels, 100 to 2000")
-    if not 1 <= look.rate <= 60:
-        raise BadInput("plot", "--fps", look.rate, "frames a second, 1 to 60")
-    if suffix == ".gif" and (look.rate > 50 or 100 % look.rate):
-        expected = "1, 2, 4, 5, 10, 20, 25 or 50: a GIF counts hundredths of a second"
-        raise BadInput("plot", "--fps", look.rate, expected)
-    if suffix == ".mp4":
-        from matplotlib import animation
-
-        if not animation.writers.is_available("ffmpeg"):
-            expected = "the program ffmpeg, which films in MP4 need; .gif and .html need none"
-            raise BadInput("polhode", "-o", suffix, expected)
 
 
 class Film(NamedTuple):
@@ -77,35 +44,45 @@ class Film(NamedTuple):
     closed: bool
 
 
-def filmed(
-    samples: Samples, suffix: str, tell: Callable[[float], None], look: Look = USUAL
-) -> Film:
-    """The body, the apex and its path; ``tell``: the fraction done."""
+def filmed(samples: Samples, tell: Callable[[float], None]) -> Film:
+    """The body, the apex and its path; ``tell``: the fraction done.
+
+    With one palette what stands still costs nothing: a quarter of what matplotlib's own writer of
+    GIFs needs.
+    """
+    from PIL import Image
+
     motion = of_samples(samples)
-    count = SECONDS * look.rate
     back = return_time(motion)
     begin, end = float(motion.times[0]), float(motion.times[-1]) if back is None else back
-    moments = np.linspace(begin, end, count, endpoint=back is None)
+    moments = np.linspace(begin, end, FRAMES, endpoint=back is None)
     with paper() as plt:
-        inches = look.size / DOTS
-        figure, axes = plt.subplots(figsize=(inches, inches), dpi=DOTS, layout="constrained")
-        drawn = _Frames(motion, axes, end, closed=back is not None)
-
-        def frames() -> Iterator[Figure]:
-            for k, moment in enumerate(moments):
-                drawn.show(float(moment))
-                tell((k + 1) / count)
-                yield figure
-
+        figure, axes = plt.subplots(figsize=(INCHES, INCHES), dpi=DOTS, layout="constrained")
         try:
-            if suffix == ".gif":
-                drawn.show(end)  # has every colour
-                data = _gif(frames(), _palette(figure), look.rate)
-            else:
-                data = _mp4(frames(), figure, samples.name, look.rate)
+            drawn = _Frames(motion, axes, end, closed=back is not None)
+            drawn.show(end)  # has every colour
+            palette = _picture(figure).quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
+            pictures = []
+            for k, moment in enumerate(moments, 1):
+                drawn.show(float(moment))
+                picture = _picture(figure).quantize(palette=palette, dither=Image.Dither.NONE)
+                pictures.append(picture)
+                tell(k / FRAMES)
         finally:
             plt.close(figure)
-        return Film(data, begin, end, back is not None)
+    out = BytesIO()
+    options = {"save_all": True, "append_images": pictures[1:], "duration": DURATION, "loop": 0}
+    pictures[0].save(out, format="GIF", **options)
+    return Film(out.getvalue(), begin, end, back is not None)
+
+
+def _picture(figure: Figure) -> Image:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from PIL import Image
+
+    canvas: Any = FigureCanvasAgg(figure)
+    canvas.draw()
+    return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
 
 
 def return_time(motion: Motion) -> float | None:
@@ -138,55 +115,6 @@ def return_time(motion: Motion) -> float | None:
         if away(low) < CLOSED:
             return float(low)
     return None
-
-
-def _gif(frames: Iterator[Figure], palette: Image, rate: int) -> bytes:
-    """Pictures of few colours one after the other, for ever."""
-    from PIL import Image
-
-    # with one palette what stands still costs nothing
-    first, *others = [
-        _picture(figure).quantize(palette=palette, dither=Image.Dither.NONE) for figure in frames
-    ]
-    out = BytesIO()
-    options = {"save_all": True, "append_images": others, "duration": 1000 // rate, "loop": 0}
-    first.save(out, format="GIF", **options)
-    return out.getvalue()
-
-
-def _palette(figure: Figure) -> Image:
-    from PIL import Image
-
-    return _picture(figure).quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
-
-
-def _picture(figure: Figure) -> Image:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from PIL import Image
-
-    canvas: Any = FigureCanvasAgg(figure)
-    canvas.draw()
-    return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-
-
-def _mp4(frames: Iterator[Figure], figure: Figure, name: str, rate: int) -> bytes:
-    from matplotlib import animation
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "film.mp4"
-        writer = animation.FFMpegWriter(rate, metadata={"title": f"polhode: {name}"})
-        try:
-            with writer.saving(figure, str(path), DOTS):
-                for _ in frames:
-                    writer.grab_frame()
-            return path.read_bytes()
-        except (OSError, subprocess.CalledProcessError) as fault:
-            if isinstance(fault.__context__, KeyboardInterrupt):  # ffmpeg hears Ctrl-C, too
-                raise fault.__context__ from None
-            said = getattr(fault, "stderr", None) or str(fault)
-            last = said.strip().splitlines()[-1] if said.strip() else "it failed"
-            expected = f"a program ffmpeg that films in MP4 ({last}); .gif and .html need none"
-            raise BadInput(name, "-o", ".mp4", expected) from None
 
 
 class _Frames:

@@ -16,9 +16,9 @@ import numpy as np
 from polhode.common.errors import BadInput, nearest
 from polhode.common.interrupts import Progress
 from polhode.equations import integrals
-from polhode.figures import catalogue, curve_sampling
-from polhode.figures.curve_sampling import Samples
-from polhode.figures.sampled_motion import ANOTHER, of_samples
+from polhode.figures import catalogue
+from polhode.figures import samples as curve_sampling
+from polhode.figures.samples import ANOTHER, Samples, of_samples
 from polhode.judging.certified import Certified
 from polhode.judging.correct_digits import largest, log10_differences, log10_rate, scaled
 from polhode.judging.diagnosis.readings import table_as_told
@@ -125,7 +125,6 @@ OUTPUTS = {
 OVER_TIME = ("integrals", "error")  # of the whole run: not cut to a window
 FREE_OF_GAMMA = ("omega", "momentum", *OVER_TIME)
 LARGEST = 1e150  # of numbers whose squares are doubles
-CHAOS = "chaos-proof"
 MOTION = "motion"  # what pages and films show
 
 #: What figures are drawn of.
@@ -208,8 +207,6 @@ def drawing_of(
 def _check(what: str, source: str) -> None:
     """Raise BadInput for what is no figure of a motion."""
     figures = [*catalogue.MOTION, MOTION]
-    if what == CHAOS:
-        raise BadInput(source, "--what", what, "polhode prove chaos SCENE -o FILE.svg from 0.3 on")
     if what not in figures:
         raise BadInput(source, "--what", what, nearest(what, figures))
 

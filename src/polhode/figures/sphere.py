@@ -15,7 +15,7 @@ import numpy as np
 
 from polhode.equations.kinematics import turned
 from polhode.figures.canvas import ink, label_text, pale, panels, series
-from polhode.figures.curve_sampling import Samples
+from polhode.figures.samples import Samples
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sign, sqrt
 from polhode.numbers.number_types import Doubles

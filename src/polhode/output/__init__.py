@@ -1,1 +1,1 @@
-"""What is listed, described, explained: cases, scenes, this installation, the guide, notebooks."""
+"""What is listed, described, explained: cases, scenes, this installation, the guide."""

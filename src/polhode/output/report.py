@@ -18,7 +18,7 @@ from polhode.judging.certified import Certified
 from polhode.judging.reference import reference
 from polhode.judging.tables.table_file import is_table
 from polhode.numbers.number_types import MAX_DIGITS, AnyNumber, AnyVector
-from polhode.output import accuracy, report_page, report_tables
+from polhode.output import accuracy, report_page
 from polhode.output.accuracy import Asked, Given, Section
 from polhode.results import places, writer
 from polhode.results.cells import TEXT
@@ -72,14 +72,17 @@ class Report(Result, ByValue):
 
     def __str__(self) -> str:
         header, rows = writer.cells(self.table())
-        lines = aligned(header, rows)
+        ends = [header.index(name) for name in ("limit", "regime")]  # long ones, which come last
+        order = [k for k in range(len(header)) if header[k] != "reference" and k not in ends]
+        used = [k for k in (*order, *ends) if any(row[k] for row in rows)]
+        lines = aligned([header[k] for k in used], [[row[k] for k in used] for row in rows])
         files = (f"{x.name}: {x.sentence}" for one in self.sections for x in one.files)
         return "\n".join([*lines, *files])
 
     @cached_property
     def tables(self) -> Mapping[str, Table]:
         """All numbers, by the names of their tables."""
-        return report_tables.tables(self.sections)
+        return accuracy.tables(self.sections)
 
     @cached_property
     def figures(self) -> Mapping[str, str]:
@@ -89,7 +92,7 @@ class Report(Result, ByValue):
     @cached_property
     def _parts(self) -> Sequence[Mapping[str, Table]]:
         """The tables of each section."""
-        return [report_tables.tables([section]) for section in self.sections]
+        return [accuracy.tables([section]) for section in self.sections]
 
     def table(self) -> Table:
         """A row for each scene: what it is, the fewest correct digits, and what limits them."""
@@ -110,8 +113,7 @@ class Report(Result, ByValue):
         """What stands in the files of a page or of numbers, by their places."""
         if path.suffix.lower() in ENDINGS:
             return writer.files(self.content(), path)
-        blocks = report_page.blocks(self.sections, self._parts, bool(self.figures))
-        return report_page.files(path, [*blocks], self.figures)
+        return report_page.page(path, self.sections, self._parts, self.figures).files()
 
     def save(self, path: str | Path) -> None:
         """Write it: .html, one page; .md, with its figures in a folder beside it; or as a result.

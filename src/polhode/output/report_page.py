@@ -1,17 +1,18 @@
-"""The page of an accuracy report: blocks, written as Markdown or as one page of HTML."""
+"""The page of an accuracy report, as Markdown and as one page of HTML."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from html import escape
 from importlib import resources
 from pathlib import Path
 from string import Template
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 from polhode.common.errors import BadInput, few, one_line, printable
 from polhode.common.files import make_folder, write_whole
@@ -32,6 +33,7 @@ TITLE = "Accuracy report"
 ENDINGS = (".html", ".md")
 ROWS = 13  # of times, on a page; JSON has all
 EVENTS = 12
+NEVER = "–"
 #: What a scene's first lines tell, of what ``polhode show`` does.
 _TOLD = (
     *("body", "regime", "conditions", "near", "motion", "units", "moments", "torque", "axes"),
@@ -52,55 +54,72 @@ _ALTS = {
 _NO_FIGURES = "The figures need matplotlib, which is not installed: pip install 'polhode[figures]'."
 
 
-class Heading(NamedTuple):
-    """A heading; ``anchor``: its name for links."""
+class Page:
+    """A page as Markdown and as HTML, block by block; pictures are those that were drawn."""
 
-    level: int
-    text: str
-    anchor: str = ""
+    def __init__(self, path: Path, svgs: Mapping[str, str]) -> None:
+        self.path, self.svgs = path, svgs
+        self.folder = path.with_name(f"{path.stem}-figures")
+        self.markdown: list[str] = []
+        self.html: list[str] = []
 
+    def heading(self, level: int, text: str, anchor: str = "") -> None:
+        """A heading; ``anchor``: its name for links."""
+        named = f' id="{anchor}"' if anchor else ""
+        self.markdown.append(f"{'#' * level} {_plain(text)}")
+        self.html.append(f"<h{level}{named}>{_escaped(text)}</h{level}>")
 
-class Words(NamedTuple):
-    """A paragraph."""
+    def words(self, text: str) -> None:
+        """A paragraph."""
+        self.markdown.append(printable(text))
+        emphasised = re.sub(r"^\*(.+?)\*:", r"<b>\1</b>:", _escaped(text))
+        self.html.append(f"<p>{emphasised}</p>")
 
-    text: str
+    def verbatim(self, text: str, summary: str = "") -> None:
+        """Lines as they are; ``summary``: what they are, where they are folded away."""
+        fence, pre = "```" + "`" * text.count("```"), f"<pre>{_escaped(text)}</pre>"
+        told = f"{summary}:\n\n" * bool(summary)
+        self.markdown.append(f"{told}{fence}text\n{printable(text)}\n{fence}")
+        if summary:
+            pre = f"<details open><summary>{_escaped(summary)}</summary>{pre}</details>"
+        self.html.append(pre)
 
+    def picture(self, name: str, alt: str) -> None:
+        """A figure by the name of its file."""
+        if name not in self.svgs:
+            return
+        word = name.partition("-")[2].removesuffix(".svg")
+        caption = f"<figcaption>{_escaped(alt)}</figcaption>"
+        self.markdown.append(f"![{alt}]({self.folder.name}/{name})")
+        self.html.append(f'<figure class="{word}">{self.svgs[name]}{caption}</figure>')
 
-class Verbatim(NamedTuple):
-    """Lines as they are; ``summary``: what they are, where they are folded away."""
+    def grid(
+        self, header: Sequence[str], rows: Sequence[Sequence[str]], anchors: Sequence[str] = ()
+    ) -> None:
+        """A table without its empty columns; in the first column links where it has ``anchors``."""
+        used = [k for k in range(len(header)) if any(row[k] for row in rows)]
+        lines = [[_plain(row[k]) for k in used] for row in (header, *rows)]
+        lines.insert(1, ["---"] * len(used))
+        self.markdown.append("\n".join(f"| {' | '.join(line)} |" for line in lines))
+        head = "".join(f"<th>{_escaped(header[k])}</th>" for k in used)
+        body = []
+        for n, row in enumerate(rows):
+            cells = [_escaped(row[k]) for k in used]
+            if anchors:
+                name = cells[0].replace("/", "/<wbr>")
+                cells[0] = f'<a href="#{anchors[n]}">{name}</a>'
+            body.append(f"<tr>{''.join(map(_cell, cells))}</tr>")
+        table = "\n".join([f"<table><tr>{head}</tr>", *body, "</table>"])
+        self.html.append(f'<div class="wide">{table}</div>')
 
-    text: str
-    summary: str = ""
-
-
-class Grid(NamedTuple):
-    """A table of texts; in the first column links where it has ``anchors``."""
-
-    header: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    anchors: Sequence[str] = ()
-
-
-class Picture(NamedTuple):
-    """A figure by the name of its file."""
-
-    name: str
-    alt: str
-
-
-Block: TypeAlias = Heading | Words | Verbatim | Grid | Picture
-
-
-def files(path: Path, page: Sequence[Block], svgs: Mapping[str, str]) -> Mapping[Path, str | bytes]:
-    """The files of a page: .md with its figures in a folder beside it, or all in one of HTML."""
-    page = [x for x in page if not isinstance(x, Picture) or x.name in svgs]
-    if path.suffix.lower() != ".md":
-        parts = "\n".join(_in_html(block, svgs) for block in page)
+    def files(self) -> Mapping[Path, str | bytes]:
+        """Its files: .md with the figures in a folder beside it, or all in one of HTML."""
+        if self.path.suffix.lower() == ".md":
+            figures = {self.folder / name: svg for name, svg in self.svgs.items()}
+            return {self.path: "\n\n".join(self.markdown) + "\n", **figures}
         template = (resources.files(__package__) / "report_page.html").read_text(encoding="utf-8")
-        return {path: Template(template).substitute(title=TITLE, parts=parts)}
-    folder = path.with_name(f"{path.stem}-figures")
-    text = "\n\n".join(_in_markdown(block, folder.name) for block in page) + "\n"
-    return {path: text, **{folder / name: svg for name, svg in svgs.items()}}
+        parts = "\n".join(self.html)
+        return {self.path: Template(template).substitute(title=TITLE, parts=parts)}
 
 
 def write(texts: Mapping[Path, str | bytes]) -> None:
@@ -131,20 +150,24 @@ def figures(sections: Sequence[Section], parts: Sequence[Tables]) -> Mapping[str
     return drawn
 
 
-def blocks(sections: Sequence[Section], parts: Sequence[Tables], is_drawn: bool) -> Iterator[Block]:
-    """The page: a row for each scene, then a section each; ``parts``: the tables of each."""
-    yield Heading(1, TITLE)
-    yield from _first(sections, parts)
-    if not is_drawn:
-        yield Words(_NO_FIGURES)
+def page(
+    path: Path, sections: Sequence[Section], parts: Sequence[Tables], svgs: Mapping[str, str]
+) -> Page:
+    """A row for each scene, then a section each; ``parts``: the tables of each."""
+    to = Page(path, svgs)
+    to.heading(1, TITLE)
+    _first(to, sections, parts)
+    if not svgs:
+        to.words(_NO_FIGURES)
     for k, (one, of) in enumerate(zip(sections, parts, strict=True), 1):
-        yield from _scene(of, one, k)
+        _scene(to, of, one, k)
     packages = ", ".join(f"{name} {version}" for name, version in versions().items())
-    yield Heading(2, "Provenance")
-    yield Words(f"{packages}; {cpu()}. Seconds are processor seconds on this machine.")
+    to.heading(2, "Provenance")
+    to.words(f"{packages}; {cpu()}. Seconds are processor seconds on this machine.")
+    return to
 
 
-def _first(sections: Sequence[Section], parts: Sequence[Tables]) -> Iterator[Block]:
+def _first(to: Page, sections: Sequence[Section], parts: Sequence[Tables]) -> None:
     rows = []
     for of in parts:
         ((name, verdict, limit, _, regime, motion, *digits, _, fewest),) = _rows(of["overview"])
@@ -152,38 +175,37 @@ def _first(sections: Sequence[Section], parts: Sequence[Tables]) -> Iterator[Blo
         mark = f"{_MARKS[verdict]} {verdict}"
         rows.append([name, mark, runs, _digits(fewest), limit, motion, regime])
     header = ["scene", "verdict", "digits of the runs", "of the files", "limit", "motion", "regime"]
-    yield _grid(header, rows, [f"scene-{k}" for k in range(1, len(rows) + 1)])
-    yield Words(f"Digits of the runs: {', '.join(x.name for x in sections[0].lines)}. {_LEGEND}")
+    to.grid(header, rows, [f"scene-{k}" for k in range(1, len(rows) + 1)])
+    to.words(f"Digits of the runs: {', '.join(x.name for x in sections[0].lines)}. {_LEGEND}")
 
 
-def _scene(of: Tables, one: Section, k: int) -> Iterator[Block]:
+def _scene(to: Page, of: Tables, one: Section, k: int) -> None:
     scene = one.scene
     title = f"{scene.name}: {one_line(scene.title)}" if scene.title else scene.name
-    yield Heading(2, title, f"scene-{k}")
-    told = str(one.description).splitlines()
-    rows = [line.split(None, 1) for line in told if line.split(None, 1)[0] in _TOLD]
-    yield Grid(["what it is", ""], [row for row in rows if len(row) == 2])
-    yield Picture(f"{k}-body.svg", _ALTS["body"])
-    yield Heading(3, "Correct digits over time")
-    yield Words(_measured_against(one))
-    yield Picture(f"{k}-digits.svg", _ALTS["digits"])
-    yield from _digits_table(of)
+    to.heading(2, title, f"scene-{k}")
+    described = [line.split(None, 1) for line in str(one.description).splitlines()]
+    to.grid(["what it is", ""], [x for x in described if len(x) == 2 and x[0] in _TOLD])
+    to.picture(f"{k}-body.svg", _ALTS["body"])
+    to.heading(3, "Correct digits over time")
+    to.words(_measured_against(one))
+    to.picture(f"{k}-digits.svg", _ALTS["digits"])
+    _add_digits(to, of)
     for line in one.lines:
         until = f"; beyond t = {brief(line.until)} {line.why}" if line.until is not None else ""
-        yield Words(f"*{line.name}*: {line.sentence}{until}.")
-    yield from _limits(of, one)
-    yield from _files(one)
-    yield from _table(of, "drift", "Drift of the integrals", _DRIFT_MEANS)
-    yield from _events(of, one)
-    yield Heading(3, "Speed against error")
-    yield Words(
+        to.words(f"*{line.name}*: {line.sentence}{until}.")
+    _add_limits(to, of, one)
+    _add_files(to, one)
+    _add_table(to, of, "drift", "Drift of the integrals", _DRIFT_MEANS)
+    _add_events(to, of, one)
+    to.heading(3, "Speed against error")
+    to.words(
         "Each row is a prepared run to the end of the scene, the least processor time of up to "
         "five calls, and its correct digits there."
     )
-    yield Picture(f"{k}-work.svg", _ALTS["work"])
-    yield from _table(of, "work")
+    to.picture(f"{k}-work.svg", _ALTS["work"])
+    _add_table(to, of, "work")
     text = (scene.source or str(scene_facts(scene)[1].value)).strip()
-    yield Verbatim(text, f"The scene; fingerprint {scene.provenance()['case']}")
+    to.verbatim(text, f"The scene; fingerprint {scene.provenance()['case']}")
 
 
 _DRIFT_MEANS = (
@@ -199,18 +221,20 @@ def _measured_against(one: Section) -> str:
     return f"Measured against {how} ({against.kind}: {against.regime}) at {times}{thinned} times."
 
 
-def _digits_table(of: Tables) -> Iterator[Block]:
+def _add_digits(to: Page, of: Tables) -> None:
     """Times down, runs and files across: the digits, and in brackets the band expected."""
     rows = _rows(of["digits"])
     names = [*dict.fromkeys(row[1] for row in rows)]
     cells = {(row[1], f"{row[2]:.12g}"): row[3:] for row in rows}
-    times = [*dict.fromkeys(time for _, time in sorted(cells, key=lambda x: abs(float(x[1]))))]
+    counts = Counter(time for _, time in cells)
+    shared = max(counts.values(), default=0)  # where files have other times than the scene
+    times = sorted((t for t, n in counts.items() if n == shared), key=lambda t: abs(float(t)))
     shown_rows = []
     for t in (times[k] for k in few(len(times), ROWS)):
         own = [cells.get((name, t), ()) for name in names]
         shown_rows.append([t, *("" if not x else _with_band(*x) for x in own)])
     if shown_rows:
-        yield Grid(["t", *names], shown_rows)
+        to.grid(["t", *names], shown_rows)
 
 
 def _with_band(digits: float, least: float, most: float) -> str:
@@ -223,84 +247,78 @@ def _digits(x: float) -> str:
     return "" if math.isnan(x) else f"{x:.2f}"
 
 
-def _limits(of: Tables, one: Section) -> Iterator[Block]:
-    yield Heading(3, "What limits them, and how far each number type reaches")
+def _add_limits(to: Page, of: Tables, one: Section) -> None:
+    to.heading(3, "What limits them, and how far each number type reaches")
     header, rows = _shown(of["runs"])
     kept = ("run", "digits", "t_of_digits", "digits_end", "limit", "half_lost_after", "lost_after")
     places = [header.index(name) for name in kept]
-    yield Grid(
+    to.grid(
         ["run", "fewest digits", "at t", "at the end", "limit", "half lost after", "lost after"],
-        [[row[k] for k in places] for row in rows],
+        [[*(row[k] for k in places[:5]), *(row[k] or NEVER for k in places[5:])] for row in rows],
     )
     growth = one.growth
     kappa, amplification = growth.kappa[-1], growth.log10_amplification[-1]
     told = "" if kappa is None else f" At the end kappa is {kappa:.3g}"
     if told and amplification is not None:
         told += f", and an error made on the way is multiplied by up to {10**amplification:.3g}"
-    beyond = "An empty cell: not by the end of the scene. Times beyond it follow from the exponent."
-    yield Words(f"The motion is {one.motion}.{told + '.' if told else ''} {beyond}")
+    beyond = f"{NEVER}: not by the end of the scene. Times beyond it follow from the exponent."
+    to.words(f"The motion is {one.motion}.{told + '.' if told else ''} {beyond}")
 
 
-def _files(one: Section) -> Iterator[Block]:
+def _add_files(to: Page, one: Section) -> None:
     for line in one.files:
-        yield Heading(3, f"File {line.name}: {line.mark(one.wanted)}")
-        yield Verbatim(line.sentence if line.judgement is None else str(line.judgement))
+        to.heading(3, f"File {line.name}: {line.mark(one.wanted)}")
+        to.verbatim(line.sentence if line.judgement is None else str(line.judgement))
         words = "fewer than half of the digits are right", "none is"
         places = zip(words, one.reach(line), strict=True)
         first = [f"{x} from t = {t:.6g} on" for x, t in places if t is not None]
         if first:
-            yield Words(f"Where it goes wrong: {'; '.join(first)}.")
+            to.words(f"Where it goes wrong: {'; '.join(first)}.")
     for order in one.orders:
-        yield Heading(3, "Order of convergence")
-        yield Verbatim(str(order))
+        to.heading(3, "Order of convergence")
+        to.verbatim(str(order))
 
 
-def _events(of: Tables, one: Section) -> Iterator[Block]:
+def _add_events(to: Page, of: Tables, one: Section) -> None:
     header, rows = _shown(of["events"])
     if not rows:
         return
     by_run = [[row for row in rows if row[0] == line.name] for line in one.lines]
     kept = [row for own in by_run for row in own[:EVENTS]]
-    yield Heading(3, "Events")
+    to.heading(3, "Events")
     left = len(rows) - len(kept)
     more = f" The first {EVENTS} of each run; JSON has {left} more." if left else ""
     meaning = "Uncertainty: how far rounding can move the time; depth: how far it goes beyond zero."
-    yield Words(f"{meaning}{more}")
-    yield Grid(header, kept)
+    to.words(f"{meaning}{more}")
+    to.grid(header, kept)
 
 
-def _table(of: Tables, name: str, title: str = "", text: str = "") -> Iterator[Block]:
+def _add_table(to: Page, of: Tables, name: str, title: str = "", text: str = "") -> None:
     header, rows = _shown(of[name])
     if not rows:
         return
     if title:
-        yield Heading(3, title)
+        to.heading(3, title)
     if text:
-        yield Words(text)
-    yield _grid(header, rows)
+        to.words(text)
+    to.grid(header, rows)
 
 
-def _grid(
-    header: Sequence[str], rows: Sequence[Sequence[str]], anchors: Sequence[str] = ()
-) -> Grid:
-    """A table without its empty columns."""
-    used = [k for k in range(len(header)) if any(row[k] for row in rows)]
-    return Grid([header[k] for k in used], [[row[k] for k in used] for row in rows], anchors)
-
-
-def of_tests(rows: Sequence[JsonObject]) -> tuple[list[Block], Mapping[str, str]]:
-    """The page of a test suite's judgements, and its figures.
+def of_tests(path: Path, rows: Sequence[JsonObject]) -> Page:
+    """The page of a test suite's judgements.
 
     ``rows``: of each judgement the test and whether it passed, the scene, the times, the digits,
     and the verdict.
     """
+    svgs: dict[str, str] = {}
     header = ["test", "verdict", "digits", "scene", "what they mean"]
     marks = {True: f"{_MARKS[GOOD]} passed", False: f"{_MARKS[BAD]} failed"}
     cells = [
         (x["test"], marks[x["passed"]], f"{x['worst']:.2f}", x["scene"], x["verdict"]) for x in rows
     ]
-    page: list[Block] = [Heading(1, TITLE), Grid(header, cells)]
-    svgs = {}
+    to = Page(path, svgs)
+    to.heading(1, TITLE)
+    to.grid(header, cells)
     for k, scene in enumerate(dict.fromkeys(row["scene"] for row in rows), 1):
         curves = [
             (scene, x["test"].rpartition("::")[2], *pair, math.nan, math.nan)
@@ -312,8 +330,9 @@ def of_tests(rows: Sequence[JsonObject]) -> tuple[list[Block], Mapping[str, str]
             canvas.require()
             draw = partial(accuracy.digits, scene=None, rows=curves)
             svgs[f"{k}-digits.svg"] = accuracy.drawn(draw, f"{scene}: {_ALTS['digits']}")
-            page += [Heading(2, scene), Picture(f"{k}-digits.svg", "correct digits over time")]
-    return page, svgs
+            to.heading(2, scene)
+            to.picture(f"{k}-digits.svg", "correct digits over time")
+    return to
 
 
 # -- rows of the tables ---------------------------------------------------------------------------
@@ -335,61 +354,12 @@ def _shown(table: Table) -> tuple[list[str], list[list[str]]]:
     return header[1:], [row[1:] for row in rows]
 
 
-# -- blocks as text -------------------------------------------------------------------------------
-
-
-def _in_markdown(block: Block, folder: str) -> str:
-    match block:
-        case Heading(level, text, _):
-            return f"{'#' * level} {_plain(text)}"
-        case Words(text):
-            return printable(text)
-        case Verbatim(text, summary):
-            fence = "```" + "`" * text.count("```")
-            return f"{summary}:\n\n" * bool(summary) + f"{fence}text\n{printable(text)}\n{fence}"
-        case Picture(name, alt):
-            return f"![{alt}]({folder}/{name})"
-        case Grid(header, rows, _):
-            lines = [[_plain(x) for x in row] for row in (header, *rows)]
-            lines.insert(1, ["---"] * len(header))
-            return "\n".join(f"| {' | '.join(row)} |" for row in lines)
+# -- texts on a page -------------------------------------------------------------------------------
 
 
 def _plain(text: str) -> str:
     """Text in one line of Markdown, in a cell of a table too."""
     return re.sub(r"([|*<\\])", r"\\\1", one_line(text))
-
-
-def _in_html(block: Block, svgs: Mapping[str, str]) -> str:
-    match block:
-        case Heading(level, text, anchor):
-            named = f' id="{anchor}"' if anchor else ""
-            return f"<h{level}{named}>{_escaped(text)}</h{level}>"
-        case Words(text):
-            emphasised = re.sub(r"^\*(.+?)\*:", r"<b>\1</b>:", _escaped(text))
-            return f"<p>{emphasised}</p>"
-        case Verbatim(text, summary):
-            pre = f"<pre>{_escaped(text)}</pre>"
-            return (
-                f"<details open><summary>{_escaped(summary)}</summary>{pre}</details>"
-                if summary
-                else pre
-            )
-        case Picture(name, alt):
-            caption = f"<figcaption>{_escaped(alt)}</figcaption>"
-            word = name.partition("-")[2].removesuffix(".svg")
-            return f'<figure class="{word}">{svgs[name]}{caption}</figure>' if name in svgs else ""
-        case Grid(header, rows, anchors):
-            head = "".join(f"<th>{_escaped(x)}</th>" for x in header)
-            lines = []
-            for k, row in enumerate(rows):
-                cells = [_escaped(x) for x in row]
-                if anchors:
-                    name = cells[0].replace("/", "/<wbr>")
-                    cells[0] = f'<a href="#{anchors[k]}">{name}</a>'
-                lines.append("<tr>" + "".join(map(_cell, cells)) + "</tr>")
-            body = "\n".join(lines)
-            return f'<div class="wide"><table><tr>{head}</tr>\n{body}\n</table></div>'
 
 
 def _cell(text: str) -> str:

@@ -11,7 +11,7 @@ from polhode.common.arguments import whole
 from polhode.common.errors import BadInput, aligned
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
-from polhode.dynamics.families import OrbitSearch, orbit_search, picked
+from polhode.dynamics.families import OrbitSearch, orbit_search
 from polhode.dynamics.newton_shooting import Surface
 from polhode.dynamics.orbit import Orbit
 from polhode.dynamics.orbit import orbit as approximate
@@ -45,8 +45,6 @@ def prove_orbit(
     returns: int | None = None,
     progress: Message | None = None,
     tolerance: AnyNumber | None = None,
-    search: tuple[int, int] | None = None,
-    pick: int | None = None,
 ) -> ProvedOrbit:
     """Prove that a periodic orbit exists, and where: start, period, residue, multipliers, kind.
 
@@ -69,8 +67,6 @@ def prove_orbit(
         Prove it for every body whose moments and components of Mg r0, in principal axes, differ
         from the scene's by at most this relative amount, on the one level; above 0, below 1.  The
         balls then hold the orbits of all of them, and are accordingly wide.
-    search, pick : tuple of int and int, optional
-        Cells of a search instead, and which orbit of it to prove, as in :func:`polhode.orbit`.
 
     Returns
     -------
@@ -100,15 +96,10 @@ def prove_orbit(
     scene = library.load(scene, takes=REQUESTS)
     wanted = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
     bodies = tolerance_of(scene.name, tolerance)
-    guess = {"period": period, "returns": returns, "search": search, "pick": pick}
-    if orbit is None and search is None and pick is None:
+    if orbit is None:
         orbit = approximate(scene, h=h, f=f, period=period, returns=returns, progress=progress)
-    elif orbit is None and period is None:
-        orbit = picked(scene, search, pick, returns, h, f, progress)
-    elif orbit is None:
-        raise BadInput(scene.name, "search", None, "no period with it")
-    elif any(x is not None for x in guess.values()):
-        raise BadInput(scene.name, "orbit", None, f"no {', '.join(guess)} with it")
+    elif period is not None or returns is not None:
+        raise BadInput(scene.name, "orbit", None, "no period, returns with it")
     asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
     on = Surface(scene, asked.h, asked.f)
     if isinstance(orbit, Orbit) and _alike(orbit.surface, on):

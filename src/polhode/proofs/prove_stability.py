@@ -46,8 +46,6 @@ def prove_stability(
     period: AnyNumber | None = None,
     returns: int | None = None,
     progress: Message | None = None,
-    search: tuple[int, int] | None = None,
-    pick: int | None = None,
 ) -> ProvedStability:
     """Prove that a periodic orbit is stable for all time, by Moser's theorem.
 
@@ -67,8 +65,6 @@ def prove_stability(
         A guess of the period, or the number of near returns to try, as in :func:`polhode.orbit`.
     progress : callable, optional
         Called with a line of text now and then.
-    search, pick : tuple of int and int, optional
-        Cells of a search instead, and which orbit of it to prove, as in :func:`polhode.orbit`.
 
     Returns
     -------
@@ -97,11 +93,10 @@ def prove_stability(
         start = scene
 
         def prove(places: int) -> ProvedOrbit:
-            level = places, h, f
-            return prove_orbit(start, orbit, *level, period, returns, progress, None, search, pick)
+            return prove_orbit(start, orbit, places, h, f, period, returns, progress)
 
         return of_orbit(prove(digits), prove, progress)
-    if any(x is not None for x in (orbit, h, f, period, returns, search, pick)):
+    if any(x is not None for x in (orbit, h, f, period, returns)):
         raise BadInput(scene.scene.name, "scene", None, "nothing else with an orbit that is proved")
     return of_orbit(scene, near(scene), progress)
 

@@ -60,7 +60,7 @@ KINDS = (
 #: What a file that is none makes reading it raise.
 DAMAGED = (LookupError, TypeError, AttributeError, ArithmeticError, MemoryError, *UNREADABLE)
 CERTIFICATE = "polhode certificate"
-FOREIGN = "polhode did not write it, or did before 0.3"
+FOREIGN = "polhode did not write it"
 CHANGED = "it was changed since polhode wrote it"
 
 
@@ -218,7 +218,7 @@ def _object(data: bytes) -> dict[str, Value]:
     if isinstance(content, dict) and str(content.get("format")).startswith(CERTIFICATE):
         raise ValueError("this is a certificate, which polhode.verify checks")
     if not isinstance(content, dict) or content.get("format") != FORMAT:
-        raise ValueError("another format, of another program or of polhode before 0.3")
+        raise ValueError("another format than this version's")
     return content
 
 

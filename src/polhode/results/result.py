@@ -1,7 +1,6 @@
 """What every result does: it tells its table and facts, and is saved, drawn and tabulated by them.
 
-What draws and shows lies on higher floors: it is imported when it is called, and ``pyproject.toml``
-names each of these imports among what the contracts of import-linter ignore.
+What draws lies on a higher floor: a result asks the package for the public function by its name.
 """
 
 from __future__ import annotations
@@ -73,9 +72,9 @@ class Storable:
         Axes or ndarray of Axes
             The axes drawn into, an array of them where there are several.
         """
-        from polhode.figures import drawing
+        import polhode
 
-        return drawing.plot(self, what, ax, **options)
+        return polhode.plot(self, what, ax, **options)
 
     def to_json(self) -> str:
         """Give the text of a JSON file: facts by name, and columns under ``columns``.
@@ -107,9 +106,9 @@ class Storable:
         return frames.to_xarray(self.content())
 
     def _repr_html_(self) -> str:
-        from polhode.output import notebook
+        from polhode.results import writer
 
-        return notebook.of_result(self)
+        return writer.to_html(repr(self), str(self))
 
 
 class Result(Storable):
@@ -141,6 +140,11 @@ class Result(Storable):
 
         kind, facts = type(self).__name__, tuple(written_facts(self.facts()))
         return Content(kind, __version__, repr(self), written_table(self.table()), facts)
+
+    def _repr_html_(self) -> str:
+        from polhode.results import writer
+
+        return writer.to_html(repr(self), str(self), self.table)
 
     def column(self, name: str) -> Values:
         """The values of a column of the table; raises BadInput for another name.

@@ -7,14 +7,15 @@ import io
 import json
 import re
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polhode.common.errors import BadInput, aligned, nearest
+from polhode.common.errors import BadInput, aligned, nearest, printable
 from polhode.common.files import is_stream
 from polhode.numbers.decimals import Ball, guaranteed, in_full, is_decimal, strings
 from polhode.numbers.number_types import DOUBLE as DOUBLES
@@ -38,6 +39,9 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 
+MOST_ROWS, MOST_LINES = 8, 40  # that a notebook shows
+
+
 def lines(table: Table) -> list[str]:
     """The lines of a table as a terminal shows it, in aligned columns."""
     return aligned(*cells(table))
@@ -47,6 +51,28 @@ def cells(table: Table) -> tuple[list[str], list[list[str]]]:
     """Header and rows of what is shown of a table; empty where there is no number."""
     columns = [x for x in table.columns if x.digits]
     return [x.name for x in columns], [*map(list, zip(*map(_shown_cells, columns), strict=True))]
+
+
+def to_html(title: str, report: str, table: Callable[[], Table] | None = None) -> str:
+    """What a notebook shows of a result: a short report, else the first rows of its table.
+
+    ``report``: the title again where there is none.  Nothing is computed that it does not show.
+    """
+    if report != title and report.count("\n") < MOST_LINES:
+        return f"<pre>{escape(printable(report))}</pre>"
+    heading = f"<p>{escape(printable(title.strip('<>')))}</p>"
+    if table is None:
+        return heading
+    whole = table()
+    few_rows = [column._replace(values=column.values[:MOST_ROWS]) for column in whole.columns]
+    header, rows = cells(whole._replace(columns=few_rows))
+    head = "".join(f"<th>{escape(name)}</th>" for name in header)
+    lines = "".join(
+        "<tr>" + "".join(f"<td>{escape(printable(x[:24]))}</td>" for x in row) + "</tr>"
+        for row in rows
+    )
+    more = f"<p>{whole.rows} rows in all</p>" if whole.rows > MOST_ROWS else ""
+    return f"{heading}<table><tr>{head}</tr>{lines}</table>{more}"
 
 
 def _shown_cells(column: Column) -> list[str]:

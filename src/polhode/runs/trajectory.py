@@ -342,9 +342,9 @@ class Trajectory(Result, ByValue, Generic[S_co]):
 
     def view(self, *, end: AnyNumber | None = None) -> Page:
         """The motion as an animated page, see :func:`polhode.view`."""
-        from polhode.figures import drawing
+        import polhode
 
-        return drawing.view(self, end=end)
+        return polhode.view(self, end=end)
 
     @property
     def seconds(self) -> Mapping[str, float]:

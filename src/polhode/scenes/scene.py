@@ -22,7 +22,7 @@ from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import AnyNumber
 from polhode.numbers.vectors import Vector, dot, scaled
 from polhode.scenes import vocabulary
-from polhode.scenes.body import Body, exact_vector
+from polhode.scenes.body import Body, exact_vector, kind_of_body
 from polhode.scenes.given_numbers import TIME, number_in_text, reader
 from polhode.scenes.vocabulary import (
     COLUMNS,
@@ -509,9 +509,20 @@ class Scene:
         return f"<Scene {self.name}: moments {moments}{until}>"
 
     def _repr_html_(self) -> str:
-        from polhode.output import notebook
+        from polhode.results import writer
 
-        return notebook.of_scene(self)
+        facts = {
+            "": self.title or self.name,
+            "body": kind_of_body(self.body),
+            **{key: ", ".join(map(shown, row)) for key, row in self._vectors()},
+            "times": f"{len(self.times)}, to t = {shown(self.end)}" if self.times else "none",
+        }
+        return writer.to_html(repr(self), "\n".join(f"{k:<9}{v}".strip() for k, v in facts.items()))
+
+    def _vectors(self) -> list[tuple[str, Sequence[Exact]]]:
+        body, gamma = self.body, [] if self.gamma is None else [("gamma", self.gamma)]
+        rows = [("moments", body.moments), ("Mg r0", body.torque), ("omega", self.omega)]
+        return [*rows, *gamma]
 
     def _bad(self, key: str, value: object, expected: str) -> BadInput:
         return BadInput(self.name, key, value, expected)

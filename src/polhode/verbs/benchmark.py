@@ -7,10 +7,8 @@ from argparse import ArgumentParser, Namespace
 from polhode.verbs.options import add_folder, word
 from polhode.verbs.terminal import DONE, ProgressLine, note, say_written
 
-HELP = "the heavy top benchmark: certified values, certificates, checkers in other languages"
 
-
-def options(parser: ArgumentParser) -> None:
+def add_benchmark(parser: ArgumentParser) -> None:
     """The verb's own options."""
     add_folder(parser, "reports/benchmark")
     parser.add_argument(
@@ -23,7 +21,7 @@ def options(parser: ArgumentParser) -> None:
     )
 
 
-def main(options: Namespace) -> int:
+def benchmark(options: Namespace) -> int:
     """Prove and write all tops, or some."""
     from polhode.benchmark.folder import SECONDS, write_benchmark
     from polhode.benchmark.tops import TOPS

@@ -1,4 +1,4 @@
-"""The verbs that are functions: a row each.  The others have a module of their own here."""
+"""The verbs: a row each, with one example, in the order in which --help lists them."""
 
 from __future__ import annotations
 
@@ -13,14 +13,18 @@ _CMAP = {"metavar": "NAME", "help": "matplotlib's colours of a figure (viridis)"
 
 
 class Verb(NamedTuple):
-    """What makes a verb of a function.
+    """What makes a verb.
 
-    ``home``, ``function``: where it is.  ``kind``: the class of its result.  ``named``: options
-    whose names differ from the parameters'; one without dashes is an argument, None for none.
-    ``scene``: options that change the scene before the function takes it.  ``counts``: what its
-    progress counts.  ``own``: the ending of a file of the kind's own, which a stream gets, too;
-    ``checks``: whether that is a certificate whose check takes long.  ``is_box``: whether its
-    scene's start may be a box.  ``other_kinds``: of the result where a parameter is given.
+    ``home``, ``function``: the function that it calls, whose parameters are its options; where
+    there is no ``kind`` of result, that carries it out itself, and ``add_<function>`` of the same
+    module adds its options.  ``example``: what may follow ``polhode``; each reads what those above
+    it wrote.  ``named``: options whose names differ from the parameters'; one without dashes is an
+    argument, None for none.  ``scene``: options that change the scene before the function takes it.
+    ``notes``: the function of :mod:`polhode.verbs.notes` that tells of its result.  ``counts``:
+    what its progress counts.  ``own``: the endings of files of the kind's own, of which a stream
+    gets the first; ``checks``: whether that is a certificate whose check takes long.  ``is_box``:
+    whether its scene's start may be a box.  ``other_kinds``: of the result where a parameter is
+    given, or the verb whose result it then is.
     ``prints_rows``: whether it prints rows that a file of its data has, too, and then leaves them
     out; what another verb prints is printed with ``-o``, too.  ``figure_options``: None where it
     has no figure.
@@ -31,19 +35,27 @@ class Verb(NamedTuple):
     function: str
     kind: str
     help: str
+    example: str
     named: Mapping[str, str | None] = {}
     scene: Sequence[str] = ()
+    notes: str = "itself"
     counts: str = "steps"
-    own: str = ""
+    own: Sequence[str] = ()
     checks: bool = False
     is_box: bool = False
     other_kinds: Mapping[str, str] = {}
     prints_rows: bool = False
     figure_options: Mapping[str, Mapping[str, Any]] | None = _TITLE
 
+    @property
+    def command(self) -> str:
+        """The example in full."""
+        return f"polhode {self.name} {self.example}".rstrip()
+
 
 _MOTION = "angles (default), omega, momentum, attitude, hodographs, sphere, integrals or error"
 _MAP = "fli (default), megno, exponent or verdict"
+_PLOT, _FUNCTIONS, _PROOFS = "polhode.verbs.plot", "polhode.verbs.functions", "polhode.proofs"
 
 
 def _what(words: str) -> Mapping[str, str]:
@@ -54,161 +66,222 @@ ROWS = (
     Verb(
         *("list", "polhode.output.cases", "cases", "Cases"),
         "the cases that ship, with regime and reference",
+        "--tag chaotic",
+        notes="nothing",
         figure_options=None,
         prints_rows=True,
     ),
     Verb(
         *("show", "polhode.output.description", "describe", "Description"),
         "body, regime, integrals, frequencies, columns to be integrated",
+        "lagrange/nutation",
+        notes="nothing",
         figure_options=None,
     ),
     Verb(
-        *("check", "polhode.checks.check_report", "check_cases", "CheckReport"),
-        "regression against references and published figures",
-        figure_options=None,
-    ),
-    Verb(
-        *("about", "polhode.output.about", "about", "About"),
-        "versions, number types, processor, caches; how to cite",
-        figure_options=None,
+        *("new", "polhode.verbs.new", "new", ""),
+        "a commented scene file to begin with, from a case or a shape",
+        "top.toml --cone '3 cm,5 cm,50 g' --end '0.5 s'",
     ),
     Verb(
         *("run", "polhode.judging.adaptive_precision", "integrate", "Trajectory"),
         "integrate a scene",
+        "top.toml --samples 51 -o top.csv",
         {"at": None, "inputs": None, "proved": "--prove"},
         (TIMES, FORM, OUTPUTS),
+        notes="run",
         figure_options={"--what": _what(_MOTION), **_TITLE},
         prints_rows=True,
     ),
     Verb(
-        *("reference", "polhode.judging.reference", "reference_table"),
-        "ReferenceTable",
+        *("reference", "polhode.judging.reference", "reference_table", "ReferenceTable"),
         "the closed form alone, to any number of digits, no integration",
+        "euler/separatrix --at 1 --digits 40",
         {"at": None},
         (TIMES,),
+        notes="reference",
         prints_rows=True,
     ),
     Verb(
-        *("certify", "polhode.verbs.certify", "certified", "Enclosure"),
+        *("certify", _FUNCTIONS, "certified", "Enclosure"),
         "a proven enclosure of any motion: only proven digits are printed",
+        "general/asymmetric-regular --at 1 --digits 20 -o state.json",
         {"certificate": None},
         (TIMES, OUTPUTS),
-        own=".json",
+        notes="certified",
+        own=(".json",),
         checks=True,
         is_box=True,
         prints_rows=True,
     ),
     Verb(
-        *("compare", "polhode.verbs.compare", "judged", "Judgement"),
-        "judge a trajectory that another program computed",
-        {"scene": "scene"},
-    ),
-    Verb(
-        *("order", "polhode.verbs.compare", "order", "ObservedOrder"),
-        "the order of a method, from files that it made with different steps",
-        {"scene": "scene"},
+        *("check", "polhode.checks.check_report", "check_cases", "CheckReport"),
+        "regression against references and published figures",
+        "euler/rest",
+        notes="check",
         figure_options=None,
     ),
     Verb(
-        *("sweep", "polhode.verbs.sweep", "sweep", "Ensemble"),
+        *("compare", _FUNCTIONS, "judged", "Judgement"),
+        "judge a trajectory that another program computed",
+        "top.csv top.toml",
+        {"scene": "scene"},
+        notes="nothing",
+    ),
+    Verb(
+        *("order", _FUNCTIONS, "order", "ObservedOrder"),
+        "the order of a method, from files that it made with different steps",
+        "coarse.csv fine.csv lagrange/nutation --steps 0.02,0.01",
+        {"scene": "scene"},
+        notes="nothing",
+        figure_options=None,
+    ),
+    Verb(
+        *("sweep", _FUNCTIONS, "sweep", "Ensemble"),
         "many tops at once, with varied numbers; not projected, not checked",
+        "lagrange/nutation --vary 'start.omega[3]=2:4:3' --at 0,1 -o sweep.csv",
         scene=(TIMES,),
+        notes="sweep",
         figure_options={"--cmap": _CMAP, **_TITLE},
         counts="members",
         other_kinds={"keep": "Reductions"},
         prints_rows=True,
     ),
     Verb(
+        *("plot", _PLOT, "plot", ""),
+        "a figure of a motion or a result, from a scene or a file",
+        "top.toml --what omega -o top.svg",
+    ),
+    Verb(
+        *("view", _PLOT, "view", ""),
+        "motions as one animated HTML page that needs nothing else",
+        "top.toml -o top.html",
+    ),
+    Verb(
         *("levels", "polhode.dynamics.levels", "levels", "Levels"),
         "the (f, h) diagram in closed form: permanent rotations, cusps, where a scene lies",
+        "general/asymmetric-regular",
+        notes="nothing",
         figure_options={"--f-range": _RANGE, "--h-range": _RANGE, **_TITLE},
     ),
     Verb(
         *("section", "polhode.dynamics.section", "section", "Section"),
         "crossings of a section by many orbits on one level of energy and area",
+        "general/asymmetric-regular --grid 2x2 --crossings 3 -o section.npz",
+        notes="section",
         counts="orbits",
         prints_rows=True,
     ),
     Verb(
         *("map", "polhode.dynamics.chaos_map", "chaos_map", "ChaosMap"),
         "a chaos map: growth of one tangent per motion, over a grid or two varied numbers",
+        "general/asymmetric-regular --grid 2x2 --end 20 -o map.npz",
+        notes="chaos_map",
         figure_options={"--what": _what(_MAP), "--cmap": _CMAP, **_TITLE},
         counts="motions",
     ),
     Verb(
-        *("orbit", "polhode.verbs.orbit", "orbit", "Orbit"),
-        "a periodic orbit to any number of digits, and its stability",
-        own=".toml",
+        *("orbit", "polhode.dynamics.orbit", "orbit", "Orbit"),
+        "the periodic orbit near a start to any number of digits, and its stability",
+        "grioli/precession --digits 20",
+        notes="orbit",
+        own=(".toml",),
     ),
     Verb(
-        *("orbits", "polhode.dynamics.families", "orbit_search", "OrbitSearch"),
-        "the periodic orbits of a level, searched from cells of its section",
+        *("orbits", _FUNCTIONS, "orbits", "OrbitSearch"),
+        "the periodic orbits of a level, searched from cells of its section, or one of them",
+        "general/asymmetric-regular --grid 4x4 --crossings 1 -o orbits.csv",
+        notes="orbits",
+        other_kinds={"pick": "orbit"},
         prints_rows=True,
     ),
     Verb(
         *("family", "polhode.dynamics.families", "orbit_family", "OrbitFamily"),
         "a family of periodic orbits along the energy or the vertical momentum",
+        "grioli/precession --by h --to 0.84 -o family.json",
         prints_rows=True,
     ),
     Verb(
-        *("frequencies", "polhode.dynamics.frequencies", "frequencies", "Frequencies"),
-        "frequency analysis (Laskar) of a motion, from a scene or a trajectory file",
-        prints_rows=True,
+        *("prove orbit", f"{_PROOFS}.prove_orbit", "prove_orbit", "ProvedOrbit"),
+        "that a periodic orbit exists, where, how stable it is",
+        "grioli/precession -o orbit.json",
+        notes="proved_orbit",
+        own=(".json",),
+    ),
+    Verb(
+        *("prove orbits", f"{_PROOFS}.prove_orbit", "prove_orbits", "ProvedOrbits"),
+        "which orbits of a search of a level exist",
+        "general/asymmetric-regular --grid 4x4 --crossings 1",
+        notes="orbits",
+        figure_options=None,
+    ),
+    Verb(
+        *("prove stability", f"{_PROOFS}.prove_stability", "prove_stability", "ProvedStability"),
+        "that a periodic orbit is stable for all time",
+        "general/asymmetric-regular -o stability.json",
+        notes="proved_orbit",
+        own=(".json",),
+    ),
+    Verb(
+        *("prove chaos", f"{_PROOFS}.prove_chaos", "prove_chaos", "ProvedChaos"),
+        "that the motion on a level is chaotic",
+        "general/asymmetric-chaotic -o chaos.json",
+        notes="proved_chaos",
+        own=(".json",),
     ),
     Verb(
         *("verify", "polhode.certificates.verdict", "verify", "Verdict"),
         "check a proof's certificate, by a program of its own",
+        "state.json",
+        notes="nothing",
         figure_options=None,
     ),
     Verb(
-        *("prove orbit", "polhode.proofs.prove_orbit", "prove_orbit", "ProvedOrbit"),
-        "that a periodic orbit exists, where, how stable it is",
-        own=".json",
+        *("frequencies", "polhode.dynamics.frequencies", "frequencies", "Frequencies"),
+        "frequency analysis (Laskar) of a motion, from a scene or a trajectory file",
+        "lagrange/nutation --of gamma3 --end 50",
+        notes="frequencies",
+        prints_rows=True,
     ),
     Verb(
-        *("prove orbits", "polhode.proofs.prove_orbit", "prove_orbits", "ProvedOrbits"),
-        "which orbits of a search of a level exist",
+        *("report", _FUNCTIONS, "report", "Report"),
+        "an accuracy report of your scenes, and of files that other programs made of their motions",
+        "top.toml top.csv -o report.html",
+        scene=(TIMES,),
+        notes="nothing",
+        own=(".html", ".md"),
         figure_options=None,
     ),
     Verb(
-        *("prove stability", "polhode.proofs.prove_stability", "prove_stability"),
-        "ProvedStability",
-        "that a periodic orbit is stable for all time",
-        own=".json",
+        *("study", "polhode.verbs.study", "study", ""),
+        "run one of polhode's own studies, or all of them, and write them",
+        "accuracy --quick --only euler/sphere",
     ),
     Verb(
-        *("prove chaos", "polhode.proofs.prove_chaos", "prove_chaos", "ProvedChaos"),
-        "that the motion on a level is chaotic",
-        own=".json",
+        *("benchmark", "polhode.verbs.benchmark", "benchmark", ""),
+        "the heavy top benchmark: certified values, certificates, checkers in other languages",
+        "--only staude-unstable -o benchmark",
+    ),
+    Verb(
+        *("guide", "polhode.verbs.guide", "guide", ""),
+        "the guide: topics, one of them, or where a word occurs",
+        "judging",
+    ),
+    Verb(
+        *("about", "polhode.output.about", "about", "About"),
+        "versions, number types, processor, caches; how to cite",
+        "--cite",
+        notes="nothing",
+        figure_options=None,
     ),
 )
 
 VERBS = {verb.name: verb for verb in ROWS}
 
+#: First words of the verbs, as they are listed.
+NAMES = tuple(dict.fromkeys(verb.name.partition(" ")[0] for verb in ROWS))
+
 #: Verbs of several words by the first one, and what that is about.
 GROUPS = {
     "prove": "proofs: periodic orbits, where they are, which are stable; that a level is chaotic"
-}
-
-#: Options of 0.2 that are now elsewhere.
-MOVED = {
-    "run": {
-        "--proved": "--prove",
-        "--unproved": "--no-prove",
-        "--project-every": "--project N",
-    },
-    "reference": dict.fromkeys(
-        ("--certified", "--events", "--max-seconds", "--max-steps", "--statement"),
-        "polhode certify SCENE",
-    ),
-    "compare": {
-        "--orders": "polhode order FILE FILE... SCENE",
-        "--steps": "polhode order FILE FILE... SCENE --steps H,H",
-    },
-    "orbit": {
-        "--prove": "polhode prove orbit SCENE",
-        "--continue": "polhode family SCENE --by h --to VALUE",
-    },
-    "study": {"--without": "no option, as what is not installed is left out"},
-    "levels": {"--f": "--f-range A:B", "--h": "--h-range A:B"},
 }

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from polhode.common.errors import BadInput
 from polhode.common.files import check_writable, is_stdout, is_stream, write_stdout, write_whole
 from polhode.verbs import options, scene_options
-from polhode.verbs.catalogue import Verb
+from polhode.verbs.catalogue import VERBS, Verb
 from polhode.verbs.terminal import (
     DONE,
     FAILED,
@@ -50,7 +50,7 @@ def add_options(parser: ArgumentParser, verb: Verb) -> None:
 
 
 def _endings(verb: Verb) -> Sequence[str]:
-    own = (verb.own,) if verb.own and verb.own not in _DATA else ()
+    own = [x for x in verb.own if x not in _DATA]
     return [*own, *_DATA, *(() if verb.figure_options is None else _FIGURES)]
 
 
@@ -66,9 +66,11 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
         if verb.named.get(x.name, x.name) is not None and vars(namespace).get(x.name) is not None
     }
     inputs = [library.path_of(x) for x in _sources(arguments)]
-    others = [kind for name, kind in verb.other_kinds.items() if name in arguments]
-    kind = others[0] if others else verb.kind
-    places = Places(verb, kind, [*map(Path, namespace.places or ())], namespace.json, inputs)
+    home = verb.home
+    for name, other in verb.other_kinds.items():
+        if name in arguments:
+            verb = VERBS.get(other) or verb._replace(kind=other)
+    places = Places(verb, [*map(Path, namespace.places or ())], namespace.json, inputs)
     places.check()
     places.check_figure(vars(namespace))
     if verb.scene:
@@ -76,19 +78,19 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
         from polhode.scenes.start_box import StartBox
 
         first = function.parameters[0].name
-        box = (
-            start_box.read(arguments[first])
-            if verb.is_box
-            else StartBox(library.load(arguments[first]))
-        )
-        scene = scene_options.applied(namespace, box.scene, verb.scene)
-        arguments[first] = StartBox(scene, box.radii) if verb.is_box else scene
+        given = arguments[first]
+        if isinstance(given, list):
+            arguments[first] = scene_options.applied_to_all(namespace, given, verb.scene)
+        else:
+            box = start_box.read(given) if verb.is_box else StartBox(library.load(given))
+            scene = scene_options.applied(namespace, box.scene, verb.scene)
+            arguments[first] = StartBox(scene, box.radii) if verb.is_box else scene
     with ProgressLine(verb.name) as line:
         try:
-            module = import_module(verb.home)
+            module = import_module(home)
             arguments |= places.extras(function, line)
             try:
-                result, missed = getattr(module, verb.function)(**arguments), ""
+                result, missed = getattr(module, function.name)(**arguments), ""
             except NotEnough as fault:
                 result, missed = fault.result, str(fault)
             written = places.write(result, vars(namespace), line)
@@ -102,7 +104,7 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
         write_stdout(result.to_json())
     elif text is not None:
         (note if places.take_stdout else say)(text)
-    for sentence in notes.of(verb.name, result, written, namespace):
+    for sentence in notes.of(verb, result, written, namespace):
         note(sentence)
     if missed:
         note(missed)
@@ -122,12 +124,11 @@ class Places:
     def __init__(
         self,
         verb: Verb,
-        kind: str,
         paths: Sequence[Path],
         json: bool,
         inputs: Sequence[Path | None],
     ) -> None:
-        self.verb, self.kind, self.paths, self.json, self.inputs = verb, kind, paths, json, inputs
+        self.verb, self.paths, self.json, self.inputs = verb, paths, json, inputs
 
     @property
     def take_stdout(self) -> bool:
@@ -153,7 +154,7 @@ class Places:
 
                 canvas.require()
             elif self._is_own(path):
-                if path.suffix != ".toml":
+                if ".json" in self.verb.own:
                     from polhode.certificates import certificate_file
                     from polhode.results.places import refuse_facts
 
@@ -162,7 +163,7 @@ class Places:
             else:
                 from polhode.results.places import check_place
 
-                check_place(path, self.kind, self.inputs)
+                check_place(path, self.verb.kind, self.inputs)
 
     def check_figure(self, values: Mapping[str, Any]) -> None:
         """Refuse options of a figure where none is written, and figures that there are not."""
@@ -245,7 +246,7 @@ class Places:
     def _is_own(self, path: Path) -> bool:
         suffix = path.suffix.lower()
         stream = is_stream(path) and suffix not in _DATA
-        return bool(self.verb.own) and (suffix == self.verb.own or stream)
+        return bool(self.verb.own) and (suffix in self.verb.own or stream)
 
 
 def _foretell(name: str, seconds: float) -> None:

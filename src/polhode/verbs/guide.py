@@ -6,12 +6,10 @@ from argparse import ArgumentParser, Namespace
 
 from polhode.verbs.terminal import DONE, print_json, say
 
-HELP = "the guide: topics, one of them, or where a word occurs"
-
 _MOST = 12  # places of a word that are shown
 
 
-def options(parser: ArgumentParser) -> None:
+def add_guide(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument(
         "topic",
@@ -22,7 +20,7 @@ def options(parser: ArgumentParser) -> None:
     )
 
 
-def main(options: Namespace) -> int:
+def guide(options: Namespace) -> int:
     """Print a page of the guide, the notebook, or where words stand."""
     from polhode.output import guide
 

@@ -11,12 +11,10 @@ from polhode.scenes import library, scene_file
 from polhode.verbs.options import word
 from polhode.verbs.terminal import DONE, print_json, refuse_two_on_stdout, say
 
-HELP = "a commented scene file to begin with, from a case or a shape"
-
 _TILT, _SPIN, _END = "30 deg", "3000 rpm", "1 s"
 
 
-def options(parser: ArgumentParser) -> None:
+def add_new(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("file", type=word, metavar="FILE", help="the new scene: .toml")
     way = parser.add_mutually_exclusive_group()
@@ -32,7 +30,7 @@ def options(parser: ArgumentParser) -> None:
     parser.add_argument("--end", metavar="T", help=f"last time ({_END})")
 
 
-def main(options: Namespace) -> int:
+def new(options: Namespace) -> int:
     """Write one file."""
     from polhode.common.files import check_writable, is_stdout, write_whole
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from argparse import Namespace
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,21 +26,21 @@ if TYPE_CHECKING:
     from polhode.proofs.proved_orbit import ProvedOrbit
     from polhode.proofs.proved_stability import ProvedStability
     from polhode.runs.trajectory import Trajectory
+    from polhode.verbs.catalogue import Verb
 
 _ROUNDED = 1e-14  # of the step between samples: more is told
-_PROOFS = ("prove orbit", "prove stability", "prove chaos")  # with a certificate
 
 #: A result of any kind: each function knows that of its verb.
 AnyResult = Any
 
 
 def of(
-    verb: str, result: AnyResult, written: Sequence[Path], namespace: Namespace
+    verb: Verb, result: AnyResult, written: Sequence[Path], namespace: Namespace
 ) -> Iterator[str]:
     """The lines about a result of a verb, and what was ``written`` of it."""
-    yield from _NOTES.get(verb, _itself)(result, namespace)
+    yield from globals()[verb.notes](result, namespace)
     proofs: list[Path] = []
-    if verb in ("certify", *_PROOFS):
+    if ".json" in verb.own:
         asked = [x for x in map(Path, namespace.places or ()) if x in written]
         proofs = [x for x in asked if x.suffix.lower() == ".json" or is_stdout(x)][:1]
     if files := [str(x) for x in written if x not in proofs and not is_stdout(x)]:
@@ -53,7 +53,8 @@ def name_of(result: AnyResult) -> str:
     return str(result.name if hasattr(result, "name") else result.fact("scene"))
 
 
-def _itself(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+def itself(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+    """What a result says of itself."""
     yield f"{name_of(result)}: {result!r}"
 
 
@@ -63,7 +64,8 @@ def _certificate(name: str, path: Path) -> str:
     return f"{name}: certificate in {path}; polhode verify {path}"
 
 
-def _run(result: Trajectory, namespace: Namespace) -> Iterator[str]:
+def run(result: Trajectory, namespace: Namespace) -> Iterator[str]:
+    """Number type, accuracy and events of a run, and what its digits are worth."""
     name, number = result.scene.name, result.number
     if not namespace.json:
         yield (
@@ -130,7 +132,8 @@ def _digits(result: Trajectory) -> Iterator[str]:
     )
 
 
-def _sweep(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+def sweep(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+    """Members, number type, and how members ended."""
     from polhode.motion.outcomes import code
 
     if not namespace.json:
@@ -154,7 +157,8 @@ def _sweep(result: AnyResult, namespace: Namespace) -> Iterator[str]:
             yield f"polhode: {result.members[first].name}: {outcome.cause}{advice}"
 
 
-def _section(result: Section, namespace: Namespace) -> Iterator[str]:
+def section(result: Section, namespace: Namespace) -> Iterator[str]:
+    """How orbits ended, and where no digit is left."""
     counts = Counter(result.outcomes)
     ended = ", ".join(f"{outcome} in {n}" for outcome, n in counts.items())
     yield f"{result.scene.name}: {result!r}; {ended}"
@@ -177,11 +181,13 @@ def _lost(result: Section) -> str:
     return f"no digits are left from crossing {where} on in {len(gone)} of {len(first)} orbits"
 
 
-def _map(result: ChaosMap, namespace: Namespace) -> Iterator[str]:
+def chaos_map(result: ChaosMap, namespace: Namespace) -> Iterator[str]:
+    """How many motions there are, and what their verdicts rest on."""
     yield f"{result.scene.name}: {counted(len(result.verdict), 'motion')}, {result.meaning}"
 
 
-def _orbit(result: Orbit, namespace: Namespace) -> Iterator[str]:
+def orbit(result: Orbit, namespace: Namespace) -> Iterator[str]:
+    """What an orbit may be off."""
     yield (
         f"{result.name}: start and period right to {result.error:.1e}, residue to "
         f"{result.residue_error:.1e}, |det M - 1| = {result.determinant:.1e}; "
@@ -189,7 +195,8 @@ def _orbit(result: Orbit, namespace: Namespace) -> Iterator[str]:
     )
 
 
-def _reference(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+def reference(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+    """What is left out, and whether the digits are proven."""
     if vars(namespace).get("backend") == "mpmath" and vars(namespace).get("outputs") is None:
         without = ", ".join(library.load(namespace.scene).outputs)
         if without:
@@ -198,7 +205,8 @@ def _reference(result: AnyResult, namespace: Namespace) -> Iterator[str]:
         yield f"{result.scene.name}: the digits are reproduced, not proven"
 
 
-def _certify(result: Enclosure, namespace: Namespace) -> Iterator[str]:
+def certified(result: Enclosure, namespace: Namespace) -> Iterator[str]:
+    """Proven digits and events, and what ended the proof."""
     name, outcome = result.scene.name, result.outcome
     if not namespace.json:
         yield from map(_proven_event, result.events or ())
@@ -234,7 +242,8 @@ def _proven_event(event: CertifiedEvents) -> str:
     return f"event {event.name}: {len(event.times)} proven{when}{left}"
 
 
-def _check(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+def check(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+    """What is missing where nothing was checked."""
     if result.passed is None and not result.interrupted:
         yield (
             "polhode check: expected a case with bands of digits ([expect]), which --propose "
@@ -242,15 +251,18 @@ def _check(result: AnyResult, namespace: Namespace) -> Iterator[str]:
         )
 
 
-def _nothing(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+def nothing(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+    """No line: all is said on stdout."""
     yield from ()
 
 
-def _search(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+def orbits(result: AnyResult, namespace: Namespace) -> Iterator[str]:
+    """What a search found."""
     yield f"{result.scene.name}: {result!r}; no list is complete"
 
 
-def _frequencies(result: Frequencies, namespace: Namespace) -> Iterator[str]:
+def frequencies(result: Frequencies, namespace: Namespace) -> Iterator[str]:
+    """Signals without lines, rounded times, known rates."""
     for signal, lines in result.lines.items():
         if not lines:
             yield f"{result.name}: {signal} has no line above rounding"
@@ -266,7 +278,8 @@ def _frequencies(result: Frequencies, namespace: Namespace) -> Iterator[str]:
         yield f"{result.name}: {kind}: {', '.join(rates)}"
 
 
-def _proved_orbit(result: ProvedOrbit | ProvedStability, namespace: Namespace) -> Iterator[str]:
+def proved_orbit(result: ProvedOrbit | ProvedStability, namespace: Namespace) -> Iterator[str]:
+    """What a proof of an orbit took, and what it trusts."""
     from polhode.certificates.verdict import trusted_base
 
     yield (
@@ -276,26 +289,9 @@ def _proved_orbit(result: ProvedOrbit | ProvedStability, namespace: Namespace) -
     yield trusted_base()
 
 
-def _proved_chaos(result: ProvedChaos, namespace: Namespace) -> Iterator[str]:
+def proved_chaos(result: ProvedChaos, namespace: Namespace) -> Iterator[str]:
+    """What a proof of chaos took, and what it trusts."""
     from polhode.certificates.verdict import trusted_base
 
     yield f"{result.scene.name}: proved at try {result.tries}, {result.seconds:.2f} s"
     yield trusted_base()
-
-
-_NOTES: dict[str, Callable[[AnyResult, Namespace], Iterator[str]]] = {
-    **dict.fromkeys(("list", "show", "about", "compare", "order", "levels", "verify"), _nothing),
-    "check": _check,
-    "run": _run,
-    "reference": _reference,
-    "certify": _certify,
-    "sweep": _sweep,
-    "section": _section,
-    "map": _map,
-    "orbit": _orbit,
-    "orbits": _search,
-    "prove orbits": _search,
-    "frequencies": _frequencies,
-    **dict.fromkeys(("prove orbit", "prove stability"), _proved_orbit),
-    "prove chaos": _proved_chaos,
-}

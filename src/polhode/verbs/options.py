@@ -28,6 +28,7 @@ class Parameter(NamedTuple):
 class Front(NamedTuple):
     """A function as its source tells it."""
 
+    name: str
     parameters: Sequence[Parameter]
     docstring: str
 
@@ -60,6 +61,7 @@ def front(home: str, name: str) -> Front:
     lacking = len(positional) - len(given.defaults)
     defaults = [*[None] * lacking, *given.defaults, *given.kw_defaults]
     return Front(
+        name,
         [
             _parameter(x, default)
             for x, default in zip([*positional, *given.kwonlyargs], defaults, strict=True)
@@ -183,7 +185,8 @@ KINDS = {
 def kind_of(annotation: str) -> Kind | None:
     """How an option for such a parameter is written, if there is one."""
     if {"str", "Path"} <= {*annotation.split(" | ")}:
-        return Kind("SCENE" if "Scene" in annotation else "FILE", word)
+        metavars = [x for x, y in (("SCENE", "Scene"), ("FILE", "Trajectory")) if y in annotation]
+        return Kind("|".join(metavars) or "FILE", word)
     if choices := re.fullmatch(r"Literal\[(.*)\]", annotation):
         words = [choice.strip(" \"'") for choice in choices[1].split(",")]
         return Kind("|".join(words), str, {"choices": words})

@@ -1,4 +1,4 @@
-"""``polhode plot``: figures of a scene's motion, of a result's file, of a trajectory file."""
+"""``polhode plot`` and ``polhode view``: figures, films and pages of a motion, a result, a file."""
 
 from __future__ import annotations
 
@@ -21,33 +21,28 @@ from polhode.verbs.terminal import (
 )
 
 if TYPE_CHECKING:
-    from polhode.figures.film import Look
     from polhode.figures.source import Drawing
 
-HELP = "a figure of a motion or a result, from a scene or a file"
-PAGE, FILMS, PRINTED = ".html", (".gif", ".mp4"), (".svg", ".png", ".pdf")
+PAGE, FILM, PRINTED = ".html", ".gif", (".svg", ".png", ".pdf")
 
 
-def options(parser: ArgumentParser) -> None:
-    """The verb's own options."""
+def add_plot(parser: ArgumentParser) -> None:
+    """The options of plot."""
     what = (
         "of a motion angles (default), omega, momentum, attitude, hodographs, sphere, integrals, "
         "error, or motion: a film; of a map fli (default), megno, exponent, verdict"
     )
-    source_options(parser, "source")
+    _add_source(parser, "source")
     parser.add_argument("--what", type=word, metavar="WORD", help=what)
-    endings = f"the figure: {', '.join(PRINTED)}; of a motion that moves {', '.join(FILMS)}"
+    endings = f"the figure: {', '.join(PRINTED)}; of a motion that moves {FILM}"
     parser.add_argument("-o", dest="file", type=word, required=True, metavar="FILE", help=endings)
     parser.add_argument("--title", metavar="TEXT", help="in place of the figure's own")
     parser.add_argument("--cmap", metavar="NAME", help="matplotlib's colours of a map (viridis)")
     for axis in "fh":
         parser.add_argument(f"--{axis}-range", metavar="A:B", help=f"of levels: the {axis} shown")
-    size = "of a film: pixels of a side (360)"
-    parser.add_argument("--size", type=whole, metavar="PIXELS", help=size)
-    parser.add_argument("--fps", type=whole, metavar="N", help="of a film: frames a second (20)")
 
 
-def source_options(parser: ArgumentParser, name: str, nargs: str | None = None) -> None:
+def _add_source(parser: ArgumentParser, name: str, nargs: str | None = None) -> None:
     """What is drawn, and how: the fields of :class:`polhode.figures.source.Request`."""
     of = "a case, a scene's path, the file of a result, or a table"
     parser.add_argument(name, type=word, metavar="SCENE|FILE", help=of, nargs=nargs)
@@ -65,24 +60,46 @@ def source_options(parser: ArgumentParser, name: str, nargs: str | None = None) 
     parser.add_argument("--columns", metavar="NAMES", help=columns)
 
 
-def main(options: Namespace) -> int:
+def plot(options: Namespace) -> int:
     """Make one figure."""
     suffix = Path(options.file).suffix.lower()
     options.sources, options.text = [options.source], None
     if suffix == PAGE:
         meant = f"polhode view {options.source} -o {options.file}, which makes pages"
         raise BadInput(options.file, "-o", None, meant)
-    if options.what is None and suffix in FILMS:
+    if options.what is None and suffix == FILM:
         options.what = "motion"
     if options.what == "motion":
-        return make(options, FILMS)
-    if suffix in FILMS:
+        return _written(options, (FILM,))
+    if suffix == FILM:
         expected = f"a name that ends in {', '.join(PRINTED)}; --what motion makes a film"
         raise BadInput(options.file, "-o", None, expected)
-    return make(options, PRINTED)
+    return _written(options, PRINTED)
 
 
-def make(options: Namespace, endings: tuple[str, ...]) -> int:
+def add_view(parser: ArgumentParser) -> None:
+    """The options of view."""
+    _add_source(parser, "sources", "+")
+    parser.add_argument(
+        "-o", dest="file", type=word, required=True, metavar="FILE", help="the page: .html"
+    )
+    parser.add_argument("--title", metavar="TEXT", help="a heading above the motions")
+    text = "words below the heading, with empty lines between paragraphs"
+    parser.add_argument("--text", metavar="TEXT", help=text)
+    parser.set_defaults(what="motion")
+
+
+def view(options: Namespace) -> int:
+    """Make one page."""
+    suffix = Path(options.file).suffix.lower()
+    if suffix in (FILM, *PRINTED):
+        what = "motion" if suffix == FILM else "W"
+        meant = f"polhode plot {options.sources[0]} --what {what} -o {options.file}"
+        raise BadInput(options.file, "-o", None, f"a name that ends in .html, or {meant}")
+    return _written(options, (PAGE,))
+
+
+def _written(options: Namespace, endings: tuple[str, ...]) -> int:
     """Write one file of these endings."""
     from polhode.common.files import called, check_writable, is_stdout, write_whole
     from polhode.figures import canvas, catalogue, film
@@ -94,7 +111,6 @@ def make(options: Namespace, endings: tuple[str, ...]) -> int:
     check_writable(path, endings, inputs)
     refuse_two_on_stdout(path, options.json)
     suffix = path.suffix.lower() if path.suffix.lower() in endings else endings[0]  # a stream
-    look = _look(options, suffix)
     if suffix != PAGE:
         canvas.require()
     request = Request(**{name: getattr(options, name) for name in vars(Request())})
@@ -115,9 +131,9 @@ def make(options: Namespace, endings: tuple[str, ...]) -> int:
         if suffix == PAGE:
             command = ("polhode", options.verb, *(called(Path(x)) for x in options.sources))
             data = _page(every, " ".join(command), options).encode()
-        elif suffix in FILMS:
+        elif suffix == FILM:
             filmed = film.filmed(
-                samples_of(drawing), suffix, lambda done: progress.say(f"{100 * done:.0f} %"), look
+                samples_of(drawing), lambda done: progress.say(f"{100 * done:.0f} %")
             )
             data = filmed.data
             if filmed.closed:
@@ -146,22 +162,9 @@ def _page(every: Sequence[Drawing], command: str, options: Namespace) -> str:
     return together(pages, options.title or "", options.text or "").text
 
 
-def _look(options: Namespace, suffix: str) -> Look:
-    """Size and rate of a film; refused of anything else."""
-    from polhode.figures import film
-
-    sizes = {"size": options.size, "rate": options.fps}
-    for key, value in (("--size", options.size), ("--fps", options.fps)):
-        if value is not None and suffix not in FILMS:
-            raise BadInput("plot", key, value, "a film: --what motion with -o x.gif or x.mp4")
-    look = film.Look(**{key: value for key, value in sizes.items() if value is not None})
-    film.require(suffix, look)
-    return look
-
-
 def _span(drawing: Drawing) -> dict[str, float | int]:
     """How many samples of a motion are drawn, from when to when."""
-    from polhode.figures.curve_sampling import Samples
+    from polhode.figures.samples import Samples
 
     if not isinstance(drawing.subject, Samples):
         return {}

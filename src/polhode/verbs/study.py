@@ -10,11 +10,10 @@ from polhode.common.errors import BadInput
 from polhode.verbs.options import add_folder
 from polhode.verbs.terminal import DONE, ProgressLine, note, print_json, say, say_written
 
-HELP = "run one of polhode's own studies, or all of them, and write them"
 ALL = "all"
 
 
-def options(parser: ArgumentParser) -> None:
+def add_study(parser: ArgumentParser) -> None:
     """The verb's own options."""
     named = f"accuracy, stability, events, ...; {ALL}: every study, and one HTML page of them"
     parser.add_argument("name", metavar="NAME", help=named)
@@ -31,7 +30,7 @@ def options(parser: ArgumentParser) -> None:
     add_folder(parser, "reports")
 
 
-def main(options: Namespace) -> int:
+def study(options: Namespace) -> int:
     """Run studies and write them, or print some rows of one."""
     from polhode.studies import report
 

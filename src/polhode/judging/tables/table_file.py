@@ -103,9 +103,6 @@ def _arrays(path: Path, names: Naming) -> Arrays:
         raise BadInput(str(path), "file", None, expected) from None
     if not isinstance(held, dict):
         return _of_one(path, held, names)
-    if {"about", "times", "states"} <= {*held}:
-        expected = "columns (this is of polhode 0.2: of a run its .csv has them; or make it again)"
-        raise BadInput(str(path), "file", None, expected)
     flat: dict[str, object] = {}
     for name, array in held.items():
         parts = _flat(path, name, array)

@@ -9,7 +9,7 @@ import numpy as np
 
 from polhode.common.texts import JsonObject
 from polhode.figures.canvas import BODY, REST, SPACE, as_svg, paper, residue_axis
-from polhode.figures.chaos_proof import Crossings, draw_crossings
+from polhode.figures.proofs import Crossings, draw_crossings
 from polhode.studies.page import drawing
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from polhode.common.interrupts import Message
 from polhode.common.processes import cores, in_order
 from polhode.common.texts import JsonObject
 from polhode.dynamics.families import orbit_search
-from polhode.figures.chaos_proof import crossings
+from polhode.figures.proofs import crossings
 from polhode.numbers.decimals import brief
 from polhode.proofs.certified_orbit import NotProved
 from polhode.proofs.prove_chaos import prove_chaos
