@@ -11,6 +11,9 @@ import pytest
 
 import polhode
 from polhode.equations import integrals
+from polhode.judging.compare import judgement
+from polhode.judging.score import score
+from polhode.judging.tables.table import of_run
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
 from polhode.numbers.mpmath_context import mpmath
@@ -210,16 +213,17 @@ def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
     scene, end = polhode.load("kovalevskaya/generic"), [1, 5]
     runs = [polhode.integrate(scene, number, at=end) for number in ("quad", "double")]
     against = polhode.reference(scene)
-    wide = polhode.compare(runs[0], against)
-    narrow, alone = (polhode.compare(runs[1], against, known=x) for x in (wide, None))
-    assert narrow.known_answers is wide.known_answers
-    assert alone.known_answers is not wide.known_answers
+    wide, known = score(of_run(runs[0]), against), polhode.conditioning(scene, end, "quad")
+    narrow, alone = (score(of_run(runs[1]), against, earlier=x) for x in (wide, None))
+    assert narrow.comparison.answers is wide.comparison.answers
+    assert alone.comparison.answers is not wide.comparison.answers
     assert narrow.worst == pytest.approx(alone.worst, abs=1e-8)
-    assert narrow.details() == alone.details()
-    again = polhode.compare(runs[0], against, known=alone)  # which has too few digits for it
+    by_known = judgement(narrow, details=True, known=known)
+    assert by_known.details() == judgement(alone, details=True).details()
+    again = score(of_run(runs[0]), against, earlier=alone)  # which has too few digits for it
     assert again.worst == pytest.approx(wide.worst, abs=1e-8)
     later = polhode.integrate(scene, at=[1, 6])
     for run, other in ((later, against), (runs[1], polhode.Certified(scene))):
-        found = polhode.compare(run, other, known=wide)
-        assert found.known_answers is not wide.known_answers
+        found = score(of_run(run), other, earlier=wide)
+        assert found.comparison.answers is not wide.comparison.answers
         assert 14 < found.worst <= 16

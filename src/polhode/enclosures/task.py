@@ -313,6 +313,10 @@ class Task:
                 return
 
 
+class TooManySteps(BadInput):
+    """That a proof would take more steps than it may."""
+
+
 def task(
     box: StartBox,
     key: str,
@@ -332,7 +336,7 @@ def task(
     for side in found.sides:
         if (needed := approximation.steps(side.motion, side.last)) > max_steps:
             expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
-            raise BadInput(name, key, shown(side.last), expected)
+            raise TooManySteps(name, key, shown(side.last), expected)
     return found
 
 

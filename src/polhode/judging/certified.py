@@ -29,6 +29,14 @@ if TYPE_CHECKING:
 SAVED_DIGITS = 30
 
 
+class NoAnswer(BadInput):
+    """That a reference has no answer to a question that another one may answer."""
+
+
+class TooLong(BadInput):
+    """That a proof would take longer than it may."""
+
+
 class Certified(Storable):
     """The reference of any scene: balls that contain the exact motion, and their midpoints.
 
@@ -130,7 +138,7 @@ class Certified(Storable):
             if found.outcome is Outcome.TIME_LIMIT:
                 last = shown(max(asked, key=abs))
                 expected = f"seconds in which the motion is proven to t = {last}, or earlier times"
-                raise BadInput(self.scene.name, "max_seconds", self._most, expected)
+                raise TooLong(self.scene.name, "max_seconds", self._most, expected)
             if not found.outcome.done:
                 raise KeyboardInterrupt
             self._proofs.append((asked, outputs, found))
@@ -161,7 +169,7 @@ class Certified(Storable):
             expected = (
                 f"a motion that keeps away from the poles: psi and phi are lost at t = {since}"
             )
-            raise BadInput(self.scene.name, "angles", None, expected)
+            raise NoAnswer(self.scene.name, "angles", None, expected)
         return found.angles.midpoints(found.noise + 128)
 
     @property

@@ -11,10 +11,11 @@ from statistics import linear_regression, median
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
-from polhode.judging.compare import compare
+from polhode.judging.compare import scored
 from polhode.judging.conditioning import Band
-from polhode.judging.judgement import Judgement
+from polhode.judging.limits import expectation
 from polhode.judging.reference import reference
+from polhode.judging.score import Score
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.exact import sign
 from polhode.numbers.number_types import AnyNumber, AnyVector
@@ -197,14 +198,14 @@ def observed_order(
         raise BadInput("order_of", "steps", len(lengths), f"{_FEWEST} or more, different, above 0")
     lengths = tuple(sorted(lengths, reverse=True))
     against = reference(scene)
-    judged = [
-        compare(mine(h), against, at=times, columns=columns, as_it_stands=True) for h in lengths
+    scores = [
+        scored(mine(h), against, at=times, columns=columns, as_it_stands=True)[0] for h in lengths
     ]
-    return _order("order_of", judged, lengths)
+    return _order("order_of", scores, lengths)
 
 
 def order_between(
-    judged: Sequence[Judgement], steps: Sequence[AnyNumber] | None = None
+    judged: Sequence[Score], steps: Sequence[AnyNumber] | None = None
 ) -> ObservedOrder:
     """The order of one method whose tables, made with different steps, were judged.
 
@@ -230,7 +231,7 @@ def _lengths(source: str, steps: Sequence[AnyNumber]) -> tuple[float, ...]:
 
 def _order(
     source: str,
-    judged: Sequence[Judgement],
+    judged: Sequence[Score],
     steps: tuple[float, ...],
     names: tuple[str, ...] = (),
 ) -> ObservedOrder:
@@ -258,7 +259,7 @@ def _order(
 
 
 def _limited(
-    judged: Sequence[Judgement],
+    judged: Sequence[Score],
     steps: Sequence[float],
     times: Sequence[Fraction],
     rows: Sequence[Sequence[float]],
@@ -280,8 +281,8 @@ def _limited(
             rules = d >= rounding
             if not rules and len(before) > 1 and _falls_short(before, h, d):
                 if k not in bands:
-                    one = judged[k]
-                    pairs = zip(one.times, one.expected or [None] * len(one.times), strict=True)
+                    expected = expectation(judged[k]).bands
+                    pairs = zip(judged[k].times, expected, strict=True)
                     bands[k] = {_label(x): band for x, band in pairs}
                 band = bands[k][_label(t)]
                 most = judged[k].subject.held if band is None else band.middle
@@ -301,7 +302,7 @@ def _falls_short(before: Sequence[tuple[float, float]], h: float, digits: float)
     return digits < d + _slope(before[-2:]) * math.log10(length / h) - _SHORT
 
 
-def _spacing(judged: Judgement) -> float:
+def _spacing(judged: Score) -> float:
     """The distance of a table's rows, the median."""
     times = sorted(judged.times)
     return float(median(b - a for a, b in pairwise(times))) if len(times) > 1 else 0.0
@@ -312,7 +313,7 @@ def _label(t: Fraction) -> str:
     return f"{float(t):.12g}"
 
 
-def _fewest(judged: Judgement) -> Sequence[float | None]:
+def _fewest(judged: Score) -> Sequence[float | None]:
     """At each time the digits of the state; of what is judged, where there is no state."""
     if judged.digits:
         return judged.digits

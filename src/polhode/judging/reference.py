@@ -15,7 +15,7 @@ from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.equations.column import derived
 from polhode.equations.kinematics import Hodographs, hodographs
-from polhode.judging.certified import Certified
+from polhode.judging.certified import Certified, NoAnswer
 from polhode.judging.reference_rows import ReferenceTable, tabulated
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import to_double
@@ -214,11 +214,12 @@ class Reference(Storable):
         proof = Certified(self.scene, forecast=foretold, max_seconds=_MOST_SECONDS)
         try:
             found: list[list[Any]] = getattr(proof, word)(times, digits)
+        except NoAnswer as fault:  # past a pole: no answer here, but the attitude is one
+            expected = f"{fault.expected}: {self.kind} has the state alone, {word} is enclosed"
+            raise NoAnswer(fault.source, "reference", fault.value, expected) from None
         except BadInput as fault:
             expected = f"{fault.expected}: {self.kind} has the state alone, {word} is enclosed"
-            # Past a pole: no answer here, but the attitude is one.
-            key = "reference" if fault.key == "angles" else fault.key
-            raise BadInput(fault.source, key, fault.value, expected) from None
+            raise type(fault)(fault.source, fault.key, fault.value, expected) from None
         return found
 
     def column(
@@ -315,7 +316,7 @@ class Reference(Storable):
             raise
         except (ValueError, ArithmeticError) as fault:
             expected = f"a question that this closed form answers ({fault})"
-            raise BadInput(self.scene.name, "reference", self.kind, expected) from None
+            raise NoAnswer(self.scene.name, "reference", self.kind, expected) from None
 
     @property
     def period(self) -> Real | None:

@@ -7,12 +7,12 @@ from fractions import Fraction
 
 from polhode.common.errors import aligned, few
 from polhode.judging.conditioning import Band
-from polhode.judging.diagnosis.error_budget import shown_digits
+from polhode.judging.limits import Limit, shown_digits
 from polhode.judging.residuals import Residual
+from polhode.judging.score import SHOWN
 from polhode.numbers.decimals import brief, in_full, shortest
 from polhode.numbers.number_types import NumberType
 
-SHOWN = 11  # times that are printed
 _SHORT = 24  # characters of a time that is printed with all its digits
 
 #: What a limit says of the digits, by its name; ``how``: its words in brackets.
@@ -28,7 +28,6 @@ LIMITS = {
 }
 ROUNDED = "as many as rounding {how} leaves"
 FOREIGN = "the program's steps, noise, or another motion"
-WHITE, BIASED = "noise (white)", "bias (constant)"
 BY_CHANCE = "; or by chance: one run in {runs:.0f} has so few"
 EXPLAINED = "another number explains the error"
 ELSEWHERE = "another convention gives more digits"
@@ -39,12 +38,10 @@ OWN_EQUATIONS = (
 )
 
 
-def meaning(limit: str, number: NumberType, foreign: bool) -> str:
+def meaning(limit: Limit, number: NumberType, foreign: bool) -> str:
     """What a limit says of digits; ``foreign``: of those of a table of another program."""
-    name, _, how = limit.removesuffix(")").partition(" (")
-    if name == "method" and foreign:
-        how = FOREIGN
-    words = ROUNDED if name == "rounding" and how else LIMITS[name]
+    how = FOREIGN if limit.name == "method" and foreign else limit.detail
+    words = ROUNDED if limit.name == "rounding" and how else LIMITS[limit.name]
     return words.format(number=number.name, how=how)
 
 

@@ -101,7 +101,7 @@ ROWS = (
     Verb(
         *("compare", "polhode.verbs.compare", "judged", "Judgement"),
         "judge a trajectory that another program computed",
-        {"scene": "scene"},
+        {"scene": "scene", "whole": None},
     ),
     Verb(
         *("order", "polhode.verbs.compare", "order", "ObservedOrder"),

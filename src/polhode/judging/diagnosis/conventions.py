@@ -23,14 +23,12 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.judging.certified import Certified
-from polhode.judging.diagnosis.error_budget import integrated
+from polhode.judging.diagnosis.double_motion import Right, integrated, matrices
 from polhode.judging.diagnosis.ways import (
     ALIKE_AT_START,
     FREEDOM,
     SCALAR_FIRST,
-    Right,
     Way,
-    matrices,
     other_times,
     ways,
 )

@@ -36,6 +36,8 @@ def read_as_told(subject: Table, reference: AnyReference, told: str) -> Table:
 
     Raises BadInput for one that is none of the table's.
     """
+    if LENGTH in told:
+        subject = with_unit_quaternions(subject, view(subject, reference))
     phrases = [" ".join(text.split()) for text in told.split(";") if text.strip()] or [told]
     of_parts: list[str] = []
     for phrase in phrases:

@@ -1,4 +1,4 @@
-"""Rotation matrices in doubles: of quaternions, of turns about axes, and of axes renamed."""
+"""Rotation matrices of turns about axes and of renamed axes, other times, conventions."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from polhode.judging.diagnosis.double_motion import Right, errors_of_rows, matrices, size_of_motion
 from polhode.judging.tables.table import TURN, Change, Table, TimeChange
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import brief
@@ -24,19 +25,6 @@ AXES = sorted(
     key=lambda axes: (sum(a != b for a, b in zip(axes[0], SAME, strict=True)), axes[1].count(-1)),
 )
 NEAR = 0.1  # how near to 0 or ±1 the entries of a matrix that renames axes are at once
-
-
-def matrices(quaternions: Any) -> Doubles:
-    """R (body -> space) of quaternions, scalar first, of any length but 0; shape (n, 3, 3)."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        length = np.linalg.norm(quaternions, axis=1, keepdims=True)
-        a, b, c, d = (quaternions / np.where(length == 0, 1, length)).T
-    found = [
-        [1 - 2 * (c * c + d * d), 2 * (b * c - a * d), 2 * (b * d + a * c)],
-        [2 * (b * c + a * d), 1 - 2 * (b * b + d * d), 2 * (c * d - a * b)],
-        [2 * (b * d - a * c), 2 * (c * d + a * b), 1 - 2 * (b * b + c * c)],
-    ]
-    return np.array(found).transpose(2, 0, 1)
 
 
 def turns(sequence: str, angles: Any) -> Doubles:
@@ -194,26 +182,6 @@ FREEDOM = {"omega": 3, "gamma": 2, "attitude": 3, "angles": 3}
 ALIKE_AT_START = {"omega": 3, "gamma": 3, "attitude": 6, "angles": 12}
 
 
-class Right(NamedTuple):
-    """What the reference has at the rows' times."""
-
-    states: Doubles
-    attitude: Doubles | None = None  # None where not known
-    matrices: Doubles | None = None  # body -> space, likewise
-
-    def part(self, name: str) -> Doubles:
-        """A part's numbers; of attitudes and angles the elements of the matrices."""
-        if name in ("omega", "gamma"):
-            return self.states[:, :3] if name == "omega" else self.states[:, 3:]
-        assert self.matrices is not None
-        return self.matrices.reshape(len(self.matrices), -1)
-
-    def moved(self, part: str) -> Doubles:
-        """How far a part is from its first row, in the measure that its errors are told in."""
-        values = self.part(part)
-        return _errors(values, values[0]) / _size(values, part == "omega")
-
-
 class Way(NamedTuple):
     """A convention, the digits that it gives at each row, and the change that applies it, if any.
 
@@ -276,7 +244,7 @@ def _of_vector(
     """Axes in another order or of another sense, left-handed frames among them."""
     held = values * (degrees * _DEGREE or 1.0)
     renamed = held[:, _ORDERS_OF_AXES] * _SIGNS_OF_AXES
-    off = np.abs(renamed - true[:, None, :]).max(axis=2) / _size(true, relative)
+    off = np.abs(renamed - true[:, None, :]).max(axis=2) / size_of_motion(true, relative)
     digits = _digits(off)
     for k, (order, signs) in enumerate(AXES):
         plain = order == SAME and len({*signs}) == 1
@@ -404,7 +372,7 @@ def _of_angles(values: Doubles, right: Right) -> Iterator[Way]:
 
 def _against(values: Any, true: Any) -> Doubles:
     """Digits to which matrices agree at each row."""
-    return _digits(_errors(values, true))
+    return _digits(errors_of_rows(values, true))
 
 
 def _digits(error: Doubles) -> Doubles:
@@ -412,14 +380,3 @@ def _digits(error: Doubles) -> Doubles:
         digits = np.nan_to_num(-np.log10(error), nan=0.0, posinf=_TELLABLE)
     found: Doubles = np.clip(digits, 0.0, _TELLABLE)
     return found
-
-
-def _errors(values: Any, true: Any) -> Doubles:
-    """The largest difference in each row."""
-    found: Doubles = np.abs(values - true).reshape(len(values), -1).max(axis=1)
-    return found
-
-
-def _size(true: Any, relative: bool) -> float:
-    """What errors are told in."""
-    return (float(np.max(np.linalg.norm(true, axis=1))) if relative else 1.0) or 1.0
