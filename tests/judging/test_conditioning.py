@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 import polhode
 from polhode import cli
 from polhode.equations.forms import principal
+from polhode.judging import limits
 from polhode.judging.conditioning import Band, conditioning
 from polhode.judging.correct_digits import log10_rate
-from polhode.judging import limits
 from polhode.motion.frame import Frame
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, QUAD, mp

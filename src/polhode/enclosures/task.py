@@ -17,7 +17,7 @@ import numpy as np
 from flint import arb
 
 from polhode.common.arguments import steps, whole
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, TooManySteps
 from polhode.common.interrupts import NONE, Deadline, Progress, TooLong
 from polhode.common.values import cached_property
 from polhode.enclosures import (
@@ -311,10 +311,6 @@ class Task:
             yield side, watchers, proof
             if not proof.outcome.done:
                 return
-
-
-class TooManySteps(BadInput):
-    """That a proof would take more steps than it may."""
 
 
 def task(

@@ -33,7 +33,7 @@ class NoAnswer(BadInput):
     """That a reference has no answer to a question that another one may answer."""
 
 
-class TooLong(BadInput):
+class ProofTooLong(BadInput):
     """That a proof would take longer than it may."""
 
 
@@ -138,7 +138,7 @@ class Certified(Storable):
             if found.outcome is Outcome.TIME_LIMIT:
                 last = shown(max(asked, key=abs))
                 expected = f"seconds in which the motion is proven to t = {last}, or earlier times"
-                raise TooLong(self.scene.name, "max_seconds", self._most, expected)
+                raise ProofTooLong(self.scene.name, "max_seconds", self._most, expected)
             if not found.outcome.done:
                 raise KeyboardInterrupt
             self._proofs.append((asked, outputs, found))

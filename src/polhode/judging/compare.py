@@ -13,15 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, TooManySteps
 from polhode.common.interrupts import Progress
-from polhode.enclosures.task import TooManySteps
 from polhode.judging.certified import Certified, NoAnswer
 from polhode.judging.conditioning import Conditioning
-from polhode.judging.diagnosis.causes import Cause, other_start
-from polhode.judging.diagnosis.causes import causes as fitted_causes
-from polhode.judging.diagnosis.readings import as_meant, read_as_told
-from polhode.judging.diagnosis.ways import clock_remark
 from polhode.judging.judgement import Judgement
 from polhode.judging.limits import (
     LAST,
@@ -37,10 +32,14 @@ from polhode.judging.limits import (
 from polhode.judging.reference import AnyReference, Reference, reference
 from polhode.judging.residuals import Residual, ResidualRows, rotation_errors
 from polhode.judging.score import Score, bits_of, score
+from polhode.judging.tables.causes import Cause, other_start
+from polhode.judging.tables.causes import causes as fitted_causes
 from polhode.judging.tables.column_aliases import PLAIN, Naming, naming
 from polhode.judging.tables.csv_file import table_of_columns, table_of_rows
+from polhode.judging.tables.readings import as_meant, read_as_told
 from polhode.judging.tables.table import Reading, Table, as_judged, of_run
 from polhode.judging.tables.table_file import ENDINGS, read_table
+from polhode.judging.tables.ways import clock_remark
 from polhode.numbers.decimals import brief
 from polhode.numbers.number_types import AnyNumber, AnyVector, NumberType
 from polhode.runs.options import choose_number

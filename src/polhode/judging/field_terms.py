@@ -22,7 +22,7 @@ import numpy.typing as npt
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, counted
 from polhode.equations.form import field
-from polhode.judging.diagnosis.conventions import other_scenes, with_body
+from polhode.judging.tables.conventions import other_scenes, with_body
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import Doubles
 from polhode.results.cells import DOUBLE, TEXT

@@ -26,8 +26,8 @@ from polhode.judging.correct_digits import (
     plain_rows,
     scaled,
 )
-from polhode.judging.diagnosis.double_motion import integrated
 from polhode.judging.reference import AnyReference, Reference, column_of
+from polhode.judging.tables.double_motion import integrated
 from polhode.judging.tables.table import PARTS, WRONG, Table
 from polhode.numbers import double_double
 from polhode.numbers.conversion import doubles, to_mpf

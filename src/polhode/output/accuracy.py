@@ -12,12 +12,11 @@ from functools import partial
 from itertools import groupby
 from typing import Any, NamedTuple
 
-from polhode.common.errors import BadInput, few
+from polhode.common.errors import BadInput, TooManySteps, few
 from polhode.common.interrupts import Message, heard
 from polhode.dynamics.lyapunov import Lyapunov, lyapunov
-from polhode.enclosures.task import TooManySteps
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.certified import Certified, TooLong
+from polhode.judging.certified import Certified, ProofTooLong
 from polhode.judging.compare import compare, scored
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.convergence_order import ObservedOrder, order_between
@@ -58,7 +57,9 @@ class Asked:
 
         def foretold(seconds: float) -> None:
             if seconds > self.max_seconds:
-                raise TooLong(scene.name, "max_seconds", seconds, "earlier times, more seconds")
+                raise ProofTooLong(
+                    scene.name, "max_seconds", seconds, "earlier times, more seconds"
+                )
 
         return {"max_seconds": self.max_seconds, "forecast": foretold}
 
@@ -243,7 +244,7 @@ def _judged(name: str, run: Trajectory, asked: Asked, options: Mapping[str, Any]
             judgement = compare(part, **asked.limits(run.scene), details=True)
             _ = judgement.worst
         except BadInput as fault:
-            if not isinstance(fault, (TooLong, TooManySteps)):
+            if not isinstance(fault, (ProofTooLong, TooManySteps)):
                 return Line(name, None, str(fault), run)
             why = "no reference to these digits within the time that a proof may take"
             seconds = fault.value if isinstance(fault.value, float) else 0.0
@@ -262,7 +263,7 @@ def of_table(given: Given, scene: Scene, asked: Asked) -> Line:
         how = {}
     try:
         judgement = compare(given.table, scene, **how, **asked.limits(scene))
-    except TooLong:
+    except ProofTooLong:
         why = "not judged: no reference within the time that a proof may take"
         return Line(given.name, None, why, given=given)
     return Line(given.name, judgement, given=given)

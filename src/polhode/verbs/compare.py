@@ -161,7 +161,7 @@ def _judged(
     path: Path, scene: str | Path, line: ProgressLine, max_seconds: float | None, **options: Any
 ) -> Judgement:
     """The judgement of a file; ``options``: others of :func:`polhode.compare`."""
-    from polhode.judging.certified import TooLong
+    from polhode.judging.certified import ProofTooLong
     from polhode.judging.compare import compare
     from polhode.proofs.certified_orbit import NotProved
 
@@ -182,7 +182,7 @@ def _judged(
             forecast=foretold,
             **options,
         )
-    except TooLong as fault:
+    except ProofTooLong as fault:
         raise NotProved(str(fault)) from None
     angle = 10.0**judgement.reference.scene.log10_rate * max(abs(float(t)) for t in judgement.times)
     if (seconds := _SECONDS * min(angle, _FOLLOWED)) > LONG:

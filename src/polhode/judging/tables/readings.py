@@ -1,7 +1,7 @@
 """How a table is read that is wrong as it stands, before it is judged.
 
 Its times may have another unit or another beginning, each part another convention.  All of that is
-found from a few rows (:func:`polhode.judging.diagnosis.conventions.probed_rows`); the rows of very
+found from a few rows (:func:`polhode.judging.tables.conventions.probed_rows`); the rows of very
 many that a file has are then judged once, as they are read.  Or somebody tells the readings, which
 are applied whatever they give: ``omega degrees; attitude scalar-last``.  The words are those that a
 judgement prints, and no others.
@@ -15,17 +15,17 @@ from dataclasses import replace
 from difflib import get_close_matches
 
 from polhode.common.errors import BadInput, listed
-from polhode.judging.diagnosis.conventions import (
+from polhode.judging.reference import AnyReference
+from polhode.judging.tables.column_aliases import lengths, of_length_one
+from polhode.judging.tables.conventions import (
     View,
     is_explained,
     other_world,
     shown_rows,
     view,
 )
-from polhode.judging.diagnosis.ways import Way, clock_remark, other_times, ways
-from polhode.judging.reference import AnyReference
-from polhode.judging.tables.column_aliases import lengths, of_length_one
 from polhode.judging.tables.table import LENGTH, Reading, Table, TimeChange, as_judged
+from polhode.judging.tables.ways import Way, clock_remark, other_times, ways
 from polhode.scenes.vocabulary import ATTITUDE
 
 _APPLIED = "a reading that can be applied; this one is reported, and not applied"

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from polhode.judging.diagnosis.double_motion import Right, errors_of_rows, matrices, size_of_motion
+from polhode.judging.tables.double_motion import Right, errors_of_rows, matrices, size_of_motion
 from polhode.judging.tables.table import TURN, Change, Table, TimeChange
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import brief

@@ -23,8 +23,10 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.judging.certified import Certified
-from polhode.judging.diagnosis.double_motion import Right, integrated, matrices
-from polhode.judging.diagnosis.ways import (
+from polhode.judging.reference import AnyReference
+from polhode.judging.tables.double_motion import Right, integrated, matrices
+from polhode.judging.tables.table import PARTS, WRONG, Reading, Table, TimeChange
+from polhode.judging.tables.ways import (
     ALIKE_AT_START,
     FREEDOM,
     SCALAR_FIRST,
@@ -32,8 +34,6 @@ from polhode.judging.diagnosis.ways import (
     other_times,
     ways,
 )
-from polhode.judging.reference import AnyReference
-from polhode.judging.tables.table import PARTS, WRONG, Reading, Table, TimeChange
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import Doubles

@@ -13,7 +13,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from polhode.common.errors import few
-from polhode.judging.diagnosis.double_motion import integrated, matrices
+from polhode.judging.tables.double_motion import integrated, matrices
 from polhode.judging.tables.table import GAIN, WRONG, Table, TimeChange
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import doubles, exactly, to_double
