@@ -181,7 +181,8 @@ def scored(
     truth = _truth(what, against, prove)
     given = _table(what, truth, number, digits, at, columns, other=bool(read))
     is_read = not as_it_stands and read is None and given.run is None
-    table, offered = given, ()
+    table = given
+    offered: tuple[Reading, ...] = ()
     if read is not None and given.run is None:
         table = read_as_told(given, truth, read)
     elif is_read:
