@@ -179,14 +179,14 @@ def scored(
     of_kind("compare", "as_it_stands", as_it_stands, bool, "True or False")
     prove = partial(Certified, progress=progress, max_seconds=max_seconds, forecast=forecast)
     truth = _truth(what, against, prove)
-    given = _table(what, truth, number, digits, at, columns, other=bool(read))
-    is_read = not as_it_stands and read is None and given.run is None
-    table = given
+    table_given = _table(what, truth, number, digits, at, columns, other=bool(read))
+    is_read = not as_it_stands and read is None and table_given.run is None
+    table = table_given
     offered: tuple[Reading, ...] = ()
-    if read is not None and given.run is None:
-        table = read_as_told(given, truth, read)
+    if read is not None and table_given.run is None:
+        table = read_as_told(table_given, truth, read)
     elif is_read:
-        table, offered = as_meant(given, truth)
+        table, offered = as_meant(table_given, truth)
     try:
         return score(table, truth, progress), offered
     except TooManySteps as fault:
@@ -197,7 +197,7 @@ def scored(
             raise
     truth = prove(truth.scene)
     if is_read:
-        table, offered = as_meant(given, truth)
+        table, offered = as_meant(table_given, truth)
     return score(table, truth, progress), offered
 
 

@@ -147,8 +147,8 @@ class ObservedOrder(Result):
     @property
     def _summary(self) -> str:
         known = sum(x is not None for x in self.orders)
-        told = f"{self.least:.2f} to {self.most:.2f} between successive steps"
-        return told if len(self.times) == 1 else f"{told} at {known} of {len(self.times)} times"
+        words = f"{self.least:.2f} to {self.most:.2f} between successive steps"
+        return words if len(self.times) == 1 else f"{words} at {known} of {len(self.times)} times"
 
     def __repr__(self) -> str:
         counted = sum(self.counted)
@@ -211,9 +211,9 @@ def order_between(
 
     ``steps``: of the tables, the distances of their rows unless given.
     """
-    names = tuple(one.subject.name for one in judged)
+    names = tuple(score.subject.name for score in judged)
     if steps is None:
-        lengths = tuple(_spacing(one) for one in judged)
+        lengths = tuple(_spacing(score) for score in judged)
         apart = ", ".join(f"{x:g}" for x in lengths)
         expected = f"the step sizes of the method in --steps: the files' rows are {apart} apart"
     else:
@@ -237,25 +237,26 @@ def _order(
 ) -> ObservedOrder:
     """What judgements tell at those times that all of them have, but t = 0; raises BadInput."""
     digits = [
-        {_label(t): d for t, d in zip(one.times, _fewest(one), strict=True) if d is not None}
-        | {_label(one.times[k]): math.nan for rows in one.gaps.values() for k in rows}
-        for one in judged
+        {_label(t): d for t, d in zip(score.times, _fewest(score), strict=True) if d is not None}
+        | {_label(score.times[k]): math.nan for rows in score.gaps.values() for k in rows}
+        for score in judged
     ]
     times = judged[0].times
     common = tuple(t for t in times if t and all(_label(t) in known for known in digits))
     rows = tuple(tuple(known[_label(t)] for t in common) for known in digits)
-    rounding = min(one.subject.held for one in judged) - _SPARE
+    rounding = min(score.subject.held for score in judged) - _SPARE
     limited = _limited(judged, steps, common, rows, rounding)
-    found = ObservedOrder(steps, common, rows, rounding, names, limited)
-    if all(x is None for x in found.orders):
+    order = ObservedOrder(steps, common, rows, rounding, names, limited)
+    if all(x is None for x in order.orders):
         both = zip(steps, rows, strict=True)
-        told = ", ".join(f"{h:.3g}: {_least(row):.1f} to {max(row):.1f}" for h, row in both if row)
-        count, window = found.fewest_steps, f"{_LEAST:g} to {rounding:.1f} digits"
+        ranges = (f"{h:.3g}: {_least(row):.1f} to {max(row):.1f}" for h, row in both if row)
+        digits_of_steps = ", ".join(ranges)
+        count, window = order.fewest_steps, f"{_LEAST:g} to {rounding:.1f} digits"
         expected = f"{count} or more that give {window} at a time that all have"
-        if found.left_out:
-            expected += f"; rounding limits {', '.join(f'{h:.3g}' for h in found.left_out)}"
-        raise BadInput(source, "steps", told or None, expected)
-    return found
+        if order.left_out:
+            expected += f"; rounding limits {', '.join(f'{h:.3g}' for h in order.left_out)}"
+        raise BadInput(source, "steps", digits_of_steps or None, expected)
+    return order
 
 
 def _limited(

@@ -462,7 +462,7 @@ def without_numbers(
     alike: dict[tuple[int, ...], list[str]] = {}
     for part, rows in gaps.items():
         alike.setdefault(tuple(rows), []).append(part)
-    told = []
+    phrases = []
     for rows, names in alike.items():
         of = "" if len(names) == len(parts) else f" of {' and '.join(names)}"
         count, share, first = len(times), f"{len(rows)} of {len(times)} rows", brief(times[rows[0]])
@@ -474,14 +474,14 @@ def without_numbers(
             where = f"from t = {first} on ({share})"
         else:
             where = f"in {share}, the first at t = {first}"
-        told.append(f"no numbers{of} {where}")
-    return ", ".join(told)
+        phrases.append(f"no numbers{of} {where}")
+    return ", ".join(phrases)
 
 
 def residual_text(left: Sequence[Residual]) -> str:
     """Residuals in words: of each column the root mean square and the bias."""
-    told = [f"{x.column} {x.rms:.2g} ({x.bias:+.1g} ± {x.bias_error:.1g})" for x in left]
-    return f"noise, rms (and bias): {', '.join(told)}"
+    phrases = [f"{x.column} {x.rms:.2g} ({x.bias:+.1g} ± {x.bias_error:.1g})" for x in left]
+    return f"noise, rms (and bias): {', '.join(phrases)}"
 
 
 def digit_table(

@@ -170,11 +170,12 @@ def between(known: Mapping[int, Any], times: Sequence[Fraction]) -> tuple[Any, .
     nodes, unknown = sorted(known, key=times.__getitem__), np.full(np.size(kind), math.nan)
     rows = np.array([unknown if known[k] is None else np.ravel(known[k]) for k in nodes])
     at = np.array([to_double(t) for t in times])
-    found = np.stack([np.interp(at, at[nodes], column) for column in rows.T], axis=1).tolist()
+    columns = [np.interp(at, at[nodes], column) for column in rows.T]
+    rows_between = np.stack(columns, axis=1).tolist()
     make = type(kind) if np.size(kind) > 1 else float
     return tuple(
         known[k] if k in known else None if math.isnan(row[0]) else make(*row)
-        for k, row in enumerate(found)
+        for k, row in enumerate(rows_between)
     )
 
 

@@ -48,8 +48,8 @@ def differences(own: Given | Pairs, true: Given | Pairs, signs: Doubles | None =
         signs = np.ones(len(own.hi) if isinstance(own, Pairs) else len(list(own)))
     if isinstance(own, Pairs) and isinstance(true, Pairs):
         signed = Pairs(own.hi * signs[:, None], own.lo * signs[:, None])
-        found: Doubles = (signed - true).hi
-        return found
+        rounded: Doubles = (signed - true).hi
+        return rounded
     rows = zip(signs.tolist(), plain_rows(own), plain_rows(true), strict=True)
     return np.array(
         [

@@ -82,14 +82,14 @@ def angles_of_attitudes(attitudes: Given, bits: int) -> list[list[Scalar | None]
     """psi, theta and phi of quaternions, psi and phi up to whole turns and None at a pole."""
     from polhode.numbers.mpmath_context import mpmath, own
 
-    found: list[list[Scalar | None]] = []
+    angles: list[list[Scalar | None]] = []
     with mpmath.workprec(bits):
         for row in attitudes:
             quaternion = [own(x) for x in row]
             psi, theta, phi = kinematics.principal_angles(quaternion, mpmath.atan2, mpmath.hypot)
             is_pole = mpmath.sin(theta) < mpmath.ldexp(2, -bits // 2)
-            found.append([None, theta, None] if is_pole else [psi, theta, phi])
-    return found
+            angles.append([None, theta, None] if is_pole else [psi, theta, phi])
+    return angles
 
 
 def _log10_largest(rows: Given | Pairs) -> float:
@@ -160,8 +160,8 @@ def _farthest(subject: Table, scene: Scene) -> tuple[int, ...]:
 
 def _largest(differences: Doubles) -> Doubles:
     """The largest of each row of those that are there; 0 where none is."""
-    found: Doubles = np.fmax.reduce(np.abs(differences), axis=1, initial=0.0)
-    return found
+    most: Doubles = np.fmax.reduce(np.abs(differences), axis=1, initial=0.0)
+    return most
 
 
 # --- answers --------------------------------------------------------------------------------------
@@ -206,8 +206,8 @@ class Answers:
 
     def _asked(self, question: str, digits: int) -> Answer:
         """The answer to one question, as it was given, to more digits or as many, or now."""
-        given = [n for name, n in self._known if name == question and n >= digits]
-        enough = (n for n in sorted(given) if n == digits or self._is_answered(question, n))
+        enough_digits = [n for name, n in self._known if name == question and n >= digits]
+        enough = (n for n in sorted(enough_digits) if n == digits or self._is_answered(question, n))
         digits = next(enough, digits)
         if (question, digits) not in self._known:
             both = self.attitude and not self.reference.encloses_attitude

@@ -75,12 +75,12 @@ def integrated(
     from polhode.runs.solve import solve
 
     turning = attitude and bool(scene.columns[3:])
-    asked = replace(scene, outputs=("attitude",) if turning else (), events=())
+    plain = replace(scene, outputs=("attitude",) if turning else (), events=())
     parts = by_sign(times)
     states, turned = [], []
     try:
         for part in parts:
-            run = solve(asked.at(part), number, interruptible=False)
+            run = solve(plain.at(part), number, interruptible=False)
             if len(run.times) < len(part):
                 return None
             states.append(np.asarray(run.states, dtype=float))

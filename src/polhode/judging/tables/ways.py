@@ -29,30 +29,32 @@ NEAR = 0.1  # how near to 0 or ±1 the entries of a matrix that renames axes are
 
 def turns(sequence: str, angles: Any) -> Doubles:
     """The product of turns about body axes, one after the other: R = R1(a1) R2(a2) R3(a3)."""
-    found = np.broadcast_to(np.eye(3), (len(angles), 3, 3))
+    product = np.broadcast_to(np.eye(3), (len(angles), 3, 3))
     for axis, angle in zip(sequence, angles.T, strict=True):
         i = "xyz".index(axis)
         j, k = (i + 1) % 3, (i + 2) % 3
-        one = np.zeros((len(angle), 3, 3))
-        one[:, i, i] = 1
-        one[:, j, j] = one[:, k, k] = np.cos(angle)
-        one[:, k, j], one[:, j, k] = np.sin(angle), -np.sin(angle)
-        found = found @ one
-    return found
+        turn = np.zeros((len(angle), 3, 3))
+        turn[:, i, i] = 1
+        turn[:, j, j] = turn[:, k, k] = np.cos(angle)
+        turn[:, k, j], turn[:, j, k] = np.sin(angle), -np.sin(angle)
+        product = product @ turn
+    return product
 
 
 def renaming(order: Sequence[int], signs: Sequence[int]) -> Doubles:
     """The matrix that takes a vector v to the one with ``signs[k] v[order[k]]``."""
-    found = np.zeros((3, 3))
+    matrix = np.zeros((3, 3))
     for k, (source, sign) in enumerate(zip(order, signs, strict=True)):
-        found[k, source] = sign
-    return found
+        matrix[k, source] = sign
+    return matrix
 
 
 def nearest_renaming(matrix: Doubles) -> Doubles | None:
     """The axes' renaming that a matrix is nearly; None where it is none."""
-    found = np.round(matrix)
-    return found if np.max(np.abs(matrix - found)) < NEAR and not np.isnan(found).any() else None
+    rounded = np.round(matrix)
+    return (
+        rounded if np.max(np.abs(matrix - rounded)) < NEAR and not np.isnan(rounded).any() else None
+    )
 
 
 def in_words(matrix: Doubles) -> str:
@@ -281,7 +283,7 @@ _Form: TypeAlias = tuple[str, Doubles, Change | None]
 def _in_frames(forms: Sequence[_Form], true: Any) -> list[Way]:
     """Rotations in all frames, by those that they rename: a change of scalar or sense may be one of
     frames."""
-    found = []
+    conventions = []
     for form, held, change in forms:
         for frames in _frames(held, true):
             words = ", ".join(filter(None, (form, frames.words)))
@@ -291,8 +293,8 @@ def _in_frames(forms: Sequence[_Form], true: Any) -> list[Way]:
                 space, body = quaternion(frames.space.T), quaternion(frames.body)
                 whole = change._replace(space=space, body=body)
             way = Way(words, frames.rows, whole, tries, frames.is_fitted, frames.renamed)
-            found += [way] if words else []
-    return sorted(found, key=lambda way: way.renamed)
+            conventions += [way] if words else []
+    return sorted(conventions, key=lambda way: way.renamed)
 
 
 class _Frames(NamedTuple):
@@ -378,5 +380,5 @@ def _against(values: Any, true: Any) -> Doubles:
 def _digits(error: Doubles) -> Doubles:
     with np.errstate(divide="ignore", invalid="ignore"):
         digits = np.nan_to_num(-np.log10(error), nan=0.0, posinf=_TELLABLE)
-    found: Doubles = np.clip(digits, 0.0, _TELLABLE)
-    return found
+    clipped: Doubles = np.clip(digits, 0.0, _TELLABLE)
+    return clipped
