@@ -281,6 +281,8 @@ def expectation(score: Score, known: Conditioning | None = None) -> Expectation:
 
 def lost_digits(digits: RowDigits, expected: Expectation) -> str:
     """That no digits are left, and after which time; empty where some are left throughout."""
+    if not any(d is not None and d < LAST for d in digits):
+        return ""
     return expected.lost if any(map(is_lost, digits, expected.bands)) else ""
 
 

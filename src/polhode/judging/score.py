@@ -606,6 +606,8 @@ def score(
     def whole(part: str, digits: RowDigits) -> RowDigits:
         """Digits of a part, None in rows that lack a number of it."""
         lacking = {*gaps.get(part, ())}
+        if not lacking:
+            return digits
         return tuple(None if k in lacking else d for k, d in enumerate(digits))
 
     halves: dict[str, RowDigits] = {}
