@@ -29,7 +29,7 @@ MODULES = ["", *sorted({getattr(polhode, name).__module__[len("polhode.") :] for
 LONG = (
     *("dynamics.periodic_orbits.families", "dynamics.periodic_orbits.search"),
     *("dynamics.periodic_orbits.orbit", "dynamics.chaos.chaos_map", "dynamics.sections.section"),
-    *("dynamics.frequencies.frequencies", "judging.conditioning.lyapunov", "judging.rolling_cones"),
+    *("dynamics.frequencies.frequencies", "dynamics.lyapunov", "dynamics.rolling_cones"),
     *("proofs.chaos.prove_chaos", "proofs.prove_orbit", "proofs.prove_orbits", "proofs.refusals"),
     *("proofs.prove_stability", "proofs.proved_stability"),
 )

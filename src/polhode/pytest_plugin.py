@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from polhode.judging.judgement import Judgement
+    from polhode.judging.score import Score
 
 #: Properties of a test, one of each for each judgement; they stand in JUnit's XML.
 _DIGITS, _SCENE = "correct_digits", "correct_digits_scene"
@@ -90,32 +90,34 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 @pytest.fixture
-def assert_digits(request: pytest.FixtureRequest) -> Callable[..., Judgement]:
+def assert_digits(request: pytest.FixtureRequest) -> Callable[..., Score]:
     """:func:`polhode.testing.assert_digits`; its digits are told at the end, and in JUnit's XML."""
     from polhode import testing
 
-    def tell(found: Judgement) -> None:
+    def tell(score: Score) -> None:
         properties = request.node.user_properties
-        properties.append((_DIGITS, round(found.worst, 2)))
-        properties.append((_SCENE, found.reference.scene.name))
+        properties.append((_DIGITS, round(score.worst, 2)))
+        properties.append((_SCENE, score.reference.scene.name))
         if request.config.getoption(_OPTION):
-            properties.append((_REPORT, _told(found)))
+            properties.append((_REPORT, _row_of(score)))
 
     return partial(testing.assert_digits, told=tell)
 
 
-def _told(judgement: Judgement) -> dict[str, Any]:
+def _row_of(score: Score) -> dict[str, Any]:
     """What a page tells of a judgement, in plain values, which pytest-xdist sends."""
     from polhode.common.errors import few
+    from polhode.judging.compare import judgement
     from polhode.output.accuracy import Line
 
-    line = Line("", judgement)
-    kept = few(len(judgement.times), _MOST_TIMES)
-    digits = [line.digits[k] for k in kept]
+    judged = judgement(score)
+    line = Line("", judged)
+    shown = few(len(score.times), _MOST_TIMES)
+    digits = [line.digits[k] for k in shown]
     return {
-        "scene": judgement.reference.scene.name,
-        "worst": judgement.worst,
-        "verdict": judgement.verdict,
-        "t": [float(judgement.times[k]) for k in kept],
+        "scene": score.reference.scene.name,
+        "worst": score.worst,
+        "verdict": judged.verdict,
+        "t": [float(score.times[k]) for k in shown],
         "digits": [math.nan if d is None else d for d in digits],
     }

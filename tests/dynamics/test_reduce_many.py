@@ -128,7 +128,7 @@ def test_exponents_of_chaotic_members_scatter_as_their_uncertainties_say():
 @pytest.mark.slow
 def test_the_uncertainty_of_a_chaotic_member_is_its_neighbours_scatter(monkeypatch):
     """Where they are the member itself, it is 0."""
-    from polhode.judging import lyapunov
+    from polhode.dynamics import lyapunov
 
     monkeypatch.setattr(lyapunov, "MOVED", (1.0,) * 7)
     scene = polhode.load("general/asymmetric-chaotic").at([600])

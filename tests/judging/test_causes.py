@@ -12,7 +12,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.judging.diagnosis import causes
+from polhode.judging.tables import causes
 from polhode.scenes.body import Body
 from polhode.scenes.vocabulary import STATE
 from shared.rough_methods import euler, midpoint, rk4

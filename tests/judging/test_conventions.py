@@ -13,7 +13,7 @@ import polhode
 from polhode.cli import main
 from polhode.closed_forms.euler.top import EulerTop
 from polhode.common.errors import BadInput
-from polhode.judging.diagnosis import conventions
+from polhode.judging.tables import conventions
 from polhode.scenes.body import Body
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared import drifting_files as files

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 from dataclasses import replace
 from fractions import Fraction
 
@@ -11,6 +12,11 @@ import pytest
 
 import polhode
 from polhode.equations import integrals
+from polhode.judging import limits
+from polhode.judging.compare import judgement
+from polhode.judging.score import Answers, score
+from polhode.judging.tables import causes, conventions
+from polhode.judging.tables.table import of_run
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
 from polhode.numbers.mpmath_context import mpmath
@@ -210,16 +216,70 @@ def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
     scene, end = polhode.load("kovalevskaya/generic"), [1, 5]
     runs = [polhode.integrate(scene, number, at=end) for number in ("quad", "double")]
     against = polhode.reference(scene)
-    wide = polhode.compare(runs[0], against)
-    narrow, alone = (polhode.compare(runs[1], against, known=x) for x in (wide, None))
-    assert narrow.known_answers is wide.known_answers
-    assert alone.known_answers is not wide.known_answers
+    wide, known = score(of_run(runs[0]), against), polhode.conditioning(scene, end, "quad")
+    narrow, alone = (score(of_run(runs[1]), against, earlier=x) for x in (wide, None))
+    assert narrow.comparison.answers is wide.comparison.answers
+    assert alone.comparison.answers is not wide.comparison.answers
     assert narrow.worst == pytest.approx(alone.worst, abs=1e-8)
-    assert narrow.details() == alone.details()
-    again = polhode.compare(runs[0], against, known=alone)  # which has too few digits for it
+    by_known = judgement(narrow, details=True, known=known)
+    assert by_known.details() == judgement(alone, details=True).details()
+    again = score(of_run(runs[0]), against, earlier=alone)  # which has too few digits for it
     assert again.worst == pytest.approx(wide.worst, abs=1e-8)
     later = polhode.integrate(scene, at=[1, 6])
     for run, other in ((later, against), (runs[1], polhode.Certified(scene))):
-        found = polhode.compare(run, other, known=wide)
-        assert found.known_answers is not wide.known_answers
+        found = score(of_run(run), other, earlier=wide)
+        assert found.comparison.answers is not wide.comparison.answers
         assert 14 < found.worst <= 16
+
+
+# -- a judgement is whole --------------------------------------------------------------------------
+
+
+@pytest.fixture
+def computes_nothing(monkeypatch):
+    """A function after which nobody asks a reference, follows a motion or fits a number."""
+
+    def refuse(*args, **options):
+        raise AssertionError("something was computed")
+
+    def stop():
+        for home, name in (
+            (Answers, "rows"),
+            (limits, "conditioning"),
+            (causes, "integrated"),
+            (conventions, "integrated"),
+        ):
+            monkeypatch.setattr(home, name, refuse)
+
+    return stop
+
+
+@pytest.mark.parametrize("factor", [1, 1 + 1e-5, 180 / np.pi])
+@pytest.mark.parametrize("details", [False, True])
+def test_a_judgement_is_read_and_nothing_is_computed(factor, details, computes_nothing):
+    run = polhode.integrate("lagrange/nutation", at=[0, 1, 2, 3, 4])
+    columns = {"t": [0, 1, 2, 3, 4], **dict(zip(run.columns, run.states.T, strict=True))}
+    columns |= {name: columns[name] * factor for name in "pqr"}
+    judged = polhode.compare(columns, run.scene, details=details)
+    computes_nothing()
+    again = pickle.loads(pickle.dumps(judged))
+    assert again.to_json() == judged.to_json()
+    assert (str(again), again.details()) == (str(judged), judged.details())
+    assert again.limit.name == judged.limit.name
+    assert bool(judged.residuals) == details
+
+
+def test_digits_that_are_demanded_are_scored_and_no_more(computes_nothing, monkeypatch):
+    run = polhode.integrate("euler/separatrix", at=[1, 20])
+    monkeypatch.setattr(limits, "conditioning", None)
+    score_of_run = polhode.testing.assert_digits(run, run.scene, 12)
+    assert 12.5 < score_of_run.worst < 14.5
+    assert not hasattr(score_of_run, "limit")
+    assert "worst 13." in repr(score_of_run)
+
+
+def test_a_limit_is_a_text_with_a_name():
+    limit = pickle.loads(pickle.dumps(limits.Limit("method", "tolerance 1e-07")))
+    assert limit == "method (tolerance 1e-07)"
+    assert (limit.name, limit.detail) == ("method", "tolerance 1e-07")
+    assert not limits.NO_LIMIT

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 import polhode
-from polhode.judging.lyapunov import known_stability
+from polhode.dynamics.lyapunov import known_stability
 from polhode.taylor.system import system
 
 ENDS = [1, 3, 10, 20, 30, 100]

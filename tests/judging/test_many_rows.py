@@ -15,7 +15,7 @@ from polhode.closed_forms.euler.top import EulerTop
 from polhode.common.errors import few
 from polhode.judging import score
 from polhode.judging.conditioning import Band
-from polhode.judging.diagnosis.error_budget import between
+from polhode.judging.limits import between
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.tables import right
 
@@ -210,7 +210,8 @@ def test_a_judgement_that_tells_how_far_it_is_pickles_without():
     found = polhode.compare(run, progress=lambda *here: None)
     again = pickle.loads(pickle.dumps(found))
     assert again == found
-    assert again.progress is None
+    assert again.comparison is None
+    assert str(again) == str(found)
 
 
 def test_what_is_expected_between_the_times_that_are_followed():

@@ -73,7 +73,7 @@ def test_a_noisy_attitude_has_its_own_limit():
 def test_an_attitude_may_lose_the_digits_of_the_angle_that_was_turned(fewer, limit):
     """At t = 20 that is 1.9 digits: omega's error is the rate at which it goes wrong."""
     columns = table("at", "attitude")
-    (least, *_) = polhode.compare(columns, SCENE).expected[-1]
+    (least, *_) = polhode.compare(columns, SCENE, details=True).expected[-1]
     half = 10 ** (fewer - least)
     columns["q1"][-1] += columns["q0"][-1] * half
     columns["q0"][-1] -= columns["q1"][-1] * half
@@ -146,7 +146,10 @@ def test_the_angle_of_rotation_is_that_which_was_planted(degrees, length):
     columns = table("attitude")
     q = length * files.product(np.array([columns[n] for n in ATTITUDE]).T, turn)
     found = polhode.compare(
-        {"t": columns["t"], **dict(zip(ATTITUDE, q.T, strict=True))}, SCENE, as_it_stands=True
+        {"t": columns["t"], **dict(zip(ATTITUDE, q.T, strict=True))},
+        SCENE,
+        as_it_stands=True,
+        details=True,
     )
     angles = found.column("attitude_error")
     assert np.allclose(angles, degrees, rtol=1e-9 + 1e-14 / degrees)

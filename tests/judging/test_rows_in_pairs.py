@@ -46,10 +46,10 @@ def fraction(x):
 def test_the_digits_are_those_of_exact_numbers(case, monkeypatch):
     columns = table(case)
     in_pairs = polhode.compare(columns, case, as_it_stands=True, **HELD)
-    assert isinstance(in_pairs.known_answers.rows("at", 20), double_double.Pairs)
+    assert isinstance(in_pairs.comparison.answers.rows("at", 20), double_double.Pairs)
     monkeypatch.setattr(double_double, "DIGITS", 0)
     exactly = polhode.compare(columns, case, as_it_stands=True, **HELD)
-    assert isinstance(exactly.known_answers.rows("at", 20), list)
+    assert isinstance(exactly.comparison.answers.rows("at", 20), list)
     assert max(d for d in exactly.digits if d is not None) > 15
     for name, digits in exactly.part_digits.items():
         assert in_pairs.part_digits[name] == pytest.approx(digits, abs=1e-9)
@@ -71,7 +71,7 @@ def test_a_number_beyond_doubles_or_just_below_is_judged(size, column):
 def test_sizes_that_pairs_do_not_hold_are_asked_for_as_numbers(monkeypatch):
     monkeypatch.setattr(score, "_LEAST", 1e3)  # radians a second
     found = polhode.compare(table(CASES[0]), CASES[0], as_it_stands=True, **HELD)
-    assert isinstance(found.known_answers.rows("at", 20), list)
+    assert isinstance(found.comparison.answers.rows("at", 20), list)
     assert max(d for d in found.digits if d is not None) > 15
 
 

@@ -74,7 +74,7 @@ def rows(found: polhode.Report, name: str) -> list[dict[str, object]]:
 
 def test_every_number_is_found_again_by_compare(found, files):
     scene = polhode.load(TOP)
-    own = polhode.compare(polhode.integrate(found.sections[0].scene))
+    own = polhode.compare(polhode.integrate(found.sections[0].scene), details=True)
     (run,) = rows(found, "runs")
     assert (run["digits"], run["limit"]) == (own.worst, own.limit)
     digits = [x for x in rows(found, "digits") if x["of"] == "double"]

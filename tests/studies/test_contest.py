@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.judging.lyapunov import lyapunov
+from polhode.dynamics.lyapunov import lyapunov
 from polhode.peers import scipy_ode
 from polhode.studies.processes import ask
 from polhode.studies.row_filter import Only

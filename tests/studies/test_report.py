@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from polhode.common.provenance import digest
-from polhode.judging.diagnosis.error_budget import selected
+from polhode.judging.limits import selected
 from polhode.scenes import library
 from polhode.studies import report
 from polhode.studies.accuracy import rows as accuracy

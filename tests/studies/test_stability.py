@@ -9,7 +9,7 @@ import pytest
 import polhode
 from polhode.equations.readout import at_rest
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.diagnosis.error_budget import selected
+from polhode.judging.limits import selected
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD

@@ -19,12 +19,13 @@ from polhode.common.errors import BadInput, counted, nearest, one_line
 from polhode.common.interrupts import Message
 from polhode.common.processes import cores
 from polhode.common.values import ByValue
-from polhode.judging.compare import compare
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.judgement import Judgement
+from polhode.judging.limits import LAST, expectation, lost_digits, plain_limit_of, state_limit
 from polhode.judging.reference import AnyReference
 from polhode.judging.reference import reference as reference_of
+from polhode.judging.score import Score, score
+from polhode.judging.tables.table import as_judged, of_run
 from polhode.numbers import number_types
 from polhode.numbers.decimals import decimal_string, shown
 from polhode.results.cells import DOUBLE, TEXT
@@ -149,14 +150,14 @@ def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True)
     reference = reference_of(scene)
     wanted = [*(numbers or scene.expect)]
     widest = sorted(wanted, key=number_types.NAMES.index, reverse=True)
-    known: Conditioning | Judgement | None = None
+    known: Conditioning | None = None
     if widest and details:
         known = conditioning(scene, number=number_types.named(widest[0]))
     lines: dict[str, Line] = {}
+    earlier: Score | None = None  # whose rows of the reference judge the narrower types, too
     for number in widest:
-        lines[number], judged = _report_line(scene, reference, number, known, details)
-        if not isinstance(known, Judgement):  # whose rows of the reference judge the others, too
-            known = judged or known
+        lines[number], latest = _report_line(scene, reference, number, known, earlier, details)
+        earlier = earlier or latest
     return Report(
         scene,
         reference.regime,
@@ -171,10 +172,11 @@ def _report_line(
     scene: Scene,
     reference: AnyReference,
     number: str,
-    known: Conditioning | Judgement | None,
+    known: Conditioning | None,
+    earlier: Score | None,
     details: bool,
-) -> tuple[Line, Judgement | None]:
-    """``known``: the scene's conditioning, or a judgement in a wider type.
+) -> tuple[Line, Score | None]:
+    """``known``: the scene's conditioning; ``earlier``: the score in a wider type.
 
     All that will be told is made here: the judgement does not go to another process, which would
     have to compute the reference again.
@@ -188,11 +190,15 @@ def _report_line(
     outcome = run.outcome.value
     if not run.outcome.done:
         return Line(number, 0.0, band, outcome, ended=False), None
-    judged = compare(run, reference, known=known)
-    line = Line(number, judged.state_worst, band, outcome, ended=True, lost=judged.lost)
-    if details or not line.passed:
-        line = replace(line, limit=judged.limit)
-    return line, judged
+    own = score(as_judged(of_run(run), scene), reference, earlier=earlier)
+    line = Line(number, own.state_worst, band, outcome, ended=True)
+    limit = plain_limit_of(own, own.digits)
+    is_limit_told = details or not line.passed
+    if own.state_worst < LAST or (is_limit_told and limit is None):
+        expected = expectation(own, known)
+        line = replace(line, lost=lost_digits(own.digits, expected))
+        limit = limit or state_limit(own, expected)
+    return replace(line, limit=limit or "") if is_limit_told else line, own
 
 
 # --- form cross checks ----------------------------------------------------------------------------

@@ -100,6 +100,10 @@ class BadInput(ValueError):
         return type(self), (self.source, self.key, self.value, self.expected)
 
 
+class TooManySteps(BadInput):
+    """That a proof would take more steps than it may."""
+
+
 class StdoutFault(Exception):
     """Standard output takes no more; ``fault``: what the system said."""
 

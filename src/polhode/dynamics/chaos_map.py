@@ -21,11 +21,11 @@ from polhode.common.processes import run_jobs
 from polhode.common.values import ByValue, refuse_too_much
 from polhode.dynamics import coordinates as geometry
 from polhode.dynamics.coordinates import tangents_of
+from polhode.dynamics.lyapunov import SHORTEST, UNSTABLE, UNSTABLE_GROWTH, is_integrable, is_known
 from polhode.dynamics.starts import asked_of, starts_of
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.equations.terms import NAMES
-from polhode.judging.lyapunov import SHORTEST, UNSTABLE, UNSTABLE_GROWTH, is_integrable, is_known
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
@@ -177,7 +177,7 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
 # (the mean exponential growth of nearby orbits of P. Cincotta and C. Simo, A&AS 147 (2000) 205).
 # A motion is *chaotic* where growth > 6, or *unstable* where it is known: all motions of its body
 # are, or it is a fixed point or has a closed form (the definition and the bound are those of
-# :mod:`polhode.judging.lyapunov`); *regular* (up to T) where growth < 2.5 and
+# :mod:`polhode.dynamics.lyapunov`); *regular* (up to T) where growth < 2.5 and
 # MEGNO < 2.2 and T is 1000 units or more; else *undecided*. Orbits that stick to islands for
 # longer than T are called regular.
 

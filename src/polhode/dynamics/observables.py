@@ -22,7 +22,7 @@ from polhode.common.arguments import each, of_kind
 from polhode.common.checkpoint import Arrays
 from polhode.common.errors import BadInput, nearest
 from polhode.common.interrupts import Stop
-from polhode.judging import lyapunov
+from polhode.dynamics import lyapunov
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers import expression
 from polhode.numbers.conversion import number_value, to_double

@@ -17,7 +17,7 @@ import numpy as np
 from flint import arb
 
 from polhode.common.arguments import steps, whole
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, TooManySteps
 from polhode.common.interrupts import NONE, Deadline, Progress, TooLong
 from polhode.common.values import cached_property
 from polhode.enclosures import (
@@ -332,7 +332,7 @@ def task(
     for side in found.sides:
         if (needed := approximation.steps(side.motion, side.last)) > max_steps:
             expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
-            raise BadInput(name, key, shown(side.last), expected)
+            raise TooManySteps(name, key, shown(side.last), expected)
     return found
 
 

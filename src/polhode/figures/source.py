@@ -21,11 +21,11 @@ from polhode.figures import samples as curve_sampling
 from polhode.figures.samples import ANOTHER, Samples, of_samples
 from polhode.judging.certified import Certified
 from polhode.judging.correct_digits import largest, log10_differences, log10_rate, scaled
-from polhode.judging.diagnosis.readings import table_as_told
 from polhode.judging.reference import Reference
 from polhode.judging.reference import reference as reference_of
 from polhode.judging.score import Answers
 from polhode.judging.tables.column_aliases import PLAIN, naming
+from polhode.judging.tables.readings import table_as_told
 from polhode.judging.tables.table import PARTS, Table, of_run
 from polhode.judging.tables.table_file import is_table, read_table
 from polhode.numbers import exact

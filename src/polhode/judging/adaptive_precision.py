@@ -195,10 +195,10 @@ def integrate(
         digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
     elif prove is not None:
         raise BadInput(scene.name, "prove", prove, "digits given, for their check")
-    given = Options(method, max_steps, project, None, inputs, digits)
+    request = Options(method, max_steps, project, None, inputs, digits)
     if digits is None:
         chosen = choose_number(scene, number, None)
-        return solve(scene, chosen, checked_options(scene, chosen, given, tol), progress)
+        return solve(scene, chosen, checked_options(scene, chosen, request, tol), progress)
     from polhode.judging.digit_check import checked  # and with it all closed forms
 
     free = number in (None, "mp") and tol is None and inputs is None
@@ -207,7 +207,7 @@ def integrate(
         chosen = number_types.for_digits(digits, 0.0)
     else:
         chosen = choose_number(scene, number, digits, lost)
-    options = checked_options(scene, chosen, given, tol)
+    options = checked_options(scene, chosen, request, tol)
     for _ in range(MOST_RUNS):
         run = solve(scene, chosen, options, progress)
         if not (run.outcome.done and run.times):
@@ -219,8 +219,8 @@ def integrate(
         lost = _missed(lost, chosen, right)
         if not free or lost > most:
             break
-        found = choose_number(scene, number, digits, lost)
-        chosen = found if found.bits > chosen.bits else wider(chosen)
+        number_type = choose_number(scene, number, digits, lost)
+        chosen = number_type if number_type.bits > chosen.bits else wider(chosen)
     return replace(run, outcome=Outcome.TOO_FEW_DIGITS)
 
 
@@ -241,9 +241,9 @@ def needed(scene: Scene, digits: int) -> Need:
 
     if not scene.times:
         return Need(0.0, math.inf)  # refused by whoever integrates
-    found = growth(scene, trusted=math.inf)
-    most = _affordable(found.steps) - digits
-    lost = max(found.lost)
+    errors = growth(scene, trusted=math.inf)
+    most = _affordable(errors.steps) - digits
+    lost = max(errors.lost)
     if lost > LED_FROM and lost <= most:
         lost = max(growth(scene, limit=most + 1, led=True).lost)
     return Need(lost, max(most, DEFAULT_MP_DIGITS))

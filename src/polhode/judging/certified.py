@@ -29,6 +29,14 @@ if TYPE_CHECKING:
 SAVED_DIGITS = 30
 
 
+class NoAnswer(BadInput):
+    """That a reference has no answer to a question that another one may answer."""
+
+
+class ProofTooLong(BadInput):
+    """That a proof would take longer than it may."""
+
+
 class Certified(Storable):
     """The reference of any scene: balls that contain the exact motion, and their midpoints.
 
@@ -98,9 +106,9 @@ class Certified(Storable):
 
         Raises BadInput where that many cannot be proven.
         """
-        found = self.enclosure(times, digits)
+        enclosure = self.enclosure(times, digits)
         self._states_asked = True
-        return [list(row) for row in found.midpoints]
+        return [list(row) for row in enclosure.midpoints]
 
     def enclosure(
         self, times: Iterable[AnyNumber], digits: int = 50, outputs: tuple[str, ...] = ()
@@ -113,35 +121,36 @@ class Certified(Storable):
         from polhode.enclosures.task import MOST_DIGITS
 
         digits = whole(self.scene.name, "digits", digits, 1, MOST_DIGITS)
-        asked = each(self.scene.name, "t", times, reader(self.scene.units, TIME), "a list of times")
-        known = (x for at, of, x in self._proofs if at == asked and of == outputs)
+        scene = self.scene
+        instants = each(scene.name, "t", times, reader(scene.units, TIME), "a list of times")
+        known = (x for at, of, x in self._proofs if at == instants and of == outputs)
         found = next((proof for proof in known if proof.asked >= digits), None)
         if found is None:
             progress, forecast = self._told
             left = None if self._most is None else max(1e-3, self._deadline - time.monotonic())
             found = certify(
                 replace(self.scene, outputs=outputs),
-                asked,
+                instants,
                 digits=digits,
                 progress=progress,
                 max_seconds=left,
                 forecast=forecast,
             )
             if found.outcome is Outcome.TIME_LIMIT:
-                last = shown(max(asked, key=abs))
+                last = shown(max(instants, key=abs))
                 expected = f"seconds in which the motion is proven to t = {last}, or earlier times"
-                raise BadInput(self.scene.name, "max_seconds", self._most, expected)
+                raise ProofTooLong(self.scene.name, "max_seconds", self._most, expected)
             if not found.outcome.done:
                 raise KeyboardInterrupt
-            self._proofs.append((asked, outputs, found))
+            self._proofs.append((instants, outputs, found))
         self.agreement = found.proven
         return found
 
     def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows q0 q1 q2 q3 as mpf, the quaternion body to space, proven to ``digits`` digits."""
-        found = self._with("attitude", times, digits)
-        assert found.attitude is not None
-        rows = found.attitude.midpoints(found.noise + 128)
+        enclosure = self._with("attitude", times, digits)
+        assert enclosure.attitude is not None
+        rows = enclosure.attitude.midpoints(enclosure.noise + 128)
         return [[x for x in row if x is not None] for row in rows]  # an attitude has no gaps
 
     def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
@@ -151,18 +160,20 @@ class Certified(Storable):
         vertical.  Raises BadInput where a motion passes so close to a pole that it is not proven on
         which side.
         """
-        found = self._with("angles", times, digits)
-        assert found.angles is not None
+        enclosure = self._with("angles", times, digits)
+        assert enclosure.angles is not None
         unknown = [
-            t for row, t in zip(found.angles.centres, found.times, strict=True) if row[0] is None
+            t
+            for row, t in zip(enclosure.angles.centres, enclosure.times, strict=True)
+            if row[0] is None
         ]
         if any(t != 0 for t in unknown) and not self._stays_at_a_pole:
-            since = ", ".join(f"{t:.6g}" for t in found.lost)
+            since = ", ".join(f"{t:.6g}" for t in enclosure.lost)
             expected = (
                 f"a motion that keeps away from the poles: psi and phi are lost at t = {since}"
             )
-            raise BadInput(self.scene.name, "angles", None, expected)
-        return found.angles.midpoints(found.noise + 128)
+            raise NoAnswer(self.scene.name, "angles", None, expected)
+        return enclosure.angles.midpoints(enclosure.noise + 128)
 
     @property
     def _stays_at_a_pole(self) -> bool:
@@ -174,6 +185,6 @@ class Certified(Storable):
         if self.scene.gamma is None:
             raise BadInput(self.scene.name, "start.gamma", None, "a unit vector, for an attitude")
         agreement = self.agreement
-        found = self.enclosure(times, digits, (output,))
-        self.agreement = agreement if self._states_asked else min(getattr(found, output).digits)
-        return found
+        enclosure = self.enclosure(times, digits, (output,))
+        self.agreement = agreement if self._states_asked else min(getattr(enclosure, output).digits)
+        return enclosure

@@ -1,28 +1,45 @@
-"""What a table must have where digits are demanded of it: whole vectors, a number in each cell."""
+"""Anything judged: a run, somebody's file, columns, an array of states.
+
+First the truth and the table, then how the table is read and how many of its digits are right, then
+what was to be expected, what limits the digits and what may be wrong.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Never
+from typing import TYPE_CHECKING, Any, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, TooManySteps
 from polhode.common.interrupts import Progress
-from polhode.judging.certified import Certified
+from polhode.judging.certified import Certified, NoAnswer
 from polhode.judging.conditioning import Conditioning
-from polhode.judging.diagnosis.conventions import view
-from polhode.judging.diagnosis.readings import as_meant, read_as_told, with_unit_quaternions
-from polhode.judging.diagnosis.ways import clock_remark
 from polhode.judging.judgement import Judgement
+from polhode.judging.limits import (
+    LAST,
+    NO_LIMIT,
+    NOISES,
+    attitude_limit,
+    departure,
+    expectation,
+    is_unexpected,
+    plain_limit_of,
+    state_limit,
+)
 from polhode.judging.reference import AnyReference, Reference, reference
-from polhode.judging.score import does_not_answer
+from polhode.judging.residuals import Residual, ResidualRows, rotation_errors
+from polhode.judging.score import Score, bits_of, score
+from polhode.judging.tables.causes import Cause, other_start
+from polhode.judging.tables.causes import causes as fitted_causes
 from polhode.judging.tables.column_aliases import PLAIN, Naming, naming
 from polhode.judging.tables.csv_file import table_of_columns, table_of_rows
-from polhode.judging.tables.table import LENGTH, Reading, Table, as_judged, of_run
+from polhode.judging.tables.readings import as_meant, read_as_told
+from polhode.judging.tables.table import Reading, Table, as_judged, of_run
 from polhode.judging.tables.table_file import ENDINGS, read_table
+from polhode.judging.tables.ways import clock_remark
 from polhode.numbers.decimals import brief
 from polhode.numbers.number_types import AnyNumber, AnyVector, NumberType
 from polhode.runs.options import choose_number
@@ -33,47 +50,6 @@ from polhode.scenes.vocabulary import ATTITUDE
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
-
-
-def refuse_incomplete(judged: Judgement) -> None:
-    """Raise BadInput for what is judged in part only, or where nothing was judged.
-
-    That is a vector of which components are missing, or a cell that is empty or not a number.  An
-    angle may be missing where the motion has none: psi and phi at a pole.
-    """
-    table = judged.subject
-    if table.early:
-        raise BadInput(table.name, "rows", len(table.times), f"all of them ({table.early})")
-    if table.run is None:
-        _refuse_parts(judged, table)
-        _refuse_gaps(judged, table)
-    _ = judged.worst  # raises BadInput where nothing was judged
-
-
-def _refuse_parts(judged: Judgement, table: Table) -> None:
-    columns = judged.reference.scene.columns
-    for vector in (columns[:3], columns[3:], ATTITUDE if columns[3:] else ()):
-        missing = [name for name in vector if name not in table.columns]
-        if 0 < len(missing) < len(vector):
-            there = ", ".join(name for name in vector if name in table.columns)
-            expected = f"it beside {there}"
-            if table.ignored:
-                expected += f" (columns that are not known: {', '.join(table.ignored)})"
-            raise BadInput(table.name, ", ".join(missing), None, expected)
-
-
-def _refuse_gaps(judged: Judgement, table: Table) -> None:
-    if judged.missing:
-        name = min(judged.missing, key=lambda name: judged.missing[name][0])
-        row = judged.missing[name][0]
-        place = f"{name} in row {row + 1}, t = {brief(table.times[row])}"
-        expected = "a number in each cell that is judged (it is empty or not a number)"
-        raise BadInput(table.name, place, None, expected)
-
-
-# --- compare --------------------------------------------------------------------------------------
-#
-# Anything judged: a run, somebody's file, columns, an array of states.
 
 
 def compare(
@@ -91,12 +67,12 @@ def compare(
     digits: int | None = None,
     at: Iterable[AnyNumber] | None = None,
     columns: Sequence[str] | None = None,
-    known: Conditioning | Judgement | None = None,
     progress: Progress | None = None,
     as_it_stands: bool = False,
     read: str | None = None,
     max_seconds: float | None = None,
     forecast: Callable[[float], None] | None = None,
+    details: bool = False,
     **unknown: Never,
 ) -> Judgement:
     """Judge a run, a trajectory file, columns or an array of states against a reference.
@@ -122,9 +98,6 @@ def compare(
         Of rows, by default those of the scene.  Of a file without a header, or with another, its
         columns in order; or what single names of its header, or of a mapping or frame, mean:
         ``["time_ms=t*1e-3", "Q.W=q0"]``.
-    known : Conditioning or Judgement, optional
-        The scene's conditioning, or a judgement by the same reference at the same times, to spare
-        what they hold.
     progress : callable, optional
         Called with the fraction of the reference's rows that are computed, and how many (of a
         proof, with the fraction of the time, and the steps), if that takes long.
@@ -138,6 +111,9 @@ def compare(
         A limit on proofs, if there is no closed form.
     forecast : callable, optional
         Called before each proof with a rough estimate of its seconds.
+    details : bool
+        Also find what no limit needs: the digits to expect where a table has the last digits of its
+        type, and the root mean square and bias of what is left of it.
     **unknown
         No other argument is accepted; one is refused with the nearest known names.
 
@@ -156,8 +132,8 @@ def compare(
     >>> import polhode
     >>> scene = polhode.load("lagrange/nutation").at((1,))
     >>> rows = [[float(x) for x in polhode.reference(scene).at([1], 20)[0]]]
-    >>> found = polhode.compare(rows, scene, at=[1], number="double")
-    >>> 15.4 < found.worst <= 16, found.limit
+    >>> judgement = polhode.compare(rows, scene, at=[1], number="double")
+    >>> 15.4 < judgement.worst <= 16, judgement.limit
     (True, 'rounding')
     >>> rows[0][0] += 1e-6  # in p, where the largest |omega| is that at t = 1
     >>> 6 < polhode.compare(rows, scene, at=[1]).worst < 7
@@ -165,14 +141,143 @@ def compare(
     """
     gate = "no threshold: polhode.testing.assert_digits(run, scene, at_least) has one"
     refuse_unknown("compare", compare, unknown, at_least=gate)
+    of_kind("compare", "details", details, bool, "True or False")
+    score, offered = scored(
+        what,
+        against,
+        number=number,
+        digits=digits,
+        at=at,
+        columns=columns,
+        progress=progress,
+        as_it_stands=as_it_stands,
+        read=read,
+        max_seconds=max_seconds,
+        forecast=forecast,
+    )
+    return judgement(score, offered, details)
+
+
+def scored(
+    what: Any,
+    against: AnyReference | Scene | str | Path | None = None,
+    *,
+    number: str | NumberType | None = None,
+    digits: int | None = None,
+    at: Iterable[AnyNumber] | None = None,
+    columns: Sequence[str] | None = None,
+    progress: Progress | None = None,
+    as_it_stands: bool = False,
+    read: str | None = None,
+    max_seconds: float | None = None,
+    forecast: Callable[[float], None] | None = None,
+) -> tuple[Score, tuple[Reading, ...]]:
+    """The score of what :func:`compare` judges, as it is read; readings that were not applied.
+
+    The truth, the table, how it is read, and the score: what follows tells why.  Raises BadInput.
+    """
     of_kind("compare", "as_it_stands", as_it_stands, bool, "True or False")
+    prove = partial(Certified, progress=progress, max_seconds=max_seconds, forecast=forecast)
+    truth = _truth(what, against, prove)
+    table_given = _table(what, truth, number, digits, at, columns, other=bool(read))
+    is_read = not as_it_stands and read is None and table_given.run is None
+    table = table_given
+    offered: tuple[Reading, ...] = ()
+    if read is not None and table_given.run is None:
+        table = read_as_told(table_given, truth, read)
+    elif is_read:
+        table, offered = as_meant(table_given, truth)
+    try:
+        return score(table, truth, progress), offered
+    except TooManySteps as fault:
+        expected = "; ".join([fault.expected, *clock_remark(table, truth.scene)])
+        raise TooManySteps(fault.source, "t", fault.value, expected) from None
+    except NoAnswer:
+        if not truth.is_closed_form:
+            raise
+    truth = prove(truth.scene)
+    if is_read:
+        table, offered = as_meant(table_given, truth)
+    return score(table, truth, progress), offered
+
+
+def judgement(
+    score: Score,
+    offered: tuple[Reading, ...] = (),
+    details: bool = False,
+    known: Conditioning | None = None,
+) -> Judgement:
+    """What the digits of a score mean: the digits to expect, what limits them, what may be wrong.
+
+    ``offered``: readings that were not applied.  ``details``: also what no limit needs.
+    ``known``: as of :func:`expectation`.
+    """
+    table, scene = score.subject, score.reference.scene
+    is_foreign = table.run is None
+    offers = offered if score.is_wrong else ()
+    falls = {name: departure(score.times, row) for name, row in score.part_digits.items()}
+    limit = plain_limit_of(score, score.digits)
+    limit_of_attitude = plain_limit_of(score, score.other_parts.get("attitude", ()))
+    loses_all = bool(score.digits) and score.state_worst < LAST
+    is_plain = limit is not None and limit_of_attitude is not None and not any(falls.values())
+    expected = None if is_plain and not (loses_all or details) else expectation(score, known)
+    if limit is None and expected is not None:
+        limit = state_limit(score, expected)
+    if limit_of_attitude is None and expected is not None:
+        limit_of_attitude = attitude_limit(score, expected)
+    limit, limit_of_attitude = limit or NO_LIMIT, limit_of_attitude or NO_LIMIT
+    rotation = rotation_errors(score)
+    residuals: tuple[Residual, ...] = ()
+    blamed = is_foreign and "method" in (limit.name, limit_of_attitude.name)
+    if is_foreign and (details or (blamed and not offers)):
+        rows = ResidualRows.of(score, rotation)
+        noise = rows.noise(score) if blamed and not offers else None
+        if noise is not None:
+            limit = noise if limit.name == "method" else limit
+            limit_of_attitude = noise if limit_of_attitude.name == "method" else limit_of_attitude
+        residuals = rows.residuals if details or noise is not None else ()
+    causes: tuple[Cause, ...] = ()
+    is_explicable = is_foreign and bool(score.digits) and not offers and limit not in NOISES
+    if is_explicable and (loses_all or limit.name == "method"):
+        causes = fitted_causes(table, scene)
+    if is_foreign and limit.name == "method" and (loses_all or offers):
+        limit = NO_LIMIT  # its method is not to blame
+    start, is_judged = "", bool(score.digits or score.other_parts)
+    if is_foreign and is_judged and score.worst < LAST and not (table.readings or offers or causes):
+        start = other_start(table, scene)
+    return Judgement(
+        **{x.name: getattr(score, x.name) for x in fields(Score)},
+        limit=limit,
+        attitude_limit=limit_of_attitude,
+        expectation=expected,
+        departures={
+            name: fall
+            for name, fall in falls.items()
+            if fall is not None
+            and expected is not None
+            and is_unexpected(fall, score.times, score.part_digits[name], expected.bands)
+        },
+        offers=offers,
+        causes=causes,
+        start=start,
+        residuals=residuals,
+        rotation_errors=rotation,
+        integrals=table.drift(scene, bits_of(table)),
+    )
+
+
+def _truth(
+    what: Any,
+    against: AnyReference | Scene | str | Path | None,
+    prove: Callable[[Scene], Certified],
+) -> AnyReference:
+    """The reference that judges; raises BadInput."""
     if against is None:
         if not isinstance(what, Trajectory):
             raise BadInput("compare", "against", None, "a reference, or a scene")
         against = what.scene
     kinds = (Reference, Certified, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
-    proof = partial(Certified, progress=progress, max_seconds=max_seconds, forecast=forecast)
     if isinstance(against, (str, Path)) and Path(against).suffix.lower() in ENDINGS:
         expected = (
             "a scene, a case's name or a .toml file: a table is judged by a motion, and not by "
@@ -181,13 +286,28 @@ def compare(
         if isinstance(what, (str, Path)) and Path(what).suffix.lower() == ".toml":
             expected = f"the scene after the table: polhode compare {against} {what}"
         raise BadInput("compare", "SCENE", str(against), expected)
-    if isinstance(against, (Scene, str, Path)):
-        against = reference(against)
-        if isinstance(against, Certified):
-            against = proof(against.scene)
-    scene = against.scene
+    if not isinstance(against, (Scene, str, Path)):
+        return against
+    truth = reference(against)
+    return prove(truth.scene) if isinstance(truth, Certified) else truth
+
+
+def _table(
+    what: Any,
+    truth: AnyReference,
+    number: str | NumberType | None,
+    digits: int | None,
+    at: Iterable[AnyNumber] | None,
+    columns: Sequence[str] | None,
+    other: bool,
+) -> Table:
+    """What is judged, as a table of those columns that the scene has; raises BadInput.
+
+    ``other``: whether it is read as another program's in any case.
+    """
+    scene = truth.scene
     if isinstance(what, Trajectory):
-        subject = of_run(what)
+        table = of_run(what)
     else:
         if digits is not None and number is None:
             raise BadInput(scene.name, "digits", digits, "number given with it: mp")
@@ -199,49 +319,19 @@ def compare(
         elif not isinstance(what, Table):
             named = scene.columns if columns is None else columns
             what = table_of_rows(what, at, named, kind)
-        if what.run is not None and (read or not _is_of(what.run.scene, scene)):
+        if what.run is not None and (other or not _is_of(what.run.scene, scene)):
             what = replace(what, run=None)  # another's table, as it were
-        subject = as_judged(what, scene)
-    if not subject.columns:
-        expected = f"columns of {', '.join(against.scene.columns)}, angles or attitude"
-        raise BadInput(subject.name, "header", None, expected)
-    given = subject
-    offered: tuple[Reading, ...] = ()
-    reads = not as_it_stands and read is None and subject.run is None
-    if read is not None and subject.run is None:
-        if LENGTH in read:
-            subject = with_unit_quaternions(subject, view(subject, against))
-        subject = read_as_told(subject, against, read)
-    elif reads:
-        subject, offered = as_meant(given, against)
-    found = Judgement(
-        subject,
-        against,
-        progress,
-        answers=known.known_answers if isinstance(known, Judgement) else None,
-        known=known.known if isinstance(known, Judgement) else known,
-        offered=offered,
-    )
-    try:
-        _ = found.digits  # what cannot be judged is refused here
-    except BadInput as refused:
-        if not does_not_answer(against, refused):
-            if refused.key == "at":  # a proof of too many steps
-                expected = "; ".join([refused.expected, *clock_remark(subject, scene)])
-                raise BadInput(refused.source, "t", refused.value, expected) from None
-            raise
-        proven = proof(scene)
-        if reads:
-            subject, offered = as_meant(given, proven)
-        found = replace(found, subject=subject, reference=proven, offered=offered)
-        _ = found.digits
-    return found
+        table = as_judged(what, scene)
+    if not table.columns:
+        expected = f"columns of {', '.join(scene.columns)}, angles or attitude"
+        raise BadInput(table.name, "header", None, expected)
+    return table
 
 
-def _is_of(one: Scene, other: Scene) -> bool:
+def _is_of(scene: Scene, other: Scene) -> bool:
     """Whether two scenes have the same motion, in the same units."""
     keys = ("units", "body", "omega", "gamma")
-    return all(getattr(one, key) == getattr(other, key) for key in keys)
+    return all(getattr(scene, key) == getattr(other, key) for key in keys)
 
 
 def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:
@@ -253,3 +343,44 @@ def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:
         expected = "NAME=COLUMN of each, for these columns have names"
         raise BadInput("compare", "columns", ",".join(names.header), expected)
     return names
+
+
+# --- demands --------------------------------------------------------------------------------------
+#
+# What a table must have where digits are demanded of it: whole vectors, a number in each cell.
+
+
+def refuse_incomplete(judged: Score) -> None:
+    """Raise BadInput for what is judged in part only, or where nothing was judged.
+
+    That is a vector of which components are missing, or a cell that is empty or not a number.  An
+    angle may be missing where the motion has none: psi and phi at a pole.
+    """
+    table = judged.subject
+    if table.early:
+        raise BadInput(table.name, "rows", len(table.times), f"all of them ({table.early})")
+    if table.run is None:
+        _refuse_parts(judged, table)
+        _refuse_gaps(judged, table)
+    _ = judged.worst  # raises BadInput where nothing was judged
+
+
+def _refuse_parts(judged: Score, table: Table) -> None:
+    columns = judged.reference.scene.columns
+    for vector in (columns[:3], columns[3:], ATTITUDE if columns[3:] else ()):
+        missing = [name for name in vector if name not in table.columns]
+        if 0 < len(missing) < len(vector):
+            there = ", ".join(name for name in vector if name in table.columns)
+            expected = f"it beside {there}"
+            if table.ignored:
+                expected += f" (columns that are not known: {', '.join(table.ignored)})"
+            raise BadInput(table.name, ", ".join(missing), None, expected)
+
+
+def _refuse_gaps(judged: Score, table: Table) -> None:
+    if judged.missing:
+        name = min(judged.missing, key=lambda name: judged.missing[name][0])
+        row = judged.missing[name][0]
+        place = f"{name} in row {row + 1}, t = {brief(table.times[row])}"
+        expected = "a number in each cell that is judged (it is empty or not a number)"
+        raise BadInput(table.name, place, None, expected)

@@ -133,8 +133,8 @@ class Rounding(NamedTuple):
         common = max(exponent, self.inputs.exponent)
         values = np.ldexp(self.inputs.values, self.inputs.exponent - common)
         values = values + np.ldexp(_deviates() @ root, exponent - common)
-        found = np.quantile(_sizes(along, values), _QUANTILES)
-        return tuple(_log10(float(x)) + common * LOG10_2 for x in found)
+        sizes = np.quantile(_sizes(along, values), _QUANTILES)
+        return tuple(_log10(float(x)) + common * LOG10_2 for x in sizes)
 
 
 def kappa(along: Passage) -> Iterator[float]:
@@ -179,10 +179,10 @@ def rounding(along: Passage, number: NumberType, every: int = 0) -> Iterator[Rou
     )
     clear, rests = _Clearing(along, every), _Rests(along, v.values)
     for stretch, variances in zip(along.stretches, _of_steps(along), strict=True):
-        one, other, once = (np.diag(np.ldexp(x, -c.exponent)) for x in variances)
+        first, other, once = (np.diag(np.ldexp(x, -c.exponent)) for x in variances)
         half, carried = stretch.steps / 2, stretch.carried
         errors = carried @ v.values + np.ldexp(stretch.driven @ drive, -v.exponent)
-        spread = carried @ (c.values + half * one) @ carried.T + half * other
+        spread = carried @ (c.values + half * first) @ carried.T + half * other
         if (count := clear.made(stretch.steps)) > 0:
             keep = clear.removed(stretch.state)
             errors = keep @ errors
@@ -220,15 +220,15 @@ def variances(along: Passage, states: Doubles, steps: npt.ArrayLike) -> Doubles:
     rounded[:, list(kept_at_zero(along.scene))] = False
     increments = np.asarray(steps)[..., None] * rates
     squares = spacing(states) ** 2 + INCREMENT * spacing(increments) ** 2
-    found: Doubles = VARIANCE * np.where(rounded, squares, 0.0)
-    return found
+    squared: Doubles = VARIANCE * np.where(rounded, squares, 0.0)
+    return squared
 
 
 def spacing(x: npt.ArrayLike) -> Doubles:
     """From each number to the next one of a type, in eps; 0 for zero."""
     mantissas, exponents = np.frexp(x)
-    found: Doubles = np.where(mantissas != 0, np.ldexp(1.0, exponents - 1), 0.0)
-    return found
+    gaps: Doubles = np.where(mantissas != 0, np.ldexp(1.0, exponents - 1), 0.0)
+    return gaps
 
 
 def _of_steps(along: Passage) -> Iterator[tuple[Doubles, Doubles, Doubles]]:
@@ -314,8 +314,8 @@ class _Rests:
 def _sizes(along: Passage, errors: Doubles) -> Doubles:
     """The size of each row."""
     w, gamma = (np.abs(errors[:, i : i + 3] @ along.turn.T).max(axis=1) for i in (0, 3))
-    found: Doubles = np.maximum(w / along.rate_scale, gamma)
-    return found
+    sizes: Doubles = np.maximum(w / along.rate_scale, gamma)
+    return sizes
 
 
 def _off(x: Exact, number: NumberType) -> float:
@@ -482,8 +482,8 @@ class Conditioning(Result, ByValue):
             Column("log10_amplification", self.log10_amplification, "of the state's errors"),
         ]
         for k, name in enumerate(("least", "median", "most")):
-            found = [None if band is None else band[k] for band in bands]
-            columns.append(Column(f"digits_expected_{name}", found, "of a run", digits=4))
+            edges = [None if band is None else band[k] for band in bands]
+            columns.append(Column(f"digits_expected_{name}", edges, "of a run", digits=4))
         columns.append(Column("digits_inputs", self.inputs(), "that rounding them leaves"))
         columns.append(Column("digits_bound", self.digits_bound(), "that are left in any case"))
         return Table([x._replace(type=x.type or cells.DOUBLE) for x in columns])
@@ -515,9 +515,9 @@ class Conditioning(Result, ByValue):
         )
         for t, kappa, log10_a, band, inputs, bound in rows:
             if kappa is not None and log10_a is not None and band is not None:
-                told = band.shown(self.number)
+                shown = band.shown(self.number)
                 lines.append(
-                    f"{to_double(t):14g}  {kappa:9.3g}  {_power(log10_a):13.3g}  {told:>18}"
+                    f"{to_double(t):14g}  {kappa:9.3g}  {_power(log10_a):13.3g}  {shown:>18}"
                     f"  {inputs:6.1f}  {bound:5.1f}"
                 )
         return "\n".join([*lines, *filter(None, (self.lost, self.note))])

@@ -11,10 +11,11 @@ from statistics import linear_regression, median
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
-from polhode.judging.compare import compare
+from polhode.judging.compare import scored
 from polhode.judging.conditioning import Band
-from polhode.judging.judgement import Judgement
+from polhode.judging.limits import expectation
 from polhode.judging.reference import reference
+from polhode.judging.score import Score
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.exact import sign
 from polhode.numbers.number_types import AnyNumber, AnyVector
@@ -146,8 +147,8 @@ class ObservedOrder(Result):
     @property
     def _summary(self) -> str:
         known = sum(x is not None for x in self.orders)
-        told = f"{self.least:.2f} to {self.most:.2f} between successive steps"
-        return told if len(self.times) == 1 else f"{told} at {known} of {len(self.times)} times"
+        words = f"{self.least:.2f} to {self.most:.2f} between successive steps"
+        return words if len(self.times) == 1 else f"{words} at {known} of {len(self.times)} times"
 
     def __repr__(self) -> str:
         counted = sum(self.counted)
@@ -197,22 +198,22 @@ def observed_order(
         raise BadInput("order_of", "steps", len(lengths), f"{_FEWEST} or more, different, above 0")
     lengths = tuple(sorted(lengths, reverse=True))
     against = reference(scene)
-    judged = [
-        compare(mine(h), against, at=times, columns=columns, as_it_stands=True) for h in lengths
+    scores = [
+        scored(mine(h), against, at=times, columns=columns, as_it_stands=True)[0] for h in lengths
     ]
-    return _order("order_of", judged, lengths)
+    return _order("order_of", scores, lengths)
 
 
 def order_between(
-    judged: Sequence[Judgement], steps: Sequence[AnyNumber] | None = None
+    judged: Sequence[Score], steps: Sequence[AnyNumber] | None = None
 ) -> ObservedOrder:
     """The order of one method whose tables, made with different steps, were judged.
 
     ``steps``: of the tables, the distances of their rows unless given.
     """
-    names = tuple(one.subject.name for one in judged)
+    names = tuple(score.subject.name for score in judged)
     if steps is None:
-        lengths = tuple(_spacing(one) for one in judged)
+        lengths = tuple(_spacing(score) for score in judged)
         apart = ", ".join(f"{x:g}" for x in lengths)
         expected = f"the step sizes of the method in --steps: the files' rows are {apart} apart"
     else:
@@ -230,35 +231,36 @@ def _lengths(source: str, steps: Sequence[AnyNumber]) -> tuple[float, ...]:
 
 def _order(
     source: str,
-    judged: Sequence[Judgement],
+    judged: Sequence[Score],
     steps: tuple[float, ...],
     names: tuple[str, ...] = (),
 ) -> ObservedOrder:
     """What judgements tell at those times that all of them have, but t = 0; raises BadInput."""
     digits = [
-        {_label(t): d for t, d in zip(one.times, _fewest(one), strict=True) if d is not None}
-        | {_label(one.times[k]): math.nan for rows in one.gaps.values() for k in rows}
-        for one in judged
+        {_label(t): d for t, d in zip(score.times, _fewest(score), strict=True) if d is not None}
+        | {_label(score.times[k]): math.nan for rows in score.gaps.values() for k in rows}
+        for score in judged
     ]
     times = judged[0].times
     common = tuple(t for t in times if t and all(_label(t) in known for known in digits))
     rows = tuple(tuple(known[_label(t)] for t in common) for known in digits)
-    rounding = min(one.subject.held for one in judged) - _SPARE
+    rounding = min(score.subject.held for score in judged) - _SPARE
     limited = _limited(judged, steps, common, rows, rounding)
-    found = ObservedOrder(steps, common, rows, rounding, names, limited)
-    if all(x is None for x in found.orders):
+    order = ObservedOrder(steps, common, rows, rounding, names, limited)
+    if all(x is None for x in order.orders):
         both = zip(steps, rows, strict=True)
-        told = ", ".join(f"{h:.3g}: {_least(row):.1f} to {max(row):.1f}" for h, row in both if row)
-        count, window = found.fewest_steps, f"{_LEAST:g} to {rounding:.1f} digits"
+        ranges = (f"{h:.3g}: {_least(row):.1f} to {max(row):.1f}" for h, row in both if row)
+        digits_of_steps = ", ".join(ranges)
+        count, window = order.fewest_steps, f"{_LEAST:g} to {rounding:.1f} digits"
         expected = f"{count} or more that give {window} at a time that all have"
-        if found.left_out:
-            expected += f"; rounding limits {', '.join(f'{h:.3g}' for h in found.left_out)}"
-        raise BadInput(source, "steps", told or None, expected)
-    return found
+        if order.left_out:
+            expected += f"; rounding limits {', '.join(f'{h:.3g}' for h in order.left_out)}"
+        raise BadInput(source, "steps", digits_of_steps or None, expected)
+    return order
 
 
 def _limited(
-    judged: Sequence[Judgement],
+    judged: Sequence[Score],
     steps: Sequence[float],
     times: Sequence[Fraction],
     rows: Sequence[Sequence[float]],
@@ -280,8 +282,8 @@ def _limited(
             rules = d >= rounding
             if not rules and len(before) > 1 and _falls_short(before, h, d):
                 if k not in bands:
-                    one = judged[k]
-                    pairs = zip(one.times, one.expected or [None] * len(one.times), strict=True)
+                    expected = expectation(judged[k]).bands
+                    pairs = zip(judged[k].times, expected, strict=True)
                     bands[k] = {_label(x): band for x, band in pairs}
                 band = bands[k][_label(t)]
                 most = judged[k].subject.held if band is None else band.middle
@@ -301,7 +303,7 @@ def _falls_short(before: Sequence[tuple[float, float]], h: float, digits: float)
     return digits < d + _slope(before[-2:]) * math.log10(length / h) - _SHORT
 
 
-def _spacing(judged: Judgement) -> float:
+def _spacing(judged: Score) -> float:
     """The distance of a table's rows, the median."""
     times = sorted(judged.times)
     return float(median(b - a for a, b in pairwise(times))) if len(times) > 1 else 0.0
@@ -312,7 +314,7 @@ def _label(t: Fraction) -> str:
     return f"{float(t):.12g}"
 
 
-def _fewest(judged: Judgement) -> Sequence[float | None]:
+def _fewest(judged: Score) -> Sequence[float | None]:
     """At each time the digits of the state; of what is judged, where there is no state."""
     if judged.digits:
         return judged.digits

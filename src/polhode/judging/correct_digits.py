@@ -49,16 +49,16 @@ def log10_differences(
     own, true = plain_rows(own), plain_rows(true)
     turns = [_turn(bits) if k in turning else None for k in range(len(own[0]) if len(own) else 0)]
     pairs = zip(_lists(own), true, strict=True)
-    found = [[*map(_log10_gap, row, right, turns, repeat(side))] for row, right in pairs]
-    return np.array(found).reshape(len(found), len(turns))
+    logs = [[*map(_log10_gap, row, right, turns, repeat(side))] for row, right in pairs]
+    return np.array(logs).reshape(len(logs), len(turns))
 
 
 def log10_sizes(rows: Given | Pairs) -> Doubles:
     """log10 of the size of each number, shape (rows, columns); not a number where there is none."""
     if isinstance(rows, Pairs):
         with np.errstate(divide="ignore"):
-            found: Doubles = np.log10(np.abs(rows.hi))
-        return found
+            logs: Doubles = np.log10(np.abs(rows.hi))
+        return logs
     return np.array(
         [[math.nan if x is None else _log10(_quotient(x)) for x in row] for row in rows]
     )
@@ -88,15 +88,15 @@ def log10_errors(states: Given, reference: Given, rate: float) -> Doubles:
 
 def scaled(differences: Doubles, rate: float) -> Doubles:
     """Those of w relative to a rate, those of gamma as they are."""
-    found = differences.copy()
-    found[:, :3] -= rate
-    return found
+    logs = differences.copy()
+    logs[:, :3] -= rate
+    return logs
 
 
 def largest(differences: Doubles) -> Doubles:
     """That of each row; not a number where none is there."""
-    found: Doubles = np.fmax.reduce(differences, axis=1, initial=math.nan)
-    return found
+    most: Doubles = np.fmax.reduce(differences, axis=1, initial=math.nan)
+    return most
 
 
 def digits_of(log10_error: Scalar, cap: float) -> Scalar:

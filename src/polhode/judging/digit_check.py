@@ -56,12 +56,12 @@ def checked(
         if judge is None and proved:
             return replace(run, correct_digits=0.0, checked_by=f"{PROOF}, which failed")
     if judge is None:
-        found = _second(run, scene, progress)
-        if found.outcome is Outcome.INTERRUPTED:
+        second = _second(run, scene, progress)
+        if second.outcome is Outcome.INTERRUPTED:
             return replace(run, outcome=Outcome.INTERRUPTED)
-        if not found.outcome.done:
-            return replace(run, correct_digits=0.0, checked_by=f"{SECOND_RUN}: {found.cause}")
-        judge = _Judge(found.states, SECOND_RUN)
+        if not second.outcome.done:
+            return replace(run, correct_digits=0.0, checked_by=f"{SECOND_RUN}: {second.cause}")
+        judge = _Judge(second.states, SECOND_RUN)
     right = worst_digits(states, judge.states, scene, cap=run.number.most_digits)
     if judge.known < math.inf:  # the true state is anywhere in its ball
         right = max(0.0, -math.log10(10.0**-right + 10.0**-judge.known))
@@ -102,12 +102,12 @@ def _proof(
 
     plain = replace(scene, outputs=(), events=())
     try:
-        found = certify(plain, times, digits=digits + _SPARE, progress=progress, forecast=forecast)
+        proof = certify(plain, times, digits=digits + _SPARE, progress=progress, forecast=forecast)
     except (BadInput, _Dearer):
         return None
-    if not found.outcome.done:
+    if not proof.outcome.done:
         raise KeyboardInterrupt
-    return _Judge(found.midpoints, PROOF, found.proven)
+    return _Judge(proof.midpoints, PROOF, proof.proven)
 
 
 def _second(run: Trajectory, scene: Scene, progress: Progress | None) -> Trajectory:

@@ -22,7 +22,7 @@ import numpy.typing as npt
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, counted
 from polhode.equations.form import field
-from polhode.judging.diagnosis.conventions import other_scenes, with_body
+from polhode.judging.tables.conventions import other_scenes, with_body
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import Doubles
 from polhode.results.cells import DOUBLE, TEXT
@@ -79,10 +79,10 @@ class Difference(NamedTuple):
         if not self.right:
             return f"{self.rate} has a term {self.coefficient:.6g}{self._of}, not in the equations"
         ratio = _ratio(self.coefficient / self.right)
-        told = f"{self.rate}: the term{self._of} {ratio}"
-        return (
-            told if not self.coefficient else f"{told}, {self.coefficient:.6g} for {self.right:.6g}"
-        )
+        words = f"{self.rate}: the term{self._of} {ratio}"
+        if not self.coefficient:
+            return words
+        return f"{words}, {self.coefficient:.6g} for {self.right:.6g}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -134,8 +134,8 @@ class FieldComparison(Result):
         ]
 
     def __repr__(self) -> str:
-        told = "every term is right" if self.right else f"{counted(len(self.terms), 'difference')}"
-        return f"<FieldComparison with {self.scene.name}: {told}>"
+        words = "every term is right" if self.right else f"{counted(len(self.terms), 'difference')}"
+        return f"<FieldComparison with {self.scene.name}: {words}>"
 
     def __str__(self) -> str:
         if self.right:
@@ -250,8 +250,8 @@ class _Fitted:
             torque if self.variables == "momentum" else np.abs(np.linalg.inv(self.inertia)) @ torque
         )
         sizes = np.concatenate([first, 2 * self.rate * ones])[: self.count]
-        found: Doubles = np.where(sizes > 0, sizes, 1.0)
-        return found
+        nonzero: Doubles = np.where(sizes > 0, sizes, 1.0)
+        return nonzero
 
     def _rates(self, f: Field, t: float, y: Doubles) -> Doubles:
         """The rates at a state; raises BadInput."""
@@ -269,9 +269,9 @@ class _Fitted:
         that it adds; and what is left of the largest rate."""
         scaled = self.states / self._units
         matrix = np.array([[math.prod(y[k] for k in m) for m in self.monomials] for y in scaled])
-        found, *_ = np.linalg.lstsq(matrix, rates / self.sizes, rcond=None)
-        left = float(np.max(np.abs(matrix @ found - rates / self.sizes)))
-        return found.T, left / max(1.0, float(np.max(np.abs(rates / self.sizes))))
+        coefficients, *_ = np.linalg.lstsq(matrix, rates / self.sizes, rcond=None)
+        left = float(np.max(np.abs(matrix @ coefficients - rates / self.sizes)))
+        return coefficients.T, left / max(1.0, float(np.max(np.abs(rates / self.sizes))))
 
     @property
     def _units(self) -> Doubles:
@@ -296,11 +296,11 @@ class _Fitted:
     def comparison(self) -> FieldComparison:
         """What differs."""
         if self.residual >= _MOST:
-            told = [f"f is no polynomial of degree two in {' '.join(self.names)}"]
+            words = [f"f is no polynomial of degree two in {' '.join(self.names)}"]
             if self.depends_on_time:
-                told = ["f depends on t"]
-            told[0] += f": {self.residual:.1g} of its rates is left beside one"
-            return FieldComparison(self.scene, self.variables, (), tuple(told), self.residual)
+                words = ["f depends on t"]
+            words[0] += f": {self.residual:.1g} of its rates is left beside one"
+            return FieldComparison(self.scene, self.variables, (), tuple(words), self.residual)
         differences = self._differences(self.own, self.right)
         terms = [*self._terms()]
         if self.depends_on_time:
@@ -309,7 +309,7 @@ class _Fitted:
 
     def _differences(self, own: Doubles, right: Doubles) -> tuple[Difference, ...]:
         """The coefficients that differ, as they stand in f."""
-        found = []
+        differences = []
         for row, column in np.argwhere(self._differ(own, right)).tolist():
             places = self.monomials[column]
             unit = self.sizes[row] / math.prod(self._units[k] for k in places)
@@ -321,8 +321,8 @@ class _Fitted:
                 )
             )
             term = " ".join(self.names[k] for k in places) or "1"
-            found.append(Difference(f"{self.names[row]}'", term, true, other))
-        return tuple(found)
+            differences.append(Difference(f"{self.names[row]}'", term, true, other))
+        return tuple(differences)
 
     def _terms(self) -> Iterator[str]:
         """What differs, in words: whole terms, and the coefficients of others."""
@@ -356,8 +356,8 @@ class _Fitted:
     ) -> npt.NDArray[np.bool_]:
         """Which coefficients of these rates differ, by more than rounding."""
         noise = self.noise[rows, None]
-        found: npt.NDArray[np.bool_] = np.abs(own - right) > noise + _LEAST * np.abs(right)
-        return found
+        differ: npt.NDArray[np.bool_] = np.abs(own - right) > noise + _LEAST * np.abs(right)
+        return differ
 
     def _is_undivided(self, own: Doubles, right: Doubles, rows: Sequence[int]) -> bool:
         """Whether a term of omega's rates is the torque itself."""
@@ -372,7 +372,7 @@ class _Fitted:
         kinds = [tuple(k >= 3 for k in places) for places in self.monomials]
 
         def of(kind: tuple[bool, ...]) -> list[int]:
-            return [k for k, one in enumerate(kinds) if one == kind]
+            return [k for k, own in enumerate(kinds) if own == kind]
 
         gyroscopic = {"omega": "-omega x I omega", "momentum": "G x omega"}[self.variables]
         yield f"the gyroscopic term {gyroscopic}", [0, 1, 2], of((False, False))

@@ -15,7 +15,7 @@ from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, nearest
 from polhode.equations.columns import derived
 from polhode.equations.kinematics import Hodographs, hodographs
-from polhode.judging.certified import Certified
+from polhode.judging.certified import Certified, NoAnswer
 from polhode.judging.reference_rows import ReferenceTable, tabulated
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import to_double
@@ -112,11 +112,11 @@ def reference_table(
         raise BadInput(scene.name, "run.end", None, "a time, or times given")
     if backend == "mpmath" and outputs is None:
         scene = replace(scene, outputs=())  # it has states alone
-    found = reference(scene, backend)
-    if isinstance(found, Certified):
+    source = reference(scene, backend)
+    if isinstance(source, Certified):
         expected = "a scene with a closed form, or polhode.certify"
-        raise BadInput(scene.name, "reference", found.regime, expected)
-    return tabulated(found, digits)
+        raise BadInput(scene.name, "reference", source.regime, expected)
+    return tabulated(source, digits)
 
 
 # --- reference ------------------------------------------------------------------------------------
@@ -213,13 +213,14 @@ class Reference(Storable):
 
         proof = Certified(self.scene, forecast=foretold, max_seconds=_MOST_SECONDS)
         try:
-            found: list[list[Any]] = getattr(proof, word)(times, digits)
+            rows: list[list[Any]] = getattr(proof, word)(times, digits)
+        except NoAnswer as fault:  # past a pole: no answer here, but the attitude is one
+            expected = f"{fault.expected}: {self.kind} has the state alone, {word} is enclosed"
+            raise NoAnswer(fault.source, "reference", fault.value, expected) from None
         except BadInput as fault:
             expected = f"{fault.expected}: {self.kind} has the state alone, {word} is enclosed"
-            # Past a pole: no answer here, but the attitude is one.
-            key = "reference" if fault.key == "angles" else fault.key
-            raise BadInput(fault.source, key, fault.value, expected) from None
-        return found
+            raise type(fault)(fault.source, fault.key, fault.value, expected) from None
+        return rows
 
     def column(
         self, word: str, times: Iterable[AnyNumber], digits: int = 50
@@ -272,8 +273,8 @@ class Reference(Storable):
         numbers = ", ".join(bounds[:_MOST_SHOWN])
         if (more := len(bounds) - _MOST_SHOWN) > 0:
             numbers += f" and {more} more"
-        told = f"if these numbers are 0: {numbers}"
-        return f"{how}; {told}" if isinstance(how, str) else told
+        condition = f"if these numbers are 0: {numbers}"
+        return f"{how}; {condition}" if isinstance(how, str) else condition
 
     @property
     def encloses_attitude(self) -> bool:
@@ -315,7 +316,7 @@ class Reference(Storable):
             raise
         except (ValueError, ArithmeticError) as fault:
             expected = f"a question that this closed form answers ({fault})"
-            raise BadInput(self.scene.name, "reference", self.kind, expected) from None
+            raise NoAnswer(self.scene.name, "reference", self.kind, expected) from None
 
     @property
     def period(self) -> Real | None:
@@ -331,14 +332,14 @@ class Reference(Storable):
         >>> print(round(exact.period * exact.frequencies["nutation"] / 6.283185307179586, 9))
         2.0
         """
-        found: Real | None = self._told(lambda: self._motion.period(50))
-        return found
+        period: Real | None = self._told(lambda: self._motion.period(50))
+        return period
 
     @property
     def frequencies(self) -> dict[str, Real]:
         """The motion's frequencies by name, radians per unit of time, to 50 digits."""
-        found: dict[str, Real] = self._told(lambda: self._motion.frequencies(50))
-        return found
+        frequencies: dict[str, Real] = self._told(lambda: self._motion.frequencies(50))
+        return frequencies
 
     @property
     def rates_of(self) -> dict[str, str]:
@@ -411,9 +412,9 @@ def reference(
     if scene.reference == "certified":
         return Certified(scene)
     with mpmath.workprec(ROUGH):
-        found = closed_form(scene, scene.reference)
-    if found is not None:
-        return Reference(scene, *found)
+        fitting = closed_form(scene, scene.reference)
+    if fitting is not None:
+        return Reference(scene, *fitting)
     if scene.reference != "auto":
         other = closed_form(scene)
         fits = f"{other[0] if other else 'certified'}, which fits body and start"
@@ -440,9 +441,9 @@ def by_sign(times: Sequence[Fraction]) -> list[list[Fraction]]:
 
 def _times(scene: Scene, times: Iterable[AnyNumber]) -> list[Exact]:
     """Times taken exactly; raises BadInput for those that are too far."""
-    found = [*each(scene.name, "t", times, reader(scene.units, TIME), "a list of times")]
-    _refuse_far(scene, found)
-    return found
+    instants = [*each(scene.name, "t", times, reader(scene.units, TIME), "a list of times")]
+    _refuse_far(scene, instants)
+    return instants
 
 
 def _refuse_far(scene: Scene, times: Sequence[Exact]) -> None:

@@ -90,8 +90,8 @@ class ReferenceTable(Result, ByValue):
         parts: list[tuple[Sequence[str], Given]] = [(self.scene.columns, self.states)]
         parts += [(COLUMNS[name].names, rows) for name, rows in self.outputs.items()]
         for names, rows in parts:
-            found = row_columns(self.scene, names, rows, self.number, digits=printed)
-            columns += [column._replace(type=word) for column in found]
+            of_part = row_columns(self.scene, names, rows, self.number, digits=printed)
+            columns += [column._replace(type=word) for column in of_part]
         if self.radii is not None:
             bound = digits_word(_RADIUS_DIGITS)
             for k, name in enumerate(self.scene.columns):
@@ -115,33 +115,33 @@ class ReferenceTable(Result, ByValue):
     def __repr__(self) -> str:
         from polhode.common.errors import counted
 
-        what = f"{self.kind}, {self.regime}, {counted(len(self.times), 'time')}"
-        return f"<ReferenceTable of {self.scene.name}: {what}, {self.digits} digits>"
+        summary = f"{self.kind}, {self.regime}, {counted(len(self.times), 'time')}"
+        return f"<ReferenceTable of {self.scene.name}: {summary}, {self.digits} digits>"
 
 
-def tabulated(found: _Answers, digits: int = USUAL_DIGITS) -> ReferenceTable:
+def tabulated(source: _Answers, digits: int = USUAL_DIGITS) -> ReferenceTable:
     """A reference at the times of its scene."""
-    scene = found.scene
+    scene = source.scene
     digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
     printed = _number(digits).printed_digits
     held = held_times(scene, scene.times, digits)
-    states: Any = right_rows(found.at, held, printed)
-    radii = found.radii(held, printed)
+    states: Any = right_rows(source.at, held, printed)
+    radii = source.radii(held, printed)
     outputs: dict[str, Any] = {
-        word: right_rows(partial(found.column, word), held, printed)
+        word: right_rows(partial(source.column, word), held, printed)
         for word in COLUMNS
         if word in scene.outputs
     }
     return ReferenceTable(
         scene,
-        found.kind,
-        found.regime,
+        source.kind,
+        source.regime,
         digits,
         tuple(held),
         states,
         None if radii is None else [*map(partial(_bounds, printed), states, radii)],
         outputs,
-        found.proven,
+        source.proven,
         scene.provenance(),
     )
 
@@ -166,8 +166,8 @@ def _bound(printed: int, x: Real, radius: Real) -> Real:
     with mpmath.workprec(64):
         rounding = abs(own(x)) * 5 * mpmath.mpf(10) ** -printed
         bound = (own(radius) + rounding) * (1 + mpmath.mpf(2) ** -7)
-        found: Real = ordinary(bound)
-        return found
+        plain: Real = ordinary(bound)
+        return plain
 
 
 def right_rows(

@@ -15,15 +15,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polhode.judging.correct_digits import plain_rows
+from polhode.judging.correct_digits import log10_rate, plain_rows
+from polhode.judging.limits import BIASED, WHITE, Limit
+from polhode.judging.score import Score
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.number_types import Doubles, Given, Scalar
+from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 FEWEST = 30  # rows of which it can be told
 SIGNIFICANCE = 0.01
 _LAGS = 10
 _TESTS = 3
+_NOISY, _RADIAN = 0.1, 57.3  # of a column's size: noise that leaves digits; degrees
+_BIASED = 5.0  # a bias, times the noise about it, that limits
+ROTATION = ("rotation_x", "rotation_y", "rotation_z")
 
 
 class Residual(NamedTuple):
@@ -42,8 +48,8 @@ def differences(own: Given | Pairs, true: Given | Pairs, signs: Doubles | None =
         signs = np.ones(len(own.hi) if isinstance(own, Pairs) else len(list(own)))
     if isinstance(own, Pairs) and isinstance(true, Pairs):
         signed = Pairs(own.hi * signs[:, None], own.lo * signs[:, None])
-        found: Doubles = (signed - true).hi
-        return found
+        rounded: Doubles = (signed - true).hi
+        return rounded
     rows = zip(signs.tolist(), plain_rows(own), plain_rows(true), strict=True)
     return np.array(
         [
@@ -61,16 +67,16 @@ def rotations(own: Given | Pairs, true: Given | Pairs) -> Doubles:
     any length and sign.
     """
     theirs, right = (_doubles(rows) for rows in (own, true))
-    product = np.sum(theirs * right, axis=1)
-    d = differences(own, true, np.where(product < 0, -1.0, 1.0))
-    a, b = right[:, :1], right[:, 1:]
-    vector = a * d[:, 1:] - b * d[:, :1] - np.cross(b, d[:, 1:])
-    sine = np.linalg.norm(vector, axis=1)
-    angle = 2 * np.arctan2(sine, np.abs(product))
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # of any numbers
+        product = np.sum(theirs * right, axis=1)
+        d = differences(own, true, np.where(product < 0, -1.0, 1.0))
+        a, b = right[:, :1], right[:, 1:]
+        vector = a * d[:, 1:] - b * d[:, :1] - np.cross(b, d[:, 1:])
+        sine = np.linalg.norm(vector, axis=1)
+        angle = 2 * np.arctan2(sine, np.abs(product))
         factor = np.where(sine > 0, np.degrees(angle) / sine, 0.0)
-    found: Doubles = vector * factor[:, None]
-    return found
+        turned: Doubles = vector * factor[:, None]
+    return turned
 
 
 def residuals(names: Sequence[str], rows: Doubles) -> tuple[Residual, ...]:
@@ -137,3 +143,66 @@ def _difference(sign: float, x: Scalar | None, y: Scalar | None) -> float:
     if x is None or y is None:
         return math.nan
     return to_double(int(sign) * exactly(x) - exactly(y))
+
+
+# --- residuals of a score -------------------------------------------------------------------------
+
+
+def rotation_errors(score: Score) -> Doubles:
+    """Rotations from the true attitudes to a table's, vectors along body axes in degrees, shape
+    (rows, 3); not a number where the attitude was not judged, no rows where nowhere."""
+    digits, comparison = score.other_parts.get("attitude"), score.comparison
+    if digits is None or comparison is None:
+        return np.zeros((0, 3))
+    try:
+        errors = comparison.residuals("attitude", ATTITUDE, rotations)
+    except ValueError:  # a proof judged it, and its digits alone are known
+        return np.zeros((0, 3))
+    errors[[k for k, d in enumerate(digits) if d is None]] = math.nan
+    return errors
+
+
+class ResidualRows(NamedTuple):
+    """What is left of a table's state and attitude: names, and its whole rows in time."""
+
+    names: tuple[str, ...]
+    rows: Doubles
+
+    @classmethod
+    def of(cls, score: Score, rotation: Doubles) -> ResidualRows:
+        """Those of what was judged; ``rotation``: as of :func:`rotation_errors`."""
+        names: list[str] = []
+        parts = []
+        if score.digits and score.comparison is not None:
+            columns = score.reference.scene.columns
+            there = [k for k, name in enumerate(columns) if name in score.subject.state]
+            names += [columns[k] for k in there]
+            parts.append(score.comparison.residuals("at", columns, differences)[:, there])
+        if len(rotation):
+            names += ROTATION
+            parts.append(rotation)
+        if not parts:
+            return cls((), np.zeros((0, 0)))
+        order = sorted(range(len(score.times)), key=lambda k: score.times[k])
+        rows = np.hstack(parts)[order]
+        return cls(tuple(names), rows[np.all(np.isfinite(rows), axis=1)])
+
+    @property
+    def residuals(self) -> tuple[Residual, ...]:
+        """Of each column root mean square, bias, and the bias's standard error."""
+        return residuals(self.names, self.rows)
+
+    def noise(self, score: Score) -> Limit | None:
+        """What white noise of a tenth of its size or less is called: by its bias, where that is
+        more than the noise; None where it is no such noise."""
+        if len(self.rows) < FEWEST:
+            return None
+        rate = 1.0
+        if score.digits and score.comparison is not None:
+            true = score.comparison.first_answer("at")
+            rate = 10.0 ** log10_rate(true, score.reference.scene)
+        sizes = [rate if n in STATE[:3] else _RADIAN if n in ROTATION else 1.0 for n in self.names]
+        level = np.sqrt(np.mean(self.rows**2, axis=0)) / sizes
+        if not (np.all(level < _NOISY) and are_white(self.rows)):
+            return None
+        return BIASED if any(abs(x.bias) > _BIASED * x.rms for x in self.residuals) else WHITE

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
@@ -15,9 +15,8 @@ from polhode.common.errors import BadInput, few
 from polhode.common.interrupts import Progress
 from polhode.common.values import ByValue, cached_property
 from polhode.equations import kinematics
-from polhode.equations.integrals import Drift
 from polhode.equations.kinematics import principal_angles
-from polhode.judging.certified import Certified
+from polhode.judging.certified import Certified, NoAnswer
 from polhode.judging.correct_digits import (
     digits_of,
     largest,
@@ -27,13 +26,12 @@ from polhode.judging.correct_digits import (
     plain_rows,
     scaled,
 )
-from polhode.judging.diagnosis.error_budget import integrated
 from polhode.judging.reference import AnyReference, Reference, column_of
-from polhode.judging.report_text import SHOWN
-from polhode.judging.residuals import FEWEST, Residual, are_white, differences, residuals, rotations
-from polhode.judging.tables.table import PARTS, Table
+from polhode.judging.tables.double_motion import integrated
+from polhode.judging.tables.table import PARTS, WRONG, Table
 from polhode.numbers import double_double
 from polhode.numbers.conversion import doubles, to_mpf
+from polhode.numbers.decimals import brief
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.number_types import DOUBLE, EXTENDED, Doubles, Given, Scalar
 from polhode.scenes.scene import Scene
@@ -42,6 +40,7 @@ from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE
 #: Digits at each time, None where no cell of the part is there or could be judged.
 RowDigits: TypeAlias = tuple[float | None, ...]
 
+SHOWN = 11  # times that are printed, and judged in any case
 TURNING = (ANGLES.index("psi"), ANGLES.index("phi"))  # angles whose whole turns mean nothing
 
 
@@ -83,14 +82,14 @@ def angles_of_attitudes(attitudes: Given, bits: int) -> list[list[Scalar | None]
     """psi, theta and phi of quaternions, psi and phi up to whole turns and None at a pole."""
     from polhode.numbers.mpmath_context import mpmath, own
 
-    found: list[list[Scalar | None]] = []
+    angles: list[list[Scalar | None]] = []
     with mpmath.workprec(bits):
         for row in attitudes:
             quaternion = [own(x) for x in row]
             psi, theta, phi = kinematics.principal_angles(quaternion, mpmath.atan2, mpmath.hypot)
             is_pole = mpmath.sin(theta) < mpmath.ldexp(2, -bits // 2)
-            found.append([None, theta, None] if is_pole else [psi, theta, phi])
-    return found
+            angles.append([None, theta, None] if is_pole else [psi, theta, phi])
+    return angles
 
 
 def _log10_largest(rows: Given | Pairs) -> float:
@@ -161,8 +160,8 @@ def _farthest(subject: Table, scene: Scene) -> tuple[int, ...]:
 
 def _largest(differences: Doubles) -> Doubles:
     """The largest of each row of those that are there; 0 where none is."""
-    found: Doubles = np.fmax.reduce(np.abs(differences), axis=1, initial=0.0)
-    return found
+    most: Doubles = np.fmax.reduce(np.abs(differences), axis=1, initial=0.0)
+    return most
 
 
 # --- answers --------------------------------------------------------------------------------------
@@ -207,8 +206,8 @@ class Answers:
 
     def _asked(self, question: str, digits: int) -> Answer:
         """The answer to one question, as it was given, to more digits or as many, or now."""
-        given = [n for name, n in self._known if name == question and n >= digits]
-        enough = (n for n in sorted(given) if n == digits or self._is_answered(question, n))
+        enough_digits = [n for name, n in self._known if name == question and n >= digits]
+        enough = (n for n in sorted(enough_digits) if n == digits or self._is_answered(question, n))
         digits = next(enough, digits)
         if (question, digits) not in self._known:
             both = self.attitude and not self.reference.encloses_attitude
@@ -285,14 +284,147 @@ def _is_held(answer: Answer | ValueError) -> bool:
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed
 SPARE_DIGITS = 6  # of a reference beyond those that can be told
 _DIGITS = 15  # of the angles that are asked for where a table has none
-_NOISY, _RADIAN = 0.1, 57.3  # of a column's size: noise that leaves digits; degrees
-ROTATION = ("rotation_x", "rotation_y", "rotation_z")
 NEAR_POLE = 20  # of its attitude, which psi and phi lose near a pole
 
 T = TypeVar("T")
 
 
 STATE_PART = "state"  # omega and gamma together
+
+
+def bits_of(table: Table) -> int:
+    """The working precision in which a table is compared."""
+    return math.ceil((math.ceil(table.held) + SPARE_DIGITS) * math.log2(10)) + 32
+
+
+class Comparison(NamedTuple):
+    """A table beside a reference, row by row.
+
+    ``subject``: the table.  ``selected``: the rows that are judged, None for all of them;
+    ``judged``: the table of these.  ``answers``: the reference at their times.
+    """
+
+    subject: Table
+    selected: RowSelection | None
+    judged: Table
+    answers: Answers
+
+    @classmethod
+    def of(
+        cls,
+        subject: Table,
+        reference: AnyReference,
+        progress: Progress | None = None,
+        earlier: Answers | None = None,
+    ) -> Comparison:
+        """A comparison, by answers of an earlier one where it asked the same."""
+        selected = selection(subject, reference)
+        judged = subject if selected is None else subject.some(selected.rows)
+        same = earlier is not None and earlier.reference is reference
+        if earlier is None or not same or earlier.times != judged.times:
+            words = [word for word, x in COLUMNS.items() if {*x.names} & subject.columns.keys()]
+            needs = {need for word in words for need in (word, *COLUMNS[word].needs)}
+            attitude = bool({"attitude", "angles"} & needs)
+            earlier = Answers(reference, judged.times, attitude, progress)
+        return cls(subject, selected, judged, earlier)
+
+    @property
+    def digits_wanted(self) -> int:
+        """The digits of the reference that tell all of the table's."""
+        return math.ceil(self.subject.held) + SPARE_DIGITS
+
+    @property
+    def bits(self) -> int:
+        """The working precision of what is compared."""
+        return bits_of(self.subject)
+
+    def at_all_rows(self, digits: RowDigits) -> RowDigits:
+        """Digits at all rows of the table, None where they are not judged."""
+        if self.selected is None:
+            return digits
+        known = dict(zip(self.selected.rows, digits, strict=True))
+        return tuple(known.get(k) for k in range(len(self.subject.times)))
+
+    def by_enough(
+        self, word: str, judged: Callable[[Answer], T], right: Callable[[T], float], more: int = 0
+    ) -> T:
+        """What is judged by the reference, asked for more digits until none hide behind its own.
+
+        So a table of a thousand digits, few of them right, costs no reference of a thousand.
+        ``right``: how many are right by it.  ``more``: digits that are asked for in any case.
+        Raises ValueError.
+        """
+        wanted = min(self.digits_wanted, FIRST_ASKED)
+        while True:
+            value = judged(self.answers.rows(word, wanted + more))
+            if wanted == self.digits_wanted or right(value) < wanted - SPARE_DIGITS:
+                return value
+            wanted = min(self.digits_wanted, 4 * wanted)
+
+    def first_answer(self, word: str) -> Answer:
+        """The reference's rows of a word, to the digits that were asked for at first."""
+        return self.answers.rows(word, min(self.digits_wanted, FIRST_ASKED))
+
+    def residuals(
+        self, word: str, names: Sequence[str], difference: Callable[[Answer, Answer], Doubles]
+    ) -> Doubles:
+        """What is left of columns beside the reference at all times; raises ValueError."""
+        true = self.first_answer(word)
+        own = self.judged.numbers(names, in_pairs=isinstance(true, Pairs))
+        rows = difference(own, true)
+        if self.selected is None:
+            return rows
+        everywhere = np.full((len(self.subject.times), rows.shape[1]), math.nan)
+        everywhere[list(self.selected.rows)] = rows
+        return everywhere
+
+    def part(self, name: str) -> RowDigits:
+        """Digits of angles, attitude or a derived column; raises ValueError."""
+        held = self.subject.held
+        word, more = ("attitude", NEAR_POLE) if name == "angles" else (name, 0)
+
+        def judged(true: Answer) -> RowDigits:
+            own = self.judged.numbers(COLUMNS[name].names, in_pairs=isinstance(true, Pairs))
+            return part_digits(name, own, true, held, self.bits)
+
+        digits = self.by_enough(word, judged, lambda row: fewest(row, held), more)
+        return self.at_all_rows(digits)
+
+    def state_errors(self) -> Doubles:
+        """log10 of the scaled errors of the state's numbers, shape (rows, columns)."""
+        scene, times = self.answers.reference.scene, self.judged.times
+        begins = [k for k, t in enumerate(times) if not t]
+        start = [to_mpf(x, self.bits) for x in scene.start]
+
+        def errors(true: Answer) -> Doubles:
+            in_pairs = isinstance(true, Pairs)
+            rows: Answer = true
+            if not in_pairs:  # of more digits than are asked for at first
+                rows = [row if t else start for t, row in zip(times, plain_rows(true), strict=True)]
+            states = self.judged.numbers(scene.columns, in_pairs=in_pairs)
+            return scaled(log10_differences(states, rows), log10_rate(rows, scene))
+
+        def most_right(logs: Doubles) -> float:
+            later = row_digits(np.delete(logs, begins, axis=0), self.subject.held)
+            return max((d for d in later if d is not None), default=0.0)
+
+        return self.by_enough("at", errors, most_right)
+
+    def missing(self) -> dict[str, tuple[int, ...]]:
+        """The rows in which a column lacks a number that the motion has there, of each that does.
+
+        An angle may be missing where the motion has none: psi and phi at a pole.
+        """
+        gaps = {name: self.subject.gaps([name]) for name in self.subject.columns}
+        if rows := self.subject.gaps(ANGLES):
+            with suppress(ValueError):  # what the motion has there is not known
+                times = [self.subject.times[k] for k in rows]
+                attitude = self.answers.reference.attitude(times, _DIGITS)
+                true = dict(zip(rows, angles_of_attitudes(attitude, DOUBLE.bits), strict=True))
+                for place, name in enumerate(ANGLES):
+                    here = gaps.get(name, [])
+                    gaps[name] = [k for k in here if true[k][place] is not None]
+        return {name: tuple(rows) for name, rows in gaps.items() if rows}
 
 
 class _Worst(NamedTuple):
@@ -304,21 +436,31 @@ class _Worst(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Scores(ByValue):
-    """The right digits of a subject, the reference asked for no more digits than tell them.
+class Score(ByValue):
+    """The right digits of a table, part by part.
 
-    ``progress``: called with the reference's rows where they are many.  ``answers``: rows of the
-    reference that were asked for already, if they are.
+    ``subject``: what was judged; ``reference``: what it was judged against.  ``halves``: the digits
+    of omega and gamma at each time; ``other_parts``: those of angles, attitude and derived columns.
+    ``refusals``: parts that were not judged, and why.  ``missing``: the rows in which a column
+    lacks a number that the motion has there, of each that does.  ``selected``: the rows that were
+    judged, None for all of them.  ``agreement``: the accuracy of the reference in digits; inf for a
+    closed form, nan if it is not known.  ``comparison``: of which all of this was made, as long as
+    it is there.
     """
 
     subject: Table
     reference: AnyReference
-    progress: Progress | None = field(default=None, compare=False)
-    answers: Answers | None = field(default=None, compare=False)
+    halves: Mapping[str, RowDigits]
+    other_parts: Mapping[str, RowDigits]
+    refusals: Mapping[str, str]
+    missing: Mapping[str, tuple[int, ...]]
+    selected: RowSelection | None
+    agreement: float
+    comparison: Comparison | None = field(compare=False)
 
     def __getstate__(self) -> dict[str, object]:
-        """Without what is told of progress: nobody waits for it elsewhere."""
-        return super().__getstate__() | {"progress": None, "answers": None}
+        """Without the reference's rows, which nobody asks for elsewhere."""
+        return super().__getstate__() | {"comparison": None}
 
     @property
     def times(self) -> tuple[Fraction, ...]:
@@ -326,40 +468,26 @@ class Scores(ByValue):
         return self.subject.times
 
     @cached_property
-    def _selected(self) -> RowSelection | None:
-        """The rows that are judged; None for all of them."""
-        return selection(self.subject, self.reference)
-
-    @cached_property
-    def _judged(self) -> Table:
-        """The rows that are judged."""
-        return self.subject if self._selected is None else self.subject.some(self._selected.rows)
-
-    def _everywhere(self, digits: RowDigits) -> RowDigits:
-        """Digits at all rows, None where they are not judged."""
-        if self._selected is None:
-            return digits
-        known = dict(zip(self._selected.rows, digits, strict=True))
-        return tuple(known.get(k) for k in range(len(self.subject.times)))
-
-    @cached_property
     def digits(self) -> RowDigits:
         """Correct digits of the state at each time; empty where no number of it is there."""
-        if not self.subject.state:
-            return ()
-        rows = zip(*self._halves.values(), strict=True)
-        found = tuple(min((d for d in row if d is not None), default=None) for row in rows)
-        return () if all(d is None for d in found) else found
+        rows = zip(*self.halves.values(), strict=True)
+        fewest_of_row = tuple(min((d for d in row if d is not None), default=None) for row in rows)
+        return () if all(d is None for d in fewest_of_row) else fewest_of_row
 
-    @cached_property
-    def _halves(self) -> dict[str, RowDigits]:
-        """Digits of omega and of gamma at each time, of what is there of them."""
-        found: dict[str, RowDigits] = {}
-        for name, half in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
-            if {*STATE[half]} & {*self.subject.state}:
-                digits = row_digits(self._errors[:, half], self.subject.held)
-                found[name] = self._of_whole(name, self._everywhere(digits))
-        return found
+    @property
+    def part_digits(self) -> dict[str, RowDigits]:
+        """Correct digits of each part at each time, None where it has no value there.
+
+        omega, gamma; angles and attitude, by absolute error; derived columns, by errors relative
+        to their largest value.
+        """
+        return {**self.halves, **self.other_parts}
+
+    @property
+    def parts(self) -> dict[str, float]:
+        """The fewest correct digits over all times of angles, attitude and derived columns."""
+        held = self.subject.held
+        return {name: fewest(digits, held) for name, digits in self.other_parts.items()}
 
     @cached_property
     def gaps(self) -> dict[str, tuple[int, ...]]:
@@ -367,132 +495,13 @@ class Scores(ByValue):
 
         A vector that lacks a component is none, and has no digits.
         """
-        parts = PARTS | {word: x.names for word, x in COLUMNS.items()}
-        rows = {
-            part: sorted({k for name in names for k in self.missing.get(name, ())})
-            for part, names in parts.items()
-        }
-        return {part: tuple(lacking) for part, lacking in rows.items() if lacking}
-
-    @cached_property
-    def missing(self) -> dict[str, tuple[int, ...]]:
-        """The rows in which a column lacks a number that the motion has there, of each that does.
-
-        An angle may be missing where the motion has none: psi and phi at a pole.
-        """
-        columns = self.subject.columns
-        found = {name: self.subject.gaps([name]) for name in columns}
-        if rows := self.subject.gaps(ANGLES):
-            with suppress(ValueError):  # what the motion has there is not known
-                attitude = self.reference.attitude([self.times[k] for k in rows], _DIGITS)
-                true = dict(zip(rows, angles_of_attitudes(attitude, DOUBLE.bits), strict=True))
-                for place, name in enumerate(ANGLES):
-                    here = found.get(name, [])
-                    found[name] = [k for k in here if true[k][place] is not None]
-        return {name: tuple(lacking) for name, lacking in found.items() if lacking}
-
-    def _of_whole(self, part: str, digits: RowDigits) -> RowDigits:
-        """Digits of a part, None in rows that lack a number of it."""
-        lacking = {*self.gaps.get(part, ())}
-        if not lacking:
-            return digits
-        return tuple(None if k in lacking else d for k, d in enumerate(digits))
-
-    @cached_property
-    def _judged_parts(self) -> dict[str, RowDigits | str]:
-        """Digits of angles, attitude and derived columns, or why there are none."""
-        found: dict[str, RowDigits | str] = {}
-        for name in COLUMNS:
-            own = self._judged.rows(COLUMNS[name].names)
-            if own is None:
-                continue
-            if all(x is None for row in own for x in row):
-                found[name] = f"none of {'them' if name == 'angles' else 'it'} has a value"
-                continue
-            try:
-                found[name] = self._part(name)
-            except ValueError as fault:  # BadInput is one
-                found[name] = str(fault)
-                if does_not_answer(self.reference, fault):
-                    proven = replace(self, reference=Certified(self.reference.scene))
-                    with suppress(ValueError):
-                        found[name] = proven._part(name)
-        return found
-
-    def _part(self, name: str) -> RowDigits:
-        """Digits of such a part; raises ValueError."""
-        held = self.subject.held
-        word, more = ("attitude", NEAR_POLE) if name == "angles" else (name, 0)
-
-        def judged(true: Answer) -> RowDigits:
-            own = self._judged.numbers(COLUMNS[name].names, in_pairs=isinstance(true, Pairs))
-            return part_digits(name, own, true, held, self._bits)
-
-        found = self._told(word, judged, lambda digits: fewest(digits, held), more)
-        return self._of_whole(name, self._everywhere(found))
-
-    @cached_property
-    def _errors(self) -> Doubles:
-        """log10 of the scaled errors of the state's numbers, shape (rows, columns)."""
-        scene, times = self.reference.scene, self._judged.times
-        begins = [k for k, t in enumerate(times) if not t]
-        start = [to_mpf(x, self._bits) for x in scene.start]
-
-        def errors(true: Answer) -> Doubles:
-            in_pairs = isinstance(true, Pairs)
-            rows: Answer = true
-            if not in_pairs:  # of more digits than are asked for at first
-                rows = [row if t else start for t, row in zip(times, plain_rows(true), strict=True)]
-            states = self._judged.numbers(scene.columns, in_pairs=in_pairs)
-            return scaled(log10_differences(states, rows), log10_rate(rows, scene))
-
-        def most_right(found: Doubles) -> float:
-            later = row_digits(np.delete(found, begins, axis=0), self.subject.held)
-            return max((d for d in later if d is not None), default=0.0)
-
-        return self._told("at", errors, most_right)
-
-    def _told(
-        self, word: str, judged: Callable[[Answer], T], right: Callable[[T], float], more: int = 0
-    ) -> T:
-        """What is judged by the reference, asked for more digits until none hide behind its own.
-
-        So a table of a thousand digits, few of them right, costs no reference of a thousand.
-        ``right``: how many are right by it.  ``more``: digits that are asked for in any case.
-        Raises ValueError.
-        """
-        wanted = min(self._wanted, FIRST_ASKED)
-        while True:
-            found = judged(self.known_answers.rows(word, wanted + more))
-            if wanted == self._wanted or right(found) < wanted - SPARE_DIGITS:
-                return found
-            wanted = min(self._wanted, 4 * wanted)
-
-    @cached_property
-    def known_answers(self) -> Answers:
-        """The reference at the times that are judged."""
-        known, times = self.answers, self._judged.times
-        if known is not None and known.reference is self.reference and known.times == times:
-            return known
-        there = [word for word, x in COLUMNS.items() if {*x.names} & self.subject.columns.keys()]
-        attitude = any({"attitude", "angles"} & {word, *COLUMNS[word].needs} for word in there)
-        return Answers(self.reference, times, attitude, self.progress)
-
-    @property
-    def _wanted(self) -> int:
-        return math.ceil(self.subject.held) + SPARE_DIGITS
-
-    @property
-    def _bits(self) -> int:
-        """The working precision of what is compared."""
-        return math.ceil(self._wanted * math.log2(10)) + 32
+        return gaps_of_parts(self.missing)
 
     @property
     def rows_judged(self) -> int:
         """How many rows were judged: all, or some of very many where a row of the closed form costs
         milliseconds."""
-        selected = self._selected
-        return len(self.times) if selected is None else len(selected.rows)
+        return len(self.times) if self.selected is None else len(self.selected.rows)
 
     @property
     def state_worst(self) -> float:
@@ -500,9 +509,19 @@ class Scores(ByValue):
         return min(d for d in self.digits if d is not None)
 
     @property
+    def lowest_row(self) -> int:
+        """The first row at which the digits of the state are fewest."""
+        return self.digits.index(self.state_worst)
+
+    @property
     def worst(self) -> float:
         """The fewest correct digits of any part that was judged; BadInput where none was."""
         return self._worst.digits
+
+    @property
+    def worst_row(self) -> int:
+        """The first row at which the digits are fewest; BadInput likewise."""
+        return self._worst.row
 
     @property
     def worst_time(self) -> Fraction:
@@ -516,136 +535,120 @@ class Scores(ByValue):
 
     @cached_property
     def _worst(self) -> _Worst:
-        parts = {STATE_PART: self.digits, **self._others}
-        found = [
+        parts = {STATE_PART: self.digits, **self.other_parts}
+        numbers = [
             _Worst(d, part, k)
             for part, digits in parts.items()
             for k, d in enumerate(digits)
             if d is not None
         ]
-        if not found:
-            why = "; ".join(self._unjudged) or "all cells are empty"
+        if not numbers:
+            why = "; ".join(self.unjudged) or "all cells are empty"
             expected = f"a number in a column that can be judged ({why})"
             raise BadInput(self.subject.name, "columns", None, expected)
-        return min(found, key=lambda one: one.digits)
+        return min(numbers, key=lambda number: number.digits)
 
-    @cached_property
-    def _others(self) -> dict[str, RowDigits]:
-        """Digits of what is no column of the state; of angles psi and phi up to whole turns."""
-        return {k: part for k, part in self._judged_parts.items() if not isinstance(part, str)}
-
-    @cached_property
-    def rotation_errors(self) -> Doubles:
-        """Rotations from the true attitudes to the subject's, vectors along body axes in degrees,
-        shape (rows, 3); not a number where the attitude was not judged, no rows where nowhere."""
-        if "attitude" not in self._others:
-            return np.zeros((0, 3))
-        try:
-            found = self._left("attitude", ATTITUDE, rotations)
-        except ValueError:  # a proof judged it, and its digits alone are known
-            return np.zeros((0, 3))
-        found[[k for k, d in enumerate(self._others["attitude"]) if d is None]] = math.nan
-        return found
-
-    def _left(
-        self, word: str, names: Sequence[str], difference: Callable[[Answer, Answer], Doubles]
-    ) -> Doubles:
-        """What is left of columns beside the reference at all times; raises ValueError."""
-        true = self.known_answers.rows(word, min(self._wanted, FIRST_ASKED))
-        own = self._judged.numbers(names, in_pairs=isinstance(true, Pairs))
-        found = difference(own, true)
-        if self._selected is None:
-            return found
-        everywhere = np.full((len(self.times), found.shape[1]), math.nan)
-        everywhere[list(self._selected.rows)] = found
-        return everywhere
-
-    @cached_property
-    def _residual_rows(self) -> tuple[tuple[str, ...], Doubles]:
-        """Names of what is left of a table's state and attitude, and its whole rows in time."""
-        names: list[str] = []
-        parts = []
-        if self.digits:
-            columns = self.reference.scene.columns
-            there = [k for k, name in enumerate(columns) if name in self.subject.state]
-            names += [columns[k] for k in there]
-            parts.append(self._left("at", columns, differences)[:, there])
-        if len(self.rotation_errors):
-            names += ROTATION
-            parts.append(self.rotation_errors)
-        if not parts:
-            return (), np.zeros((0, 0))
-        order = sorted(range(len(self.times)), key=lambda k: self.times[k])
-        rows = np.hstack(parts)[order]
-        return tuple(names), rows[np.all(np.isfinite(rows), axis=1)]
-
-    @cached_property
-    def residuals(self) -> tuple[Residual, ...]:
-        """What is left of each column of the state, and of the attitude as a rotation in degrees:
-        root mean square, bias, and the bias's standard error, over rows that are whole."""
-        return residuals(*self._residual_rows)
-
-    @cached_property
-    def is_noisy(self) -> bool:
-        """Whether what is left of a table may be white noise, of a tenth of its size or less."""
-        names, rows = self._residual_rows
-        if self.subject.run is not None or len(rows) < FEWEST:
-            return False
-        rate = 1.0
-        if self.digits:
-            true = self.known_answers.rows("at", min(self._wanted, FIRST_ASKED))
-            rate = 10.0 ** log10_rate(true, self.reference.scene)
-        sizes = [rate if n in STATE[:3] else _RADIAN if n in ROTATION else 1.0 for n in names]
-        level = np.sqrt(np.mean(rows**2, axis=0)) / sizes
-        return bool(np.all(level < _NOISY)) and are_white(rows)
+    @property
+    def is_wrong(self) -> bool:
+        """Whether a part, or the state, is right to fewer digits than a convention costs."""
+        worst = [*self.parts.values(), *([self.state_worst] if self.digits else [])]
+        return min(worst, default=WRONG) < WRONG
 
     @property
     def reading(self) -> str | None:
         """The convention that was applied, None where the numbers are judged as they stand."""
-        told = dict.fromkeys(f"{r.part} {r.convention}" for r in self.subject.readings)
-        return "; ".join(told) or None
+        words = dict.fromkeys(f"{r.part} {r.convention}" for r in self.subject.readings)
+        return "; ".join(words) or None
 
     @property
-    def part_digits(self) -> dict[str, RowDigits]:
-        """Correct digits of each part at each time, None where it has no value there.
-
-        omega, gamma; angles and attitude, by absolute error; derived columns, by errors relative
-        to their largest value.
-        """
-        return self._halves | self._others
-
-    @property
-    def _lowest(self) -> int:
-        """The first row at which the digits of the state are fewest."""
-        return self.digits.index(self.state_worst)
-
-    @property
-    def parts(self) -> dict[str, float]:
-        """The fewest correct digits over all times of angles, attitude and derived columns."""
-        return {name: fewest(found, self.subject.held) for name, found in self._others.items()}
-
-    @property
-    def _unjudged(self) -> list[str]:
+    def unjudged(self) -> list[str]:
         """Rows, and parts beside the state, that were not judged, and why."""
-        selected = self._selected
-        unjudged = [] if selected is None else [selected.note(len(self.times))]
-        return unjudged + [
-            f"{name} {'were' if name == 'angles' else 'was'} not judged: {found}"
-            for name, found in self._judged_parts.items()
-            if isinstance(found, str)
+        rows = [] if self.selected is None else [self.selected.note(len(self.times))]
+        return rows + [
+            f"{name} {'were' if name == 'angles' else 'was'} not judged: {why}"
+            for name, why in self.refusals.items()
         ]
 
-    @property
-    def drift(self) -> Drift | None:
-        """Drift of the integrals; None where it says nothing, see ``notes``."""
-        return self._drift if isinstance(self._drift, Drift) else None
-
-    @cached_property
-    def _drift(self) -> Drift | str:
-        return self.subject.drift(self.reference.scene, self._bits)
+    def __repr__(self) -> str:
+        digits = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
+        return f"<Score of {self.subject.name} against {self.reference.kind}: {digits}>"
 
 
-def does_not_answer(reference: AnyReference, fault: ValueError) -> bool:
-    """Whether it is a closed form that has no answer here, as a proven enclosure may have."""
-    refused = isinstance(fault, BadInput) and fault.key == "reference"
-    return refused and isinstance(reference, Reference)
+def gaps_of_parts(missing: Mapping[str, Sequence[int]]) -> dict[str, tuple[int, ...]]:
+    """Rows in which parts lack a number, of those in which columns do."""
+    parts = PARTS | {word: x.names for word, x in COLUMNS.items()}
+    rows = {
+        part: sorted({k for name in names for k in missing.get(name, ())})
+        for part, names in parts.items()
+    }
+    return {part: tuple(gaps) for part, gaps in rows.items() if gaps}
+
+
+def score(
+    subject: Table,
+    reference: AnyReference,
+    progress: Progress | None = None,
+    earlier: Score | None = None,
+) -> Score:
+    """How many digits of a table are right.
+
+    The reference is asked for no more digits than tell them.  ``progress``: called with its rows
+    where they are many.  ``earlier``: a score by the same reference at the same times, to spare the
+    rows that it asked for.  Raises BadInput where the state cannot be judged, which is
+    :class:`NoAnswer` where another reference may have an answer.
+    """
+    known = None if earlier is None or earlier.comparison is None else earlier.comparison.answers
+    comparison = Comparison.of(subject, reference, progress, known)
+    errors = comparison.state_errors() if subject.state else None
+    missing = comparison.missing()
+    gaps = gaps_of_parts(missing)
+
+    def whole(part: str, digits: RowDigits) -> RowDigits:
+        """Digits of a part, None in rows that lack a number of it."""
+        lacking = {*gaps.get(part, ())}
+        if not lacking:
+            return digits
+        return tuple(None if k in lacking else d for k, d in enumerate(digits))
+
+    halves: dict[str, RowDigits] = {}
+    for name, half in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
+        if errors is not None and {*STATE[half]} & {*subject.state}:
+            digits = row_digits(errors[:, half], subject.held)
+            halves[name] = whole(name, comparison.at_all_rows(digits))
+    others: dict[str, RowDigits] = {}
+    refusals: dict[str, str] = {}
+    for name in COLUMNS:
+        own = comparison.judged.rows(COLUMNS[name].names)
+        if own is None:
+            continue
+        if all(x is None for row in own for x in row):
+            refusals[name] = f"none of {'them' if name == 'angles' else 'it'} has a value"
+            continue
+        digits_or_refusal = _part_or_refusal(comparison, name)
+        if isinstance(digits_or_refusal, str):
+            refusals[name] = digits_or_refusal
+        else:
+            others[name] = whole(name, digits_or_refusal)
+    return Score(
+        subject,
+        reference,
+        halves,
+        others,
+        refusals,
+        missing,
+        comparison.selected,
+        reference.agreement,
+        comparison,
+    )
+
+
+def _part_or_refusal(comparison: Comparison, name: str) -> RowDigits | str:
+    """A part's digits, by a proof where the closed form has no answer; or why there are none."""
+    try:
+        return comparison.part(name)
+    except ValueError as fault:  # BadInput is one
+        reference = comparison.answers.reference
+        if isinstance(fault, NoAnswer) and reference.is_closed_form:
+            with suppress(ValueError):
+                return Comparison.of(comparison.subject, Certified(reference.scene)).part(name)
+        return str(fault)

@@ -12,15 +12,15 @@ from functools import partial
 from itertools import groupby
 from typing import Any, NamedTuple
 
-from polhode.common.errors import BadInput, few
+from polhode.common.errors import BadInput, TooManySteps, few
 from polhode.common.interrupts import Message, heard
+from polhode.dynamics.lyapunov import Lyapunov, lyapunov
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.certified import Certified
-from polhode.judging.compare import compare
+from polhode.judging.certified import Certified, ProofTooLong
+from polhode.judging.compare import compare, scored
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.convergence_order import ObservedOrder, order_between
 from polhode.judging.judgement import Judgement
-from polhode.judging.lyapunov import Lyapunov, lyapunov
 from polhode.judging.reference import AnyReference, reference
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
@@ -59,7 +59,9 @@ class Asked:
 
         def foretold(seconds: float) -> None:
             if seconds > self.max_seconds:
-                raise BadInput(scene.name, "max_seconds", seconds, "earlier times, more seconds")
+                raise ProofTooLong(
+                    scene.name, "max_seconds", seconds, "earlier times, more seconds"
+                )
 
         return {"max_seconds": self.max_seconds, "forecast": foretold}
 
@@ -241,10 +243,10 @@ def _judged(name: str, run: Trajectory, asked: Asked, options: Mapping[str, Any]
     part, why = run, "" if run.outcome.done else f"the run ended early: {run.cause}"
     while any(part.times):
         try:
-            judgement = compare(part, **asked.limits(run.scene))
+            judgement = compare(part, **asked.limits(run.scene), details=True)
             _ = judgement.worst
         except BadInput as fault:
-            if fault.key not in ("max_seconds", "at"):
+            if not isinstance(fault, (ProofTooLong, TooManySteps)):
                 return Line(name, None, str(fault), run)
             why = "no reference to these digits within the time that a proof may take"
             seconds = fault.value if isinstance(fault.value, float) else 0.0
@@ -263,9 +265,7 @@ def of_table(given: Given, scene: Scene, asked: Asked) -> Line:
         how = {}
     try:
         judgement = compare(given.table, scene, **how, **asked.limits(scene))
-    except BadInput as fault:
-        if fault.key != "max_seconds":
-            raise
+    except ProofTooLong:
         why = "not judged: no reference within the time that a proof may take"
         return Line(given.name, None, why, given=given)
     return Line(given.name, judgement, given=given)
@@ -323,8 +323,8 @@ def _costed(scene: Scene, against: AnyReference, number: str, tolerance: str | N
         began = time.process_time()
         row = call()
         seconds.append(time.process_time() - began)
-    judgement = compare([row], against, at=[end], number=number, as_it_stands=True)
-    return Work(number, step, judgement.worst, min(seconds))
+    score, _ = scored([row], against, at=[end], number=number, as_it_stands=True)
+    return Work(number, step, score.worst, min(seconds))
 
 
 def _last_state(scene: Scene, number: str) -> Any:

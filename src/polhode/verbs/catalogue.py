@@ -125,7 +125,7 @@ ROWS = (
         *("compare", _FUNCTIONS, "judged", "Judgement"),
         "judge a trajectory that another program computed",
         "top.csv top.toml",
-        {"scene": "scene"},
+        {"scene": "scene", "whole": None},
         notes="nothing",
     ),
     Verb(

@@ -195,6 +195,8 @@ class Places:
         if "certificate" in names:
             extras["certificate"] = any(map(self._is_own, self.paths))
         data = [x for x in self.paths if not self._is_figure(x)]
+        if "whole" in names:
+            extras["whole"] = self.json or bool(data)
         if "parts" in names and data:
             from polhode.common import checkpoint
 

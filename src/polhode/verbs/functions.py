@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from polhode.scenes.start_box import StartBox
 
 _SECONDS = 1e-4  # about, for a radian of the motion that is followed
+_MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
 _FOLLOWED = 3e5  # radians: as far as its steps go
 
 
@@ -44,6 +45,7 @@ def judged(
     at_least: float | None = None,
     max_seconds: float | None = None,
     details: bool = False,
+    whole: bool = False,
     line: ProgressLine | None = None,
 ) -> Judgement:
     """Judge a trajectory that another program computed.
@@ -71,10 +73,11 @@ def judged(
         A limit in seconds on the proof that judges where there is no closed form.
     details : bool
         Print everything known: digits at more times and those to expect, the kind of motion, drift.
+    whole : bool
+        Find everything known, for data that are written.
     line : ProgressLine
         Where progress is shown.
     """
-    del details  # of what is printed
     judgement = _judged(
         Path(file),
         scene,
@@ -85,7 +88,15 @@ def judged(
         read=read,
         columns=columns,
         max_seconds=max_seconds,
+        details=details or whole,
     )
+    if details or whole:
+        from polhode.dynamics.lyapunov import lyapunov
+        from polhode.taylor import heyoka
+
+        if heyoka.installed:
+            motion = lyapunov(judgement.reference.scene, max_steps=_MOTION_STEPS)
+            judgement = replace(judgement, motion=motion)
     if at_least is None:
         return judgement
     from polhode.judging.compare import refuse_incomplete
@@ -163,6 +174,7 @@ def _judged(
     path: Path, scene: str | Path, line: ProgressLine, max_seconds: float | None, **options: Any
 ) -> Judgement:
     """The judgement of a file; ``options``: others of :func:`polhode.compare`."""
+    from polhode.judging.certified import ProofTooLong
     from polhode.judging.compare import compare
     from polhode.proofs.certified_orbit import NotProved
 
@@ -183,10 +195,8 @@ def _judged(
             forecast=foretold,
             **options,
         )
-    except BadInput as fault:
-        if fault.key == "max_seconds" and max_seconds is not None and max_seconds > 0:
-            raise NotProved(str(fault)) from None
-        raise
+    except ProofTooLong as fault:
+        raise NotProved(str(fault)) from None
     angle = 10.0**judgement.reference.scene.log10_rate * max(abs(float(t)) for t in judgement.times)
     if (seconds := _SECONDS * min(angle, _FOLLOWED)) > LONG:
         line.clear()

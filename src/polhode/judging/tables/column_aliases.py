@@ -70,8 +70,8 @@ def with_quaternions(columns: Mapping[str, Cells], bits: int) -> dict[str, Cells
 def lengths(rows: Given) -> tuple[float, float] | None:
     """The least and the largest length of quaternions, if one is not nearly 1; None if all are."""
     there = [[to_double(exactly(x)) for x in row if x is not None] for row in rows]
-    found = [math.hypot(*row) for row in there if len(row) == len(ATTITUDE)]
-    least, most = min(found, default=1.0), max(found, default=1.0)
+    sizes = [math.hypot(*row) for row in there if len(row) == len(ATTITUDE)]
+    least, most = min(sizes, default=1.0), max(sizes, default=1.0)
     return None if max(1 - least, most - 1) < _OFF else (least, most)
 
 
@@ -87,19 +87,19 @@ def of_length_one(row: GivenRow, bits: int) -> list[Fraction | None]:
 def _steady(
     rows: Sequence[Cells], read: Callable[[Sequence[Fraction]], Quaternion | None]
 ) -> list[Sequence[Fraction | None]]:
-    found: list[Sequence[Fraction | None]] = []
+    steady: list[Sequence[Fraction | None]] = []
     before = None
     for row in rows:
         there = [exactly(x) for x in row if x is not None]
         q = read(there) if len(there) == len(row) else None
         if q is None:
-            found.append((None,) * 4)
+            steady.append((None,) * 4)
             continue
         if before is not None and sum(x * y for x, y in zip(q, before, strict=True)) < 0:
             q = [-x for x in q]
-        found.append(q)
+        steady.append(q)
         before = [Fraction(float(x)) for x in q]
-    return found
+    return steady
 
 
 def _of_matrix(r: Sequence[Fraction], bits: int) -> Quaternion | None:
@@ -239,7 +239,7 @@ def not_judged() -> dict[str, str]:
 def are_attitude(headers: Sequence[str]) -> list[bool]:
     """Which of headers that were left aside are a whole form of the attitude, beside another."""
     forms = {*MATRIX, *RODRIGUES, *ROTATION_VECTOR}
-    return [one.name in forms for one in columns(headers)]
+    return [column.name in forms for column in columns(headers)]
 
 
 class Column(NamedTuple):
@@ -294,7 +294,7 @@ Column(name='psi', degrees=True, factor=Fraction(1, 1))]
     if "xyz_derivative[0]" in headers:  # else PX4's xyz may be accelerations as well
         headers = [re.sub(r"^xyz\[", "gyro[", header) for header in headers]
     alone = [_alone(header) for header in headers]
-    parts = [one if isinstance(one, _Part) else None for one in alone]
+    parts = [column if isinstance(column, _Part) else None for column in alone]
     there = [part for part in parts if part is not None]
     first = {
         (part.kind, part.stem): "0"
@@ -302,21 +302,23 @@ Column(name='psi', degrees=True, factor=Fraction(1, 1))]
         else "1"
         for part in there
     }
-    found = [
-        one if isinstance(one, Column) else _component(one, first[one.kind, one.stem])
-        for one in alone
+    meant = [
+        column
+        if isinstance(column, Column)
+        else _component(column, first[column.kind, column.stem])
+        for column in alone
     ]
-    names = {one.name for one in found}
-    gyro = _g_is_a_rate(parts, found)
+    names = {column.name for column in meant}
+    gyro = _g_is_a_rate(parts, meant)
     for k, part in enumerate(parts):
         if part is None:
             continue
         if part.stem == "g" and (gyro or part.unit.kind == "rate"):
-            found[k] = _component(part._replace(kind="omega"), first[part.kind, part.stem])
+            meant[k] = _component(part._replace(kind="omega"), first[part.kind, part.stem])
         elif part.kind in ("matrix", "rodrigues", "vector"):
             whole = {*_COMPONENTS[part.kind]} <= names
-            found[k] = found[k] if whole and not {*ATTITUDE} <= names else UNKNOWN
-    return found
+            meant[k] = meant[k] if whole and not {*ATTITUDE} <= names else UNKNOWN
+    return meant
 
 
 def by_clock(
@@ -329,7 +331,7 @@ def by_clock(
     >>> named[0].factor, *told
     (Fraction(1, 1000000), "read as: timestamp in microseconds, as in PX4's logs")
     """
-    clock = next(k for k, one in enumerate(named) if one.name == "t")
+    clock = next(k for k, column in enumerate(named) if column.name == "t")
     there = {*headers}
     if headers[clock].lower() != "timestamp" or named[clock] != Column("t"):
         return [*named], ()
@@ -343,10 +345,12 @@ def by_clock(
     return counted, (f"read as: {headers[clock]} in {words}",)
 
 
-def _g_is_a_rate(parts: Sequence[_Part | None], found: Sequence[Column]) -> bool:
+def _g_is_a_rate(parts: Sequence[_Part | None], meant: Sequence[Column]) -> bool:
     """Whether ``gx gy gz`` are rates, where no others are there: beside accelerations or gamma."""
     others = {
-        one.name for part, one in zip(parts, found, strict=True) if not part or part.stem != "g"
+        column.name
+        for part, column in zip(parts, meant, strict=True)
+        if not part or part.stem != "g"
     }
     accelerated = any(part is not None and part.kind == "acceleration" for part in parts)
     return (accelerated or bool({*STATE[3:]} & others)) and not {*STATE[:3]} & others
@@ -380,10 +384,10 @@ def _alone(header: str) -> Column | _Part:
     for name, unit in ((plain, None), (plain[: split.start()] if split else "", split)):
         word = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.strip()).lower()
         units = _unit(unit)
-        found = "t" if name.strip() == "t" else _WORDS.get(word) or _WORDS.get(name.lower())
-        found = found or _rate_of_turn(word)
-        if found is not None:
-            return _in_unit(found, units)
+        column = "t" if name.strip() == "t" else _WORDS.get(word) or _WORDS.get(name.lower())
+        column = column or _rate_of_turn(word)
+        if column is not None:
+            return _in_unit(column, units)
         for kind, pattern in _NAMES.items():
             for text in dict.fromkeys((word, name.lower())):
                 if part := pattern.match(text):
@@ -392,15 +396,15 @@ def _alone(header: str) -> Column | _Part:
 
 
 def _rate_of_turn(word: str) -> str | None:
-    found = _ROLL.match(word)
-    return STATE[("roll", "pitch", "yaw").index(found[1])] if found else None
+    match = _ROLL.match(word)
+    return STATE[("roll", "pitch", "yaw").index(match[1])] if match else None
 
 
-def _unit(found: re.Match[str] | None) -> _Unit:
+def _unit(match: re.Match[str] | None) -> _Unit:
     """The unit at the end of a header."""
-    if found is None or found[5]:
+    if match is None or match[5]:
         return _Unit("")
-    angle, per, rate, time = (x.lower() if x else "" for x in found.groups()[:4])
+    angle, per, rate, time = (x.lower() if x else "" for x in match.groups()[:4])
     if time:
         return _Unit("time", factor=_TIMES.get(time, Fraction(1)))
     if rate:
@@ -449,9 +453,9 @@ class Naming:
 
     def columns(self, header: Sequence[str]) -> list[Column]:
         """What the names of a header mean; a column that was told is no other one of the header."""
-        told = {one.name for one in self.meant.values()}
-        others = [UNKNOWN if one.name in told else one for one in columns(header)]
-        return [self.meant.get(name, one) for name, one in zip(header, others, strict=True)]
+        names = {column.name for column in self.meant.values()}
+        others = [UNKNOWN if column.name in names else column for column in columns(header)]
+        return [self.meant.get(name, column) for name, column in zip(header, others, strict=True)]
 
     def stamp(self, header: Sequence[str]) -> tuple[int, int] | None:
         """The places of a time's whole seconds and of its nanoseconds, as ROS writes them, where no
@@ -460,14 +464,14 @@ class Naming:
         >>> PLAIN.stamp(["seq", "header.stamp.sec", "header.stamp.nanosec", "qw"])
         (1, 2)
         """
-        if any(one.name == "t" for one in self.columns(header)):
+        if any(column.name == "t" for column in self.columns(header)):
             return None
         parts = [_STAMP.match(name) for name in header]
-        found = {(part[1], bool(part[2])): k for k, part in enumerate(parts) if part}
+        places = {(part[1], bool(part[2])): k for k, part in enumerate(parts) if part}
         whole = [
-            (k, found[stem, True])
-            for (stem, is_rest), k in found.items()
-            if not is_rest and (stem, True) in found
+            (k, places[stem, True])
+            for (stem, is_rest), k in places.items()
+            if not is_rest and (stem, True) in places
         ]
         return whole[0] if len(whole) == 1 else None
 
@@ -482,8 +486,8 @@ def naming(text: str) -> Naming:
         return Naming(tuple(items))
     meant = {}
     for item in items:
-        name, _, told = (part.strip() for part in item.partition("="))
-        ours, _, by = (part.strip() for part in told.partition("*"))
+        name, _, meaning = (part.strip() for part in item.partition("="))
+        ours, _, by = (part.strip() for part in meaning.partition("*"))
         sign, ours = (-1, ours[1:].strip()) if ours.startswith("-") else (1, ours)
         if not name or ours not in readable():
             expected = f"NAME=COLUMN, of {nearest(ours, readable())}"

@@ -111,10 +111,10 @@ def printed_type(columns: Iterable[Sequence[str]], printed: int) -> NumberType |
             return None
         evidence = 0.0
         for cell in (cell for column in some for cell in column if cell):
-            told = _told(cell, kind)
-            if told is None:
+            type_of_cell = _told(cell, kind)
+            if type_of_cell is None:
                 break
-            evidence += told
+            evidence += type_of_cell
         else:
             if evidence >= _SURE:
                 return kind
@@ -217,7 +217,7 @@ def table_of_rows(
 
 
 def table_of_columns(
-    given: Any,
+    data: Any,
     number: NumberType | None = None,
     source: str = "compare",
     names: Naming = PLAIN,
@@ -229,39 +229,41 @@ def table_of_columns(
     Names are those of a file's header; the time may be a DataFrame's index.  Columns of floats
     are known as such; nan, NaT and None are empty cells.  Raises BadInput.
     """
-    if hasattr(given, "iloc"):  # a DataFrame
-        if not hasattr(given, "columns"):
+    if hasattr(data, "iloc"):  # a DataFrame
+        if not hasattr(data, "columns"):
             expected = "columns by name, t among them: a DataFrame, not one Series"
-            raise BadInput(source, "columns", type(given).__name__, expected)
-        if names.columns([str(given.index.name)])[0].name == "t":
-            given = given.reset_index()
-        held = {str(name): given[name].to_numpy() for name in given.columns}
+            raise BadInput(source, "columns", type(data).__name__, expected)
+        if names.columns([str(data.index.name)])[0].name == "t":
+            data = data.reset_index()
+        held = {str(name): data[name].to_numpy() for name in data.columns}
     else:
-        present = [*getattr(given, "coords", ()), *given.keys()]
-        held = {str(name): getattr(given[name], "values", given[name]) for name in present}
+        present = [*getattr(data, "coords", ()), *data.keys()]
+        held = {str(name): getattr(data[name], "values", data[name]) for name in present}
     if (places := names.stamp([*held])) is not None:
         held = _columns_with_whole_stamps(source, held, *([*held][k] for k in places))
     header = [*held]
     named = names.columns(header)
-    clock = next((k for k, one in enumerate(named) if one.name == "t"), None)
+    clock = next((k for k, column in enumerate(named) if column.name == "t"), None)
     if clock is None:
         expected = f"a column t among them, or {NAMING} that names it"
         raise BadInput(source, "columns", ",".join(header), expected)
     refuse_names(source, "columns", header, named)
     if number is None:
         judged = zip(header, named, strict=True)
-        number = type_of(held[name] for name, one in judged if one.name not in (None, "t"))
+        number = type_of(held[name] for name, column in judged if column.name not in (None, "t"))
     cells = [
-        None if one.name is None else each(source, name, held[name], _cell, "a column of numbers")
-        for name, one in zip(header, named, strict=True)
+        None
+        if column.name is None
+        else each(source, name, held[name], _cell, "a column of numbers")
+        for name, column in zip(header, named, strict=True)
     ]
     whole = all(isinstance(t, Fraction) and t.denominator == 1 for t in cells[clock] or ())
     named, remarks = by_clock(header, named) if whole else (named, ())
     printed = number.printed_digits if number else MOST_PRINTED
-    found = table_of_cells(source, header, named, cells, printed, number)
-    errors = _errors(found.times, held[header[clock]], named[clock].factor)
+    table = table_of_cells(source, header, named, cells, printed, number)
+    errors = _errors(table.times, held[header[clock]], named[clock].factor)
     name = "columns" if source == "compare" else source
-    return replace(found, name=name, remarks=(*remarks, *found.remarks), time_errors=errors)
+    return replace(table, name=name, remarks=(*remarks, *table.remarks), time_errors=errors)
 
 
 def _columns_with_whole_stamps(
@@ -296,45 +298,54 @@ def table_of_cells(
     ``cells``: of each column; None of one that is not known.  Raises BadInput for a row without a
     time.
     """
-    found: dict[str, Cells] = {}
+    cells_by_name: dict[str, Cells] = {}
     for (name, degrees, factor), column in zip(named, cells, strict=True):
         if name is None or column is None:
             continue
         if degrees or factor != 1:
             scale = factor * degree() if degrees else factor
             column = tuple(x and exactly(x) * scale for x in column)
-        found[name] = column
-    times = [exactly(t) for t in found.pop("t") if t is not None]
-    if not times or any(len(column) != len(times) for column in found.values()):
+        cells_by_name[name] = column
+    times = [exactly(t) for t in cells_by_name.pop("t") if t is not None]
+    if not times or any(len(column) != len(times) for column in cells_by_name.values()):
         expected = "columns as long as t, with a time in each row"
         raise BadInput(source, "columns", ",".join(header), expected)
     ignored = tuple(name for name, one in zip(header, named, strict=True) if one.name is None)
-    found = with_quaternions(found, bits_for(printed))
+    cells_by_name = with_quaternions(cells_by_name, bits_for(printed))
     yardstick = number or (DOUBLE if printed <= DOUBLE.printed_digits else mp(printed))
-    told = number.most_digits if number else min(printed + 2.0, MOST_DIGITS)
-    held = min(told, yardstick.most_digits)
-    found, remarks = _with_rates(found, header)
+    most = number.most_digits if number else min(printed + 2.0, MOST_DIGITS)
+    held = min(most, yardstick.most_digits)
+    cells_by_name, remarks = _with_rates(cells_by_name, header)
     return Table(
-        source, tuple(times), found, yardstick, held, printed, ignored=ignored, remarks=remarks
+        source,
+        tuple(times),
+        cells_by_name,
+        yardstick,
+        held,
+        printed,
+        ignored=ignored,
+        remarks=remarks,
     )
 
 
 def _with_rates(
-    found: dict[str, Cells], header: Sequence[str]
+    cells_by_name: dict[str, Cells], header: Sequence[str]
 ) -> tuple[dict[str, Cells], tuple[str, ...]]:
     """Columns in which ``gx gy gz`` beside a quaternion are rates, where they are not of length 1;
     and that they are, in words."""
     omega, gamma = STATE[:3], STATE[3:]
     beside = columns([*header, "ax"])  # what they are beside accelerations
-    if not {*gamma, *ATTITUDE} <= found.keys() or {*omega} & found.keys():
-        return found, ()
-    if not {*omega} <= {one.name for one in beside}:
-        return found, ()
-    rows = zip(*(found[name] for name in gamma), strict=True)
+    if not {*gamma, *ATTITUDE} <= cells_by_name.keys() or {*omega} & cells_by_name.keys():
+        return cells_by_name, ()
+    if not {*omega} <= {column.name for column in beside}:
+        return cells_by_name, ()
+    rows = zip(*(cells_by_name[name] for name in gamma), strict=True)
     sizes = [math.hypot(*(to_double(exactly(x)) for x in row)) for row in rows if None not in row]
     if 2 * sum(abs(size - 1) > _OFF for size in sizes) <= len(sizes):
-        return found, ()
-    rates = {omega[gamma.index(name)] if name in gamma else name: x for name, x in found.items()}
+        return cells_by_name, ()
+    rates = {
+        omega[gamma.index(name)] if name in gamma else name: x for name, x in cells_by_name.items()
+    }
     return rates, ("gx gy gz were read as rates, for they are no unit vector",)
 
 
@@ -352,9 +363,9 @@ def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[C
         raise BadInput(source, key, ",".join(header), expected)
 
 
-def _errors(times: Sequence[Fraction], given: Any, factor: Fraction) -> tuple[float, ...]:
+def _errors(times: Sequence[Fraction], cells: Any, factor: Fraction) -> tuple[float, ...]:
     """By how much times may be off that were given so: in floats, or in units of a clock."""
-    number = type_of([given])
+    number = type_of([cells])
     if number is None:
         return of_decimals(times, abs(factor)) if factor < 1 else ()
     return of_type(times, number)
@@ -480,8 +491,8 @@ def read_csv(path: Path, number: NumberType | None, names: Naming) -> Table:
     refuse_names(str(path), "header", header, named)
     if not sheet.rows:
         raise BadInput(str(path), "file", None, "at least one line of numbers")
-    found = _table(path, sheet, named, number)
-    return replace(found, remarks=(*found.remarks, *sheet.remarks))
+    table = _table(path, sheet, named, number)
+    return replace(table, remarks=(*table.remarks, *sheet.remarks))
 
 
 def _text(content: bytes) -> str:
@@ -593,7 +604,7 @@ def _commented(lines: Sequence[str], count: int, names: Naming) -> Sequence[str]
     for line in reversed(lines):
         text = line.lstrip(_MARKS)
         for _, cells in _rows([text], _separator(text), 0):
-            if len(cells) == count and any(one.name == "t" for one in names.columns(cells)):
+            if len(cells) == count and any(column.name == "t" for column in names.columns(cells)):
                 return cells
     return ()
 
@@ -610,8 +621,8 @@ def _table(path: Path, sheet: _Sheet, named: list[Column], number: NumberType | 
         kind = printed_type(judged, printed)
         of_times = printed_type([texts[clock]], shown)
         if kind is not None:
-            told = f"read as: numbers of {kind.name}, printed to {printed} digits"
-            remarks = (told, *remarks)
+            remark = f"read as: numbers of {kind.name}, printed to {printed} digits"
+            remarks = (remark, *remarks)
             printed = kind.printed_digits
     cells = [
         None
@@ -619,12 +630,12 @@ def _table(path: Path, sheet: _Sheet, named: list[Column], number: NumberType | 
         else _numbers(path, sheet, k, texts[k], meant.name, of_times if k == clock else kind)
         for k, meant in enumerate(named)
     ]
-    found = table_of_cells(str(path), sheet.header, named, cells, printed, kind)
+    table = table_of_cells(str(path), sheet.header, named, cells, printed, kind)
     return replace(
-        found,
+        table,
         name=called(path),
-        remarks=(*remarks, *found.remarks),
-        time_errors=_time_errors(found.times, named[clock], texts[clock], of_times, shown),
+        remarks=(*remarks, *table.remarks),
+        time_errors=_time_errors(table.times, named[clock], texts[clock], of_times, shown),
     )
 
 
@@ -637,18 +648,18 @@ def _numbers(
     number: NumberType | None,
 ) -> Cells:
     """A column's exact numbers; ``number``: whose values its cells stand for."""
-    found: list[float | Decimal | Fraction | None] = []
+    numbers: list[float | Decimal | Fraction | None] = []
     read = expression.as_it_stands if number is None else partial(value, number=number)
     try:
         for text in texts:
-            found.append(read(text) if text or name == "t" else None)
+            numbers.append(read(text) if text or name == "t" else None)
     except ExpressionError:
-        line, row = sheet.rows[len(found)]
+        line, row = sheet.rows[len(numbers)]
         expected = "a finite decimal number"
         if row[place] and not row[place].strip("*"):
             expected += " (asterisks stand where a format of Fortran was too narrow for it)"
         raise BadInput(f"{path}:{line}", name, row[place], expected) from None
-    return tuple(found)
+    return tuple(numbers)
 
 
 def _time_errors(
@@ -709,12 +720,12 @@ def value(cell: str, number: NumberType) -> float | Fraction:
 
 def most_printed(columns: Sequence[Sequence[str]]) -> int:
     """The most significant digits of any cell, 1 or more."""
-    found = 1
+    most = 1
     for cells in columns:
         for cell in cells:
-            if len(cell) > found and len(cell.lstrip("+-0.")) > found:  # else it has no more digits
-                found = max(found, _significant(cell))
-    return found
+            if len(cell) > most and len(cell.lstrip("+-0.")) > most:  # else it has no more digits
+                most = max(most, _significant(cell))
+    return most
 
 
 def last_place(cells: Sequence[str]) -> Fraction:

@@ -102,18 +102,18 @@ class Reading(NamedTuple):
             return f"{self.part} {how} {self.convention}"
         drifts = self.digits < WRONG and self.rows
         digits = self._drift if drifts else f"{self.digits:.1f} digits"
-        told = f"{self.part} as it stands: {self.as_it_stands:.2f} digits"
-        return f"{told}; {how} {self.convention}: {digits}"
+        words = f"{self.part} as it stands: {self.as_it_stands:.2f} digits"
+        return f"{words}; {how} {self.convention}: {digits}"
 
     @property
     def _drift(self) -> str:
         """The digits at each of the rows."""
-        told: list[str] = []
+        phrases: list[str] = []
         for t, digits in self.rows:
-            unit = " digits" if all(text.startswith("exact") for text in told) else ""
+            unit = " digits" if all(text.startswith("exact") for text in phrases) else ""
             value = "exact" if digits >= _EXACT else f"{digits:.1f}{unit}"
-            told.append(f"{value} at t = {brief(t)}")
-        return ", ".join(told)
+            phrases.append(f"{value} at t = {brief(t)}")
+        return ", ".join(phrases)
 
 
 def _quaternion_length(q: Sequence[int]) -> Fraction:
@@ -309,7 +309,7 @@ def of_run(run: Trajectory) -> Table:
         cells = rows.tolist() if isinstance(rows, np.ndarray) else rows
         columns |= dict(zip(names, zip(*cells, strict=True), strict=True))
     columns = {name: cells for name, cells in columns.items() if name not in not_judged()}
-    found = Table(
+    table = Table(
         f"{run.scene.name}: {run.number.name} ({run.number.bits} bits)",
         tuple(run.times),
         columns,
@@ -319,53 +319,53 @@ def of_run(run: Trajectory) -> Table:
         projected=run.projected,
         run=run,
     )
-    return replace(found, remarks=(found.early,)) if found.early else found
+    return replace(table, remarks=(table.early,)) if table.early else table
 
 
 def as_judged(table: Table, scene: Scene) -> Table:
     """A table with those columns alone that the scene has, and notes of the others."""
     there, unjudged = table.columns, not_judged()
-    told = [
+    remarks = [
         (_quoted(name), _AGAIN if is_again else "is not known and was not judged")
         for name, is_again in zip(table.ignored, are_attitude(table.ignored), strict=True)
     ]
-    told += [(name, f"was not judged: {why}") for name, why in unjudged.items() if name in there]
+    remarks += [(name, f"was not judged: {why}") for name, why in unjudged.items() if name in there]
     others = [name for name in column_names() if name not in unjudged]
     if not scene.columns[3:]:
         without = "was not judged: the scene has no gamma"
-        told += [(name, without) for name in (*STATE[3:], *others) if name in there]
+        remarks += [(name, without) for name in (*STATE[3:], *others) if name in there]
         others = []
-    told += [(name, "is not in the file") for name in scene.columns if name not in there]
-    notes = _together(told)
+    remarks += [(name, "is not in the file") for name in scene.columns if name not in there]
+    notes = _together(remarks)
     columns = {name: there[name] for name in (*scene.columns, *others) if name in there}
     if any(x is None for name in scene.columns for x in columns.get(name, ())):
         notes.append("empty cells were not judged")
-    found = replace(table, columns=columns, notes=tuple(notes))
-    return replace(found, remarks=(*table.remarks, *_length(found)))
+    judged = replace(table, columns=columns, notes=tuple(notes))
+    return replace(judged, remarks=(*table.remarks, *_length(judged)))
 
 
-def _together(told: Iterable[tuple[str, str]]) -> list[str]:
+def _together(remarks: Iterable[tuple[str, str]]) -> list[str]:
     """What is said of columns, those of which the same is said in one note."""
     alike: dict[str, list[str]] = {}
-    for name, what in told:
-        alike.setdefault(what, []).append(name)
+    for name, remark in remarks:
+        alike.setdefault(remark, []).append(name)
     notes = []
-    for what, names in alike.items():
-        many = what.replace("is not", "are not", 1).replace("was not", "were not", 1)
-        one = f"column {names[0]} {what}"
-        notes.append(f"columns {' '.join(names)} {many}" if names[1:] else one)
+    for remark, names in alike.items():
+        many = remark.replace("is not", "are not", 1).replace("was not", "were not", 1)
+        single = f"column {names[0]} {remark}"
+        notes.append(f"columns {' '.join(names)} {many}" if names[1:] else single)
     return notes
 
 
 def _length(table: Table) -> list[str]:
     """That quaternions have another length than 1."""
     attitude = table.rows(ATTITUDE)
-    found = None if attitude is None else lengths(attitude)
-    if found is None:
+    sizes = None if attitude is None else lengths(attitude)
+    if sizes is None:
         return []
-    least, most = (f"{x:.6g}" for x in found)
-    told = f"is {least}" if least == most else f"is between {least} and {most}"
-    return [f"the quaternion's length {told}, not 1"]
+    least, most = (f"{x:.6g}" for x in sizes)
+    words = f"is {least}" if least == most else f"is between {least} and {most}"
+    return [f"the quaternion's length {words}, not 1"]
 
 
 def _quoted(name: str) -> str:

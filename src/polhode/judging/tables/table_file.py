@@ -61,21 +61,21 @@ def read_table(path: Path, number: NumberType | None = None, names: Naming = PLA
             return _of_result(path, number, names)
     if suffix in _ARRAYS:
         return table_of_columns(_arrays(path, names), number, str(path), names)
-    found = read_csv(path, number, names)
-    return replace(found, remarks=(*remarks, *found.remarks))
+    table = read_csv(path, number, names)
+    return replace(table, remarks=(*remarks, *table.remarks))
 
 
 def _of_result(path: Path, number: NumberType | None, names: Naming) -> Table:
     """A result's table; of a run the run itself, but for what its file says of its digits."""
-    found = load_result(path)
-    if isinstance(found, Trajectory):
-        if names is PLAIN and number in (None, found.number):
-            its = f"{found.number.name} ({found.number.bits} bits)"
-            told = f"polhode's own run of {found.scene.name} in {its}"
-            table = of_run(replace(found))
-            return replace(table, name=called(path), remarks=(told, *table.remarks))
-        number = number or found.number
-    columns = {x.name: x.values for x in found.table().columns}
+    result = load_result(path)
+    if isinstance(result, Trajectory):
+        if names is PLAIN and number in (None, result.number):
+            its = f"{result.number.name} ({result.number.bits} bits)"
+            remark = f"polhode's own run of {result.scene.name} in {its}"
+            table = of_run(replace(result))
+            return replace(table, name=called(path), remarks=(remark, *table.remarks))
+        number = number or result.number
+    columns = {x.name: x.values for x in result.table().columns}
     return replace(table_of_columns(columns, number, str(path), names), name=called(path))
 
 
@@ -117,13 +117,13 @@ def _parquet(path: Path, data: bytes) -> pd.DataFrame:
     try:
         import pandas as pd
 
-        found: pd.DataFrame = pd.read_parquet(io.BytesIO(data))
+        frame: pd.DataFrame = pd.read_parquet(io.BytesIO(data))
     except ImportError:
         raise BadInput(str(path), "file", None, "pandas and pyarrow installed, for it") from None
     except Exception as fault:  # pyarrow has classes of its own for what is no such file
         reason = str(fault).partition("\n")[0]
         raise BadInput(str(path), "file", None, f"a Parquet file ({reason})") from None
-    return found
+    return frame
 
 
 def _of_one(path: Path, array: Any, names: Naming) -> dict[str, object]:
@@ -150,7 +150,7 @@ def _flat(path: Path, name: str, array: Any) -> dict[str, object]:
     parts = {f"{prefix}_{axis}": array[:, k] for k, axis in enumerate(axes)}
     if array.shape[1:] == (3, 3):
         parts = {f"{prefix}_{i + 1}{j + 1}": array[:, i, j] for i in range(3) for j in range(3)}
-    if all(one.name is None for one in columns(["t", *parts])[1:]):
+    if all(column.name is None for column in columns(["t", *parts])[1:]):
         expected = (
             "columns, or arrays of shape (n, 3), (n, 4) or (n, 3, 3) such as omega, gamma, "
             "quaternion, R"

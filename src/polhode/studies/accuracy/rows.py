@@ -15,12 +15,14 @@ from polhode.common.processes import cores, in_order
 from polhode.common.provenance import digest
 from polhode.common.texts import JsonObject
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.compare import compare
+from polhode.judging.compare import judgement
 from polhode.judging.conditioning import Band, Conditioning, conditioning
 from polhode.judging.correct_digits import worst_digits
 from polhode.judging.judgement import Judgement
 from polhode.judging.reference import AnyReference
 from polhode.judging.reference import reference as reference_of
+from polhode.judging.score import score
+from polhode.judging.tables.table import of_run
 from polhode.numbers import conversion, decimals, number_types
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
@@ -117,7 +119,7 @@ def _run(
         "steps": run.steps,
     }
     if run.outcome.done:
-        judged = compare(run, reference, known=known)
+        judged = judgement(score(of_run(run), reference), details=True, known=known)
         worst = judged.state_worst
         at = judged.digits.index(worst)
         found |= {
@@ -150,7 +152,9 @@ def _refined(steps: Trajectory, judged: Judgement) -> dict[str, Any] | None:
         return None
     held = steps.number.most_digits
     return {
-        "correct_digits": round(compare(run, judged.reference, known=judged).state_worst, 2),
+        "correct_digits": round(
+            score(of_run(run), judged.reference, earlier=judged).state_worst, 2
+        ),
         "agreement": round(worst_digits(run.states, steps.states, scene, held), 2),
     }
 

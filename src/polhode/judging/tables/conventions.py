@@ -23,19 +23,17 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.judging.certified import Certified
-from polhode.judging.diagnosis.error_budget import integrated
-from polhode.judging.diagnosis.ways import (
+from polhode.judging.reference import AnyReference
+from polhode.judging.tables.double_motion import Right, integrated, matrices
+from polhode.judging.tables.table import PARTS, WRONG, Reading, Table, TimeChange
+from polhode.judging.tables.ways import (
     ALIKE_AT_START,
     FREEDOM,
     SCALAR_FIRST,
-    Right,
     Way,
-    matrices,
     other_times,
     ways,
 )
-from polhode.judging.reference import AnyReference
-from polhode.judging.tables.table import PARTS, WRONG, Reading, Table, TimeChange
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import Doubles
@@ -193,7 +191,7 @@ def other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
     if body.weight:
         yield "a weight of the other sign", with_body(scene, body.inertia, -body.weight)
     products = [(i, j) for i in range(3) for j in range(i) if body.inertia[i][j] != 0]
-    some = [products, *([one] for one in products)] if len(products) > 1 else [products]
+    some = [products, *([product] for product in products)] if len(products) > 1 else [products]
     for signs in filter(None, some):
         x, y, z = (
             exact_vector([-m if {(i, j), (j, i)} & {*signs} else m for j, m in enumerate(row)])
@@ -217,9 +215,9 @@ def with_body(scene: Scene, inertia: Matrix, weight: Exact | None = None) -> Sce
     return replace(scene, body=scene.body.replaced(inertia=inertia, weight=weight))
 
 
-def _with_attitude(scene: Scene, given: Sequence[float]) -> Scene:
+def _with_attitude(scene: Scene, quaternion: Sequence[float]) -> Scene:
     """The scene from another attitude, a quaternion, scalar first."""
-    (turned,) = matrices(np.array([given]))
+    (turned,) = matrices(np.array([quaternion]))
     x, y = turned[0, 2], -turned[1, 2]  # the sine of theta times those of psi
     if math.hypot(x, y) < _POLE:
         x, y = turned[1, 0], turned[0, 0]
@@ -279,15 +277,15 @@ class View(NamedTuple):
     @property
     def is_right(self) -> bool:
         """Whether all parts are right as they stand, in all rows."""
-        return all(one.plain.digits >= WRONG for one in self.parts.values())
+        return all(part.plain.digits >= WRONG for part in self.parts.values())
 
     @property
     def readings(self) -> list[Reading]:
         """Of each part that is wrong the convention that makes its first rows right, if any."""
         return [
-            _reading(k, one.plain, one.way, self.times)
-            for k, one in self.parts.items()
-            if one.is_told
+            _reading(k, part.plain, part.way, self.times)
+            for k, part in self.parts.items()
+            if part.is_told
         ]
 
     def readings_in(self, world: World) -> list[Reading]:
@@ -332,22 +330,23 @@ def other_world(seen: View, subject: Table, scene: Scene) -> World | None:
 
     The one that explains most, the first of those that are alike.
     """
-    found, best = None, seen.parts
-    if all(one.way.digits >= WRONG for one in best.values()):
+    world_found, best = None, seen.parts
+    if all(part.way.digits >= WRONG for part in best.values()):
         return None
     for world in other_worlds(seen.times, subject.times, scene):
         parts = _parts(seen.values, world.right, world.words)
         if _is_better_world(parts, best):
-            found, best = world, parts
-            if all(one.goes and one.way.digits >= SURE for one in parts.values()):
+            world_found, best = world, parts
+            if all(part.goes and part.way.digits >= SURE for part in parts.values()):
                 break  # in all its rows: the others are farther away
-    return found
+    return world_found
 
 
 def is_explained(parts: Mapping[str, _Part]) -> bool:
     """Whether the first rows of all parts are right, as they stand or in another convention."""
     return all(
-        one.is_told or float(np.min(first_rows(one.plain.rows))) >= WRONG for one in parts.values()
+        part.is_told or float(np.min(first_rows(part.plain.rows))) >= WRONG
+        for part in parts.values()
     )
 
 
@@ -360,8 +359,8 @@ def _parts(values: Mapping[str, Doubles], right: Right | None, words: str = "") 
         nothing = {k: Way("", np.zeros(len(rows))) for k, rows in values.items()}
         return {k: _Part(way, way, False, False) for k, way in nothing.items()}
     count = len(right.states)
-    found = {k: _part(k, rows[:count], right, bool(words)) for k, rows in values.items()}
-    return _with_same_axes({k: one for k, one in found.items() if one is not None})
+    parts = {k: _part(k, rows[:count], right, bool(words)) for k, rows in values.items()}
+    return _with_same_axes({k: part for k, part in parts.items() if part is not None})
 
 
 def _part(part: str, values: Doubles, right: Right, must_move: bool) -> _Part | None:
@@ -378,17 +377,17 @@ def _part(part: str, values: Doubles, right: Right, must_move: bool) -> _Part | 
     own = course(plain.rows)
     seen: list[_Part] = []
     for fitted in (False, True):
-        found = [(way, course(way.rows, fitted)) for way in all_ways if way.fitted == fitted]
-        if not found:
+        courses = [(way, course(way.rows, fitted)) for way in all_ways if way.fitted == fitted]
+        if not courses:
             continue
-        most = max((one for _, one in found), key=lambda one: float(np.sum(one)))
-        best, mine = next(pair for pair in found if is_alike(pair[1], most))
-        alike = sum(is_sure(one) for _, one in found)
-        told = best.is_unit_alone or alike <= ALIKE_AT_START[part]
-        sure = told and not (fitted or best.words.startswith(SCALAR_FIRST))
+        most = max((digits for _, digits in courses), key=lambda digits: float(np.sum(digits)))
+        best, mine = next(pair for pair in courses if is_alike(pair[1], most))
+        alike = sum(is_sure(digits) for _, digits in courses)
+        is_told = best.is_unit_alone or alike <= ALIKE_AT_START[part]
+        sure = is_told and not (fitted or best.words.startswith(SCALAR_FIRST))
         goes = follows(mine, moved, best.fitted, must_move, sure)
-        told = goes and is_better(mine, own, least_gain(best.tries, FREEDOM[part]))
-        seen.append(_Part(best, plain, told, goes))
+        is_told = goes and is_better(mine, own, least_gain(best.tries, FREEDOM[part]))
+        seen.append(_Part(best, plain, is_told, goes))
     named = seen[0]
     if seen[-1].is_told and is_better(seen[-1].course, named.way_course, LEAST_GAIN):
         named = seen[-1]
@@ -410,20 +409,20 @@ def _with_same_axes(parts: dict[str, _Part]) -> dict[str, _Part]:
     return parts
 
 
-def _is_better_world(found: Mapping[str, _Part], other: Mapping[str, _Part]) -> bool:
+def _is_better_world(parts: Mapping[str, _Part], other: Mapping[str, _Part]) -> bool:
     """Whether all parts begin right, all together have more digits, and some have far more."""
-    if found.keys() != other.keys():
+    if parts.keys() != other.keys():
         return False
     both = {}
-    for k, one in found.items():
-        count = min(len(one.course), len(other[k].course))
-        both[k] = one.course[:count], other[k].course[:count]
+    for k, part in parts.items():
+        count = min(len(part.course), len(other[k].course))
+        both[k] = part.course[:count], other[k].course[:count]
     far = [k for k, pair in both.items() if is_better(*pair, FAR_GAIN)]
     return (
         bool(far)
         and sum(float(np.sum(mine - its)) for mine, its in both.values()) > 0
         and all(float(mine[0]) >= BEGINS for mine, _ in both.values())
-        and all(found[k].goes for k in far)
+        and all(parts[k].goes for k in far)
     )
 
 

@@ -1,7 +1,7 @@
 """How a table is read that is wrong as it stands, before it is judged.
 
 Its times may have another unit or another beginning, each part another convention.  All of that is
-found from a few rows (:func:`polhode.judging.diagnosis.conventions.probed_rows`); the rows of very
+found from a few rows (:func:`polhode.judging.tables.conventions.probed_rows`); the rows of very
 many that a file has are then judged once, as they are read.  Or somebody tells the readings, which
 are applied whatever they give: ``omega degrees; attitude scalar-last``.  The words are those that a
 judgement prints, and no others.
@@ -15,17 +15,17 @@ from dataclasses import replace
 from difflib import get_close_matches
 
 from polhode.common.errors import BadInput, listed
-from polhode.judging.diagnosis.conventions import (
+from polhode.judging.reference import AnyReference
+from polhode.judging.tables.column_aliases import lengths, of_length_one
+from polhode.judging.tables.conventions import (
     View,
     is_explained,
     other_world,
     shown_rows,
     view,
 )
-from polhode.judging.diagnosis.ways import Way, clock_remark, other_times, ways
-from polhode.judging.reference import AnyReference
-from polhode.judging.tables.column_aliases import lengths, of_length_one
 from polhode.judging.tables.table import LENGTH, Reading, Table, TimeChange, as_judged
+from polhode.judging.tables.ways import Way, clock_remark, other_times, ways
 from polhode.scenes.vocabulary import ATTITUDE
 
 _APPLIED = "a reading that can be applied; this one is reported, and not applied"
@@ -36,6 +36,8 @@ def read_as_told(subject: Table, reference: AnyReference, told: str) -> Table:
 
     Raises BadInput for one that is none of the table's.
     """
+    if LENGTH in told:
+        subject = with_unit_quaternions(subject, view(subject, reference))
     phrases = [" ".join(text.split()) for text in told.split(";") if text.strip()] or [told]
     of_parts: list[str] = []
     for phrase in phrases:
@@ -61,17 +63,17 @@ def at_times_told(
     """
     moved = subject.at_other_times(change)
     there = view(moved, reference)
-    before = min((one.plain.digits for one in seen.parts.values()), default=None)
-    way = min((one.way for one in there.parts.values()), key=lambda way: way.digits, default=None)
+    before = min((part.plain.digits for part in seen.parts.values()), default=None)
+    way = min((part.way for part in there.parts.values()), key=lambda way: way.digits, default=None)
     digits, rows = (way.digits, shown_rows(way, there.times)) if way else (None, ())
     reading = Reading("t", before, words, digits, rows=rows)
     return replace(moved, readings=(*moved.readings, reading)), there
 
 
-def table_as_told(table: Table, reference: AnyReference, told: str) -> Table:
+def table_as_told(table: Table, reference: AnyReference, words: str) -> Table:
     """A table whose state, angles and attitude are read so; raises BadInput likewise."""
-    found = read_as_told(as_judged(table, reference.scene), reference, told)
-    return replace(table, times=found.times, columns={**table.columns, **found.columns})
+    reread = read_as_told(as_judged(table, reference.scene), reference, words)
+    return replace(table, times=reread.times, columns={**table.columns, **reread.columns})
 
 
 def _readings(subject: Table, reference: AnyReference, phrases: Sequence[str]) -> list[Reading]:
@@ -87,18 +89,18 @@ def _readings(subject: Table, reference: AnyReference, phrases: Sequence[str]) -
                 known.setdefault(f"{part} {way.words}", (part, way))
             else:
                 digits[part] = way.digits
-    found: dict[str, Reading] = {}
+    readings: dict[str, Reading] = {}
     for phrase in phrases:
         if phrase not in known:
             raise BadInput(subject.name, "read", phrase, _possible(phrase, known, subject))
         part, way = known[phrase]
-        if way.change is None or part in found:
+        if way.change is None or part in readings:
             expected = f"no second reading of {part}" if way.change else _APPLIED
             raise BadInput(subject.name, "read", phrase, expected)
         words = phrase.removeprefix(f"{part} ")
         rows = shown_rows(way, sample.times)
-        found[part] = Reading(part, digits[part], words, way.digits, way.change, rows=rows)
-    return [*found.values()]
+        readings[part] = Reading(part, digits[part], words, way.digits, way.change, rows=rows)
+    return [*readings.values()]
 
 
 def _possible(phrase: str, known: Mapping[str, tuple[str, Way]], subject: Table) -> str:
@@ -125,18 +127,20 @@ def as_meant(subject: Table, against: AnyReference) -> tuple[Table, tuple[Readin
         remarks = (*subject.remarks, *clock_remark(subject, against.scene))
         subject = replace(subject, remarks=remarks)
     subject = with_unit_quaternions(subject, seen)
-    applied = [one for one in seen.readings if one.change is not None]
-    return subject.read_as(applied), tuple(one for one in seen.readings if one.change is None)
+    applied = [reading for reading in seen.readings if reading.change is not None]
+    return subject.read_as(applied), tuple(
+        reading for reading in seen.readings if reading.change is None
+    )
 
 
 def with_unit_quaternions(subject: Table, seen: View) -> Table:
     """A table whose quaternions are of length 1, if they have another one."""
     attitude = subject.rows(ATTITUDE)
-    found = None if attitude is None else lengths(attitude)
-    if attitude is None or found is None:
+    sizes = None if attitude is None else lengths(attitude)
+    if attitude is None or sizes is None:
         return subject
     unit = [of_length_one(row, subject.number.bits) for row in attitude]
-    before = max(0.0, -math.log10(max(abs(x - 1) for x in found)))
+    before = max(0.0, -math.log10(max(abs(x - 1) for x in sizes)))
     now = seen.parts["attitude"].plain.digits if "attitude" in seen.parts else 0.0
     reading = Reading("attitude", before, LENGTH, now)
     subject = subject.with_rows(ATTITUDE, unit)

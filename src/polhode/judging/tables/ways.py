@@ -1,4 +1,4 @@
-"""Rotation matrices in doubles: of quaternions, of turns about axes, and of axes renamed."""
+"""Rotation matrices of turns about axes and of renamed axes, other times, conventions."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from polhode.judging.tables.double_motion import Right, errors_of_rows, matrices, size_of_motion
 from polhode.judging.tables.table import TURN, Change, Table, TimeChange
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import brief
@@ -26,45 +27,34 @@ AXES = sorted(
 NEAR = 0.1  # how near to 0 or ±1 the entries of a matrix that renames axes are at once
 
 
-def matrices(quaternions: Any) -> Doubles:
-    """R (body -> space) of quaternions, scalar first, of any length but 0; shape (n, 3, 3)."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        length = np.linalg.norm(quaternions, axis=1, keepdims=True)
-        a, b, c, d = (quaternions / np.where(length == 0, 1, length)).T
-    found = [
-        [1 - 2 * (c * c + d * d), 2 * (b * c - a * d), 2 * (b * d + a * c)],
-        [2 * (b * c + a * d), 1 - 2 * (b * b + d * d), 2 * (c * d - a * b)],
-        [2 * (b * d - a * c), 2 * (c * d + a * b), 1 - 2 * (b * b + c * c)],
-    ]
-    return np.array(found).transpose(2, 0, 1)
-
-
 def turns(sequence: str, angles: Any) -> Doubles:
     """The product of turns about body axes, one after the other: R = R1(a1) R2(a2) R3(a3)."""
-    found = np.broadcast_to(np.eye(3), (len(angles), 3, 3))
+    product = np.broadcast_to(np.eye(3), (len(angles), 3, 3))
     for axis, angle in zip(sequence, angles.T, strict=True):
         i = "xyz".index(axis)
         j, k = (i + 1) % 3, (i + 2) % 3
-        one = np.zeros((len(angle), 3, 3))
-        one[:, i, i] = 1
-        one[:, j, j] = one[:, k, k] = np.cos(angle)
-        one[:, k, j], one[:, j, k] = np.sin(angle), -np.sin(angle)
-        found = found @ one
-    return found
+        turn = np.zeros((len(angle), 3, 3))
+        turn[:, i, i] = 1
+        turn[:, j, j] = turn[:, k, k] = np.cos(angle)
+        turn[:, k, j], turn[:, j, k] = np.sin(angle), -np.sin(angle)
+        product = product @ turn
+    return product
 
 
 def renaming(order: Sequence[int], signs: Sequence[int]) -> Doubles:
     """The matrix that takes a vector v to the one with ``signs[k] v[order[k]]``."""
-    found = np.zeros((3, 3))
+    matrix = np.zeros((3, 3))
     for k, (source, sign) in enumerate(zip(order, signs, strict=True)):
-        found[k, source] = sign
-    return found
+        matrix[k, source] = sign
+    return matrix
 
 
 def nearest_renaming(matrix: Doubles) -> Doubles | None:
     """The axes' renaming that a matrix is nearly; None where it is none."""
-    found = np.round(matrix)
-    return found if np.max(np.abs(matrix - found)) < NEAR and not np.isnan(found).any() else None
+    rounded = np.round(matrix)
+    return (
+        rounded if np.max(np.abs(matrix - rounded)) < NEAR and not np.isnan(rounded).any() else None
+    )
 
 
 def in_words(matrix: Doubles) -> str:
@@ -194,26 +184,6 @@ FREEDOM = {"omega": 3, "gamma": 2, "attitude": 3, "angles": 3}
 ALIKE_AT_START = {"omega": 3, "gamma": 3, "attitude": 6, "angles": 12}
 
 
-class Right(NamedTuple):
-    """What the reference has at the rows' times."""
-
-    states: Doubles
-    attitude: Doubles | None = None  # None where not known
-    matrices: Doubles | None = None  # body -> space, likewise
-
-    def part(self, name: str) -> Doubles:
-        """A part's numbers; of attitudes and angles the elements of the matrices."""
-        if name in ("omega", "gamma"):
-            return self.states[:, :3] if name == "omega" else self.states[:, 3:]
-        assert self.matrices is not None
-        return self.matrices.reshape(len(self.matrices), -1)
-
-    def moved(self, part: str) -> Doubles:
-        """How far a part is from its first row, in the measure that its errors are told in."""
-        values = self.part(part)
-        return _errors(values, values[0]) / _size(values, part == "omega")
-
-
 class Way(NamedTuple):
     """A convention, the digits that it gives at each row, and the change that applies it, if any.
 
@@ -276,7 +246,7 @@ def _of_vector(
     """Axes in another order or of another sense, left-handed frames among them."""
     held = values * (degrees * _DEGREE or 1.0)
     renamed = held[:, _ORDERS_OF_AXES] * _SIGNS_OF_AXES
-    off = np.abs(renamed - true[:, None, :]).max(axis=2) / _size(true, relative)
+    off = np.abs(renamed - true[:, None, :]).max(axis=2) / size_of_motion(true, relative)
     digits = _digits(off)
     for k, (order, signs) in enumerate(AXES):
         plain = order == SAME and len({*signs}) == 1
@@ -313,7 +283,7 @@ _Form: TypeAlias = tuple[str, Doubles, Change | None]
 def _in_frames(forms: Sequence[_Form], true: Any) -> list[Way]:
     """Rotations in all frames, by those that they rename: a change of scalar or sense may be one of
     frames."""
-    found = []
+    conventions = []
     for form, held, change in forms:
         for frames in _frames(held, true):
             words = ", ".join(filter(None, (form, frames.words)))
@@ -323,8 +293,8 @@ def _in_frames(forms: Sequence[_Form], true: Any) -> list[Way]:
                 space, body = quaternion(frames.space.T), quaternion(frames.body)
                 whole = change._replace(space=space, body=body)
             way = Way(words, frames.rows, whole, tries, frames.is_fitted, frames.renamed)
-            found += [way] if words else []
-    return sorted(found, key=lambda way: way.renamed)
+            conventions += [way] if words else []
+    return sorted(conventions, key=lambda way: way.renamed)
 
 
 class _Frames(NamedTuple):
@@ -404,22 +374,11 @@ def _of_angles(values: Doubles, right: Right) -> Iterator[Way]:
 
 def _against(values: Any, true: Any) -> Doubles:
     """Digits to which matrices agree at each row."""
-    return _digits(_errors(values, true))
+    return _digits(errors_of_rows(values, true))
 
 
 def _digits(error: Doubles) -> Doubles:
     with np.errstate(divide="ignore", invalid="ignore"):
         digits = np.nan_to_num(-np.log10(error), nan=0.0, posinf=_TELLABLE)
-    found: Doubles = np.clip(digits, 0.0, _TELLABLE)
-    return found
-
-
-def _errors(values: Any, true: Any) -> Doubles:
-    """The largest difference in each row."""
-    found: Doubles = np.abs(values - true).reshape(len(values), -1).max(axis=1)
-    return found
-
-
-def _size(true: Any, relative: bool) -> float:
-    """What errors are told in."""
-    return (float(np.max(np.linalg.norm(true, axis=1))) if relative else 1.0) or 1.0
+    clipped: Doubles = np.clip(digits, 0.0, _TELLABLE)
+    return clipped

@@ -13,8 +13,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from polhode.common.errors import few
-from polhode.judging.diagnosis.error_budget import integrated
-from polhode.judging.diagnosis.ways import matrices
+from polhode.judging.tables.double_motion import integrated, matrices
 from polhode.judging.tables.table import GAIN, WRONG, Table, TimeChange
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import doubles, exactly, to_double
@@ -152,9 +151,12 @@ def causes(subject: Table, scene: Scene) -> tuple[Cause, ...]:
     fit = Fit(doubles(cells), times, columns, scene)
     if (still := fit.constant()) is not None:
         return (still,)
-    found = [cause for one in _candidates(scene) if (cause := fit.cause(one)) is not None]
-    found.sort(key=lambda one: -one.digits)
-    return tuple(one for one in found if one.digits >= found[0].digits - _ALIKE)[:_TOLD]
+    explanations = [
+        cause for number in _candidates(scene) if (cause := fit.cause(number)) is not None
+    ]
+    explanations.sort(key=lambda cause: -cause.digits)
+    least = explanations[0].digits - _ALIKE if explanations else 0.0
+    return tuple(cause for cause in explanations if cause.digits >= least)[:_TOLD]
 
 
 class Fit:
@@ -178,10 +180,10 @@ class Fit:
         worst = float(np.max(np.abs(error)))
         return -math.log10(worst) if worst > 0 else 16.0
 
-    def _error(self, one: _Candidate, x: float, count: int) -> Doubles | None:
+    def _error(self, candidate: _Candidate, x: float, count: int) -> Doubles | None:
         """The scaled difference from the first rows, in one column; None if too large."""
         try:
-            scene, moved = one.change(Fraction(x))
+            scene, moved = candidate.change(Fraction(x))
         except ValueError:  # moments of no body
             return None
         other = integrated(scene, [moved.of(t) for t in self.times[:count]], attitude=False)
@@ -189,8 +191,8 @@ class Fit:
             return None
         with np.errstate(over="ignore", invalid="ignore"):
             off = other.states[:, self.columns] - self.table[:count]
-            found: Doubles = (off / self.scale).ravel()
-            return found if math.isfinite(found @ found) else None
+            error: Doubles = (off / self.scale).ravel()
+            return error if math.isfinite(error @ error) else None
 
     def constant(self) -> Cause | None:
         """That omega stays as it is at t = 0, where that makes the table right.
@@ -199,8 +201,10 @@ class Fit:
         """
         if self.plain is None or not {*self.columns} & {0, 1, 2}:
             return None
-        one, none = Fraction(1), Fraction(0)
-        sphere = Body(((one, none, none), (none, one, none), (none, none, one)), (none,) * 3, none)
+        unit, none = Fraction(1), Fraction(0)
+        sphere = Body(
+            ((unit, none, none), (none, unit, none), (none, none, unit)), (none,) * 3, none
+        )
         free = integrated(replace(self.scene, body=sphere), self.times, attitude=False)
         if free is None:
             return None
@@ -209,37 +213,39 @@ class Fit:
             return None
         return Cause(CONSTANT, min(digits, 15.0))
 
-    def cause(self, one: _Candidate) -> Cause | None:
+    def cause(self, candidate: _Candidate) -> Cause | None:
         """The number, fitted, where it explains the table."""
         x, slope, count = 0.0, 0.0, min(_FIRST, len(self.times))
         while True:
-            found = self.fitted(one, x, count)
-            if found is None:
+            fit = self.fitted(candidate, x, count)
+            if fit is None:
                 return None
-            x, slope, error = found
+            x, slope, error = fit
             if self._digits(error) < WRONG:  # of the first rows, which any cause makes right
                 return None
             if count == len(self.times):
                 break
             count = min(2 * count, len(self.times))
         digits = self._digits(error)
-        least = one.least_if_sure if digits >= _SURE else one.least
-        value = one.origin + one.unit * x
+        least = candidate.least_if_sure if digits >= _SURE else candidate.least
+        value = candidate.origin + candidate.unit * x
         if digits < max(WRONG, self.before + GAIN) or abs(x) < least or not slope:
             return None
-        if value < one.smallest:
+        if value < candidate.smallest:
             return None
-        sure = 10.0**-digits / slope * abs(one.unit) / max(abs(value), 1e-300)
+        sure = 10.0**-digits / slope * abs(candidate.unit) / max(abs(value), 1e-300)
         places = max(1, min(15, math.floor(-math.log10(sure)) if sure > 0 else 15))
-        words = one.words.format(f"{value:.{places}g}").replace("+ -", "- ")
+        words = candidate.words.format(f"{value:.{places}g}").replace("+ -", "- ")
         return Cause(words, min(digits, 15.0))
 
-    def fitted(self, one: _Candidate, x: float, count: int) -> tuple[float, float, Doubles] | None:
+    def fitted(
+        self, candidate: _Candidate, x: float, count: int
+    ) -> tuple[float, float, Doubles] | None:
         """The number for the first rows, the largest change by it, and what is left.
 
         The change by the number is that over the last step, as long as that is no small one.
         """
-        error, moved = self._error(one, x, count), self._error(one, x + _SMALL, count)
+        error, moved = self._error(candidate, x, count), self._error(candidate, x + _SMALL, count)
         if error is None or moved is None:
             return None
         slope, leads = (moved - error) / _SMALL, _LEADS if count < len(self.times) else 0.0
@@ -251,7 +257,7 @@ class Fit:
                 break
             step = -along / square
             for _ in range(_HALVINGS):
-                nearer = self._error(one, x + step, count)
+                nearer = self._error(candidate, x + step, count)
                 if nearer is not None and nearer @ nearer < error @ error:
                     break
                 step /= 2

@@ -177,10 +177,10 @@ def _growth_of_period(plain: System, period: float, most: int) -> float | None:
 # Between the middle and the end of a regular motion a tangent grows like a power of time, by 2 to
 # 4; on a chaotic one it grows exponentially. So it does on an unstable periodic or asymptotic
 # one: no growth rate tells it from chaos, a closed form or a fixed point does; the kinds are
-# defined in :mod:`polhode.judging.lyapunov`. An exponential exp(lambda t) and a
+# defined in :mod:`polhode.dynamics.lyapunov`. An exponential exp(lambda t) and a
 # power of t are told apart once lambda T/2 passes 6, the power's growth being 3 at most: a short
 # T decides nothing, unless the motion is known
-# (:mod:`polhode.judging.lyapunov`). The motion is integrated in double:
+# (:mod:`polhode.dynamics.lyapunov`). The motion is integrated in double:
 # beyond the time at which its digits are lost it is a neighbour's, which has the same exponent
 # where the motion is chaotic.
 

@@ -1,1 +1,0 @@
-"""What may be wrong with a trajectory: conventions, rounded times, missing columns."""

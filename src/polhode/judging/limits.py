@@ -1,0 +1,379 @@
+"""What limits the digits of a trajectory: rounding, inputs, conditioning, method or reference.
+
+And where a part leaves the motion: right until one time, and wrong from the next one on.  A motion
+that multiplies errors takes digits too, and takes them from any part: what is expected of rounding
+explains such a fall, and then none is told.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import accumulate, pairwise
+from statistics import NormalDist
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from polhode.common.errors import few
+from polhode.equations.form import field
+from polhode.judging.conditioning import Band, Conditioning, conditioning
+from polhode.judging.reference import by_sign
+from polhode.judging.score import SHOWN, RowDigits, Score
+from polhode.judging.tables.table import Table
+from polhode.numbers.conversion import doubles, to_double
+from polhode.numbers.decimals import brief
+from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import DIGITS_HELD, Doubles
+from polhode.scenes.body import Body
+from polhode.taylor import heyoka
+
+FOLLOWED = 400  # times at which what rounding does to the motion is followed
+LAST = 1.0  # digits: the type's own last ones
+MOTION_TAKES = 2.0  # digits: what the motion takes before it is named
+#: Smallest moment over largest below which a step loses more than one rounding, up to so many
+#: digits: 12 of 24 runs of bodies like the case euler/needle (1e-6), 2 of 16 at 1e-4.
+THIN, THIN_TAKES = 5e-5, 2.0
+ALONE = 0.03  # digits: what steps add to an error three times theirs
+_MORE = 1.1  # times what rounded times explain: of rates that are not the same between two times
+_MOST = 2.0  # times what the worst row's time explains: most of its error
+FALL = 3.0  # digits between the fewest before and the most after
+_BEFORE = 2  # times before, beside t = 0, where every program is right
+
+
+class Limit(str):
+    """What limits digits: a name, and in brackets what is known beside it; empty of nothing.
+
+    >>> from polhode.judging.limits import Limit
+    >>> Limit("rounding", "of the printed digits").name
+    'rounding'
+    """
+
+    __slots__ = ("detail", "name")
+    name: str
+    detail: str
+
+    def __new__(cls, name: str, detail: str = "") -> Limit:
+        """A name and what is known beside it."""
+        limit = super().__new__(cls, f"{name} ({detail})" if detail else name)
+        limit.name, limit.detail = name, detail
+        return limit
+
+    def __reduce__(self) -> tuple[type, tuple[str, str]]:
+        return type(self), (self.name, self.detail)
+
+
+NO_LIMIT = Limit("")
+PRINTED = Limit("rounding", "of the printed digits")
+WHITE, BIASED = Limit("noise", "white"), Limit("bias", "constant")
+NOISES = (WHITE, BIASED)
+UNKNOWN = Limit("unknown", "the digits to expect were not computed")
+OF_THIN = Limit("unknown", "steps of so thin a body lose more than the expected digits allow for")
+
+
+def plain_limit(digits: float, held: float, reference: float) -> Limit | None:
+    """What limits so many correct digits, where that needs nothing of the motion; else None.
+
+    ``held``: the most that a table may have.  ``reference``: those that the reference is good for,
+    inf for a closed form.  *reference*: it is not good for more.  *rounding*: these are the type's
+    own last digits.
+    """
+    if reference < digits + LAST:
+        return Limit("reference")
+    return Limit("rounding") if digits >= held - LAST else None
+
+
+def limit(
+    digits: float,
+    held: float,
+    expected: Band | None,
+    inputs: float | None,
+    steps: str,
+    times: int = 1,
+    thin: bool = False,
+) -> Limit:
+    """What limits so many correct digits that have no plain limit.
+
+    ``expected``: those of a run that rounds once a step.  ``inputs``: those that rounding the
+    scene's numbers leaves.  ``times``: of so many these digits are the fewest.
+
+    *rounding*: the motion takes few.  *inputs*: no fewer than expected, and it is rounding the
+    scene's numbers that costs them: the steps add next to nothing.  *conditioning*: no fewer than
+    expected; any method that rounds its state at each step in this type loses as much.  *method*:
+    fewer than nineteen in twenty such runs have at their worst time; ``steps`` says what the method
+    does.  *unknown*: what to expect was not computed, for the motion is too long; or the body is
+    ``thin``, of which steps lose more.
+    """
+    if expected is None:
+        return UNKNOWN
+    least = expected.least - selected(times)
+    if digits < least:
+        return OF_THIN if thin and digits >= least - THIN_TAKES else Limit("method", steps)
+    if expected.middle >= held - MOTION_TAKES:
+        return Limit("rounding")
+    lost = expected.most == 0
+    alone = inputs is not None and inputs < expected.middle + ALONE and not lost
+    return Limit("inputs" if alone else "conditioning")
+
+
+def selected(times: int) -> float:
+    """How many digits below the band of its time the worst one of several may lie.
+
+    At one time a run in twenty has fewer digits than the band's least.  A run whose worst time is
+    looked for has many chances; with n times it is no more likely than that to fall short anywhere
+    if each is allowed what happens once in 20 n (Bonferroni; however the times depend on each
+    other).  For a normal deviate that is an error z(20 n)/z(20) times as large.
+    """
+    once, each = (NormalDist().inv_cdf(1 - 1 / (40 * n)) for n in (1, max(1, times)))
+    return math.log10(each / once)
+
+
+def chance(digits: float, expected: Band, times: int) -> float:
+    """The share of runs that have so few digits at their worst time by rounding alone, or fewer.
+
+    Of a normal deviate, as in :func:`selected`; at most 1.  Who looks at hundreds of runs finds
+    some of a share of one in a hundred.
+    """
+    ratio = 10.0 ** min(expected.least - digits, 3.0)
+    deviate = NormalDist().inv_cdf(1 - 1 / 40) * ratio
+    return min(1.0, times * math.erfc(deviate / math.sqrt(2)))
+
+
+def is_thin(body: Body) -> bool:
+    """Whether steps of a body lose more than the band allows: see :data:`THIN`."""
+    moments = [to_double(x) for x in body.moments]
+    return min(moments) < THIN * max(moments)
+
+
+def is_lost(digits: float | None, expected: Band | None) -> bool:
+    """Whether no digit is expected there, and none was found either."""
+    return expected is not None and expected.middle == 0 and digits is not None and digits < LAST
+
+
+def shown_digits(digits: float | None, expected: Band | None) -> str:
+    """Correct digits for people; never a number where none is left, or none was judged."""
+    if digits is None:
+        return "-"
+    return "none left" if is_lost(digits, expected) else f"{digits:.2f}"
+
+
+def between(known: Mapping[int, Any], times: Sequence[Fraction]) -> tuple[Any, ...]:
+    """Digits (numbers or bands) at times, linear between the rows where they are known.
+
+    None where they are not known at a neighbour.
+    """
+    kind = next((x for x in known.values() if x is not None), None)
+    if kind is None:
+        return (None,) * len(times)
+    nodes, unknown = sorted(known, key=times.__getitem__), np.full(np.size(kind), math.nan)
+    rows = np.array([unknown if known[k] is None else np.ravel(known[k]) for k in nodes])
+    at = np.array([to_double(t) for t in times])
+    columns = [np.interp(at, at[nodes], column) for column in rows.T]
+    rows_between = np.stack(columns, axis=1).tolist()
+    make = type(kind) if np.size(kind) > 1 else float
+    return tuple(
+        known[k] if k in known else None if math.isnan(row[0]) else make(*row)
+        for k, row in enumerate(rows_between)
+    )
+
+
+class Departure(NamedTuple):
+    """``least`` digits or more until a time, ``most`` or fewer from the next one on."""
+
+    until: Fraction
+    least: float
+    since: Fraction
+    most: float
+
+    def __str__(self) -> str:
+        return (
+            f"right until t = {brief(self.until)} ({self.least:.2f} digits or more), "
+            f"then from t = {brief(self.since)} on {self.most:.2f} or fewer"
+        )
+
+
+def departure(times: Sequence[Fraction], digits: Sequence[float | None]) -> Departure | None:
+    """Where digits fall for good; None where they do not."""
+    there = [k for k, d in enumerate(digits) if d is not None]
+    numbers = [d for d in digits if d is not None]
+    least = list(accumulate(numbers, min))
+    most = list(accumulate(reversed(numbers), max))[::-1]
+    first = _BEFORE + (times[0] == 0 and there[:1] == [0])
+    falls = [(least[n - 1] - most[n], n) for n in range(first, len(numbers))]
+    fall, n = max(falls, default=(0.0, 0))
+    if fall < FALL or least[n - 1] < FALL:
+        return None
+    if not all(abs(s) < abs(t) and s * t >= 0 for s, t in pairwise(times)):
+        return None  # not in order
+    return Departure(times[there[n - 1]], least[n - 1], times[there[n]], most[n])
+
+
+def is_unexpected(
+    fall: Departure,
+    times: Sequence[Fraction],
+    digits: Sequence[float | None],
+    bands: Sequence[Band | None],
+) -> bool:
+    """Whether far more digits are expected, wherever there are any, from the fall on."""
+    after = bands[times.index(fall.since) :]
+    pairs = zip(digits[times.index(fall.since) :], after, strict=True)
+    expected = [band for d, band in pairs if d is not None]
+    return all(band is not None and band.least >= fall.most + FALL for band in expected)
+
+
+# --- expectation ----------------------------------------------------------------------------------
+#
+# The digits to expect of a table: followed at ``FOLLOWED`` times or so, linear between those.
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """The digits to expect of a table at its times.
+
+    ``bands``: those of runs that round once a step of the table's type; ``inputs``: those that
+    rounding the scene's numbers to it leaves; None where they are not known.  ``lost_after``: the
+    time after which kappa leaves no digits, None where it leaves some throughout; ``lost``: the
+    same in words, or empty.
+    """
+
+    bands: tuple[Band | None, ...]
+    inputs: tuple[float | None, ...]
+    lost_after: float | None
+    lost: str
+
+
+def expectation(score: Score, known: Conditioning | None = None) -> Expectation:
+    """The digits to expect of what was judged.
+
+    ``known``: the conditioning at the scene's times, of which these are the first ones, to spare
+    its computation.
+    """
+    table, times, scene = score.subject, score.times, score.reference.scene
+    lowest = {score.lowest_row} if score.digits else set()
+    rows = sorted({*few(len(times), FOLLOWED), *few(len(times), SHOWN)} | lowest)
+    if known is not None:
+        parts, rows = [known], [*range(len(times))]
+    elif heyoka.installed:
+        instants = by_sign([times[k] for k in rows])
+        parts = [conditioning(scene, part, table.number) for part in instants]
+    else:
+        parts = []
+    every = 0 if table.run is None or table.run.projection is None else table.run.projection.every
+
+    def at_all_times(question: Callable[[Conditioning], Sequence[Any]]) -> tuple[Any, ...]:
+        answers: dict[Exact, Any] = {}
+        for part in parts:
+            answers |= dict(zip(part.times, question(part), strict=True))
+        return (
+            between({k: answers[times[k]] for k in rows}, times) if parts else (None,) * len(times)
+        )
+
+    after = [part.lost_after for part in parts if part.lost_after is not None]
+    return Expectation(
+        at_all_times(lambda part: part.expected(table.number, every)),
+        at_all_times(lambda part: part.inputs(table.number, every)),
+        min(after, key=abs, default=None),
+        next((part.lost for part in parts if part.lost), ""),
+    )
+
+
+def lost_digits(digits: RowDigits, expected: Expectation) -> str:
+    """That no digits are left, and after which time; empty where some are left throughout."""
+    if not any(d is not None and d < LAST for d in digits):
+        return ""
+    return expected.lost if any(map(is_lost, digits, expected.bands)) else ""
+
+
+# --- limits of a score ----------------------------------------------------------------------------
+#
+# What limits the state and the attitude of a table.
+
+
+def most_digits(table: Table) -> float:
+    """The most correct digits that a table may have."""
+    return min(table.held, table.number.most_digits)
+
+
+def plain_limit_of(score: Score, digits: RowDigits) -> Limit | None:
+    """The limit of a part that needs nothing of the motion: none of a part that was not judged, or
+    its last digits; None where the motion has to be known."""
+    there = [d for d in digits if d is not None]
+    if not there:
+        return NO_LIMIT
+    worst, table = min(there), score.subject
+    if table.run is None and worst >= table.printed - 1:
+        return PRINTED
+    return plain_limit(worst, most_digits(table), score.agreement)
+
+
+def state_limit(score: Score, expected: Expectation) -> Limit:
+    """What limits the state where its limit is not plain."""
+    at, table = score.lowest_row, score.subject
+    of_rounding = limit(
+        score.state_worst,
+        most_digits(table),
+        expected.bands[at],
+        expected.inputs[at],
+        table.steps,
+        score.rows_judged,
+        is_thin(score.reference.scene.body),
+    )
+    if of_rounding.name == "method" and (off := time_rounding(score, expected)) is not None:
+        return Limit("rounding", f"of the times, by up to {off:.1g}")
+    return of_rounding
+
+
+def attitude_limit(score: Score, expected: Expectation) -> Limit:
+    """What limits the attitude where its limit is not plain.
+
+    The rate at which an attitude goes wrong is the error of omega, and that of the state is what it
+    was expected to be: so it is expected to lose the digits of the state, and those of the angle
+    that was turned until then.
+    """
+    digits, table, scene = score.other_parts["attitude"], score.subject, score.reference.scene
+    there = [d for d in digits if d is not None]
+    worst = min(there)
+    at = digits.index(worst)
+    band = expected.bands[at]
+    if band is not None:
+        turned = 10.0**scene.log10_rate * abs(to_double(score.times[at]))
+        band = band._replace(least=max(0.0, band.least - math.log10(1 + turned)))
+    held, thin = most_digits(table), is_thin(scene.body)
+    return limit(worst, held, band, None, table.steps, len(there), thin)
+
+
+def time_rounding(score: Score, expected: Expectation) -> float | None:
+    """By how much rounded times are off at most, if that explains the digits; None if not.
+
+    A row holds at a time that the table has rounded, such as a clock's late ones:
+    :mod:`polhode.judging.tables.csv_file`.
+    """
+    table, scene, digits = score.subject, score.reference.scene, score.digits
+    if not table.time_errors:
+        return None
+    chosen = sorted({*few(len(score.times), FOLLOWED), score.lowest_row})
+    rows = table.some(chosen).rows(scene.columns) or [[None]] * len(chosen)
+    states = {k: row for k, row in zip(chosen, rows, strict=True) if None not in row}
+    if not states:
+        (row,) = score.reference.at([score.times[score.lowest_row]], DIGITS_HELD["double"])
+        states = {score.lowest_row: [*row]}
+    numbers = doubles([*states.values()])
+    with np.errstate(over="ignore", invalid="ignore"):  # of numbers that are no motion's
+        speed = float(np.max(np.linalg.norm(numbers[:, :3], axis=1))) or 1.0
+        rates = np.abs(field(scene)(0.0, numbers.T))
+        omega, gamma = np.max(rates[:3], axis=0), np.max(rates[3:], axis=0, initial=0.0)
+        off = np.array([table.time_errors[k] for k in states])
+        moved = off * np.maximum(omega / speed, gamma)
+    fewer = selected(len(score.times))
+    least = [table.held if (e := expected.bands[k]) is None else e.least - fewer for k in states]
+    errors = _errors_of([table.held if (d := digits[k]) is None else d for k in states])
+    right = bool(np.all(errors <= _MORE * (moved + _errors_of(least))))
+    worst = int(np.argmax(errors))
+    return float(np.max(off)) if right and errors[worst] <= _MOST * moved[worst] else None
+
+
+def _errors_of(digits: Sequence[float]) -> Doubles:
+    errors: Doubles = 10.0 ** -np.array(digits)
+    return errors
