@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from polhode.closed_forms import textbook
 from polhode.closed_forms.families import closed_form
-from polhode.closed_forms.kovalevskaya.regimes import DEGENERATE, ONE_FREQUENCY, STEADY
+from polhode.closed_forms.kovalevskaya.place import DEGENERATE, ONE_FREQUENCY, STEADY
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.judging.reference_rows import tabulated

@@ -19,11 +19,10 @@ from dataclasses import dataclass
 from flint import arb
 
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.frames import Frame, Rows
+from polhode.closed_forms.balls.frames import Frame
 from polhode.closed_forms.balls.periodic_attitude import Equations
 from polhode.closed_forms.kovalevskaya.divisor import State
-from polhode.closed_forms.membership import PrincipalScene
-from polhode.closed_forms.rounding import log2
+from polhode.closed_forms.membership import PrincipalScene, log2
 from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
 from polhode.numbers.vectors import Vector
@@ -65,16 +64,15 @@ class KovalevskayaStart:
         return (2 * (ball(self.H) + ball(self.a2).sqrt())).sqrt()
 
 
-def top_start(scene: PrincipalScene, within: Rows | None) -> tuple[Frame, KovalevskayaStart]:
-    """The top's axes, ``within`` the rows of the principal ones; the start and the integrals.
+def top_start(scene: PrincipalScene) -> tuple[Frame, KovalevskayaStart] | None:
+    """The top's axes, the start and the integrals; None for a body that is no Kovalevskaya top.
 
-    From principal axes these are rational where n^2 alone is not.  Raises ValueError for a body
-    that is no Kovalevskaya top.
+    From principal axes these are rational where n^2 alone is not.
     """
     moments, torque, omega, gamma = scene
     kind, axis = classical_top(moments, torque)
     if kind != KOVALEVSKAYA or axis is None or gamma is None:
-        raise ValueError("not a Kovalevskaya top")
+        return None
     i, j, k = with_last(axis)
     X, Y = torque[i] / moments[k], torque[j] / moments[k]
     (p, q, r), (g1, g2, g3) = ((v[i], v[j], v[k]) for v in (omega, gamma))
@@ -103,4 +101,4 @@ def top_start(scene: PrincipalScene, within: Rows | None) -> tuple[Frame, Kovale
         weight=n2 * over2,
         exponent=exponent,
     )
-    return Frame.equatorial((i, j, k), X, Y, within), start
+    return Frame.equatorial((i, j, k), X, Y), start
