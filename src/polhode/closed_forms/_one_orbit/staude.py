@@ -13,7 +13,7 @@ from enum import StrEnum
 from fractions import Fraction
 
 from polhode.closed_forms._one_orbit.orbits import OrbitPlacement
-from polhode.closed_forms.balls.core import ball, root
+from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Motion
 from polhode.closed_forms.balls.one_axis import PermanentRotation
 from polhode.closed_forms.membership import Condition, NormalAxes, NormalScene, equal
@@ -76,7 +76,7 @@ class Staude(OrbitPlacement):
         omega, gamma = self.normal.omega, self.normal.gamma
         return PermanentRotation(
             [ball(x) for x in omega],
-            root(dot(omega, omega)) / 2,
+            ball(abs(dot(omega, gamma))) / 2,
             [ball(x) for x in gamma],
             stays=True,
             precession=None if is_zero(omega) else ball(dot(omega, gamma)),

@@ -30,7 +30,7 @@ class OneAxis:
         self._senses = sign(along + n[2]), sign(along - n[2])
         self._begins = _present(g)
         self._crosses = _present(minus(scaled(2 * along, n), scaled(dot(n, n), g)))
-        self._upright = is_zero(cross(n, g))
+        self._upright = all(self._begins) and is_zero(cross(n, g))
         self._up = sign(along)
 
     def arguments(self, start: Turn, n: tuple[arb, arb, arb], x: arb) -> Arguments:
@@ -39,8 +39,8 @@ class OneAxis:
         Through 0 an argument grows by pi wherever the turn leads away from the start, and falls by
         it where the turn comes back.
         """
-        if self._upright:  # half of psi
-            return (self._up * x, self._up * x) if all(self._begins) else (None, None)
+        if self._upright:  # both by half of psi
+            return self._up * x, self._up * x
         across = quaternion_product(start, (arb(0), *n))
         al, bt = (
             _grown(
@@ -88,8 +88,8 @@ class PermanentRotation(Motion):
         """The turn about w by |w| t."""
         del state
         sin, cos = self.swung(t).sin_cos()
-        x, y, z = (w / self.speed for w in self._omega)
-        return cos, sin * x, sin * y, sin * z
+        x, y, z = (sin * w / self.speed for w in self._omega)
+        return cos, x, y, z
 
     def swung(self, t: arb) -> arb:
         """Half the angle turned since t = 0."""
