@@ -91,12 +91,6 @@ def _solved_in(folder: str, solver: str) -> Callable[[Any], Motion]:
 FAMILIES: tuple[Family, ...] = (
     euler.FAMILY,
     Family("lagrange", lagrange.place, lagrange.misfit, _solved_in("lagrange", "solve")),
-    Family(
-        "kovalevskaya",
-        kovalevskaya.place,
-        kovalevskaya.misfit,
-        _solved_in("kovalevskaya", "solve"),
-    ),
     pendulum.FAMILY,
     orbit_family("staude", staude.Staude),
     orbit_family("bobylev-steklov", bobylev_steklov.BobylevSteklov),
@@ -112,6 +106,12 @@ FAMILIES: tuple[Family, ...] = (
     orbit_family("goryachev", goryachev.Goryachev),
     orbit_family("n-kowalewski", n_kowalewski.NKowalewski),
     orbit_family("chaplygin", chaplygin.Chaplygin),
+    Family(
+        "kovalevskaya",
+        kovalevskaya.place,
+        kovalevskaya.misfit,
+        _solved_in("kovalevskaya", "solve"),
+    ),
 )
 
 

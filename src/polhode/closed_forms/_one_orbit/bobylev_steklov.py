@@ -28,14 +28,22 @@ from flint import acb, arb
 
 from polhode.closed_forms._one_orbit.orbits import EllipticTime, Formula, OrbitPlacement
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.frames import Motion, Turn, conjugate, quaternion
+from polhode.closed_forms.balls.frames import Frame, Motion, Turn, conjugate, quaternion
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.balls.weierstrass import complex_functions
-from polhode.closed_forms.membership import Condition, NormalScene, equal, moving, on_axis_1
+from polhode.closed_forms.membership import (
+    Condition,
+    NormalScene,
+    PrincipalScene,
+    equal,
+    moving,
+    on_axis_1,
+)
 from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import quaternion_product
+from polhode.scenes.body import KOVALEVSKAYA, classical_top, with_last
 
 
 def conditions(scene: NormalScene) -> Iterator[Condition]:
@@ -103,6 +111,23 @@ class BobylevSteklov(OrbitPlacement):
     """One motion of Bobylev and Steklov."""
 
     conditions = staticmethod(conditions)
+
+    @classmethod
+    def views(cls, scene: PrincipalScene) -> Iterator[tuple[Frame, PrincipalScene]]:
+        """Of Kovalevskaya's body also the axes of which one goes through the centre of mass."""
+        yield from super().views(scene)
+        moments, torque, omega, gamma = scene
+        kind, axis = classical_top(moments, torque)
+        if kind != KOVALEVSKAYA or axis is None or gamma is None:
+            return
+        i, j, k = with_last(axis)
+        if sign(torque[i]) and sign(torque[j]):
+            frame = Frame.equatorial((i, j, k), torque[i], torque[j])
+            seen = moments[i], moments[j], moments[k]
+            yield (
+                frame,
+                PrincipalScene(seen, frame.into(torque), frame.into(omega), frame.into(gamma)),
+            )
 
     def _regime(self) -> Regime:
         return _BY_SIGN[sign(1 - self._level * self._level)]

@@ -132,7 +132,7 @@ def _at_rest(scene: NormalScene, x: Coefficients) -> Iterator[Condition]:
 class Chaplygin(OrbitPlacement):
     """One motion of Chaplygin."""
 
-    regime = "Chaplygin 1904"
+    name = "Chaplygin 1904"
     conditions = staticmethod(conditions)
 
     def _begin(self, x: Coefficients) -> tuple[Exact, Exact, Exact]:

@@ -77,7 +77,7 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
 class Goryachev(OrbitPlacement):
     """One motion of Goryachev."""
 
-    regime = "Goryachev"
+    name = "Goryachev"
     conditions = staticmethod(conditions)
     axis_1_passes_the_vertical = True  # where p = 0
 

@@ -114,7 +114,7 @@ class _Precession(Motion):
 class Grioli(OrbitPlacement):
     """One precession of Grioli."""
 
-    regime = "Grioli's regular precession"
+    name = "Grioli's regular precession"
     conditions = staticmethod(conditions)
 
     def solve(self) -> Motion:

@@ -91,7 +91,7 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
 class NKowalewski(OrbitPlacement):
     """One motion of N. Kowalewski."""
 
-    regime = "N. Kowalewski"
+    name = "N. Kowalewski"
     conditions = staticmethod(conditions)
 
     def solve(self) -> Motion:

@@ -17,7 +17,7 @@ from mpmath import libmp
 
 from polhode.closed_forms._one_orbit.orbits import OrbitPlacement
 from polhode.closed_forms.balls.core import Refused, around, ball
-from polhode.closed_forms.balls.frames import Motion, Turn
+from polhode.closed_forms.balls.frames import Frame, Motion, Turn
 from polhode.closed_forms.balls.periodic_attitude import PeriodicOrbit
 from polhode.closed_forms.membership import NormalAxes, NormalScene
 from polhode.numbers.flint_context import ctx
@@ -47,8 +47,10 @@ class OrbitMotion(OrbitPlacement):
     (``_regime``) and the orbit there (``_orbit``).  An orbit without period has no attitude.
     """
 
-    def __init__(self, axes: NormalAxes, normal: NormalScene, unit: Fraction) -> None:
-        super().__init__(axes, normal, unit)
+    def __init__(
+        self, axes: NormalAxes, normal: NormalScene, unit: Fraction, principal: Frame
+    ) -> None:
+        super().__init__(axes, normal, unit, principal)
         self.proven = False
 
     @abstractmethod

@@ -50,9 +50,12 @@ def orbit_family(name: str, placement: type[OrbitPlacement]) -> Family:
 
     def place(scene: PrincipalScene) -> OrbitPlacement | None:
         usual, unit = in_usual_units(scene)
-        with noted():  # what is decided of other axes does not matter
-            normal = placed_in(placement.conditions, usual)
-        return None if normal is None else placement(*normal, unit)
+        for frame, seen in placement.views(usual):
+            with noted():  # what is decided of other axes does not matter
+                normal = placed_in(placement.conditions, seen)
+            if normal is not None:
+                return placement(*normal, unit, frame)
+        return None
 
     def misfit(scene: PrincipalScene) -> Misfit | None:
         return shortfall(placement.conditions, scene)
@@ -69,15 +72,19 @@ class OrbitPlacement(Placement):
 
     #: The scene in the axes of the normal form, in units of its own where doubles do not hold it.
     normal: NormalScene
+    #: The name of the motion, where there is one kind alone.
+    name: str
     #: Whether axis 1 of the normal form is exactly vertical again and again.
     axis_1_passes_the_vertical = False
 
-    def __init__(self, axes: NormalAxes, normal: NormalScene, unit: Fraction) -> None:
+    def __init__(
+        self, axes: NormalAxes, normal: NormalScene, unit: Fraction, principal: Frame
+    ) -> None:
         self.normal = normal
         side = axes.determinant
         super().__init__(
             regime=self._regime(),
-            frame=Frame.signed(axes.order, [side * s for s in axes.signs]),
+            frame=principal.numbered(axes.order, [side * s for s in axes.signs]),
             unit=unit,
             vertical=side * ONE,
             held=tuple(condition.text for condition in self.conditions(normal)),
@@ -88,14 +95,19 @@ class OrbitPlacement(Placement):
         self._speed2 = 2 * (normal.energy + normal.weight) / min(normal.moments)
         self._strip: Strip | None = None
 
+    @classmethod
+    def views(cls, scene: PrincipalScene) -> Iterator[tuple[Frame, PrincipalScene]]:
+        """The principal axes that are tried, and the scene in them: of a symmetric body any are."""
+        yield Frame(), scene
+
     @staticmethod
     @abstractmethod
     def conditions(scene: NormalScene) -> Iterator[Condition]:
         """What the family asks of a scene in the axes of its normal form, in order."""
 
     def _regime(self) -> StrEnum | str:
-        """The kind of motion; the class's own, where there is one alone."""
-        return type(self).regime
+        """The kind of motion; its name, where there is one alone."""
+        return self.name
 
     @abstractmethod
     def solve(self) -> Motion:

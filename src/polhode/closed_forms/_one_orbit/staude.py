@@ -14,7 +14,7 @@ from fractions import Fraction
 
 from polhode.closed_forms._one_orbit.orbits import OrbitPlacement
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.frames import Motion
+from polhode.closed_forms.balls.frames import Frame, Motion
 from polhode.closed_forms.balls.one_axis import PermanentRotation
 from polhode.closed_forms.membership import Condition, NormalAxes, NormalScene, equal
 from polhode.closed_forms.rotation_stability import STABLE, UNDECIDED, UNSTABLE, Stability, spectrum
@@ -53,8 +53,10 @@ class Staude(OrbitPlacement):
 
     conditions = staticmethod(conditions)
 
-    def __init__(self, axes: NormalAxes, normal: NormalScene, unit: Fraction) -> None:
-        super().__init__(axes, normal, unit)
+    def __init__(
+        self, axes: NormalAxes, normal: NormalScene, unit: Fraction, principal: Frame
+    ) -> None:
+        super().__init__(axes, normal, unit, principal)
         self.axis = normal.omega
         self.rates_of = {"precession": "of the body about the vertical"}
 

@@ -61,9 +61,13 @@ class Frame:
     @classmethod
     def signed(cls, order: Sequence[int], signs: Sequence[int] = (1, 1, 1)) -> Frame:
         """Axis n is ``signs[n]`` times principal axis ``order[n]``; it must be right-handed."""
+        return cls().numbered(order, signs)
+
+    def numbered(self, order: Sequence[int], signs: Sequence[int]) -> Frame:
+        """Axis n is ``signs[n]`` times axis ``order[n]`` of these."""
         pairs = zip(order, signs, strict=True)
-        rows = [[s * ONE if i == j else ZERO for j in range(3)] for i, s in pairs]
-        return cls(rows)
+        rows = [[s * x for x in self._directions[i]] for i, s in pairs]
+        return Frame(rows, [self._squares[i] for i in order], self._within)
 
     @classmethod
     def equatorial(cls, order: Sequence[int], X: Exact, Y: Exact) -> Frame:

@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 from flint import acb, arb
 
-from polhode.closed_forms.balls.core import ball, root
+from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import (
     Motion,
     State,
@@ -26,7 +26,6 @@ from polhode.closed_forms.balls.frames import (
     no_attitude,
     quaternion,
 )
-from polhode.closed_forms.balls.one_axis import PermanentRotation
 from polhode.closed_forms.balls.periodic_attitude import PeriodicAttitude, PeriodicOrbit
 from polhode.closed_forms.balls.weierstrass import Weierstrass, WeierstrassSolution
 from polhode.closed_forms.kovalevskaya.axes import EQUATIONS, KovalevskayaStart
@@ -35,7 +34,6 @@ from polhode.closed_forms.kovalevskaya.degenerate import DegenerateState
 from polhode.closed_forms.kovalevskaya.place import (
     DEGENERATE,
     ONE_FREQUENCY,
-    STEADY,
     KovalevskayaPlacement,
     Regime,
     appelrot_numbers,
@@ -45,7 +43,6 @@ from polhode.closed_forms.kovalevskaya.theta.cycles import rates
 from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
 from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
 from polhode.numbers.exact import ZERO
-from polhode.numbers.vectors import dot
 
 #: p, q, r, G1, G2, G3 of a complex time.
 ComplexState: TypeAlias = Callable[[acb], Sequence[acb]]
@@ -56,9 +53,6 @@ _I = acb(0, 1)
 def solve(place: KovalevskayaPlacement) -> Motion:
     """The motion in the top's axes and units, at the precision in force."""
     start = place.start
-    if place.regime in STEADY:
-        omega, G = ([ball(x) for x in v] for v in (start.omega, start.G))
-        return PermanentRotation(omega, root(dot(start.omega, start.omega)) / 2, G, stays=True)
     if place.regime in DEGENERATE:
         return TopMotion(place, DegenerateState(start), no_attitude)
     if place.regime in ONE_FREQUENCY:
@@ -68,7 +62,7 @@ def solve(place: KovalevskayaPlacement) -> Motion:
 
 
 class TopMotion(StateAndTurning):
-    """A motion that does not stay."""
+    """A motion of the top."""
 
     def __init__(
         self,
@@ -115,8 +109,6 @@ def first_turn(place: KovalevskayaPlacement) -> Turn:
 # One-frequency motions. Symbols as in :mod:`.axes`; every one reduces to y'^2 = f(y):
 #
 # Delaunay, k = 0:  x = p + iq,  4x'^2 = x^4 - 2H x^2 + 4m x - a^2,  G1 + iG2 = x^2.
-# Bobylev-Steklov, q = 0 and p constant:  r'^2 = (H - 2p^2) r^2 - r^4/4 + const,  G3 = p r.
-# Pendulum about y, p = r = G2 = 0:  q'^2 = H q^2/2 - q^4/4 + const,  G3 = 2q'.
 # Appelrot's special motion, xh and ro constant:  p = xh + ro cos ps, q = ro sin ps, r = -2 ps',
 # G3 = xh r, G1 + iG2 = 2 xh (ro + xh cos ps) exp(i ps),
 # E = r^2/4 + 2 xh ro cos ps + xh^2 cos^2 ps, and for y = tan(ps/2)
@@ -137,13 +129,7 @@ class _OneFrequency:
 def _periodic(place: KovalevskayaPlacement) -> Motion:
     """A motion of one frequency, or one that tends to a steady one."""
     start, kind = place.start, place.regime
-    make = {
-        Regime.DELAUNAY: _delaunay,
-        Regime.BOBYLEV: _bobylev,
-        Regime.PENDULUM_Z: _bobylev,
-        Regime.PENDULUM_Y: _pendulum,
-        Regime.APPELROT: _appelrot,
-    }[Regime(kind)]
+    make = _delaunay if kind == Regime.DELAUNAY else _appelrot
     function = Weierstrass(quartic(start, kind))
     state = make(start, function)
     if function.period is None:
@@ -180,30 +166,6 @@ def _delaunay(start: KovalevskayaStart, P: Weierstrass) -> ComplexState:
         # q1 r = m - p H + p (p^2 - q^2), q r = 2 p1
         r = (2 * p1 * q + q1 * (m - p * H + p * (p * p - q * q))) / (q * q + q1 * q1)
         return [p, q, r, p * p - q * q, 2 * p * q, 2 * q1 + p * r]
-
-    return state
-
-
-def _bobylev(start: KovalevskayaStart, P: Weierstrass) -> ComplexState:
-    p0, _, r0, _, G2, _ = _balls(start)
-    y = WeierstrassSolution(quartic(start, Regime.BOBYLEV), acb(r0), acb(-G2), P)
-    H, p = ball(start.H), acb(p0)
-
-    def state(t: acb) -> Sequence[acb]:
-        r, r1 = y.value(t)
-        return [p, acb(0), r, H - p * p - r * r / 2, -r1, p * r]
-
-    return state
-
-
-def _pendulum(start: KovalevskayaStart, P: Weierstrass) -> ComplexState:
-    _, q0, _, _, _, G3 = _balls(start)
-    y = WeierstrassSolution(quartic(start, Regime.PENDULUM_Y), acb(q0), acb(G3 / 2), P)
-    H, nil = ball(start.H), acb(0)
-
-    def state(t: acb) -> Sequence[acb]:
-        q, q1 = y.value(t)
-        return [nil, q, nil, H - q * q, nil, 2 * q1]
 
     return state
 

@@ -1,9 +1,10 @@
 """Which scenes are a Kovalevskaya top's, and the kinds of motion, told by exact arithmetic.
 
 Symbols as in :mod:`polhode.closed_forms.kovalevskaya.axes`.  One-frequency motions (Gashenenko et
-al., Rigid Body Dynamics, 2012; Kharlamov 1965): both pendulums, Delaunay's k = 0, Bobylev and
-Steklov's q = 0, G3 = p r, and the special motions of Appelrot's second and third class.  A curve is
-degenerate where two of the points e1, e2, e3, k, -k are equal:
+al., Rigid Body Dynamics, 2012; Kharlamov 1965): Delaunay's k = 0 and the special motions of
+Appelrot's second and third class; both pendulums and Bobylev and Steklov's q = 0, G3 = p r are
+motions of other bodies too, and left to them.  A curve is degenerate where two of the points e1,
+e2, e3, k, -k are equal:
 
     (H a^2 - 2m^2)^2 = k^2 a^4  (an e is k or -k),    disc S = 0  (two e's are equal).
 
@@ -42,12 +43,6 @@ _CHECKED = "states are proven; of the attitude the formula is checked, the arith
 class Regime(StrEnum):
     """The kinds of motion that are not generic; a generic one is named by the type of its curve."""
 
-    HANGING = "rest, hanging"
-    UPRIGHT = "rest, upright"
-    ROTATION = "permanent rotation"
-    PENDULUM_Z = "pendulum about the axis of symmetry"
-    PENDULUM_Y = "pendulum about an equatorial axis"
-    BOBYLEV = "Bobylev-Steklov"
     DELAUNAY = "Delaunay"
     APPELROT = "Appelrot, special motion"
     ASYMPTOTIC = "degenerate curve, asymptotic"
@@ -55,14 +50,7 @@ class Regime(StrEnum):
     OTHER = "degenerate curve, no formula"
 
 
-STEADY = (Regime.HANGING, Regime.UPRIGHT, Regime.ROTATION)
-ONE_FREQUENCY = (
-    Regime.PENDULUM_Z,
-    Regime.PENDULUM_Y,
-    Regime.BOBYLEV,
-    Regime.DELAUNAY,
-    Regime.APPELROT,
-)
+ONE_FREQUENCY = (Regime.DELAUNAY, Regime.APPELROT)
 DEGENERATE = (Regime.ASYMPTOTIC, Regime.QUASI_PERIODIC)
 
 
@@ -103,6 +91,8 @@ def place(scene: PrincipalScene) -> KovalevskayaPlacement | None:
     if known is None:
         return None
     frame, start = known
+    if is_simpler(start):
+        return None
     kind = regime(start)
     if kind == Regime.OTHER:
         return None
@@ -110,10 +100,10 @@ def place(scene: PrincipalScene) -> KovalevskayaPlacement | None:
     proven: bool | str = True
     if kind in ONE_FREQUENCY:
         has_attitude = quartic(start, kind).has_period
-        passing = passes_the_vertical(start, kind)
+        passing = kind == Regime.APPELROT and passes_the_vertical(start)
     elif kind in DEGENERATE:
         has_attitude = False
-    elif kind not in STEADY:
+    else:
         proven = _CHECKED
     return KovalevskayaPlacement(
         regime=kind,
@@ -123,7 +113,6 @@ def place(scene: PrincipalScene) -> KovalevskayaPlacement | None:
         proven=proven if has_attitude else ENCLOSED_ATTITUDE,
         has_attitude=has_attitude,
         is_dear=True,
-        axis=start.omega if kind in STEADY else None,
         passing=2 if passing else None,
         repeats=True,
         start=start,
@@ -135,7 +124,12 @@ def misfit(scene: PrincipalScene) -> Misfit | None:
     """Why a scene is not one's, or its motion has no formula."""
     if classical_top(scene.moments, scene.torque).kind != KOVALEVSKAYA:
         return shortfall(conditions, scene)
-    return None if place(scene) else Misfit("a motion that has a formula on its degenerate curve")
+    if place(scene) is not None:
+        return None
+    known = top_start(scene)
+    if known is not None and is_simpler(known[1]):
+        return Misfit("a motion that is not one of other bodies too")
+    return Misfit("a motion that has a formula on its degenerate curve")
 
 
 def conditions(scene: NormalScene) -> Iterator[Condition]:
@@ -151,21 +145,21 @@ def regime(start: KovalevskayaStart) -> Regime | str:
     return _one_frequency(start) or _degenerate(start) or kind(start)
 
 
-def _one_frequency(start: KovalevskayaStart) -> Regime | None:
-    (p, q, r), (G1, G2, G3) = start.omega, start.G
+def is_simpler(start: KovalevskayaStart) -> bool:
+    """Whether the motion is one of any body: a permanent rotation, or of a pendulum, or at rest.
+
+    Motions of Bobylev and Steklov, of any B, are among these: q = 0 and G3 = p r.
+    """
+    (p, q, r), (_, G2, G3) = start.omega, start.G
     if sign(q) == 0 and sign(G3 - p * r) == 0:
-        if sign(G2) == 0 and sign(r * (G1 - p * p)) == 0:
-            if sign(p) == 0 == sign(r):
-                return Regime.UPRIGHT if sign(G1) > 0 else Regime.HANGING
-            return Regime.ROTATION
-        return Regime.PENDULUM_Z if sign(p) == 0 else Regime.BOBYLEV
-    if sign(p) == 0 and sign(r) == 0 and sign(G2) == 0:
-        return Regime.PENDULUM_Y
+        return True
+    return sign(p) == 0 and sign(r) == 0 and sign(G2) == 0
+
+
+def _one_frequency(start: KovalevskayaStart) -> Regime | None:
     if sign(start.k2) == 0:
         return Regime.DELAUNAY
-    if centre(start) is not None:
-        return Regime.APPELROT
-    return None
+    return Regime.APPELROT if centre(start) is not None else None
 
 
 def centre(start: KovalevskayaStart) -> Exact | None:
@@ -190,17 +184,14 @@ def centre(start: KovalevskayaStart) -> Exact | None:
     return None
 
 
-def passes_the_vertical(start: KovalevskayaStart, kind: Regime | str) -> bool:
-    """Whether the third axis of a motion of one frequency is exactly vertical, G1 + iG2 = 0.
+def passes_the_vertical(start: KovalevskayaStart) -> bool:
+    """Whether the third axis of Appelrot's motion is exactly vertical, G1 + iG2 = 0.
 
-    A pendulum about y has G1 = H - q^2; Appelrot's motion passes ro + xh cos ps = 0, as its r^2/4
-    is E + ro^2 - (ro + xh cos ps)^2, wherever |ro| <= |xh|.
+    It passes ro + xh cos ps = 0, as its r^2/4 is E + ro^2 - (ro + xh cos ps)^2, wherever
+    |ro| <= |xh|.
     """
-    if kind == Regime.PENDULUM_Y:
-        return sign(start.H) >= 0
-    xh = centre(start) if kind == Regime.APPELROT else None
-    if xh is None:
-        return False
+    xh = centre(start)
+    assert xh is not None
     p, q, _ = start.omega
     return sign(p * p - 2 * p * xh + q * q) <= 0  # ro^2 - xh^2
 
@@ -227,22 +218,15 @@ def _degenerate(start: KovalevskayaStart) -> Regime | None:
 
 
 def quartic(start: KovalevskayaStart, kind: Regime | str) -> Quartic:
-    """The f of the motion, exact."""
-    (p, q, r), (_, G2, G3) = start.omega, start.G
-    H = start.H
+    """The f of a motion of one frequency, exact."""
     if kind == Regime.DELAUNAY:
-        return Quartic((exact(1) / 4, ZERO, -H / 12, start.m / 4, -start.a2 / 4))
-    if kind == Regime.PENDULUM_Y:
-        rest = G3 * G3 / 4 - H * q * q / 2 + q * q * q * q / 4
-        return Quartic((-exact(1) / 4, ZERO, H / 12, ZERO, rest))
-    if kind == Regime.APPELROT:
-        xh, ro, x = appelrot_numbers(start)
-        # E = r^2/4 + 2 xh (p - xh) + xh^2 cos^2 ps, the cosine (p - xh)/ro
-        E = r * r / 4 + 2 * xh * x + xh * xh * x * x / (ro * ro)
-        ends = (E + 2 * xh * ro - xh * xh) / 4, (E - 2 * xh * ro - xh * xh) / 4
-        return Quartic((ends[0], ZERO, (E + xh * xh) / 12, ZERO, ends[1]))
-    lift = H - 2 * p * p
-    return Quartic((-exact(1) / 4, ZERO, lift / 6, ZERO, G2 * G2 - lift * r * r + r**4 / 4))
+        return Quartic((exact(1) / 4, ZERO, -start.H / 12, start.m / 4, -start.a2 / 4))
+    r = start.omega[2]
+    xh, ro, x = appelrot_numbers(start)
+    # E = r^2/4 + 2 xh (p - xh) + xh^2 cos^2 ps, the cosine (p - xh)/ro
+    E = r * r / 4 + 2 * xh * x + xh * xh * x * x / (ro * ro)
+    ends = (E + 2 * xh * ro - xh * xh) / 4, (E - 2 * xh * ro - xh * xh) / 4
+    return Quartic((ends[0], ZERO, (E + xh * xh) / 12, ZERO, ends[1]))
 
 
 def appelrot_numbers(start: KovalevskayaStart) -> tuple[Exact, Exact, Exact]:
