@@ -12,7 +12,7 @@ import polhode
 
 SOURCE = Path(polhode.__file__).parent
 ROOMS = ("closed_forms", "certificates", "proofs", "enclosures", "dynamics")
-#: A year as it ends a citation: "Hess, Math. Ann. 37 (1890) 153", "(Kowalevski 1889, sections 4-7)".
+#: A year as it ends a citation: "Hess, Math. Ann. 37 (1890) 153", "(Kowalevski 1889, section 4)".
 YEAR = re.compile(r"\b(18[5-9]\d|19\d\d|20[0-2]\d)\b(?=[);,]|: | for | has | reduced)")
 BEFORE = 240  # characters in which the name stands
 BOOKS = re.compile(r"\b(DLMF|Mumford|Whittaker|Yehia|Golubev|Goldstein|Cohen|Klein|Landau)\b")
