@@ -101,7 +101,7 @@ def test_a_corrupted_constant_is_told(name, monkeypatch):
 
 def test_attitude_of_a_periodic_motion_at_1e16():
     """Whole periods are counted exactly, and their turn is no angle."""
-    top = top_of(("4/5", 0, "4/5"), ("-12/25", "3/5", "16/25"))
+    top = top_of(("4/5", "2/5", "7/10"), ("12/25", "16/25", "3/5"))
     far = [F(10) ** 16]
     one, other = top.attitude(far, 20)[0], top.attitude(far, 40)[0]
     with mpmath.workdps(50):
@@ -263,7 +263,7 @@ def test_a_motion_of_other_bodies_too_is_theirs(case, kind, regime):
     scene = polhode.load(f"kovalevskaya/{case}")
     found = polhode.reference(scene)
     assert (found.kind, found.regime, found.proven) == (kind, regime, True)
-    assert [name for name, _ in closed_forms(scene)] == [kind]
+    assert "kovalevskaya" not in [name for name, _ in closed_forms(scene)]
     assert None not in found.angles([F(1000)], 20)[0]
     with pytest.raises(polhode.BadInput, match="kovalevskaya needs a motion that is not one of"):
         polhode.reference(replace(scene, reference="kovalevskaya"))
@@ -275,7 +275,7 @@ def test_psi_and_phi_of_a_release_from_a_pole_are_those_that_are_enclosed(spin, 
     body = polhode.Body.of_moments((2, 2, 1), (1, 0, 0), 1)
     scene = polhode.Scene(body, (0, 0, spin), (0, 0, up), psi=PSI)
     reference = polhode.reference(scene)
-    assert reference.kind == "kovalevskaya"
+    assert reference.kind == ("kovalevskaya" if spin else "pendulum")
     for t in F(1, 10), F(-1, 3):
         (row,), (known,) = (x.angles([t], 20) for x in (reference, polhode.Certified(scene)))
         assert all(abs(x - y) < mpf("1e-19") for x, y in zip(row, known, strict=True))
