@@ -18,9 +18,8 @@ from polhode.closed_forms.balls.weierstrass import (
 )
 from polhode.closed_forms.families import closed_form, closed_forms
 from polhode.closed_forms.family import ENCLOSED_ATTITUDE
-from polhode.closed_forms.kovalevskaya import degenerate
+from polhode.closed_forms.kovalevskaya import degenerate, theta_attitude, theta_state
 from polhode.closed_forms.kovalevskaya.motion import first_turn
-from polhode.closed_forms.kovalevskaya.theta import theta_attitude, theta_state
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ONE
 from polhode.numbers.flint_context import ctx

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from flint import acb, arb
 
-from polhode.closed_forms.kovalevskaya.theta.theta_state import dot
+from polhode.closed_forms.kovalevskaya.theta_state import dot
 from polhode.numbers.flint_context import ctx
 from shared.ball_checks import form
 from shared.members import motion_table, read_start

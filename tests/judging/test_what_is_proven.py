@@ -10,7 +10,7 @@ from flint import acb
 
 import polhode
 from polhode.closed_forms.closed_form import ClosedForm
-from polhode.closed_forms.kovalevskaya.theta.theta_attitude import Choice, Moment
+from polhode.closed_forms.kovalevskaya.theta_attitude import Choice, Moment
 from polhode.scenes.vocabulary import STATE
 
 IRRATIONAL = polhode.top(

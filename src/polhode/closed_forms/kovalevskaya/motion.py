@@ -31,6 +31,7 @@ from polhode.closed_forms.balls.weierstrass import Weierstrass, WeierstrassSolut
 from polhode.closed_forms.kovalevskaya.axes import EQUATIONS, KovalevskayaStart
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points
 from polhode.closed_forms.kovalevskaya.degenerate import DegenerateState
+from polhode.closed_forms.kovalevskaya.jacobian import rates
 from polhode.closed_forms.kovalevskaya.place import (
     DEGENERATE,
     ONE_FREQUENCY,
@@ -39,9 +40,8 @@ from polhode.closed_forms.kovalevskaya.place import (
     appelrot_numbers,
     quartic,
 )
-from polhode.closed_forms.kovalevskaya.theta.cycles import rates
-from polhode.closed_forms.kovalevskaya.theta.theta_attitude import ThetaAttitude
-from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState
+from polhode.closed_forms.kovalevskaya.theta_attitude import ThetaAttitude
+from polhode.closed_forms.kovalevskaya.theta_state import ThetaState
 from polhode.numbers.exact import ZERO
 
 #: p, q, r, G1, G2, G3 of a complex time.

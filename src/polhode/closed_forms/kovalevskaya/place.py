@@ -21,9 +21,8 @@ from fractions import Fraction
 from polhode.closed_forms.balls.periodic_attitude import Strip
 from polhode.closed_forms.balls.weierstrass import Quartic
 from polhode.closed_forms.family import ENCLOSED_ATTITUDE, Placement
-from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, top_start
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, is_node, top_start
 from polhode.closed_forms.kovalevskaya.branch_points import discriminant, kind
-from polhode.closed_forms.kovalevskaya.node import is_node
 from polhode.closed_forms.membership import (
     Condition,
     Misfit,

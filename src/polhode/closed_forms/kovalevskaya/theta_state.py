@@ -32,10 +32,9 @@ from flint import acb, arb
 from polhode.closed_forms.balls.clocks import Pair
 from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
 from polhode.closed_forms.balls.theta2 import Theta2, added
-from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, State
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, square_roots
-from polhode.closed_forms.kovalevskaya.divisor import State
-from polhode.closed_forms.kovalevskaya.theta.jacobian import Jacobian
+from polhode.closed_forms.kovalevskaya.jacobian import Jacobian
 from polhode.common.values import cached_property
 from polhode.numbers.exact import Exact, sign
 
