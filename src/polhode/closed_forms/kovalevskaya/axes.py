@@ -29,7 +29,6 @@ from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import Vector
 from polhode.scenes.body import KOVALEVSKAYA, classical_top, with_last
 
-
 # --- separation variables -------------------------------------------------------------------------
 #
 # The separation variables of the Kovalevskaya top at a state, for any scalars.
@@ -39,8 +38,8 @@ from polhode.scenes.body import KOVALEVSKAYA, classical_top, with_last
 #     R = -pi^2 + 2H pi - 2m sg + b,    R1 = -2H pi^2 - b sg^2 + 4m pi sg + 2Hb - 4m^2,
 #
 # and w_i = T' s_i - N', T = s1 + s2, N = s1 s2, sg' = q r, pi' = q G3, 2q' = -p r + G3 (Kowalevski
-# 1889; Mumford's form of the divisor).  Where q = 0, s1 is infinite, s2 = -R1/2R, and s2 has no first
-# and no second derivative; the third one of the quadratic equation tells w2.
+# 1889; Mumford's form of the divisor).  Where q = 0, s1 is infinite, s2 = -R1/2R, and s2 has no
+# first and no second derivative; the third one of the quadratic equation tells w2.
 
 
 class State(NamedTuple):
@@ -95,19 +94,6 @@ class State(NamedTuple):
 
 
 # --- axes -----------------------------------------------------------------------------------------
-#
-# Which heavy bodies are Kovalevskaya tops, their axes, their units, and their exact integrals.
-#
-# Two equal moments A = B = 2C and the centre of mass in the equatorial plane. The axes of the
-# top: the third is the axis of the moment C, the first goes through the centre of mass. With n^2
-# = Mg rho/C and G = n^2 gamma, w = (p, q, r) (Kowalevski, Acta Math. 12 (1889) 177):
-#
-#     2p' = q r,    2q' = -p r + G3,    r' = -G2,    G' = G x w.
-#
-# Integrals of these equations, |gamma| = 1 not being used:
-#
-#     H = p^2 + q^2 + r^2/2 + G1,    m = p G1 + q G2 + r G3/2,    a^2 = |G|^2,
-#     k^2 = |(p + iq)^2 - (G1 + i G2)|^2.
 
 
 #: In the top's axes and units.

@@ -1,7 +1,12 @@
-"""Siegel's reduction of a canonical basis of periods of genus two.
+"""The Jacobian of the Kovalevskaya curve in balls: periods, Abel's map, characteristics.
 
-Each step is a change of basis by whole numbers, so that doubles may choose it: nothing is to be
-proven but what the balls that are carried along tell in the end.
+The finite branch points are numbered a_1 ... a_5 along a direction
+(:func:`polhode.closed_forms.kovalevskaya.branch_points.numbered`). On the segment from a_j to
+a_(j+1), w = sqrt(-2) product r_i with r_i = sqrt(s - a_i) for i <= j and i sqrt(a_i - s) for i
+> j, principal roots, and I_j is the integral of (1, s) ds/w. With c_j = 2 I_j the cycles c_1,
+c_3 | c_2 + c_4, c_4 are a canonical basis a | b, tau = inv(Om_A) Om_B (Mumford, Tata Lectures
+on Theta II, IIIa.5). A(.) is the integral from infinity: A(a_5) = I_1 + I_3 and A(a_j) =
+A(a_(j+1)) - I_j.
 """
 
 from __future__ import annotations
@@ -23,6 +28,14 @@ from polhode.closed_forms.balls.theta2 import (
 )
 from polhode.closed_forms.kovalevskaya.branch_points import ascending, numbered
 from polhode.common.values import cached_property
+
+# --- reduction ------------------------------------------------------------------------------------
+#
+# Siegel's reduction of a canonical basis of periods of genus two.
+#
+# Each step is a change of basis by whole numbers, so that doubles may choose it: nothing is to be
+# proven but what the balls that are carried along tell in the end.
+
 
 #: Two periods, each of du = (ds/w, s ds/w).
 Columns: TypeAlias = tuple[Pair, Pair]
@@ -82,16 +95,6 @@ def _plus(one: Pair, other: Pair, n: int) -> Pair:
 
 
 # --- jacobian -------------------------------------------------------------------------------------
-#
-# The Jacobian of the Kovalevskaya curve in balls: periods, Abel's map, characteristics.
-#
-# The finite branch points are numbered a_1 ... a_5 along a direction
-# (:func:`polhode.closed_forms.kovalevskaya.branch_points.numbered`). On the segment from a_j to
-# a_(j+1), w = sqrt(-2) product r_i with r_i = sqrt(s - a_i) for i <= j and i sqrt(a_i - s) for i
-# > j, principal roots, and I_j is the integral of (1, s) ds/w. With c_j = 2 I_j the cycles c_1,
-# c_3 | c_2 + c_4, c_4 are a canonical basis a | b, tau = inv(Om_A) Om_B (Mumford, Tata Lectures
-# on Theta II, IIIa.5). A(.) is the integral from infinity: A(a_5) = I_1 + I_3 and A(a_j) =
-# A(a_(j+1)) - I_j.
 
 
 _FAR = 4  # |s| beyond this multiple of the branch points: the way comes from infinity
