@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 #: What ``reference.kind`` may ask for: the first that fits, a closed form by the name of its family
 #: (polhode.closed_forms.families), or a proven enclosure.
 REFERENCES = (
-    *("auto", "euler", "lagrange", "pendulum", "staude", "bobylev-steklov", "grioli"),
-    *("goryachev-chaplygin", "hess", "steklov", "goryachev", "n-kowalewski", "chaplygin"),
-    *("kovalevskaya", "certified"),
+    *("auto", "euler", "lagrange", "kovalevskaya", "pendulum", "staude", "bobylev-steklov"),
+    *("grioli", "goryachev-chaplygin", "hess", "steklov", "goryachev", "n-kowalewski"),
+    *("chaplygin", "certified"),
 )
 #: What earlier versions took for ``reference.kind``, and what to write instead.
 FORMER_REFERENCES = {"two-precisions": "auto, or certified for a proven enclosure"}
