@@ -34,7 +34,7 @@ from polhode.closed_forms.balls.one_axis import OneAxis
 from polhode.closed_forms.family import Placement
 from polhode.closed_forms.membership import PrincipalScene
 from polhode.common.values import cached_property
-from polhode.numbers.exact import Exact, Irrational, noted, sign
+from polhode.numbers.exact import ONE, Exact, Irrational, noted, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
 from polhode.numbers.vectors import Vector, cross, dot, minus, momentum, quaternion_product
@@ -75,6 +75,7 @@ class ClosedForm(Turning):
         self._principal, self._axes = scene, axes
         self._omega, self._known_gamma, self._psi = start
         self._frame = place.frame.seen_from(axes)
+        self._has_units = place.unit != 1 or place.vertical is not ONE
         self._motion = Kept(lambda: solve(place))
         self._start = Kept(self._first)
         self._sizes = Kept(self._made_sizes)
@@ -205,12 +206,19 @@ class ClosedForm(Turning):
         motion, start = self._motion(), self._start()
         if t.is_zero():
             return start, self._sizes()
-        unit, frame = self._unit(), self._frame
-        now = t * unit
-        state = motion.at(now)
-        row = frame.back([x * unit for x in state[:3]])
+        frame, now = self._frame, t
+        vertical: Sequence[arb]
+        if self._has_units:
+            unit = self._unit()
+            now = t * unit
+            state = motion.at(now)
+            row = frame.back([x * unit for x in state[:3]])
+            vertical = [x / self._vertical() for x in state[3:]]
+        else:
+            state = motion.at(now)
+            row, vertical = frame.back(state[:3]), state[3:]
         if len(start) > 3:
-            row += frame.back([x / self._vertical() for x in state[3:]])
+            row += frame.back(vertical)
         if attitude:
             q0, q1, q2, q3 = start[6:]
             row += quaternion_product((q0, q1, q2, q3), frame.turn(motion.turn(now, state)))
