@@ -124,7 +124,7 @@ def test_frames_go_there_and_back():
         Frame(),
         Frame.signed((2, 0, 1)),
         Frame.signed((1, 0, 2), (1, -1, 1)),
-        Frame.signed((0, 2, 1), (1, -1, 1), turned),
+        Frame.signed((0, 2, 1), (1, -1, 1)).seen_from(turned),
         Frame(skew, (F(2), F(2), F(1)), turned),
     )
     v = F(1), F(-2), F(1, 3)

@@ -77,7 +77,7 @@ def test_the_bound_of_the_angular_velocity_is_one_and_no_more(seed):
 def maps_at(starts, bits):
     """N of each motion."""
     with ctx.workprec(bits):
-        return [made("hess", plain)._solution().spin.map for plain in starts]
+        return [made("hess", plain)._motion().spin.map for plain in starts]
 
 
 @pytest.mark.sample(0, first=1, slow=1)

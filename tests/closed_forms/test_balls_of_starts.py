@@ -65,10 +65,10 @@ def test_every_ball_holds_its_value(family, seed):
         agrees_with_taylor(motion, plain)
     rows, more = (motion.at([FAR, -FAR], digits) for digits in (20, 35))
     assert table_gap(rows, more, max(fastest, 1)) < mpf("1e-19")
-    if motion.has_attitude:
+    if motion.place.has_attitude:
         turns = (motion.attitude([FAR], digits)[0] for digits in (20, 35))
         assert gap(*turns) < mpf("1e-19")
-    assert motion.proven is True or family in PARTLY
+    assert motion.place.proven is True or family in PARTLY
 
 
 #: Kinds of motion of which every row of the table of motions is asked.

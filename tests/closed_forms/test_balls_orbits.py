@@ -8,17 +8,17 @@ import pytest
 from flint import acb, arb
 
 import polhode
-from polhode.closed_forms._one_orbit import orbits, placed_motion
+from polhode.closed_forms._one_orbit import orbits
 from polhode.closed_forms._one_orbit.orbits import zeros
 from polhode.closed_forms.balls import periodic_attitude
 from polhode.closed_forms.balls.core import Refused, TooFewBits, ball
 from polhode.closed_forms.balls.periodic_attitude import Equations, PeriodicAttitude, PowerSum
-from polhode.closed_forms.families import mpmath
+from polhode.closed_forms.families import mpmath, orbit_family
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
 from shared import steady_precession
-from shared.ball_checks import made, row_at
+from shared.ball_checks import form, made, row_at
 from shared.members import start
 from shared.orbit_members import steklov_start
 
@@ -87,8 +87,8 @@ def test_how_far_a_state_moves_is_bounded_and_not_by_much():
     """Beside the motion itself at a complex time; half of the bound is passed."""
     motion = of("goryachev", 2)
     with ctx.workprec(100):
-        orbit = motion._solution().motion._orbit
-        equations = motion._equations()
+        orbit = motion._motion().state
+        equations = motion.place._equations()
         now, reach = acb(arb("0.3"), arb("0.1")), arb("1e-4")
         moves = equations.moves(orbit.state(now), reach)
         halved = 0
@@ -232,23 +232,23 @@ STEADY = (
 
 @pytest.mark.slow
 def test_an_orbit_of_ones_own_is_reproduced_not_proven():
-    top = steady_precession.SteadyPrecession(*STEADY)
-    assert (top.proven, top.radii([F(1)], 20)) == (False, None)
+    top = form(steady_precession.FAMILY, *STEADY)
+    assert (top.place.proven, top.radii([F(1)], 20)) == (False, None)
     for far in (F(10**12) + F(1, 7), F(10**40, 7)):
         (few,), (many,) = top.at([far], 20), top.at([far], 60)
         assert max(abs(x - y) for x, y in zip(few, many, strict=True)) < mpf("2e-20")
     assert top.error(20, [F(1)]) < mpf("1e-20")
     (turn,), (finer,) = top.attitude([F(10**6)], 20), top.attitude([F(10**6)], 40)
     assert max(abs(x - y) for x, y in zip(turn, finer, strict=True)) < mpf("2e-20")
-    rough = Rough(*STEADY)
+    rough = form(orbit_family("rough", Rough), *STEADY)
     (other,) = rough.at([F(10**40, 7)], 30)
     assert max(abs(x - y) for x, y in zip(other, many, strict=True)) < mpf("2e-30")
 
 
 def test_what_an_orbit_of_ones_own_may_lack():
     with pytest.raises(ArithmeticError, match="does not reproduce the start"):
-        Wrong(*STEADY).at([F(1)], 20)
-    endless = Endless(*STEADY)
+        form(orbit_family("wrong", Wrong), *STEADY).at([F(1)], 20)
+    endless = form(orbit_family("endless", Endless), *STEADY)
     assert endless.period(20) is None
     assert len(endless.at([F(1)], 20)[0]) == 6
     with pytest.raises(Refused, match="without period has no attitude"):
@@ -265,13 +265,13 @@ def test_irrational_bodies_tell_what_is_called_0(monkeypatch):
     motion = made("bobylev-steklov", plain)
     assert motion.assumed
     assert all(ball(x).is_zero() for x in motion.assumed)
-    proper = placed_motion.placed_in
+    proper = orbits.placed_in
 
     def asks(*given):
         assert exact.sign(A - 2 * C) == 0
         return proper(*given)
 
-    monkeypatch.setattr(placed_motion, "placed_in", asks)
+    monkeypatch.setattr(orbits, "placed_in", asks)
     assert made("bobylev-steklov", start("bobylev-steklov", 3)[0]).assumed == ()
 
 

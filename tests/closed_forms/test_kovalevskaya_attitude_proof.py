@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from flint import acb, arb
 
-from polhode.closed_forms.kovalevskaya.theta.theta_state import dot
-from polhode.closed_forms.kovalevskaya.top import KovalevskayaTop
+from polhode.closed_forms.kovalevskaya.theta_state import dot
 from polhode.numbers.flint_context import ctx
+from shared.ball_checks import form
 from shared.members import motion_table, read_start
 
 GENERIC = motion_table()["kovalevskaya"]
@@ -88,8 +88,8 @@ def test_step_2_exponents_at_every_pole_are_1_and_minus_1():
 
 def formula(name):
     """The attitude's constants, and the second way on the Jacobian."""
-    top = KovalevskayaTop(*read_start(GENERIC[name]))
-    attitude = top._solution().turning
+    top = form("kovalevskaya", *read_start(GENERIC[name]))
+    attitude = top._motion()._turning
     return attitude, attitude.motion.jacobian.reduced((acb(1), acb(0)))
 
 

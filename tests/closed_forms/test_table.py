@@ -129,7 +129,7 @@ DEAR = ("bobylev-steklov", "steklov", "goryachev", "n-kowalewski", "chaplygin", 
 
 
 #: Whose third axis passes exactly through the vertical: psi and phi are not told beyond.
-PAST_A_POLE = ("v constant, et = 0", "kovalevskaya/pendulum-equatorial")
+PAST_A_POLE = ("v constant, et = 0",)
 
 
 @rows(

@@ -11,7 +11,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.closed_forms.euler.top import EulerTop
+from polhode.closed_forms.closed_form import ClosedForm
 from polhode.common.errors import BadInput
 from polhode.judging.tables import conventions
 from polhode.scenes.body import Body
@@ -546,7 +546,7 @@ def test_a_closed_form_that_refuses_leaves_the_reading_to_the_enclosure(monkeypa
     for name in STATE[:3]:
         table[name] = np.degrees(table[name])
     for question in ("at", "attitude", "pairs"):
-        monkeypatch.setattr(EulerTop, question, refused)
+        monkeypatch.setattr(ClosedForm, question, refused)
     found = polhode.compare(table, "euler/attitude")
     assert (found.reading, found.reference.kind) == ("omega degrees", "certified")
     assert found.worst > 13

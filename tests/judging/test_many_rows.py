@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.closed_forms.euler.top import EulerTop
+from polhode.closed_forms.closed_form import ClosedForm
 from polhode.common.errors import few
 from polhode.judging import score
 from polhode.judging.conditioning import Band
@@ -167,7 +167,7 @@ def test_an_attitude_that_is_refused_leaves_the_states(monkeypatch):
 
     table = right("euler/attitude", [Fraction(k, 4) for k in range(9)], "at", "attitude")
     table["q1"][5] += 1e-9
-    monkeypatch.setattr(EulerTop, "attitude", refused)
+    monkeypatch.setattr(ClosedForm, "attitude", refused)
     found = polhode.compare(table, "euler/attitude")
     assert (found.reference.kind, found.agreement) == ("euler", math.inf)
     assert found.state_worst > 15
@@ -178,14 +178,14 @@ def test_a_table_in_another_convention_asks_for_each_row_once(monkeypatch):
     """What it means is told by a few rows; all rows were judged before it was read, and after."""
     asked = []
     for question in ("at", "pairs"):
-        answer = getattr(EulerTop, question)
+        answer = getattr(ClosedForm, question)
 
         def counted(self, times, digits, *, answer=answer, **options):
             if not options.get("attitude"):
                 asked.extend(times)
             return answer(self, times, digits, **options)
 
-        monkeypatch.setattr(EulerTop, question, counted)
+        monkeypatch.setattr(ClosedForm, question, counted)
     count = 400
     table = right("euler/attitude", [Fraction(k, 20) for k in range(count)])
     asked.clear()

@@ -6,8 +6,10 @@ from flint import arb
 
 import polhode
 from polhode.closed_forms.balls.core import TooFewBits, ball
-from polhode.closed_forms.balls.frames import conjugate
-from polhode.closed_forms.families import closed_form
+from polhode.closed_forms.balls.frames import Frame, conjugate
+from polhode.closed_forms.families import FAMILIES, closed_form, form_of
+from polhode.closed_forms.membership import PrincipalScene
+from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.vectors import quaternion_product
@@ -28,11 +30,20 @@ def made(family, plain):
     return motion
 
 
+def form(family, moments, torque, omega, gamma, psi=exact.ZERO, axes=None):
+    """The closed form of a family, or of one by its name, of any exact numbers."""
+    if isinstance(family, str):
+        (family,) = (known for known in FAMILIES if known.name == family)
+    into = Frame(within=axes).into
+    scene = PrincipalScene(moments, torque, into(omega), into(gamma))
+    return form_of(family, scene, (omega, gamma, psi), axes)
+
+
 def row_at(motion, t, bits):
     """The balls of so many bits, whatever their radii; None where they do not tell."""
     with ctx.workprec(bits):
         try:
-            return motion.row_at(ball(t), attitude=motion.has_attitude)[0]
+            return motion.row_at(ball(t), attitude=motion.place.has_attitude)[0]
         except TooFewBits:
             return None
 
@@ -54,14 +65,14 @@ def every_ball_holds_its_value(motion, times=TIMES, few=FEW_BITS, many=900, sure
 
 def agrees_with_taylor(motion, plain, digits=28):
     """The state, and the attitude of a family that has it; the run is long where |w| is large."""
-    t, kept = TIMES[0], 6 + 4 * motion.has_attitude
-    identity = (mpf(1), mpf(0), mpf(0), mpf(0)) if motion.has_attitude else None
+    t, kept = TIMES[0], 6 + 4 * motion.place.has_attitude
+    identity = (mpf(1), mpf(0), mpf(0), mpf(0)) if motion.place.has_attitude else None
     (row,) = motion.at([t], digits + 4)
     with mpmath.workdps(60):
         given = [[number(x) for x in row] for row in plain]
         (right,) = fast_series.integrate(*given, [number(t)], digits + 2, identity)
         largest = max([mpf(1), *(abs(x) for x in right[:3])])
-        if motion.has_attitude:
+        if motion.place.has_attitude:
             q0, q = motion.attitude([0, t], digits + 4)
             row = [*row, *quaternion_product(conjugate(q0), q)]
         sizes = [*[largest] * 3, *[1] * (kept - 3)]

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 from polhode.closed_forms.families import (
     Condition,
+    NormalScene,
     Orbit,
     OrbitMotion,
-    Placed,
     equal,
     number,
     orbit_family,
@@ -26,14 +26,14 @@ from polhode.numbers.number_types import Scalar
 REGIME = "steady precession"
 
 
-def rates(scene: Placed) -> tuple[Exact, Exact]:
+def rates(scene: NormalScene) -> tuple[Exact, Exact]:
     """n and s."""
     (p, q, r), (x, y, z) = scene.omega, scene.gamma
     n = (p * x + q * y) / (x * x + y * y)
     return n, r - n * z
 
 
-def conditions(scene: Placed) -> Iterator[Condition]:
+def conditions(scene: NormalScene) -> Iterator[Condition]:
     """Those of the body, then w in the plane of gamma and e3, and the balance."""
     (A, B, C), (T1, T2, T) = scene.moments, scene.torque
     (p, q, r), (x, y, _) = scene.omega, scene.gamma

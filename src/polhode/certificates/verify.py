@@ -1021,8 +1021,10 @@ def decimal(x: Fraction, up: bool, minus: bool) -> str:
 #: real and negative for R > 1.  A motion of the level that passes within r/(1 + v |a|_1/m) of x*,
 #: |f| <= v and a.f >= m > 0 in the box, meets the plane a.(x - x*) = 0 in it; if it has a period
 #: within 4 r of T*, it is the zero.  The least period: a period is at least 2 pi/L, L >= |f'| on
-#: the orbit, Euclidean (Yorke 1969); if T = j T_0, T/p is a period for each prime p that divides j,
-#: and p <= T L/(2 pi).
+#: the orbit, Euclidean (Yorke 1969, for a Lipschitz constant; but for u = x'/|x'|, x'' = f'(x) x'
+#: makes |u'| <= L; x is closed, so the integral of u |x'| is 0 and u is in no open half sphere;
+#: such a closed curve is at least 2 pi long (Fenchel 1929): L T >= 2 pi).  If T = j T_0, T/p is a
+#: period for each prime p that divides j, and p <= T L/(2 pi).
 STABILITY: dict[str, Callable[[arb], object]] = {
     "hyperbolic": lambda r: r < 0,
     "elliptic": lambda r: (r > 0) is True and (r < 1) is True,

@@ -2,163 +2,108 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Generic, Never, Protocol, TypeVar
+from typing import TYPE_CHECKING
 
 from flint import arb
 
-from polhode.closed_forms.balls.angles import Turning, angle_rows
+from polhode.closed_forms.balls.angles import Arguments, Turning, angle_rows
 from polhode.closed_forms.balls.core import (
+    SPARE,
     Kept,
     Refused,
     Row,
     ball,
+    enclosed,
     error_of,
     number,
     root,
     sure_rows,
     until_sure,
 )
-from polhode.closed_forms.balls.frames import Frame, Rows, Start, Turn, start_attitude, start_sign
+from polhode.closed_forms.balls.frames import (
+    Frame,
+    Motion,
+    Rows,
+    Turn,
+    start_attitude,
+    start_sign,
+)
+from polhode.closed_forms.balls.one_axis import OneAxis
+from polhode.closed_forms.family import Placement
 from polhode.closed_forms.membership import PrincipalScene
-from polhode.closed_forms.rounding import SPARE
 from polhode.common.values import cached_property
-from polhode.numbers.exact import ZERO, Exact, Irrational, noted, sign
+from polhode.numbers.exact import ONE, Exact, Irrational, noted, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
-from polhode.numbers.vectors import Vector, cross, dot, minus, momentum
+from polhode.numbers.vectors import Vector, cross, dot, minus, momentum, quaternion_product
 
 if TYPE_CHECKING:
     from polhode.numbers.double_double import Pairs
 
-#: What :attr:`ClosedForm.proven` says where the attitude has no formula.
-ENCLOSED_ATTITUDE = "states are proven by the closed form, the attitude by an enclosure"
-_ALONE = "the state has a closed form here, the attitude none: ask for reference.kind = certified"
 _ERROR_BITS = 64
 _SPARE = 5  # digits of frequencies, of which one may be much smaller than another
 
 
-class Solution(Protocol):
-    """A motion from its start, at one precision."""
-
-    @property
-    def speed(self) -> arb:
-        """A bound of |w| over all time, and about its size; positive, 1 at rest."""
-        ...
-
-    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
-        """p q r [gamma1 gamma2 gamma3 [q0 q1 q2 q3]] in the scene's axes.
-
-        gamma is in it wherever the scene has one.  The quaternion, continuous from the start's on,
-        may be left out where it costs much and ``attitude`` does not ask for it.
-        """
-        ...
-
-
-S = TypeVar("S", bound=Solution)
-
-
-def no_attitude() -> Never:
-    """Refuse the attitude of a motion of which only the state has a formula."""
-    raise Refused(_ALONE)
-
-
-class ClosedForm(Turning, Generic[S]):
+class ClosedForm(Turning):
     """The motion of one body from one start, in the scene's axes and units, to any digits.
 
-    ``moments`` are the principal moments and ``torque`` is Mg r0 in principal axes; ``axes[i]`` is
-    the unit vector of principal axis i in the scene's body axes (right-handed; None for the same
-    axes).  ``omega``, ``gamma`` and ``psi`` are given at t = 0 in the scene's axes; ``gamma`` is
-    None for a torque-free body of which only omega is asked.  Raises ValueError for a body and
-    start that are not of the family.
+    ``place``: the scene in the axes and units of its family, whose ``solve`` makes the motion.
+    ``omega``, ``gamma`` and ``psi`` are given at t = 0 in the scene's axes; ``gamma`` is None for a
+    torque-free body of which only omega is asked.  ``axes[i]`` is the unit vector of principal axis
+    i in the scene's body axes (right-handed; None for the same axes).  ``called_zero``: what the
+    placing called 0 by the rule for irrational numbers.
 
-    ``regime`` names the kind of motion; it is decided once, by exact arithmetic.  ``times`` are
-    exact, of either sign and in any order; answers are mpf.  A question that the closed form cannot
-    answer (a time beyond what its turns can be counted to, digits lost to an asymptotic motion, an
-    attitude without gamma) raises ValueError, numbers that contradict each other ArithmeticError.
-
-    ``S`` is the family's own :class:`Solution`.  It gives ``_set_up`` (exact, with ``regime``,
-    ``knows_turns`` and ``passes_poles``) and :meth:`_solved`, and what it knows of
-    :meth:`_period_ball`, :meth:`_rate_balls` and :meth:`arguments_at`.  ``_solution()`` is what
-    ``_solved`` made at the precision in force, ``_start()`` gamma and the quaternion at t = 0.
-
-    ``assumed`` holds what was called 0 by the rule for irrational numbers alone, while the motion
-    was made and asked: the digits are proven if those numbers are 0.
+    ``times`` are exact, of either sign and in any order; answers are mpf.  A question that the
+    closed form cannot answer (a time beyond what its turns can be counted to, digits lost to an
+    asymptotic motion, an attitude without gamma) raises ValueError, numbers that contradict each
+    other ArithmeticError.
     """
-
-    regime: str
-    #: Whether theorems and balls prove every digit, or a text that says what else they rest on;
-    #: False: the digits are only reproduced, with more bits.
-    proven: bool | str = True
-    #: Whether a row costs so much that of a table of very many only some are judged.
-    is_dear = False
-    #: Whether it has the attitude too; else :meth:`attitude` and :meth:`angles` raise ValueError
-    #: but at t = 0, and a reference encloses them.
-    has_attitude = True
-    #: The conditions that body and start meet, where the family names them.
-    held: tuple[str, ...] = ()
-    _body = "body"  # the name of the frequency of a motion that has a period
 
     def __init__(
         self,
-        moments: Vector,
-        torque: Vector,
-        omega: Vector,
-        gamma: Vector | None,
-        psi: Exact = ZERO,
+        place: Placement,
+        solve: Callable[[Placement], Motion],
+        scene: PrincipalScene,
+        start: tuple[Vector, Vector | None, Exact],
         axes: Rows | None = None,
+        called_zero: Iterable[Irrational] = (),
     ) -> None:
-        self._called_zero: dict[int, Irrational] = {}
-        self._omega, self._known_gamma, self._psi = omega, gamma, psi
-        self._solution: Kept[S] = Kept(self._solved)
-        self._start: Kept[Start] = Kept(self._first)
+        self.place = place
+        self._called_zero = {id(x): x for x in called_zero}
+        self._principal, self._axes = scene, axes
+        self._omega, self._known_gamma, self._psi = start
+        self._frame = place.frame.seen_from(axes)
+        self._has_units = place.unit != 1 or place.vertical is not ONE
+        self._motion = Kept(lambda: solve(place))
+        self._start = Kept(self._first)
         self._sizes = Kept(self._made_sizes)
+        self._unit = Kept(lambda: ball(place.unit))
+        self._vertical = Kept(lambda: enclosed(place.vertical))
         self._last: tuple[list[Exact], int, list[Sequence[arb]]] = [], 0, []
-        self._scene_axes = Frame(within=axes)
-        with self._noting():
-            into = self._scene_axes.into
-            up = None if gamma is None else into(gamma)
-            self._principal = PrincipalScene(moments, torque, into(omega), up)
-            self._set_up(self._principal, axes)
 
-    @abstractmethod
-    def _set_up(self, scene: PrincipalScene, axes: Rows | None) -> None:
-        """Put the start into the motion's axes and name its regime; ValueError where it misses."""
-
-    @abstractmethod
-    def _solved(self) -> S:
-        """The motion at the precision in force."""
+    @property
+    def regime(self) -> str:
+        """The kind of motion in words, decided by exact arithmetic."""
+        return str(self.place.regime)
 
     @cached_property
     def _sign(self) -> int:
         """Of the attitude against the Euler angles at t = 0."""
         return start_sign(self._gamma, self._psi)
 
-    def _period_ball(self) -> arb | None:
-        """The period of omega at the precision in force; None where none is known."""
-        return None
-
-    def _rate_balls(self) -> Mapping[str, arb]:
-        """The frequencies by name, at the precision in force."""
-        period = self._period_ball()
-        return {} if period is None else {self._body: 2 * arb.pi() / period}
-
-    @property
-    def rates_of(self) -> Mapping[str, str]:
-        """Of which axis about which a frequency is, by its name, where the name leaves it open."""
-        return {}
-
     def curve(self, digits: int) -> dict[str, object] | None:
         """The algebraic curve on which the motion is linear, where the family tells it."""
-        del digits
-        return None
+        known = self._relative(lambda: self._motion().curve(), digits)
+        return self.place.curve_of(known) if known else None
 
     def approach(self, digits: int) -> mpf | None:
-        """The rate at which the motion tends to a periodic one; None where it does not."""
-        del digits
-        return None
+        """The rate at which the motion tends to a periodic one; None where it does not.
+
+        Differences fall as exp(-rate t).
+        """
+        return self._one(lambda: self._motion().approach(), digits)
 
     @property
     def _gamma(self) -> Vector:
@@ -166,11 +111,6 @@ class ClosedForm(Turning, Generic[S]):
         if self._known_gamma is None:
             raise ValueError("this motion was given without gamma: only its omega is known")
         return self._known_gamma
-
-    def _most_bits(self, digits: int) -> int | None:
-        """A cap on the bits of so many digits, in place of the usual one."""
-        del digits
-        return None
 
     @property
     def assumed(self) -> tuple[Irrational, ...]:
@@ -222,7 +162,7 @@ class ClosedForm(Turning, Generic[S]):
 
         None where the balls hold an estimate: no bound is proven.
         """
-        if self.proven is False:
+        if self.place.proven is False:
             return None
         rows = self._rows(times, digits, attitude=False)
         return [[error_of(x, digits) for x in row[: self._width]] for row in rows]
@@ -243,29 +183,86 @@ class ClosedForm(Turning, Generic[S]):
 
     def period(self, digits: int) -> mpf | None:
         """The least period of omega in the body, in the scene's unit of time; None without any."""
-        return self._one(self._period_ball, digits)
+        return self._one(self._period, digits)
 
     def frequencies(self, digits: int) -> dict[str, mpf]:
         """The motion's frequencies by name, radians a unit of time; 2 pi over a period is "body".
 
         What else there is, a table of the guide's page on closed forms says.
         """
-        return self._relative(self._rate_balls, digits)
+
+        def rates() -> dict[str, arb]:
+            unit = abs(self._unit())
+            return {name: rate * unit for name, rate in self._motion().rates().items()}
+
+        return self._relative(rates, digits)
 
     def row_at(self, t: arb, *, attitude: bool) -> Row:
-        """A row and the sizes of its numbers, at the precision in force."""
-        solution = self._solution()
+        """A row and the sizes of its numbers, at the precision in force.
+
+        p q r [gamma1 gamma2 gamma3 [q0 q1 q2 q3]]: this alone brings a motion back to the scene's
+        axes and units.
+        """
+        motion, start = self._motion(), self._start()
         if t.is_zero():
-            still = arb(1), arb(0), arb(0), arb(0)
-            row = self._start().row([ball(x) for x in self._omega], still)
+            return start, self._sizes()
+        frame, now = self._frame, t
+        vertical: Sequence[arb]
+        if self._has_units:
+            unit = self._unit()
+            now = t * unit
+            state = motion.at(now)
+            row = frame.back([x * unit for x in state[:3]])
+            vertical = [x / self._vertical() for x in state[3:]]
         else:
-            row = solution.row(t, attitude)
+            state = motion.at(now)
+            row, vertical = frame.back(state[:3]), state[3:]
+        if len(start) > 3:
+            row += frame.back(vertical)
+        if attitude:
+            q0, q1, q2, q3 = start[6:]
+            row += quaternion_product((q0, q1, q2, q3), frame.turn(motion.turn(now, state)))
         return row, self._sizes()
 
     def quaternion_at(self, t: arb) -> Turn:
         """The attitude at a time, at the precision in force."""
         q0, q1, q2, q3 = self.row_at(t, attitude=True)[0][6:]
         return q0, q1, q2, q3
+
+    @property
+    def knows_turns(self) -> bool:
+        """Of a motion about one axis, and about the third where that is the scene's."""
+        place = self.place
+        return place.axis is not None or (place.turns_about_third and self._own_side != 0)
+
+    @property
+    def passes_poles(self) -> bool:
+        """Where the family's axis that passes the vertical is the scene's third."""
+        passing = self.place.passing
+        return passing is not None and self._frame.along_third(passing) != 0
+
+    @cached_property
+    def _own_side(self) -> int:
+        """1 where the family's third axis is the scene's, -1 where it is its opposite, else 0."""
+        return self._frame.along_third(2)
+
+    @cached_property
+    def _one_axis(self) -> OneAxis:
+        """What is decided of a motion about one axis."""
+        assert self.place.axis is not None
+        return OneAxis(self._frame.out(self.place.axis), self._gamma)
+
+    def arguments_at(self, t: arb) -> Arguments:
+        """By the family's third axis, or the one about which the body turns."""
+        motion, now = self._motion(), t * self._unit()
+        if self.place.axis is None:
+            one, other = motion.arguments(now)
+            return (one, other) if self._own_side > 0 else (other, one)
+        q0, q1, q2, q3 = self._start()[6:]
+        size = root(dot(self.place.axis, self.place.axis))
+        along = [ball(x) if size.is_zero() else ball(x) / size for x in self.place.axis]
+        x, y, z = self._frame.back(along)
+        return self._one_axis.arguments((q0, q1, q2, q3), (x, y, z), motion.swung(now))
 
     def leaving_side(self, sense: int) -> int:
         """By gamma x w, or gamma x w' where that is 0."""
@@ -276,7 +273,7 @@ class ClosedForm(Turning, Generic[S]):
 
     def speed_bound(self) -> arb:
         """A bound of |w|, at the precision in force."""
-        return self._solution().speed
+        return self._motion().speed * abs(self._unit())
 
     def slope_bound(self) -> arb | None:
         """By I w' = T - w x Iw, where w is along the third axis at t = 0."""
@@ -288,6 +285,14 @@ class ClosedForm(Turning, Generic[S]):
         turning = root(dot(torque, torque)) + ball(max(moments)) * speed * speed
         return turning / ball(min(moments))
 
+    def repeats(self) -> arb | None:
+        """The period, where it is that of w and gamma."""
+        return self._period() if self.place.repeats else None
+
+    def _period(self) -> arb | None:
+        period = self._motion().period
+        return None if period is None else period / abs(self._unit())
+
     def _rows(self, times: Sequence[Exact], digits: int, *, attitude: bool) -> list[Sequence[arb]]:
         """The rows asked for; those of the last question are kept."""
         if attitude:
@@ -296,14 +301,14 @@ class ClosedForm(Turning, Generic[S]):
         wide = not attitude or all(len(row) > 6 for row in rows)
         if not (wanted == digits and wide and known == list(times)):
             with self._noting():
-                most = self._most_bits(digits)
+                most = self.place.most_bits(digits)
                 rows = sure_rows(lambda t: self.row_at(t, attitude=attitude), times, digits, most)
             self._last = list(times), digits, rows
         return rows
 
     def _made_sizes(self) -> list[arb]:
         """Those of a row's numbers, as many as it may have."""
-        return [self._solution().speed] * 3 + [arb(1)] * 7
+        return [self.speed_bound()] * 3 + [arb(1)] * 7
 
     @property
     def _width(self) -> int:
@@ -315,14 +320,16 @@ class ClosedForm(Turning, Generic[S]):
         moments, torque, omega, gamma = self._principal
         assert gamma is not None
         turning = minus(cross(gamma, torque), cross(omega, momentum(moments, omega)))
-        return self._scene_axes.out([x / a for x, a in zip(turning, moments, strict=True)])
+        rates = [x / a for x, a in zip(turning, moments, strict=True)]
+        return Frame(within=self._axes).out(rates)
 
-    def _first(self) -> Start:
-        """gamma and the attitude at t = 0, in the scene's axes."""
-        if self._known_gamma is None:
-            return Start(None, None)
-        attitude = start_attitude(self._known_gamma, self._psi, self._sign)
-        return Start([ball(x) for x in self._known_gamma], attitude)
+    def _first(self) -> Sequence[arb]:
+        """The row at t = 0."""
+        row = [ball(x) for x in self._omega]
+        if self._known_gamma is not None:
+            row += [ball(x) for x in self._known_gamma]
+            row += start_attitude(self._known_gamma, self._psi, self._sign)
+        return row
 
     def _one(self, number_at: Callable[[], arb | None], digits: int) -> mpf | None:
         """A number that there may be, to so many digits."""
@@ -346,8 +353,8 @@ class ClosedForm(Turning, Generic[S]):
             return [*named.values()], [largest if largest > 0 else arb(1)] * len(named)
 
         with self._noting():
-            found = until_sure(row, digits + _SPARE, self._most_bits(digits))
-        return {name: number(x, digits) for name, x in zip(names, found, strict=True)}
+            sure = until_sure(row, digits + _SPARE, self.place.most_bits(digits))
+        return {name: number(x, digits) for name, x in zip(names, sure, strict=True)}
 
     @contextmanager
     def _noting(self) -> Iterator[None]:

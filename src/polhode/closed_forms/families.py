@@ -13,6 +13,7 @@ from fractions import Fraction
 from importlib import import_module
 from typing import Any
 
+from polhode.closed_forms import euler, pendulum
 from polhode.closed_forms._one_orbit import (
     bobylev_steklov,
     chaplygin,
@@ -23,28 +24,29 @@ from polhode.closed_forms._one_orbit import (
     steklov,
 )
 from polhode.closed_forms._one_orbit.orbit_motion import Orbit, OrbitMotion
-from polhode.closed_forms._one_orbit.placed_motion import orbit_family
+from polhode.closed_forms._one_orbit.orbits import orbit_family
+from polhode.closed_forms.balls.frames import Motion, Rows
 from polhode.closed_forms.closed_form import ClosedForm
-from polhode.closed_forms.euler import conditions as euler
-from polhode.closed_forms.family import Family, Maker, by_conditions
-from polhode.closed_forms.goryachev_chaplygin import axes as goryachev_chaplygin
-from polhode.closed_forms.hess import axes as hess
-from polhode.closed_forms.kovalevskaya import regimes as kovalevskaya
-from polhode.closed_forms.lagrange import axes as lagrange
+from polhode.closed_forms.family import Family, Placement
+from polhode.closed_forms.goryachev_chaplygin import place as goryachev_chaplygin
+from polhode.closed_forms.hess import place as hess
+from polhode.closed_forms.kovalevskaya import place as kovalevskaya
+from polhode.closed_forms.lagrange import place as lagrange
 from polhode.closed_forms.membership import (
     Condition,
     Misfit,
-    Placed,
+    NormalScene,
     PrincipalScene,
     equal,
     in_principal_axes,
     positive,
 )
-from polhode.closed_forms.pendulum import conditions as pendulum
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
 from polhode.numbers.conversion import to_mpf as number
+from polhode.numbers.exact import Exact, noted
 from polhode.numbers.mpmath_context import mpmath
+from polhode.numbers.vectors import Vector
 from polhode.scenes import vocabulary
 from polhode.scenes.scene import Scene
 
@@ -54,9 +56,9 @@ __all__ = [
     "Condition",
     "Family",
     "Misfit",
+    "NormalScene",
     "Orbit",
     "OrbitMotion",
-    "Placed",
     "PrincipalScene",
     "closed_form",
     "closed_forms",
@@ -73,36 +75,41 @@ __all__ = [
 _NEAR = Fraction(1, 1000)
 
 
-def _top(folder: str, name: str) -> Callable[[], Maker]:
-    """The class of a family's ``top``, whose formulas are imported when one is made."""
+def _solved_in(folder: str, solver: str) -> Callable[[Any], Motion]:
+    """The solver of a family's ``motion``, whose formulas are imported when one is solved."""
 
-    def maker() -> Maker:
-        found: Maker = getattr(import_module(f"polhode.closed_forms.{folder}.top"), name)
-        return found
+    def solve(place: Placement) -> Motion:
+        motion: Motion = getattr(import_module(f"polhode.closed_forms.{folder}.motion"), solver)(
+            place
+        )
+        return motion
 
-    return maker
+    return solve
 
 
-#: In the order in which a scene is tried; the first that fits is its reference.
+#: In the order in which a scene is tried; the first that fits is its reference.  Kovalevskaya's top
+#: leaves the motions of other bodies too to their families, and its body fits no family besides:
+#: asked early, it spares its scenes the axes of all the others.
 FAMILIES: tuple[Family, ...] = (
-    Family("euler", euler.fits, euler.misfit, _top("euler", "EulerTop")),
-    by_conditions("lagrange", lagrange.conditions, _top("lagrange", "LagrangeTop"), lagrange.fits),
+    euler.FAMILY,
+    Family("lagrange", lagrange.place, lagrange.misfit, _solved_in("lagrange", "solve")),
     Family(
         "kovalevskaya",
-        kovalevskaya.fits,
+        kovalevskaya.place,
         kovalevskaya.misfit,
-        _top("kovalevskaya", "KovalevskayaTop"),
+        _solved_in("kovalevskaya", "solve"),
     ),
-    by_conditions("pendulum", pendulum.conditions, _top("pendulum", "Pendulum"), pendulum.fits),
+    pendulum.FAMILY,
     orbit_family("staude", staude.Staude),
     orbit_family("bobylev-steklov", bobylev_steklov.BobylevSteklov),
     orbit_family("grioli", grioli.Grioli),
-    by_conditions(
+    Family(
         "goryachev-chaplygin",
-        goryachev_chaplygin.conditions,
-        _top("goryachev_chaplygin", "GoryachevChaplyginTop"),
+        goryachev_chaplygin.place,
+        goryachev_chaplygin.misfit,
+        _solved_in("goryachev_chaplygin", "GoryachevMotion"),
     ),
-    by_conditions("hess", hess.conditions, _top("hess", "HessTop")),
+    Family("hess", hess.place, hess.misfit, _solved_in("hess", "HessMotion")),
     orbit_family("steklov", steklov.Steklov),
     orbit_family("goryachev", goryachev.Goryachev),
     orbit_family("n-kowalewski", n_kowalewski.NKowalewski),
@@ -120,7 +127,7 @@ def register_family(family: Family) -> None:
     Parameters
     ----------
     family : Family
-        Its name, its conditions on a scene, and what computes the motion; :func:`orbit_family`
+        Its name, how it places a scene, and what solves the motion; :func:`orbit_family`
         makes one of a class of periodic motions.
 
     Raises
@@ -155,7 +162,7 @@ def known_families() -> Iterator[Family]:
         yield family
 
 
-def closed_form(scene: Scene, kind: str = "auto") -> tuple[str, ClosedForm[Any]] | None:
+def closed_form(scene: Scene, kind: str = "auto") -> tuple[str, ClosedForm] | None:
     """The name and the closed form of the first family that fits body and start, if any does.
 
     ``kind`` asks for one family by name.
@@ -163,12 +170,34 @@ def closed_form(scene: Scene, kind: str = "auto") -> tuple[str, ClosedForm[Any]]
     return next(closed_forms(scene, kind), None)
 
 
-def closed_forms(scene: Scene, kind: str = "auto") -> Iterator[tuple[str, ClosedForm[Any]]]:
+def closed_forms(scene: Scene, kind: str = "auto") -> Iterator[tuple[str, ClosedForm]]:
     """Name and closed form of every family that fits body and start, in their order."""
     principal = in_principal_axes(scene)
+    start = scene.omega, scene.gamma, scene.psi
+    axes = None if scene.body.axes.trivial else scene.body.axes.rows
     for family in known_families():
-        if kind in ("auto", family.name) and family.fits(principal):
-            yield family.name, made(family, scene, principal)
+        if kind in ("auto", family.name):
+            form = form_of(family, principal, start, axes)
+            if form is not None:
+                yield family.name, form
+
+
+def form_of(
+    family: Family,
+    principal: PrincipalScene,
+    start: tuple[Vector, Vector | None, Exact],
+    axes: Rows | None = None,
+) -> ClosedForm | None:
+    """The closed form of a scene that belongs to the family; None of one that does not.
+
+    ``start``: omega, gamma and psi at t = 0 in the scene's axes; ``axes``: the principal ones in
+    them, None where they are the same.
+    """
+    with noted() as called_zero:
+        place = family.place(principal)
+    if place is None:
+        return None
+    return ClosedForm(place, family.solve, principal, start, axes, called_zero)
 
 
 def misfit(scene: Scene, kind: str) -> Misfit | None:
@@ -187,15 +216,3 @@ def near(scene: Scene, within: Fraction = _NEAR) -> list[tuple[str, Misfit]]:
     principal = in_principal_axes(scene)
     misfits = ((family.name, family.misfit(principal)) for family in known_families())
     return [(name, miss) for name, miss in misfits if miss is not None and miss.within(within)]
-
-
-def made(family: Family, scene: Scene, principal: PrincipalScene) -> ClosedForm[Any]:
-    """The closed form of a scene that belongs to the family."""
-    return family.closed_form()(
-        moments=principal.moments,
-        torque=principal.torque,
-        omega=scene.omega,
-        gamma=scene.gamma,
-        psi=scene.psi,
-        axes=None if scene.body.axes.trivial else scene.body.axes.rows,
-    )

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
-from polhode.closed_forms.rounding import log2
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import ONE, ZERO, Exact, binary, exact, log10, rounded, sign, sqrt
 from polhode.numbers.number_types import Scalar
@@ -91,6 +90,12 @@ def in_usual_units(scene: PrincipalScene) -> tuple[PrincipalScene, Fraction]:
     return PrincipalScene(moments, torque, omega, scene.gamma), rate
 
 
+def log2(x: Exact) -> float:
+    """log2 |x|, to a bit; -inf at 0."""
+    mantissa, exponent = rounded(x, 8)
+    return math.log2(abs(mantissa)) + exponent if mantissa else -math.inf
+
+
 def _unit(log2_size: float) -> Fraction:
     """1, or a power of two of such a size."""
     return Fraction(2) ** round(log2_size) if abs(log2_size) > _USUAL else Fraction(1)
@@ -133,10 +138,10 @@ class NormalAxes:
         x, y, z = (self.determinant * u for u in self.polar(v))
         return x, y, z
 
-    def placed(self, moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Placed:
+    def placed(self, moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> NormalScene:
         """A scene, given in principal axes, in these."""
         a, b, c = (moments[i] for i in self.order)
-        return Placed((a, b, c), self.polar(torque), self.axial(omega), self.polar(gamma))
+        return NormalScene((a, b, c), self.polar(torque), self.axial(omega), self.polar(gamma))
 
 
 #: All 48, the scene's own axes first.
@@ -148,7 +153,7 @@ ALL_AXES = tuple(
 
 
 @dataclass(frozen=True)
-class Placed:
+class NormalScene:
     """A body and its start in some axes, exactly; ``torque`` is Mg r0."""
 
     moments: Vector
@@ -228,7 +233,7 @@ def exclusion(text: str, applies: bool) -> Condition:
     return Condition(text, ONE if applies else ZERO, graded=False)
 
 
-def moving(scene: Placed) -> Condition:
+def moving(scene: NormalScene) -> Condition:
     """Not all six right-hand sides vanish."""
     moment = minus(cross(scene.gamma, scene.torque), cross(scene.omega, scene.momentum))
     still = is_zero(moment) and is_zero(cross(scene.gamma, scene.omega))
@@ -236,7 +241,7 @@ def moving(scene: Placed) -> Condition:
 
 
 def matching(
-    scene: Placed, gamma: Sequence[Exact], squares: Sequence[Exact] | None = None
+    scene: NormalScene, gamma: Sequence[Exact], squares: Sequence[Exact] | None = None
 ) -> Iterator[Condition]:
     """The start's gamma is that of the formulas; so are q^2 and r^2, if they are given."""
     if squares is not None:
@@ -247,7 +252,7 @@ def matching(
         yield equal(f"gamma{i + 1} as w requires", one, other, ONE)
 
 
-def on_axis_1(scene: Placed) -> Iterator[Condition]:
+def on_axis_1(scene: NormalScene) -> Iterator[Condition]:
     """The centre of mass is on the positive axis 1."""
     yield equal("y0 = 0", scene.torque[1], ZERO, scene.weight)
     yield equal("z0 = 0", scene.torque[2], ZERO, scene.weight)
@@ -255,10 +260,12 @@ def on_axis_1(scene: Placed) -> Iterator[Condition]:
 
 
 #: The conditions of a case, in the order in which they are tested.
-Conditions = Callable[[Placed], Iterator[Condition]]
+Conditions = Callable[[NormalScene], Iterator[Condition]]
 
 
-def placed_in(conditions: Conditions, scene: PrincipalScene) -> tuple[NormalAxes, Placed] | None:
+def placed_in(
+    conditions: Conditions, scene: PrincipalScene
+) -> tuple[NormalAxes, NormalScene] | None:
     """The first axes in which all conditions hold, and the scene in them; None where none do."""
     if scene.gamma is None or is_zero(scene.torque):
         return None
@@ -293,7 +300,7 @@ def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
     return best
 
 
-def _failing(conditions: Conditions, placed: Placed, least: float) -> list[Condition]:
+def _failing(conditions: Conditions, placed: NormalScene, least: float) -> list[Condition]:
     """The conditions that fail, up to one that is off by more than 10^least."""
     failing: list[Condition] = []
     try:

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeAlias
 
 from polhode.closed_forms.membership import PrincipalScene, in_principal_axes
-from polhode.closed_forms.rounding import SPARE
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
@@ -495,6 +494,7 @@ def _rates(_: mpf, state: Sequence[mpf]) -> list[mpf]:
 # A scene's motion by a textbook's formulas, in the scene's axes: its digits repeat.
 
 
+_SPARE = 8  # bits kept beyond the digits asked for
 _GUARD, _GUARD_OF_SERIES = 15, 10  # digits beyond those asked for
 _TRIES = 5
 _MOTIONS = {
@@ -537,7 +537,7 @@ def states(
 
 def _shortened(row: list[mpf], digits: int) -> list[mpf]:
     """Rounded to the digits after the units' place of the largest and a little more."""
-    bits = math.ceil(digits * math.log2(10)) + SPARE
+    bits = math.ceil(digits * math.log2(10)) + _SPARE
     with mpmath.workprec(bits + max([0, *(mpmath.mag(x) for x in row if x)])):
         return [+x for x in row]
 

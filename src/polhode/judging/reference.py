@@ -152,7 +152,7 @@ class Reference(Storable):
     agreement = math.inf  # no rounding enters that the digits asked for would show
     __hash__ = None  # type: ignore[assignment]
 
-    def __init__(self, scene: Scene, kind: str, motion: ClosedForm[Any]) -> None:
+    def __init__(self, scene: Scene, kind: str, motion: ClosedForm) -> None:
         self.scene, self.kind, self._motion = scene, kind, motion
         self.regime = motion.regime
 
@@ -200,7 +200,7 @@ class Reference(Storable):
         if isinstance(times, Iterator):  # asked twice
             times = list(times)
         at_start = all(exact.sign(t) == 0 for t in _times(self.scene, times))
-        if self._motion.has_attitude or at_start:
+        if self._motion.place.has_attitude or at_start:
             return self._asked(getattr(self._motion, word), times, digits)
 
         def foretold(seconds: float) -> None:
@@ -266,7 +266,7 @@ class Reference(Storable):
         False where the digits are only reproduced, with more bits; a text where the proof rests on
         something more, such as the numbers that are called 0 by the rule for irrational ones.
         """
-        how, zero = self._motion.proven, self._motion.assumed
+        how, zero = self._motion.place.proven, self._motion.assumed
         if not how or not zero:
             return how
         bounds = [*dict.fromkeys(map(_shown, zero))]  # of several numbers one may be the same
@@ -279,17 +279,17 @@ class Reference(Storable):
     @property
     def encloses_attitude(self) -> bool:
         """Whether the closed form has the state alone: attitude and angles are then enclosed."""
-        return not self._motion.has_attitude
+        return not self._motion.place.has_attitude
 
     @property
     def is_dear(self) -> bool:
         """Whether a row costs so much that of a table of very many only some are judged."""
-        return self._motion.is_dear
+        return self._motion.place.is_dear
 
     @property
     def conditions(self) -> tuple[str, ...]:
         """The conditions on body and start that hold exactly, of a family that names them."""
-        return self._motion.held
+        return self._motion.place.held
 
     @property
     def curve(self) -> dict[str, object] | None:
@@ -349,7 +349,9 @@ class Reference(Storable):
         >>> polhode.reference("euler/attitude").rates_of["precession"]
         'of principal axis 3 (of the largest moment) about the angular momentum'
         """
-        return {k: words for k, words in self._motion.rates_of.items() if k in self.frequencies}
+        return {
+            k: words for k, words in self._motion.place.rates_of.items() if k in self.frequencies
+        }
 
 
 #: Anything that a table or a run can be held against.

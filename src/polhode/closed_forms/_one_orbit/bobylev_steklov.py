@@ -7,7 +7,9 @@ Ga = gamma1 + r^2/2k are constant, and
     4 r'^2 = (R1 - r^2)(r^2 - R2),    R1 + R2 = 2b,  R1 R2 = -e,
     b = 2 (k Ga - p^2),  e = 4 k^2 (1 - Ga^2)
 
-(D. K. Bobylev 1896 and V. A. Steklov 1896 for A = 2C; the moment B does not enter).  With
+(D. K. Bobylev 1896 and V. A. Steklov 1896 for A = 2C; the moment B does not enter;
+``tests/closed_forms/test_coefficients.py`` proves that they solve the equations, identically in r
+and in all constants).  With
 v = v0 + nu t
 
     Ga^2 < 1:   r = sqrt(R1) cn v,        m = R1/(R1 - R2),    nu = sqrt(R1 - R2)/2;
@@ -20,22 +22,31 @@ Ga = 1 is asymptotic to the rotation p about the upright axis 1: r = +-sqrt(R1) 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from enum import StrEnum
 
 from flint import acb, arb
 
-from polhode.closed_forms._one_orbit.orbits import EllipticTime, Formula
-from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms._one_orbit.orbits import EllipticTime, Formula, OrbitPlacement
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.frames import Turn, conjugate, quaternion
+from polhode.closed_forms.balls.frames import Frame, Motion, Turn, conjugate, quaternion
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.balls.weierstrass import complex_functions
-from polhode.closed_forms.membership import Condition, Placed, equal, moving, on_axis_1
+from polhode.closed_forms.membership import (
+    Condition,
+    NormalScene,
+    PrincipalScene,
+    equal,
+    moving,
+    on_axis_1,
+)
 from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
+from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import quaternion_product
+from polhode.scenes.body import KOVALEVSKAYA, classical_top, with_last
 
 
-def conditions(scene: Placed) -> Iterator[Condition]:
+def conditions(scene: NormalScene) -> Iterator[Condition]:
     """A = 2C, the centre on axis 1, q = 0 and x0 gamma3 Mg = C p r; not a rotation."""
     A, _, C = scene.moments
     p, q, r = scene.omega
@@ -47,12 +58,18 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield moving(scene)
 
 
-class Asymptotic:
+def state_of(p: Scalar, Ga: Scalar, k: Scalar, r: Scalar, slope: Scalar) -> Sequence[Scalar]:
+    """p, q, r, gamma1, gamma2, gamma3 for any scalars; ``slope``: r'."""
+    return p, 0 * r, r, Ga - r * r / (2 * k), -slope / k, p * r / k
+
+
+class Asymptotic(Motion):
     """The motion that tends to the rotation p, at one precision; r = 2 side nu sech v."""
 
-    period = None
-
-    def __init__(self, clock: EllipticTime, formula: Formula, p: arb, side: int) -> None:
+    def __init__(
+        self, clock: EllipticTime, formula: Formula, p: arb, side: int, speed: arb
+    ) -> None:
+        self.speed = speed
         self._functions, self._formula = Jacobi(arb(1), arb(0)), formula
         self._nu, self._p, self._side = root(clock.rate2), p, side
         self._v0 = clock.phase(self._functions)
@@ -79,18 +96,41 @@ class Asymptotic:
         )
 
 
-SWINGING = "Bobylev-Steklov, r changes its sign"
-TURNING = "Bobylev-Steklov, r keeps its sign"
-ASYMPTOTIC = "Bobylev-Steklov, asymptotic to a rotation about the vertical"
+class Regime(StrEnum):
+    """The kinds of motion."""
+
+    SWINGING = "Bobylev-Steklov, r changes its sign"
+    TURNING = "Bobylev-Steklov, r keeps its sign"
+    ASYMPTOTIC = "Bobylev-Steklov, asymptotic to a rotation about the vertical"
 
 
-class BobylevSteklov(PlacedMotion):
+_BY_SIGN = (Regime.ASYMPTOTIC, Regime.SWINGING, Regime.TURNING)
+
+
+class BobylevSteklov(OrbitPlacement):
     """One motion of Bobylev and Steklov."""
 
     conditions = staticmethod(conditions)
 
-    def _regime(self) -> str:
-        return (ASYMPTOTIC, SWINGING, TURNING)[sign(1 - self._level * self._level)]
+    @classmethod
+    def views(cls, scene: PrincipalScene) -> Iterator[tuple[Frame, PrincipalScene]]:
+        """Of Kovalevskaya's body also the axes of which one goes through the centre of mass."""
+        yield from super().views(scene)
+        moments, torque, omega, gamma = scene
+        kind, axis = classical_top(moments, torque)
+        if kind != KOVALEVSKAYA or axis is None or gamma is None:
+            return
+        i, j, k = with_last(axis)
+        if sign(torque[i]) and sign(torque[j]):
+            frame = Frame.equatorial((i, j, k), torque[i], torque[j])
+            seen = moments[i], moments[j], moments[k]
+            yield (
+                frame,
+                PrincipalScene(seen, frame.into(torque), frame.into(omega), frame.into(gamma)),
+            )
+
+    def _regime(self) -> Regime:
+        return _BY_SIGN[sign(1 - self._level * self._level)]
 
     @cached_property
     def _k(self) -> Exact:
@@ -102,7 +142,7 @@ class BobylevSteklov(PlacedMotion):
         r = self.normal.omega[2]
         return self.normal.gamma[0] + r * r / (2 * self._k)
 
-    def _motion(self) -> NormalMotion:
+    def solve(self) -> Motion:
         """The constants are exact, each without cancellation."""
         p, _, r = self.normal.omega
         Ga, k = self._level, self._k
@@ -125,8 +165,8 @@ class BobylevSteklov(PlacedMotion):
         def state(sn: acb, cn: acb, dn: acb) -> Sequence[acb]:
             r, slope = (cn, sn * dn) if side > 0 else (dn, m0 * sn * cn)
             r, slope = scale * r, fall * slope
-            return acb(p0), acb(0), r, g - r * r / (2 * k0), -slope / k0, p0 * r / k0
+            return state_of(p0, g, k0, r, slope)
 
         if side:
             return self._on(clock.orbit(state, 4 if side > 0 else 2))
-        return Asymptotic(clock, state, p0, sign(r))
+        return Asymptotic(clock, state, p0, sign(r), self._speed())

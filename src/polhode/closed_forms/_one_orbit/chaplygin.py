@@ -11,8 +11,9 @@ r = z Z,
     c gamma2 = (A - B) p q - C (B - C)(c2 p q + C1 Y/3)/A,
     c gamma3 = (A - C) p r + B (B - C)(b2 p r + B1 Z/3)/A
 
-(S. A. Chaplygin 1904).  The orbit passes w = 0 regularly.  Time is an integral over an
-angle (:mod:`..balls.clocks`).
+(S. A. Chaplygin 1904; ``tests/closed_forms/test_coefficients.py`` proves that they solve the
+equations, identically in z and in the moments).  The orbit passes w = 0 regularly.  Time is an
+integral over an angle (:mod:`..balls.clocks`).
 """
 
 from __future__ import annotations
@@ -22,11 +23,19 @@ from dataclasses import dataclass
 
 from flint import acb
 
-from polhode.closed_forms._one_orbit.orbits import FlowOrbit
-from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms._one_orbit.orbits import FlowOrbit, OrbitPlacement
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.membership import Condition, Placed, equal, matching, on_axis_1, positive
+from polhode.closed_forms.balls.frames import Motion
+from polhode.closed_forms.membership import (
+    Condition,
+    NormalScene,
+    equal,
+    matching,
+    on_axis_1,
+    positive,
+)
 from polhode.numbers.exact import ONE, ZERO, Exact, power, sign, sqrt
+from polhode.numbers.number_types import Scalar
 
 
 @dataclass(frozen=True)
@@ -44,13 +53,13 @@ class Coefficients:
         return power(self.cube, ONE / 3)
 
 
-def ratio_of(scene: Placed) -> Exact:
+def ratio_of(scene: NormalScene) -> Exact:
     """C1/B1, positive where the motion is real."""
     A, B, C = scene.moments
     return -(3 * A - 2 * B) * (A - 2 * B) / ((3 * A - 2 * C) * (A - 2 * C))
 
 
-def coefficients(scene: Placed) -> Coefficients:
+def coefficients(scene: NormalScene) -> Coefficients:
     """Of a body that fits."""
     (A, B, C), c = scene.moments, scene.torque[0]
     ratio = ratio_of(scene)
@@ -63,7 +72,23 @@ def coefficients(scene: Placed) -> Coefficients:
     )
 
 
-def conditions(scene: Placed) -> Iterator[Condition]:
+def state_of(
+    moments: Sequence[Scalar],
+    c: Scalar,
+    known: Sequence[Scalar],
+    z: Scalar,
+    Y: Scalar,
+    Z: Scalar,
+) -> Sequence[Scalar]:
+    """p, q, r, gamma1, gamma2, gamma3 for any scalars; ``known``: b2, c2, B1 and C1."""
+    (A, B, C), (b2, c2, B1, C1) = moments, known
+    p, q, r = z * z * z, z * Y, z * Z
+    two = (A - B) * p * q - C * (B - C) * (c2 * p * q + C1 * Y / 3) / A
+    three = (A - C) * p * r + B * (B - C) * (b2 * p * r + B1 * Z / 3) / A
+    return p, q, r, -(A * p * p + B * q * q + C * r * r) / (2 * c), two / c, three / c
+
+
+def conditions(scene: NormalScene) -> Iterator[Condition]:
     """Those of the body, h = f = 0, then q^2, r^2 and gamma."""
     A, B, C = scene.moments
     left = 9 * A * A + 32 * B * C
@@ -95,7 +120,7 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     )
 
 
-def _at_rest(scene: Placed, x: Coefficients) -> Iterator[Condition]:
+def _at_rest(scene: NormalScene, x: Coefficients) -> Iterator[Condition]:
     """Where the orbit passes w = 0: gamma1 = 0, and Y^2 = B1 there."""
     (A, B, C), c = scene.moments, scene.torque[0]
     yield equal("gamma1 = 0", scene.gamma[0], ZERO, ONE)
@@ -104,10 +129,10 @@ def _at_rest(scene: Placed, x: Coefficients) -> Iterator[Condition]:
     yield equal("gamma2 as w = 0 requires", scene.gamma[1] ** 6, factor * x.cube**3, ONE)
 
 
-class Chaplygin(PlacedMotion):
+class Chaplygin(OrbitPlacement):
     """One motion of Chaplygin."""
 
-    regime = "Chaplygin 1904"
+    name = "Chaplygin 1904"
     conditions = staticmethod(conditions)
 
     def _begin(self, x: Coefficients) -> tuple[Exact, Exact, Exact]:
@@ -121,21 +146,18 @@ class Chaplygin(PlacedMotion):
         lever = 3 * A * self.normal.torque[0] / ((B - C) * x.B1)
         return ZERO, -lever * g2 / (C * x.ratio), lever * g3 / B
 
-    def _motion(self) -> NormalMotion:
+    def solve(self) -> Motion:
         x = coefficients(self.normal)
         scale = sqrt(x.B1)  # of Y and Z, the square of that of z
         z, Y, Z = self._begin(x)
         A, B, C = (ball(y) for y in self.normal.moments)
         c, k = ball(self.normal.torque[0]), (B - C) / (3 * A)
         b2, c2, B1, ratio, size = (ball(y) for y in (x.b2, x.c2, x.B1, x.ratio, scale))
+        known = b2, c2, B1, ratio * B1
         width = size.sqrt()
 
         def state(z: acb, Y: acb, Z: acb) -> Sequence[acb]:
-            z, Y, Z = width * z, size * Y, size * Z
-            p, q, r = z * z * z, z * Y, z * Z
-            two = (A - B) * p * q - C * (B - C) * (c2 * p * q + ratio * B1 * Y / 3) / A
-            three = (A - C) * p * r + B * (B - C) * (b2 * p * r + B1 * Z / 3) / A
-            return p, q, r, -(A * p * p + B * q * q + C * r * r) / (2 * c), two / c, three / c
+            return state_of((A, B, C), c, known, width * z, size * Y, size * Z)
 
         quartics = (ONE, ZERO, ZERO, ZERO, x.b2), (x.ratio, ZERO, ZERO, ZERO, x.c2)
         start = z / sqrt(scale), Y / scale, Z / scale

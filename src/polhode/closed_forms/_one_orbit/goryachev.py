@@ -7,7 +7,9 @@ Mg r0 = (c, 0, 0), c > 0, A (9B - 8C) = 16 C (B - C), 2C < B < 8C/3; with D = 9B
     c0 = 2 b0 (B-2C)(3B-2C)/(BC),    c2 = 16 (3B-4C)(9B^2-28BC+16C^2)/(B D^2),
     c4 = -256 C^2 (3B-4C)^2 (5B-4C)/(B b0 D^4),    H = b0 (9B^2-22BC+12C^2)/4C
 
-(D. N. Goryachev 1899), gamma by :mod:`polhode.closed_forms._one_orbit.orbits`.  X2 > 0 >
+(D. N. Goryachev 1899; ``tests/closed_forms/test_coefficients.py`` proves that they solve the
+equations, identically in p and in the moments), gamma by
+:mod:`polhode.closed_forms._one_orbit.orbits`.  X2 > 0 >
 -d being the roots of c0 + c2 X + c4 X^2 and X3 = -b0/b2 > X2, v = v0 + nu t and E = d + X2 cn^2 v,
 
     p = sqrt(X2 d/E) sn v,    q = s sqrt(b0 (d + X2)/E) dn v,    r = s sqrt(c0) (d + X2) cn v/E,
@@ -20,14 +22,26 @@ from collections.abc import Iterator, Sequence
 
 from flint import acb
 
-from polhode.closed_forms._one_orbit.orbits import EllipticTime, GammaOfOmega, gamma_of_omega
-from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms._one_orbit.orbits import (
+    EllipticTime,
+    GammaOfOmega,
+    OrbitPlacement,
+    gamma_of_omega,
+)
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.membership import Condition, Placed, equal, matching, on_axis_1, positive
+from polhode.closed_forms.balls.frames import Motion
+from polhode.closed_forms.membership import (
+    Condition,
+    NormalScene,
+    equal,
+    matching,
+    on_axis_1,
+    positive,
+)
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 
 
-def coefficients(scene: Placed) -> dict[str, Exact]:
+def coefficients(scene: NormalScene) -> dict[str, Exact]:
     """Of a body that fits."""
     (_, B, C), c = scene.moments, scene.torque[0]
     D = 9 * B - 8 * C
@@ -43,31 +57,31 @@ def coefficients(scene: Placed) -> dict[str, Exact]:
     }
 
 
-def gamma_of(scene: Placed, x: dict[str, Exact]) -> GammaOfOmega:
+def gamma_of(scene: NormalScene, x: dict[str, Exact]) -> GammaOfOmega:
     """gamma, q^2 and r^2 as functions of p, from those coefficients."""
     Q, R = (x["b0"], ZERO, x["b2"]), (x["c0"], ZERO, x["c2"], ZERO, x["c4"])
     return gamma_of_omega(scene.moments, scene.torque[0], x["h"], Q, R)
 
 
-def conditions(scene: Placed) -> Iterator[Condition]:
+def conditions(scene: NormalScene) -> Iterator[Condition]:
     """Those of the body, then q^2, r^2 and gamma as functions of p."""
     A, B, C = scene.moments
     yield from on_axis_1(scene)
     yield equal("A (9B - 8C) = 16 C (B - C)", A * (9 * B - 8 * C), 16 * C * (B - C))
     yield positive("B > 2C", B - 2 * C)
     yield positive("3B < 8C", 8 * C - 3 * B)
-    found = gamma_of(scene, coefficients(scene))
-    yield from matching(scene, found.gamma(*scene.omega), found.squares(scene.omega[0]))
+    polynomials = gamma_of(scene, coefficients(scene))
+    yield from matching(scene, polynomials.gamma(*scene.omega), polynomials.squares(scene.omega[0]))
 
 
-class Goryachev(PlacedMotion):
+class Goryachev(OrbitPlacement):
     """One motion of Goryachev."""
 
-    regime = "Goryachev"
+    name = "Goryachev"
     conditions = staticmethod(conditions)
     axis_1_passes_the_vertical = True  # where p = 0
 
-    def _motion(self) -> NormalMotion:
+    def solve(self) -> Motion:
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega
         x = coefficients(self.normal)
         gamma = gamma_of(self.normal, x).mapped(ball).gamma

@@ -7,8 +7,9 @@ n^4 (I11^2 + J^2) = P^2, the spin n about e1 and the precession n about a fixed 
     w = n (e1 + cos ph e2 - sin ph e3),    ph = ph0 + n t,
     gamma = (n^2/P) [-J cos ph e1 + (I11 cos ph - J sin^2 ph) e2 - sin ph (I11 + J cos ph) e3]
 
-(G. Grioli, Ann. Mat. Pura Appl. 26 (1947) 271).  The fixed axis is w/n - e1; the cosine of its
-angle to the vertical is I11/sqrt(I11^2 + J^2).
+(G. Grioli, Ann. Mat. Pura Appl. 26 (1947) 271; ``tests/closed_forms/test_coefficients.py`` proves
+that it solves the equations, identically in ph and in the moments).  The fixed axis is w/n - e1;
+the cosine of its angle to the vertical is I11/sqrt(I11^2 + J^2).
 """
 
 from __future__ import annotations
@@ -18,11 +19,12 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms._one_orbit.orbits import OrbitPlacement
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.frames import Turn
-from polhode.closed_forms.membership import Condition, Placed, equal, matching, positive
+from polhode.closed_forms.balls.frames import Motion, Turn
+from polhode.closed_forms.membership import Condition, NormalScene, equal, matching, positive
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
+from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import Vector, dot, quaternion_product, scaled
 
 
@@ -41,13 +43,22 @@ class SpinFrame:
 
     def gamma(self) -> Vector:
         """gamma at t = 0."""
-        c, s, factor = self.cos, self.sin, self.n * self.n / self.P
-        one, two = -self.J * c, self.I11 * c - self.J * s * s
-        x, y = (one * a + two * b for a, b in ((self.e1[0], self.e2[0]), (self.e1[2], self.e2[2])))
-        return factor * x, factor * s * (self.I11 + self.J * c), factor * y
+        axes, factor = (self.e1, self.e2), self.n * self.n / self.P
+        _, (x, y, z) = directions(axes, self.I11, self.J, self.cos, self.sin)
+        return factor * x, factor * y, factor * z
 
 
-def spin_frame(scene: Placed) -> SpinFrame:
+def directions(
+    axes: Sequence[Sequence[Scalar]], I11: Scalar, J: Scalar, cos: Scalar, sin: Scalar
+) -> tuple[Sequence[Scalar], Sequence[Scalar]]:
+    """w/n and P gamma/n^2 at an angle ph, for any scalars; ``axes``: e1 and e2."""
+    (x1, _, z1), (x2, _, z2) = axes
+    one, two = -J * cos, I11 * cos - J * sin * sin
+    w = x1 + cos * x2, sin, z1 + cos * z2
+    return w, (one * x1 + two * x2, sin * (I11 + J * cos), one * z1 + two * z2)
+
+
+def spin_frame(scene: NormalScene) -> SpinFrame:
     """Of a start in the axes of the normal form."""
     (A, B, C), T, w = scene.moments, scene.torque, scene.omega
     P = sqrt(dot(T, T))
@@ -59,7 +70,7 @@ def spin_frame(scene: Placed) -> SpinFrame:
     return SpinFrame(e1, e2, P, A + C - B, (C - A) * x * z, n, cos, sin)
 
 
-def conditions(scene: Placed) -> Iterator[Condition]:
+def conditions(scene: NormalScene) -> Iterator[Condition]:
     """Those of the body, of the spin, of w, of gamma."""
     (A, B, C), (T1, T2, T3) = scene.moments, scene.torque
     yield positive("A > B", A - B)
@@ -73,10 +84,11 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield from matching(scene, x.gamma())
 
 
-class _Precession:
+class _Precession(Motion):
     """The motion in the normal axes, at the precision in force."""
 
-    def __init__(self, x: SpinFrame, omega: Vector) -> None:
+    def __init__(self, x: SpinFrame, omega: Vector, speed: arb) -> None:
+        self.speed = speed
         self._e1, self._e2 = ([ball(y) for y in row] for row in (x.e1, x.e2))
         self._I11, self._J, self._n = ball(x.I11), ball(x.J), ball(x.n)
         self._share = self._n * self._n / ball(x.P)
@@ -88,13 +100,8 @@ class _Precession:
         """p, q, r, gamma1, gamma2, gamma3."""
         (cos, sin), (s, c) = self._first, (self._n * t).sin_cos()
         c, s = cos * c - sin * s, sin * c + cos * s
-        (x1, _, z1), (x2, _, z2), n = self._e1, self._e2, self._n
-        I11, J, share = self._I11, self._J, self._share
-        one, two = -share * J * c, share * (I11 * c - J * s * s)
-        return (
-            *(n * (x1 + c * x2), n * s, n * (z1 + c * z2)),
-            *(one * x1 + two * x2, share * s * (I11 + J * c), one * z1 + two * z2),
-        )
+        w, up = directions((self._e1, self._e2), self._I11, self._J, c, s)
+        return *(self._n * x for x in w), *(self._share * x for x in up)
 
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """Two uniform turns: about the axis fixed in space, then about e1 in the body."""
@@ -104,11 +111,11 @@ class _Precession:
         return quaternion_product((c, s * a, s * b, s * d), (c, s * x, s * y, s * z))
 
 
-class Grioli(PlacedMotion):
+class Grioli(OrbitPlacement):
     """One precession of Grioli."""
 
-    regime = "Grioli's regular precession"
+    name = "Grioli's regular precession"
     conditions = staticmethod(conditions)
 
-    def _motion(self) -> NormalMotion:
-        return _Precession(spin_frame(self.normal), self.normal.omega)
+    def solve(self) -> Motion:
+        return _Precession(spin_frame(self.normal), self.normal.omega, self._speed())

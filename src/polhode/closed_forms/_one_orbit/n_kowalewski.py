@@ -4,7 +4,9 @@ Mg r0 = (c, 0, 0), c > 0, A (10B - 9C) = 18 C (B - C); x = B/C, D = 10x - 9, c3 
 
     q^2 = b0 + b1 p + b2 p^2,    r^2 = c0 + c1 p + c2 p^2 + c3 p^3,    p' = (B - C) q r/A
 
-(N. Kowalewski, Math. Ann. 65 (1908) 528), the coefficients in :func:`gamma_of`.  Time
+(N. Kowalewski, Math. Ann. 65 (1908) 528), the coefficients in :func:`coefficients`;
+``tests/closed_forms/test_coefficients.py`` proves that they solve the equations, identically in p
+and in the moments.  Time
 is an integral over an angle between two zeros of Q R (:mod:`..balls.clocks`).
 """
 
@@ -15,24 +17,41 @@ from typing import NamedTuple
 
 from flint import acb
 
-from polhode.closed_forms._one_orbit.orbits import FlowOrbit, GammaOfOmega, gamma_of_omega
-from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms._one_orbit.orbits import (
+    FlowOrbit,
+    GammaOfOmega,
+    OrbitPlacement,
+    gamma_of_omega,
+)
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.membership import Condition, Placed, equal, matching, on_axis_1, positive
+from polhode.closed_forms.balls.frames import Motion
+from polhode.closed_forms.membership import (
+    Condition,
+    NormalScene,
+    equal,
+    matching,
+    on_axis_1,
+    positive,
+)
 from polhode.numbers.exact import ONE, Exact, sqrt
 
 
 class Coefficients(NamedTuple):
-    """h, Q and R of a body that fits, for C = c3 = 1, and c3."""
+    """h, Q and R of a body that fits, for C = c3 = 1, and c3^4."""
 
     h: Exact
     Q: Sequence[Exact]
     R: Sequence[Exact]
-    c3: Exact
+    fourth: Exact
+
+    @property
+    def c3(self) -> Exact:
+        """The coefficient of p^3 in r^2."""
+        return sqrt(sqrt(self.fourth))
 
 
-def coefficients(scene: Placed) -> Coefficients:
-    """Of a body that fits; |gamma| = 1 gives c3."""
+def coefficients(scene: NormalScene) -> Coefficients:
+    """Of a body that fits; |gamma| = 1 gives c3^4."""
     (A, B, C), c = scene.moments, scene.torque[0]
     x = B / C
     D, three, two = 10 * x - 9, 4 * x - 3, 2 * x - 3
@@ -47,38 +66,39 @@ def coefficients(scene: Placed) -> Coefficients:
     h = 1458 * three**2 * two**3 * cubic / (x * x * D**6)
     level, lever = h - (x * b0 + c0) / 2, (x - 1) * C / (2 * A)
     K = level**2 + b0 * (lever * c1) ** 2 + c0 * (x * lever * b1) ** 2
-    return Coefficients(h, (b0, b1, b2), (c0, c1, c2, ONE), sqrt(sqrt(K * C * C / (c * c))))
+    return Coefficients(h, (b0, b1, b2), (c0, c1, c2, ONE), K * C * C / (c * c))
 
 
-def gamma_of(scene: Placed, known: Coefficients) -> GammaOfOmega:
+def gamma_of(scene: NormalScene, known: Coefficients) -> GammaOfOmega:
     """gamma, q^2 and r^2 as polynomials in p."""
-    h, Q, R, c3 = known
+    (h, Q, R, _), c3 = known, known.c3
     Q, R = (
         [x * s for x, s in zip(row, (1 / c3**2, 1 / c3, ONE, c3), strict=False)] for row in (Q, R)
     )
     return gamma_of_omega(scene.moments, scene.torque[0], scene.moments[2] * h / c3**2, Q, R)
 
 
-def conditions(scene: Placed) -> Iterator[Condition]:
+def conditions(scene: NormalScene) -> Iterator[Condition]:
     """Those of the body, then q^2, r^2 and gamma as functions of p."""
     A, B, C = scene.moments
     yield from on_axis_1(scene)
     yield equal("A (10B - 9C) = 18 C (B - C)", A * (10 * B - 9 * C), 18 * C * (B - C))
     yield positive("B > 3C/2", 2 * B - 3 * C)
-    found = gamma_of(scene, coefficients(scene))
-    yield from matching(scene, found.gamma(*scene.omega), found.squares(scene.omega[0]))
+    polynomials = gamma_of(scene, coefficients(scene))
+    yield from matching(scene, polynomials.gamma(*scene.omega), polynomials.squares(scene.omega[0]))
 
 
-class NKowalewski(PlacedMotion):
+class NKowalewski(OrbitPlacement):
     """One motion of N. Kowalewski."""
 
-    regime = "N. Kowalewski"
+    name = "N. Kowalewski"
     conditions = staticmethod(conditions)
 
-    def _motion(self) -> NormalMotion:
+    def solve(self) -> Motion:
         (A, B, C), known = self.normal.moments, coefficients(self.normal)
-        gamma, over = gamma_of(self.normal, known).mapped(ball).gamma, 1 / ball(known.c3)
-        p, q, r = (known.c3 * x for x in self.normal.omega)
+        c3 = known.c3
+        gamma, over = gamma_of(self.normal, known).mapped(ball).gamma, 1 / ball(c3)
+        p, q, r = (c3 * x for x in self.normal.omega)
 
         def state(p: acb, q: acb, r: acb) -> Sequence[acb]:
             p, q, r = over * p, over * q, over * r

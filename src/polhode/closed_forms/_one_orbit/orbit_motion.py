@@ -9,15 +9,17 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from typing import Protocol
 
 from flint import acb, arb
 from mpmath import libmp
 
-from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms._one_orbit.orbits import OrbitPlacement
 from polhode.closed_forms.balls.core import Refused, around, ball
-from polhode.closed_forms.balls.frames import Turn
+from polhode.closed_forms.balls.frames import Frame, Motion, Turn
 from polhode.closed_forms.balls.periodic_attitude import PeriodicOrbit
+from polhode.closed_forms.membership import NormalAxes, NormalScene
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import Scalar
@@ -38,40 +40,45 @@ class Orbit(Protocol):
         ...
 
 
-class OrbitMotion(PlacedMotion):
+class OrbitMotion(OrbitPlacement):
     """The motion of one heavy body from one start in a closed form of your own.
 
     A family says its conditions in the axes of its normal form, the name of the motion
     (``_regime``) and the orbit there (``_orbit``).  An orbit without period has no attitude.
     """
 
-    proven = False
+    def __init__(
+        self, axes: NormalAxes, normal: NormalScene, unit: Fraction, principal: Frame
+    ) -> None:
+        super().__init__(axes, normal, unit, principal)
+        self.proven = False
 
     @abstractmethod
     def _orbit(self, bits: int) -> Orbit:
         """The motion in the normal axes, at a precision of mpmath's that is in force."""
 
-    def _motion(self) -> NormalMotion:
-        found = _Estimated(self._orbit)
+    def solve(self) -> Motion:
+        motion = _Estimated(self._orbit, self._speed())
         start = (*self.normal.omega, *self.normal.gamma)
         sizes = (*[self._speed()] * 3, *[arb(1)] * 3)
         doubt = arb(2) ** -(ctx.prec // 2)
-        for x, y, size in zip(found.at(arb(0)), start, sizes, strict=True):
+        for x, y, size in zip(motion.at(arb(0)), start, sizes, strict=True):
             if abs(x - ball(y)) > doubt * size:
                 raise ArithmeticError("the closed form does not reproduce the start")
-        if found.period is None:
-            return found
-        orbit = PeriodicOrbit(lambda t: [acb(x) for x in found.at(t.real)], found.period)
+        if motion.period is None:
+            return motion
+        orbit = PeriodicOrbit(lambda t: [acb(x) for x in motion.at(t.real)], motion.period)
         return self._on(orbit)
 
     def _equations(self) -> None:
         """None: an orbit is known at real times only."""
 
 
-class _Estimated:
+class _Estimated(Motion):
     """An orbit of mpmath's numbers, with their estimated errors."""
 
-    def __init__(self, make: Callable[[int], Orbit]) -> None:
+    def __init__(self, make: Callable[[int], Orbit], speed: arb) -> None:
+        self.speed = speed
         self._orbits: list[tuple[int, Orbit]] = []
         periods = []
         for bits in (ctx.prec, ctx.prec - _FEWER):

@@ -1,30 +1,148 @@
-"""gamma of a motion whose q^2 and r^2 are polynomials in p, the centre of mass on axis 1.
+"""What the families with one orbit per body share: their axes, their orbits, their gamma.
 
-With Mg r0 = (c, 0, 0), q^2 = Q(p), r^2 = R(p), p' = (B - C) q r/A and the energy h, Euler's
-equations give
+    I w' + w x I w = Mg gamma x r0,    gamma' = gamma x w        (Yehia 3.13-3.17)
 
-    c gamma1 = h - (A p^2 + B Q + C R)/2,
-    c gamma2 = q [(A - B) p - C (B - C) R'/2A],
-    c gamma3 = r [(A - C) p + B (B - C) Q'/2A].
+A family says in which axes it has its normal form (:mod:`..membership`) and gives w, gamma and the
+turn of the body there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
+from fractions import Fraction
 from typing import NamedTuple
 
 from flint import acb, acb_poly, arb
 
 from polhode.closed_forms.balls.clocks import Factors, Oscillating
 from polhode.closed_forms.balls.core import TooFewBits, ball, root, square
+from polhode.closed_forms.balls.frames import Frame, Motion, StateAndTurning
 from polhode.closed_forms.balls.jacobi import Jacobi
-from polhode.closed_forms.balls.periodic_attitude import PeriodicOrbit
+from polhode.closed_forms.balls.periodic_attitude import (
+    Equations,
+    PeriodicAttitude,
+    PeriodicOrbit,
+    Strip,
+)
 from polhode.closed_forms.balls.weierstrass import complex_functions
-from polhode.numbers.exact import Exact, sign
+from polhode.closed_forms.family import Family, Placement
+from polhode.closed_forms.membership import (
+    Condition,
+    Misfit,
+    NormalAxes,
+    NormalScene,
+    PrincipalScene,
+    in_usual_units,
+    placed_in,
+    shortfall,
+)
+from polhode.numbers.exact import ONE, Exact, noted, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import Vector
+
+
+def orbit_family(name: str, placement: type[OrbitPlacement]) -> Family:
+    """A family of that name, of one class of placements."""
+
+    def place(scene: PrincipalScene) -> OrbitPlacement | None:
+        usual, unit = in_usual_units(scene)
+        for frame, seen in placement.views(usual):
+            with noted():  # what is decided of other axes does not matter
+                normal = placed_in(placement.conditions, seen)
+            if normal is not None:
+                return placement(*normal, unit, frame)
+        return None
+
+    def misfit(scene: PrincipalScene) -> Misfit | None:
+        return shortfall(placement.conditions, scene)
+
+    return Family(name, place, misfit, placement.solve)
+
+
+class OrbitPlacement(Placement):
+    """A heavy body and its start in the axes of a family's normal form.
+
+    A family says its conditions in the axes of its normal form, the name of the motion, and the
+    motion there, a periodic one by :meth:`_on`.
+    """
+
+    #: The scene in the axes of the normal form, in units of its own where doubles do not hold it.
+    normal: NormalScene
+    #: The name of the motion, where there is one kind alone.
+    name: str
+    #: Whether axis 1 of the normal form is exactly vertical again and again.
+    axis_1_passes_the_vertical = False
+
+    def __init__(
+        self, axes: NormalAxes, normal: NormalScene, unit: Fraction, principal: Frame
+    ) -> None:
+        self.normal = normal
+        side = axes.determinant
+        super().__init__(
+            regime=self._regime(),
+            frame=principal.numbered(axes.order, [side * s for s in axes.signs]),
+            unit=unit,
+            vertical=side * ONE,
+            held=tuple(condition.text for condition in self.conditions(normal)),
+            passing=0 if self.axis_1_passes_the_vertical else None,
+            repeats=True,
+        )
+        # |w|^2 <= 2 (H + P)/I_min with P = |Mg r0|
+        self._speed2 = 2 * (normal.energy + normal.weight) / min(normal.moments)
+        self._strip: Strip | None = None
+
+    @classmethod
+    def views(cls, scene: PrincipalScene) -> Iterator[tuple[Frame, PrincipalScene]]:
+        """The principal axes that are tried, and the scene in them: of a symmetric body any are."""
+        yield Frame(), scene
+
+    @staticmethod
+    @abstractmethod
+    def conditions(scene: NormalScene) -> Iterator[Condition]:
+        """What the family asks of a scene in the axes of its normal form, in order."""
+
+    def _regime(self) -> StrEnum | str:
+        """The kind of motion; its name, where there is one alone."""
+        return self.name
+
+    @abstractmethod
+    def solve(self) -> Motion:
+        """The motion in the normal axes, at the precision in force."""
+
+    def _speed(self) -> arb:
+        """A bound of |w|; positive, 1 at rest."""
+        return root(self._speed2) if sign(self._speed2) else arb(1)
+
+    def _on(self, orbit: PeriodicOrbit) -> Motion:
+        """The motion on an orbit that solves the equations."""
+        return StateAndTurning(orbit, lambda: self._turned(orbit), self._speed(), orbit.period)
+
+    def _turned(self, orbit: PeriodicOrbit) -> PeriodicAttitude:
+        equations, speed = self._equations(), self._speed()
+        attitude = PeriodicAttitude(orbit, arb(1), speed, equations, self._strip)
+        self._strip = attitude.strip
+        return attitude
+
+    def _equations(self) -> Equations | None:
+        """The body's, at the precision in force."""
+        moments, torque = ([ball(x) for x in v] for v in (self.normal.moments, self.normal.torque))
+        return Equations(moments, torque)
+
+
+# --- gamma ----------------------------------------------------------------------------------------
+#
+# gamma of a motion whose q^2 and r^2 are polynomials in p, the centre of mass on axis 1.
+#
+# With Mg r0 = (c, 0, 0), q^2 = Q(p), r^2 = R(p), p' = (B - C) q r/A and the energy h, Euler's
+# equations give
+#
+#     c gamma1 = h - (A p^2 + B Q + C R)/2,
+#     c gamma2 = q [(A - B) p - C (B - C) R'/2A],
+#     c gamma3 = r [(A - C) p + B (B - C) Q'/2A].
 
 
 def value(polynomial: Sequence[Scalar], x: Scalar) -> Scalar:

@@ -8,22 +8,22 @@ State and theta, phi stay, psi' = om.  Whether the rotation is stable is decided
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from enum import StrEnum
+from fractions import Fraction
 
-from flint import arb
-
-from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
-from polhode.closed_forms.balls.angles import Arguments
-from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.one_axis import Permanent
-from polhode.closed_forms.membership import Condition, Placed, equal
-from polhode.closed_forms.rotation_stability import Stability, spectrum
+from polhode.closed_forms._one_orbit.orbits import OrbitPlacement
+from polhode.closed_forms.balls.core import ball
+from polhode.closed_forms.balls.frames import Frame, Motion
+from polhode.closed_forms.balls.one_axis import PermanentRotation
+from polhode.closed_forms.membership import Condition, NormalAxes, NormalScene, equal
+from polhode.closed_forms.rotation_stability import STABLE, UNDECIDED, UNSTABLE, Stability, spectrum
 from polhode.common.values import cached_property
 from polhode.numbers.exact import sign, sqrt
 from polhode.numbers.vectors import cross, dot, is_zero, minus
 
 
-def conditions(scene: Placed) -> Iterator[Condition]:
+def conditions(scene: NormalScene) -> Iterator[Condition]:
     """w along gamma, and the moment of the weight balances the gyroscopic one."""
     across = cross(scene.gamma, scene.omega)
     yield equal("w along gamma", sqrt(dot(across, across)), 0, scene.speed)
@@ -31,15 +31,34 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield equal("gamma x Mg r0 = w x Iw", sqrt(dot(lacking, lacking)), 0, scene.weight)
 
 
-HANGING, UPRIGHT = "rest, hanging", "rest, upright"
-ROTATION = "permanent rotation"
+class Regime(StrEnum):
+    """The kinds of motion."""
+
+    HANGING = "rest, hanging"
+    UPRIGHT = "rest, upright"
+    STABLE = f"permanent rotation, {STABLE}"
+    UNSTABLE = f"permanent rotation, {UNSTABLE}"
+    UNDECIDED = f"permanent rotation, {UNDECIDED}"
 
 
-class Staude(PlacedMotion):
+_BY_VERDICT = {
+    STABLE: Regime.STABLE,
+    UNSTABLE: Regime.UNSTABLE,
+    UNDECIDED: Regime.UNDECIDED,
+}
+
+
+class Staude(OrbitPlacement):
     """One permanent rotation, or rest."""
 
     conditions = staticmethod(conditions)
-    knows_turns = True
+
+    def __init__(
+        self, axes: NormalAxes, normal: NormalScene, unit: Fraction, principal: Frame
+    ) -> None:
+        super().__init__(axes, normal, unit, principal)
+        self.axis = normal.omega
+        self.rates_of = {"precession": "of the body about the vertical"}
 
     @cached_property
     def stability(self) -> Stability:
@@ -47,34 +66,20 @@ class Staude(PlacedMotion):
         scene = self.normal
         return Stability(*spectrum(scene.moments, scene.torque, scene.omega, scene.gamma))
 
-    def _regime(self) -> str:
+    def _regime(self) -> Regime:
         scene = self.normal
         if is_zero(scene.omega):
-            return UPRIGHT if sign(dot(scene.torque, scene.gamma)) > 0 else HANGING
-        return f"{ROTATION}, {self.stability.verdict}"
+            upright = sign(dot(scene.torque, scene.gamma)) > 0
+            return Regime.UPRIGHT if upright else Regime.HANGING
+        return _BY_VERDICT[self.stability.verdict]
 
-    def _speed(self) -> arb:
-        """|w|, 1 at rest."""
-        omega = self.normal.omega
-        return arb(1) if is_zero(omega) else root(dot(omega, omega))
-
-    def _motion(self) -> NormalMotion:
-        return Permanent([ball(x) for x in (*self.normal.omega, *self.normal.gamma)])
-
-    @property
-    def rates_of(self) -> Mapping[str, str]:
-        """Of no axis by itself."""
-        return {"precession": "of the body about the vertical"}
-
-    def _rate_balls(self) -> Mapping[str, arb]:
-        """ "precession": psi', the rate about the vertical; none at rest."""
-        if is_zero(self._omega):
-            return {}
-        return {"precession": ball(dot(self._omega, self._gamma))}
-
-    def arguments_at(self, t: arb) -> Arguments:
-        """Both by half of psi, where the third axis is not vertical."""
-        if all(sign(x) == 0 for x in self._gamma[:2]):
-            return None, None
-        half = ball(dot(self._omega, self._gamma)) * t / 2
-        return half, half
+    def solve(self) -> Motion:
+        """The rotation; psi', its rate about the vertical, is a frequency, but at rest."""
+        omega, gamma = self.normal.omega, self.normal.gamma
+        return PermanentRotation(
+            [ball(x) for x in omega],
+            ball(abs(dot(omega, gamma))) / 2,
+            [ball(x) for x in gamma],
+            stays=True,
+            precession=None if is_zero(omega) else ball(dot(omega, gamma)),
+        )

@@ -8,24 +8,27 @@ N = (A - B)(A - C)/(A - 2B), a1 = (B - C)/A and e = sgn(B - A)
     c0 = e c/(N a1),   c2 = -A(A - B)/((A - 2C)(B - C)),
     c gamma2 = M p q,  c gamma3 = N p r,  gamma1 = e + (M - N) A p^2/(2 (B - C) c)
 
-(V. A. Steklov 1899).  p, q, r are multiples of sn v, cn v, dn v if A > B, of cn v, sn v, dn v else,
-v = v0 + nu t; the signs of p and r are those that p' = a1 q r asks for, r keeps its own.
+(V. A. Steklov 1899; ``tests/closed_forms/test_coefficients.py`` proves that they solve the
+equations, identically in p and in the moments).  p, q, r are multiples of sn v, cn v, dn v if A >
+B, of cn v, sn v, dn v else, v = v0 + nu t; the signs of p and r are those that p' = a1 q r asks
+for, r keeps its own.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from enum import StrEnum
 
 from flint import acb
 
-from polhode.closed_forms._one_orbit.orbits import EllipticTime
-from polhode.closed_forms._one_orbit.placed_motion import NormalMotion, PlacedMotion
+from polhode.closed_forms._one_orbit.orbits import EllipticTime, OrbitPlacement
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.membership import Condition, Placed, matching, on_axis_1, positive
+from polhode.closed_forms.balls.frames import Motion
+from polhode.closed_forms.membership import Condition, NormalScene, matching, on_axis_1, positive
 from polhode.numbers.exact import Exact, exact, sign
 
 
-def coefficients(scene: Placed) -> dict[str, Exact]:
+def coefficients(scene: NormalScene) -> dict[str, Exact]:
     """Of a body that fits."""
     (A, B, C), c = scene.moments, scene.torque[0]
     e, a1 = sign(B - A), (B - C) / A
@@ -42,7 +45,7 @@ def coefficients(scene: Placed) -> dict[str, Exact]:
     }
 
 
-def conditions(scene: Placed) -> Iterator[Condition]:
+def conditions(scene: NormalScene) -> Iterator[Condition]:
     """Those of the body, then q^2, r^2 and gamma as functions of p."""
     A, B, C = scene.moments
     yield from on_axis_1(scene)
@@ -54,24 +57,24 @@ def conditions(scene: Placed) -> Iterator[Condition]:
     yield from matching(scene, gamma, (x["b0"] + x["b2"] * p * p, x["c0"] + x["c2"] * p * p))
 
 
-#: By the sign of A - B: which of p and q is a sine, and where axis 1 points when p = 0.
-REGIMES = {
-    1: "Steklov, A > B: axis 1 passes the lower vertical",
-    -1: "Steklov, A < B: axis 1 passes the upper vertical",
-}
+class Regime(StrEnum):
+    """By the sign of A - B: which of p and q is a sine, and where axis 1 points when p = 0."""
+
+    LOWER = "Steklov, A > B: axis 1 passes the lower vertical"
+    UPPER = "Steklov, A < B: axis 1 passes the upper vertical"
 
 
-class Steklov(PlacedMotion):
+class Steklov(OrbitPlacement):
     """One motion of Steklov."""
 
     conditions = staticmethod(conditions)
     axis_1_passes_the_vertical = True  # where p = 0
 
-    def _regime(self) -> str:
+    def _regime(self) -> Regime:
         A, B, _ = self.normal.moments
-        return REGIMES[sign(A - B)]
+        return Regime.LOWER if sign(A - B) > 0 else Regime.UPPER
 
-    def _motion(self) -> NormalMotion:
+    def solve(self) -> Motion:
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega
         x, c = coefficients(self.normal), self.normal.torque[0]
         sine, s = sign(A - B) > 0, sign(r)

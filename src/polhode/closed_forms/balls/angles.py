@@ -141,10 +141,15 @@ class _AlwaysAPole(Exception):
 class Turning(ABC):
     """What the angles need of a motion."""
 
-    #: Whether :meth:`arguments_at` tells how psi and phi turn at any time; else it is counted.
-    knows_turns = False
-    #: Whether the third axis is exactly vertical again and again: no bits count past that.
-    passes_poles = False
+    @property
+    @abstractmethod
+    def knows_turns(self) -> bool:
+        """Whether :meth:`arguments_at` tells how psi and phi turn; else it is counted."""
+
+    @property
+    @abstractmethod
+    def passes_poles(self) -> bool:
+        """Whether the third axis is exactly vertical again and again: no bits count past that."""
 
     @abstractmethod
     def quaternion_at(self, t: arb) -> Turn:

@@ -23,7 +23,6 @@ from typing import Generic, TypeAlias, TypeVar
 from flint import acb, arb, fmpq
 from mpmath import libmp
 
-from polhode.closed_forms.rounding import SPARE
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
@@ -34,6 +33,7 @@ T = TypeVar("T")
 #: Numbers, and the size of each or of more, to which its radius is compared; all are positive.
 Row: TypeAlias = tuple[Sequence[arb], Sequence[arb]]
 
+SPARE = 8  # bits kept beyond the digits asked for
 GUARD = 40  # bits beyond the digits at first
 _SLACK = 16  # bits beyond what the last precision is known to have lacked
 _MOST_BITS = 20_000

@@ -7,21 +7,24 @@ R = Rz(psi) Rx(theta) Rz(phi), body -> space, is the quaternion of the Cayley-Kl
 
 A family gives a quaternion q of its own axes with any start that has the right gamma; what polhode
 answers is ``product(start_attitude(...), frame.turn(product(conjugate(q(0)), q(t))))``.
+
+A motion is :class:`Motion`, in axes of its own; :class:`..closed_form.ClosedForm` alone brings its
+rows into the scene's.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, Generic, Protocol, TypeAlias, TypeVar
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from typing import Generic, Never, Protocol, TypeAlias, TypeVar
 
 from flint import acb, arb
 
-from polhode.closed_forms.balls.core import Kept, ball, enclosed
+from polhode.closed_forms.balls.core import Kept, Refused, ball, enclosed
 from polhode.common.values import cached_property
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
-from polhode.numbers.vectors import Vector, dot, quaternion_product
+from polhode.numbers.vectors import Vector, dot
 from polhode.scenes.body import IDENTITY
 
 #: Rows of components in the scene's axes.
@@ -29,7 +32,10 @@ Rows: TypeAlias = Sequence[Sequence[Exact]]
 #: q0 q1 q2 q3, scalar first.
 Turn: TypeAlias = tuple[arb, arb, arb, arb]
 
+T = TypeVar("T")
+
 _I = acb(0, 1)
+_ALONE = "the state has a closed form here, the attitude none: ask for reference.kind = certified"
 
 
 class Frame:
@@ -46,28 +52,35 @@ class Frame:
         squares: Sequence[Exact] = (ONE, ONE, ONE),
         within: Rows | None = None,
     ) -> None:
-        self._directions, self._lengths = directions, [sqrt(x) for x in squares]
+        self._directions, self._squares = directions, squares
+        self._lengths = [sqrt(x) for x in squares]
         self._within = within
         self._places = self._permutation()
         self._matrix = Kept(self._made)
 
     @classmethod
-    def signed(
-        cls, order: Sequence[int], signs: Sequence[int] = (1, 1, 1), within: Rows | None = None
-    ) -> Frame:
+    def signed(cls, order: Sequence[int], signs: Sequence[int] = (1, 1, 1)) -> Frame:
         """Axis n is ``signs[n]`` times principal axis ``order[n]``; it must be right-handed."""
+        return cls().numbered(order, signs)
+
+    def numbered(self, order: Sequence[int], signs: Sequence[int]) -> Frame:
+        """Axis n is ``signs[n]`` times axis ``order[n]`` of these."""
         pairs = zip(order, signs, strict=True)
-        rows = [[s * ONE if i == j else ZERO for j in range(3)] for i, s in pairs]
-        return cls(rows, within=within)
+        rows = [[s * x for x in self._directions[i]] for i, s in pairs]
+        return Frame(rows, [self._squares[i] for i in order], self._within)
 
     @classmethod
-    def equatorial(cls, order: Sequence[int], X: Exact, Y: Exact, within: Rows | None) -> Frame:
+    def equatorial(cls, order: Sequence[int], X: Exact, Y: Exact) -> Frame:
         """The third is principal axis ``order[2]``, the first along (X, Y) in the other two."""
         i, j, k = order
         rows: list[list[Exact]] = [[ZERO] * 3 for _ in range(3)]
         rows[0][i], rows[0][j], rows[1][i], rows[1][j], rows[2][k] = X, Y, -Y, X, ONE
         square = X * X + Y * Y
-        return cls(rows, (square, square, ONE), within)
+        return cls(rows, (square, square, ONE))
+
+    def seen_from(self, within: Rows | None) -> Frame:
+        """The same axes, the principal ones being those rows in the scene's."""
+        return Frame(self._directions, self._squares, within)
 
     def into(self, vector: Sequence[Exact]) -> Vector:
         """A vector of the scene's axes in these, exactly."""
@@ -162,29 +175,52 @@ def turned_back(turn: Turn, g: Sequence[arb]) -> tuple[arb, arb, arb]:
     )
 
 
-@dataclass(frozen=True)
-class Start:
-    """gamma and the attitude at t = 0 in the scene's axes; both None where gamma is not known."""
+class Motion(ABC):
+    """A motion from its start, in axes and units of its own, at the precision in force."""
 
-    gamma: Sequence[arb] | None
-    attitude: Turn | None
+    #: A bound of |w| over all time, and about its size; positive, 1 at rest.
+    speed: arb
+    #: The least period of w; None where none is known.
+    period: arb | None = None
 
-    def row(self, omega: Sequence[arb], turn: Turn) -> Sequence[arb]:
-        """p q r [gamma1 gamma2 gamma3 q0 q1 q2 q3] after a turn from the start."""
-        if self.gamma is None or self.attitude is None:
-            return omega
-        return (*omega, *turned_back(turn, self.gamma), *quaternion_product(self.attitude, turn))
+    @abstractmethod
+    def at(self, t: arb) -> Sequence[arb]:
+        """p, q, r, and the vertical, of any length, at a time; no vertical where none is known."""
+
+    @abstractmethod
+    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+        """How far its axes have turned since t = 0; ``state`` is that at t."""
+
+    def rates(self) -> Mapping[str, arb]:
+        """The frequencies by name; 2 pi over the period is "body"."""
+        return {} if self.period is None else {"body": 2 * arb.pi() / self.period}
+
+    def curve(self) -> Mapping[str, arb]:
+        """Numbers of the algebraic curve on which the motion is linear, where it tells them."""
+        return {}
+
+    def approach(self) -> arb | None:
+        """The rate at which it tends to a periodic motion; None where it does not."""
+        return None
+
+    def swung(self, t: arb) -> arb:
+        """Half the angle turned since t = 0, of a motion about one axis."""
+        raise NotImplementedError
+
+    def arguments(self, t: arb) -> tuple[arb | None, arb | None]:
+        """The growth of the arguments of al and bt, where psi and phi are known at any time."""
+        raise NotImplementedError
 
 
-class OwnMotion(Protocol):
-    """A motion in axes and units of its own."""
+class State(Protocol):
+    """The state of a motion alone."""
 
     def at(self, t: arb) -> Sequence[arb]:
         """p, q, r, and the vertical, of any length, at a time."""
         ...
 
 
-class OwnTurning(Protocol):
+class Turning(Protocol):
     """The attitude of one."""
 
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
@@ -192,49 +228,49 @@ class OwnTurning(Protocol):
         ...
 
 
-M = TypeVar("M", bound=OwnMotion)
+def no_attitude() -> Never:
+    """Refuse the attitude of a motion of which only the state has a formula."""
+    raise Refused(_ALONE)
 
 
-class SeenMotion(Generic[M]):
-    """A motion in axes and units of its own, seen in the scene's, at one precision.
-
-    ``turning``: makes its attitude when that is first asked for.  ``frame``: its axes; ``start``:
-    the attitude at t = 0.  ``speed``: a bound of |w| in its units, of which ``unit`` are in one of
-    the scene's.  ``vertical``: the length of its vertical, negative where its axes are the
-    opposites of the frame's: w has the same components in both.
-    """
+class StateAndTurning(Motion):
+    """A state, and a turning that is made when it is first asked for: a state needs none of it."""
 
     def __init__(
         self,
-        motion: M,
-        turning: Callable[[], OwnTurning],
-        frame: Frame,
-        start: Turn | None,
+        state: State,
+        turning: Callable[[], Turning],
         speed: arb,
-        unit: arb | int = 1,
-        vertical: arb | int = 1,
+        period: arb | None = None,
     ) -> None:
-        self.motion, self.speed, self.unit = motion, speed * unit, unit
-        self._made_turning = turning
-        self._frame, self._start, self._vertical = frame, start, vertical
+        self.state, self.speed, self.period = state, speed, period
+        self._make_turning = turning
 
-    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
-        """p q r gamma1 gamma2 gamma3 [q0 q1 q2 q3]."""
-        now = t * self.unit
-        state = self.motion.at(now)
-        row = [
-            *self._frame.back([x * self.unit for x in state[:3]]),
-            *self._frame.back([x / self._vertical for x in state[3:]]),
-        ]
-        if attitude:
-            assert self._start is not None
-            row += quaternion_product(self._start, self._frame.turn(self.turning.turn(now, state)))
-        return row
+    def at(self, t: arb) -> Sequence[arb]:
+        """Those of the state."""
+        return self.state.at(t)
+
+    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+        """That of the turning."""
+        return self._turning.turn(t, state)
 
     @cached_property
-    def turning(self) -> Any:
-        """The attitude: states need none of its constants."""
-        return self._made_turning()
+    def _turning(self) -> Turning:
+        return self._make_turning()
+
+
+class Latest(Generic[T]):
+    """A function of time that remembers its last value: state and turn of one time share it."""
+
+    def __init__(self, function: Callable[[arb], T]) -> None:
+        self._function = function
+        self._last: tuple[arb, T] | None = None
+
+    def __call__(self, t: arb) -> T:
+        """The value at a time; that of the same ball is not computed again."""
+        if self._last is None or self._last[0] is not t:
+            self._last = t, self._function(t)
+        return self._last[1]
 
 
 def halves(gamma: Sequence[Exact], psi: Exact) -> tuple[acb, acb]:

@@ -107,6 +107,19 @@ def _sum(weights: Sequence[arb], before: fmpz_poly) -> arb_poly:
 #
 #     F(v) = Th(v + i a)/Th(v) e^(i L v),    Th(v) = th4(z),    or Th(v + K + i a)/Th(v) e^(i L v).
 #
+# What a is and what L is follows from the motion. For real v, with sn(i a, k) = i sc(a, k') and
+# sn(K + i a, k) = 1/dn(a, k') (DLMF 22.6(iv), 22.4),
+#
+#     |F|^2 ~ 1 - k^2 sn^2(i a) sn^2 v       = 1 + k^2 sc^2(a, k') sn^2 v,
+#     |F|^2 ~ 1 - k^2 sn^2(K + i a) sn^2 v   = 1 - (k/dn(a, k'))^2 sn^2 v    of the other quotient:
+#
+# both sides have the same periods, zeros and double poles. A modulus that is known as a multiple
+# of 1 + al sn^2 v therefore tells a by its functions to the modulus k'. The argument of F grows by
+# L + Im(Z(v + i a) - Z(v)), Z = Th'/Th; where v = i K', w is infinite, and Z(i K' + x) = -i pi/2K +
+# th1'/th1(x) makes that imaginary part, continued from real v, -i th1'/th1(i a). What is left of
+# the argument's rate there is what the motion adds for itself: so L = i th1'/th1(i a), or
+# i th2'/th2(i a) of the other quotient, the derivatives being those in v.
+#
 # The quotient without its phase has the period 2K, so that v is reduced in it and not in the
 # phase.
 #

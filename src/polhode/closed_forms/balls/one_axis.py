@@ -11,16 +11,15 @@ and al1, bt1 are those of the half turn about n, which takes g to 2(n.g) n - g.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 
 from flint import acb, arb
 
 from polhode.closed_forms.balls.angles import Arguments
 from polhode.closed_forms.balls.core import TooFewBits, nearest_integer
-from polhode.closed_forms.balls.frames import Start, Turn
+from polhode.closed_forms.balls.frames import Motion, Turn, turned_back
 from polhode.numbers.exact import sign
-from polhode.numbers.vectors import Vector, dot, minus, quaternion_product, scaled
+from polhode.numbers.vectors import Vector, cross, dot, is_zero, minus, quaternion_product, scaled
 
 
 class OneAxis:
@@ -31,6 +30,8 @@ class OneAxis:
         self._senses = sign(along + n[2]), sign(along - n[2])
         self._begins = _present(g)
         self._crosses = _present(minus(scaled(2 * along, n), scaled(dot(n, n), g)))
+        self._upright = all(self._begins) and is_zero(cross(n, g))
+        self._up = sign(along)
 
     def arguments(self, start: Turn, n: tuple[arb, arb, arb], x: arb) -> Arguments:
         """The growth of arg al and arg bt over a turn by 2x from ``start``, ``n`` a unit vector.
@@ -38,6 +39,8 @@ class OneAxis:
         Through 0 an argument grows by pi wherever the turn leads away from the start, and falls by
         it where the turn comes back.
         """
+        if self._upright:  # both by half of psi
+            return self._up * x, self._up * x
         across = quaternion_product(start, (arb(0), *n))
         al, bt = (
             _grown(
@@ -53,60 +56,48 @@ class OneAxis:
         return al, bt
 
 
-@dataclass(frozen=True)
-class PermanentRotation:
-    """w constant, whatever the vertical: the body turns uniformly about it (Rodrigues' formula)."""
+class PermanentRotation(Motion):
+    """w constant: the body turns uniformly about it (Rodrigues' formula), or rests.
 
-    omega: Sequence[arb]  # in the scene's axes, as what follows
-    half: arb  # |w|/2, the exact 0 at rest
-    start: Start
+    ``half``: |w|/2, the exact 0 at rest; ``vertical``: at t = 0, None where it is not known;
+    ``stays``: whether it is along w, or the body rests; ``precession``: the frequency to be told.
+    """
 
-    @property
-    def speed(self) -> arb:
-        """|w|, or 1 at rest."""
-        return arb(1) if self.half.is_zero() else 2 * self.half
-
-    @property
-    def axis(self) -> tuple[arb, arb, arb]:
-        """w/|w|, or w = 0."""
-        x, y, z = (w / self.speed for w in self.omega)
-        return x, y, z
-
-    def swung(self, t: arb) -> arb:
-        """Half the angle turned since t = 0."""
-        return self.half * t
-
-    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
-        """The row at a time."""
-        del attitude
-        sin, cos = self.swung(t).sin_cos()
-        x, y, z = self.axis
-        return self.start.row(self.omega, (cos, sin * x, sin * y, sin * z))
-
-
-class Permanent:
-    """A state that stays: rest, or a rotation about an axis that is vertical."""
-
-    def __init__(self, state: Sequence[arb]) -> None:
-        self._state = state
-        p, q, r = state[:3]
-        self._still = all(x.is_zero() for x in state[:3])
-        #: |w|, 1 at rest.
-        self.speed = arb(1) if self._still else (p * p + q * q + r * r).sqrt()
-        self.period = None
+    def __init__(
+        self,
+        omega: Sequence[arb],
+        half: arb,
+        vertical: Sequence[arb] | None,
+        *,
+        stays: bool = False,
+        precession: arb | None = None,
+    ) -> None:
+        self._omega, self._half, self._vertical, self._stays = omega, half, vertical, stays
+        self._precession = precession
+        self.speed = arb(1) if half.is_zero() else 2 * half
 
     def at(self, t: arb) -> Sequence[arb]:
-        """The same at all times."""
-        del t
-        return self._state
+        """The same w, and the vertical turned back."""
+        if self._vertical is None:
+            return self._omega
+        if self._stays:
+            return *self._omega, *self._vertical
+        return *self._omega, *turned_back(self.turn(t, ()), self._vertical)
 
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """The turn about w by |w| t."""
-        if self._still:
-            return arb(1), arb(0), arb(0), arb(0)
-        sin, cos = (self.speed * t / 2).sin_cos()
-        x, y, z = (sin * w / self.speed for w in state[:3])
+        del state
+        sin, cos = self.swung(t).sin_cos()
+        x, y, z = (sin * w / self.speed for w in self._omega)
         return cos, x, y, z
+
+    def swung(self, t: arb) -> arb:
+        """Half the angle turned since t = 0."""
+        return self._half * t
+
+    def rates(self) -> Mapping[str, arb]:
+        """ "precession", where it is to be told."""
+        return {} if self._precession is None else {"precession": self._precession}
 
 
 def _present(g: Vector) -> tuple[bool, bool]:

@@ -103,6 +103,10 @@ class PeriodicOrbit:
         self.state, self.period = state, period
         self.cycle, self.begin = period, arb(0)
 
+    def at(self, t: arb) -> Sequence[arb]:
+        """p, q, r, and the vertical, at a time since the start."""
+        return [x.real for x in self.state(acb(self.phase(t + self.begin)))]
+
     def phase(self, t: arb) -> arb:
         """s at a time since s = 0."""
         return t

@@ -28,8 +28,7 @@ from flint import arb
 
 from polhode.closed_forms.balls.clocks import Factors, Oscillating, Place, Standing, Tending
 from polhode.closed_forms.balls.core import TooFewBits, ball, square
-from polhode.closed_forms.goryachev_chaplygin import regimes
-from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
+from polhode.closed_forms.goryachev_chaplygin.place import Regime, Start, discriminants
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
 
@@ -138,9 +137,9 @@ def _tending(limit: arb, last: arb, sine: Factors, cosine: Factors, side: int) -
 class Separated:
     """A motion with G > 0, at the precision in force."""
 
-    def __init__(self, start: GoryachevStart, regime: str) -> None:
+    def __init__(self, start: Start, regime: Regime) -> None:
         a, H, G = start.a, start.H, start.G
-        plus, minus = regimes.discriminants(start)
+        plus, minus = discriminants(start)
         one = cubic_roots(H + 2 * a, G, plus)
         other = cubic_roots(H - 2 * a, G, minus)
         self._a = ball(a)
@@ -156,26 +155,21 @@ class Separated:
         self._constants = first.S - second.S, first.U + second.U
 
     @property
-    def means(self) -> tuple[arb, arb]:
-        """The mean rates of the phases of two variables that oscillate."""
-        (s, u), (t, v) = self._halves_of_periods()
-        across = (u * t + v * s) / arb.pi()
-        return t / across, s / across
+    def means(self) -> tuple[arb, arb] | None:
+        """The mean rates of the phases of two variables that oscillate; else None."""
+        u, v = self._u.clock, self._v.clock
+        if not (isinstance(u, Oscillating) and isinstance(v, Oscillating)):
+            return None
+        across = (u.S[-1] * v.U[-1] + v.S[-1] * u.U[-1]) / arb.pi()
+        return v.S[-1] / across, u.S[-1] / across
 
     @property
-    def period(self) -> arb:
-        """Of the state where v is constant."""
+    def period(self) -> arb | None:
+        """Of the state where v is constant; else None."""
         u, v = self._u.clock, self._v.clock
-        assert isinstance(u, Oscillating)
-        assert isinstance(v, Standing)
+        if not (isinstance(u, Oscillating) and isinstance(v, Standing)):
+            return None
         return 4 * (u.U[-1] + v.z * u.S[-1])
-
-    def _halves_of_periods(self) -> list[tuple[arb, arb]]:
-        found = []
-        for clock in (self._u.clock, self._v.clock):
-            assert isinstance(clock, Oscillating)
-            found.append((clock.S[-1], clock.U[-1]))
-        return found
 
     def at(self, t: arb) -> Point:
         """The point at a time."""
@@ -278,7 +272,7 @@ def _step(one: Place, other: Place, miss: arb, late: arb) -> tuple[arb, arb]:
     return (wg * miss + g * late) / across, (f * late - zf * miss) / across
 
 
-def sines(start: GoryachevStart) -> tuple[tuple[arb, arb], tuple[arb, arb]]:
+def sines(start: Start) -> tuple[tuple[arb, arb], tuple[arb, arb]]:
     """u and sin xi, v and sin et at a start that is not at rest: sin xi = 2q g3/u - g2."""
     p, q, r = start.omega
     flat = 4 * (p * p + q * q)
@@ -289,23 +283,23 @@ def sines(start: GoryachevStart) -> tuple[tuple[arb, arb], tuple[arb, arb]]:
     return (u, across / u - level), (v, across / v + level)
 
 
-def _second(regime: str, one: CubicRoots, other: CubicRoots, a: arb) -> Variable:
+def _second(regime: Regime, one: CubicRoots, other: CubicRoots, a: arb) -> Variable:
     """v of a kind of motion, from the roots of P+ and P-."""
     v1, v2, w1, w2 = one.low, one.high, other.low, other.high
     plus, minus = (1, -one.positive), (1, -other.positive)
-    if regime == regimes.CONSTANT_ZERO:
+    if regime == Regime.CONSTANT_ZERO:
         return _standing(v1, a, sine=False)
-    if regime == regimes.CONSTANT_PI:
+    if regime == Regime.CONSTANT_PI:
         return _standing(w1, a, sine=True)
-    if regime == regimes.GENERIC_WHOLE:
+    if regime == Regime.GENERIC_WHOLE:
         return _between(v1, v2, Factors((plus,)), Factors((minus,), other.pairs), (True, True))
-    if regime == regimes.GENERIC_LOW:
+    if regime == Regime.GENERIC_LOW:
         return _between(
             v1, w1, Factors(((-1, v2), plus)), Factors(((-1, w2), minus)), (True, False)
         )
-    if regime == regimes.GENERIC_HIGH:
+    if regime == Regime.GENERIC_HIGH:
         return _between(w2, v2, Factors(((1, v1), plus)), Factors(((1, w1), minus)), (False, True))
-    if regime == regimes.ASYMPTOTIC_LOW:
+    if regime == Regime.ASYMPTOTIC_LOW:
         return _tending(w1, v1, Factors(((-1, v2), plus)), Factors((minus,)), 1)
     return _tending(w1, v2, Factors(((1, v1), plus)), Factors((minus,)), -1)
 

@@ -6,7 +6,7 @@ common with the body and do not turn about it, and
     B w'' + w' x B w' = gamma x T,    gamma' = gamma x w'    in them:
 
 a sphere's motion with all moments B and without spin.  If f = Iw.gamma = 0 it is a swing in a plane
-(:mod:`polhode.closed_forms.pendulum.motion`), else Lagrange's (:mod:`..lagrange.motion`).  The body
+(:mod:`polhode.closed_forms.pendulum`), else Lagrange's (:mod:`..lagrange.motion`).  The body
 turns against these axes about e1 with a12 M2/B.  With z = w'_1 + i w'_2 the angle is 2 arg y,
 
     y' = i (a12/2) z conj(y),    y(0) = 1,    (M2 + i M3)/B = z conj(y)/y.
@@ -20,59 +20,22 @@ turns against these axes about e1 with a12 M2/B.  With z = w'_1 + i w'_2 the ang
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol, TypeAlias
+from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import TooFewBits, ball, either_root, enclosed
-from polhode.closed_forms.balls.frames import Frame, Start, Turn
-from polhode.closed_forms.hess.axes import HessStart
+from polhode.closed_forms.balls.frames import Latest, Motion, Turn
 from polhode.closed_forms.hess.period_map import PeriodMap
-from polhode.closed_forms.lagrange.motion import Nutating, Seen, Steady, own_start
-from polhode.closed_forms.lagrange.regimes import Constants, constants
-from polhode.closed_forms.pendulum.conditions import axis_of
-from polhode.closed_forms.pendulum.motion import Numbers, Swing, numbers
+from polhode.closed_forms.hess.place import HessPlacement, Regime, cone
+from polhode.closed_forms.lagrange.motion import Nutating, Parameters, Steady, own_start
+from polhode.closed_forms.lagrange.place import Constants
+from polhode.closed_forms.pendulum import Numbers, Swing, axis_of
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.vectors import Vector, quaternion_product
 
 _I = acb(0, 1)
-_STILL: Turn = (arb(1), arb(0), arb(0), arb(0))
-
-LIBRATION = "f = 0, libration"
-ROTATION = "f = 0, rotation: tends to a plane rotation"
-SEPARATRIX = "f = 0, separatrix: tends to rest upright"
-CONE_TURNING = "steady cone, turning"
-CONE_TENDING = "steady cone, tending to a permanent rotation"
-CONE_LIMIT = "steady cone, at the limit of turning"
-GENERAL = "f not 0: elliptic gamma1, linear equation"
-
-#: The exact numbers of the sphere's motion.
-Sphere: TypeAlias = Numbers | Constants
-
-
-def sphere(start: HessStart) -> Sphere:
-    """Those of a swing where f = 0, else Lagrange's."""
-    B = start.B
-    if sign(start.f) == 0:
-        return numbers((B, B, B), (ZERO, ZERO, start.weight), start.omega, start.gamma)
-    return constants(B, B, start.weight, start.omega, start.gamma)
-
-
-def regime(start: HessStart, exact: Sphere) -> str:
-    """The kind of motion, decided by exact arithmetic."""
-    if isinstance(exact, Numbers):
-        return LIBRATION if exact.librates else ROTATION if sign(exact.kc2) else SEPARATRIX
-    if exact.steady:
-        side = sign(_excess(exact, start.a12)[1])
-        return (CONE_LIMIT, CONE_TURNING, CONE_TENDING)[side]
-    return GENERAL
-
-
-def _excess(c: Constants, a12: Exact) -> tuple[Exact, Exact]:
-    """om, and om^2 - a12^2 |z0|^2, of a steady cone."""
-    om = -c.a * c.turning / (2 * c.speed2)
-    return om, om * om - a12 * a12 * c.speed2
 
 
 class Spin(Protocol):
@@ -83,48 +46,87 @@ class Spin(Protocol):
         ...
 
 
-class HessMotion:
+class HessMotion(Motion):
     """The motion at the precision in force."""
 
-    def __init__(self, start: HessStart, exact: Sphere, scene: Start) -> None:
-        self._frame, self._scene = start.frame, scene
-        begin = Start([ball(x) for x in start.gamma], _STILL)
-        self._a12 = ball(start.a12)
+    def __init__(self, place: HessPlacement) -> None:
+        self._place, self._a12 = place, ball(place.a12)
         self.sphere: Swing | Steady | Nutating
         self.spin: Spin
+        exact = place.sphere
         if isinstance(exact, Numbers):
-            n = axis_of((ZERO, ZERO, start.weight), start.omega, start.gamma)
-            self.sphere = swing = Swing(exact, n, begin)
+            n = axis_of((ZERO, ZERO, place.weight), place.omega, place.gamma)
+            self.sphere = swing = Swing(exact, n, [ball(x) for x in place.gamma])
             self.spin = PlaneSpin(swing, n, self._a12)
+            if swing.librates:
+                self.period = swing.period
         else:
-            seen = Seen(Frame(), begin, arb(0), own_start(start.omega, start.gamma))
+            start = own_start(place.omega, place.gamma)
             if exact.steady:
-                self.sphere = Steady(exact, seen)
-                self.spin = ConeSpin(exact, seen, start.a12)
+                self.sphere = Steady(exact, start)
+                self.spin = cone_spin = ConeSpin(exact, start, place.a12)
+                if place.regime == Regime.CONE_TURNING:
+                    self.period = arb.pi() / cone_spin.rate
             else:
-                self.sphere = nutating = Nutating(exact, seen)
+                self.sphere = nutating = Nutating(exact, start)
                 self.spin = PeriodMap(nutating, enclosed(exact.a), self._a12)
         self.speed = self.sphere.speed * (1 + self._a12 * self._a12).sqrt()
+        self._y = Latest(self._y_at)
 
-    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
-        """The row at a time."""
-        del attitude
-        p, q, _, g1, g2, g3, *turn = self.sphere.row(t, attitude=True)
+    def at(self, t: arb) -> Sequence[arb]:
+        """p, q, r, gamma1, gamma2, gamma3."""
+        p, q, _, g1, g2, g3 = self.sphere.at(t)
+        y = self._y(t)
+        back = (y * y).conjugate()
+        w, g = acb(p, q) * back, acb(g1, g2) * back
+        return w.real, w.imag, self._a12 * w.real, g.real, g.imag, g3
+
+    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+        """The turn since t = 0."""
+        y = self._y(t)
+        turn = (y.real, arb(0), arb(0), y.imag)
+        return quaternion_product(self.sphere.turn(t, state), turn)
+
+    def _y_at(self, t: arb) -> acb:
+        """y/|y|."""
         y = self.spin.at(t)
         size = abs(y)
         if not size > 0:
             raise TooFewBits
-        y = y / size
-        back = (y * y).conjugate()
-        w, g = acb(p, q) * back, acb(g1, g2) * back
-        s0, s1, s2, s3 = turn
-        body = quaternion_product((s0, s1, s2, s3), (y.real, arb(0), arb(0), y.imag))
-        assert self._scene.attitude is not None
-        return (
-            *self._frame.back((w.real, w.imag, self._a12 * w.real)),
-            *self._frame.back((g.real, g.imag, g3)),
-            *quaternion_product(self._scene.attitude, self._frame.turn(body)),
-        )
+        return y / size
+
+    def rates(self) -> Mapping[str, arb]:
+        """Of the general motion "nutation", of the angle between r0 and the vertical.
+
+        Where it does not tend to a periodic motion also "turning", of the second phase, known
+        modulo the first.
+        """
+        spin = self.spin
+        if not isinstance(spin, PeriodMap):
+            return super().rates()
+        rates = {"nutation": 2 * arb.pi() / spin.period}
+        if not _tends(spin):
+            rates["turning"] = 2 * (spin.trace / 2).acos() / spin.period
+        return rates
+
+    def approach(self) -> arb | None:
+        """Of a plane rotation and of a cone that tends to a permanent rotation too."""
+        sphere, spin, regime = self.sphere, self.spin, self._place.regime
+        if isinstance(spin, PeriodMap):
+            return 2 * (spin.trace / 2).acosh() / spin.period if _tends(spin) else None
+        if isinstance(spin, ConeSpin) and regime == Regime.CONE_TENDING:
+            return 2 * spin.rate
+        if isinstance(sphere, Swing) and regime == Regime.ROTATION:
+            # y's parts grow apart as exp(a12 del), and del by 2 pi while v by 2K.
+            return abs(self._a12) * arb.pi() * sphere.rate / sphere.elliptic.K
+        return None
+
+
+def _tends(spin: PeriodMap) -> bool:
+    """Whether |tr N| > 2."""
+    if not (spin.trace > 2 or spin.trace < 2):
+        raise TooFewBits
+    return bool(spin.trace > 2)
 
 
 class PlaneSpin:
@@ -148,12 +150,12 @@ class PlaneSpin:
 class ConeSpin:
     """y over a steady cone."""
 
-    def __init__(self, c: Constants, seen: Seen, a12: Exact) -> None:
-        om, excess = _excess(c, a12)
+    def __init__(self, c: Constants, start: Parameters, a12: Exact) -> None:
+        om, excess = cone(c, a12)
         self._side = sign(excess)
         #: How fast Y turns, or half of how fast its direction tends to a constant one.
         self.rate = abs(ball(excess)).sqrt() / 2
-        self._om, self._pull = ball(om), _I * ball(a12) * seen.own[2] / 2
+        self._om, self._pull = ball(om), _I * ball(a12) * start[2] / 2
 
     def at(self, t: arb) -> acb:
         """A positive multiple of y."""

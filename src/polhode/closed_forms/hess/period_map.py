@@ -124,7 +124,7 @@ class PeriodMap:
 
     def _start(self, t: arb) -> tuple[acb, acb, arb]:
         """z, g and u."""
-        p, q, _, g1, g2, u = self._sphere.row(t, attitude=False)[:6]
+        p, q, _, g1, g2, u = self._sphere.at(t)
         return acb(p, q), acb(g1, g2), u
 
     def _expanded(self, centre: arb) -> tuple[acb_poly, acb_poly]:

@@ -15,19 +15,86 @@ Integrals of these equations, |gamma| = 1 not being used:
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from flint import arb
 
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.frames import Frame, Rows
+from polhode.closed_forms.balls.frames import Frame
 from polhode.closed_forms.balls.periodic_attitude import Equations
-from polhode.closed_forms.kovalevskaya.divisor import State
-from polhode.closed_forms.membership import PrincipalScene
-from polhode.closed_forms.rounding import log2
+from polhode.closed_forms.membership import PrincipalScene, log2
 from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
+from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import Vector
 from polhode.scenes.body import KOVALEVSKAYA, classical_top, with_last
+
+# --- separation variables -------------------------------------------------------------------------
+#
+# The separation variables of the Kovalevskaya top at a state, for any scalars.
+#
+# With sg = 2p and pi = p^2 + q^2, s1 and s2 are the roots of q^2 s^2 + (R/2) s + R1/4,
+#
+#     R = -pi^2 + 2H pi - 2m sg + b,    R1 = -2H pi^2 - b sg^2 + 4m pi sg + 2Hb - 4m^2,
+#
+# and w_i = T' s_i - N', T = s1 + s2, N = s1 s2, sg' = q r, pi' = q G3, 2q' = -p r + G3 (Kowalevski
+# 1889; Mumford's form of the divisor).  Where q = 0, s1 is infinite, s2 = -R1/2R, and s2 has no
+# first and no second derivative; the third one of the quadratic equation tells w2.
+
+
+class State(NamedTuple):
+    """What the separation variables take of a state and of its integrals, exact or in balls."""
+
+    p: Scalar
+    q: Scalar
+    r: Scalar
+    G2: Scalar
+    G3: Scalar
+    H: Scalar
+    m: Scalar
+    b: Scalar
+
+    @property
+    def pi(self) -> Scalar:
+        """p^2 + q^2."""
+        return self.p * self.p + self.q * self.q
+
+    @property
+    def slope(self) -> Scalar:
+        """q'."""
+        return (self.G3 - self.p * self.r) / 2
+
+    def polars(self) -> tuple[Scalar, Scalar]:
+        """R and R1."""
+        H, m, b, sg, pi = self.H, self.m, self.b, 2 * self.p, self.pi
+        R = -pi * pi + 2 * H * pi - 2 * m * sg + b
+        return R, -2 * H * pi * pi - b * sg * sg + 4 * m * pi * sg + 2 * H * b - 4 * m * m
+
+    def halves(self) -> tuple[Scalar, Scalar]:
+        """R/2 and R1/4."""
+        R, R1 = self.polars()
+        return R / 2, R1 / 4
+
+    def rates(self) -> tuple[Scalar, Scalar]:
+        """T' and N', where q is not 0."""
+        H, m, b, q, q1, sg, pi = self.H, self.m, self.b, self.q, self.slope, 2 * self.p, self.pi
+        R, R1 = self.polars()
+        sg1, pi1 = q * self.r, q * self.G3
+        R_1 = 2 * (H - pi) * pi1 - 2 * m * sg1
+        R1_1 = -4 * H * pi * pi1 - 2 * b * sg * sg1 + 4 * m * (pi1 * sg + pi * sg1)
+        return (R * q1 / q - R_1 / 2) / (q * q), (R1_1 / 4 - R1 * q1 / (2 * q)) / (q * q)
+
+    def finite_point(self) -> tuple[Scalar, Scalar]:
+        """s2 and w2, where q is 0."""
+        R, R1 = self.polars()
+        p, H, m, b, s = self.p, self.H, self.m, self.b, -R1 / (2 * R)
+        return s, -self.G2 * (
+            (m - p * (H - p * p)) * s + p * (p * (H * p - 3 * m) + b)
+        ) / self.slope
+
+
+# --- axes -----------------------------------------------------------------------------------------
+
 
 #: In the top's axes and units.
 EQUATIONS = Equations((arb(2), arb(2), arb(1)), (arb(1), arb(0), arb(0)))
@@ -65,16 +132,15 @@ class KovalevskayaStart:
         return (2 * (ball(self.H) + ball(self.a2).sqrt())).sqrt()
 
 
-def top_start(scene: PrincipalScene, within: Rows | None) -> tuple[Frame, KovalevskayaStart]:
-    """The top's axes, ``within`` the rows of the principal ones; the start and the integrals.
+def top_start(scene: PrincipalScene) -> tuple[Frame, KovalevskayaStart] | None:
+    """The top's axes, the start and the integrals; None for a body that is no Kovalevskaya top.
 
-    From principal axes these are rational where n^2 alone is not.  Raises ValueError for a body
-    that is no Kovalevskaya top.
+    From principal axes these are rational where n^2 alone is not.
     """
     moments, torque, omega, gamma = scene
     kind, axis = classical_top(moments, torque)
     if kind != KOVALEVSKAYA or axis is None or gamma is None:
-        raise ValueError("not a Kovalevskaya top")
+        return None
     i, j, k = with_last(axis)
     X, Y = torque[i] / moments[k], torque[j] / moments[k]
     (p, q, r), (g1, g2, g3) = ((v[i], v[j], v[k]) for v in (omega, gamma))
@@ -103,4 +169,76 @@ def top_start(scene: PrincipalScene, within: Rows | None) -> tuple[Frame, Kovale
         weight=n2 * over2,
         exponent=exponent,
     )
-    return Frame.equatorial((i, j, k), X, Y, within), start
+    return Frame.equatorial((i, j, k), X, Y), start
+
+
+# --- node -----------------------------------------------------------------------------------------
+#
+# A curve of which an e is -k: its numbers, and the line through the two points of a state.
+#
+# There S(K) = 0 for K = 2m^2/a^2 - H = -k, and with w = (s - K) y
+#
+#     y^2 = -2 (s - k)(s - e1)(s - e2),    (s - e1)(s - e2) = s^2 + (H + K) s + b + K (H + K).
+#
+# The line y = mu s + nu through (s1, y1) and (s2, y2) meets this curve once more, in (third, -y).
+
+
+class Line(NamedTuple):
+    """The line of a state: y = mu s + nu, and where it meets the curve once more."""
+
+    mu: Scalar
+    nu: Scalar
+    third: Scalar
+
+    @property
+    def y(self) -> Scalar:
+        """Minus the ordinate of the third point."""
+        return -(self.mu * self.third + self.nu)
+
+
+class Node(NamedTuple):
+    """The numbers of a curve, exact or balls."""
+
+    K: Scalar
+    half: Scalar  # (H + K)/2
+    product: Scalar  # e1 e2
+
+    @property
+    def total(self) -> Scalar:
+        """e1 + e2 + k."""
+        return -2 * self.half - self.K
+
+    def line(self, state: State) -> Line:
+        """The line, where q is not 0 and no s is K."""
+        K, A, (B, C) = self.K, state.q * state.q, state.halves()
+        T1, N1 = state.rates()
+        # w_i = T' s_i - N' = (s_i - K) y_i, modulo s^2 - T s + N
+        mu = (N1 - T1 * K) * A / (A * K * K + B * K + C)
+        return Line(mu, T1 + mu * (B / A + K), self.total - mu * mu / 2 + B / A)
+
+
+def node_of(start: KovalevskayaStart) -> Node:
+    """The exact numbers where an e is -k."""
+    K = (2 * start.m2 - start.H * start.a2) / start.a2
+    return Node(K, (start.H + K) / 2, start.b + K * (start.H + K))
+
+
+def is_node(start: KovalevskayaStart) -> bool:
+    """Whether an e is k or -k: elsewhere the top's third axis is never vertical.
+
+    There it is vertical along curves on the torus, which a motion crosses again and again.
+    """
+    lever = 2 * start.m2 - start.H * start.a2
+    return sign(lever * lever - start.k2 * start.a2 * start.a2) == 0
+
+
+def is_regular(start: KovalevskayaStart) -> bool:
+    """Whether the line of a start is one, and passes neither an e nor (K, y) in its third point."""
+    node, state = node_of(start), start.state
+    K, h, A, (B, C) = node.K, 2 * node.half, state.q * state.q, state.halves()
+    both = A * node.product - C
+    # A s^2 + B s + C at K, and its resultant with (s - e1)(s - e2)
+    resultant = both * both - (A * h - B) * (B * node.product - C * h)
+    if sign(A) == 0 or sign(A * K * K + B * K + C) == 0 or sign(resultant) == 0:
+        return False
+    return sign(node.line(state).third - K) != 0

@@ -16,7 +16,7 @@ From the P_j and their slopes, P_j P_j' = (N' - T' e_j)/2, follow
     p = sum f P/S'/D,  q = i/D,  D = sum g P/S',  p^2 + q^2 = -sum e g P/S'/D,  2p' = q r,
     (p^2 + q^2)' = q G3,    and G1, G2 by H and m
 
-(f, g, S' as in :mod:`.theta.theta_state`; of S only that its roots differ is asked).  The P_j
+(f, g, S' as in :mod:`.theta_state`; of S only that its roots differ is asked).  The P_j
 begin with 2q P_j = i [f sg - g (p^2 + q^2 - e)].  All of it is proven: these are identities of any
 motion, and its numbers are meromorphic in t.
 """
@@ -36,10 +36,15 @@ from polhode.closed_forms.balls.core import (
     root,
 )
 from polhode.closed_forms.balls.weierstrass import RealLattice, Shifted
-from polhode.closed_forms.kovalevskaya.axes import EQUATIONS, KovalevskayaStart
+from polhode.closed_forms.kovalevskaya.axes import (
+    EQUATIONS,
+    KovalevskayaStart,
+    Node,
+    State,
+    is_regular,
+    node_of,
+)
 from polhode.closed_forms.kovalevskaya.branch_points import ascending, square_roots
-from polhode.closed_forms.kovalevskaya.divisor import State
-from polhode.closed_forms.kovalevskaya.node import Node, is_regular, node_of
 from polhode.numbers.exact import sign
 from polhode.numbers.flint_context import ctx
 

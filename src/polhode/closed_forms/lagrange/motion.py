@@ -15,6 +15,13 @@ k^2 = (u2 - u1)/(u3 - u1) and u = u1 + (u2 - u1) sn^2 v,
     xi ~ Theta(v + K - i a3 s3)/Theta(v) · exp(i (C/2A - 1) r t),     s3 = sgn(f - C r b),
 
 each with the linear phase that makes it a solution (:mod:`polhode.closed_forms.balls.jacobi`).
+Their moduli squared are (1 + u)/2, (1 - u)/2 and a (b - u), so that to the modulus k'
+
+    sc^2 a1 = (u3 - u1)/(1 + u1),    dn^2 a2 = (1 - u1)/(u3 - u1),    dn^2 a3 = (b - u1)/(u3 - u1);
+
+the rate of arg al is (psi' + phi')/2 = r (1 - C/A)/2 + (F + n)/2(1 + u) and that of arg bt
+-r (1 - C/A)/2 + (F - n)/2(1 - u), n = C r/A and F = f/A, of which the last terms are 0 where u is
+infinite; likewise xi'/xi = i (C/2A - 1) r - i (F - n b)/2(b - u) + u'/2(u - b).
 They are single-valued, pass through 0 where the axis passes through a pole or stands still, and
 the separatrix (k' = 0) is no exception.  The factor of each is its value at t = 0 over that of the
 quotient, or the quotient of their derivatives where the value is exactly 0: a zero of a theta
@@ -23,19 +30,19 @@ function is simple, and where the numerator is 0 only its own derivative counts.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from flint import acb, arb
 
-from polhode.closed_forms.balls.core import TooFewBits, ball
-from polhode.closed_forms.balls.frames import Frame, Start, Turn, conjugate, halves, quaternion
+from polhode.closed_forms.balls.core import TooFewBits, ball, root
+from polhode.closed_forms.balls.frames import Latest, Motion, Turn, conjugate, halves, quaternion
 from polhode.closed_forms.balls.jacobi import Jacobi, Place, Shift
-from polhode.closed_forms.lagrange.regimes import Constants
-from polhode.closed_forms.lagrange.roots import Distances, gaps
+from polhode.closed_forms.lagrange.place import PLANE, Constants, LagrangePlacement, Regime
 from polhode.common.values import cached_property
-from polhode.numbers.exact import ZERO, sign
+from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.vectors import Vector, quaternion_product
 
 _I = acb(0, 1)
@@ -44,32 +51,80 @@ _I = acb(0, 1)
 Parameters: TypeAlias = tuple[acb, acb, acb]
 
 
+# --- roots ----------------------------------------------------------------------------------------
+#
+# The roots of a Lagrange top's cubic in balls, as differences that keep their relative accuracy.
+#
+# About their mean the roots are 2 s cos(angle) with cos(3 angle) = d/s^3.  From the exact
+# discriminant s^6 - d^2 their mutual differences follow as products of sines, without a
+# cancellation however close two of them are.  Distances of the roots from 1, -1, b and u0 are
+# differences, for which the balls take more bits; where P vanishes at such a point, which is
+# decided exactly, the distance from its root is the exact 0.
+
+
+#: Distances of a point from u1, u2, u3: none is negative.
+Distances: TypeAlias = tuple[arb, arb, arb]
+
+
 @dataclass(frozen=True)
-class Seen:
-    """The top's axes, its start in the scene's, and the start's own parameters."""
+class Gaps:
+    """Differences of roots and points, as moduli."""
 
-    frame: Frame
-    start: Start
-    r: arb
-    own: Parameters
+    u21: arb  # u2 - u1
+    u32: arb  # u3 - u2
+    u31: arb  # u3 - u1
+    top: Distances  # of 1
+    bottom: Distances  # of -1
+    b: Distances
+    start: Distances  # of u0
 
-    def row(self, now: Parameters, attitude: bool) -> Sequence[arb]:
-        """p q r gamma1 gamma2 gamma3 [q0 q1 q2 q3] in the scene's axes."""
-        al, bt, xi = now
-        across = 2 * _I * al.conjugate() * bt
-        q = q0, q1, q2, q3 = quaternion(al, bt)
-        up = q0 * q0 + q3 * q3 - q1 * q1 - q2 * q2
-        row = self.frame.back((xi.real, xi.imag, self.r))
-        row += self.frame.back((across.real, across.imag, up))
-        if attitude:
-            assert self.start.attitude is not None
-            turn = self.frame.turn(quaternion_product(self._begin, q))
-            row += quaternion_product(self.start.attitude, turn)
-        return row
 
-    @cached_property
-    def _begin(self) -> Turn:
-        return conjugate(quaternion(*self.own[:2]))
+def gaps(c: Constants) -> Gaps:
+    """The differences of a motion whose u is not constant."""
+    if c.homoclinic:
+        return _homoclinic(c)
+    mean, d, s = ball(c.mean), ball(c.d), root(c.s2)
+    area, third = root(c.discriminant), arb.pi() / 3
+    angle, other = arb.atan2(area, d) / 3, arb.atan2(area, -d) / 3
+    wide = 2 * arb(3).sqrt() * s
+    u21, u32, u31 = (wide * x.sin() for x in (angle, other, third + angle))
+    roots = [mean + 2 * s * x for x in (-other.cos(), -(third + angle).cos(), angle.cos())]
+    zero, above = arb(0), c.b > 1  # of 1 and b the lesser is not above u2, the other not below u3
+    apart = (zero, u21, u31), (u21, zero, u32), (u31, u32, zero)
+
+    def distances(x: Exact, meets: int | None) -> Distances:
+        if meets is not None:
+            return apart[meets]
+        one, two, three = (abs(ball(x) - u) for u in roots)
+        return one, two, three
+
+    return Gaps(
+        u21,
+        u32,
+        u31,
+        top=distances(ONE, None if sign(c.above) else 1 if above else 2),
+        bottom=distances(-ONE, None if sign(c.below) else 0),
+        b=distances(c.b, None if sign(c.looping) else 2 if above else 1),
+        start=distances(c.u0, None if sign(c.rate) else 0 if sign(c.slope) > 0 else 1),
+    )
+
+
+def _homoclinic(c: Constants) -> Gaps:
+    """u2 = u3 = b = 1, u1 = n^2/a - 1."""
+    low, zero, gap = ball(c.n * c.n / c.a), arb(0), ball(1 - c.u0)
+    high = 2 - low
+    return Gaps(
+        high,
+        zero,
+        high,
+        top=(high, zero, zero),
+        bottom=(low, arb(2), arb(2)),
+        b=(high, zero, zero),
+        start=(ball(1 + c.u0 - c.n * c.n / c.a), gap, gap),
+    )
+
+
+# --- motion ---------------------------------------------------------------------------------------
 
 
 def own_start(omega: Vector, gamma: Vector) -> Parameters:
@@ -87,11 +142,84 @@ def _slopes(c: Constants, now: Parameters) -> Parameters:
     )
 
 
-class Steady:
+class TopMotion(Motion):
+    """A motion from al, bt and xi; ``start``: those at t = 0, psi = 0.
+
+    ``regime`` and ``side``, of the axis along its principal axis, are asked for periods alone.
+    """
+
+    #: The mean rates of arg al and arg bt.
+    means: tuple[arb, arb]
+    #: The period of theta; None where it is constant or tends to the upper pole.
+    nutation: arb | None = None
+
+    def __init__(self, c: Constants, start: Parameters, regime: Regime | None, side: int) -> None:
+        self._c, self._regime, self._side = c, regime, side
+        self._r, self.start = ball(c.r), start
+        self._begin = conjugate(quaternion(*start[:2]))
+        self._now = Latest(self.parameters)
+
+    @abstractmethod
+    def parameters(self, t: arb) -> Parameters:
+        """al, bt and xi at a time."""
+
+    def at(self, t: arb) -> Sequence[arb]:
+        """p, q, r, gamma1, gamma2, gamma3."""
+        al, bt, xi = self._now(t)
+        across = 2 * _I * al.conjugate() * bt
+        q0, q1, q2, q3 = quaternion(al, bt)
+        up = q0 * q0 + q3 * q3 - q1 * q1 - q2 * q2
+        return xi.real, xi.imag, self._r, across.real, across.imag, up
+
+    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+        """The turn since t = 0."""
+        del state
+        return quaternion_product(self._begin, quaternion(*self._now(t)[:2]))
+
+    @cached_property
+    def period(self) -> arb | None:  # type: ignore[override]
+        """Of omega in the body, where the motion shows one.
+
+        A pendulum in a plane passes the lower pole twice in a libration; in a steady precession
+        omega goes round the axis of symmetry with phi.  Of other motions omega returns only if
+        nutation and proper rotation have commensurable rates, which no digits decide.
+        """
+        c = self._c
+        if self._regime in PLANE:
+            if self.nutation is None or self._regime != Regime.PLANE_LIBRATING:
+                return self.nutation
+            return 2 * self.nutation
+        if not c.steady or c.level or sign(c.proper_rotation) == 0:
+            return None
+        return 2 * arb.pi() / abs(ball(c.proper_rotation))
+
+    def rates(self) -> Mapping[str, arb]:
+        """Mean rates in radians a unit of time.
+
+        "nutation": of theta (absent where theta has no period); "precession": the mean of psi',
+        about the vertical; "proper rotation": the mean of phi', about the principal axis that is
+        the axis of symmetry (about Mg r0 if the three moments are equal).  The jumps by pi of a
+        passage through a pole are not counted.  A top that stays upright or hanging has only the
+        rotation r, and a pendulum that stays in its plane, which does not precess, neither.
+        """
+        c, side = self._c, self._side
+        rates = {} if self.nutation is None else {"nutation": 2 * arb.pi() / self.nutation}
+        one, other = self.means
+        if c.steady and c.level:
+            rates["proper rotation"] = side * ball(c.r)
+        elif self._regime not in PLANE:
+            rates["precession"] = one + other
+            rates["proper rotation"] = side * (one - other)
+        return rates
+
+
+class Steady(TopMotion):
     """theta constant: al, bt and xi turn uniformly."""
 
-    def __init__(self, c: Constants, seen: Seen) -> None:
-        self._seen = seen
+    def __init__(
+        self, c: Constants, start: Parameters, regime: Regime | None = None, side: int = 1
+    ) -> None:
+        super().__init__(c, start, regime, side)
         if c.level:
             psi, phi = (ball(c.r), arb(0)) if c.level > 0 else (arb(0), ball(c.r))
         else:
@@ -102,17 +230,20 @@ class Steady:
         if self.speed.is_zero():
             self.speed = arb(1)
 
-    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
-        """The row at a time."""
+    def parameters(self, t: arb) -> Parameters:
+        """al, bt and xi at a time."""
         al, bt, xi = (
-            z * (_I * rate * t).exp() for rate, z in zip(self._rates, self._seen.own, strict=True)
+            z * (_I * rate * t).exp() for rate, z in zip(self._rates, self.start, strict=True)
         )
-        return self._seen.row((al, bt, xi), attitude)
+        return al, bt, xi
 
-    def argument(self, which: int, t: arb) -> arb | None:
-        """The growth of arg al or arg bt from 0; None of one that is 0."""
-        z = self._seen.own[which]
-        return None if z.real.is_zero() and z.imag.is_zero() else self.means[which] * t
+    def arguments(self, t: arb) -> tuple[arb | None, arb | None]:
+        """The growth of arg al and of arg bt from 0; None of one that is 0."""
+        one, other = (
+            None if z.real.is_zero() and z.imag.is_zero() else mean * t
+            for z, mean in zip(self.start, self.means, strict=False)
+        )
+        return one, other
 
 
 class Quotient:
@@ -148,12 +279,14 @@ class Quotient:
         return z.arg() + self.turn * t
 
 
-class Nutating:
+class Nutating(TopMotion):
     """The general motion; k = 0 excluded (:class:`Steady`), k' = 0 included."""
 
-    def __init__(self, c: Constants, seen: Seen) -> None:
+    def __init__(
+        self, c: Constants, start: Parameters, regime: Regime | None = None, side: int = 1
+    ) -> None:
+        super().__init__(c, start, regime, side)
         g = gaps(c)
-        self._seen = seen
         self.elliptic = Jacobi(g.u21 / g.u31, g.u32 / g.u31)
         a, r, ratio = ball(c.a), ball(c.r), ball(c.ratio)
         self.rate = (a * g.u31).sqrt() / 2
@@ -184,27 +317,29 @@ class Nutating:
             part(-s3, sides(g.b), True, (ratio / 2 - 1) * r),
         )
         begin = self.elliptic.at(self._v0)
-        for z, value, slope in zip(self._parts, seen.own, _slopes(c, seen.own), strict=True):
+        for z, value, slope in zip(self._parts, start, _slopes(c, start), strict=True):
             z.begin(begin, value, slope)
-
-    def row(self, t: arb, attitude: bool) -> Sequence[arb]:
-        """The row at a time."""
-        place = self.elliptic.at(self._v0 + self.rate * t)
-        al, bt, xi = (z.at(place, t) for z in self._parts)
-        return self._seen.row((al, bt, xi), attitude)
-
-    @property
-    def means(self) -> tuple[arb, arb]:
-        """The mean rates of arg al and arg bt, jumps at a pole not counted."""
+        if not self.elliptic.limit:
+            self.nutation = 2 * self.elliptic.K / self.rate
         one, other = (
             z.turn - arb.pi() * self.rate / (2 * self.elliptic.K)
             if z.passes and not self.elliptic.limit
             else z.turn
             for z in self._parts[:2]
         )
-        return one, other
+        self.means = one, other  # jumps at a pole are not counted
 
-    def argument(self, which: int, t: arb) -> arb | None:
+    def parameters(self, t: arb) -> Parameters:
+        """al, bt and xi at a time."""
+        place = self.elliptic.at(self._v0 + self.rate * t)
+        al, bt, xi = (z.at(place, t) for z in self._parts)
+        return al, bt, xi
+
+    def arguments(self, t: arb) -> tuple[arb | None, arb | None]:
+        """The growth of arg al and of arg bt from 0."""
+        return self._argument(0, t), self._argument(1, t)
+
+    def _argument(self, which: int, t: arb) -> arb:
         """The growth of arg al or arg bt from 0, by pi at each zero away from t = 0."""
         z = self._parts[which]
         begin = arb(0)
@@ -233,4 +368,8 @@ class Nutating:
         return int(n)
 
 
-LagrangeMotion: TypeAlias = Steady | Nutating
+def solve(place: LagrangePlacement) -> Steady | Nutating:
+    """The motion at the precision in force."""
+    kind = Steady if place.constants.steady else Nutating
+    start = own_start(place.omega, place.gamma)
+    return kind(place.constants, start, place.regime, place.side)

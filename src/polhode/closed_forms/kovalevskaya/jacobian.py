@@ -1,16 +1,19 @@
 """The Jacobian of the Kovalevskaya curve in balls: periods, Abel's map, characteristics.
 
 The finite branch points are numbered a_1 ... a_5 along a direction
-(:func:`polhode.closed_forms.kovalevskaya.branch_points.numbered`).  On the segment from a_j to
-a_(j+1), w = sqrt(-2) product r_i with r_i = sqrt(s - a_i) for i <= j and i sqrt(a_i - s) for i > j,
-principal roots, and I_j is the integral of (1, s) ds/w.  With c_j = 2 I_j the cycles c_1, c_3 |
-c_2 + c_4, c_4 are a canonical basis a | b, tau = inv(Om_A) Om_B (Mumford, Tata Lectures on Theta
-II, IIIa.5).  A(.) is the integral from infinity: A(a_5) = I_1 + I_3 and A(a_j) = A(a_(j+1)) - I_j.
+(:func:`polhode.closed_forms.kovalevskaya.branch_points.numbered`). On the segment from a_j to
+a_(j+1), w = sqrt(-2) product r_i with r_i = sqrt(s - a_i) for i <= j and i sqrt(a_i - s) for i
+> j, principal roots, and I_j is the integral of (1, s) ds/w. With c_j = 2 I_j the cycles c_1,
+c_3 | c_2 + c_4, c_4 are a canonical basis a | b, tau = inv(Om_A) Om_B (Mumford, Tata Lectures
+on Theta II, IIIa.5). A(.) is the integral from infinity: A(a_5) = I_1 + I_3 and A(a_j) =
+A(a_(j+1)) - I_j.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
+from typing import TypeAlias
 
 from flint import acb, arb
 
@@ -23,9 +26,76 @@ from polhode.closed_forms.balls.theta2 import (
     added,
     is_odd,
 )
-from polhode.closed_forms.kovalevskaya.branch_points import numbered
-from polhode.closed_forms.kovalevskaya.theta.siegel import Columns, reduced_basis
+from polhode.closed_forms.kovalevskaya.branch_points import ascending, numbered
 from polhode.common.values import cached_property
+
+# --- reduction ------------------------------------------------------------------------------------
+#
+# Siegel's reduction of a canonical basis of periods of genus two.
+#
+# Each step is a change of basis by whole numbers, so that doubles may choose it: nothing is to be
+# proven but what the balls that are carried along tell in the end.
+
+
+#: Two periods, each of du = (ds/w, s ds/w).
+Columns: TypeAlias = tuple[Pair, Pair]
+
+_LEAST = 1e-6  # steps that gain less would go on for ever by rounding
+_SMALL = 0.99  # |tau11| below which the first pair is exchanged
+_MOST_STEPS = 1_000
+
+
+def reduced_basis(first: Columns, second: Columns) -> tuple[Columns, Columns]:
+    """The columns of Om_A and Om_B in another basis, tau = inv(Om_A) Om_B nearly reduced."""
+    a1, a2 = first
+    b1, b2 = second
+    for _ in range(_MOST_STEPS):
+        t11, t12, t22 = _flat_periods((a1, a2), (b1, b2))
+        if t11.imag > t22.imag * (1 + _LEAST):
+            a1, a2, b1, b2 = a2, a1, b2, b1
+            continue
+        n = _whole(t12.imag / t11.imag)
+        if n:
+            a1, b2 = _plus(a1, a2, n), _plus(b2, b1, -n)
+            continue
+        n11, n12, n22 = _whole(t11.real), _whole(t12.real), _whole(t22.real)
+        if n11 or n12 or n22:
+            b1 = _plus(_plus(b1, a1, -n11), a2, -n12)
+            b2 = _plus(_plus(b2, a1, -n12), a2, -n22)
+            continue
+        if abs(t11) < _SMALL:
+            a1, b1 = b1, (-a1[0], -a1[1])
+            continue
+        return (a1, a2), (b1, b2)
+    raise TooFewBits
+
+
+def _flat_periods(first: Columns, second: Columns) -> tuple[complex, complex, complex]:
+    """tau in doubles."""
+    (a, c), (b, d) = ((complex(x), complex(y)) for x, y in first)
+    det = a * d - b * c
+    if not det or det != det:
+        raise TooFewBits
+    (t11, t21), (t12, t22) = (
+        ((d * x - b * y) / det, (a * y - c * x) / det)
+        for x, y in ((complex(u), complex(v)) for u, v in second)
+    )
+    if not t11.imag:
+        raise TooFewBits
+    return t11, (t12 + t21) / 2, t22
+
+
+def _whole(x: float) -> int:
+    """The nearest integer; 0 where that is hardly farther than 0."""
+    return round(x) if abs(x) > 0.5 + _LEAST else 0
+
+
+def _plus(one: Pair, other: Pair, n: int) -> Pair:
+    return one[0] + n * other[0], one[1] + n * other[1]
+
+
+# --- jacobian -------------------------------------------------------------------------------------
+
 
 _FAR = 4  # |s| beyond this multiple of the branch points: the way comes from infinity
 
@@ -141,3 +211,42 @@ def segment(a: acb, b: acb, below: Sequence[acb], above: Sequence[acb]) -> Pair:
     for _ in above:
         one, two = -_I * one, -_I * two
     return over * one, over * ((a + b) / 2 * one - way / 2 * two)
+
+
+# --- cycles ---------------------------------------------------------------------------------------
+#
+# The cycles of the two separation variables of the Kovalevskaya top, and their mean rates.
+
+
+def rates(points: Sequence[acb]) -> tuple[arb, arb]:
+    """Mean rates of s1 and s2: u = (th1 L1 + th2 L2)/2 pi = u(0) + t (0, 1).
+
+    L1 and L2 are the integrals of (1, s) ds/w around their cycles: s1 goes from -infinity to the
+    lowest real branch point, s2 between the two highest.
+    """
+    line = [x.real for x in points if x.imag.is_zero()]
+    line = [line[i] for i in ascending(line, range(len(line)))]
+    if not all(x < y for x, y in pairwise(line)):
+        raise TooFewBits
+    a, c = _unbounded(line[0], points)
+    rest = [x for x in points if not x.overlaps(acb(line[-2])) and not x.overlaps(acb(line[-1]))]
+    b, d = (2 * x.real for x in segment(acb(line[-2]), acb(line[-1]), rest, []))
+    det = abs(a * d - b * c)
+    turn = 2 * arb.pi()
+    return turn * abs(b) / det, turn * abs(a) / det
+
+
+def _unbounded(a: arb, points: Sequence[acb]) -> tuple[arb, arb]:
+    """Twice the integral of (1, s) ds/|w| from -infinity to a.
+
+    s = a - size (1 + cos phi)/(1 - cos phi).
+    """
+    gaps = [c - a for c in points if not c.overlaps(acb(a))]
+    size = arb(0)
+    for gap in gaps:
+        size = size.max(abs(gap))
+    size = size.mid()
+    one, two = circle([Linear(acb(2 * size), 2 * gap, 2 * (gap - size)) for gap in gaps])
+    below, above = one.real - two.real, one.real + two.real
+    root = 2 * (2 * size).sqrt()
+    return root * below, root * (a * below - size * above)

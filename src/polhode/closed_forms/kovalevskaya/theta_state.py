@@ -9,8 +9,14 @@ P_j = sqrt((s1 - e_j)(s2 - e_j)) = c_j th_j/th_0 (Kowalevski 1889, sections 4-7;
     G3 = i sum_{j<l} (e_j - e_l) g_j g_l C_j C_l K_jl th_jl/D,
     G1 = H - p^2 - q^2 - r^2/2,    G2 = -r'.
 
-th_0 has the characteristic del, th_j del + eta_j, th_jl del + eta_j + eta_l.  c_j^2 is known from
-z at two branch points, K_jl = (th_j' th_l - th_j th_l')/(th_0 th_jl) likewise.  Of the signs of the
+P_j is such a quotient because its square is a function on the Jacobian with a double zero and a
+double pole.  Where the two points are the branch points e_l and e_n it is known, which gives c_j^2
+= (e_l - e_j)(e_n - e_j) (th_0/th_j)^2 there.  Where th_0 = 0, s1 is infinite, w1/s1^3 and w2/(s2 -
+s1) are 0, so that (P_j/P_l)' = 0: th_j' th_l - th_j th_l' is divisible by th_0, and what is left is
+a theta function of first order with the characteristic of th_jl, of which there is one up to a
+factor: K_jl = (th_j' th_l - th_j th_l')/(th_0 th_jl), read where both points are branch points.
+
+th_0 has the characteristic del, th_j del + eta_j, th_jl del + eta_j + eta_l.  Of the signs of the
 c_j each choice is dropped that is proven to miss the start; the truth is in the union of the rest.
 """
 
@@ -26,10 +32,9 @@ from flint import acb, arb
 from polhode.closed_forms.balls.clocks import Pair
 from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
 from polhode.closed_forms.balls.theta2 import Theta2, added
-from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart
+from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, State
 from polhode.closed_forms.kovalevskaya.branch_points import branch_points, square_roots
-from polhode.closed_forms.kovalevskaya.divisor import State
-from polhode.closed_forms.kovalevskaya.theta.jacobian import Jacobian
+from polhode.closed_forms.kovalevskaya.jacobian import Jacobian
 from polhode.common.values import cached_property
 from polhode.numbers.exact import Exact, sign
 

@@ -28,7 +28,7 @@ from polhode.closed_forms.balls.clocks import Pair
 from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
 from polhode.closed_forms.balls.frames import Turn, conjugate
 from polhode.closed_forms.balls.theta2 import Theta2, added
-from polhode.closed_forms.kovalevskaya.theta.theta_state import ThetaState, Values, dot
+from polhode.closed_forms.kovalevskaya.theta_state import ThetaState, Values, dot
 from polhode.numbers.vectors import quaternion_product
 
 _HALVES = ((0, 0), (0, 1), (1, 0), (1, 1))

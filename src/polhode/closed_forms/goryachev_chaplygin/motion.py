@@ -1,25 +1,98 @@
-"""Goryachev and Chaplygin's motions with G = 0, every release from rest among them: explicit.
+"""Goryachev and Chaplygin's case in closed form: every motion with f = 0, at any time.
 
-Goryachev 1900.  With su = SF CP + CF SP, cu = CF CP - SF SP, sv = SF CP - CF SP,
-cv = CF CP + SF SP, and Du^2 = m1 + m cu^2, Dv^2 = m1 + m cv^2, the variables are elliptic functions
-of y = y0 + rate t:
+    I w' + w x I w = Mg gamma x r0,    gamma' = gamma x w,    I = diag(4C, 4C, C), r0 = (x0, y0, 0)
 
-    |H| < 2a: u = 2 sqrt(a m m1) su/Du, v likewise with sv (both may pass through 0, at rest);
-    H > 2a:   u = sqrt(H - 2a)/Du, v likewise, SP and CP constant;
-    H = 2a:   u = 2 sqrt(a) sech(y + b), v = 2 sqrt(a) sech(y - b).
+and Iw.gamma = 0 (Goryachev, Mat. Sb. 21 (1900) 431; Chaplygin, Trudy Otd. Fiz. Nauk 10 (1901)).
+w = (p, q, r) and the upward vertical gamma in body axes.  In the halves of the angles xi and et,
+
+    p = sg sqrt(uv)/2 sin((et - xi)/2),   q = sg sqrt(uv)/2 cos((et - xi)/2),   r = u - v,
+    g1 = -(u cos xi + v cos et)/(u + v),  g2 = -(u sin xi - v sin et)/(u + v),
+    g3 = sg 2 sqrt(uv) sin((xi + et)/2)/(u + v),   sg = +1 or -1 throughout.
+
+With G = 0, every release from rest among them, u and v are explicit (Goryachev 1900); else they are
+inverted from two integrals (:mod:`.separated`).  The state has any number of digits, each of them
+proven; the attitude has no formula here.  Units: any consistent set.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from flint import arb
 
-from polhode.closed_forms.balls.core import ball, root, square
+from polhode.closed_forms.balls.core import TooFewBits, ball, root, square
+from polhode.closed_forms.balls.frames import StateAndTurning, no_attitude
 from polhode.closed_forms.balls.jacobi import Jacobi, carlson_rf
-from polhode.closed_forms.goryachev_chaplygin import regimes
-from polhode.closed_forms.goryachev_chaplygin.axes import GoryachevStart
-from polhode.closed_forms.goryachev_chaplygin.separated import Point, positive, sines
+from polhode.closed_forms.goryachev_chaplygin.place import (
+    EXPLICIT,
+    GoryachevPlacement,
+    Regime,
+    Start,
+)
+from polhode.closed_forms.goryachev_chaplygin.separated import Point, Separated, positive, sines
 from polhode.numbers.exact import Exact
 from polhode.numbers.vectors import is_zero
+
+
+class GoryachevState:
+    """The state in the motion's axes and units, at the precision in force."""
+
+    def __init__(self, start: Start, regime: Regime) -> None:
+        self.path = explicit(start, regime) if regime in EXPLICIT else Separated(start, regime)
+        self._side = 1
+        right, row = [ball(x) for x in (*start.omega, *start.gamma)], self.at(arb(0))
+        lead = max((0, 1, 5), key=lambda i: abs(right[i].mid()))
+        if not abs(row[lead]) > 0:
+            raise TooFewBits
+        self._side = 1 if (row[lead] > 0) == (right[lead] > 0) else -1
+
+    def at(self, t: arb) -> Sequence[arb]:
+        """p, q, r, g1, g2, g3."""
+        point: Point = self.path.at(t)
+        (sx, cx), (se, ce) = point.xi, point.et
+        one, two, both = point.shares
+        half = self._side * point.root / 2
+        return [
+            half * (se * cx - ce * sx),
+            half * (cx * ce + sx * se),
+            point.u - point.v,
+            one * (square(sx) - square(cx)) + two * (square(se) - square(ce)),
+            2 * (two * se * ce - one * sx * cx),
+            2 * self._side * both * (sx * ce + cx * se),
+        ]
+
+
+class GoryachevMotion(StateAndTurning):
+    """The motion at the precision in force."""
+
+    def __init__(self, place: GoryachevPlacement) -> None:
+        start = place.start
+        self._state = GoryachevState(start, place.regime)
+        speed = root(start.H + 2 * start.a)  # w^2 <= H - 2a gamma1
+        super().__init__(self._state, no_attitude, speed, self._state.path.period)
+
+    def rates(self) -> Mapping[str, arb]:
+        """Of two frequencies "u" and "v", the mean rates of the phases of u and v.
+
+        u and v repeat with 2 pi of them, p, q and gamma3 with twice that.
+        """
+        path = self._state.path
+        if isinstance(path, Separated) and (means := path.means) is not None:
+            return dict(zip("uv", means, strict=True))
+        return super().rates()
+
+
+# --- explicit -------------------------------------------------------------------------------------
+#
+# Goryachev and Chaplygin's motions with G = 0, every release from rest among them: explicit.
+#
+# Goryachev 1900.  With su = SF CP + CF SP, cu = CF CP - SF SP, sv = SF CP - CF SP,
+# cv = CF CP + SF SP, and Du^2 = m1 + m cu^2, Dv^2 = m1 + m cv^2, the variables are elliptic
+# functions of y = y0 + rate t:
+#
+#     |H| < 2a: u = 2 sqrt(a m m1) su/Du, v likewise with sv (both may pass through 0, at rest);
+#     H > 2a:   u = sqrt(H - 2a)/Du, v likewise, SP and CP constant;
+#     H = 2a:   u = 2 sqrt(a) sech(y + b), v = 2 sqrt(a) sech(y - b).
 
 
 class Swinging:
@@ -55,7 +128,7 @@ class Swinging:
 class Libration(Swinging):
     """|H| < 2a: the body swings; from rest it comes back to rest on the same path."""
 
-    def __init__(self, start: GoryachevStart) -> None:
+    def __init__(self, start: Start) -> None:
         a, H = start.a, start.H
         super().__init__((2 * a + H) / (4 * a), (2 * a - H) / (4 * a), root(a) / 2)
         self._a = ball(a)
@@ -102,7 +175,7 @@ class Libration(Swinging):
 class Rotation(Swinging):
     """H > 2a: u and v never vanish."""
 
-    def __init__(self, start: GoryachevStart) -> None:
+    def __init__(self, start: Start) -> None:
         a, H = start.a, start.H
         super().__init__(4 * a / (H + 2 * a), (H - 2 * a) / (H + 2 * a), root(H + 2 * a) / 4)
         self.period: arb = 2 * self._elliptic.K / self._rate
@@ -136,7 +209,7 @@ class Separatrix:
 
     period = None
 
-    def __init__(self, start: GoryachevStart) -> None:
+    def __init__(self, start: Start) -> None:
         self._a, self._rate = ball(start.a), root(start.a) / 2
         # cos^2(xi/2) = u^2/4a, and -tan(xi/2) is sinh of y0 + b0; with v, of y0 - b0
         one, other = (-2 * self._a * sin / (z * z) for z, sin in sines(start))
@@ -157,11 +230,11 @@ class Separatrix:
         return positive(size * xi[1], size * et[1], xi, et)
 
 
-def explicit(start: GoryachevStart, regime: str) -> Libration | Rotation | Separatrix:
+def explicit(start: Start, regime: Regime) -> Libration | Rotation | Separatrix:
     """The motion of a start with G = 0, at the precision in force."""
-    if regime == regimes.LIBRATING:
+    if regime == Regime.LIBRATING:
         return Libration(start)
-    return Rotation(start) if regime == regimes.ROTATING else Separatrix(start)
+    return Rotation(start) if regime == Regime.ROTATING else Separatrix(start)
 
 
 def _sums(SF: arb, CF: arb, SP: arb, CP: arb) -> tuple[arb, arb, arb, arb]:

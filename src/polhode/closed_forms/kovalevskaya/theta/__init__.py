@@ -1,1 +1,0 @@
-"""Generic motion: theta functions on the Jacobian of the curve, in balls."""

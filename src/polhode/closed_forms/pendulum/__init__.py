@@ -1,1 +1,0 @@
-"""Any heavy body that swings about a horizontal principal axis."""
