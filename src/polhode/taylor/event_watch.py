@@ -6,7 +6,7 @@ import copy
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
@@ -262,8 +262,11 @@ def stays(jet: Jet, heyoka: HeyokaIntegrator, parameters: Array, width: int) -> 
 # A zero at t = 0, to the rounding of the start's numbers, is not an event of the run.
 
 
-#: A zero as heyoka met it: its time, and the variables there.
-Note: TypeAlias = tuple[HeyokaNumber, Array]
+class Notes(NamedTuple):
+    """Zeros of a function as heyoka met them, by one clock: the times, and the variables there."""
+
+    times: list[HeyokaNumber]
+    rows: list[Array]
 
 
 class Record:
@@ -275,19 +278,19 @@ class Record:
     """
 
     def __init__(self, side: int) -> None:
-        self.notes: tuple[list[Note], list[Note]] = [], []
+        self.notes = Notes([], []), Notes([], [])
         self.marks: tuple[list[Marks], list[Marks]] = [], []
         self.counts, self.seen = [0, 0], [0, 0]
         self.open, self.side = False, side
 
     def settle(self, parameters: Array, number: NumberType) -> None:
         """Take the notes for marks, before the clock changes or when these are asked for."""
-        for notes, marks in zip(self.notes, self.marks, strict=True):
-            if notes:
-                times, rows = zip(*notes, strict=True)
+        for (times, rows), marks in zip(self.notes, self.marks, strict=True):
+            if times:
                 columns = np.concatenate(rows).reshape(len(rows), -1).T
                 marks.append(marks_at(array(times, number), columns, parameters))
-                notes.clear()
+                times.clear()
+                rows.clear()
 
     def joined(self, order: int, width: int) -> Marks:
         """All zeros (0), or extrema (1), once they are settled."""
@@ -440,7 +443,9 @@ class Watch:
         if ta is self._stepping:  # and not one of a search
             ta.update_d_output(t)
             record = self._of[k]
-            record.notes[order].append((t, self._dense.copy()))
+            times, rows = record.notes[order]
+            times.append(t)
+            rows.append(self._dense.copy())
             record.counts[order] += 1
 
     def _stops(self, ta: HeyokaIntegrator) -> bool:
