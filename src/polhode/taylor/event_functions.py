@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.number_types import (
     DOUBLE,
     EXTENDED,
+    Array,
     Booleans,
     Flat,
     Functions,
@@ -39,7 +40,7 @@ from polhode.scenes.vocabulary import FLIP
 from polhode.taylor import heyoka
 from polhode.taylor.heyoka import EXPRESSIONS, constant, hy, scalar, type_options
 from polhode.taylor.time_grid import exact_sum
-from polhode.taylor.types import CompiledFunction, Expression
+from polhode.taylor.types import CompiledFunction, Expression, HeyokaNumber
 
 #: An expression is zero within so many times its error: a motion carries the rounding of many
 #: steps, and an exact tangency is to stay one.
@@ -357,6 +358,15 @@ class Jet(NamedTuple):
     def at(self, marks: Marks) -> Scalar:
         """Value and derivatives, (4, n)."""
         return _of(self.evaluate, marks)
+
+    def value(self, state: Array, time: HeyokaNumber, parameters: Array) -> HeyokaNumber:
+        """The expression at one place, by heyoka's time."""
+        compiled, options = self.evaluate, dict[str, Any]()
+        if compiled.nparams:
+            options["pars"] = parameters[: compiled.nparams]
+        if compiled.is_time_dependent:
+            options["time"] = time
+        return compiled(state, **options)[0]
 
     def moved(self, marks: Marks, step: Scalar) -> Marks:
         """The same places a little later."""

@@ -339,9 +339,10 @@ class Watch:
         self._ends = [k for k, event in enumerate(scene.events) if event.stop]
         self._stop: Stop | None = None
         self._first: Marks | None = None  # the start
-        # The integrator attached last, a view of its dense output, and the parameters of the jets,
-        # the time from which it counts in front.
+        # The integrator attached last, views of its state and of its dense output, and the
+        # parameters of the jets, the time from which it counts in front.
         self._stepping: HeyokaIntegrator = None
+        self._state: Array
         self._dense: Array
         self._parameters: Array
 
@@ -426,7 +427,8 @@ class Watch:
         self._parameters = self._parameters.copy()  # marks know those from before
         self._parameters[:2] = heyoka_numbers.array(clock, self.number)
         if heyoka is not self._stepping:
-            self._stepping, self._dense = heyoka, heyoka.d_output[: self.width]
+            self._stepping = heyoka
+            self._state, self._dense = heyoka.state[: self.width], heyoka.d_output[: self.width]
         if any(jet.timed for jet in self.jets):
             heyoka.pars[:2] = self._parameters[:2]
         if self._first is None:
@@ -453,19 +455,19 @@ class Watch:
         for k in self._ends:
             record = self._of[k]
             if record.open or record.counts != record.seen:
-                self._look(k, self._here(ta))
+                self._look(k, ta)
         return self._stop is not None
 
-    def _look(self, k: int, here: Marks) -> None:
+    def _look(self, k: int, ta: HeyokaIntegrator) -> None:
         """Decide about an event that may end the run: a zero counts on the other side alone."""
         record = self._of[k]
         again = record.open or record.counts[0] > record.seen[0]
         record.seen = [*record.counts]
         if not again:
-            value = self.jets[k].at(here)[0, 0]
+            value = self.jets[k].value(self._state, ta.time, self._parameters)
             if not value * record.side < 0:  # nothing can have happened
                 return
-        known, start, end = self._polished(k, here)
+        known, start, end = self._polished(k, self._here(ta))
         record.open = end.near
         if end.near:
             return
@@ -492,13 +494,13 @@ class Watch:
 
         That is: carry its expression a quarter of the way to zero or further.
         """
-        marks = self._here(self._stepping)
-        before = marks._replace(columns=state[: self.width, None].copy())
-        after = before._replace(columns=before.columns.copy())
-        after.columns[: len(moved), 0] = moved
+        time, parameters = self._stepping.time, self._parameters
+        before = state[: self.width].copy()
+        after = before.copy()
+        after[: len(moved)] = moved
         for jet in self.jets:
-            value = jet.at(before)[0, 0]
-            if abs(jet.at(after)[0, 0] - value) > abs(value) / 4:
+            value = jet.value(before, time, parameters)
+            if abs(jet.value(after, time, parameters) - value) > abs(value) / 4:
                 return True
         return False
 
