@@ -65,7 +65,7 @@ class AfterStep:
     """
 
     def __init__(
-        self, stopped: Callable[[HeyokaIntegrator], bool], end: Fraction, number: NumberType
+        self, stopped: Callable[[HeyokaIntegrator], bool], end: Number, number: NumberType
     ) -> None:
         self.stopped, self.idle = stopped, 0
         self.eps = heyoka.scalar(number.eps, number)
