@@ -199,9 +199,8 @@ def test_rounding_errors_are_those_of_an_evaluation_written_down_here(text):
     band, constant = Fraction(16) * DOUBLE.eps, typed_constant(DOUBLE)
     jet = jet_of(formulas, hy.make_vars(*NAMES), DOUBLE, band, constant)
     states, times = np.random.default_rng(7).normal(size=(6, 40)), np.linspace(-2, 2, 40)
-    found = jet._replace(numbers=np.array([1, 1, *coefficients.values()])).noise(
-        marks_at(times, states)
-    )
+    parameters = np.array([0, 0, 1, 1, *coefficients.values()])
+    found = jet.noise(marks_at(times, states, parameters))
     k = [1, 1.5, 2, 0.3, -0.4, 0.5]
     for error, row, t in zip(found, states.T, times, strict=True):
         leaves = [

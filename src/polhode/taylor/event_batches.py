@@ -38,7 +38,6 @@ from polhode.taylor.event_decision import (
     Places,
     at_the_end,
     joined_places,
-    located,
     plain_lanes,
     polished,
 )
@@ -51,6 +50,7 @@ from polhode.taylor.event_functions import (
     in_columns,
     jet_of,
     joined_marks,
+    marks_at,
     rate,
     typed_constant,
 )
@@ -368,10 +368,7 @@ class _Search:
         begun = self._marks(every, np.zeros(len(which)), starts)
         known = joined_marks([begun, self._marks(every, batch.heyoka.time, self.state)])
         zeros, extrema = self._met(0), self._met(1)
-        lanes = np.concatenate([zeros[0], extrema[0]])
-        jet: Jet = batch.desk.jets[0]
-        motions = self.lanes.motion[np.concatenate([lanes, every, every])]
-        jet = jet._replace(numbers=self.numbers[:, motions])
+        lanes, jet = np.concatenate([zeros[0], extrema[0]]), batch.desk.jets[0]
         places, seen = polished(jet, [zeros[1], extrema[1]], known, self.way)
         first, last = seen.those(slice(len(which))), seen.those(slice(len(which), None))
         spared = self._begun(which & (self.parts == 0), first)
@@ -440,8 +437,9 @@ class _Search:
         search = partial(self._found_again, k, places, start, end)
         decision = Decision(places, start, end, self.way, float(DOUBLE.eps), search)
         wanted = self.way * self.job.direction
-        crossings = [one for one in decision.found if one.sign and one.sign * wanted >= 0]
-        self._keep(np.full(len(crossings), lane), located(crossings, places).marks)
+        signs = decision.happenings.signs
+        crossings = decision.happenings.those(np.flatnonzero((signs != 0) & (signs * wanted >= 0)))
+        self._keep(np.full(len(crossings.at), lane), crossings.located(places).marks)
         sure &= start.side != 0 or self.put is not None
         self.side[lane] = end.side
         return sure and decision.complete
@@ -451,6 +449,7 @@ class _Search:
         nth = np.arange(len(lanes)) - np.searchsorted(lanes, lanes)
         kept = nth < self.job.most - self.counts[lanes]
         if kept.any():
+            marks = marks._replace(parameters=marks.parameters[:2])  # only the time is asked for
             self.crossings.append((self.lanes.motion[lanes[kept]], marks.those(kept)))
         self.counts += np.bincount(lanes[kept], minlength=len(self.counts))
         self.quiet[lanes] = 0
@@ -461,8 +460,7 @@ class _Search:
         """A crossing of motion k that heyoka lost: along steps of its own, without the others."""
         job = self.job
         assert self.batch.desk is not None
-        jet: Jet = self.batch.desk.jets[0]
-        jet = jet._replace(numbers=self.numbers[:, k], timed=False)
+        jet: Jet = self.batch.desk.jets[0]._replace(timed=False)
         equations = Equations(job.watched.columns, job.watched.names)
         with principal_engine(equations, Engine) as ta:
             ta.stand(job.starts[k], job.coefficients[k])
@@ -478,8 +476,9 @@ class _Search:
 
     def _marks(self, lanes: Indices, time: Doubles, columns: Doubles) -> Marks:
         """Places of the stretch, by heyoka's time."""
-        none = np.zeros(len(lanes))
-        return Marks(self.origin[lanes], none, time, none, columns)
+        clocks = np.stack([self.origin[lanes], np.zeros(len(lanes))])
+        numbers = self.numbers[:, self.lanes.motion[lanes]]
+        return marks_at(time, columns, np.concatenate([clocks, numbers]))
 
     def _crossed(self) -> Crossed:
         """All crossings in order, those of a section put on it."""
@@ -496,11 +495,12 @@ class _Search:
             parts = [self._put_on(motions[some], marks.columns[:, some]) for some in blocks]
             rows = np.concatenate(parts, axis=1)
             taus = marks.time + marks.rest
-            time = marks.high + taus
+            origins = marks.parameters[0]
+            time = origins + taus
             kept = np.abs(time) <= abs(job.end)
             nth = np.arange(len(motions)) - np.searchsorted(motions, motions)
             where = motions[kept], nth[kept]
-            times[where], rests[where] = time[kept], (taus - (time - marks.high))[kept]
+            times[where], rests[where] = time[kept], (taus - (time - origins))[kept]
             states[where] = rows[:, kept].T
             counts = np.bincount(motions[kept], minlength=n)
         drift = 0.0 if self.put is None else self.put.drift

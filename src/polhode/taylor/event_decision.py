@@ -7,7 +7,7 @@ at extrema in the form that converges at multiple zeros, too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple, TypeAlias
 
@@ -76,7 +76,7 @@ def polished(jet: Jet, met: Sequence[Marks], ends: Marks, way: int) -> tuple[Pla
     count = roots + extrema
     root = np.repeat([True, False, True], [roots, extrema, others])
     with np.errstate(all="ignore"):
-        marks = _refined(jet.those(np.arange(count)), joined_marks(met), ~root[:count])
+        marks = _refined(jet, joined_marks(met), ~root[:count])
         every = places(jet, joined_marks([marks, ends]), way, root)
     return every.those(slice(count)), every.those(slice(count, None))
 
@@ -114,7 +114,7 @@ def places(jet: Jet, marks: Marks, way: int, root: Booleans) -> Places:
         own = value <= OWN / BAND * error
     flat = np.flatnonzero(~steep & ~(width < 4 * _FLAT) & ~(value > error))
     if len(flat):
-        width[flat] = _sought(jet.those(flat), marks.those(flat), error[flat])
+        width[flat] = _sought(jet, marks.those(flat), error[flat])
     width = np.where(steep, certain, width)
     return Places(marks, ahead, values, error, root, steep, own, reach, width)
 
@@ -220,6 +220,40 @@ class Happening(NamedTuple):
     own: Places | None = None
 
 
+class Happenings(NamedTuple):
+    """Several of them in order, as arrays; ``own``: the places of those found otherwise."""
+
+    at: Indices
+    signs: Indices
+    spreads: Flat
+    own: Mapping[int, Places]
+
+    @classmethod
+    def of(cls, few: Sequence[Happening], crossings: Indices, sides: Indices) -> Happenings:
+        """Some, and behind them plain ``crossings``, to ``sides``."""
+        at, signs, spreads, own = zip(*few, strict=True) if few else ((), (), (), ())
+        return cls(
+            np.concatenate([np.array(at, dtype=int), crossings]),
+            np.concatenate([np.array(signs, dtype=int), sides]),
+            np.concatenate([np.array(spreads, dtype=float), np.zeros(len(crossings))]),
+            {k: places for k, places in enumerate(own) if places is not None},
+        )
+
+    def those(self, which: Indices) -> Happenings:
+        """Some of them."""
+        own = {n: self.own[k] for n, k in enumerate(which.tolist()) if k in self.own}
+        return Happenings(self.at[which], self.signs[which], self.spreads[which], own)
+
+    def located(self, places: Places) -> Places:
+        """Where each is, as a polished place; ``places``: those that were decided about."""
+        if not self.own:
+            return places.those(self.at)
+        at = self.at.tolist()
+        return joined_places([self.own.get(k) or places.those([i]) for k, i in enumerate(at)])
+
+
+_NONE = np.empty(0, dtype=int)
+
 #: Looks for the crossing to a side that was lost from one place to another (-1: the start; as many
 #: as there are places: the end), and gives its place; None where it has none.
 Search: TypeAlias = Callable[[int, int, int], "Places | None"]
@@ -249,7 +283,7 @@ class Decision:
     """One pass over places in order of time, from the start up to an end.
 
     ``way``: -1 for a run backward in time.  ``alike``: within so many ulps, of this size, two zeros
-    of one slope are one.  ``found``: what happens; ``complete``: whether nothing is lost.
+    of one slope are one.  ``happenings``: what happens; ``complete``: whether nothing is lost.
     Meanwhile, ``side``: where the expression was last for certain; ``since``: the place that
     witnessed it, -1 for the start.  ``starting``: it has not left its noise yet.
     """
@@ -266,11 +300,13 @@ class Decision:
         self.places, self.start, self.end, self.search = places, start, end, search
         self.way, self.alike = way, alike
         self.side, self.since, self.starting = start.side, -1, start.near
-        self.found: list[Happening] = []
+        self._happened: list[Happening] = []
+        self._crossings = self._sides = _NONE  # plain ones, behind all those
         self.inside: list[int] = []  # places within their noise since the last witness
         self.last: int | None = None  # the last plain zero
         self.complete = True
         self._run()
+        self.happenings = Happenings.of(self._happened, self._crossings, self._sides)
 
     def _run(self) -> None:
         places, count = self.places, len(self.places.ahead)
@@ -302,7 +338,7 @@ class Decision:
         plain, sides = plain_lanes(rest, one, np.array([self.side]), np.array([last]), self.way)
         if plain[0]:
             roots = np.flatnonzero(rest.root)
-            self.found += map(Happening, (i + roots).tolist(), sides[roots].astype(int).tolist())
+            self._crossings, self._sides = i + roots, sides[roots].astype(int)
         return bool(plain[0])
 
     def _zero(self, i: int, side: int) -> None:
@@ -353,7 +389,7 @@ class Decision:
         self.inside.clear()
 
     def _happens(self, i: int, sign: int, spread: float = 0.0, own: Places | None = None) -> None:
-        self.found.append(Happening(i, sign, spread, own))
+        self._happened.append(Happening(i, sign, spread, own))
 
     def _happens_inside(self, sign: int) -> None:
         """One event at the places within their noise, at the extremum if there is one."""
@@ -382,14 +418,7 @@ class Decision:
         return ULPS * self.alike * max(1.0, abs(float(self.places.ahead[i])))
 
 
-def located(found: list[Happening], places: Places) -> Places:
-    """Where each event is, as a polished place."""
-    if all(one.own is None for one in found):
-        return places.those([one.at for one in found])
-    return joined_places([one.own or places.those([one.at]) for one in found])
-
-
-def depths(found: list[Happening], places: Places, start: End, end: End) -> Flat:
+def depths(happenings: Happenings, places: Places, start: End, end: End) -> Flat:
     """How far beside each event the expression gets from zero, in the unit of its noise.
 
     At a contact, how far from zero it is there; beside a crossing the least value at extrema
@@ -400,9 +429,8 @@ def depths(found: list[Happening], places: Places, start: End, end: End) -> Flat
     ends = [abs(e.value) for e in (start, end)]
     heights = np.concatenate([ends[:1], value[seen], ends[1:]])
     least = np.fmin(heights[:-1], heights[1:])
-    at = np.array([h.at for h in found], dtype=int)
+    at, contact = happenings.at, happenings.signs == 0
     crossing = least[np.searchsorted(seen, at)]
-    contact = np.array([h.sign == 0 for h in found], dtype=bool)
     inside = value[np.where(contact, at, 0)] if len(value) else crossing
     depth: Flat = np.where(contact, inside, crossing)
     return depth

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.number_types import (
     DOUBLE,
     EXTENDED,
+    Array,
     Booleans,
     Flat,
     Functions,
@@ -39,7 +40,7 @@ from polhode.scenes.vocabulary import FLIP
 from polhode.taylor import heyoka
 from polhode.taylor.heyoka import EXPRESSIONS, constant, hy, scalar, type_options
 from polhode.taylor.time_grid import exact_sum
-from polhode.taylor.types import CompiledFunction, Expression
+from polhode.taylor.types import CompiledFunction, Expression, HeyokaNumber
 
 #: An expression is zero within so many times its error: a motion carries the rounding of many
 #: steps, and an exact tangency is to stay one.
@@ -280,12 +281,12 @@ def size_of(scene: Scene, event: Event) -> Size:
 class Marks(NamedTuple):
     """Zeros of an expression, or of its rate: arrays of a run's numbers, heyoka's own, too.
 
-    The time, in the run's unit, is ``high`` + ``low`` (where a clock began anew) + ``time``
-    (heyoka's) + ``rest``.  ``columns``: the variables of the form there, (variables, n).
+    ``parameters`` (2 + coefficients, n): what compiled functions take there.  The time, in the
+    run's unit, is the first two of them, where a clock began anew, + ``time`` (heyoka's) +
+    ``rest``.  ``columns``: the variables of the form there, (variables, n).
     """
 
-    high: Scalar
-    low: Scalar
+    parameters: Scalar
     time: Scalar
     rest: Scalar
     columns: Scalar
@@ -293,25 +294,26 @@ class Marks(NamedTuple):
     @property
     def since_start(self) -> Scalar:
         """The times, rounded to the type."""
-        near, beside = exact_sum(self.high, self.time)
-        found: Scalar = near + (beside + (self.low + self.rest))
-        return found
+        near, beside = exact_sum(self.parameters[0], self.time)
+        times: Scalar = near + (beside + (self.parameters[1] + self.rest))
+        return times
 
     def those(self, which: Booleans | Indices | slice | list[int]) -> Marks:
         """Some of them."""
-        return Marks._make(array[..., which] for array in self)
+        return Marks._make([array[..., which] for array in self])
+
+
+def marks_at(times: Scalar, columns: Scalar, parameters: Scalar) -> Marks:
+    """Places by heyoka's time, with parameters of each, or of all."""
+    if parameters.ndim == 1:
+        parameters = np.repeat(parameters[:, None], len(times), axis=1)
+    return Marks(parameters, times, times - times, columns)
 
 
 def joined_marks(parts: Sequence[Marks]) -> Marks:
     """Several lists as one, in this order."""
     parts = [part for part in parts if len(part.time)] or parts[:1]
-    return Marks._make(np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True))
-
-
-def marks_at(times: Flat, columns: Flat) -> Marks:
-    """Plain numbers by one clock."""
-    none = np.zeros(len(times))
-    return Marks(none, none, times, none, columns)
+    return Marks._make([np.concatenate(arrays, axis=-1) for arrays in zip(*parts, strict=True)])
 
 
 class Formulas(NamedTuple):
@@ -342,8 +344,7 @@ class Jet(NamedTuple):
     ``evaluate``: its value and three derivatives at columns of the form's variables, which
     ``timed`` says to take the time, too.  ``motion``: the variables' first three derivatives.
     ``state_errors``: how far rounding can carry the variables, and ``error`` the expression, of
-    plain numbers, in units u, see taylor/event_functions.py.  ``band``: BAND u.  ``numbers``: the
-    coefficients that all take as parameters, a number or a row of each place.
+    plain numbers, in units u, see taylor/event_functions.py.  ``band``: BAND u.
     """
 
     evaluate: CompiledFunction
@@ -353,20 +354,23 @@ class Jet(NamedTuple):
     timed: bool
     number: NumberType
     band: Fraction
-    numbers: Scalar = np.empty(0)
-
-    def those(self, which: Indices) -> Jet:
-        """The jet at some places, which may have numbers of their own."""
-        numbers = self.numbers[:, which] if self.numbers.ndim > 1 else self.numbers
-        return self._replace(numbers=numbers)
 
     def at(self, marks: Marks) -> Scalar:
         """Value and derivatives, (4, n)."""
-        return self._of(self.evaluate, marks)
+        return _of(self.evaluate, marks)
+
+    def value(self, state: Array, time: HeyokaNumber, parameters: Array) -> HeyokaNumber:
+        """The expression at one place, by heyoka's time."""
+        compiled, options = self.evaluate, dict[str, Any]()
+        if compiled.nparams:
+            options["pars"] = parameters[: compiled.nparams]
+        if compiled.is_time_dependent:
+            options["time"] = time
+        return compiled(state, **options)[0]
 
     def moved(self, marks: Marks, step: Scalar) -> Marks:
         """The same places a little later."""
-        rates, bend, third = self._of(self.motion, marks).reshape(3, *marks.columns.shape)
+        rates, bend, third = _of(self.motion, marks).reshape(3, *marks.columns.shape)
         two, three = (scalar(Fraction(k), self.number) for k in (2, 3))
         columns = marks.columns + step * (rates + step / two * (bend + step / three * third))
         return marks._replace(rest=marks.rest + step, columns=columns)
@@ -378,24 +382,26 @@ class Jet(NamedTuple):
     def noise(self, marks: Marks) -> Flat:
         """The rounding error of the expression, times u, in plain numbers."""
         columns, clock = (plain(x, self.number) for x in (marks.columns, marks.since_start))
-        known = marks_at(clock, columns)
-        jet = self._replace(numbers=plain(self.numbers, self.number))
-        states = np.concatenate([columns, jet._of(jet.state_errors, known)])
-        found: Flat = jet._of(jet.error, known._replace(columns=states))[0]
-        return found
+        coefficients = marks.parameters[2:]
+        if not self.number.flat:  # of one run, and so the same at all places
+            first = plain(coefficients[:, :1], self.number)
+            coefficients = np.repeat(first, len(clock), axis=1)
+        parameters = np.concatenate([np.zeros((2, len(clock)), clock.dtype), coefficients])
+        known = marks_at(clock, columns, parameters)
+        states = np.concatenate([columns, _of(self.state_errors, known)])
+        error: Flat = _of(self.error, known._replace(columns=states))[0]
+        return error
 
-    def _of(self, compiled: CompiledFunction, marks: Marks) -> Scalar:
-        options, count = {}, compiled.nparams
-        if count:
-            numbers = self.numbers
-            if numbers.ndim == 1:
-                numbers = np.repeat(numbers[:, None], len(marks.time), axis=1)
-            pars = np.concatenate([marks.high[None], marks.low[None], numbers])[:count]
-            options["pars"] = np.ascontiguousarray(pars)
-        if compiled.is_time_dependent:
-            options["time"] = marks.time + marks.rest
-        found: Scalar = compiled(np.ascontiguousarray(marks.columns), **options)
-        return found
+
+def _of(compiled: CompiledFunction, marks: Marks) -> Scalar:
+    """A compiled function at some places."""
+    options = {}
+    if compiled.nparams:
+        options["pars"] = np.ascontiguousarray(marks.parameters[: compiled.nparams])
+    if compiled.is_time_dependent:
+        options["time"] = marks.time + marks.rest
+    values: Scalar = compiled(np.ascontiguousarray(marks.columns), **options)
+    return values
 
 
 def jet_of(

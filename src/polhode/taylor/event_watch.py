@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
 from typing import NamedTuple
@@ -18,7 +17,7 @@ from polhode.motion.outcomes import EventTimes
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ZERO, Number, sign
-from polhode.numbers.number_types import Array, Functions, NumberType, Scalar, read_only
+from polhode.numbers.number_types import Array, Booleans, Functions, NumberType, Scalar, read_only
 from polhode.scenes.scene import Event, Scene
 from polhode.taylor import heyoka
 from polhode.taylor import heyoka as heyoka_numbers
@@ -26,12 +25,11 @@ from polhode.taylor.engine import CLOCK, TINY
 from polhode.taylor.event_decision import (
     Decision,
     End,
-    Happening,
+    Happenings,
     Places,
     at_the_end,
     depths,
     exact_times,
-    located,
     places,
     polished,
 )
@@ -43,6 +41,7 @@ from polhode.taylor.event_functions import (
     Marks,
     jet_of,
     joined_marks,
+    marks_at,
     middle_axis,
     rate,
     sign_at_start,
@@ -61,16 +60,24 @@ class AfterStep:
 
     Where an expression runs to infinity, so do its Taylor coefficients, and heyoka's steps shrink
     to zero.  Steps of zero count towards no limit: they would go on for ever.
+
+    ``end``: of the run.  heyoka asks after every step, so that little is done after most.
     """
 
-    def __init__(self, stopped: Callable[[HeyokaIntegrator], bool], number: NumberType) -> None:
+    def __init__(
+        self, stopped: Callable[[HeyokaIntegrator], bool], end: Number, number: NumberType
+    ) -> None:
         self.stopped, self.idle = stopped, 0
         self.eps = heyoka.scalar(number.eps, number)
+        self.long = heyoka.scalar(abs(end) * 2, number) * self.eps  # such a step moves anywhere
 
     def __call__(self, ta: HeyokaIntegrator) -> bool:
         """Whether to go on."""
-        moved = abs(ta.last_h) > abs(ta.time) * self.eps
-        self.idle = 0 if moved else self.idle + 1
+        length = abs(ta.last_h)
+        if length > self.long or length > abs(ta.time) * self.eps:
+            self.idle = 0
+        else:
+            self.idle += 1
         return not self.stopped(ta) and self.idle < _PATIENCE
 
     def __deepcopy__(self, _: object) -> AfterStep:
@@ -145,24 +152,19 @@ _MOST_STEPS = 10_000  # of a search
 
 
 def mark(
-    heyoka: HeyokaIntegrator,
-    clock: Array,
-    width: int,
-    number: NumberType,
-    ago: HeyokaNumber | None = None,
+    heyoka: HeyokaIntegrator, parameters: Array, width: int, ago: HeyokaNumber | None = None
 ) -> Marks:
     """Where an integrator stands, or stood so long ago in its last step.
 
-    ``clock``: the time at which its own began, in two parts.  ``width``: how many of its variables
-    are of the form.
+    ``parameters``: those of compiled functions, the time at which its own began in front.
+    ``width``: how many of its variables are of the form.
     """
-    high, low = heyoka.dtime
-    row = heyoka.state
+    row, (high, low) = heyoka.state, heyoka.dtime
     if ago is not None:
         heyoka.update_d_output(ago, rel_time=True)
         row, low = heyoka.d_output, low + ago
-    parts = [array([x], number) for x in (*clock.tolist(), high, low)]
-    return Marks._make([*parts, row[:width, None].copy()])
+    times = np.array([high, low], dtype=parameters.dtype)
+    return Marks(parameters[:, None], times[:1], times[1:], row[:width, None].copy())
 
 
 class Probe:
@@ -204,10 +206,9 @@ class Probe:
 
     def _along(self, begin: Marks, length: HeyokaNumber, wanted: int, way: int) -> Marks | None:
         """Where the expression comes to a side along steps from a place, within some length."""
-        probe = copy.deepcopy(self.heyoka)
-        clock = array([begin.high[0], begin.low[0]], self.number)
+        probe, parameters = copy.deepcopy(self.heyoka), begin.parameters[:, 0].copy()
         if self.jet.timed:
-            probe.pars[:2] = clock
+            probe.pars[:2] = parameters[:2]
         (start,) = (begin.time + begin.rest).tolist()
         probe.time = start
         probe.state[: self.width] = begin.columns[:, 0]
@@ -217,32 +218,31 @@ class Probe:
             if not left > 0:
                 break
             probe.step(way * min(longest, left), write_tc=True)
-            if self._beyond(mark(probe, clock, self.width, self.number), wanted):
-                return self._bisected(probe, clock, wanted)
+            if self._beyond(mark(probe, parameters, self.width), wanted):
+                return self._bisected(probe, parameters, wanted)
         return None
 
-    def _bisected(self, probe: HeyokaIntegrator, clock: Array, side: int) -> Marks:
+    def _bisected(self, probe: HeyokaIntegrator, parameters: Array, side: int) -> Marks:
         """Where in a probe's last step the expression comes to a side."""
         low, high = -probe.last_h, probe.last_h - probe.last_h
         for _ in range(self.number.bits + 8):
             middle = (low + high) / 2
-            if self._beyond(mark(probe, clock, self.width, self.number, middle), side):
+            if self._beyond(mark(probe, parameters, self.width, middle), side):
                 high = middle
             else:
                 low = middle
-        return mark(probe, clock, self.width, self.number, high)
+        return mark(probe, parameters, self.width, high)
 
     def _beyond(self, marks: Marks, side: int) -> bool:
         return bool(self.jet.at(marks)[0, 0] * side >= 0)
 
 
-def stays(jet: Jet, heyoka: HeyokaIntegrator, clock: Array, width: int) -> bool:
+def stays(jet: Jet, heyoka: HeyokaIntegrator, parameters: Array, width: int) -> bool:
     """Whether an expression stays within rounding of zero for some steps."""
     probe, longest = copy.deepcopy(heyoka), scalar(Fraction(1), jet.number)
     for _ in range(_PROBES):
         probe.step(longest)
-        here = mark(probe, clock, width, jet.number)
-        if not places(jet, here, 1, np.array([True])).near[0]:
+        if not places(jet, mark(probe, parameters, width), 1, np.array([True])).near[0]:
             return False
     return True
 
@@ -262,39 +262,60 @@ def stays(jet: Jet, heyoka: HeyokaIntegrator, clock: Array, width: int) -> bool:
 # A zero at t = 0, to the rounding of the start's numbers, is not an event of the run.
 
 
-class Note(NamedTuple):
-    """A zero as heyoka met it: where its clock began, in two parts; its time, the variables."""
+class Notes(NamedTuple):
+    """Zeros of a function as heyoka met them, by one clock: the times, and the variables there."""
 
-    clock: Array
-    time: HeyokaNumber
-    row: Array
+    times: list[HeyokaNumber]
+    rows: list[Array]
 
 
-@dataclass
 class Record:
     """What is known of one event while a run is under way.
 
-    ``notes``: of zeros and of extrema.  So many were there when it was last ``seen`` whether the
-    run stops; ``open``: a zero is in sight; ``side``: of the expression then.
+    ``notes``: of zeros and of extrema, by the clock of today; ``marks``: those from before.
+    ``counts``: how many there are; so many were there when it was last ``seen`` whether the run
+    stops.  ``open``: a zero is in sight; ``side``: of the expression then.
     """
 
-    notes: tuple[list[Note], list[Note]] = field(default_factory=lambda: ([], []))
-    seen: tuple[int, int] = (0, 0)
-    open: bool = False
-    side: int = 0
+    def __init__(self, side: int) -> None:
+        self.notes = Notes([], []), Notes([], [])
+        self.marks: tuple[list[Marks], list[Marks]] = [], []
+        self.counts, self.seen = [0, 0], [0, 0]
+        self.open, self.side = False, side
 
-    @property
-    def noted(self) -> tuple[int, int]:
-        """How many there are."""
-        zeros, extrema = self.notes
-        return len(zeros), len(extrema)
+    def settle(self, parameters: Array, number: NumberType) -> None:
+        """Take the notes for marks, before the clock changes or when these are asked for."""
+        for (times, rows), marks in zip(self.notes, self.marks, strict=True):
+            if times:
+                columns = np.concatenate(rows).reshape(len(rows), -1).T
+                marks.append(marks_at(array(times, number), columns, parameters))
+                times.clear()
+                rows.clear()
+
+    def joined(self, order: int, width: int) -> Marks:
+        """All zeros (0), or extrema (1), once they are settled."""
+        marks = self.marks[order]
+        if not marks:
+            none = np.empty(0)
+            return Marks(np.empty((2, 0)), none, none, np.empty((width, 0)))
+        marks[:] = [joined_marks(marks)]
+        return marks[0]
+
+    def first(self, counts: Sequence[int], side: int) -> Record:
+        """The first of each, once they are settled, with the side at the start."""
+        record = Record(side)
+        for order, count in enumerate(counts):
+            if count:
+                record.marks[order].append(joined_marks(self.marks[order]).those(slice(count)))
+            record.counts[order] = count
+        return record
 
 
 class Stop(NamedTuple):
     """An event that ended the run: which, what happened of it up to then, and where."""
 
     event: int
-    found: list[Happening]
+    happenings: Happenings
     complete: bool
     marks: Marks
 
@@ -311,18 +332,19 @@ class Watch:
         self.any_step = rules.still
         self.way = 1 if sign(scene.end) >= 0 else -1
         self.width = len(equations(scene).variables)
-        self.after_step = AfterStep(self._stops, number) if rules.asked else None
+        end = equations(scene).frame.time(scene.end)
+        self.after_step = AfterStep(self._stops, end, number) if rules.asked else None
         self.jets: list[Jet] = []
-        self._of = [Record(side=side) for side in rules.start]
+        self._of = [Record(side) for side in rules.start]
         self._ends = [k for k, event in enumerate(scene.events) if event.stop]
         self._stop: Stop | None = None
         self._first: Marks | None = None  # the start
-        # Of the integrator attached last: itself, the time from which its own counts, and what it
-        # hands to callbacks, with its dense output, a view of its memory.
+        # The integrator attached last, views of its state and of its dense output, and the
+        # parameters of the jets, the time from which it counts in front.
         self._stepping: HeyokaIntegrator = None
-        self._clock: Array
-        self._met: HeyokaIntegrator = None
-        self._row: Array
+        self._state: Array
+        self._dense: Array
+        self._parameters: Array
 
     @property
     def stop(self) -> Fraction | None:
@@ -393,59 +415,77 @@ class Watch:
 
     def sit_down(self, desk: Desk, numbers: Array) -> None:
         """Take over the desk of the integrator that a run goes on with, with its coefficients."""
-        self.jets = [jet._replace(numbers=numbers) for jet in desk.jets]
-        desk.watch = self
+        self._settle()
+        self.jets, desk.watch = desk.jets, None if self.muted else self
+        self._parameters = np.concatenate([np.zeros(2, numbers.dtype), numbers])
 
     def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
         """Take note of the integrator and of where its time begins; tell it, where t is asked."""
+        self._settle()
         high = self.number.rounded(offset)
-        parts = heyoka_numbers.scalars((high, self.number.rounded(offset - high)), self.number)
-        self._clock, self._stepping = heyoka_numbers.array(parts, self.number), heyoka
+        clock = heyoka_numbers.scalars((high, self.number.rounded(offset - high)), self.number)
+        self._parameters = self._parameters.copy()  # marks know those from before
+        self._parameters[:2] = heyoka_numbers.array(clock, self.number)
+        if heyoka is not self._stepping:
+            self._stepping = heyoka
+            self._state, self._dense = heyoka.state[: self.width], heyoka.d_output[: self.width]
         if any(jet.timed for jet in self.jets):
-            heyoka.pars[:2] = self._clock
+            heyoka.pars[:2] = self._parameters[:2]
         if self._first is None:
             self._first = self._here(heyoka)
+
+    def _settle(self) -> None:
+        for record in self._of if self._stepping is not None else ():
+            record.settle(self._parameters, self.number)
 
     # -- callbacks ----------------------------------------------------------------------------
 
     def met(self, k: int, order: int, ta: HeyokaIntegrator, t: HeyokaNumber) -> None:
         """A zero of expression k, or of its rate, at heyoka's time t in the step just taken."""
-        if self.muted:
-            return
-        if ta is not self._met:
-            self._met, self._row = ta, ta.d_output
-        ta.update_d_output(t)
-        self._of[k].notes[order].append(Note(self._clock, t, self._row[: self.width].copy()))
+        if ta is self._stepping:  # and not one of a search
+            ta.update_d_output(t)
+            record = self._of[k]
+            times, rows = record.notes[order]
+            times.append(t)
+            rows.append(self._dense.copy())
+            record.counts[order] += 1
 
     def _stops(self, ta: HeyokaIntegrator) -> bool:
         """Whether an event ends the run in the step just taken."""
-        for k in () if self.muted else self._ends:
+        for k in self._ends:
             record = self._of[k]
-            if record.open or record.noted != record.seen:
-                self._look(k, self._here(ta))
+            if record.open or record.counts != record.seen:
+                self._look(k, ta)
         return self._stop is not None
 
-    def _look(self, k: int, here: Marks) -> None:
+    def _look(self, k: int, ta: HeyokaIntegrator) -> None:
         """Decide about an event that may end the run: a zero counts on the other side alone."""
         record = self._of[k]
-        again, record.seen = record.open or record.noted[0] > record.seen[0], record.noted
+        again = record.open or record.counts[0] > record.seen[0]
+        record.seen = [*record.counts]
         if not again:
-            value = self.jets[k].at(here)[0, 0]
+            value = self.jets[k].value(self._state, ta.time, self._parameters)
             if not value * record.side < 0:  # nothing can have happened
                 return
-        known, start, end = self._polished(k, here)
+        known, start, end = self._polished(k, self._here(ta))
         record.open = end.near
         if end.near:
             return
         decision = self._decided(k, known, start, end)
         record.side = end.side
-        for n, happening in enumerate(decision.found):
-            if happening.sign and self.scene.events[k].counts(happening.sign * self.way):
-                at = located([happening], known)
-                if self._stop is None or at.ahead[0] < self._stop.marks.since_start[0] * self.way:
-                    found = decision.found[: n + 1]
-                    self._stop = Stop(k, found, decision.complete, at.marks)
-                return
+        happenings = decision.happenings
+        counted = self._counted(k, happenings) & (happenings.signs != 0)
+        for n in np.flatnonzero(counted)[:1].tolist():
+            at = happenings.those(np.array([n])).located(known)
+            if self._stop is None or at.ahead[0] < self._stop.marks.since_start[0] * self.way:
+                before = happenings.those(np.arange(n + 1))
+                self._stop = Stop(k, before, decision.complete, at.marks)
+
+    def _counted(self, k: int, happenings: Happenings) -> Booleans:
+        """Which are of the direction that an event asks for."""
+        counts = self.scene.events[k].counts
+        counted: Booleans = np.array([counts(side * self.way) for side in (-1, 0, 1)])
+        return counted[happenings.signs + 1]
 
     # -- corrections of the state, and steps that are taken back --------------------------------
 
@@ -454,27 +494,27 @@ class Watch:
 
         That is: carry its expression a quarter of the way to zero or further.
         """
-        marks = self._here(self._stepping)
-        before = marks._replace(columns=state[: self.width, None].copy())
-        after = before._replace(columns=before.columns.copy())
-        after.columns[: len(moved), 0] = moved
+        time, parameters = self._stepping.time, self._parameters
+        before = state[: self.width].copy()
+        after = before.copy()
+        after[: len(moved)] = moved
         for jet in self.jets:
-            value = jet.at(before)[0, 0]
-            if abs(jet.at(after)[0, 0] - value) > abs(value) / 4:
+            value = jet.value(before, time, parameters)
+            if abs(jet.value(after, time, parameters) - value) > abs(value) / 4:
                 return True
         return False
 
-    def marks(self) -> list[tuple[int, int]]:
+    def marks(self) -> list[list[int]]:
         """How much is noted so far, to be given to ``take_back``."""
-        return [record.noted for record in self._of]
+        return [[*record.counts] for record in self._of]
 
     def take_back(self, noted: object) -> None:
         """Forget what was noted since, in steps that were not the last ones of the run."""
         assert isinstance(noted, list)
+        self._settle()
         self._stop = None
-        for k, (record, counts) in enumerate(zip(self._of, noted, strict=True)):
-            zeros, extrema = (n[:m] for n, m in zip(record.notes, counts, strict=True))
-            self._of[k] = Record((zeros, extrema), side=self.rules.start[k])
+        starts = self.rules.start
+        self._of = [r.first(*first) for r, *first in zip(self._of, noted, starts, strict=True)]
 
     # -- what was found -----------------------------------------------------------------------
 
@@ -493,26 +533,27 @@ class Watch:
         if self._stop is not None:
             known = known.those(known.ahead <= end.place.ahead)
         if self._stop is not None and self._stop.event == k:
-            _, found, complete, _ = self._stop
+            _, happenings, complete, _ = self._stop
         else:
             decision = self._decided(k, known, start, end)
-            found, complete = decision.found, decision.complete
-        counted = [i for i, one in enumerate(found) if event.counts(one.sign * self.way)]
-        deep = depths(found, known, start, end)[counted]
-        found = [found[i] for i in counted]
-        where = located(found, known)
+            happenings, complete = decision.happenings, decision.complete
+        counted = np.flatnonzero(self._counted(k, happenings))
+        deep = depths(happenings, known, start, end)[counted]
+        happenings = happenings.those(counted)
+        where = happenings.located(known)
         times = where.marks.since_start
-        sizes = np.array([abs(float(t)) for t in times.tolist()])
-        spreads = np.array([one.spread for one in found])
-        widths = where.width + spreads / 2 + sizes * float(self.number.eps / 2)
         rows = where.marks.columns.T
-        if not self.number.flat:
+        if self.number.flat:
+            sizes = np.abs(times).astype(float)
+        else:
+            sizes = np.array([abs(float(t)) for t in times.tolist()])
             rows = [heyoka_numbers.numbers(row, self.number) for row in rows.tolist()]
+        widths = where.width + happenings.spreads / 2 + sizes * float(self.number.eps / 2)
         return EventTimes(
             event.name,
             waiting(partial(exact_times, times, read.frame, self.number)),
             read_only(read.states(rows), read.columns),
-            tuple(one.sign * self.way for one in found),
+            tuple((happenings.signs * self.way).tolist()),
             tuple((widths * unit).astype(float).tolist()),
             tuple((deep * float(self.rules.band)).astype(float).tolist()),
             complete,
@@ -521,7 +562,8 @@ class Watch:
     def _polished(self, k: int, last: Marks) -> tuple[Places, End, End]:
         """All that was noted of an event, polished; the start and an end."""
         assert self._first is not None
-        met = [self._gathered(notes) for notes in self._of[k].notes]
+        self._settle()
+        met = [self._of[k].joined(order, self.width) for order in range(2)]
         places, ends = polished(self.jets[k], met, joined_marks([self._first, last]), self.way)
         start, end = ends.those(slice(1)), ends.those(slice(1, 2))
         known = places.those(places.order)
@@ -531,29 +573,14 @@ class Watch:
     def _decided(self, k: int, known: Places, start: End, end: End) -> Decision:
         """What happened of an event up to an end."""
         probe = Probe(self.jets[k], self._stepping, self.width)
-        muted, self.muted = self.muted, True
         search = partial(probe.crossing, known, start.place, end.place, self.way)
-        decision = Decision(known, start, end, self.way, float(self.number.eps), search)
-        self.muted = muted
-        return decision
-
-    def _gathered(self, notes: Sequence[Note]) -> Marks:
-        """What heyoka met, as arrays."""
-        if not notes:
-            none = np.empty(0)
-            return Marks(none, none, none, none, np.empty((self.width, 0)))
-        high, low = np.stack([note.clock for note in notes], axis=1)
-        time: Scalar = heyoka_numbers.array([note.time for note in notes], self.number)
-        rows = np.concatenate([note.row for note in notes]).reshape(len(notes), -1)
-        return Marks(high, low, time, time - time, rows.T.copy())
+        return Decision(known, start, end, self.way, float(self.number.eps), search)
 
     def _here(self, ta: HeyokaIntegrator) -> Marks:
-        return mark(ta, self._clock, self.width, self.number)
+        return mark(ta, self._parameters, self.width)
 
     def still(self) -> list[int]:
         """The events that start at zero and stay within rounding of it for some steps."""
-        self.muted, motion = True, (self._stepping, self._clock, self.width)
+        motion = self._stepping, self._parameters, self.width
         suspects = [k for k, before in enumerate(self.rules.start) if before == 0]
-        still = [k for k in suspects if stays(self.jets[k], *motion)]
-        self.muted = False
-        return still
+        return [k for k in suspects if stays(self.jets[k], *motion)]
