@@ -441,7 +441,7 @@ class Engine:
 
     def tell_scale(self) -> None:
         """Put the scale behind the state: steps that are not finite leave nan there."""
-        self._behind[...] = self._scale
+        self._behind[0] = self._scale
 
     def tell_kept(self) -> None:
         """Give the rates the variables that the equations keep, from where they stand."""
