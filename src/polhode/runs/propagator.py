@@ -243,9 +243,9 @@ class Propagator:
                 if self._long_steps:
                     long_steps = self._long_steps[grid.size >= defaults.LONG_MANY]
                     if (attempt := long_steps.rows(self._state, grid, square)) is not None:
-                        rows, self.steps = attempt
+                        outputs, self.steps = attempt
                         self.outcome = _REACHED_END
-                        return rows if self._turn is None else self._read(rows)
+                        return outputs if self._turn is None else self._read(outputs)
                 if square > max(self._far, (grid.size / defaults.FAR_OUTPUTS) ** 2):
                     engine = self._higher_at_start()
                 engine.begin()
