@@ -480,7 +480,8 @@ def propagator(
     number : {"double", "extended"}
         The number type.
     tol : number, optional
-        The tolerance of a step; the type's eps by default.
+        The tolerance of a step; the type's eps by default.  Above eps a row depends, within the
+        tolerance, on which others are asked for: see ``polhode guide short-runs``.
     project : bool or int
         Project the state onto the first integrals of its own start every so many steps; True: as
         often as :func:`polhode.integrate` does.
