@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from math import isfinite
@@ -19,6 +20,7 @@ from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import (
+    DOUBLE,
     EXTENDED,
     AnyNumber,
     Doubles,
@@ -34,7 +36,9 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults, lanes
 from polhode.taylor.batches import BatchJob, Columns
+from polhode.taylor.engine import Engine, order_of
 from polhode.taylor.heyoka import TIME_LIMIT, OutOfRange
+from polhode.taylor.long_steps import LongSteps
 from polhode.taylor.projection import Projector, StartTarget
 from polhode.taylor.stepping import Integrator
 from polhode.taylor.system import System
@@ -105,8 +109,7 @@ class Propagator:
         self._owner = get_ident()
         self._engine = system.engine()
         finalize(self, self._engine.release).atexit = False  # another body's from then on
-        self._state, self._until = self._engine.state, self._engine.heyoka.propagate_until
-        self._begin, self._through = self._engine.begin, self._engine.heyoka.propagate_grid
+        self._state = self._engine.state
         self._last: tuple[bytes, Grid | None] = b"", None  # several times, by value, and their grid
         self._memory: Any = memoryview(self._state)  # which takes an array of its own kind alone
         self._first: Flat = self._state.copy()
@@ -119,21 +122,32 @@ class Propagator:
         self._scale = np.ones(self._shape, self._kind)
         self._scale[:3] = unit
         self._back = 1 / self._scale
-        self._backs = np.tile(self._back, _BLOCK)
+        self._backs = np.tile(self._back, (_BLOCK, 1))
         self._plain = unit == 1 and self._turn is None
+        back = None if self._plain or self._turn is not None else self._back
+        # the tolerance where it is above eps and it alone decides, no projection; else 0
+        loose = 0.0
+        if system.tolerance is not None and self.number is DOUBLE and every is None:
+            loose = float(system.tolerance) if system.tolerance > DOUBLE.eps else 0.0
+        self._long_steps = [LongSteps(system, x, back) for x in defaults.long_steps(loose)]
+        self._far = math.inf  # (radians)**2 from where on heyoka's own order is not the fastest
+        if loose > defaults.ABOVE:
+            self._far, self._order = defaults.FAR**2, order_of(loose) + defaults.MORE
         self._unit = (1 / unit).item()  # Python's own number: a product too large is inf, unsaid
         choices = defaults.of(self.number)
         self._most = choices.max_steps
         #: (rate t)**2 of a call that needs no limit; none is, where the state is projected
         self._sure = (choices.chunk / lanes.STEPS) ** 2 if every is None else 0.0
         body = self.scene.body
-        self._moments, torque = _doubles(body.moments), _doubles(body.torque)
         with np.errstate(all="ignore"):  # inf or nan of a body beyond the range: never sure
-            bound = np.array([self._moments.max(), 5 * np.sqrt((torque**2).sum())])
-            self._spin, self._weight = (bound / self._moments.min()).tolist()
-        self._weight = max(self._weight, float(self._unit * self._unit) * 2.0**-900)
-        omega = self._first[:3] * self._back[:3]
-        self._rate = self._spin * float(omega @ omega) + self._weight
+            bound = lanes.Bound.of(_doubles(body.moments), _doubles(body.torque))
+            if self._turn is not None:
+                bound = bound.about_any_axes()
+            least = float(self._unit * self._unit) * 2.0**-900
+            #: (rate)**2 of a start as it is given: of w squared, of gamma, and the rest
+            self._terms = *bound.terms.tolist(), max(float(bound.rest), least)
+            fastest = lanes.rates(self._first[None], self._bound).item() * float(self._unit)
+        self._rate = max(fastest * fastest, least)
 
     def __call__(
         self,
@@ -204,25 +218,42 @@ class Propagator:
                     raise self._bad("start", plain(start), "gamma of length 1, to 8 eps")
                 if self._long:
                     p, q, r = float(p), float(q), float(r)  # whose squares are inf, unsaid
-                rate = self._spin * (p * p + q * q + r * r) + self._weight
+                of_p, of_q, of_r, of_a, of_b, of_c, rate = self._terms
+                rate += of_p * p * p + of_q * q * q + of_r * r * r + of_a * a + of_b * b + of_c * c
                 if self._turn is not None:
                     self._state[...] = self._inside(start)
                 elif not self._plain:
                     np.multiply(start, self._scale, self._state)
-            self._begin()
+            engine = self._engine
             if type(t) is float:
-                if t * t * rate < self._sure:  # not where any of them is not finite
-                    ended, _, _, self.steps, _, _ = self._until(t * self._unit)
+                if (square := t * t * rate) < self._sure:  # not where any of them is not finite
+                    if square > self._far:
+                        engine = self._higher_at_start()
+                    engine.begin()
+                    ended, _, _, self.steps, _, _ = engine.heyoka.propagate_until(t * self._unit)
                     if ended.value == _THERE:
                         self.outcome = _REACHED_END
                         if self._turn is not None:
-                            return self._read(self._state)
-                        state: Flat = self._state * self._back
+                            return self._read(engine.state)
+                        state: Flat = engine.state * self._back
                         return state
-            elif (grid := self._grid(t)) is not None and grid.square * rate < self._sure:
-                ended, _, _, self.steps, _, rows = self._through(grid.ahead)
+            elif (grid := self._grid(t)) is not None and (
+                square := grid.square * rate
+            ) < self._sure:
+                if self._long_steps:
+                    long_steps = self._long_steps[grid.size >= defaults.LONG_MANY]
+                    if (attempt := long_steps.rows(self._state, grid, square)) is not None:
+                        outputs, self.steps = attempt
+                        self.outcome = _REACHED_END
+                        return outputs if self._turn is None else self._read(outputs)
+                if square > max(self._far, (grid.size / defaults.FAR_OUTPUTS) ** 2):
+                    engine = self._higher_at_start()
+                engine.begin()
+                ended, _, _, self.steps, _, rows = engine.heyoka.propagate_grid(grid.ahead)
                 if ended.value == _THERE:
                     self.outcome = _REACHED_END
+                    if engine is not self._engine:
+                        rows = rows[:, : engine.columns].copy()
                     states: Flat = rows[-grid.size :]
                     return self._read(states)
             several = numbers_given(t)[1]
@@ -312,6 +343,18 @@ class Propagator:
             self._last = value, Grid.of(times, self._unit)
         return self._last[1]
 
+    def _higher_at_start(self) -> Engine:
+        """The engine of a higher order, where the other one stands."""
+        self._higher.state[:] = self._state
+        return self._higher
+
+    @cached_property
+    def _higher(self) -> Engine:
+        """An engine of an order above heyoka's own."""
+        engine = self._system.engine(order=self._order)
+        finalize(self, engine.release).atexit = False
+        return engine
+
     def __copy__(self) -> Propagator:
         return Propagator(self._system, self._every)
 
@@ -335,11 +378,11 @@ class Propagator:
             return flat(self._system.read.states(several)).reshape(rows.shape)
         if self._plain:
             return rows
-        numbers, backs = rows.reshape(-1), self._backs
-        for k in range(0, len(numbers), len(backs)):
-            part = numbers[k : k + len(backs)]
+        flat_rows, backs = rows.reshape(-1, rows.shape[-1]), self._backs
+        for k in range(0, len(flat_rows), _BLOCK):
+            part = flat_rows[k : k + _BLOCK]
             np.multiply(part, backs[: len(part)], part)  # by powers of two
-        return numbers.reshape(rows.shape)
+        return flat_rows.reshape(rows.shape)
 
     def _array(self, start: npt.ArrayLike) -> Flat:
         """A start as an array of the propagator's type and shape; raises BadInput."""
@@ -363,7 +406,7 @@ class Propagator:
         if start is not None and not np.isfinite(start).all():
             raise self._bad("start", plain(start), "finite numbers")
         self._state[...] = self._first if start is None else self._inside(start)
-        self._begin()
+        self._engine.begin()
         scene = self.scene.at(given)
         times = self._system.times(scene)
         corrector = None
@@ -437,7 +480,8 @@ def propagator(
     number : {"double", "extended"}
         The number type.
     tol : number, optional
-        The tolerance of a step; the type's eps by default.
+        The tolerance of a step; the type's eps by default.  Above eps a row depends, within the
+        tolerance, on which others are asked for: see ``polhode guide short-runs``.
     project : bool or int
         Project the state onto the first integrals of its own start every so many steps; True: as
         often as :func:`polhode.integrate` does.

@@ -55,6 +55,50 @@ def of(number: NumberType) -> Policy:
     return row._replace(chunk=max(1, steps))
 
 
+# How a propagator of doubles makes rows where the tolerance is above eps: processor time of the
+# ordinary way over that of the chosen one, heyoka 7.13, on two busy cores; so many outputs of one
+# body each of four or five kinds, the median (least-most).
+#
+#   long steps, tol    101, t = 0.3      101, t = 1        10 001, t = 1    10 001, t = 10
+#   1e-5                                 1.09 (0.97-1.69)  3.7 (3.1-6.3)    2.9 (2.2-5.8)
+#   1e-7               1.32 (1.26-1.47)  1.07 (0.91-1.25)  6.7 (3.1-8.2)    2.7 (1.7-5.1)
+#   1e-9                                 1.02 (0.91-1.43)  5.9 (4.8-7.4)    3.3 (1.4-4.1)
+#
+#   higher order, tol  the end, t = 1    the end, t = 10   101, t = 10      101, t = 100
+#   1e-5               0.96 (0.92-1.29)  1.13 (0.97-1.72)  1.04 (1.0-1.6)   1.35 (1.2-2.0)
+#   1e-6               1.02 (1.00-1.23)  1.04 (0.97-1.38)  0.99 (0.9-1.3)   1.18 (1.1-1.6)
+#
+# With 51 outputs two long steps cost what heyoka's grid does (0.97), with 1001 some 20 do (1.0);
+# times that are asked for once cost more, since their powers are made first (0.8 with 101).  Higher
+# orders of tolerances below 5e-7 are faster only for what they lose in digits.
+
+
+class LongStepChoice(NamedTuple):
+    """Of long steps (polhode.taylor.long_steps): their order, and outputs a step, at least."""
+
+    order: int
+    outputs: int
+
+
+#: Orders of long steps for few outputs and for many, for tolerances above these; none for others.
+_LONG_ORDERS = ((3e-4, 14, 12), (3e-6, 16, 14), (3e-8, 20, 14), (3e-10, 24, 14), (1e-12, 28, 16))
+LONG_MANY = 1000
+#: Of a first attempt: radians of the bound of the rate in a step, over tolerance**(1 / order).
+#: Of 48 starts of six kinds heyoka granted as much to all, and 4.3 to 5.2 in the median.
+LONG_REACH = 2.6
+#: Above this tolerance the order is heyoka's own and so much, where a propagator's way is longer
+#: than so many radians of the bound, and than those of its outputs.
+ABOVE, MORE, FAR, FAR_OUTPUTS = 5e-7, 2, 20.0, 5.0
+
+
+def long_steps(tolerance: float) -> tuple[LongStepChoice, ...]:
+    """The long steps for a tolerance, with few outputs and with many; none where there are none."""
+    for least, few, many in _LONG_ORDERS:
+        if tolerance > least:
+            return LongStepChoice(few, 50), LongStepChoice(many, 100)
+    return ()
+
+
 def first_step_offset(number: NumberType) -> Fraction:
     """What is added to all that heyoka watches in a motion's first step.
 

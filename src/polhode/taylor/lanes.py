@@ -43,6 +43,12 @@ class Bound(NamedTuple):
         terms = np.concatenate(np.broadcast_arrays(inertia / least, 2 * moment / least), axis=-1)
         return cls(terms, (3 * weight / least)[..., 0])
 
+    def about_any_axes(self) -> Bound:
+        """The same of the starts of one body along other axes than its principal ones."""
+        terms = np.zeros_like(self.terms)
+        terms[:3] = self.terms[:3].max()
+        return Bound(terms, self.rest * (5 / 3))
+
 
 def rates(starts: Stack, bound: Bound) -> Doubles:
     """Bounds of the fastest rates of motions, by their energy: radians in a unit of time.

@@ -177,12 +177,15 @@ class System:
     def _last_times(self) -> list[tuple[ExactNumbers[Exact], Times]]:
         return []
 
-    def engine(self, watcher: Watcher | None = None) -> Engine:
+    def engine(self, watcher: Watcher | None = None, order: int = 0) -> Engine:
         """An engine that stands at the start at time 0, and looks for a watcher's events.
 
-        Raises OutOfRange for numbers that the type cannot hold, before anything is compiled.
+        ``order``: of a step, heyoka's own for the tolerance where it is 0.  Raises OutOfRange for
+        numbers that the type cannot hold, before anything is compiled.
         """
         start, parameters, equations = self.state, self.parameters, self.equations
+        if order:
+            equations = replace(equations, order=order)
         key = equations if watcher is None else (equations, watcher.key)
         engine = lent(key, lambda: built(equations, Engine, self, watcher), wait=False)
         if watcher is not None:
