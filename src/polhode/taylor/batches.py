@@ -273,6 +273,8 @@ class CompiledBatch(Engine):
     def begin(self) -> None:
         """All lanes at time 0 where they stand."""
         self.heyoka.set_time(0.0)
+        if self._scale:
+            self.tell_scale()
         if self.kept:
             self.tell_kept()
 
@@ -291,7 +293,7 @@ class CompiledBatch(Engine):
     def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, Any, Outcome]:
         """The same of all lanes, which stand at one time: states at times that all of them met."""
         grid = np.repeat(np.array([times]).T, self.places, axis=1)
-        rows = self.heyoka.propagate_grid(grid, max_steps=most)[1][1:]
+        rows = self.heyoka.propagate_grid(grid, max_steps=most)[1][1:, : self.columns]
         outcome, taken = self.ended(None)
         return rows[~np.isnan(rows[:, 0]).any(axis=1)], taken, outcome
 

@@ -7,6 +7,7 @@ is divided by a power of two and set back to zero so often that it stays below a
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, fields
@@ -187,7 +188,8 @@ class Equations:
     parameters.  ``constants``: those of a form whose coefficients are none.  ``still``: no rate but
     zero.  ``lanes``: of a batch, 0 for one motion.  ``tangents``: so many columns u with
     u' = J(x) u follow the state; of the last ``driven`` of them the rate of the state by
-    coefficients of their own is added, which stand behind the first ones.
+    coefficients of their own is added, which stand behind the first ones.  ``order``: of a step,
+    at least heyoka's own for the tolerance; 0: that one.
     """
 
     columns: tuple[str, ...]
@@ -201,6 +203,7 @@ class Equations:
     lanes: int = 0
     tangents: int = 0
     driven: int = 0
+    order: int = 0
 
     def __hash__(self) -> int:
         return self._hash
@@ -252,8 +255,13 @@ def built(
         for parameter, column in enumerate(kept, first + len(pattern)):
             inside[column] = hy.par[parameter]
         stepped = list(zip(x, field(inside, k) if kept else rates, strict=True))
-    if equations.tolerance is not None:
-        options["tol"] = scalar(equations.tolerance, number)
+    tolerance, scale = equations.tolerance, 0.0
+    if tolerance is not None and equations.order:
+        least = _tolerance_of(equations.order)
+        stepped.append((hy.make_vars("scale"), EXPRESSIONS.zero))
+        tolerance, scale = Fraction(least), float(tolerance) / least
+    if tolerance is not None:
+        options["tol"] = scalar(tolerance, number)
     with disk_cache(number):
         if watcher is not None:
             parameters = {name: hy.par[i] for i, name in enumerate(pattern, DESK)}
@@ -267,7 +275,23 @@ def built(
                 options["t_events"] = [terminal_event(away, number)]
         heyoka = integrator(stepped, number, equations.lanes, **options)
     count = len(pattern) * (1 + equations.driven)
-    return kind(heyoka, number, first, count, kept, desk)
+    return kind(heyoka, number, first, count, kept, desk, scale)
+
+
+def order_of(tolerance: float) -> int:
+    """The order that heyoka chooses for a tolerance (Jorba & Zou, Exp. Math. 14, 2005, 99-117)."""
+    return math.ceil(1 - math.log(tolerance) / 2)
+
+
+def _tolerance_of(order: int) -> float:
+    """The largest tolerance, nearly, for which heyoka chooses an order.
+
+    Steps of that order are as accurate as a larger tolerance asks where a variable that never moves
+    stands beside the others: heyoka's errors are relative to the largest one.  It is as many times
+    1 as the two tolerances are apart; where the state is larger than that, steps are shorter than
+    need be.
+    """
+    return math.exp(2 * (1 - order)) * (1 + 2.0**-30)
 
 
 def integrator(
@@ -374,8 +398,9 @@ class Engine:
     ``heyoka``: the integrator itself, ``state`` and ``parameters``: views of its memory.  From the
     parameter ``first`` on stand the ``coefficients``; behind them are ``kept``, the columns that
     the equations keep, as far as any rate asks for them.  ``desk``: of its events, where it looks
-    for any.  ``singular``: whether it ends near a form's singular set.  In a ``with`` block it is
-    left to the next user at the end, unless an exception ends the block.
+    for any.  ``scale``: what stands behind the ``columns`` of the state where the order is another
+    than heyoka's own, 0 where it is not.  ``singular``: whether it ends near a form's singular set.
+    In a ``with`` block it is left to the next user at the end, unless an exception ends the block.
     """
 
     def __init__(
@@ -386,9 +411,12 @@ class Engine:
         coefficients: int = 0,
         kept: tuple[int, ...] = (),
         desk: Desk | None = None,
+        scale: float = 0.0,
     ) -> None:
         self.heyoka, self.number, self.desk = heyoka, number, desk
-        self.state, self.parameters = heyoka.state, heyoka.pars
+        self.columns = len(heyoka.state) - (scale != 0)
+        self.state, self.parameters = heyoka.state[: self.columns], heyoka.pars
+        self._scale, self._behind = scale, heyoka.state[self.columns :]
         used = max(0, len(self.parameters) - first)  # no rate asks for those after
         self.first, self.after = first, first + min(used, coefficients)
         self.kept = tuple(enumerate(kept[: first + used - self.after], self.after))
@@ -399,6 +427,8 @@ class Engine:
     def begin(self) -> None:
         """Be at time 0 in the state that was written to :attr:`state`."""
         self.heyoka.time = self._zero
+        if self._scale:
+            self.tell_scale()
         if self.singular:
             self.heyoka.reset_cooldowns()  # traces of a run that ended there
         if self.kept:
@@ -408,6 +438,10 @@ class Engine:
         """Give the rates their coefficients."""
         if self.after > self.first:
             self.parameters[self.first : self.after] = coefficients[: self.after - self.first]
+
+    def tell_scale(self) -> None:
+        """Put the scale behind the state: steps that are not finite leave nan there."""
+        self._behind[...] = self._scale
 
     def tell_kept(self) -> None:
         """Give the rates the variables that the equations keep, from where they stand."""
@@ -451,7 +485,7 @@ class Engine:
     def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, int, Outcome]:
         """Go on through times, the first of them now: states at the others met, steps, ending."""
         result = self.heyoka.propagate_grid(array(times, self.number), max_steps=most)
-        rows: Array = result[-1][1:]
+        rows: Array = result[-1][1:, : self.columns]
         return rows, int(result[3]), ending(result[0])
 
     def polynomials(self, end: HeyokaNumber, most: int) -> tuple[Outcome, HeyokaOutput]:
