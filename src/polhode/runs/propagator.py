@@ -34,6 +34,7 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults, lanes
 from polhode.taylor.batches import BatchJob, Columns
+from polhode.taylor.engine import order_of
 from polhode.taylor.heyoka import TIME_LIMIT, OutOfRange
 from polhode.taylor.projection import Projector, StartTarget
 from polhode.taylor.stepping import Integrator
@@ -277,8 +278,12 @@ class Propagator:
         k = self._system.coefficients
         numbers = {name: to_double(k[name]) for name in sorted(k)}
         motions = Columns(np.array([[*numbers.values()]]), np.empty((0, self._shape[0])))
-        asked = (*numbers,), self.number, self._system.tolerance, self._most, np.zeros(1)
-        return BatchJob(*asked, self._system.frame.unit, motions)
+        tolerance, order = self._system.tolerance, 0
+        if tolerance is not None and tolerance > self.number.eps:
+            order, own = defaults.ARRAYS.highest, order_of(float(tolerance))
+            order = min(order, round(defaults.ARRAYS.factor * own)) if own < order else 0
+        asked = (*numbers,), self.number, tolerance, self._most, np.zeros(1)
+        return BatchJob(*asked, self._system.frame.unit, motions, order=order)
 
     @cached_property
     def _bound(self) -> lanes.Bound:
