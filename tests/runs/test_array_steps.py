@@ -98,7 +98,8 @@ def test_rows_are_as_accurate_as_the_tolerance_asks(name, tol, counted):
     rows, unit = starts(go, MANY)
     t = 2.0 * unit * (-1 if tol == 1e-8 else 1)
     found = go(rows, t=t)
-    assert go.outcome.done and counted[0][0] > MANY * 0.9
+    assert go.outcome.done
+    assert counted[0][0] > MANY * 0.9
     assert counted[0][1] < 0.2 * MANY  # else the steps are chosen too long
     which = members(MANY, 3)
     off = errors(found[which], true(go, rows[which], t), rows[which], unit)
@@ -164,7 +165,7 @@ def test_a_motion_along_a_separatrix_and_one_beside_it():
         gamma /= np.sqrt(gamma @ gamma)
     rows = np.zeros((MANY, 6))
     rows[:, 3:] = -gamma
-    rows[:, 0] = np.ldexp(1.0, -np.arange(MANY) % 48 - 4)
+    rows[:, 0] = np.ldexp(1.0, -4 - np.arange(MANY) % 48)
     which = np.array([0, 1, 10, 30, 47])
     off = np.abs(go(rows, t=4.0)[which] - true(go, rows[which], 4.0)).max(axis=1)
     assert off.max() < 40 * 1e-9
@@ -178,7 +179,8 @@ def test_whose_steps_were_too_long_is_made_again(monkeypatch, counted):
     exact = of("asymmetric", None)(rows, t=2.0)
     monkeypatch.setattr(defaults, "ARRAYS", defaults.ARRAYS._replace(reach=20.0))
     found = go(rows, t=2.0)
-    assert counted[0][1] > 0.9 * MANY and len(counted) == 2
+    assert counted[0][1] > 0.9 * MANY
+    assert len(counted) == 2  # what is left goes in batches
     slow = np.arange(MANY) > 3
     assert np.abs(found - exact)[slow].max() < 2e-6
     monkeypatch.setattr(defaults, "ARRAYS", defaults.ARRAYS._replace(share=1e9))
@@ -192,14 +194,14 @@ def test_what_the_step_is_not_for_goes_as_before(counted):
     go(rows, t=1.0)
     assert np.array_equal(of("asymmetric", EPS)(rows, t=1.0), go(rows, t=1.0))
     loose = of("asymmetric", 1e-8)
+    slow = np.abs(rows[:, :3]).max(axis=1) < 2
     few, several = loose(rows[: MANY - 1], t=1.0), loose(rows, t=[0.5, 1])
     assert counted == []
-    assert np.array_equal(several[:-1, 1], few) or np.abs(several[:-1, 1] - few).max() < 1e-7
-    slow = np.abs(rows[:, :3]).max(axis=1) < 2
-    longer = loose(rows, t=50.0)
-    assert np.abs(longer - go(rows, t=50.0))[slow].max() < 1e-3
-    assert counted[0][0] < MANY / 2
+    assert np.abs(several[:-1, 1] - few)[slow[:-1]].max() < 1e-7
+    loose(rows, t=20.0)
+    assert 0 < counted[0][0] < MANY
     assert np.array_equal(loose(rows, t=0.0), rows)
+    assert np.isfinite(loose(rows, t=-1.0)).all()
 
 
 def test_the_limits_are_those_of_the_choices():

@@ -304,8 +304,10 @@ def integrate_many(
     here = executor is None and parts is None
     size = LANES if plan.number.name == "double" else 1
     groups = list(plan.groups(size, _most_jobs(plan, here)))
-    key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance, plan.max_steps
-    kept = JobCheckpoint.at(parts, "sweep", *key, *groups)
+    kept = None
+    if parts is not None:  # writing a scene as text takes longer than a small sweep
+        key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance
+        kept = JobCheckpoint(parts, "sweep", *key, plan.max_steps, *groups)
     jobs: list[FlatJob | WideJob] = [
         member_jobs.flat_job(plan, group)
         if plan.number.flat
