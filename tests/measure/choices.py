@@ -286,8 +286,8 @@ def arrays() -> None:
         "Starts of a heavy top with |w| to about 3 by a propagator whose tolerance is above eps: "
         "processor time of batches of heyoka's own order over that of batches of a higher one, and "
         f"of one compiled step for all starts; median and largest error of each. From {row.starts} "
-        f"starts on, and for motions that turn by at most {row.radians:.0f} radians by their bound, "
-        "the step is taken: compiling it costs 0.2 to 2 s once, and heyoka's cache keeps it.\n"
+        f"starts on, and for motions that turn by at most {row.radians:.0f} radians by their "
+        "bound, the step is taken: compiling it costs 0.2 to 2 s once, and heyoka's cache keeps it.\n"
     )
     rows, rng = [], np.random.default_rng(1)
     for count in (128, row.starts, 8 * row.starts):
@@ -302,7 +302,7 @@ def arrays() -> None:
                 times, errors = [], []
                 for ready, least_starts in ((own, count + 1), (go, count + 1), (go, 1)):
                     defaults.ARRAYS = row._replace(starts=least_starts)
-                    seconds, states = least(lambda g=ready: g(starts, t=t, workers=1), 7)
+                    seconds, states = least(lambda g=ready, x=starts, t=t: g(x, t=t, workers=1), 7)
                     off = np.abs(states - exact).max(axis=1)
                     times.append(seconds)
                     errors.append(f"{np.median(off):.0e}, {off.max():.0e}")

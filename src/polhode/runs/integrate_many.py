@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import npy_header, read_whole
 from polhode.common.interrupts import Delay, Progress, Stop, bar
 from polhode.common.processes import run_jobs
+from polhode.common.values import waiting
 from polhode.numbers.number_types import AnyNumber, NumberType
 from polhode.results.cells import texts, word_of
 from polhode.results.reader import is_result
@@ -28,7 +30,7 @@ from polhode.runs.members import Plan, planned
 from polhode.runs.options import check_method
 from polhode.runs.saved import load_result
 from polhode.scenes import library, vary
-from polhode.scenes.members import tables_of
+from polhode.scenes.members import Members, tables_of
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor import defaults
@@ -328,6 +330,7 @@ def integrate_many(
     with Delay() as delay:  # what is finished is not lost
         found, told = member_jobs.put_together(plan, groups, finished.results)
         delay.forget()
+    plan.members.speak()
     seconds = {
         "scenes": prepared - asked,
         "run": time.perf_counter() - prepared,
@@ -346,9 +349,14 @@ def integrate_many(
         tolerance=float(tolerance),
         digits=digits,
         told=told,
-        provenance={**plan.members.provenance(), "seconds": seconds},
+        provenance=waiting(partial(_provenance, plan.members, seconds)),
         kept=kept,
     )
+
+
+def _provenance(members: Members, seconds: Mapping[str, float]) -> Mapping[str, object]:
+    """A sweep's provenance, made when it is wanted: it takes as long as a small sweep."""
+    return {**members.provenance(), "seconds": seconds}
 
 
 def _solved(job: FlatJob | WideJob, stop: Stop | None = None) -> Solved:

@@ -1,6 +1,6 @@
 """States of a large array of starts, a short way on, by one compiled Taylor step for all of them.
 
-Taken for one time, doubles, a tolerance above the type's eps and as many starts as pay for
+Taken for one time, doubles, a tolerance well above the type's eps and as many starts as pay for
 compiling the step: see :data:`polhode.taylor.defaults.ARRAYS`.
 
 The step is heyoka's compiled function of a start, the step's length and the coefficients: the state
@@ -45,7 +45,7 @@ class EqualSteps(NamedTuple):
         Those that turn too far are left to batches.
         """
         row, tolerance = defaults.ARRAYS, float(job.tolerance or 0)
-        if len(rates) < row.starts or job.number != DOUBLE or tolerance <= float(DOUBLE.eps):
+        if len(rates) < row.starts or job.number != DOUBLE or tolerance < row.finest:
             return None
         if np.count_nonzero(job.times) != 1:
             return None
