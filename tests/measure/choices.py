@@ -285,9 +285,10 @@ def arrays() -> None:
     print(
         "Starts of a heavy top with |w| to about 3 by a propagator whose tolerance is above eps: "
         "processor time of batches of heyoka's own order over that of batches of a higher one, and "
-        f"of one compiled step for all starts; median and largest error of each. From {row.starts} "
-        f"starts on, and for motions that turn by at most {row.radians:.0f} radians by their "
-        "bound, the step is taken: compiling it costs 0.2 to 2 s once, and heyoka's cache keeps it.\n"
+        "of one compiled step for all starts; median and largest error of each. From "
+        f"{row.starts} starts on, for motions that turn by at most {row.radians:.0f} radians by "
+        f"their bound, and with a tolerance of at least {row.finest:.0e}, the step is taken: "
+        "compiling it takes some tenths of a second or more, once, and heyoka's cache keeps it.\n"
     )
     rows, rng = [], np.random.default_rng(1)
     for count in (128, row.starts, 8 * row.starts):

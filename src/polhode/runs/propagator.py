@@ -177,10 +177,10 @@ class Propagator:
         last bits of the two differ.  In extended, and where the state is projected, the rows go one
         by one.
 
-        With a tolerance of 1e-12 or more and one time, arrays of 1024 starts or more go by steps of equal
-        length, so many as the row itself asks for; whose error is then larger than the tolerance
-        allows goes in a batch.  So a row of such an array and the same row of a smaller one, or at
-        several times, differ by errors of the size that the tolerance stands for.
+        With a tolerance of 1e-12 or more and one time, arrays of 1024 starts or more go by steps of
+        equal length, so many as the row itself asks for; whose error is then larger than the
+        tolerance allows goes in a batch.  So a row of such an array and the same row of a smaller
+        one, or at several times, differ by errors of the size that the tolerance stands for.
         """
         if get_ident() != self._owner:
             raise self._bad("thread", "another one", "its own, or a copy.copy of the propagator")

@@ -51,12 +51,13 @@ class ArrayPolicy(NamedTuple):
     """How arrays of starts are stepped in double where the tolerance is above the type's eps.
 
     ``starts``: from so many on, to so many ``radians`` of a motion's bound of rates and with at
-    least this tolerance, ``finest``, below which its rounding shows, by one compiled step of order ``lowest`` and ``rise`` more for each digit of the tolerance.  A step is
-    ``reach`` + order/10 times tolerance**(1/order) radians: of few motions they are too long, and
-    made again.  ``share``: of the tolerance, that its last two terms may be; heyoka's own steps
-    allow half a tolerance to the last but one.  All others go in batches, of an order ``factor``
-    times heyoka's own, but at most ``highest``, by ``part`` of the tolerance, for what steps of
-    such orders leave out is larger than of heyoka's own.
+    least the tolerance ``finest``, below which its rounding shows, by one compiled step of order
+    ``lowest`` and ``rise`` more for each digit of the tolerance.  A step is ``reach`` + order/10
+    times tolerance**(1/order) radians: of few motions they are too long, and made again.
+    ``share``: of the tolerance, that its last two terms may be; heyoka's own steps allow half a
+    tolerance to the last but one.  All others go in batches, of an order ``factor`` times heyoka's
+    own, but at most ``highest``, by ``part`` of the tolerance, for what steps of such orders leave
+    out is larger than of heyoka's own.
     """
 
     starts: int
