@@ -279,6 +279,50 @@ def lanes() -> None:
     table(["lanes", "build, ms", "µs a step and lane", "times scalar"], rows)
 
 
+def arrays() -> None:
+    row, usual = defaults.ARRAYS, polhode.propagator(heavy(1))
+    print("## Arrays of starts: one compiled step, or batches\n")
+    print(
+        "Starts of a heavy top with |w| to about 3 by a propagator whose tolerance is above eps: "
+        "processor time of batches of heyoka's own order over that of batches of a higher one, and "
+        "of one compiled step for all starts; median and largest error of each. From "
+        f"{row.starts} starts on, for motions that turn by at most {row.radians:.0f} radians by "
+        f"their bound, and with a tolerance of at least {row.finest:.0e}, the step is taken: "
+        "compiling it takes some tenths of a second or more, once, and heyoka's cache keeps it.\n"
+    )
+    rows, rng = [], np.random.default_rng(1)
+    for count in (128, row.starts, 8 * row.starts):
+        gamma = rng.normal(size=(count, 3))
+        gamma /= np.sqrt((gamma * gamma).sum(axis=1))[:, None]
+        starts = np.hstack([rng.normal(size=(count, 3)), gamma])
+        for t in (1.0, 10.0):
+            exact = usual(starts, t=t, workers=1)
+            for tol in (1e-5, 1e-8, 1e-11):
+                own, go = (polhode.propagator(heavy(1), tol=tol) for _ in range(2))
+                vars(own)["_job"] = own._job._replace(order=0)
+                times, errors = [], []
+                for ready, least_starts in ((own, count + 1), (go, count + 1), (go, 1)):
+                    defaults.ARRAYS = row._replace(starts=least_starts)
+                    seconds, states = least(lambda g=ready, x=starts, t=t: g(x, t=t, workers=1), 7)
+                    off = np.abs(states - exact).max(axis=1)
+                    times.append(seconds)
+                    errors.append(f"{np.median(off):.0e}, {off.max():.0e}")
+                defaults.ARRAYS = row
+                name = f"**{count}**" if (count, t, tol) == (row.starts, 1.0, 1e-5) else str(count)
+                ratios = [f"{times[0] / x:.2f}" for x in times[1:]]
+                rows.append([name, f"{t:.0f}", f"{tol:.0e}", *ratios, *errors])
+    ways = "batches", "higher order", "one step"
+    header = [
+        "starts",
+        "t",
+        "tolerance",
+        "higher order",
+        "one step",
+        *(f"{w}: error" for w in ways),
+    ]
+    table(header, rows)
+
+
 def main() -> None:
     print("# What is chosen for the user\n")
     own, *others = (f"{name} {version}" for name, version in versions().items())
@@ -287,7 +331,7 @@ def main() -> None:
         f"({', '.join(others)}; {cpu()}). "
         "The choice is in **bold** type.\n"
     )
-    parts = (tolerances, compact, digits, chunks, cadences, lanes)
+    parts = (tolerances, compact, digits, chunks, cadences, lanes, arrays)
     for part in (p for p in parts if p.__name__ in sys.argv[1:] or len(sys.argv) == 1):
         began = time.perf_counter()
         part()

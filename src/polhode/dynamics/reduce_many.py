@@ -240,6 +240,7 @@ def reduce_many(
         endings[group], counts[group] = found.endings, found.counts
         for name in names:
             numbers[name][group] = found.numbers[name]
+    plan.members.speak()
     return Reductions(
         scene,
         plan.varied,

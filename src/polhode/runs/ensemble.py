@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput, counted
-from polhode.common.values import ByValue, cached_property
+from polhode.common.values import ByValue, cached_property, may_wait
 from polhode.equations.columns import derived_stack, of_state_alone
 from polhode.equations.integrals import (
     AREA,
@@ -261,6 +261,7 @@ def _measures(
 _SHOWN = 20  # members at either end of a long sweep, in text
 
 
+@may_wait("provenance")
 @dataclass(frozen=True, eq=False, repr=False)
 class Ensemble(SweepResult):
     """Members of a sweep at the same output times, states in the scene's body axes.

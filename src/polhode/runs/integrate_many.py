@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterable, Mapping
 from concurrent.futures import Executor
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import npy_header, read_whole
 from polhode.common.interrupts import Delay, Progress, Stop, bar
 from polhode.common.processes import run_jobs
+from polhode.common.values import waiting
 from polhode.numbers.number_types import AnyNumber, NumberType
 from polhode.results.cells import texts, word_of
 from polhode.results.reader import is_result
@@ -28,6 +30,7 @@ from polhode.runs.members import Plan, planned
 from polhode.runs.options import check_method
 from polhode.runs.saved import load_result
 from polhode.scenes import library, vary
+from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_file import tables_of
 from polhode.scenes.vocabulary import REQUESTS
@@ -304,8 +307,10 @@ def integrate_many(
     here = executor is None and parts is None
     size = LANES if plan.number.name == "double" else 1
     groups = list(plan.groups(size, _most_jobs(plan, here)))
-    key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance, plan.max_steps
-    kept = JobCheckpoint.at(parts, "sweep", *key, *groups)
+    kept = None
+    if parts is not None:  # writing a scene as text takes longer than a small sweep
+        key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance
+        kept = JobCheckpoint(parts, "sweep", *key, plan.max_steps, *groups)
     jobs: list[FlatJob | WideJob] = [
         member_jobs.flat_job(plan, group)
         if plan.number.flat
@@ -326,6 +331,7 @@ def integrate_many(
     with Delay() as delay:  # what is finished is not lost
         found, told = member_jobs.put_together(plan, groups, finished.results)
         delay.forget()
+    plan.members.speak()
     seconds = {
         "scenes": prepared - asked,
         "run": time.perf_counter() - prepared,
@@ -344,9 +350,14 @@ def integrate_many(
         tolerance=float(tolerance),
         digits=digits,
         told=told,
-        provenance={**plan.members.provenance(), "seconds": seconds},
+        provenance=waiting(partial(_provenance, plan.members, seconds)),
         kept=kept,
     )
+
+
+def _provenance(members: Members, seconds: Mapping[str, float]) -> Mapping[str, object]:
+    """A sweep's provenance, made when it is wanted: it takes as long as a small sweep."""
+    return {**members.provenance(), "seconds": seconds}
 
 
 def _solved(job: FlatJob | WideJob, stop: Stop | None = None) -> Solved:

@@ -189,6 +189,11 @@ class Propagator:
         any number of threads.  It is computed in the lanes of a batch, a start alone is not: the
         last bits of the two differ.  In extended, and where the state is projected, the rows go one
         by one.
+
+        With a tolerance of 1e-12 or more and one time, arrays of 1024 starts or more go by steps of
+        equal length, so many as the row itself asks for; whose error is then larger than the
+        tolerance allows goes in a batch.  So a row of such an array and the same row of a smaller
+        one, or at several times, differ by errors of the size that the tolerance stands for.
         """
         if get_ident() != self._owner:
             raise self._bad("thread", "another one", "its own, or a copy.copy of the propagator")
@@ -308,8 +313,12 @@ class Propagator:
         k = self._system.coefficients
         numbers = {name: to_double(k[name]) for name in sorted(k)}
         motions = Columns(np.array([[*numbers.values()]]), np.empty((0, self._shape[0])))
-        asked = (*numbers,), self.number, self._system.tolerance, self._most, np.zeros(1)
-        return BatchJob(*asked, self._system.frame.unit, motions)
+        tolerance, order = self._system.tolerance, 0
+        if tolerance is not None and tolerance > self.number.eps:
+            order, own = defaults.ARRAYS.highest, order_of(float(tolerance))
+            order = min(order, round(defaults.ARRAYS.factor * own)) if own < order else 0
+        asked = (*numbers,), self.number, tolerance, self._most, np.zeros(1)
+        return BatchJob(*asked, self._system.frame.unit, motions, order=order)
 
     @cached_property
     def _bound(self) -> lanes.Bound:

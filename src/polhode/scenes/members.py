@@ -117,10 +117,13 @@ class Members(LazySequence[Scene]):
         moments = [x for key, x in each if key.startswith("body.moments")]
         return len(moments) < 3 or 2 * max(moments) > sum(moments) * (1 - _NEAR_FLAT)
 
-    def provenance(self) -> dict[str, object]:
-        """Where a result comes from, see :meth:`Scene.provenance`; members' notes are said, too."""
+    def speak(self) -> None:
+        """Say the members' own notes on stderr, as :meth:`Scene.speak` does a scene's."""
         for text in self.notes[len(self.scene.notes) :]:
             say_change(self.scene.name, text)
+
+    def provenance(self) -> dict[str, object]:
+        """Where a result comes from, see :meth:`Scene.provenance`, and the members' notes."""
         facts = self.scene.provenance()
         return facts | {"notes": list(self.notes)} if self.notes else facts
 

@@ -104,7 +104,7 @@ class BatchJob(NamedTuple):
 
     ``names``: of the coefficients.  ``times``: away from 0, numbers of the type.  ``unit``: that of
     time, by which what is reached is told.  ``sure``: whether all of them arrive in so few steps
-    that nobody need look.
+    that nobody need look.  ``order``: of a step of doubles, 0 for heyoka's own.
     """
 
     names: tuple[str, ...]
@@ -115,6 +115,7 @@ class BatchJob(NamedTuple):
     unit: Fraction
     motions: Columns
     sure: bool = False
+    order: int = 0
 
     @property
     def columns(self) -> int:
@@ -375,7 +376,7 @@ def at_once(
                 ta.propagate_until(end)
                 rows[-1] = state
             else:
-                rows[-len(ahead) :] = ta.propagate_grid(grid)[1][1:]
+                rows[-len(ahead) :] = ta.propagate_grid(grid)[1][1:, : job.columns]
             if steps is not None:
                 counts[k] = [result[3] for result in ta.propagate_res]
     arrived = np.isfinite(states[:, -1])
@@ -427,16 +428,24 @@ def _alike(coefficients: Stack) -> bool:
 def prepared(job: BatchJob) -> Engine:
     """The engine of a job, from the pool or built: a batch of doubles, or one longdouble motion."""
     kind = CompiledBatch if job.number.name == "double" else Engine
-    return principal_engine(_equations(job.columns, job.names, job.number, job.tolerance), kind)
+    tolerance = job.tolerance
+    if tolerance is not None and job.order:
+        tolerance *= defaults.ARRAYS.part
+    asked = job.columns, job.names, job.number, tolerance, job.order
+    return principal_engine(_equations(*asked), kind)
 
 
 @lru_cache(maxsize=64)
 def _equations(
-    columns: int, names: tuple[str, ...], number: NumberType, tolerance: Fraction | None
+    columns: int,
+    names: tuple[str, ...],
+    number: NumberType,
+    tolerance: Fraction | None,
+    order: int,
 ) -> Equations:
     """Those of the principal form, whose hash is then known to the pool."""
     lanes = LANES if number.name == "double" else 0
-    return Equations(STATE[:columns], names, number, tolerance, lanes=lanes)
+    return Equations(STATE[:columns], names, number, tolerance, lanes=lanes, order=order)
 
 
 def longest(number: NumberType) -> float:

@@ -6,6 +6,7 @@ on the type alone, so that a run is the same on every machine.
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -44,6 +45,43 @@ TABLE = {
     "quad": Policy(10**6, 600, 8, 16, False, 1, 10, True),
     "mp": Policy(10**6, 100, 4, 8, False, 1, 1, True),
 }
+
+
+class ArrayPolicy(NamedTuple):
+    """How arrays of starts are stepped in double where the tolerance is above the type's eps.
+
+    ``starts``: from so many on, to so many ``radians`` of a motion's bound of rates and with at
+    least the tolerance ``finest``, below which its rounding shows, by one compiled step of order
+    ``lowest`` and ``rise`` more for each digit of the tolerance.  A step is ``reach`` + order/10
+    times tolerance**(1/order) radians: of few motions they are too long, and made again.
+    ``share``: of the tolerance, that its last two terms may be; heyoka's own steps allow half a
+    tolerance to the last but one.  All others go in batches, of an order ``factor`` times heyoka's
+    own, but at most ``highest``, by ``part`` of the tolerance, for what steps of such orders leave
+    out is larger than of heyoka's own.
+    """
+
+    starts: int
+    radians: float
+    finest: float
+    lowest: int
+    rise: float
+    reach: float
+    share: float
+    factor: float
+    highest: int
+    part: Fraction
+
+    def order(self, tolerance: float) -> int:
+        """Of the compiled step."""
+        return self.lowest + math.ceil(-self.rise * math.log10(tolerance))
+
+    def step(self, tolerance: float) -> float:
+        """The radians of the compiled step."""
+        order = self.order(tolerance)
+        return float((self.reach + order / 10) * tolerance ** (1 / order))
+
+
+ARRAYS = ArrayPolicy(1024, 100.0, 1e-12, 6, 0.8, 1.4, 0.5, 1.5, 16, Fraction(1, 4))
 
 
 def of(number: NumberType) -> Policy:

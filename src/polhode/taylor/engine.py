@@ -389,7 +389,7 @@ POOL = Pool()
 # state.
 
 
-_COMPILING = Lock(Place.COMPILING)
+COMPILING = Lock(Place.COMPILING)
 
 
 class Engine:
@@ -516,7 +516,7 @@ def lent(key: Hashable, build: Callable[[], E], wait: bool = True) -> E:
     """
     found: E | None = POOL.take(key)
     if found is None:
-        with _COMPILING.held() if wait else nullcontext():
+        with COMPILING.held() if wait else nullcontext():
             found = POOL.take(key) or build()
         found.key = key
     return found

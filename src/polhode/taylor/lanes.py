@@ -16,8 +16,10 @@ import numpy.typing as npt
 from polhode.common import processes
 from polhode.common.interrupts import Stop
 from polhode.motion.outcomes import Outcome, code
-from polhode.numbers.number_types import Booleans, Doubles, Indices, Stack
+from polhode.numbers.number_types import Doubles, Indices, Stack
+from polhode.taylor import array_steps
 from polhode.taylor import batches as batch_integrator
+from polhode.taylor.array_steps import EqualSteps
 from polhode.taylor.batches import LANES, BatchJob
 
 STEPS = 4.0  # a radian of the fastest rate takes fewer, at the type's own tolerance
@@ -81,6 +83,23 @@ def states(
     order = fastest.argsort()
     states = np.empty((len(order), len(job.times), job.columns))
     outcomes = np.full(len(order), _REACHED, dtype=np.uint8)
+    steps = EqualSteps.of(job, fastest)
+    if steps is not None:
+        good = steps.counts > 0
+
+        def together(group: Indices, stop: Stop | None = None) -> None:
+            good[group] = array_steps.at_end(job, steps, group, states[:, -1], stop)
+
+        late = order[good[order]]
+        for _ in range(2):  # whose steps were too long takes twice as many
+            _share(together, late, job, fastest, workers)
+            late = late[~good[late]]
+            steps.counts[late] *= 2
+        if not job.times[0]:
+            states[:, 0] = job.motions.starts
+        order = order[~good[order]]
+        if not len(order):
+            return states, outcomes
 
     def quickly(group: Indices, stop: Stop | None = None) -> None:
         states[group] = batch_integrator.at_once(job, group, stop)
@@ -89,13 +108,11 @@ def states(
         some = batch_integrator.solve(job._replace(motions=job.motions.some(group)), stop)
         states[group], outcomes[group] = some.states, some.outcomes
 
-    if surely(job, float(fastest.max(initial=0.0))):
+    if surely(job, float(fastest[order].max(initial=0.0))):
         _share(quickly, order, job, fastest, workers)
-        finite = np.isfinite(states[:, -1])
-        if finite.all():
+        order = order[~np.isfinite(states[order, -1]).all(axis=1)]
+        if not len(order):
             return states, outcomes
-        late: Booleans = np.asarray(~finite.all(axis=1))
-        order = order[late[order]]
     _share(carefully, order, job, fastest, workers)
     return states, outcomes
 
