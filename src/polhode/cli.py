@@ -28,7 +28,7 @@ from polhode.verbs.terminal import BAD_INPUT, DONE
 VERBS = (
     *("list", "show", "new", "run", "reference", "certify", "check", "compare", "order", "sweep"),
     *("plot", "view", "levels", "section", "map", "orbit", "orbits", "family", "prove", "verify"),
-    *("frequencies", "report", "study", "benchmark", "guide", "about"),
+    *("frequencies", "report", "guide", "about"),
 )
 
 

@@ -58,10 +58,6 @@ BARE = (
     (0, "prove stability general/asymmetric-regular -o stability.json"),
     (0, "verify stability.json"),
     (0, "frequencies lagrange/nutation --end 20"),
-    (0, "benchmark --only staude-unstable -o benchmark"),
-    (0, "study accuracy --quick --only euler/sphere"),
-    (2, "study events --quick"),
-    (2, "study all --quick"),
     (2, "plot cone.toml --what angles -o cone.svg"),
 )
 #: Commands that draw.
@@ -72,7 +68,6 @@ WITH_FIGURES = (
     (0, "levels grioli/precession -o levels.svg"),
     (0, "report cone.toml cone.csv -o cone.html -o report.json"),
     (0, "section general/section --grid 2x2 --crossings 2 -o section.svg"),
-    (130, "study all --quick"),
 )
 #: A process that ends by itself is not waited for where its parent is interrupted.
 WARNINGS = "default,ignore::ResourceWarning"

@@ -209,6 +209,5 @@ MOVED = {
         "--prove": "polhode prove orbit SCENE",
         "--continue": "polhode family SCENE --by h --to VALUE",
     },
-    "study": {"--without": "no option, as what is not installed is left out"},
     "levels": {"--f": "--f-range A:B", "--h": "--h-range A:B"},
 }
