@@ -14,10 +14,12 @@ from math import ceil
 from typing import Any
 
 import drawing
+import polhode
 from kit import (
     ABOUT,
     CASE,
     END,
+    NUMBERS,
     Column,
     JsonObject,
     Only,
@@ -37,17 +39,6 @@ from kit import (
     table,
     yes,
 )
-from polhode import (
-    Conditioning,
-    Judgement,
-    Scene,
-    Trajectory,
-    certify,
-    compare,
-    conditioning,
-    integrate,
-)
-from polhode import reference as reference_of
 from polhode.checks.published_figures import (
     PrintedFigure,
     TimeLabel,
@@ -57,16 +48,13 @@ from polhode.checks.published_figures import (
     time_labels,
 )
 from polhode.checks.textbook_digits import textbook_digits
-from polhode.closed_forms.families import closed_form
 from polhode.common.provenance import digest
 from polhode.enclosures import approximation, fixed_point_problem
-from polhode.judging.conditioning import Band
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.reference import AnyReference
-from polhode.numbers import conversion, decimals, number_types
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import QUAD
 from polhode.scenes import library
 
 QUESTION = (
@@ -78,26 +66,27 @@ QUICK_CASES = (
     *("euler/largest-axis", "euler/separatrix", "euler/sphere", "euler/turned-axes"),
     *("general/asymmetric-chaotic", "published/nasa-brick"),
 )
+MP_DIGITS = 50  # of the runs in mp
 #: Longest integration, as the angle |w|·|end|, that each number type is given in the study.
 LONGEST = {"double": 1e7, "extended": 1e6, "quad": 1e4, "mp": 3e3}
 #: Rows that this process made: the study of stability takes those of the hard cases up again.
 _made: dict[str, dict[str, Any]] = {}
 
 
-def rows(quick: bool, say: Say, wanted: Only) -> JsonObject:
+def rows(quick: bool, say: Say, only: Only) -> JsonObject:
     """The study's rows; no figure in them depends on the clock."""
-    every = [library.load(name) for name in (QUICK_CASES if quick else library.names())]
+    every = [polhode.load(name) for name in (QUICK_CASES if quick else library.names())]
     workers = 1 if quick else cores()
 
-    def begun(scene: Scene) -> None:
+    def begun(scene: polhode.Scene) -> None:
         say(scene.name)
 
-    cases = case_rows([scene for scene in every if wanted(scene.name)], workers, begun)
-    asked = [scene for scene in every if wanted(scene.name, "proven")]
-    alone = [scene for scene in map(provable, asked) if scene is not None]
+    cases = case_rows([scene for scene in every if only(scene.name)], workers, begun)
+    cases_asked = [scene for scene in every if only(scene.name, "proven")]
+    alone = [scene for scene in map(provable, cases_asked) if scene is not None]
     printed, labels = [], []
     for scene in every:
-        if scene.published and wanted(scene.name, "printed"):
+        if scene.published and only(scene.name, "printed"):
             begun(scene)
             figures, moved = printed_figures(scene)
             printed += figures
@@ -111,22 +100,24 @@ def rows(quick: bool, say: Say, wanted: Only) -> JsonObject:
 
 
 def case_rows(
-    scenes: Sequence[Scene], workers: int, begun: Callable[[Scene], None] | None = None
+    scenes: Sequence[polhode.Scene],
+    workers: int,
+    tell: Callable[[polhode.Scene], None] | None = None,
 ) -> list[dict[str, Any]]:
     """One row per case of the library, made once in a process; the longest motions come first."""
-    asked = [scene for scene in scenes if scene.name not in _made]
-    asked.sort(key=lambda scene: -scene.log10_angle)
-    for row in in_order(_case, asked, workers, begun):
+    missing = [scene for scene in scenes if scene.name not in _made]
+    missing.sort(key=lambda scene: -scene.log10_angle)
+    for row in in_order(_case, missing, workers, tell):
         _made[row["case"]] = row
     return [_made[scene.name] for scene in scenes]
 
 
-def _case(scene: Scene) -> dict[str, Any]:
-    reference = reference_of(scene)
-    fitting = [name for name in number_types.NAMES if 10**scene.log10_angle <= LONGEST[name]]
-    known = conditioning(scene, number=number_types.named(fitting[-1])) if fitting else None
-    runs = [_run(scene, reference, name, known) for name in reversed(fitting)]  # most digits first
-    kappas = [x for x in known.log10_kappa if x is not None] if known else []
+def _case(scene: polhode.Scene) -> dict[str, Any]:
+    reference = polhode.reference(scene)
+    fitting = [name for name in NUMBERS if 10**scene.log10_angle <= LONGEST[name]]
+    growth = polhode.conditioning(scene, number=fitting[-1]) if fitting else None
+    runs = [_run(scene, reference, name, growth) for name in reversed(fitting)]  # most digits first
+    kappas = [x for x in growth.log10_kappa if x is not None] if growth else []
     return {
         "case": scene.name,
         "title": scene.title,
@@ -134,33 +125,36 @@ def _case(scene: Scene) -> dict[str, Any]:
         "reference": reference.kind,
         "textbook": rounded(textbook_digits(reference)),
         "log10_kappa": round(max(kappas), 2) if kappas else None,
-        "kappa_note": known.note if known else "",
-        "end": decimals.decimal_string(conversion.exactly(number_types.QUAD.rounded(scene.end)), 6),
+        "kappa_note": growth.note if growth else "",
+        "end": decimal_string(exactly(QUAD.rounded(scene.end)), 6),
         "sha256": digest(scene.text),
         "runs": runs[::-1],
     }
 
 
 def _run(
-    scene: Scene, reference: AnyReference, name: str, known: Conditioning | None
+    scene: polhode.Scene,
+    reference: polhode.Reference | polhode.Certified,
+    name: str,
+    growth: polhode.Conditioning | None,
 ) -> dict[str, Any]:
-    run = integrate(
+    run = polhode.integrate(
         scene,
         name,
-        digits=number_types.DEFAULT_MP_DIGITS if name == "mp" else None,
+        digits=MP_DIGITS if name == "mp" else None,
         method="taylor",
     )
-    found: dict[str, Any] = {
+    row: dict[str, Any] = {
         "number": name,
         "bits": run.number.bits,
         "outcome": run.outcome.value,
         "steps": run.steps,
     }
     if run.outcome.done:
-        judged = compare(run, reference, known=known)
+        judged = polhode.compare(run, reference, known=growth)
         worst = judged.state_worst
         at = judged.digits.index(worst)
-        found |= {
+        row |= {
             "correct_digits": round(worst, 2),
             "worst_time": float(judged.times[at]),
             "times": len(judged.times),
@@ -176,22 +170,24 @@ def _run(
             "refined": _refined(run, judged) if name == "quad" else None,
             "reference_digits": None if reference.is_closed_form else round(reference.agreement, 1),
         }
-    return found
+    return row
 
 
-def _refined(steps: Trajectory, judged: Judgement) -> dict[str, Any] | None:
+def _refined(steps: polhode.Trajectory, judged: polhode.Judgement) -> dict[str, Any] | None:
     """The run made again by refinement, where that can be done: a method of its own.
 
     ``agreement``: the digits to which both runs' states are the same.
     """
     scene = replace(steps.scene, outputs=(), events=())
-    run = integrate(scene, steps.number)
+    run = polhode.integrate(scene, steps.number)
     if run.method != "refined" or not run.outcome.done:
         return None
-    held = steps.number.most_digits
+    most = steps.number.most_digits
     return {
-        "correct_digits": round(compare(run, judged.reference, known=judged).state_worst, 2),
-        "agreement": round(worst_digits(run.states, steps.states, scene, held), 2),
+        "correct_digits": round(
+            polhode.compare(run, judged.reference, known=judged).state_worst, 2
+        ),
+        "agreement": round(worst_digits(run.states, steps.states, scene, most), 2),
     }
 
 
@@ -200,12 +196,12 @@ def rounded(digits: float | None) -> float | None:
     return None if digits is None else round(digits, 2)
 
 
-def band(expected: Band | None) -> list[float] | None:
+def band(expected: Sequence[float] | None) -> list[float] | None:
     """The least, the middle and the most digits expected."""
     return None if expected is None else [round(digits, 2) for digits in expected]
 
 
-def projection(run: Trajectory) -> dict[str, Any] | None:
+def projection(run: polhode.Trajectory) -> dict[str, Any] | None:
     """The corrections of a run that was put back on its integrals; None where it was not."""
     if run.projection is None:
         return None
@@ -226,13 +222,13 @@ def projection(run: Trajectory) -> dict[str, Any] | None:
 _SIMULATED = re.compile(r"\bsimulation \d|\bdt = ")
 
 
-def printed_figures(scene: Scene) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+def printed_figures(scene: polhode.Scene) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """A row for each figure printed of a scene, and for each source that errs in the time."""
-    reference = reference_of(scene)
-    found = figures(scene, reference)
-    labels = time_labels(scene, reference, found)
+    reference = polhode.reference(scene)
+    printed = figures(scene, reference)
+    labels = time_labels(scene, reference, printed)
     return (
-        [_figure(scene.name, reference.kind, figure) for figure in found],
+        [_figure(scene.name, reference.kind, figure) for figure in printed],
         [label_row(scene.name, label) for label in labels],
     )
 
@@ -264,15 +260,15 @@ def _figure(case: str, reference: str, figure: PrintedFigure) -> dict[str, Any]:
     }
 
 
-def label_row(case: str, found: TimeLabel) -> dict[str, Any]:
+def label_row(case: str, label: TimeLabel) -> dict[str, Any]:
     """A source whose figures hold at another time."""
     return {
         "case": case,
-        "cite": found.cite,
-        "t": float(found.t),
-        "shift": float(f"{found.shift:.4g}"),
-        "before": float(f"{found.before:.2g}"),
-        "after": float(f"{found.after:.2g}"),
+        "cite": label.cite,
+        "t": float(label.t),
+        "shift": float(f"{label.shift:.4g}"),
+        "before": float(f"{label.before:.2g}"),
+        "after": float(f"{label.after:.2g}"),
     }
 
 
@@ -285,28 +281,28 @@ STEPS = 60  # of a proof: how far each closed form is followed
 PROVEN_DIGITS = 16
 
 
-def provable(scene: Scene) -> Scene | None:
+def provable(scene: polhode.Scene) -> polhode.Scene | None:
     """The scene as it is enclosed, the state alone; None where it has no closed form or times."""
     alone = replace(scene, reference="auto", outputs=())
-    return alone if scene.times and closed_form(alone) is not None else None
+    return alone if scene.times and polhode.reference(alone).is_closed_form else None
 
 
-def proven_times(scene: Scene) -> list[Exact]:
+def proven_times(scene: polhode.Scene) -> list[Exact]:
     """Three times, the last at most so many steps away."""
     away = approximation.steps(fixed_point_problem.motion(scene), scene.end)
     last = scene.end * min(Fraction(1), Fraction(STEPS) / Fraction(math.ceil(away) + 1))
     return [last * Fraction(k, 3) for k in (1, 2, 3)]
 
 
-def proven_case(scene: Scene) -> dict[str, Any]:
+def proven_case(scene: polhode.Scene) -> dict[str, Any]:
     """A closed form against its enclosure: |closed form - midpoint| over the radius, the worst."""
     times = proven_times(scene)
-    found = certify(scene, times, digits=PROVEN_DIGITS)
-    exact = reference_of(scene)
+    enclosure = polhode.certify(scene, times, digits=PROVEN_DIGITS)
+    exact = polhode.reference(scene)
     true = exact.at(times, 2 * PROVEN_DIGITS + 20)
     ratios = [
         float(abs(exactly(x) - middle) / Fraction(radius))
-        for row, middles, radii in zip(true, found.centres, found.radii, strict=True)
+        for row, middles, radii in zip(true, enclosure.centres, enclosure.radii, strict=True)
         for x, middle, radius in zip(row, middles, radii, strict=True)
     ]
     return {
@@ -315,8 +311,8 @@ def proven_case(scene: Scene) -> dict[str, Any]:
         "end": float(f"{float(times[-1]):.4g}"),
         "ratio": float(f"{max(ratios):.2g}"),
         "inside": max(ratios) <= 1.0,
-        "digits": round(found.proven, 2),
-        "tries": found.tries,
+        "digits": round(enclosure.proven, 2),
+        "tries": enclosure.tries,
     }
 
 
@@ -422,21 +418,21 @@ def _verdict(row: JsonObject) -> str:
     return f"agrees to {row['digits_right']:.1f} digits"
 
 
-def tables(found: JsonObject) -> dict[str, PageTable]:
+def tables(results: JsonObject) -> dict[str, PageTable]:
     """The page's tables from the study's JSON object."""
     printed = f"{_AGAIN} --only printed --only {{0}}"
-    by_kind = sorted(found["printed"], key=lambda row: _KINDS.index(row["kind"]))
+    by_kind = sorted(results["printed"], key=lambda row: _KINDS.index(row["kind"]))
     return {
-        "cases": table(map(by_number, found["cases"]), _CASES, f"{_AGAIN} --only {{0}}"),
-        "proven": table(found["proven"], _PROVEN, f"{_AGAIN} --only proven --only {{0}}"),
+        "cases": table(map(by_number, results["cases"]), _CASES, f"{_AGAIN} --only {{0}}"),
+        "proven": table(results["proven"], _PROVEN, f"{_AGAIN} --only proven --only {{0}}"),
         "printed": table(by_kind, _FIGURES, printed),
-        "time_labels": table(found["time_labels"], _LABELS, printed),
+        "time_labels": table(results["time_labels"], _LABELS, printed),
     }
 
 
-def facts(found: JsonObject) -> dict[str, object]:
+def facts(results: JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    runs = [run for _, run in runs_of(found["cases"])]
+    runs = [run for _, run in runs_of(results["cases"])]
     judged = [
         (run["correct_digits"], run["expected"], run["limit"])
         for run in runs
@@ -450,7 +446,7 @@ def facts(found: JsonObject) -> dict[str, object]:
         if run.get("refined") and not run["lost"]
     ]
     gains = [refined - steps for steps, refined, _ in both]
-    stands = {kind: [row for row in found["printed"] if row["kind"] == kind] for kind in _KINDS}
+    stands = {kind: [row for row in results["printed"] if row["kind"] == kind] for kind in _KINDS}
     return {
         "judged": len(judged),
         "inside": len(judged) - len(below) - above,
@@ -462,7 +458,7 @@ def facts(found: JsonObject) -> dict[str, object]:
         "gain": median(gains, "+.1f"),
         "least_gain": f"{min(gains, default=0):+.1f}",
         "apart": ceil(10 * max((min(one, two) - x for one, two, x in both), default=0)) / 10,
-        "contained": share(row["inside"] for row in found["proven"]),
+        "contained": share(row["inside"] for row in results["proven"]),
         "agreement": between([row["digits_right"] for row in stands["printout"]], ".1f"),
         **{kind: share(row["stands"] for row in rows) for kind, rows in stands.items()},
     }
@@ -473,9 +469,9 @@ def facts(found: JsonObject) -> dict[str, object]:
 # Figure of the accuracy study: the digits of every case, a strip for each kind of top.
 
 
-def svgs(found: JsonObject) -> dict[str, str]:
+def svgs(results: JsonObject) -> dict[str, str]:
     """Correct digits of every case in every number type, from the study's JSON object."""
     groups: dict[str, list[JsonObject]] = {}
-    for case in found["cases"]:
+    for case in results["cases"]:
         groups.setdefault(case["case"].partition("/")[0], []).extend(case["runs"])
     return {"accuracy": drawing.svg(groups)}

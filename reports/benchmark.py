@@ -12,8 +12,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
+import polhode
 from kit import Say, write_whole
-from polhode import BadInput, Enclosure, Scene, certify
 from polhode.certificates import state_certificate
 from polhode.certificates.certificate_file import Made
 from polhode.common.interrupts import Progress
@@ -97,7 +97,7 @@ class CertifiedValues:
     ``places``: behind the point, of the three numbers of omega and of the other seven.
     """
 
-    scene: Scene
+    scene: polhode.Scene
     times: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     places: tuple[int, int]
@@ -108,12 +108,12 @@ class CertifiedValues:
         assert gamma is not None
         units = [_just_over_half(self.places[k >= 3]) for k in range(10)]
         balls = [[(x, unit) for x, unit in zip(row, units, strict=True)] for row in self.rows[1:]]
-        turned = state_certificate.Attitude(
+        attitude = state_certificate.Attitude(
             starting_attitude(gamma, self.scene.psi), [row[6:] for row in balls]
         )
         times = [Fraction(t) for t in self.times[1:]]
         return state_certificate.certificate(
-            self.scene, times, [row[:6] for row in balls], progress, turned
+            self.scene, times, [row[:6] for row in balls], progress, attitude
         )
 
     @property
@@ -128,23 +128,29 @@ def certified_values(top: Top, progress: Progress | None = None) -> CertifiedVal
     scene = replace(library.load(top.case), outputs=("attitude",))
     times = [Fraction(t) for t in top.times]
     for more in _BEYOND:
-        found = certify(scene, times, digits=DIGITS + more, progress=progress)
-        if set(found.assumed) - {LENGTH}:  # which the certificate does not rest on
-            raise BadInput(top.case, "start", None, "numbers that need no rule for equal ones")
-        size = max(math.hypot(*map(float, row[:3])) for row in found.centres)
+        enclosure = polhode.certify(scene, times, digits=DIGITS + more, progress=progress)
+        if set(enclosure.assumed) - {LENGTH}:  # which the certificate does not rest on
+            raise polhode.BadInput(
+                top.case, "start", None, "numbers that need no rule for equal ones"
+            )
+        size = max(math.hypot(*map(float, row[:3])) for row in enclosure.centres)
         places = DIGITS - math.floor(math.log10(size)), DIGITS
-        rows = _rows(found, places)
+        rows = _rows(enclosure, places)
         if rows is not None:
             return CertifiedValues(scene, ("0", *top.times), (_start(scene, places), *rows), places)
-    raise BadInput(top.case, "run.at", None, "times at which no value is halfway")
+    raise polhode.BadInput(top.case, "run.at", None, "times at which no value is halfway")
 
 
-def _rows(found: Enclosure, places: tuple[int, int]) -> list[tuple[str, ...]] | None:
+def _rows(enclosure: polhode.Enclosure, places: tuple[int, int]) -> list[tuple[str, ...]] | None:
     """The balls as correctly rounded decimals; None where one leaves a doubt."""
-    assert found.attitude is not None
+    assert enclosure.attitude is not None
     rows = []
     for centres, turn, radii, off in zip(
-        found.centres, found.attitude.centres, found.radii, found.attitude.radii, strict=True
+        enclosure.centres,
+        enclosure.attitude.centres,
+        enclosure.radii,
+        enclosure.attitude.radii,
+        strict=True,
     ):
         row = []
         for k, (x, radius) in enumerate(zip((*centres, *turn), (*radii, *off), strict=True)):
@@ -158,16 +164,16 @@ def _rows(found: Enclosure, places: tuple[int, int]) -> list[tuple[str, ...]] | 
     return rows
 
 
-def _start(scene: Scene, places: tuple[int, int]) -> tuple[str, ...]:
+def _start(scene: polhode.Scene, places: tuple[int, int]) -> tuple[str, ...]:
     """The scene's own start, rounded as the values are."""
     gamma = scene.gamma
     assert gamma is not None
     numbers: list[Exact] = [*scene.omega, *gamma, *starting_attitude(gamma, scene.psi)]
-    found = []
+    decimals = []
     for k, x in enumerate(numbers):
         near = x if isinstance(x, Fraction) else binary(*rounded(x, _BITS))
-        found.append(_decimal(round(near * 10 ** places[k >= 3]), places[k >= 3]))
-    return tuple(found)
+        decimals.append(_decimal(round(near * 10 ** places[k >= 3]), places[k >= 3]))
+    return tuple(decimals)
 
 
 def _decimal(value: int, places: int) -> str:
@@ -204,18 +210,18 @@ def write_benchmark(folder: Path, only: Iterable[str] = (), tick: Say | None = N
     chosen = [_named(name) for name in only] or [*TOPS]
     folder.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
-    found: dict[str, CertifiedValues] = {}
+    values_of: dict[str, CertifiedValues] = {}
     for n, top in enumerate(chosen):
         if tick is not None:
             tick(f"{top.name}, {n + 1} of {len(chosen)}; about {SECONDS} s each")
-        found[top.name] = values = certified_values(top)
+        values_of[top.name] = values = certified_values(top)
         certificate = json.dumps(values.certificate()) + "\n"
         written += _save(folder, {f"{top.name}.csv": values.csv, _proof(top): certificate})
-    if len(found) == len(TOPS):
+    if len(values_of) == len(TOPS):
         texts = {
             name: (_HERE / "benchmark" / name).read_text(encoding="utf-8") for name in CHECKERS
         }
-        written += _save(folder, texts | {DATA: data(found), PAGE: page()})
+        written += _save(folder, texts | {DATA: data(values_of), PAGE: page()})
     return written
 
 
@@ -231,14 +237,14 @@ def _named(name: str) -> Top:
     for top in TOPS:
         if name in (top.name, top.case):
             return top
-    raise BadInput("benchmark", "--only", name, ", ".join(top.name for top in TOPS))
+    raise polhode.BadInput("benchmark", "--only", name, ", ".join(top.name for top in TOPS))
 
 
-def data(found: dict[str, CertifiedValues]) -> str:
+def data(values_of: dict[str, CertifiedValues]) -> str:
     """Exact data of all tops as JSON: the numbers of the scene's file, and all as decimals."""
     tops = []
     for top in TOPS:
-        values = found[top.name]
+        values = values_of[top.name]
         tops.append(
             {
                 "name": top.name,
@@ -259,11 +265,11 @@ def data(found: dict[str, CertifiedValues]) -> str:
 def _written(case: str) -> dict[str, object]:
     """Body and start as the scene's file has them, numbers as texts."""
     path = library.folder() / f"{case}.toml"
-    told = tomllib.loads(path.read_text(encoding="utf-8"), parse_float=str)
-    return {part: told[part] for part in ("body", "start")}
+    numbers = tomllib.loads(path.read_text(encoding="utf-8"), parse_float=str)
+    return {part: numbers[part] for part in ("body", "start")}
 
 
-def _decimals(scene: Scene) -> dict[str, object]:
+def _decimals(scene: polhode.Scene) -> dict[str, object]:
     body, gamma = scene.body, scene.gamma
     assert gamma is not None
     moments = [body.inertia[k][k] for k in range(3)]

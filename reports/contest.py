@@ -63,7 +63,7 @@ def main() -> None:
     end_with_parent()
     job = json.load(sys.stdin)
     ready: dict[bool, dict[str, Run]] = {False: {}, True: {}}
-    asked_for = {bool(asked["starts"]) for asked in job["cells"]}
+    asked_for = {bool(cell_job["starts"]) for cell_job in job["cells"]}
     for name in job["programs"]:
         for many in sorted(asked_for):
             if not many or name in MANY:
@@ -71,9 +71,9 @@ def main() -> None:
                     ready[many][name] = BY_NAME[name].prepared(present(job["kind"]), many)
                 except Exception as fault:  # of a package that does not fit the others
                     write({"failed": name, "fault": _told(fault)})
-    for asked in job["cells"]:
-        cell = Cell(job["kind"], asked["end"], asked["outputs"], asked["starts"])
-        contest = _Contest(cell, [*map(_truth, asked["truths"])], ready[bool(cell.starts)])
+    for cell_job in job["cells"]:
+        cell = Cell(job["kind"], cell_job["end"], cell_job["outputs"], cell_job["starts"])
+        contest = _Contest(cell, [*map(_truth, cell_job["truths"])], ready[bool(cell.starts)])
         contest.hold((job["tolerances"] or {}).get(cell.label), job["patience"])
         write({"cell": cell.label, "points": contest.told(), "faults": contest.faults})
 
@@ -101,16 +101,16 @@ class _Contest:
         every = self.cell.every_tolerance
         near = {name: [*timed_again(self.points[name], every)] for name in self.ready}
         if self.cell.starts:
-            for name, asked in near.items():
-                for k, tol in asked[:1]:  # what is compiled for so many starts is not timed
-                    run, one = self.ready[name], self.draws[k]
+            for name, near_here in near.items():
+                for k, tol in near_here[:1]:  # what is compiled for so many starts is not timed
+                    run, draw_here = self.ready[name], self.draws[k]
                     with suppress(Exception):  # a fault of the timed call is told
-                        run(one.top, one.start.copy(), self.times / self.cell.end, tol)
+                        run(draw_here.top, draw_here.start.copy(), self.times / self.cell.end, tol)
         began = time.perf_counter()
         for _ in range(ROUNDS):
             for k in range(DRAWS):
-                for name, asked in near.items():
-                    for draw_asked, tol in asked:
+                for name, near_here in near.items():
+                    for draw_asked, tol in near_here:
                         if draw_asked == k:
                             self._block(name, k, tol)
             if time.perf_counter() - began > patience:
@@ -118,7 +118,7 @@ class _Contest:
 
     def _block(self, name: str, k: int, tol: float) -> None:
         """Calls one after the other, timed together, each with a start of its own."""
-        known, least = self.points[name][k, tol]
+        right, least = self.points[name][k, tol]
         run, top = self.ready[name], self.draws[k].top
         starts = []
         for _ in range(min(_MOST, math.ceil(_BLOCK / least)) if least < math.inf else 1):
@@ -134,7 +134,7 @@ class _Contest:
         except Exception as fault:
             self._fail(name, tol, fault)
             return
-        self.points[name][k, tol] = known, min(least, seconds)
+        self.points[name][k, tol] = right, min(least, seconds)
 
     def _fail(self, name: str, tol: float, fault: Exception) -> None:
         """What a program raised, whatever it is: a result."""
@@ -146,8 +146,8 @@ class _Contest:
         run, top, truth = self.ready[name], self.draws[k].top, self.truths[k]
         try:
             if self.cell.starts:
-                found = median_digits(run(top, start[:MANY_JUDGED], self.times, tol), truth)
-                self.points[name][k, tol] = found, math.inf
+                right = median_digits(run(top, start[:MANY_JUDGED], self.times, tol), truth)
+                self.points[name][k, tol] = right, math.inf
                 return
             # what is made on the first call, a short one, is not timed
             run(top, start, self.times / self.cell.end, tol)
@@ -161,15 +161,15 @@ class _Contest:
         if len(states) not in expected:
             self.faults[f"{name} at {tol:.1g}"] = f"{len(states)} of {expected[-1]} states"
             return
-        found = digits(judged(states, self.cell.outputs), truth)
-        self.points[name][k, tol] = found, seconds
+        right = digits(judged(states, self.cell.outputs), truth)
+        self.points[name][k, tol] = right, seconds
 
     def told(self) -> dict[str, list[list[float]]]:
         """The points as plain lists."""
         return {
             name: [
-                [k, tol, round(found, 3), seconds]
-                for (k, tol), (found, seconds) in rows.items()
+                [k, tol, round(right, 3), seconds]
+                for (k, tol), (right, seconds) in rows.items()
                 if seconds < math.inf
             ]
             for name, rows in self.points.items()
@@ -182,11 +182,11 @@ def timed_again(points: Points, every: bool) -> Iterator[tuple[int, float]]:
         yield from points
         return
     for k in {k for k, _ in points}:
-        line = sorted((found, tol) for (draw_of, tol), (found, _) in points.items() if draw_of == k)
+        line = sorted((right, tol) for (draw_of, tol), (right, _) in points.items() if draw_of == k)
         chosen = set()
         for level in LEVELS:
-            below = [tol for found, tol in line if found < level][-1:]
-            above = [tol for found, tol in line if found >= level][:2]
+            below = [tol for right, tol in line if right < level][-1:]
+            above = [tol for right, tol in line if right >= level][:2]
             chosen |= {*below, *above}
         yield from ((k, tol) for tol in sorted(chosen))
 
@@ -195,10 +195,10 @@ def _told(fault: Exception) -> str:
     return f"{type(fault).__name__}: {fault}"
 
 
-def _truth(given: Sequence[Any]) -> Truth:
+def _truth(arrays: Sequence[Any]) -> Truth:
     import numpy as np
 
-    return Truth(*map(np.array, given))
+    return Truth(*map(np.array, arrays))
 
 
 if __name__ == "__main__":
@@ -222,11 +222,11 @@ class WorkPoint(NamedTuple):
 
 def frontier(marks: Iterable[WorkPoint]) -> list[WorkPoint]:
     """The points that no other beats in digits and seconds, digits and seconds rising."""
-    kept: list[WorkPoint] = []
+    points: list[WorkPoint] = []
     for mark in sorted(marks, key=lambda m: (-m.digits, m.seconds)):
-        if not kept or mark.seconds < kept[-1].seconds:
-            kept.append(mark)
-    return kept[::-1]
+        if not points or mark.seconds < points[-1].seconds:
+            points.append(mark)
+    return points[::-1]
 
 
 def seconds_at(marks: Sequence[WorkPoint], digits: float) -> float | None:
@@ -269,35 +269,35 @@ _RESAMPLED, _SURE = 2000, 0.95
 _MODULE = "contest"
 
 
-def wanted_cells(quick: bool, wanted: Only) -> dict[str, list[Cell]]:
+def wanted_cells(quick: bool, only: Only) -> dict[str, list[Cell]]:
     """The cells to hold, by kind."""
-    found: dict[str, list[Cell]] = {}
+    cells: dict[str, list[Cell]] = {}
     for kind in QUICK_KINDS if quick else draws.KINDS:
         here = [
             cell
             for cell in draws.cells(kind)
-            if (not quick or cell[1:] in QUICK_CELLS) and wanted(cell.label)
+            if (not quick or cell[1:] in QUICK_CELLS) and only(cell.label)
         ]
         if here:
-            found[kind] = here
-    return found
+            cells[kind] = here
+    return cells
 
 
 def rows(
-    asked: Mapping[str, Sequence[Cell]],
+    cells_of: Mapping[str, Sequence[Cell]],
     programs: Sequence[Program],
     cache: Path,
     quick: bool,
     say: Say,
 ) -> list[dict[str, Any]]:
     """A row a cell, in the order asked."""
-    truths = _truths(asked, say)
+    truths = _truths(cells_of, say)
     with ThreadPoolExecutor(1 if quick else cores()) as pool:
-        held = {  # the kind that takes longest, of fast spins, begins first
-            kind: pool.submit(_kind, kind, asked[kind], programs, truths, cache, quick, say)
-            for kind in reversed([*asked])
+        futures = {  # the kind that takes longest, of fast spins, begins first
+            kind: pool.submit(_kind, kind, cells_of[kind], programs, truths, cache, quick, say)
+            for kind in reversed([*cells_of])
         }
-        return [row for kind in asked for row in held[kind].result()]
+        return [row for kind in cells_of for row in futures[kind].result()]
 
 
 def _kind(
@@ -349,18 +349,18 @@ def row(cell: Cell, points: Mapping[str, Points], faults: Mapping[str, str]) -> 
     """A cell's seconds at each level, and their ratios to polhode's."""
     levels = []
     for level in LEVELS:
-        seconds = {name: seconds_of(found, level) for name, found in points.items()}
+        seconds = {name: seconds_of(marks, level) for name, marks in points.items()}
         own = seconds.get(OURS, {})
         there = [
             {
                 "program": name,
-                "reached": len(found),
-                "seconds": significant(statistics.median(found.values()), 3) if found else None,
+                "reached": len(marks),
+                "seconds": significant(statistics.median(marks.values()), 3) if marks else None,
                 "ratio": None
                 if name == OURS
-                else ratio(found, own, f"{cell.label} {level} {name}"),
+                else ratio(marks, own, f"{cell.label} {level} {name}"),
             }
-            for name, found in seconds.items()
+            for name, marks in seconds.items()
         ]
         levels.append({"digits": level, "programs": there, "verdict": verdict(there)})
     drawn = {"curves": curves(points)} if cell.drawn else {}
@@ -369,26 +369,26 @@ def row(cell: Cell, points: Mapping[str, Points], faults: Mapping[str, str]) -> 
 
 def curves(points: Mapping[str, Points]) -> dict[str, list[list[float]]]:
     """Of each program, by tolerance, the medians over the draws: digits and seconds."""
-    found: dict[str, list[list[float]]] = {}
+    lines: dict[str, list[list[float]]] = {}
     for name, there in points.items():
         for tol in sorted({tol for _, tol in there}, reverse=True):
             marks = [there[k, tol] for k in range(DRAWS) if (k, tol) in there]
             if len(marks) >= NEARLY_ALL:
                 digits, seconds = (statistics.median(x) for x in zip(*marks, strict=True))
-                curve = found.setdefault(name, [])
+                curve = lines.setdefault(name, [])
                 curve.append([round(digits, 2), significant(seconds, 3)])
-    return found
+    return lines
 
 
 def seconds_of(points: Points, level: float) -> dict[int, float]:
     """Seconds to a level, by draw, of those that reach it."""
-    found = {}
+    seconds_by_draw = {}
     for k in range(DRAWS):
         marks = [WorkPoint(*point) for (draw, _), point in points.items() if draw == k]
         seconds = seconds_at(marks, level)
         if seconds is not None:
-            found[k] = seconds
-    return found
+            seconds_by_draw[k] = seconds
+    return seconds_by_draw
 
 
 def ratio(theirs: Mapping[int, float], own: Mapping[int, float], seed: str) -> list[float] | None:
@@ -412,11 +412,11 @@ def verdict(programs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     "ahead", "behind" or "even" with the best of the others; "alone" where none of them reaches the
     level from nearly all draws, "not run" where none was run; "not reached" where polhode does not.
     """
-    by_name = {told["program"]: told for told in programs}
+    by_name = {by_program["program"]: by_program for by_program in programs}
     ours = by_name.get(OURS)
     if ours is None or ours["reached"] < NEARLY_ALL:
         return {"stands": "not reached"}
-    others = {name: told["ratio"] for name, told in by_name.items() if name not in OWN}
+    others = {name: by_program["ratio"] for name, by_program in by_name.items() if name not in OWN}
     if not others:
         return {"stands": "not run"}
     met = [(*ratio, name) for name, ratio in others.items() if ratio is not None]
@@ -428,10 +428,10 @@ def verdict(programs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def _truths(
-    asked: Mapping[str, Sequence[Cell]], say: Say
+    cells_of: Mapping[str, Sequence[Cell]], say: Say
 ) -> dict[tuple[str, int, bool, int], Truth]:
     """The references by kind, end and draw, the longest first: no clock runs beside them."""
-    ends = {(c.kind, c.end, c.starts > 0) for cells in asked.values() for c in cells}
+    ends = {(c.kind, c.end, c.starts > 0) for cells in cells_of.values() for c in cells}
     jobs = [(*x, k) for x in sorted(ends, key=lambda x: (-x[1], x)) for k in range(DRAWS)]
 
     def begun(job: tuple[str, int, bool, int]) -> None:
@@ -450,13 +450,13 @@ def _plain(true: Truth) -> list[Any]:
     return [x.tolist() for x in true]
 
 
-def _enter(points: dict[str, Points], told: Mapping[str, Sequence[Sequence[float]]]) -> None:
-    for name, found in told.items():
+def _enter(points: dict[str, Points], answers: Mapping[str, Sequence[Sequence[float]]]) -> None:
+    for name, marks in answers.items():
         here = points.setdefault(name, {})
-        for place, tol, right, seconds in found:
+        for place, tol, right, seconds in marks:
             key = int(place), tol
-            known = here.get(key, (right, math.inf))
-            here[key] = known[0], min(known[1], seconds)
+            before = here.get(key, (right, math.inf))
+            here[key] = before[0], min(before[1], seconds)
 
 
 def held_again(points: Mapping[str, Points], every: bool) -> dict[str, list[float]]:
@@ -466,9 +466,9 @@ def held_again(points: Mapping[str, Points], every: bool) -> dict[str, list[floa
     """
     seconds = [{n: seconds_of(there, x) for n, there in points.items()} for x in LEVELS]
     middles = [{n: statistics.median(t.values()) for n, t in x.items() if t} for x in seconds]
-    found = {}
+    again_by_name = {}
     for name, there in points.items():
         met = [times[name] <= _FAR * min(times.values()) for times in middles if name in times]
         again = timed_again(there, every) if any(met) or not met else ()
-        found[name] = sorted({tol for _, tol in again}, reverse=True)
-    return found
+        again_by_name[name] = sorted({tol for _, tol in again}, reverse=True)
+    return again_by_name

@@ -125,8 +125,8 @@ def _placed(
     """The digits of a number type's runs, their heights, and which have fewer than expected."""
     for level, runs in enumerate(groups):
         own = [run for run in runs if run["number"] == number and "correct_digits" in run]
-        found = sorted((run["correct_digits"], _is_behind(run)) for run in own)
-        for k, (digits, behind) in enumerate(found):
+        marks = sorted((run["correct_digits"], _is_behind(run)) for run in own)
+        for k, (digits, behind) in enumerate(marks):
             yield digits, level + 0.8 * (k * _GOLDEN % 1 - 0.5), behind
 
 

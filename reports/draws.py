@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+import polhode
 from peers.field import TERMS, Top
-from polhode import Scene, integrate, integrate_many
-from polhode import reference as reference_of
 from polhode.equations.forms import principal
 from polhode.judging.correct_digits import digits_of, log10_rate
 from polhode.numbers.conversion import to_double
@@ -76,7 +75,7 @@ class Cell(NamedTuple):
 class Draw(NamedTuple):
     """One body and start of a kind, exact and rounded to doubles; or its starts, (N, 6)."""
 
-    scene: Scene
+    scene: polhode.Scene
     top: Top
     start: Any
 
@@ -101,13 +100,13 @@ class Truth(NamedTuple):
 def cells(kind: str) -> list[Cell]:
     """Every length and number of outputs of a kind; and of starts."""
     ends = [end for end in ENDS if end <= LAST.get(kind, ENDS[-1])]
-    found = [Cell(kind, end, outputs) for end in ends for outputs in OUTPUTS]
+    every = [Cell(kind, end, outputs) for end in ends for outputs in OUTPUTS]
     if kind in MANY_KINDS:
-        found += [Cell(kind, end, 2, starts) for end, starts in MANY]
-    return found
+        every += [Cell(kind, end, 2, starts) for end, starts in MANY]
+    return every
 
 
-def scene_of(kind: str, index: int, end: int, outputs: int) -> Scene:
+def scene_of(kind: str, index: int, end: int, outputs: int) -> polhode.Scene:
     """A draw's scene at its output times, which are doubles."""
     number = CHAOTIC[index] if kind == "chaotic" else index
     return random_scene(kind, number, times(end, outputs))
@@ -132,8 +131,8 @@ def draw(kind: str, index: int, end: int, outputs: int, starts: int = 0) -> Draw
 
 def present(kind: str) -> tuple[bool, ...]:
     """Which coefficients of the equations do not vanish for bodies of a kind."""
-    found = [draw(kind, k, 1, 2).top.coefficients != 0 for k in range(DRAWS)]
-    return tuple(bool(x) for x in sum(found) > 0)
+    there = [draw(kind, k, 1, 2).top.coefficients != 0 for k in range(DRAWS)]
+    return tuple(bool(x) for x in sum(there) > 0)
 
 
 def truth(kind: str, index: int, end: int, many: bool = False) -> Truth:
@@ -145,15 +144,15 @@ def truth(kind: str, index: int, end: int, many: bool = False) -> Truth:
     states: Rows
     if many:
         rows = draw(kind, index, end, 2, MANY_JUDGED).start
-        members = integrate_many(scene, starts=rows, at=[0]).members
-        runs = [integrate(member.at([end]), "quad") for member in members]
+        members = polhode.integrate_many(scene, starts=rows, at=[0]).members
+        runs = [polhode.integrate(member.at([end]), "quad") for member in members]
         states = [run.states[-1] for run in runs]
         scale = np.array([10 ** log10_rate(run.states, run.scene) for run in runs])
     else:
         if kind in TOPS:
-            states = reference_of(scene).at(scene.times, DIGITS)
+            states = polhode.reference(scene).at(scene.times, DIGITS)
         else:
-            states = integrate(scene, "quad").states
+            states = polhode.integrate(scene, "quad").states
         scale = np.array(10 ** log10_rate(states, scene))
     from polhode.numbers.mpmath_context import mpmath
 
@@ -165,12 +164,12 @@ def truth(kind: str, index: int, end: int, many: bool = False) -> Truth:
 
 def digits(states: Any, true: Truth) -> float:
     """Correct digits, the worst over the judged times: the end alone of a single state."""
-    found = np.asarray(states)
-    number = EXTENDED if found.dtype == np.longdouble else DOUBLE
+    rows = np.asarray(states)
+    number = EXTENDED if rows.dtype == np.longdouble else DOUBLE
     if number is DOUBLE:
-        found = found.astype(float)
-    picked = slice(-1, None) if len(found) == 1 else slice(None)
-    errors = np.abs((found - true.high[picked]) - true.low[picked])
+        rows = rows.astype(float)
+    picked = slice(-1, None) if len(rows) == 1 else slice(None)
+    errors = np.abs((rows - true.high[picked]) - true.low[picked])
     errors[:, :3] /= true.scale
     worst = float(errors.max())
     with np.errstate(divide="ignore"):

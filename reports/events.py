@@ -10,11 +10,13 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import drawing
+import polhode
 from kit import (
     CASE,
     DIGITS,
     END,
     NUMBER,
+    NUMBERS,
     Column,
     JsonObject,
     Only,
@@ -25,14 +27,11 @@ from kit import (
     share,
     table,
 )
-from polhode import Event, Reference, Scene, certify_events, integrate
-from polhode import reference as reference_of
 from polhode.figures.canvas import COLOURS, MARKS, as_svg, paper
-from polhode.numbers import decimals, exact, number_types
+from polhode.numbers import decimals, exact
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.mpmath_context import mpmath, own
 from polhode.numbers.number_types import NumberType
-from polhode.scenes import library
 from polhode.scenes import vocabulary as columns_
 
 if TYPE_CHECKING:
@@ -74,25 +73,21 @@ COST_ENDS = {"double": 2000, "extended": 200, "quad": 5, "mp": 2}
 COST_EVENTS = ("p*gamma2 - q*gamma1", "q", "gamma3 - 1/2")
 
 
-def rows(quick: bool, say: Say, wanted: Only) -> dict[str, Any]:
+def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
     """The study's rows; only the seconds in them depend on the clock."""
     far = QUICK_FAR if quick else FAR
     jobs: list[tuple[Any, ...]] = [
-        *(
-            ("motions", m, far)
-            for m in (MOTIONS[:3] if quick else MOTIONS)
-            if wanted(m.case, m.what)
-        ),
-        *(("proven", name, PROVEN_END) for name in PROVEN[: 1 if quick else 2] if wanted(name)),
+        *(("motions", m, far) for m in (MOTIONS[:3] if quick else MOTIONS) if only(m.case, m.what)),
+        *(("proven", name, PROVEN_END) for name in PROVEN[: 1 if quick else 2] if only(name)),
     ]
     workers = 1 if quick or len(jobs) == 1 else cores()
-    made = in_order(_made, jobs, workers, lambda job: say(f"{job[0]}, {_told(job[1])}"))
+    answers = in_order(_made, jobs, workers, lambda job: say(f"{job[0]}, {_told(job[1])}"))
     parts: dict[str, list[dict[str, Any]]] = {part: [] for part in _MAKERS}
-    for job, row in zip(jobs, made, strict=True):
+    for job, row in zip(jobs, answers, strict=True):
         parts[job[0]].append(row)
     cost = []
-    for name in number_types.NAMES:  # alone: a clock runs
-        if wanted("cost", name):
+    for name in NUMBERS:  # alone: a clock runs
+        if only("cost", name):
             say(f"cost in {name}")
             cost.append(_cost_row(name, 3 if quick else 9))
     return {**parts, "cost": cost}
@@ -100,8 +95,8 @@ def rows(quick: bool, say: Say, wanted: Only) -> dict[str, Any]:
 
 def _made(job: tuple[Any, ...]) -> dict[str, Any]:
     """A row: the part of the study that it belongs to, and what it is made of."""
-    part, *given = job
-    return _MAKERS[part](*given)
+    part, *task = job
+    return _MAKERS[part](*task)
 
 
 def _told(subject: EventMotion | str) -> str:
@@ -112,7 +107,7 @@ def _told(subject: EventMotion | str) -> str:
 
 
 def _motion(motion: EventMotion, far: dict[str, int]) -> dict[str, Any]:
-    scene = _watching(library.load(motion.case), motion.zero)
+    scene = _watching(polhode.load(motion.case), motion.zero)
     zeros = Zeros(scene, motion.zero)
     near = math.floor(PERIODS * zeros.period)
     return {
@@ -120,17 +115,17 @@ def _motion(motion: EventMotion, far: dict[str, int]) -> dict[str, Any]:
         "zero": motion.zero,
         "what": motion.what,
         "period": decimals.decimal_string(zeros.period, 18),
-        "near": [_run(scene, zeros, name, near) for name in number_types.NAMES],
+        "near": [_run(scene, zeros, name, near) for name in NUMBERS],
         "far": [_run(scene, zeros, name, end) for name, end in far.items()],
     }
 
 
-def _run(scene: Scene, zeros: Zeros, name: str, end: int) -> dict[str, Any]:
+def _run(scene: polhode.Scene, zeros: Zeros, name: str, end: int) -> dict[str, Any]:
     """Events to a time: how many, and their distances from the closed form's."""
-    run = integrate(scene, name, at=[end])
+    run = polhode.integrate(scene, name, at=[end])
     (event,) = run.events
     true = zeros.until(end)
-    found: dict[str, Any] = {
+    row: dict[str, Any] = {
         "number": name,
         "end": end,
         "true": len(true),
@@ -142,7 +137,7 @@ def _run(scene: Scene, zeros: Zeros, name: str, end: int) -> dict[str, Any]:
         pairs = list(zip(event.times, true, strict=True))
         ulps = [float(abs(t - x) / ulp(x, run.number.bits)) for t, x in pairs]
         every = max(1, len(pairs) // KEPT)
-        found |= {
+        row |= {
             "ulps": float(f"{max(ulps):.3g}"),
             "error": float(f"{float(max(abs(t - x) for t, x in pairs)):.2e}"),
             "digits": round(min(_digits(t, x, run.number) for t, x in pairs), 2),
@@ -151,7 +146,7 @@ def _run(scene: Scene, zeros: Zeros, name: str, end: int) -> dict[str, Any]:
                 for (_, x), u in list(zip(pairs, ulps, strict=True))[::every]
             ],
         }
-    return found
+    return row
 
 
 def _digits(t: Fraction, true: Fraction, number: NumberType) -> float:
@@ -159,8 +154,8 @@ def _digits(t: Fraction, true: Fraction, number: NumberType) -> float:
     return number.most_digits if error == 0 else min(number.most_digits, -exact.log10(error))
 
 
-def _watching(scene: Scene, *zeros: str) -> Scene:
-    events = tuple(Event(f"event {k}", zero) for k, zero in enumerate(zeros, 1))
+def _watching(scene: polhode.Scene, *zeros: str) -> polhode.Scene:
+    events = tuple(polhode.Event(f"event {k}", zero) for k, zero in enumerate(zeros, 1))
     return replace(scene, events=events, outputs=())
 
 
@@ -169,21 +164,21 @@ def _watching(scene: Scene, *zeros: str) -> Scene:
 
 def _proven(name: str, end: int) -> dict[str, Any]:
     """Events proven to be these and no others, and how far heyoka's in double are from them."""
-    scene = _watching(library.load(name), *COST_EVENTS)
-    run = integrate(scene, "double", at=[end])
+    scene = _watching(polhode.load(name), *COST_EVENTS)
+    run = polhode.integrate(scene, "double", at=[end])
     began = time.process_time()
-    certified = certify_events(scene, end)
+    certified = polhode.certify_events(scene, end)
     seconds = time.process_time() - began
     rows = []
-    for true, found in zip(certified, run.events, strict=True):
+    for true, event in zip(certified, run.events, strict=True):
         row: dict[str, Any] = {
             "zero": next(e for e in scene.events if e.name == true.name).zero,
             "proven": len(true.times),
             "undecided": len(true.undecided),
-            "double": len(found.times),
+            "double": len(event.times),
         }
-        if len(true.times) == len(found.times) > 0:
-            off = [abs(exactly(x) - t.time) for x, t in zip(found.times, true.times, strict=True)]
+        if len(true.times) == len(event.times) > 0:
+            off = [abs(exactly(x) - t.time) for x, t in zip(event.times, true.times, strict=True)]
             row["error"] = float(f"{float(max(off)):.2e}")
             row["radius"] = float(f"{max(t.radius for t in true.times):.1e}")
         rows.append(row)
@@ -200,25 +195,25 @@ _MAKERS: dict[str, Callable[..., dict[str, Any]]] = {
 
 def _cost_row(name: str, repeats: int) -> dict[str, Any]:
     """Microseconds a step with none, one and three events: the minimum of many, interleaved."""
-    scene = library.load(COSTED).at((Fraction(COST_ENDS[name]),))
+    scene = polhode.load(COSTED).at((Fraction(COST_ENDS[name]),))
     scenes = [_watching(scene, *COST_EVENTS[:n]) for n in (0, 1, 3)]
     seconds = [math.inf] * len(scenes)
-    steps, found = [0] * len(scenes), [0] * len(scenes)
+    steps, counts = [0] * len(scenes), [0] * len(scenes)
     for _ in range(repeats):
         for k, watched in enumerate(scenes):
-            run = integrate(watched, name)
-            steps[k], found[k] = run.steps, sum(len(event.times) for event in run.events)
+            run = polhode.integrate(watched, name)
+            steps[k], counts[k] = run.steps, sum(len(event.times) for event in run.events)
             seconds[k] = min(seconds[k], run.seconds["run"])
     micros = [1e6 * s / n for s, n in zip(seconds, steps, strict=True)]
     return {
         "number": name,
         "events": [0, 1, 3],
         "steps": steps,
-        "found": found,
+        "found": counts,
         "microseconds_a_step": [float(f"{m:.3g}") for m in micros],
         "microseconds_an_event": [
             float(f"{1e6 * (s - seconds[0]) / n:.3g}") if n else None
-            for s, n in zip(seconds, found, strict=True)
+            for s, n in zip(seconds, counts, strict=True)
         ],
     }
 
@@ -239,9 +234,9 @@ class Zeros:
     They are found in one period alone, by signs at many times and then by the secant rule.
     """
 
-    def __init__(self, scene: Scene, zero: str, samples: int = 64) -> None:
-        reference = reference_of(replace(scene, events=()))
-        assert isinstance(reference, Reference)
+    def __init__(self, scene: polhode.Scene, zero: str, samples: int = 64) -> None:
+        reference = polhode.reference(replace(scene, events=()))
+        assert isinstance(reference, polhode.Reference)
         self._reference, self._zero, self._columns = reference, zero, scene.columns
         period = reference.period
         if period is None:  # of a top that nutates, whose zeros these are
@@ -264,16 +259,14 @@ class Zeros:
         return [t for t in every if 0 < t <= end]
 
     def _values(self, times: Sequence[Any], digits: int) -> list[Fraction]:
-        found = []
+        values = []
         for t, row in zip(times, self._reference.at(times, digits), strict=True):
             columns = dict(zip(self._columns, row, strict=True), t=to_mpf(exactly(t), BITS))
             value = exactly(columns_.value(self._zero, columns, BITS))
-            found.append(value if abs(value) > Fraction(1, 10 ** (digits - 3)) else Fraction(0))
-        return found
+            values.append(value if abs(value) > Fraction(1, 10 ** (digits - 3)) else Fraction(0))
+        return values
 
     def _refined(self, low: Fraction, high: Fraction) -> Fraction:
-        from polhode.numbers.mpmath_context import mpmath
-
         def value(t: Any) -> Any:
             row = self._reference.at([t], ZERO_DIGITS)[0]
             columns = dict(zip(self._columns, row, strict=True), t=t)
@@ -303,6 +296,7 @@ _TIMES = (
     _ZERO,
     Column("period", "period", ">", "the period of the motion, by its closed form"),
     NUMBER,
+    NUMBERS,
     END,
     Column("true", "true", "d", "events of the closed form"),
     Column(
@@ -326,6 +320,7 @@ _PROVEN = (
 )
 _COST = (
     NUMBER,
+    NUMBERS,
     Column("steps", "steps.0", "d"),
     Column("none, µs a step", "microseconds_a_step.0", ".3g", "time of a step without events"),
     Column("one", "microseconds_a_step.1", ".3g", "the same with one event"),
@@ -336,25 +331,25 @@ _COST = (
 )
 
 
-def tables(found: JsonObject) -> dict[str, PageTable]:
+def tables(results: JsonObject) -> dict[str, PageTable]:
     """The page's tables from the study's JSON object."""
     again = "python reports/make.py events --only"
     near, far = (
-        [{**motion, **run} for motion in found["motions"] for run in motion[part]]
+        [{**motion, **run} for motion in results["motions"] for run in motion[part]]
         for part in ("near", "far")
     )
     return {
         "near": table(near, _TIMES, f"{again} {{1}} --only '{{0}}'"),
         "far": table(far, _TIMES, f"{again} {{1}} --only '{{0}}'"),
-        "proven": table(_proven_rows(found), _PROVEN, f"{again} {{0}}"),
-        "cost": table(found["cost"], _COST, f"{again} cost --only {{0}}"),
+        "proven": table(_proven_rows(results), _PROVEN, f"{again} {{0}}"),
+        "cost": table(results["cost"], _COST, f"{again} cost --only {{0}}"),
     }
 
 
-def facts(found: JsonObject) -> dict[str, object]:
+def facts(results: JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    near = [run for motion in found["motions"] for run in motion["near"]]
-    far = [run for motion in found["motions"] for run in motion["far"]]
+    near = [run for motion in results["motions"] for run in motion["near"]]
+    far = [run for motion in results["motions"] for run in motion["far"]]
     return {
         "end": max((run["end"] for run in far), default=0),
         "true": sum(run["true"] for run in far),
@@ -363,17 +358,18 @@ def facts(found: JsonObject) -> dict[str, object]:
         "ulps": max((run["ulps"] for run in near if "ulps" in run), default=0),
         "exact": share(run["complete"] and run["found"] == run["true"] for run in [*near, *far]),
         "same": share(
-            row["undecided"] == 0 and row["proven"] == row["double"] for row in _proven_rows(found)
+            row["undecided"] == 0 and row["proven"] == row["double"]
+            for row in _proven_rows(results)
         ),
-        "steps": share(len({*row["steps"]}) == 1 for row in found["cost"]),
+        "steps": share(len({*row["steps"]}) == 1 for row in results["cost"]),
     }
 
 
-def _proven_rows(found: JsonObject) -> list[JsonObject]:
+def _proven_rows(results: JsonObject) -> list[JsonObject]:
     """Proven events of motions without a closed form, each with its case."""
     return [
         row | {"case": case["case"], "end": case["end"]}
-        for case in found["proven"]
+        for case in results["proven"]
         for row in case["events"]
     ]
 
@@ -386,13 +382,13 @@ def _proven_rows(found: JsonObject) -> list[JsonObject]:
 FLOOR = 0.01  # ulps: smaller errors are drawn there, on the axis
 
 
-def svgs(found: JsonObject) -> dict[str, str]:
+def svgs(results: JsonObject) -> dict[str, str]:
     """Above: how large errors of event times are, in ulps; below: cost of a run with events."""
     with paper() as plt:
         size = drawing.WIDTH, 5.6
         figure, (above, below) = plt.subplots(2, figsize=size, layout="constrained")
-        _draw_errors(above, found["motions"])
-        _draw_cost(below, found["cost"])
+        _draw_errors(above, results["motions"])
+        _draw_cost(below, results["cost"])
         drawing.legend(figure, len(COLOURS))
         return {"events": as_svg(figure)}
 

@@ -16,25 +16,26 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar
 JsonObject: TypeAlias = dict[str, Any]
 #: Told what is being done.
 Say: TypeAlias = Callable[[str], object]
-Job, Answer = TypeVar("Job"), TypeVar("Answer")
+Job = TypeVar("Job")
+Answer = TypeVar("Answer")
 
 
 def in_order(
     answer: Callable[[Job], Answer],
     jobs: Sequence[Job],
     workers: int,
-    begun: Callable[[Job], object],
+    tell: Callable[[Job], object],
 ) -> Iterator[Answer]:
     """The answers in the order of the jobs, made here or by so many processes; ``begun``: told."""
     if workers < 2 or len(jobs) < 2:
         for job in jobs:
-            begun(job)
+            tell(job)
             yield answer(job)
         return
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        for job, made in zip(jobs, pool.map(answer, jobs), strict=True):
-            begun(job)
-            yield made
+        for job, answers in zip(jobs, pool.map(answer, jobs), strict=True):
+            tell(job)
+            yield answers
 
 
 def cores() -> int:
@@ -70,9 +71,9 @@ class Only:
 
     def __call__(self, *labels: str) -> bool:
         """Whether the row of these labels is wanted."""
-        wanted = all(any(t.lower() in x.lower() for x in labels) for t in self.texts)
-        (self.taken if wanted else self.passed).extend(labels)
-        return wanted
+        is_wanted = all(any(t.lower() in x.lower() for x in labels) for t in self.texts)
+        (self.taken if is_wanted else self.passed).extend(labels)
+        return is_wanted
 
 
 # --- words ----------------------------------------------------------------------------------------
@@ -160,8 +161,10 @@ class PageTable(NamedTuple):
         headers: dict[str, list[str]] = {}  # of one meaning, such as number types, together
         for header, meaning in zip(self.header, self.meanings, strict=False):
             headers.setdefault(meaning, []).append(header)
-        told = [f"*{', '.join(names)}*: {meaning}" for meaning, names in headers.items() if meaning]
-        lines += ["", f"Columns: {'; '.join(told)}."] if told else [""]
+        meanings = [
+            f"*{', '.join(names)}*: {meaning}" for meaning, names in headers.items() if meaning
+        ]
+        lines += ["", f"Columns: {'; '.join(meanings)}."] if meanings else [""]
         if self.again:
             lines.append(f"To make rows again, here the first: `{self.command(self.rows[0])}`.")
         return "\n".join(lines).rstrip()
@@ -264,7 +267,7 @@ def filled(template: str, tables: Mapping[str, PageTable], facts: Mapping[str, o
     parts = [first, *(f"\n#{part}" for part in others)]
     named = [[tables[name] for name in tables if f"{{{name}}}" in part] for part in parts]
     shown = [part for part, there in zip(parts, named, strict=True) if _has_rows(there)]
-    fields = {name: made.markdown for name, made in tables.items()} | dict(facts)
+    fields = {name: page_table.markdown for name, page_table in tables.items()} | dict(facts)
     text = "".join(shown).format_map(fields)
     while "\n\n\n" in text:  # a table without rows beside one that has some
         text = text.replace("\n\n\n", "\n\n")
@@ -272,7 +275,7 @@ def filled(template: str, tables: Mapping[str, PageTable], facts: Mapping[str, o
 
 
 def _has_rows(tables: list[PageTable]) -> bool:
-    return not tables or any(made.rows for made in tables)
+    return not tables or any(page_table.rows for page_table in tables)
 
 
 # --- case runs ------------------------------------------------------------------------------------
@@ -303,8 +306,8 @@ def digits(run: JsonObject | None) -> float | str | None:
     """A run's correct digits, or in words why it has none; None where it was not run."""
     if run is None:
         return None
-    found: float | str = run["correct_digits"] if "correct_digits" in run else run["outcome"]
-    return run.get("lost") or found
+    right: float | str = run["correct_digits"] if "correct_digits" in run else run["outcome"]
+    return run.get("lost") or right
 
 
 def in_numbers(write: Callable[[JsonObject | None], object], meaning: str) -> tuple[Column, ...]:

@@ -27,12 +27,11 @@ import numpy as np
 
 import drawing
 import draws
+import polhode
 from drawing import GUIDE, LOOKS
 from kit import DASH, Column, JsonObject, Only, PageTable, Say, at_times, formatted, in_order, table
 from peers import process
 from peers.process import ask
-from polhode import Reference, Scene, conditioning, integrate
-from polhode import reference as reference_of
 from polhode.equations.integrals import departures
 from polhode.figures.canvas import SERIES, TIME, as_svg, paper
 from polhode.judging.correct_digits import log10_errors, log10_rate
@@ -93,36 +92,36 @@ class RunStart:
     methods: tuple[str, ...]
 
     @property
-    def scene(self) -> Scene:
+    def scene(self) -> polhode.Scene:
         """The exact scene."""
         return random_scene(self.top, self.index, self.times)
 
 
-def rows(quick: bool, say: Say, wanted: Only) -> dict[str, Any]:
+def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
     """The study's rows; no figure in them depends on the clock."""
-    tops = [*ensembles((2, 4) if quick else (2, 6), STARTS, say, wanted)]
+    tops = [*ensembles((2, 4) if quick else (2, 6), STARTS, say, only)]
     end = 10_000 if quick else 100_000
     return {
         "brouwer": BROUWER,
         "tops": tops,
-        "at": far_rows(end, STARTS, quick, say, wanted),
+        "at": far_rows(end, STARTS, quick, say, only),
     }
 
 
 def ensembles(
-    decades: tuple[int, int], starts: int, say: Say, wanted: Only, workers: int = 2
+    decades: tuple[int, int], starts: int, say: Say, only: Only, workers: int = 2
 ) -> Iterator[dict[str, Any]]:
     """One row per top: medians over its starts at every half decade, and exponents."""
     times = half_decades(*decades)
     methods = (PLAIN, PROJECTED)
-    tops = [top for top in TOPS if wanted(f"{top} growth", *FAR)]
-    asked = [RunStart(top, k, times, methods) for top in tops for k in range(starts)]
+    tops = [top for top in TOPS if only(f"{top} growth", *FAR)]
+    starts_of = [RunStart(top, k, times, methods) for top in tops for k in range(starts)]
     members: list[Member] = []
 
     def begun(start: RunStart) -> None:
         say(f"{start.scene.name} of {starts}")
 
-    for start, member in zip(asked, in_order(follow, asked, workers, begun), strict=True):
+    for start, member in zip(starts_of, in_order(follow, starts_of, workers, begun), strict=True):
         members.append(member)
         if len(members) == starts:
             yield _top_row(start.top, times, members)
@@ -137,27 +136,27 @@ def half_decades(first: int, last: int) -> tuple[Fraction, ...]:
 def follow(start: RunStart) -> Member:
     """Integrate one start by every method and judge it at every time."""
     scene = start.scene
-    reference = reference_of(scene).at(scene.times, DIGITS)
+    reference = polhode.reference(scene).at(scene.times, DIGITS)
     rate = log10_rate(reference, scene)
-    made, strayed, taken, left = {}, {}, None, []
+    errors, strayed, projection, left = {}, {}, None, []
     for method in start.methods:
-        run = integrate(scene, "double", project=method == PROJECTED)
-        made[method] = (10 ** log10_errors(run.states, reference, rate)).tolist()
+        run = polhode.integrate(scene, "double", project=method == PROJECTED)
+        errors[method] = (10 ** log10_errors(run.states, reference, rate)).tolist()
         if method == PROJECTED:
-            put = run.projection
-            assert put is not None
-            taken = put.onto, put.largest, put.sum
-            left = _inputs(scene, put.every)
+            corrections = run.projection
+            assert corrections is not None
+            projection = corrections.onto, corrections.largest, corrections.sum
+            left = _inputs(scene, corrections.every)
         else:
-            found = departures(scene, run.states)
-            strayed = {name: [float(x) for x in column] for name, column in found.items()}
-    return Member(made, strayed, taken, left)
+            departed = departures(scene, run.states)
+            strayed = {name: [float(x) for x in column] for name, column in departed.items()}
+    return Member(errors, strayed, projection, left)
 
 
-def _inputs(scene: Scene, every: int) -> list[float]:
+def _inputs(scene: polhode.Scene, every: int) -> list[float]:
     """What rounding the inputs leaves of a run that is projected so often, at the first times."""
     first = [t for t in scene.times if t <= INPUTS_UNTIL]
-    digits = conditioning(scene, first).inputs(DOUBLE, every)
+    digits = polhode.conditioning(scene, first).inputs(DOUBLE, every)
     return [10.0**-x for x in digits if x is not None]
 
 
@@ -165,37 +164,37 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
     first = RunStart(top, 0, tuple(times), ()).scene
     shown = [float(t) for t in times]
     since = min(FIT_SINCE, shown[-1] / 100)
-    made = []
+    methods = []
     for method in members[0].errors:
-        found: dict[str, Any] = {"method": method}
+        row: dict[str, Any] = {"method": method}
         for name, series in (
             ("error", [m.errors[method] for m in members]),
             ("drift", [m.drift for m in members] if method == PLAIN else []),
         ):
             if series:
-                found[name] = {
+                row[name] = {
                     "median": _short(np.median(series, axis=0)),
                     "largest": _short(np.max(series, axis=0)),
                     **_exponents(exponent(shown, series, since)),
                     "law": LINEAR if method == PROJECTED else BROUWER[name],
                 }
         if method == PLAIN:
-            found["integrals"] = _integrals(shown, members, since)
+            row["integrals"] = _integrals(shown, members, since)
         if method == PROJECTED:
             onto, largest, total = zip(
                 *(m.projection for m in members if m.projection), strict=True
             )
-            found["projection"] = {
+            row["projection"] = {
                 "onto": sorted({name for names in onto for name in names}),
                 "largest": significant(max(largest), 3),
                 "sum": significant(max(total), 3),
             }
-            found["inputs"] = _beside_inputs(members)
-        made.append(found)
-    reference = reference_of(first)
-    assert isinstance(reference, Reference)
+            row["inputs"] = _beside_inputs(members)
+        methods.append(row)
+    reference = polhode.reference(first)
+    assert isinstance(reference, polhode.Reference)
     limit = significant(float(reference.error(first.times[-1:], DIGITS)), 3)
-    least = min(x for found in made for x in found["error"]["median"])
+    least = min(x for row in methods for x in row["error"]["median"])
     return {
         "top": top,
         "starts": len(members),
@@ -203,7 +202,7 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
         "fitted_since": since,
         "reference_error": limit,
         "wall": limit > least / 10,
-        "methods": made,
+        "methods": methods,
     }
 
 
@@ -223,11 +222,11 @@ def _integrals(
     times: Sequence[float], members: Sequence[Member], since: float
 ) -> list[dict[str, Any]]:
     """Each integral's departure over the ensemble: mean beside standard deviation."""
-    found = []
+    integrals = []
     for name in members[0].departures:
         series = [m.departures[name] for m in members]
         fitted = exponent(times, series, since, np.std)
-        found.append(
+        integrals.append(
             {
                 "integral": name,
                 "mean": _short(np.mean(series, axis=0)),
@@ -236,7 +235,7 @@ def _integrals(
                 "law": BROUWER["drift"],
             }
         )
-    return found
+    return integrals
 
 
 def _beside_inputs(members: Sequence[Member]) -> dict[str, Any]:
@@ -286,20 +285,20 @@ def exponent(
 
     ``members``: one row of errors a member.  ``middle_of``: numpy's function that grows.
     """
-    kept = np.array(times) >= since
-    x, y = np.log10(np.array(times))[kept], np.array(members)[:, kept]
-    if kept.sum() < 3 or (middle_of(y, axis=0) <= 0).any():
+    late = np.array(times) >= since
+    x, y = np.log10(np.array(times))[late], np.array(members)[:, late]
+    if late.sum() < 3 or (middle_of(y, axis=0) <= 0).any():
         return None
     drawn = np.random.default_rng(1).integers(0, len(y), (RESAMPLES, len(y)))
     samples = np.log10(np.maximum(middle_of(y[drawn], axis=1), np.finfo(float).tiny))
     weights = 1 / np.maximum(samples.var(axis=0), 1e-6)
     middle = np.log10(middle_of(y, axis=0))
     last = x >= x[-1] - 1 - 1e-9
-    found = []
+    slopes_of = []
     for part in (slice(None), last):
         slopes = [_slope(x[part], sample[part], weights[part]) for sample in samples]
-        found += [_slope(x[part], middle[part], weights[part]), float(np.std(slopes, ddof=1))]
-    return Exponent(*found)
+        slopes_of += [_slope(x[part], middle[part], weights[part]), float(np.std(slopes, ddof=1))]
+    return Exponent(*slopes_of)
 
 
 def _slope(x: Any, y: Any, weights: Any) -> float:
@@ -338,46 +337,49 @@ class Asked(NamedTuple):
     starts: int
 
 
-def far_rows(end: int, starts: int, quick: bool, say: Say, wanted: Only) -> dict[str, Any]:
+def far_rows(end: int, starts: int, quick: bool, say: Say, only: Only) -> dict[str, Any]:
     """For each kind of top the errors of every other program at ``end``, over the starts."""
-    asked = [
+    contests = [
         Asked(top, name, starts if name in CHEAP else starts // 2)
         for name in (CHEAP if quick else TOLERANCES)
         for top in TOPS
-        if wanted(f"{top} t={end}", name, "far")
+        if only(f"{top} t={end}", name, "far")
     ]
 
-    def row(one: Asked) -> dict[str, Any]:
-        say(f"{one.top}, {one.program}")
-        return _row(one, end)
+    def row(task: Asked) -> dict[str, Any]:
+        say(f"{task.top}, {task.program}")
+        return _row(task, end)
 
     with ThreadPoolExecutor(2) as two:  # no clock is read here
-        made = [*two.map(row, asked)]
+        answers = [*two.map(row, contests)]
     tops = [
-        {"top": top, "methods": [x for one, x in zip(asked, made, strict=True) if one.top == top]}
+        {
+            "top": top,
+            "methods": [x for task, x in zip(contests, answers, strict=True) if task.top == top],
+        }
         for top in TOPS
-        if any(one.top == top for one in asked)
+        if any(task.top == top for task in contests)
     ]
     return {"t": end, "starts": starts, "tops": tops, "not_run": NOT_RUN}
 
 
-def _row(asked: Asked, end: int) -> dict[str, Any]:
+def _row(task: Asked, end: int) -> dict[str, Any]:
     """Median and largest error over the starts that came back, and why others did not."""
-    tol = TOLERANCES[asked.program]
-    scenes = [draws.draw(asked.top, k, end, 2) for k in range(asked.starts)]
-    job = BY_NAME[asked.program].job(draws.present(asked.top), [x.run(tol) for x in scenes])
+    tol = TOLERANCES[task.program]
+    scenes = [draws.draw(task.top, k, end, 2) for k in range(task.starts)]
+    job = BY_NAME[task.program].job(draws.present(task.top), [x.run(tol) for x in scenes])
     with tempfile.TemporaryDirectory() as cache:
-        answers, fault = ask(process.__name__, job, asked.starts * _LIMIT, Path(cache))
-    errors, faults = [], [fault] * (len(answers) < asked.starts)
-    for one, answer in zip(scenes, answers, strict=False):
+        answers, fault = ask(process.__name__, job, task.starts * _LIMIT, Path(cache))
+    errors, faults = [], [fault] * (len(answers) < task.starts)
+    for draw, answer in zip(scenes, answers, strict=False):
         if "failed" in answer:
             faults.append(answer["failed"])
         else:
-            errors.append(_error(one, answer["state"]))
+            errors.append(_error(draw, answer["state"]))
     return {
-        "method": asked.program,
+        "method": task.program,
         "tol": tol,
-        "starts": asked.starts,
+        "starts": task.starts,
         "reached": len(errors),
         "median": float(f"{statistics.median(errors):.3g}") if errors else None,
         "largest": float(f"{max(errors):.3g}") if errors else None,
@@ -385,10 +387,10 @@ def _row(asked: Asked, end: int) -> dict[str, Any]:
     }
 
 
-def _error(one: draws.Draw, state: Sequence[float]) -> float:
+def _error(draw: draws.Draw, state: Sequence[float]) -> float:
     """Of the last state, against the closed form."""
-    true = reference_of(one.scene).at(one.scene.times, DIGITS)
-    return float(10 ** log10_errors([state], true[-1:], log10_rate(true, one.scene))[0])
+    true = polhode.reference(draw.scene).at(draw.scene.times, DIGITS)
+    return float(10 ** log10_errors([state], true[-1:], log10_rate(true, draw.scene))[0])
 
 
 # --- page -----------------------------------------------------------------------------------------
@@ -447,28 +449,28 @@ _FAULTS = (
 )
 
 
-def tables(found: JsonObject) -> dict[str, PageTable]:
+def tables(results: JsonObject) -> dict[str, PageTable]:
     """The page's tables from the study's JSON object."""
-    tops = found["tops"]
+    tops = results["tops"]
     rows, times = _methods(tops), tops[0]["times"] if tops else []
-    kept = [row for row in rows if "inputs" in row]
-    followed = times[: len(kept[0]["inputs"]["median"])] if kept else []
+    projected = [row for row in rows if "inputs" in row]
+    followed = times[: len(projected[0]["inputs"]["median"])] if projected else []
     inputs = (_TOP, *at_times(followed, _over_inputs, _LEFT), Column("last, like t", _like_t, ">"))
     return {
         "exponents": table(_exponent_rows(rows), _EXPONENTS, _AGAIN),
         "walks": table(_integral_rows(rows), _WALKS, _AGAIN),
-        "inputs": table(kept, inputs, _AGAIN),
+        "inputs": table(projected, inputs, _AGAIN),
         "error": _growth_table(rows, times, "error"),
         "drift": _growth_table(rows, times, "drift"),
         "projection": table([row for row in rows if "projection" in row], _PROJECTION, _AGAIN),
-        "far": far_table(found),
-        "faults": table(_faults(found["at"]), _FAULTS),
+        "far": far_table(results),
+        "faults": table(_faults(results["at"]), _FAULTS),
     }
 
 
-def facts(found: JsonObject) -> dict[str, object]:
+def facts(results: JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    tops, far = found["tops"], found["at"]
+    tops, far = results["tops"], results["at"]
     pulls = [abs(_pull(row)) for row in _integral_rows(_methods(tops))]
     return {
         "starts": far["starts"],
@@ -497,19 +499,19 @@ def _exponent_rows(rows: list[JsonObject]) -> list[JsonObject]:
     ]
 
 
-def _fitted(found: JsonObject, name: str) -> str | None:
+def _fitted(row: JsonObject, name: str) -> str | None:
     """An exponent, or that of the last decade, with its standard error."""
-    if found["exponent"] is None:
+    if row["exponent"] is None:
         return None
-    if found["exponent"] == found["uncertainty"] == 0:  # such as the spin of a Lagrange top
+    if row["exponent"] == row["uncertainty"] == 0:  # such as the spin of a Lagrange top
         return "stays"
     error = {"exponent": "uncertainty", "last_decade": "last_uncertainty"}[name]
-    return f"{found[name]:.2f} ± {found[error]:.2f}"
+    return f"{row[name]:.2f} ± {row[error]:.2f}"
 
 
 def _integral_rows(rows: list[JsonObject]) -> list[JsonObject]:
     """Every integral of every kind of top."""
-    return [{**row, **one} for row in rows for one in row.get("integrals", ())]
+    return [{**row, **integral} for row in rows for integral in row.get("integrals", ())]
 
 
 def _squared(names: str) -> str:
@@ -517,8 +519,8 @@ def _squared(names: str) -> str:
 
 
 def _standard_error(row: JsonObject) -> float:
-    found: float = row["deviation"][-1] / math.sqrt(row["starts"])
-    return found
+    standard_error: float = row["deviation"][-1] / math.sqrt(row["starts"])
+    return standard_error
 
 
 def _pull(row: JsonObject) -> float:
@@ -544,8 +546,8 @@ def _growth_table(rows: list[JsonObject], times: list[int], name: str) -> PageTa
     return table([row for row in rows if name in row], (_TOP, _METHOD, *columns), _AGAIN)
 
 
-def _middle_and_most(found: JsonObject, k: int) -> str:
-    return f"{formatted(found['median'][k], '.1e')} / {formatted(found['largest'][k], '.1e')}"
+def _middle_and_most(row: JsonObject, k: int) -> str:
+    return f"{formatted(row['median'][k], '.1e')} / {formatted(row['largest'][k], '.1e')}"
 
 
 def _faults(far: JsonObject) -> list[JsonObject]:
@@ -554,11 +556,11 @@ def _faults(far: JsonObject) -> list[JsonObject]:
     return failed + [{"method": k, "fault": f"not run: {why}"} for k, why in far["not_run"].items()]
 
 
-def far_table(found: JsonObject) -> PageTable:
+def far_table(results: JsonObject) -> PageTable:
     """Median and largest error of every method at the far moment, one column per kind of top."""
-    far = found["at"]
+    far = results["at"]
     rows: dict[str, JsonObject] = {}
-    for method in _methods(found["tops"]):
+    for method in _methods(results["tops"]):
         name = "polhode" if "projected" in method["method"] else "polhode, not projected"
         cell = _middle_and_most(method["error"], method["times"].index(far["t"]))
         rows.setdefault(name, {})[method["top"]] = cell
@@ -570,7 +572,7 @@ def far_table(found: JsonObject) -> PageTable:
         elif method.get("starts", far["starts"]) < far["starts"]:
             cell += f", {method['starts']} starts"
         rows.setdefault(method["method"], {})[method["top"]] = cell
-    tops = dict.fromkeys(top["top"] for top in (*found["tops"], *far["tops"]))
+    tops = dict.fromkeys(top["top"] for top in (*results["tops"], *far["tops"]))
     return table(
         [{"method": name, **cells} for name, cells in rows.items()],
         (_METHOD, *(Column(top, top, ">") for top in tops)),
@@ -589,9 +591,9 @@ _SLOPES = {"error": (1.5, "slope 3/2"), "drift": (0.5, "slope 1/2")}
 _DOTTED: dict[str, Any] = {"color": GUIDE, "ls": ":", "lw": 0.8}
 
 
-def svgs(found: JsonObject) -> dict[str, str]:
+def svgs(results: JsonObject) -> dict[str, str]:
     """Medians over the ensembles against time, and above each what the worst start has."""
-    tops = found["tops"]
+    tops = results["tops"]
     growth = f"median of {tops[0]['starts']} starts, bar to the worst"
     with paper() as plt:
         size = drawing.WIDTH, 9.4

@@ -21,8 +21,8 @@ from textwrap import fill
 from typing import Any
 
 import benchmark
+import polhode
 from kit import JsonObject, Only, PageTable, Say, filled, write_whole
-from polhode import BadInput
 from polhode.common.interrupts import heard
 from polhode.common.provenance import cpu, versions
 from polhode.common.texts import as_json
@@ -81,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 print("\n".join(map(str, paths)))
             return 0
         print("\n".join(map(str, paths)))
-    except BadInput as fault:
+    except polhode.BadInput as fault:
         print(fault, file=sys.stderr)
         return 2
     except KeyboardInterrupt:
@@ -125,7 +125,7 @@ def part(name: str, texts: Sequence[str], quick: bool = False) -> str:
     results = module(name).rows(quick, lambda text: say(f"{name}: {text}"), only)
     if not only.taken:
         likely = f"part of the name of a row, such as {', '.join(dict.fromkeys(only.passed[:8]))}"
-        raise BadInput("make.py", "--only", " ".join(texts), likely)
+        raise polhode.BadInput("make.py", "--only", " ".join(texts), likely)
     tables: dict[str, PageTable] = module(name).tables(results)
     return "\n\n".join(table.markdown for table in tables.values() if table.rows)
 

@@ -57,8 +57,8 @@ class Program(NamedTuple):
     def prepared(self, present: Sequence[bool], many: bool = False) -> Run:
         """Its prepared form for a pattern of the equations, of one start or of many."""
         module = import_module(self.module)
-        made: Run = (module.prepared_many if many else module.prepared)(present, self.method)
-        return made
+        run: Run = (module.prepared_many if many else module.prepared)(present, self.method)
+        return run
 
 
 def _peer(

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 import drawing
+import polhode
 from kit import (
     DASH,
     Column,
@@ -33,23 +34,10 @@ from kit import (
     table,
     yes,
 )
-from polhode import (
-    BadInput,
-    NotProved,
-    ProvedOrbit,
-    Scene,
-    orbit_search,
-    prove_chaos,
-    prove_stability,
-    top,
-    verify,
-)
 from polhode.figures.canvas import BODY, REST, SPACE, as_svg, paper, residue_axis
 from polhode.figures.chaos_proof import Crossings, crossings, draw_crossings
 from polhode.numbers.decimals import brief
-from polhode.proofs.prove_orbit import prove_all
 from polhode.proofs.proved_chaos import ProvedChaos
-from polhode.scenes import library
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -85,37 +73,39 @@ Row: TypeAlias = JsonObject
 Job: TypeAlias = tuple[str, str, tuple[int, int]]
 
 
-def rows(quick: bool, say: Say, wanted: Only) -> JsonObject:
+def rows(quick: bool, say: Say, only: Only) -> JsonObject:
     """The study's rows."""
     grid = _QUICK_GRID if quick else GRID
-    jobs = [("chaos", what, grid) for what in ([] if quick else CHAOS) if wanted(f"chaos: {what}")]
+    jobs = [("chaos", name, grid) for name in ([] if quick else CHAOS) if only(f"chaos: {name}")]
     jobs += [
-        ("orbits", what, grid)
-        for what in (_QUICK if quick else ORBITS)
-        if wanted(f"orbits: {what}")
+        ("orbits", name, grid) for name in (_QUICK if quick else ORBITS) if only(f"orbits: {name}")
     ]
 
     def begun(job: Job) -> None:
         say(f"{job[0]} of {job[1]}")
 
     workers = 1 if quick or len(jobs) < 2 else cores()
-    found = [*in_order(_answer, jobs, workers, begun)]
+    answers = [*in_order(_answer, jobs, workers, begun)]
     return {
         "grid": list(grid),
         "crossings": CROSSINGS,
         "digits": DIGITS,
-        "orbits": [one for (kind, *_), one in zip(jobs, found, strict=True) if kind == "orbits"],
-        "chaos": [one for (kind, *_), one in zip(jobs, found, strict=True) if kind == "chaos"],
+        "orbits": [
+            answer for (kind, *_), answer in zip(jobs, answers, strict=True) if kind == "orbits"
+        ],
+        "chaos": [
+            answer for (kind, *_), answer in zip(jobs, answers, strict=True) if kind == "chaos"
+        ],
     }
 
 
-def scene_of(what: str) -> Scene:
+def scene_of(what: str) -> polhode.Scene:
     """The scene of a top."""
     name = ORBITS.get(what, CHAOS.get(what))
     if name is not None:
-        return library.load(name)
+        return polhode.load(name)
     # Lagrange's top but for a moment that is a fiftieth larger
-    return top(
+    return polhode.top(
         moments=[2, Fraction(51, 25), 1],
         centre=[0, 0, 1],
         weight=1,
@@ -127,44 +117,41 @@ def scene_of(what: str) -> Scene:
 
 
 def _answer(job: Job) -> Row:
-    kind, what, grid = job
-    return _orbits(what, grid) if kind == "orbits" else _chaos(what)
+    kind, name, grid = job
+    return _orbits(name, grid) if kind == "orbits" else _chaos(name)
 
 
-def _orbits(what: str, grid: tuple[int, int]) -> Row:
+def _orbits(name: str, grid: tuple[int, int]) -> Row:
     """All orbits of a search on the scene's own level."""
-    scene = scene_of(what)
-    began = time.process_time()
-    search = orbit_search(scene, grid, CROSSINGS)
-    searched = time.process_time() - began
-    found = []
-    for orbit, proof in zip(search.orbits, prove_all(search, DIGITS), strict=True):
+    scene = scene_of(name)
+    every = polhode.prove_orbits(scene, grid, CROSSINGS, digits=DIGITS)
+    search, rows = every.search, []
+    for orbit, proof in zip(search.orbits, every.proofs, strict=True):
         row: Row = {"period": float(orbit.period), "residue": float(orbit.residue)}
-        if isinstance(proof, NotProved):
-            found.append(row | {"proved": False, "cause": str(proof).partition(": ")[2]})
+        if isinstance(proof, polhode.NotProved):
+            rows.append(row | {"proved": False, "cause": str(proof).partition(": ")[2]})
             continue
         period, radius = proof.period.decimals
         row |= {"proved": True, "kind": proof.kind, "least_period": period, "within": radius}
         row |= {"digits": round(proof.digits, 1), "seconds": round(proof.seconds, 3)}
-        found.append(row | _checked(proof) | _stable(proof))
+        rows.append(row | _checked(proof) | _stable(proof))
     return {
-        "what": what,
-        "scene": None if ORBITS[what] is None else scene.name,
+        "what": name,
+        "scene": None if ORBITS[name] is None else scene.name,
         "h": brief(search.surface.h),
         "f": brief(search.surface.f),
-        "search_seconds": round(searched, 2),
-        "orbits": sorted(found, key=lambda row: row["period"]),
+        "orbits": sorted(rows, key=lambda row: row["period"]),
     }
 
 
-def _stable(proof: ProvedOrbit) -> Row:
+def _stable(proof: polhode.ProvedOrbit) -> Row:
     """Whether an elliptic orbit is proved to be stable for all time, and how long that takes."""
     if proof.kind != "elliptic":
         return {}
     began = time.process_time()
     try:
-        twist = str(prove_stability(proof).twist)
-    except NotProved as why:
+        twist = str(polhode.prove_stability(proof).twist)
+    except polhode.NotProved as why:
         return {"stable": False, "why_not_stable": str(why).partition(": ")[2]}
     return {
         "stable": True,
@@ -178,37 +165,37 @@ def _chaos(what: str) -> Row:
     scene = scene_of(what)
     began = time.process_time()
     try:
-        found = prove_chaos(scene)
-    except NotProved as why:
+        proof = polhode.prove_chaos(scene)
+    except polhode.NotProved as why:
         seconds = round(time.process_time() - began, 1)
         cause = str(why).partition(": ")[2]
         return {"what": what, "scene": scene.name, "proved": False, "cause": cause} | {
             "seconds": seconds
         }
-    period, _ = found.orbit.period.decimals
+    period, _ = proof.orbit.period.decimals
     row: Row = {"what": what, "scene": scene.name, "proved": True, "period": period}
-    row |= {"kind": found.orbit.kind, "coverings": found.coverings, "tries": found.tries}
-    row |= {"entropy": found.entropy, "short": found.short, "long": found.long}
-    row |= {"stretch": found.stretch, "height": found.height, "cone": found.cone}
-    row |= {"h": brief(found.h), "f": brief(found.f)}
+    row |= {"kind": proof.orbit.kind, "coverings": proof.coverings, "tries": proof.tries}
+    row |= {"entropy": proof.entropy, "short": proof.short, "long": proof.long}
+    row |= {"stretch": proof.stretch, "height": proof.height, "cone": proof.cone}
+    row |= {"h": brief(proof.h), "f": brief(proof.f)}
     if what == DRAWN:
         row["drawn"] = {
             name: [[round(float(x), 3) for x in axis] for axis in points]
-            for name, points in crossings(found)._asdict().items()
+            for name, points in crossings(proof)._asdict().items()
         }
-    return row | {"seconds": round(time.process_time() - began, 1)} | _checked(found)
+    return row | {"seconds": round(time.process_time() - began, 1)} | _checked(proof)
 
 
-def _checked(proof: ProvedOrbit | ProvedChaos) -> Row:
+def _checked(proof: polhode.ProvedOrbit | ProvedChaos) -> Row:
     """Whether the checker proves the proof's certificate, and how long that takes."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "proof.json"
         try:
             proof.save(path)
-        except BadInput as why:
+        except polhode.BadInput as why:
             return {"verified": False, "why": why.expected}
         began = time.process_time()
-        verdict = verify(path)
+        verdict = polhode.verify(path)
     seconds = round(time.process_time() - began, 2)
     return {"verified": verdict.proved, "verify_seconds": seconds}
 
@@ -288,32 +275,32 @@ unstable manifold (orange) of the proved orbit, as computed in double, and the s
 which lie in planes of their own."""
 
 
-def tables(found: JsonObject) -> dict[str, PageTable]:
+def tables(results: JsonObject) -> dict[str, PageTable]:
     """The page's tables from the study's JSON object, of 0.3 too, which tells of no stability."""
-    proved = [*map(_proved, found["orbits"])]
+    proved = [*map(_proved, results["orbits"])]
     stable = [_STABLE] if any(row["stable"] for row in proved) else []
     return {
         "orbits": table(proved, [*_ORBITS[:4], *stable, *_ORBITS[4:]], _AGAIN),
-        "refused": table(_refused(found["orbits"]), _REFUSED, _AGAIN),
-        "chaos": table(found["chaos"], _CHAOS, _AGAIN),
+        "refused": table(_refused(results["orbits"]), _REFUSED, _AGAIN),
+        "chaos": table(results["chaos"], _CHAOS, _AGAIN),
     }
 
 
-def facts(found: JsonObject) -> dict[str, object]:
+def facts(results: JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    orbits = [row for one in found["orbits"] for row in one["orbits"]]
+    orbits = [row for top in results["orbits"] for row in top["orbits"]]
     proved = [row for row in orbits if row["proved"]]
-    chaos = [row for row in found["chaos"] if row["proved"]]
+    chaos = [row for row in results["chaos"] if row["proved"]]
     return {
-        "grid": " x ".join(map(str, found["grid"])),
-        "crossings": found["crossings"],
-        "digits": found["digits"],
+        "grid": " x ".join(map(str, results["grid"])),
+        "crossings": results["crossings"],
+        "digits": results["digits"],
         "proved": share(row["proved"] for row in orbits),
-        "tops": len(found["orbits"]),
+        "tops": len(results["orbits"]),
         "kinds": _kinds(proved) or DASH,
         "seconds": median([row["seconds"] for row in proved], ".2g"),
         "verified": sum(row["verified"] for row in proved),
-        "proved_chaos": share(row["proved"] for row in found["chaos"]),
+        "proved_chaos": share(row["proved"] for row in results["chaos"]),
         "chaos_seconds": between([row["seconds"] for row in chaos], ".2g"),
         "verified_chaos": sum(row["verified"] for row in chaos),
         "picture": "".join(_PICTURE.format(**row) for row in chaos if "drawn" in row),
@@ -325,15 +312,15 @@ def _kinds(proved: list[JsonObject]) -> str:
     return counted(dict(sorted(Counter(row["kind"] for row in proved).items())))
 
 
-def _proved(one: JsonObject) -> JsonObject:
+def _proved(top: JsonObject) -> JsonObject:
     """A row of all orbits that were found of a top."""
-    proved = [row for row in one["orbits"] if row["proved"]]
+    proved = [row for row in top["orbits"] if row["proved"]]
     stable = [row["stable"] for row in proved if "stable" in row]
     checked = [row["verify_seconds"] for row in proved if row["verified"]]
     return {
-        **one,
-        "top": f"orbits: {one['what']}",
-        "share": share(row["proved"] for row in one["orbits"]),
+        **top,
+        "top": f"orbits: {top['what']}",
+        "share": share(row["proved"] for row in top["orbits"]),
         "kinds": _kinds(proved) or None,
         "stable": share(stable) if stable else None,
         "periods": between([row["period"] for row in proved], ".3g", DASH),
@@ -346,19 +333,19 @@ def _proved(one: JsonObject) -> JsonObject:
 
 def _refused(tops: list[JsonObject]) -> list[JsonObject]:
     """A row for all orbits of a top that have about one period and the same cause."""
-    found: dict[tuple[str, str, str], list[float]] = {}
+    residues_of: dict[tuple[str, str, str], list[float]] = {}
     for one in tops:
         for row in one["orbits"]:
             if not row["proved"]:
                 cause = row["cause"].partition(":")[0]
                 same = (f"orbits: {one['what']}", f"{row['period']:.5g}", cause)
-                found.setdefault(same, []).append(row["residue"])
+                residues_of.setdefault(same, []).append(row["residue"])
     return [
         {
             **{"top": top, "period": period, "orbits": len(residues), "cause": cause},
             "residue": between(residues, ".1e") if len(residues) > 1 else f"{residues[0]:.1e}",
         }
-        for (top, period, cause), residues in found.items()
+        for (top, period, cause), residues in residues_of.items()
     ]
 
 
@@ -372,10 +359,10 @@ _COLUMNS = 2
 _DOTS_PER_INCH = 200  # of the manifolds, which are pixels
 
 
-def svgs(found: JsonObject) -> dict[str, str]:
+def svgs(results: JsonObject) -> dict[str, str]:
     """The study's figures by name, from its JSON object."""
-    drawn = {"proofs": residues(found["orbits"])} if found["orbits"] else {}
-    for row in found["chaos"]:
+    drawn = {"proofs": residues(results["orbits"])} if results["orbits"] else {}
+    for row in results["chaos"]:
         if "drawn" in row:
             drawn["manifolds"] = manifolds(row["drawn"])
     return drawn

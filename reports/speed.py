@@ -16,6 +16,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar
 import contest
 import drawing
 import draws
+import polhode
 from contest import WorkPoint, frontier
 from drawing import LOOKS, OTHER_LOOK, WIDTH
 from kit import (
@@ -35,14 +36,11 @@ from kit import (
 )
 from peers import process
 from peers.process import ask
-from polhode import Scene, integrate, reference
-from polhode import reference as reference_of
 from polhode.figures.canvas import as_svg, paper
 from polhode.judging.correct_digits import worst_digits
 from polhode.numbers import number_types
 from polhode.numbers.decimals import significant
 from polhode.numbers.number_types import DOUBLE, Given, named
-from polhode.scenes import library
 from polhode.scenes.scene import even_times
 from programs import BY_NAME, ENGINE, OURS, PROGRAMS, RUN, Program
 
@@ -54,31 +52,33 @@ QUESTION = (
 QUICK_PROGRAMS = (OURS, RUN, ENGINE)  # what needs no compiler
 
 
-def rows(quick: bool, say: Say, wanted: Only) -> dict[str, Any]:
+def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
     """The study's rows; seconds vary from run to run, digits do not.
 
     ``without``: the programs that are not installed.
     """
-    asked_cells = contest.wanted_cells(quick, wanted)
-    asked = motions(quick, wanted)
-    first = wanted("first result")
+    asked_cells = contest.wanted_cells(quick, only)
+    ways_of = motions(quick, only)
+    first = only("first result")
     chosen = [p for p in PROGRAMS if not quick or p.name in QUICK_PROGRAMS]
     programs = [p for p in chosen if p.is_there]
     with tempfile.TemporaryDirectory() as cache:
         starting = [*first_results(programs, quick, say)] if first else []
-        held = contest.rows(asked_cells, [p for p in programs if p.last], Path(cache), quick, say)
-    found = []
-    for motion, ways in asked.items():
+        contest_rows = contest.rows(
+            asked_cells, [p for p in programs if p.last], Path(cache), quick, say
+        )
+    motions_rows = []
+    for motion, ways in ways_of.items():
         say(f"number types: {motion.name}")
-        found.append(row(motion, ways, quick))
+        motions_rows.append(row(motion, ways, quick))
     return {
         "once_above": PATIENCE,
         "programs": [program.name for program in programs],
         "without": [p.name for p in chosen if not p.is_there],
         "first": starting,
-        "cells": held,
-        "motions": found,
-        "refined": contests(quick, say, wanted),
+        "cells": contest_rows,
+        "motions": motions_rows,
+        "refined": contests(quick, say, only),
     }
 
 
@@ -86,13 +86,13 @@ def versions() -> dict[str, str]:
     """Of the programs that are there."""
     from importlib.metadata import PackageNotFoundError, version
 
-    found = {}
+    versions_of = {}
     for name in sorted({need for program in PROGRAMS for need in program.needs}):
         try:
-            found[name] = version(name)
+            versions_of[name] = version(name)
         except PackageNotFoundError:
             continue
-    return found
+    return versions_of
 
 
 # --- clock ----------------------------------------------------------------------------------------
@@ -146,18 +146,18 @@ def first_results(programs: Sequence[Program], quick: bool, say: Say) -> Iterato
         for _ in range(1 if quick else FIRST_REPEATS):
             with tempfile.TemporaryDirectory() as cache:
                 for word in ("cold", "warm"):
-                    found = _clocked(job, Path(cache))
-                    if isinstance(found, str):
-                        fault = found
+                    clock = _clocked(job, Path(cache))
+                    if isinstance(clock, str):
+                        fault = clock
                         break
-                    clocks[word] = min(found, clocks.get(word, found))
+                    clocks[word] = min(clock, clocks.get(word, clock))
             if fault or time.perf_counter() - began > ENOUGH:
                 break
-        told = {
+        clocked = {
             word: {"wall": round(wall, 3), "processor": round(processor, 3)}
             for word, (wall, processor) in clocks.items()
         }
-        yield {"program": program.name, **told, "fault": fault}
+        yield {"program": program.name, **clocked, "fault": fault}
 
 
 def _clocked(job: dict[str, Any], cache: Path) -> tuple[float, float] | str:
@@ -247,49 +247,51 @@ def _runs(way: Way, motion: SpeedMotion, quick: bool) -> bool:
     return not wide or motion.name == TYPES_SHOWN
 
 
-def motions(quick: bool, wanted: Only) -> dict[SpeedMotion, list[Way]]:
+def motions(quick: bool, only: Only) -> dict[SpeedMotion, list[Way]]:
     """The motions asked for, each with the ways that are."""
-    found: dict[SpeedMotion, list[Way]] = {}
+    ways_of: dict[SpeedMotion, list[Way]] = {}
     for motion in MOTIONS:
         labels = motion.name, motion.case, "every motion"
         for way in WAYS:
-            if _runs(way, motion, quick) and wanted(*labels, way.name):
-                found.setdefault(motion, []).append(way)
-    return found
+            if _runs(way, motion, quick) and only(*labels, way.name):
+                ways_of.setdefault(motion, []).append(way)
+    return ways_of
 
 
-def scene_of(motion: SpeedMotion) -> Scene:
+def scene_of(motion: SpeedMotion) -> polhode.Scene:
     """The motion's scene at its output times, rounded to doubles."""
     times = tuple(DOUBLE.rounded(t) for t in even_times(Fraction(motion.end), SAMPLES))
-    return replace(library.load(motion.case), times=times, outputs=(), events=(), published=())
+    return replace(polhode.load(motion.case), times=times, outputs=(), events=(), published=())
 
 
-def row(motion: SpeedMotion, asked: list[Way], quick: bool = False) -> dict[str, Any]:
+def row(motion: SpeedMotion, ways: list[Way], quick: bool = False) -> dict[str, Any]:
     """What the ways give on one motion, judged against its exact scene."""
     scene = scene_of(motion)
-    most = max(named(way.number).most_digits for way in asked)
-    true = reference_of(scene).at(scene.times, math.ceil(most) + SPARE_DIGITS)
+    most = max(named(way.number).most_digits for way in ways)
+    true = polhode.reference(scene).at(scene.times, math.ceil(most) + SPARE_DIGITS)
     return {
         **motion._asdict() | {"motion": motion.name},
-        "methods": [_way_row(way, scene, true, quick) for way in asked],
+        "methods": [_way_row(way, scene, true, quick) for way in ways],
     }
 
 
-def _way_row(way: Way, scene: Scene, true: Given, quick: bool) -> dict[str, Any]:
+def _way_row(way: Way, scene: polhode.Scene, true: Given, quick: bool) -> dict[str, Any]:
     points = [_point(way, scene, tol, true, quick) for tol in way.tolerances]
     return {"method": way.name, "number": way.number, "points": points}
 
 
-def _point(way: Way, scene: Scene, tol: float, true: Given, quick: bool) -> dict[str, Any]:
+def _point(way: Way, scene: polhode.Scene, tol: float, true: Given, quick: bool) -> dict[str, Any]:
     """Digits and the least seconds at one tolerance, or why there are none."""
     number = named(way.number)
-    told: dict[str, Any] = {
+    options: dict[str, Any] = {
         "tol": None if tol <= float(number.eps) else tol,
         "project": way.project,
     }
-    integrate(scene, number, max_steps=_FEW.get(way.number, 2), **told)
+    polhode.integrate(scene, number, max_steps=_FEW.get(way.number, 2), **options)
     run, timing = timed(
-        lambda: integrate(scene, number, **told), QUICK_REPEATS if quick else REPEATS, PATIENCE
+        lambda: polhode.integrate(scene, number, **options),
+        QUICK_REPEATS if quick else REPEATS,
+        PATIENCE,
     )
     if not run.outcome.done:
         return {"tol": tol, "reason": run.outcome.cause}
@@ -338,22 +340,22 @@ CONTESTS = (
 )
 
 
-def contests(quick: bool, say: Say, wanted: Only) -> list[dict[str, Any]]:
+def contests(quick: bool, say: Say, only: Only) -> list[dict[str, Any]]:
     """A row a contest: CPU seconds and correct digits both ways, digits to which both agree, and
     what refinement estimated."""
-    found = []
+    rows = []
     for motion in CONTESTS:
         if quick and not motion.quick:
             continue
-        if wanted(f"refined: {motion.name} t={motion.end}"):
+        if only(f"refined: {motion.name} t={motion.end}"):
             say(f"refined runs: {motion.name} to t = {motion.end}")
-            found.append(_row(motion))
-    return found
+            rows.append(_row(motion))
+    return rows
 
 
 def _row(contest: Contest) -> dict[str, Any]:
     scene = replace(
-        library.load(contest.case),
+        polhode.load(contest.case),
         times=(Fraction(contest.end),),
         outputs=contest.outputs,
         events=(),
@@ -361,18 +363,22 @@ def _row(contest: Contest) -> dict[str, Any]:
     number = number_types.QUAD if contest.digits is None else number_types.mp(contest.digits)
     row: dict[str, Any] = {"motion": contest.name, "end": contest.end, "bits": number.bits}
     wide = math.ceil(number.most_digits) + _SPARE
-    known = reference(scene)
-    if known.is_closed_form:
-        true: Given = known.at(scene.times, wide)
+    truth = polhode.reference(scene)
+    if truth.is_closed_form:
+        true: Given = truth.at(scene.times, wide)
         row["by"] = "closed form"
     else:  # a method of its own, and more digits
         plain = replace(scene, outputs=())
-        steps = integrate(plain, number_types.mp(wide), method="taylor")
+        steps = polhode.integrate(plain, number_types.mp(wide), method="taylor")
         true, row["by"] = steps.states, "steps in more digits"
     runs = []
     for method in ("refined", "taylor"):
-        integrate(scene.at([min(10, scene.end)]), number, method=method)  # loads what is compiled
-        run, timing = timed(partial(integrate, scene, number, method=method), _REPEATS, _PATIENCE)
+        polhode.integrate(
+            scene.at([min(10, scene.end)]), number, method=method
+        )  # loads what is compiled
+        run, timing = timed(
+            partial(polhode.integrate, scene, number, method=method), _REPEATS, _PATIENCE
+        )
         runs.append(run.states)
         row[method] = {
             "cpu": float(f"{timing.seconds:.3g}"),
@@ -486,25 +492,25 @@ _MANY = (
 )
 
 
-def tables(found: JsonObject) -> dict[str, PageTable]:
+def tables(results: JsonObject) -> dict[str, PageTable]:
     """The page's tables from the study's JSON object."""
-    first = sorted(found["first"], key=lambda row: row.get("cold", {}).get("wall", 1e9))
-    many, single = _parted(found["cells"])
+    first = sorted(results["first"], key=lambda row: row.get("cold", {}).get("wall", 1e9))
+    many, single = _parted(results["cells"])
     short = [cell for cell in single if cell["end"] < LONG]
     long = [cell for cell in single if cell["end"] >= LONG]
     cells = "python reports/make.py speed --only '{0}'"
     types = "python reports/make.py speed --only '{0}' --only '{1}'"
     refined = "python reports/make.py speed --only 'refined: {0} t={1}'"
     return {
-        "summary": summary(found["cells"], _not_run(found)),
-        "standing": standing(found["cells"]),
+        "summary": summary(results["cells"], _not_run(results)),
+        "standing": standing(results["cells"]),
         "first": table(first, _FIRST, "python reports/make.py speed --only 'first result'"),
         "short": table(_by_length(short), _CELLS, cells),
         "long": table(_by_length(long), _CELLS, cells),
         "many": table(_by_length(many), _MANY, cells),
-        "faults": table(_faults(found), _FAULTS),
-        "types": table(_best(found["motions"]), _BEST, types),
-        "refined": table(found.get("refined", ()), _REFINED, refined),
+        "faults": table(_faults(results), _FAULTS),
+        "types": table(_best(results["motions"]), _BEST, types),
+        "refined": table(results.get("refined", ()), _REFINED, refined),
     }
 
 
@@ -538,9 +544,9 @@ def _best_other(cells: Sequence[JsonObject], digits: float, not_run: str) -> str
     verdicts = [x["verdict"] for _, x in levels(cells) if x["digits"] == digits]
     ratios = [verdict["ratio"][0] for verdict in verdicts if "best" in verdict]
     if not ratios:
-        told = {verdict["stands"] for verdict in verdicts}
+        words_said = {verdict["stands"] for verdict in verdicts}
         words = {"alone": "polhode alone", "not run": not_run}
-        return next((text for word, text in words.items() if word in told), "not reached")
+        return next((text for word, text in words.items() if word in words_said), "not reached")
     ratio = median(ratios, ".2f")
     names = [verdict["best"] for verdict in verdicts if "best" in verdict]
     often = max(sorted(set(names)), key=names.count)
@@ -557,53 +563,53 @@ def standing(cells: Sequence[JsonObject]) -> PageTable:
 
 def _standings(cells: Sequence[JsonObject]) -> Iterator[JsonObject]:
     for (starts, end), here in _groups(cells, "starts", "end").items():
-        found = levels(here)
-        lost = [x["verdict"] for _, x in found if x["verdict"]["stands"] == "behind"]
+        pairs = levels(here)
+        lost = [x["verdict"] for _, x in pairs if x["verdict"]["stands"] == "behind"]
         ratios = [verdict["ratio"][0] for verdict in lost]
-        own = [1 / ratio for ratio in ratios_of(found, ENGINE)]
+        own = [1 / ratio for ratio in ratios_of(pairs, ENGINE)]
         yield {
             "run": f"t = {end}" + f", {starts} starts" * (starts > 0),
-            **stands(found),
+            **stands(pairs),
             "lost": spread(ratios, ".2f"),
             "best": listed(verdict["best"] for verdict in lost),
             "engine": spread(own, ".2f"),
         }
 
 
-def facts(found: JsonObject) -> dict[str, object]:
+def facts(results: JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    refined = found.get("refined", ())
-    _, cells = _parted(found["cells"])
+    refined = results.get("refined", ())
+    _, cells = _parted(results["cells"])
     better = [row["refined"]["digits"] - row["taylor"]["digits"] for row in refined]
     return {
         "draws": cells[0]["draws"] if cells else DASH,
         "kinds": ", ".join(dict.fromkeys(cell["kind"] for cell in cells)) or DASH,
-        "without": _without(found),
-        "once_above": f"{found['once_above']:g}",
+        "without": _without(results),
+        "once_above": f"{results['once_above']:g}",
         "refined_time": between([1 / row["gain"] for row in refined], ".3f"),
         "refined_digits": between(better, "+.1f"),
     }
 
 
-def _not_run(found: JsonObject) -> str:
+def _not_run(results: JsonObject) -> str:
     """What a cell says where no other program was run."""
-    if found.get("quick"):
+    if results.get("quick"):
         return "others not run by --quick"
-    extras = _extras(found) or ["polhode[peers]"]
+    extras = _extras(results) or ["polhode[peers]"]
     return f"others not run: install {', '.join(extras)}"
 
 
-def _without(found: JsonObject) -> str:
+def _without(results: JsonObject) -> str:
     """The programs that were not run at all, and how they can be."""
-    if found.get("quick"):
+    if results.get("quick"):
         return "all others (--quick runs what needs no compiler)"
-    names, extras = ", ".join(found["without"]), _extras(found)
+    names, extras = ", ".join(results["without"]), _extras(results)
     return f"{names} (install {', '.join(extras)})" if extras else names or "none"
 
 
-def _extras(found: JsonObject) -> list[str]:
+def _extras(results: JsonObject) -> list[str]:
     """What installs the programs that are missing."""
-    absent = [BY_NAME[name].needs for name in found["without"] if name in BY_NAME]
+    absent = [BY_NAME[name].needs for name in results["without"] if name in BY_NAME]
     extras = {f"polhode[peers{'-fortran' * ('numbalsoda' in needs)}]" for needs in absent}
     return sorted(extras, reverse=True)
 
@@ -616,10 +622,10 @@ def _parted(cells: Sequence[JsonObject]) -> tuple[list[JsonObject], list[JsonObj
 
 def _groups(cells: Sequence[JsonObject], *names: str) -> dict[tuple[int, ...], list[JsonObject]]:
     """The cells by their numbers of these names, in order."""
-    found: dict[tuple[int, ...], list[JsonObject]] = {}
+    groups: dict[tuple[int, ...], list[JsonObject]] = {}
     for cell in cells:
-        found.setdefault(tuple(cell.get(name, 0) for name in names), []).append(cell)
-    return dict(sorted(found.items()))
+        groups.setdefault(tuple(cell.get(name, 0) for name in names), []).append(cell)
+    return dict(sorted(groups.items()))
 
 
 def levels(cells: Iterable[JsonObject]) -> Levels:
@@ -627,15 +633,15 @@ def levels(cells: Iterable[JsonObject]) -> Levels:
     return [(cell, level) for cell in cells for level in cell["levels"]]
 
 
-def stands(found: Levels) -> dict[str, int]:
+def stands(pairs: Levels) -> dict[str, int]:
     """How often polhode is ahead, even, behind, alone, or does not reach the digits itself."""
-    words = [level["verdict"]["stands"] for _, level in found]
+    words = [level["verdict"]["stands"] for _, level in pairs]
     return {word: words.count(word) for word in WORDS}
 
 
-def ratios_of(found: Levels, name: str) -> list[float]:
+def ratios_of(pairs: Levels, name: str) -> list[float]:
     """The ratios of a program, where it has one."""
-    programs = [program for _, level in found for program in level["programs"]]
+    programs = [program for _, level in pairs for program in level["programs"]]
     named = [program["ratio"] for program in programs if program["program"] == name]
     return [ratio[0] for ratio in named if ratio is not None]
 
@@ -646,22 +652,22 @@ def _by_length(cells: Sequence[JsonObject]) -> Iterator[JsonObject]:
         name = f"t={end} " + (f"starts={starts}" if starts else f"outputs={outputs}")
         unit = 1e6 / starts if starts else 1e3
         for digits in [level["digits"] for level in here[0]["levels"]]:
-            found = [(cell, level) for cell, level in levels(here) if level["digits"] == digits]
-            yield {"cells": name, "digits": digits, **_over_kinds(found, unit)}
+            pairs = [(cell, level) for cell, level in levels(here) if level["digits"] == digits]
+            yield {"cells": name, "digits": digits, **_over_kinds(pairs, unit)}
 
 
-def _over_kinds(found: Levels, unit: float) -> JsonObject:
+def _over_kinds(pairs: Levels, unit: float) -> JsonObject:
     """What a row says of one length and level, seconds times a unit."""
-    own = [p["seconds"] for _, x in found for p in x["programs"] if p["program"] == OURS]
-    met = [x["verdict"] for _, x in found if "best" in x["verdict"]]
+    own = [p["seconds"] for _, x in pairs for p in x["programs"] if p["program"] == OURS]
+    met = [x["verdict"] for _, x in pairs if "best" in x["verdict"]]
     names = [verdict["best"] for verdict in met]
     first = sorted(set(names), key=lambda name: (-names.count(name), name))[:2]
     return {
         "own": median([unit * seconds for seconds in own if seconds], ".3g"),
-        "stands": counted(stands(found)),
+        "stands": counted(stands(pairs)),
         "best": ", ".join(first) or DASH,
         "ratio": spread([verdict["ratio"][0] for verdict in met], ".2f"),
-        **{name: spread(ratios_of(found, name), ".2f") for name in (ENGINE, RUN)},
+        **{name: spread(ratios_of(pairs, name), ".2f") for name in (ENGINE, RUN)},
     }
 
 
@@ -674,19 +680,19 @@ def _best(motions: Sequence[JsonObject]) -> Iterator[JsonObject]:
                 yield {**motion, **method, **min(points, key=lambda p: p["tol"])}
 
 
-def _faults(found: JsonObject) -> list[JsonObject]:
+def _faults(results: JsonObject) -> list[JsonObject]:
     """What failed or was missing, each once."""
-    told = {
-        (name, fault): None for cell in found["cells"] for name, fault in cell["faults"].items()
+    causes = {
+        (name, fault): None for cell in results["cells"] for name, fault in cell["faults"].items()
     }
-    told |= {
+    causes |= {
         (method["method"], f"at tolerance {point['tol']:.2g}: {point['reason']}"): None
-        for motion in found["motions"]
+        for motion in results["motions"]
         for method in motion["methods"]
         for point in method["points"]
         if "reason" in point
     }
-    return [{"program": program, "fault": fault} for program, fault in told]
+    return [{"program": program, "fault": fault} for program, fault in causes]
 
 
 # --- figure ---------------------------------------------------------------------------------------
@@ -700,14 +706,14 @@ _COLUMNS, _HEIGHT = 2, 1.9  # panels side by side, inches of each
 Curves = Mapping[str, Sequence[tuple[float, float]]]
 
 
-def svgs(found: JsonObject) -> dict[str, str]:
+def svgs(results: JsonObject) -> dict[str, str]:
     """The study's figures by name, from its JSON object."""
     drawn = {}
-    panels = {_panel(cell): lines(cell["curves"]) for cell in found["cells"] if "curves" in cell}
+    panels = {_panel(cell): lines(cell["curves"]) for cell in results["cells"] if "curves" in cell}
     if panels:
         drawn["speed"] = work_precision(panels, "processor seconds of a run")
-    if found["motions"]:
-        types = {_title(motion): _types(motion) for motion in found["motions"]}
+    if results["motions"]:
+        types = {_title(motion): _types(motion) for motion in results["motions"]}
         drawn["types"] = work_precision(types, "processor seconds of a run")
     return drawn
 

@@ -9,6 +9,7 @@ from textwrap import fill
 from typing import Any
 
 import drawing
+import polhode
 from accuracy import case_rows
 from kit import (
     ABOUT,
@@ -32,15 +33,12 @@ from kit import (
     share,
     table,
 )
-from polhode import Scene, conditioning
-from polhode import reference as reference_of
 from polhode.equations.readout import Readout
 from polhode.judging.correct_digits import log10_errors, log10_rate
-from polhode.numbers import exact, number_types
+from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
-from polhode.numbers.number_types import NumberType, Row, Rows
+from polhode.numbers.number_types import NumberType, Row, Rows, named
 from polhode.numbers.vectors import dot, scaled
-from polhode.scenes import library
 from polhode.taylor.stepping import Integrator
 from polhode.taylor.system import system
 
@@ -54,30 +52,36 @@ SPARE_DIGITS = 40  # of the states from which kappa of the way back is computed
 QUARTERS = 4  # of the way, each of whose ends is one of those states
 
 
-def rows(quick: bool, say: Say, wanted: Only) -> dict[str, Any]:
+def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
     """The study's rows; no figure in them depends on the clock."""
-    chosen = [name for name in hard_names(quick) if wanted(name)]
+    chosen = [name for name in hard_names(quick) if only(name)]
 
-    def begun(scene: Scene) -> None:
+    def begun(scene: polhode.Scene) -> None:
         say(f"{scene.name}, {chosen.index(scene.name) + 1} of {len(chosen)}")
 
     workers = 1 if quick else cores()
-    scenes = [library.load(name) for name in chosen]
-    made = zip(scenes, case_rows(scenes, workers, begun), strict=True)
-    cases = [_hard(scene, row) for scene, row in made]
-    asked = sorted(scenes, key=lambda scene: -scene.log10_angle)
-    found = dict(zip((s.name for s in asked), in_order(_back, asked, workers, begun), strict=True))
+    scenes = [polhode.load(name) for name in chosen]
+    pairs = zip(scenes, case_rows(scenes, workers, begun), strict=True)
+    cases = [_hard(scene, row) for scene, row in pairs]
+    longest_first = sorted(scenes, key=lambda scene: -scene.log10_angle)
+    ways_back = dict(
+        zip(
+            (s.name for s in longest_first),
+            in_order(_back, longest_first, workers, begun),
+            strict=True,
+        )
+    )
     return {
         "kinds": [
             {"kind": kind, "cases": [name for name in names if name in chosen]}
             for kind, names in KINDS.items()
         ],
         "cases": cases,
-        "back": [row for name in chosen for row in found[name]],
+        "back": [row for name in chosen for row in ways_back[name]],
     }
 
 
-def _hard(scene: Scene, row: dict[str, Any]) -> dict[str, Any]:
+def _hard(scene: polhode.Scene, row: dict[str, Any]) -> dict[str, Any]:
     """A case of the study of accuracy, with how far each run is behind what was expected."""
     return row | {"end": float(scene.end), "runs": [_judged(run) for run in row["runs"]]}
 
@@ -90,25 +94,25 @@ def _judged(run: dict[str, Any]) -> dict[str, Any]:
     return run | {"behind": behind, "lost": run["lost"] or ""}
 
 
-def _back(scene: Scene) -> list[dict[str, Any]]:
+def _back(scene: polhode.Scene) -> list[dict[str, Any]]:
     """Errors of a run to the end and back to 0, beside what kappa of either way allows."""
     angle = 10**scene.log10_angle
     numbers = [name for name, longest in LONGEST.items() if angle <= longest]
     if not numbers:
         return []
-    there = conditioning(scene, number=number_types.QUAD).log10_kappa[-1]
+    there = polhode.conditioning(scene, number="quad").log10_kappa[-1]
     times = [scene.end * Fraction(k, QUARTERS) for k in range(1, QUARTERS + 1)]
     ways = [
         way_back(scene, t, state)
-        for t, state in zip(times, reference_of(scene).at(times, SPARE_DIGITS), strict=True)
+        for t, state in zip(times, polhode.reference(scene).at(times, SPARE_DIGITS), strict=True)
     ]
-    backs = [conditioning(way, number=number_types.QUAD).log10_kappa[-1] for way in ways]
+    backs = [polhode.conditioning(way, number="quad").log10_kappa[-1] for way in ways]
     back = max((x for x in backs if x is not None), default=None)
     kappa = None if there is None or back is None else max(there, back)
-    found = []
+    rows = []
     for name in numbers:
-        eps = error(scene, number_types.named(name))
-        found.append(
+        eps = error(scene, named(name))
+        rows.append(
             {
                 "case": scene.name,
                 "number": name,
@@ -119,7 +123,7 @@ def _back(scene: Scene) -> list[dict[str, Any]]:
                 "within": None if kappa is None else eps <= 10**kappa,
             }
         )
-    return found
+    return rows
 
 
 # --- hard cases -----------------------------------------------------------------------------------
@@ -127,86 +131,55 @@ def _back(scene: Scene) -> list[dict[str, Any]]:
 # The hard cases by what is hard about them: names of cases that ship.
 
 
-KINDS: dict[str, tuple[str, ...]] = {
-    "Flips from next to the middle axis": (
-        "hard/dzhanibekov-1e-3",
-        "euler/dzhanibekov",
-        "hard/dzhanibekov-1e-9",
-        "hard/dzhanibekov-1e-12",
-    ),
-    "Exact separatrices": (
-        "euler/separatrix",
-        "euler/separatrix-backward",
-        "euler/separatrix-irrational",
-        "lagrange/homoclinic",
-        "lagrange/planar-separatrix",
-        "pendulum/separatrix",
-    ),
-    "Next to a separatrix": (
-        "euler/near-separatrix",
-        "hard/near-homoclinic",
-        "hard/complementary-modulus-1e-40",
-    ),
-    "Nearly equal moments": ("euler/nearly-symmetric", "hard/nearly-symmetric-heavy"),
-    "Spin about its critical value": (
-        "lagrange/sleeping-critical",
-        "hard/sleeping-above-critical-spin",
-        "hard/sleeping-below-critical-spin",
-        "hard/tilted-critical-spin",
-        "hard/tilted-above-critical-spin",
-        "hard/tilted-below-critical-spin",
-        "hard/near-steady",
-    ),
-    "Cusps": ("lagrange/cusped", "hard/near-cusp"),
-    "Next to a solvable case": (
-        "hard/near-bobylev-steklov-asymmetric",
-        "hard/near-chaplygin",
-        "hard/near-goryachev-chaplygin",
-        "hard/near-goryachev",
-        "hard/near-grioli",
-        "hard/near-hess",
-        "hard/near-n-kowalewski",
-        "hard/near-staude",
-        "hard/near-steklov",
-    ),
-    "Through a pole or past it": (
-        "lagrange/upper-pole",
-        "lagrange/lower-pole",
-        "lagrange/from-the-pole",
-        "hard/near-pole",
-        "published/bruels-cardona-arnold",
-    ),
-    "Next to degenerate motions of the Kovalevskaya top": (
-        "kovalevskaya/near-delaunay",
-        "hard/near-appelrot",
-        "hard/near-bobylev-steklov",
-        "hard/near-asymptotic",
-        "hard/near-quasi-periodic",
-        "hard/near-multiply-degenerate",
-        "hard/near-axial-pendulum",
-        "hard/near-equatorial-pendulum",
-    ),
-    "Fast spin": ("euler/fast-spin", "hard/fast-top", "hard/very-fast-top"),
-    "Units that make the numbers huge or tiny": (
-        "euler/huge-units",
-        "euler/tiny-units",
-        "hard/heavy-huge-units",
-        "hard/heavy-tiny-units",
-    ),
-    "Needle and flat body": ("euler/needle", "euler/flat"),
-    "Unstable equilibria and permanent rotations": (
-        "euler/permanent-middle",
-        "euler/turned-permanent",
-        "lagrange/sleeping-unstable",
-        "pendulum/upright",
-        "hard/staude",
-    ),
-    "Chaotic and falling bodies": (
-        "general/asymmetric-chaotic",
-        "hard/chaotic-long",
-        "general/near-upright",
-    ),
-    "A million units of time": ("hard/million",),
+#: The cases of each difficulty.
+KINDS = {
+    kind: tuple(names.split())
+    for kind, names in {
+        "Flips from next to the middle axis": """
+            hard/dzhanibekov-1e-3 euler/dzhanibekov hard/dzhanibekov-1e-9 hard/dzhanibekov-1e-12
+        """,
+        "Exact separatrices": """
+            euler/separatrix euler/separatrix-backward euler/separatrix-irrational
+            lagrange/homoclinic lagrange/planar-separatrix pendulum/separatrix
+        """,
+        "Next to a separatrix": """
+            euler/near-separatrix hard/near-homoclinic hard/complementary-modulus-1e-40
+        """,
+        "Nearly equal moments": "euler/nearly-symmetric hard/nearly-symmetric-heavy",
+        "Spin about its critical value": """
+            lagrange/sleeping-critical hard/sleeping-above-critical-spin
+            hard/sleeping-below-critical-spin hard/tilted-critical-spin
+            hard/tilted-above-critical-spin hard/tilted-below-critical-spin hard/near-steady
+        """,
+        "Cusps": "lagrange/cusped hard/near-cusp",
+        "Next to a solvable case": """
+            hard/near-bobylev-steklov-asymmetric hard/near-chaplygin hard/near-goryachev-chaplygin
+            hard/near-goryachev hard/near-grioli hard/near-hess hard/near-n-kowalewski
+            hard/near-staude hard/near-steklov
+        """,
+        "Through a pole or past it": """
+            lagrange/upper-pole lagrange/lower-pole lagrange/from-the-pole hard/near-pole
+            published/bruels-cardona-arnold
+        """,
+        "Next to degenerate motions of the Kovalevskaya top": """
+            kovalevskaya/near-delaunay hard/near-appelrot hard/near-bobylev-steklov
+            hard/near-asymptotic hard/near-quasi-periodic hard/near-multiply-degenerate
+            hard/near-axial-pendulum hard/near-equatorial-pendulum
+        """,
+        "Fast spin": "euler/fast-spin hard/fast-top hard/very-fast-top",
+        "Units that make the numbers huge or tiny": """
+            euler/huge-units euler/tiny-units hard/heavy-huge-units hard/heavy-tiny-units
+        """,
+        "Needle and flat body": "euler/needle euler/flat",
+        "Unstable equilibria and permanent rotations": """
+            euler/permanent-middle euler/turned-permanent lagrange/sleeping-unstable
+            pendulum/upright hard/staude
+        """,
+        "Chaotic and falling bodies": """
+            general/asymmetric-chaotic hard/chaotic-long general/near-upright
+        """,
+        "A million units of time": "hard/million",
+    }.items()
 }
 
 QUICK = (
@@ -229,19 +202,19 @@ def hard_names(quick: bool = False) -> list[str]:
 # A run to a scene's end and back to its start, and the motion from its end back.
 
 
-def error(scene: Scene, number: NumberType) -> float:
+def error(scene: polhode.Scene, number: NumberType) -> float:
     """The error of the state, in eps, of a run to the scene's end and back to 0.
 
     Relative as in *correct digits*, to |w| at 0; against the start as the type rounds it.
     """
     plain = replace(scene, outputs=(), events=())
-    what = system(plain, number=number)
-    integrator = Integrator(what)
-    unit = what.frame.unit
+    equations = system(plain, number=number)
+    integrator = Integrator(equations)
+    unit = equations.frame.unit
     row: Any = None
     for t in (number.rounded(number.rounded(scene.end) / unit), Fraction(0)):
         row = _led(integrator, t)
-    rounded = [number.rounded(x) for x in what.start]
+    rounded = [number.rounded(x) for x in equations.start]
     read = Readout(plain, number)
     back = read.states([row])[0]
     bits = 2 * number.bits + 64
@@ -253,7 +226,7 @@ def error(scene: Scene, number: NumberType) -> float:
     return float(apart / to_double(number.eps))
 
 
-def way_back(scene: Scene, t: Any, state: Sequence[Any]) -> Scene:
+def way_back(scene: polhode.Scene, t: Any, state: Sequence[Any]) -> polhode.Scene:
     """The motion from the scene's state at time t back to 0; ``state``: p q r [gamma], as mpf.
 
     gamma is brought to length 1.
@@ -285,10 +258,10 @@ _AGAIN = "python reports/make.py stability --only {0}"
 
 def _pair(run: JsonObject | None) -> float | str | None:
     """The digits of a run and those expected; in words where it has none."""
-    found = digits(run)
-    if run is None or found is None or isinstance(found, str):
-        return found
-    return f"{found:.1f} / {formatted(run['band'], '')}"
+    right = digits(run)
+    if run is None or right is None or isinstance(right, str):
+        return right
+    return f"{right:.1f} / {formatted(run['band'], '')}"
 
 
 _KAPPA = Column(
@@ -351,16 +324,16 @@ _UNJUDGED = (
 )
 
 
-def tables(found: JsonObject) -> dict[str, PageTable]:
+def tables(results: JsonObject) -> dict[str, PageTable]:
     """The page's tables from the study's JSON object."""
-    cases = {case["case"]: by_number(case) for case in found["cases"]}
+    cases = {case["case"]: by_number(case) for case in results["cases"]}
     hard = [
-        {**cases[name], "kind": kind["kind"]} for kind in found["kinds"] for name in kind["cases"]
+        {**cases[name], "kind": kind["kind"]} for kind in results["kinds"] for name in kind["cases"]
     ]
-    runs = [{**case, **run} for case, run in runs_of(found["cases"])]
+    runs = [{**case, **run} for case, run in runs_of(results["cases"])]
     late = [run for run in runs if (run.get("behind") or 0) > 0]
     ways: dict[str, JsonObject] = {}
-    for row in found["back"]:
+    for row in results["back"]:
         ways.setdefault(row["case"], {**row, "runs": {}})["runs"][row["number"]] = row
     return {
         "cases": table(hard, _CASES, _AGAIN),
@@ -370,13 +343,13 @@ def tables(found: JsonObject) -> dict[str, PageTable]:
     }
 
 
-def facts(found: JsonObject) -> dict[str, object]:
+def facts(results: JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    behind = [run.get("behind") for _, run in runs_of(found["cases"])]
-    judged = [row for row in found["back"] if row["within"] is not None]
+    behind = [run.get("behind") for _, run in runs_of(results["cases"])]
+    judged = [row for row in results["back"] if row["within"] is not None]
     return {
         "enough": share(x <= 0 for x in behind if x is not None),
-        "motions": len(found["cases"]),
+        "motions": len(results["cases"]),
         "within": share(row["within"] for row in judged),
         "times_kappa": max((row["times_kappa"] for row in judged), default=0),
     }
@@ -396,13 +369,13 @@ def _within(runs: JsonObject) -> str:
 _WIDTH = 24  # letters of a line of a strip's name
 
 
-def svgs(found: JsonObject) -> dict[str, str]:
+def svgs(results: JsonObject) -> dict[str, str]:
     """One strip per kind of difficulty; rings have fewer digits than expected."""
-    runs = {case["case"]: case["runs"] for case in found["cases"]}
+    runs = {case["case"]: case["runs"] for case in results["cases"]}
     groups = {
         fill(kind["kind"], _WIDTH): [
             run for name in kind["cases"] for run in runs.get(name, ()) if "correct_digits" in run
         ]
-        for kind in found["kinds"]
+        for kind in results["kinds"]
     }
     return {"stability": drawing.svg({kind: dots for kind, dots in groups.items() if dots})}

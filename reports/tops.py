@@ -11,7 +11,7 @@ import random
 from collections.abc import Sequence
 from fractions import Fraction
 
-from polhode import Body, Scene
+import polhode
 from polhode.numbers.exact import Exact
 
 SEED = 20
@@ -22,31 +22,31 @@ def hundredths(dice: random.Random, least: float, most: float) -> Fraction:
     return Fraction(dice.randint(round(100 * least), round(100 * most)), 100)
 
 
-def free(dice: random.Random) -> Body:
+def free(dice: random.Random) -> polhode.Body:
     """A free body of any moments, in any order."""
     moments = _moments(dice)
     dice.shuffle(moments)
-    return Body.of_moments(moments)
+    return polhode.Body.of_moments(moments)
 
 
-def symmetric(dice: random.Random) -> Body:
+def symmetric(dice: random.Random) -> polhode.Body:
     """A symmetric top, disc or needle, its centre on the axis."""
     a = hundredths(dice, 0.7, 2)
     c = hundredths(dice, 0.2, 1.8 * float(a))
-    return Body.of_moments((a, a, c), (0, 0, hundredths(dice, 0.3, 1.5)), 1)
+    return polhode.Body.of_moments((a, a, c), (0, 0, hundredths(dice, 0.3, 1.5)), 1)
 
 
-def kovalevskayas(dice: random.Random) -> Body:
+def kovalevskayas(dice: random.Random) -> polhode.Body:
     """A = B = 2C, the centre anywhere in the equator."""
     c = hundredths(dice, 0.5, 1.5)
     x, y = hundredths(dice, -1.2, 1.2), hundredths(dice, 0.2, 1.2)
-    return Body.of_moments((2 * c, 2 * c, c), (x, y, 0), 1)
+    return polhode.Body.of_moments((2 * c, 2 * c, c), (x, y, 0), 1)
 
 
-def asymmetric(dice: random.Random) -> Body:
+def asymmetric(dice: random.Random) -> polhode.Body:
     """Any moments, C the largest, the centre anywhere near."""
     moments = sorted(_moments(dice))
-    return Body.of_moments(moments, [hundredths(dice, 0.1, 0.5) for _ in range(3)], 1)
+    return polhode.Body.of_moments(moments, [hundredths(dice, 0.1, 0.5) for _ in range(3)], 1)
 
 
 #: The kinds of body that have closed forms in every motion.
@@ -59,7 +59,7 @@ STARTED = {**KINDS, "chaotic": asymmetric, "fast": asymmetric}
 CHAOTIC = (0, 1, 3, 4, 7, 8, 9, 13)
 
 
-def random_scene(kind: str, index: int, times: Sequence[Exact] = ()) -> Scene:
+def random_scene(kind: str, index: int, times: Sequence[Exact] = ()) -> polhode.Scene:
     """The exact scene: any body of the kind, |components| of w at most 1, any gamma.
 
     An asymmetric body spins with 2.5 to 3.5 about z, where its motion is regular as a rule, a fast
@@ -75,7 +75,9 @@ def random_scene(kind: str, index: int, times: Sequence[Exact] = ()) -> Scene:
     u, v = (Fraction(dice.randint(-20, 20), 10) for _ in range(2))
     square = u * u + v * v
     gamma = (2 * u / (1 + square), 2 * v / (1 + square), (1 - square) / (1 + square))
-    return Scene(body, (p, q, r), gamma, times=tuple(times), name=f"{kind} start {index + 1}")
+    return polhode.Scene(
+        body, (p, q, r), gamma, times=tuple(times), name=f"{kind} start {index + 1}"
+    )
 
 
 def _moments(dice: random.Random) -> list[Fraction]:

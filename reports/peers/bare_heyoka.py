@@ -36,14 +36,14 @@ def prepared(present: Sequence[bool], method: str) -> Run:
         return hy.taylor_adaptive(system, [0.0] * 6, pars=[0.0] * len(there), tol=tol)
 
     def run(top: Top, start: Array, times: Array, tol: float) -> Array:
-        made = integrator(tol)
-        made.time = 0.0
-        made.state[:] = start
-        made.pars[:] = top.coefficients[there]
+        stepper = integrator(tol)
+        stepper.time = 0.0
+        stepper.state[:] = start
+        stepper.pars[:] = top.coefficients[there]
         if len(times) > 2:
-            return made.propagate_grid(times)[-1]
-        made.propagate_until(times[-1])
-        return made.state[None].copy()
+            return stepper.propagate_grid(times)[-1]
+        stepper.propagate_until(times[-1])
+        return stepper.state[None].copy()
 
     return run
 
@@ -61,15 +61,15 @@ def prepared_many(present: Sequence[bool], method: str) -> Run:
         return hy.taylor_adaptive_batch(system, np.zeros((6, LANES)), pars=pars, tol=tol)
 
     def run(top: Top, start: Array, times: Array, tol: float) -> Array:
-        made, spare = integrator(tol), -len(start) % LANES
-        made.pars[:] = top.coefficients[there][:, None]
+        stepper, spare = integrator(tol), -len(start) % LANES
+        stepper.pars[:] = top.coefficients[there][:, None]
         padded = np.concatenate([start, np.repeat(start[-1:], spare, axis=0)])
         columns = np.ascontiguousarray(padded.reshape(-1, LANES, 6).transpose(0, 2, 1))
         for lanes in columns:
-            made.set_time(0.0)
-            made.state[:] = lanes
-            made.propagate_until(times[-1])
-            lanes[:] = made.state
+            stepper.set_time(0.0)
+            stepper.state[:] = lanes
+            stepper.propagate_until(times[-1])
+            lanes[:] = stepper.state
         return columns.transpose(0, 2, 1).reshape(-1, 6)[: len(start)]
 
     return run

@@ -44,9 +44,9 @@ def _solver(present: Sequence[bool], method: str) -> Array:
 
     def solve_plain(coefficients: Array, start: Array, times: Array, tol: float) -> Array:
         span = (times[0], times[-1])
-        found = nbsolve2_ivp(address, span, start, method, times, False, coefficients, tol, tol)
-        rows, success = found.y.T.copy(), found.success
-        found.free()
+        solution = nbsolve2_ivp(address, span, start, method, times, False, coefficients, tol, tol)
+        rows, success = solution.y.T.copy(), solution.success
+        solution.free()
         return rows, success
 
     return numba.njit(solve_plain)
@@ -64,7 +64,7 @@ def _in_python(present: Sequence[bool], method: str) -> Run:
         def field(dy: Array, t: float, y: Array) -> None:
             dy[:] = rates(*y.tolist(), c)
 
-        found = pysolve_ivp(
+        solution = pysolve_ivp(
             field,
             (times[0], times[-1]),
             start,
@@ -74,8 +74,8 @@ def _in_python(present: Sequence[bool], method: str) -> Run:
             atol=tol,
             pass_dy_as_arg=True,
         )
-        if not found.success:
+        if not solution.success:
             raise ArithmeticError("success is False")
-        return found.y.T
+        return solution.y.T
 
     return run

@@ -28,14 +28,14 @@ def _prepared(present: Sequence[bool], method: str, many: bool) -> Run:
     term = diffrax.ODETerm(lambda t, y, c: jnp.stack(rates(*(y[i] for i in range(6)), c)))
 
     def solution_plain(coefficients: Array, start: Array, times: Array, tol: Array) -> Array:
-        found = diffrax.diffeqsolve(
+        solved = diffrax.diffeqsolve(
             *(term, solver, times[0], times[-1], None, start, coefficients),
             saveat=diffrax.SaveAt(t1=True) if many else diffrax.SaveAt(ts=times),
             stepsize_controller=diffrax.PIDController(rtol=tol, atol=tol),
             max_steps=None,
             throw=False,
         )
-        return found.ys, found.result == diffrax.RESULTS.successful
+        return solved.ys, solved.result == diffrax.RESULTS.successful
 
     if many:
         solution = jax.jit(jax.vmap(solution_plain, in_axes=(None, 0, None, None)))

@@ -14,9 +14,8 @@ from typing import Any
 
 import numpy as np
 
+import polhode
 from peers.field import Run, Top
-from polhode import Propagator, Scene, integrate, integrate_many, propagator
-from polhode import top as scene_of
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
 from programs import PROJECTED
 
@@ -30,16 +29,18 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     ``present``: unused, polhode finds out itself what vanishes.  What is made of a body is kept
     with it: a loop over starts has it at hand.
     """
-    made: dict[tuple[int, float], tuple[Top, Propagator]] = {}
-    scenes: dict[tuple[int, int, float], tuple[Top, Scene]] = {}
+    propagators: dict[tuple[int, float], tuple[Top, polhode.Propagator]] = {}
+    scenes: dict[tuple[int, int, float], tuple[Top, polhode.Scene]] = {}
     number = EXTENDED if method == "extended" else DOUBLE
 
     def propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
-        known, go = made.get((id(top), tol), (None, None))
-        if go is None or known is not top:
-            scene, wanted = _scene(top, 2, 1.0, start[3:]), _wanted(tol, number)
-            go = propagator(scene, number=number.name, tol=wanted, project=tol == PROJECTED)
-            made[id(top), tol] = top, go
+        body, go = propagators.get((id(top), tol), (None, None))
+        if go is None or body is not top:
+            scene, tolerance = _scene(top, 2, 1.0, start[3:]), _wanted(tol, number)
+            go = polhode.propagator(
+                scene, number=number.name, tol=tolerance, project=tol == PROJECTED
+            )
+            propagators[id(top), tol] = top, go
         if number is EXTENDED:
             start = np.array([np.longdouble(x.numerator) / x.denominator for x in _exact(start)])
         if len(at) == 2:
@@ -48,12 +49,12 @@ def prepared(present: Sequence[bool], method: str) -> Run:
 
     def integrated(top: Top, start: Any, at: Any, tol: float) -> Any:
         end = float(at[-1])
-        known, scene = scenes.get((id(top), len(at), end), (None, None))
-        if scene is None or known is not top:
+        body, scene = scenes.get((id(top), len(at), end), (None, None))
+        if scene is None or body is not top:
             scene = _scene(top, len(at), end, start[3:])
             scenes[id(top), len(at), end] = top, scene
         p, q, r = map(Fraction, start[:3].tolist())
-        run = integrate(replace(scene, omega=(p, q, r)), tol=_wanted(tol))
+        run = polhode.integrate(replace(scene, omega=(p, q, r)), tol=_wanted(tol))
         return run.states if len(at) > 2 else run.states[-1:]
 
     return integrated if method == "integrate" else propagated
@@ -64,18 +65,18 @@ def prepared_many(present: Sequence[bool], method: str) -> Run:
 
     In one thread; ``present``: unused.
     """
-    made: dict[tuple[int, float], tuple[Top, Propagator]] = {}
+    propagators: dict[tuple[int, float], tuple[Top, polhode.Propagator]] = {}
 
     def propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
-        known, go = made.get((id(top), tol), (None, None))
-        if go is None or known is not top:
-            go = propagator(_scene(top, 2, 1.0, UPRIGHT), tol=_wanted(tol))
-            made[id(top), tol] = top, go
+        body, go = propagators.get((id(top), tol), (None, None))
+        if go is None or body is not top:
+            go = polhode.propagator(_scene(top, 2, 1.0, UPRIGHT), tol=_wanted(tol))
+            propagators[id(top), tol] = top, go
         return go(start, t=float(at[-1]), workers=1)
 
     def integrated(top: Top, start: Any, at: Any, tol: float) -> Any:
         scene, end = _scene(top, 2, 1.0, UPRIGHT), float(at[-1])
-        many = integrate_many(scene, starts=start, at=[end], tol=_wanted(tol), workers=1)
+        many = polhode.integrate_many(scene, starts=start, at=[end], tol=_wanted(tol), workers=1)
         return many.states[:, 0]
 
     return propagated if method == "propagator" else integrated
@@ -93,11 +94,11 @@ def _exact(values: Any) -> list[Fraction]:
     return [y if float(y) == float(x) else x for x, y in zip(exact, near, strict=True)]
 
 
-def _scene(top: Top, count: int, end: float, gamma: Any) -> Scene:
+def _scene(top: Top, count: int, end: float, gamma: Any) -> polhode.Scene:
     """A scene of the body at even times; gamma of length 1 exactly, as every draw's is."""
     pull = top.torque.tolist()
     heavy = any(pull)
-    return scene_of(
+    return polhode.top(
         moments=_exact(top.moments),
         centre=_exact(top.torque) if heavy else None,
         weight=1 if heavy else 0,

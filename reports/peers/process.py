@@ -30,10 +30,10 @@ def main() -> None:
     end_with_parent()
     job = json.load(sys.stdin)
     run = import_module(job["module"]).prepared(job["present"], job["method"])
-    for asked in job["runs"]:
-        top = Top(*map(np.array, asked["top"]))
+    for job_run in job["runs"]:
+        top = Top(*map(np.array, job_run["top"]))
         try:
-            rows = run(top, np.array(asked["start"]), np.array(asked["times"]), asked["tol"])
+            rows = run(top, np.array(job_run["start"]), np.array(job_run["times"]), job_run["tol"])
         except Exception as fault:  # whatever a program raises is a result of the study
             write({"failed": f"{type(fault).__name__}: {fault}"})
         else:
@@ -71,7 +71,7 @@ def ask(
     """The answers of ``python -m module`` to a job, and what ended it early, if anything did."""
     command = [sys.executable, "-m", module]
     try:
-        done = subprocess.run(
+        ended = subprocess.run(
             command,
             input=json.dumps(job).encode(),
             capture_output=True,
@@ -80,11 +80,11 @@ def ask(
         )
     except subprocess.TimeoutExpired as late:
         return _lines(late.stdout or b""), f"stopped after {limit:g} s"
-    if done.returncode == 0:
-        return _lines(done.stdout), ""
-    last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
-    told = f": {last[0]}" if last else ""
-    return _lines(done.stdout), f"process ended with {done.returncode}{told}"
+    if ended.returncode == 0:
+        return _lines(ended.stdout), ""
+    last = ended.stderr.decode(errors="replace").strip().splitlines()[-1:]
+    message = f": {last[0]}" if last else ""
+    return _lines(ended.stdout), f"process ended with {ended.returncode}{message}"
 
 
 def environment(cache: Path) -> dict[str, str]:
@@ -104,12 +104,12 @@ def environment(cache: Path) -> dict[str, str]:
 
 def _lines(output: bytes) -> list[dict[str, Any]]:
     """The whole lines of JSON in an output; what else a process printed is passed over."""
-    found = []
+    answers = []
     for line in output.decode(errors="replace").splitlines():
         try:
             answer = json.loads(line)
         except ValueError:
             continue
         if isinstance(answer, dict):
-            found.append(answer)
-    return found
+            answers.append(answer)
+    return answers

@@ -29,9 +29,9 @@ def _lsoda(field: Callable[..., Array]) -> Run:
 
     def run(top: Top, start: Array, times: Array, tol: float) -> Array:
         options = {"rtol": tol, "atol": tol, "mxstep": _MOST_STEPS, "full_output": True}
-        rows, told = odeint(field, start, times, (top.coefficients,), tfirst=True, **options)
-        if told["message"] != "Integration successful.":
-            raise ArithmeticError(told["message"])
+        rows, report = odeint(field, start, times, (top.coefficients,), tfirst=True, **options)
+        if report["message"] != "Integration successful.":
+            raise ArithmeticError(report["message"])
         return rows
 
     return run

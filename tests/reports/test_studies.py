@@ -356,7 +356,7 @@ def test_a_closed_form_beside_the_motion_is_seen(monkeypatch):
     assert row["digits"] >= accuracy.PROVEN_DIGITS
     omega = (scene.omega[0] + Fraction(1, 10**15), *scene.omega[1:])
     other = polhode.reference(replace(scene, omega=omega))
-    monkeypatch.setattr(accuracy, "reference_of", lambda _: other)
+    monkeypatch.setattr(polhode, "reference", lambda _: other)
     assert not accuracy.proven_case(scene)["inside"]
     assert accuracy.provable(polhode.load("general/asymmetric-regular")) is None
 
