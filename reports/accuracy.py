@@ -102,7 +102,7 @@ def rows(quick: bool, say: Say, only: Only) -> JsonObject:
 def case_rows(
     scenes: Sequence[polhode.Scene],
     workers: int,
-    tell: Callable[[polhode.Scene], None] | None = None,
+    tell: Callable[[polhode.Scene], object],
 ) -> list[dict[str, Any]]:
     """One row per case of the library, made once in a process; the longest motions come first."""
     missing = [scene for scene in scenes if scene.name not in _made]

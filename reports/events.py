@@ -296,7 +296,6 @@ _TIMES = (
     _ZERO,
     Column("period", "period", ">", "the period of the motion, by its closed form"),
     NUMBER,
-    NUMBERS,
     END,
     Column("true", "true", "d", "events of the closed form"),
     Column(
@@ -320,7 +319,6 @@ _PROVEN = (
 )
 _COST = (
     NUMBER,
-    NUMBERS,
     Column("steps", "steps.0", "d"),
     Column("none, µs a step", "microseconds_a_step.0", ".3g", "time of a step without events"),
     Column("one", "microseconds_a_step.1", ".3g", "the same with one event"),

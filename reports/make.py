@@ -22,7 +22,7 @@ from typing import Any
 
 import benchmark
 import polhode
-from kit import JsonObject, Only, PageTable, Say, filled, write_whole
+from kit import JsonObject, Only, PageTable, filled, write_whole
 from polhode.common.interrupts import heard
 from polhode.common.provenance import cpu, versions
 from polhode.common.texts import as_json
@@ -76,7 +76,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(part(asked.name, asked.only, asked.quick))
             return 0
         else:
-            for name in [asked.name] if asked.name else sorted(STUDIES, key=_seconds(asked.quick)):
+            for name in (
+                [asked.name]
+                if asked.name
+                else sorted(STUDIES, key=lambda name: STUDIES[name][asked.quick])
+            ):
                 paths = write_study(name, folder, asked.quick)
                 print("\n".join(map(str, paths)))
             return 0
@@ -88,10 +92,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("make.py: stopped; the study that was being made is not written", file=sys.stderr)
         return 130
     return 0
-
-
-def _seconds(quick: bool) -> Say:
-    return lambda name: STUDIES[name][quick]
 
 
 def say(text: str) -> None:
