@@ -46,8 +46,10 @@ _WIDTH = 118
 def main(arguments: Sequence[str] | None = None) -> int:
     """Make what is asked for; 0, or 1 for what was stale, or 2 for bad input."""
     parser = argparse.ArgumentParser("make.py", description=(__doc__ or "").partition("\n")[0])
-    names = ", ".join([*STUDIES, BENCHMARK])
-    parser.add_argument("name", nargs="?", metavar="NAME", help=f"{names}; without it every study")
+    every_name = ", ".join([*STUDIES, BENCHMARK])
+    parser.add_argument(
+        "name", nargs="?", metavar="NAME", help=f"{every_name}; without it every study"
+    )
     parser.add_argument("--quick", action="store_true", help="fewer and shorter cases")
     parser.add_argument(
         "--only",
@@ -61,31 +63,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--stale", action="store_true", help=stale)
     asked = parser.parse_args(arguments)
     if asked.name not in (None, *STUDIES, BENCHMARK):
-        parser.error(f"NAME {asked.name!r}: expected {names}")
+        parser.error(f"NAME {asked.name!r}: expected {every_name}")
     if asked.only and asked.name is None:
         parser.error("--only: expected it with the NAME of one study")
-    folder: Path = asked.folder or HERE
+    if asked.stale and asked.name == BENCHMARK:
+        parser.error("--stale: expected a study, as the benchmark is its own rows")
+    folder: Path = asked.folder or HERE / (BENCHMARK * (asked.name == BENCHMARK))
+    names = [asked.name] if asked.name else sorted(STUDIES, key=lambda name: STUDIES[name])
     try:
         if asked.stale:
-            changed = write_stale(folder, [asked.name] if asked.name else [*STUDIES])
+            changed = write_stale(folder, names)
             print("\n".join(map(str, changed)))
             return int(bool(changed))
-        if asked.name == BENCHMARK:
-            paths = benchmark.write_benchmark(asked.folder or HERE / BENCHMARK, asked.only, say)
-        elif asked.only:
+        if asked.only and asked.name != BENCHMARK:
             print(part(asked.name, asked.only, asked.quick))
             return 0
-        else:
-            for name in (
-                [asked.name]
-                if asked.name
-                else sorted(STUDIES, key=lambda name: STUDIES[name][asked.quick])
-            ):
+        for name in names:
+            if name == BENCHMARK:
+                paths = benchmark.write_benchmark(folder, asked.only, say)
+            else:
                 paths = write_study(name, folder, asked.quick)
-                print("\n".join(map(str, paths)))
-            return 0
-        print("\n".join(map(str, paths)))
-    except polhode.BadInput as fault:
+            print("\n".join(map(str, paths)))
+    except (polhode.BadInput, OSError) as fault:
         print(fault, file=sys.stderr)
         return 2
     except KeyboardInterrupt:
