@@ -193,17 +193,6 @@ def test_names_of_python_and_options_exist(capsys):
     assert set(re.findall(r"(?<![\w`-])--[a-z][a-z-]+", "\n".join(PAGES.values()))) <= known
 
 
-def test_numbers_from_the_report_are_those_of_the_report():
-    """``python tests/measure/readme.py`` puts them in."""
-    from measure import readme
-
-    for path in set(readme.PLACES.values()):
-        text = path.read_text(encoding="utf-8")
-        assert readme.put_in(text, path) == text
-    for name, part in readme.parts().items():
-        assert part in readme.PLACES[name].read_text(encoding="utf-8")
-
-
 # -- what the guide's pages promise ----------------------------------------------------------------
 
 

@@ -48,7 +48,7 @@ def test_the_table_of_rooms_is_that_of_the_folders():
     found = {}
     for path in source.glob("*/*/__init__.py"):
         room, inner = path.parts[-3:-1]
-        if room != "studies" and (room != "closed_forms" or inner not in families):
+        if room != "closed_forms" or inner not in families:
             docstring = ast.get_docstring(ast.parse(path.read_text())) or ""
             found[f"{room}/{inner}"] = docstring.partition("\n")[0].rstrip(".")
     assert rooms == found
@@ -219,7 +219,7 @@ def test_nobody_computes_at_a_precision_that_others_share():
     shared = re.compile(r"^ *(import mpmath|from mpmath import (?!libmp)|from flint.*\bctx)", re.M)
     for path in (TOP / "src/polhode").rglob("*.py"):
         name = path.relative_to(TOP / "src/polhode").as_posix()
-        if name not in private and not name.startswith("peers/"):
+        if name not in private:
             assert not shared.search(path.read_text()), name
 
 
@@ -273,10 +273,10 @@ def test_a_verb_imports_nothing_heavy_that_it_does_not_need():
 
 @pytest.mark.slow
 def test_a_run_imports_no_room_that_it_does_not_need():
-    """A warm run is to cost little more than importing heyoka: see tests/measure/benchmark.py."""
+    """A warm run is to cost little more than importing heyoka."""
     found = imported_by(["run", "kovalevskaya/generic", "--at", "1"])
     own = {name.removeprefix("polhode.") for name in found if name.startswith("polhode.")}
-    needless = {"studies", "figures", "dynamics", "checks", "enclosures", "refined", "peers"}
+    needless = {"figures", "dynamics", "checks", "enclosures", "refined"}
     needless |= {"closed_forms"}
     assert not needless & {name.partition(".")[0] for name in own}
     assert {name for name in own if name.startswith("verbs.")} == {

@@ -10,11 +10,11 @@ from fractions import Fraction
 
 import pytest
 
+import accuracy
 import polhode
 from polhode.certificates import certificate_file, verify
 from polhode.common.errors import BadInput
 from polhode.scenes import library
-from polhode.studies.accuracy import proven
 from shared.members import motion_table
 
 SHIPPED = sorted((library.folder() / "certificates").glob("*.json"))
@@ -63,7 +63,7 @@ def test_every_closed_form_that_is_certified_has_a_certificate(name, tmp_path):
     scene = replace(library.load(name), outputs=())
     if not scene.times:
         pytest.skip("no times")
-    found = polhode.certify(scene, proven.proven_times(scene), digits=proven.DIGITS)
+    found = polhode.certify(scene, accuracy.proven_times(scene), digits=accuracy.DIGITS)
     path = tmp_path / "row.json"
     if scene.gamma is None or not all(isinstance(t, Fraction) for t in found.times):
         with pytest.raises(BadInput, match="for a certificate"):  # the only ones that have none
@@ -83,5 +83,5 @@ def test_every_closed_form_that_is_certified_has_a_certificate(name, tmp_path):
 )
 def test_a_motion_that_is_certified_far_has_a_certificate(name, tmp_path):
     path = tmp_path / "row.json"
-    polhode.certify(name, [1, 10, 100, 500], digits=proven.DIGITS).save(path)
+    polhode.certify(name, [1, 10, 100, 500], digits=accuracy.DIGITS).save(path)
     assert polhode.verify(path)

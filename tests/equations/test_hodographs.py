@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode.cli import main
+from polhode.dynamics import rolling_cones
 from polhode.equations import kinematics
-from polhode.judging import rolling_cones
 from polhode.numbers import row_formulas
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.mpmath_context import mpmath

@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import long_run
 import polhode
+import speed
+from drawing import LOOKS, plain
 from polhode.figures.canvas import COLOURS, paper
-from polhode.studies.long_run import rows as long_run
-from polhode.studies.page.drawing import LOOKS, plain
-from polhode.studies.speed import number_types
-from polhode.studies.speed.figure import lines, work_precision
-from polhode.studies.speed.programs import PROGRAMS, RUN
+from programs import PROGRAMS, RUN
+from speed import lines, work_precision
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def test_a_logarithmic_axis_has_labels_each_of_its_value(low, high, least):
 
 
 def test_methods_of_a_figure_look_different_and_no_other_program_like_a_number_type():
-    types = {way.name.removeprefix("polhode ") for way in number_types.WAYS}
+    types = {way.name.removeprefix("polhode ") for way in speed.WAYS}
     runs = [long_run.PLAIN, long_run.PROJECTED]
     drawn = [*dict.fromkeys(program.line for program in PROGRAMS if program.line)]
     assert {*types, *runs, *drawn} == LOOKS.keys()

@@ -153,7 +153,7 @@ def table(draw: st.DrawFn) -> Case:
     return Case("", {"case.csv": draw(sometimes_mangled(text))}, words)
 
 
-#: A command of each verb that does little; a study, a report or a benchmark never a right one.
+#: A command of each verb that does little.
 SMALL = {
     "list": "list --tag euler",
     "show": "show top.toml",
@@ -172,8 +172,6 @@ SMALL = {
     "prove": "prove orbit grioli/precession --digits 15",
     "verify": "verify top.toml",
     "frequencies": "frequencies top.toml --of p --end 50 --lines 1",
-    "study": "study nothing",
-    "benchmark": "benchmark --only nothing -o folder/in/benchmark",
     "guide": "guide scene",
     "about": "about",
 }
@@ -195,7 +193,7 @@ def command(draw: st.DrawFn) -> Case:
     for _ in draw(several(2)):
         flag, word = draw(of(flags)), draw(of(values.WORDS))
         if draw(st.integers(0, 4)) == 0 and len(words) > 1:
-            words[1] = word if verb != "study" else f"x{word}"
+            words[1] = word
         elif flag in words:
             words[words.index(flag) + 1 - flags[flag]] = flag if flags[flag] else word
         else:

@@ -56,7 +56,6 @@ ENDING = {
     "ending-compare": "compare given.csv given.toml --json",
     "ending-sweep": "sweep lagrange/nutation --number extended --vary start.omega[3]=1:4:40"
     " --vary body.weight=1:2:10 -o x.npz",
-    "ending-study": "study events --quick -o out",
 }
 #: Commands that run long, R for a regular motion and C for a chaotic one; and those that do not.
 WORKS = ENDING | {
@@ -77,10 +76,7 @@ WORKS = ENDING | {
     "plot": "plot R --what error --end 1e4 -o x.svg",
     "plot-integrals": "plot R --what integrals --end 1e8 -o x.png",
     "film": "plot R --what motion --end 300 -o x.gif",
-    "study": "study stability --quick -o out",
-    "study-speed": "study speed --quick -o out",
     "report": "report C --end 300 -o x.html",
-    "study-all": "study all --quick -o out",
     "levels": "levels R --f-range=-1e12:1e12 -o x.svg",
     "section": "section C --grid 40x40 --crossings 3000 -o x.npz",
     "section-alone": "section C --grid 30x30 --crossings 500 --workers 1",
@@ -97,7 +93,6 @@ WORKS = ENDING | {
     "order": "order given.csv given.csv given.toml --steps 2,1",
     "frequencies": "frequencies R --end 10000 --lines 30",
     "view": "view R --end 1000 --digits 40 -o x.html",
-    "benchmark": "benchmark -o out",
     "show": "show kovalevskaya/generic",
     "list": "list",
     "guide": "guide jobs",

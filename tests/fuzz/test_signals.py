@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
@@ -27,7 +26,7 @@ ALL = (signal.SIGKILL, *signals.OBEYED)
 
 @pytest.mark.sample(0, slow=2)
 @linux
-@pytest.mark.parametrize("work", ["run", "map", "study"])
+@pytest.mark.parametrize("work", ["run", "map", "report"])
 def test_a_signal_is_obeyed(work):
     _, faults = signals.sampled(work, 1, 1, longest=3)
     assert not faults
@@ -49,30 +48,6 @@ def test_every_verb_is_met():
         "new",
         "verify",
     }
-
-
-@pytest.mark.slow
-def test_two_reports_into_one_folder_at_once(tmp_path):
-    """Both end, and what is there is what one of them alone would have written."""
-    committed = Path(__file__).parents[2] / "reports/events.json"
-    code = f"""
-from pathlib import Path
-from polhode import cli
-from polhode.studies import report
-report.STUDIES = {{'events': (9, 9)}}
-report._run = lambda *_: Path({str(committed)!r}).read_text()
-raise SystemExit(cli.main(['study', 'all', '--quick', '-o', 'out']))
-"""
-    both = [
-        subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, stderr=subprocess.PIPE)
-        for _ in range(2)
-    ]
-    for one in both:
-        _, err = one.communicate()
-        assert one.returncode == 0, err
-    names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names == {"events.json", "events.md", "events.svg", "report.html"}
-    assert json.loads((tmp_path / "out/events.json").read_text())["study"] == "events"
 
 
 # -- faults that were found ------------------------------------------------------------------------
@@ -195,7 +170,7 @@ def test_ctrl_c_while_a_sweep_is_read_out_loses_nothing(monkeypatch):
 
 @linux
 def test_a_worker_ends_with_what_started_it():
-    worker = "from polhode.peers.process import end_with_parent as e; e(); import time; "
+    worker = "from peers.process import end_with_parent as e; e(); import time; "
     worker += "print(1, flush=True); time.sleep(60)"
     parent = f"import subprocess, sys; p = subprocess.Popen([sys.executable, '-c', {worker!r}], "
     parent += "stdout=subprocess.PIPE); p.stdout.readline(); print(p.pid, flush=True); p.wait()"

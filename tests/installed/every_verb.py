@@ -37,8 +37,6 @@ AFTER = (
     (2, "order top.csv top.csv top.toml"),
     (0, "verify orbit.json"),
     (0, "verify stability.json"),
-    (2, "study events --quick"),
-    (2, "study all --quick"),
 )
 #: Examples that end otherwise where nothing draws and no table of another program is, and the one
 #: that takes minutes.
@@ -52,7 +50,6 @@ WITH_FIGURES = (
     (0, "levels grioli/precession -o levels.svg"),
     (0, "report top.toml top.csv -o report.html -o report.json"),
     (0, "section general/section --grid 2x2 --crossings 2 -o section.svg"),
-    (130, "study all --quick"),
 )
 #: A process that ends by itself is not waited for where its parent is interrupted.
 WARNINGS = "default,ignore::ResourceWarning"

@@ -19,7 +19,7 @@ from polhode.numbers import number_types
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.studies.ensembles import random_scene
+from tops import random_scene
 
 F = Fraction
 BITS = 400

@@ -13,11 +13,11 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, extended_here
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.studies.ensembles import random_scene
 from polhode.taylor.error_growth import passage
 from polhode.taylor.stepping import Integrator
 from polhode.taylor.system import system
 from polhode.taylor.variations import Flow
+from tops import random_scene
 
 F = Fraction
 

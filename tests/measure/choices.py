@@ -1,6 +1,6 @@
 """What is chosen for the user, measured.
 
-    python tests/measure/choices.py [PART...] > src/polhode/choices.md
+    PYTHONPATH=reports python tests/measure/choices.py [PART...] > reports/choices.md
 
 Processor time of one thread, least of several; builds without the disk cache.  Nothing here passes
 or fails.
@@ -18,6 +18,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
+import long_run
 import polhode
 from polhode.common.provenance import cpu, versions
 from polhode.judging.correct_digits import log10_errors, log10_rate
@@ -26,7 +27,6 @@ from polhode.numbers.conversion import exactly
 from polhode.runs.options import Options
 from polhode.runs.taylor_motion import TaylorMotion, system_of
 from polhode.scenes import library, scene_file
-from polhode.studies.long_run import rows as long_run
 from polhode.taylor import batches, defaults, heyoka
 from polhode.taylor.system import system
 
@@ -327,7 +327,7 @@ def main() -> None:
     print("# What is chosen for the user\n")
     own, *others = (f"{name} {version}" for name, version in versions().items())
     print(
-        f"Measured by `python tests/measure/choices.py` of the source tree, with {own} "
+        f"Measured by `tests/measure/choices.py`, with {own} "
         f"({', '.join(others)}; {cpu()}). "
         "The choice is in **bold** type.\n"
     )

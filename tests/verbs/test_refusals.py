@@ -9,7 +9,6 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.studies import report
 from polhode.verbs import catalogue
 from shared.motions import free_file, heavy_file
 
@@ -52,7 +51,7 @@ LINKS = {"link.csv": "top.toml", "link.svg": "table.csv", "x.csv": "nowhere/y.cs
 REFUSED = {
     # -- verbs, options and names that are none, or of another program
     "rum": "did you mean 'run'?",
-    f"rnu {CASE}": "benchmark, guide, about (did you mean 'run'?)",
+    f"rnu {CASE}": "report, guide, about (did you mean 'run'?)",
     f"integrate {CASE}": "VERB = integrate: expected run SCENE",
     "validate table.csv": "expected compare FILE SCENE",
     "help run": "expected polhode --help, or polhode VERB --help",
@@ -115,8 +114,6 @@ REFUSED = {
     f"plot {CASE} --what angels -o x.svg": "did you mean 'angles'?",
     f"check {CASE} --number flaot": "number = flaot",
     "check --propose": "--propose: expected SCENEs to propose bands for",
-    "study acuracy": "did you mean 'accuracy'?",
-    "study needs": "accuracy",
     f"prove orbitz {CASE}": "WHAT = orbitz: expected orbit, orbits, stability, chaos (did you",
     "prove": "WHAT",
     f"reference {CASE} --digits 0": "digits = 0",
@@ -146,7 +143,7 @@ REFUSED = {
     f"{PROVE} --tries 3": "--tries",
     **{f"{PROVE} --tolerance={x}": "tolerance = " for x in ("0", "1", "-1e-9", "x", "nan")},
     # -- reports
-    "report": "expected scenes, and files of them (polhode's own studies: polhode study all)",
+    "report": "expected scenes, and files of them",
     "report table.csv -o x.html": "polhode: table.csv: scene: expected a scene before it",
     "report nowhere.toml -o x.html": "nowhere.toml: SCENE",
     "report top.toml -o x.txt": "x.txt: -o: expected a name that ends in .html or .md or .csv",
@@ -159,16 +156,6 @@ REFUSED = {
     "report top.toml --digits 0 -o x.md": "digits = 0: expected",
     "report top.toml --number double --digits 40 -o x.md": "digits = 40",
     "report top.toml table.csv=2h -o x.md": "table.csv=2h: SCENE",
-    # -- studies
-    **{f"study {name} -o out": f"no more, see {page}" for name, page in report.GONE.items()},
-    "study needs --only x": "is a study no more",
-    "study stabilty -o out": "did you mean 'stability'",
-    "study accuracy -o table.csv/below": "a folder to write to",
-    "study all -o table.csv/below": "a folder to write to",
-    "study all --only nothing": "it with one study, not all",
-    "study accuracy --fresh": "one study is always run anew",
-    "study accuracy --only nothing": "part of the name of a row",
-    "benchmark --only nosuch -o out": "nosuch",
     "guide xyzzy": "expected",
     "guide ../cli": "expected jobs, start, scene",
     f"guide {'1' * 5000}": "polhode: guide",
@@ -258,7 +245,6 @@ REFUSED = {
     "plot table.csv --what omega --columns '' -o y.svg": "table.csv: header = : expected a header",
     "check ''": " = : expected a name\n",
     f"section {GENERAL} --starts ''": " = : expected a name\n",
-    "study all -o ''": "a folder's name",
     # -- files are named as they were given, their folder too
     "run {folder}/future.toml": "polhode: {folder}/future.toml",
     "run {folder}/top.toml --at x": "polhode: {folder}/top.toml",
@@ -312,7 +298,6 @@ def test_what_a_name_stands_for_is_a_verb():
     [
         (f"plot {CASE} {ANGLES}", "SOURCE_DATE_EPOCH", "x", "seconds since 1970, a whole number"),
         ("levels grioli/precession -o x.pdf", "SOURCE_DATE_EPOCH", "9" * 20, "seconds since 1970"),
-        ("study stability --quick", "SOURCE_DATE_EPOCH", "1.5", "seconds since 1970"),
     ],
 )
 def test_an_environment_that_is_none_is_refused(

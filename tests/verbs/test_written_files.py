@@ -23,7 +23,6 @@ from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput
 from polhode.numbers.expression import decimal
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
-from polhode.studies import report
 from shared.motions import free_file
 
 TOP = free_file("at = [0, 1]")
@@ -316,17 +315,6 @@ def no_space(written: dict[Path, object]) -> None:
     if any(path.suffix in (".npz", ".md") for path in written):
         raise BadInput("x", "file", None, "a place to write to (No space left on device)")
     files.write_whole(written)
-
-
-def test_a_full_disk_leaves_all_files_of_a_study_or_none(monkeypatch):
-    """The results stood alone, without page and figure."""
-    committed = Path(__file__).parents[2] / "reports/events.json"
-    monkeypatch.setattr(report, "_run", lambda *_: committed.read_text())
-    monkeypatch.setattr(report, "figures", lambda _: {"events": "<?xml"})
-    monkeypatch.setattr(report, "write_whole", no_space)
-    with pytest.raises(BadInput, match="No space left"):
-        report.write_study("events", Path("out"), quick=True)
-    assert not [path for path in Path().rglob("*") if path.is_file() and "out" in path.parts]
 
 
 def test_a_first_piece_that_cannot_be_kept_leaves_no_folder(monkeypatch):

@@ -17,7 +17,7 @@ from polhode.common.errors import BadInput, nearest
 from polhode.common.interrupts import Progress
 from polhode.equations import integrals
 from polhode.figures import catalogue
-from polhode.figures import samples as curve_sampling
+from polhode.figures import samples as sampling
 from polhode.figures.samples import ANOTHER, Samples, of_samples
 from polhode.judging.certified import Certified
 from polhode.judging.correct_digits import largest, log10_differences, log10_rate, scaled
@@ -225,9 +225,9 @@ def _of_scene(
         raise BadInput(scene.name, "--what", what, "a scene with start.gamma")
     end = None if request.end is None else _time(scene, request.end)
     long = what in OVER_TIME
-    times = curve_sampling.shown_times(scene, end, SAMPLES if long else None)
+    times = sampling.shown_times(scene, end, SAMPLES if long else None)
     reference = reference_of(scene) if what == "error" else None
-    run = curve_sampling.run(
+    run = sampling.run(
         scene,
         times,
         OUTPUTS.get(what, ()),
@@ -244,11 +244,11 @@ def _of_scene(
         note = "without projection, after which the integrals would say nothing"
         notes.append(f"{scene.name}: {note}")
     if abs(times[-1]) < abs(scene.end) and end is None:
-        note = f"{curve_sampling.WINDOW} radians; --end shows another time"
+        note = f"{sampling.WINDOW} radians; --end shows another time"
         notes.append(
             f"{scene.name}: showing t = 0 to {brief(times[-1])} of {brief(scene.end)}, {note}"
         )
-    apart = curve_sampling.radians_apart(scene, times)
+    apart = sampling.radians_apart(scene, times)
     if not long and apart > 0.5:
         note = f"{apart:.2g} radians between two samples: a shorter --end draws curves"
         notes.append(f"{scene.name}: {note}")
@@ -257,7 +257,7 @@ def _of_scene(
     elif long:
         samples = departures(of_run(run), scene, run.number)
     else:
-        samples = curve_sampling.of_run(run)
+        samples = sampling.of_run(run)
         _refuse_extreme_numbers(samples)
     return Drawing(samples, what, scene.name, tuple(notes))
 
@@ -292,7 +292,7 @@ def _of_table(path: Path, what: str, request: Request) -> Drawing:
     elif what == "integrals" and scene is not None:
         samples = departures(table, scene, number)
     else:
-        samples = curve_sampling.of_table(table, scene)
+        samples = sampling.of_table(table, scene)
         _refuse_what_is_missing(samples, what)
         _refuse_extreme_numbers(samples)
     if what == MOTION:

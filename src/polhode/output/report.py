@@ -247,7 +247,7 @@ def _grouped(what: Sequence[Any]) -> list[tuple[Scene, list[Given]]]:
             groups.append((scene, []))
         groups[-1][1].append(given)
     if not groups:
-        expected = "scenes, and files of them (polhode's own studies: polhode study all)"
+        expected = "scenes, and files of them"
         raise BadInput("report", "WHAT", None, expected)
     names = [scene.name for scene, _ in groups]
     for name in names:

@@ -1,7 +1,7 @@
 """What is chosen for the runs of each number type: one table.
 
-What it rests on is measured in ``choices.md``, which a test compares with the table.  Rows depend
-on the type alone, so that a run is the same on every machine.
+What it rests on is measured in ``choices.md`` of the reports, which a test compares with the
+table.  Rows depend on the type alone, so that a run is the same on every machine.
 """
 
 from __future__ import annotations

@@ -253,16 +253,6 @@ ROWS = (
         figure_options=None,
     ),
     Verb(
-        *("study", "polhode.verbs.study", "study", ""),
-        "run one of polhode's own studies, or all of them, and write them",
-        "accuracy --quick --only euler/sphere",
-    ),
-    Verb(
-        *("benchmark", "polhode.verbs.benchmark", "benchmark", ""),
-        "the heavy top benchmark: certified values, certificates, checkers in other languages",
-        "--only staude-unstable -o benchmark",
-    ),
-    Verb(
         *("guide", "polhode.verbs.guide", "guide", ""),
         "the guide: topics, one of them, or where a word occurs",
         "judging",

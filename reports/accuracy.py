@@ -1,0 +1,480 @@
+"""Study ``accuracy``: correct digits of every case in every number type, and of what others print.
+
+The closed forms that cases are judged by are held against proven enclosures.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from math import ceil
+from typing import Any
+
+import drawing
+import polhode
+from kit import (
+    ABOUT,
+    CASE,
+    END,
+    NUMBERS,
+    Column,
+    JsonObject,
+    Only,
+    PageTable,
+    Say,
+    T,
+    between,
+    by_number,
+    cores,
+    digits,
+    in_numbers,
+    in_order,
+    listed,
+    median,
+    runs_of,
+    share,
+    table,
+    yes,
+)
+from polhode.checks.published_figures import (
+    PrintedFigure,
+    TimeLabel,
+    figures,
+    last_unit,
+    significant_digits,
+    time_labels,
+)
+from polhode.checks.textbook_digits import textbook_digits
+from polhode.common.provenance import digest
+from polhode.enclosures import approximation, fixed_point_problem
+from polhode.judging.compare import judgement
+from polhode.judging.correct_digits import worst_digits
+from polhode.judging.score import score
+from polhode.judging.tables.table import of_run
+from polhode.numbers.conversion import exactly
+from polhode.numbers.decimals import decimal_string
+from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import QUAD
+from polhode.scenes import library
+
+QUESTION = (
+    "How many digits of each case's trajectory are correct in each number type, how far do the "
+    "integrals drift, and what does rounding the inputs alone cost? Does every closed form lie in "
+    "its proven enclosure, and how many digits of figures that others printed are right?"
+)
+QUICK_CASES = (
+    *("euler/largest-axis", "euler/separatrix", "euler/sphere", "euler/turned-axes"),
+    *("general/asymmetric-chaotic", "published/nasa-brick"),
+)
+MP_DIGITS = 50  # of the runs in mp
+#: Longest integration, as the angle |w|·|end|, that each number type is given in the study.
+LONGEST = {"double": 1e7, "extended": 1e6, "quad": 1e4, "mp": 3e3}
+#: Rows that this process made: the study of stability takes those of the hard cases up again.
+_made: dict[str, dict[str, Any]] = {}
+
+
+def rows(quick: bool, say: Say, only: Only) -> JsonObject:
+    """The study's rows; no figure in them depends on the clock."""
+    every = [polhode.load(name) for name in (QUICK_CASES if quick else library.names())]
+    workers = 1 if quick else cores()
+
+    def begun(scene: polhode.Scene) -> None:
+        say(scene.name)
+
+    cases = case_rows([scene for scene in every if only(scene.name)], workers, begun)
+    cases_asked = [scene for scene in every if only(scene.name, "proven")]
+    alone = [scene for scene in map(provable, cases_asked) if scene is not None]
+    printed, labels = [], []
+    for scene in every:
+        if scene.published and only(scene.name, "printed"):
+            begun(scene)
+            figures, moved = printed_figures(scene)
+            printed += figures
+            labels += moved
+    return {
+        "cases": cases,
+        "proven": [*in_order(proven_case, alone, workers, begun)],
+        "printed": printed,
+        "time_labels": labels,
+    }
+
+
+def case_rows(
+    scenes: Sequence[polhode.Scene],
+    workers: int,
+    tell: Callable[[polhode.Scene], object],
+) -> list[dict[str, Any]]:
+    """One row per case of the library, made once in a process; the longest motions come first."""
+    missing = [scene for scene in scenes if scene.name not in _made]
+    missing.sort(key=lambda scene: -scene.log10_angle)
+    for row in in_order(_case, missing, workers, tell):
+        _made[row["case"]] = row
+    return [_made[scene.name] for scene in scenes]
+
+
+def _case(scene: polhode.Scene) -> dict[str, Any]:
+    reference = polhode.reference(scene)
+    fitting = [name for name in NUMBERS if 10**scene.log10_angle <= LONGEST[name]]
+    growth = polhode.conditioning(scene, number=fitting[-1]) if fitting else None
+    runs = [_run(scene, reference, name, growth) for name in reversed(fitting)]  # most digits first
+    kappas = [x for x in growth.log10_kappa if x is not None] if growth else []
+    return {
+        "case": scene.name,
+        "title": scene.title,
+        "regime": reference.regime,
+        "reference": reference.kind,
+        "textbook": rounded(textbook_digits(reference)),
+        "log10_kappa": round(max(kappas), 2) if kappas else None,
+        "kappa_note": growth.note if growth else "",
+        "end": decimal_string(exactly(QUAD.rounded(scene.end)), 6),
+        "sha256": digest(scene.text),
+        "runs": runs[::-1],
+    }
+
+
+def _run(
+    scene: polhode.Scene,
+    reference: polhode.Reference | polhode.Certified,
+    name: str,
+    growth: polhode.Conditioning | None,
+) -> dict[str, Any]:
+    run = polhode.integrate(
+        scene,
+        name,
+        digits=MP_DIGITS if name == "mp" else None,
+        method="taylor",
+    )
+    row: dict[str, Any] = {
+        "number": name,
+        "bits": run.number.bits,
+        "outcome": run.outcome.value,
+        "steps": run.steps,
+    }
+    if run.outcome.done:
+        judged = judgement(score(of_run(run), reference), details=True, known=growth)
+        worst = judged.state_worst
+        at = judged.digits.index(worst)
+        row |= {
+            "correct_digits": round(worst, 2),
+            "worst_time": float(judged.times[at]),
+            "times": len(judged.times),
+            "inputs": rounded(judged.inputs[at]),
+            "expected": band(judged.expected[at]),
+            "limit": judged.limit,
+            "lost": judged.lost or None,
+            "drift": {
+                key: None if value is None else float(f"{value:.2e}")
+                for key, value in run.drift._asdict().items()
+            },
+            "projection": projection(run),
+            "refined": _refined(run, judged) if name == "quad" else None,
+            "reference_digits": None if reference.is_closed_form else round(reference.agreement, 1),
+        }
+    return row
+
+
+def _refined(steps: polhode.Trajectory, judged: polhode.Judgement) -> dict[str, Any] | None:
+    """The run made again by refinement, where that can be done: a method of its own.
+
+    ``agreement``: the digits to which both runs' states are the same.
+    """
+    scene = replace(steps.scene, outputs=(), events=())
+    run = polhode.integrate(scene, steps.number)
+    if run.method != "refined" or not run.outcome.done:
+        return None
+    most = steps.number.most_digits
+    return {
+        "correct_digits": round(
+            score(of_run(run), judged.reference, earlier=judged).state_worst, 2
+        ),
+        "agreement": round(worst_digits(run.states, steps.states, scene, most), 2),
+    }
+
+
+def rounded(digits: float | None) -> float | None:
+    """Digits as they are printed."""
+    return None if digits is None else round(digits, 2)
+
+
+def band(expected: Sequence[float] | None) -> list[float] | None:
+    """The least, the middle and the most digits expected."""
+    return None if expected is None else [round(digits, 2) for digits in expected]
+
+
+def projection(run: polhode.Trajectory) -> dict[str, Any] | None:
+    """The corrections of a run that was put back on its integrals; None where it was not."""
+    if run.projection is None:
+        return None
+    return {
+        "onto": [*run.projection.onto],
+        "count": run.projection.count,
+        "largest": float(f"{run.projection.largest:.2e}"),
+        "sum": float(f"{run.projection.sum:.2e}"),
+    }
+
+
+# --- printed --------------------------------------------------------------------------------------
+#
+# Part of the study ``accuracy``: figures that somebody printed, beside the exact ones.
+
+
+#: In the cite of a printout: the number of a simulation, or the time step of a run.
+_SIMULATED = re.compile(r"\bsimulation \d|\bdt = ")
+
+
+def printed_figures(scene: polhode.Scene) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """A row for each figure printed of a scene, and for each source that errs in the time."""
+    reference = polhode.reference(scene)
+    printed = figures(scene, reference)
+    labels = time_labels(scene, reference, printed)
+    return (
+        [_figure(scene.name, reference.kind, figure) for figure in printed],
+        [label_row(scene.name, label) for label in labels],
+    )
+
+
+def kind_of(cite: str, recomputed: bool) -> str:
+    """What a printed figure is: a value somebody stands for, a printout, or one made for this."""
+    if recomputed:
+        return "recomputed"
+    return "printout" if _SIMULATED.search(cite) else "value"
+
+
+def _figure(case: str, reference: str, figure: PrintedFigure) -> dict[str, Any]:
+    printed = figure.published
+    return {
+        "case": case,
+        "reference": reference,
+        "t": float(printed.t),
+        "quantity": printed.quantity,
+        "cite": printed.cite,
+        "kind": kind_of(printed.cite, printed.recomputed),
+        "printed": printed.value,
+        "ours": figure.ours,
+        "difference": decimal_string(figure.difference, 2),
+        "last_units": float(f"{float(figure.difference / last_unit(printed.value)):.2g}"),
+        "digits_shown": significant_digits(printed.value),
+        "digits_right": round(figure.digits_right, 1),
+        "stands": figure.complete,
+        "verdict": figure.verdict,
+    }
+
+
+def label_row(case: str, label: TimeLabel) -> dict[str, Any]:
+    """A source whose figures hold at another time."""
+    return {
+        "case": case,
+        "cite": label.cite,
+        "t": float(label.t),
+        "shift": float(f"{label.shift:.4g}"),
+        "before": float(f"{label.before:.2g}"),
+        "after": float(f"{label.after:.2g}"),
+    }
+
+
+# --- proven ---------------------------------------------------------------------------------------
+#
+# Part of the study ``accuracy``: every closed form against a proven enclosure of the motion.
+
+
+STEPS = 60  # of a proof: how far each closed form is followed
+PROVEN_DIGITS = 16
+
+
+def provable(scene: polhode.Scene) -> polhode.Scene | None:
+    """The scene as it is enclosed, the state alone; None where it has no closed form or times."""
+    alone = replace(scene, reference="auto", outputs=())
+    return alone if scene.times and polhode.reference(alone).is_closed_form else None
+
+
+def proven_times(scene: polhode.Scene) -> list[Exact]:
+    """Three times, the last at most so many steps away."""
+    away = approximation.steps(fixed_point_problem.motion(scene), scene.end)
+    last = scene.end * min(Fraction(1), Fraction(STEPS) / Fraction(math.ceil(away) + 1))
+    return [last * Fraction(k, 3) for k in (1, 2, 3)]
+
+
+def proven_case(scene: polhode.Scene) -> dict[str, Any]:
+    """A closed form against its enclosure: |closed form - midpoint| over the radius, the worst."""
+    times = proven_times(scene)
+    enclosure = polhode.certify(scene, times, digits=PROVEN_DIGITS)
+    exact = polhode.reference(scene)
+    true = exact.at(times, 2 * PROVEN_DIGITS + 20)
+    ratios = [
+        float(abs(exactly(x) - middle) / Fraction(radius))
+        for row, middles, radii in zip(true, enclosure.centres, enclosure.radii, strict=True)
+        for x, middle, radius in zip(row, middles, radii, strict=True)
+    ]
+    return {
+        "case": scene.name,
+        "reference": exact.kind,
+        "end": float(f"{float(times[-1]):.4g}"),
+        "ratio": float(f"{max(ratios):.2g}"),
+        "inside": max(ratios) <= 1.0,
+        "digits": round(enclosure.proven, 2),
+        "tries": enclosure.tries,
+    }
+
+
+# --- page -----------------------------------------------------------------------------------------
+#
+# Tables and facts of the accuracy study's page.
+
+
+_AGAIN = "python reports/make.py accuracy"
+_DRIFT = (
+    "the largest departure from the exact value of an integral (energy h, area integral f) during "
+    "the run in double"
+)
+_CASES = (
+    *ABOUT,
+    Column(
+        *("judged by", "reference", ""),
+        "the closed form of that family of motions (of euler, lagrange, pendulum and most of "
+        "kovalevskaya proven), or a proven enclosure",
+    ),
+    Column(
+        *("mpmath", "textbook", ".1f"),
+        "digits, of 30 asked for, to which the closed form and a textbook's formulas in mpmath's "
+        "functions agree at one time (a dash: none of the three classical tops, or a motion that "
+        "those formulas do not have)",
+    ),
+    *in_numbers(
+        digits,
+        "correct digits of the run in that number type, at its worst output time (a dash: not "
+        "run, it would take too long)",
+    ),
+    Column(
+        "inputs",
+        "runs.double.inputs",
+        ".1f",
+        "correct digits if the scene's rounded numbers were the only error",
+    ),
+    Column("expected", "runs.double.band", ">", "where nine in ten such runs in double would end"),
+    Column("limit", "runs.double.limit", "", "what limits the digits in double"),
+    Column("drift h", "runs.double.drift.h", ".0e", _DRIFT),
+    Column("drift f", "runs.double.drift.f", ".0e", _DRIFT),
+    Column(
+        "corrections",
+        "runs.double.projection.sum",
+        ".0e",
+        "the sum of all corrections that put the run in double back on its integrals, w in units "
+        "in which it is of order 1 (a dash: it was not put back)",
+    ),
+    Column("steps", "runs.double.steps", "d", "steps of the run in double"),
+    Column(
+        "outcome",
+        lambda case: listed(run["outcome"] for run in case["runs"].values()),
+        meaning="how the runs ended",
+    ),
+)
+
+_PROVEN = (
+    CASE,
+    Column("closed form", "reference"),
+    END,
+    Column("proven digits", "digits", ".1f"),
+    Column(
+        "worst",
+        "ratio",
+        ".2g",
+        "the largest |closed form − midpoint| over the radius: 1 or less lies inside",
+    ),
+    Column("tries", "tries", "d", "proofs begun, with more bits each, until one gave the digits"),
+    Column("inside", yes("inside", "NO")),
+)
+_KINDS = ("value", "printout", "recomputed")
+_FIGURES = (
+    CASE,
+    Column("kind", "kind"),
+    T,
+    Column("quantity", "quantity", "code"),
+    Column("printed", "printed", ">"),
+    Column("ours", "ours", ">", "evaluated to 8 digits more than are printed, shown with 2 more"),
+    Column("difference", "difference", ">"),
+    Column("units", "last_units", ".2g", "the difference in units of the last digit printed"),
+    Column(
+        "digits right",
+        lambda row: f"{row['digits_right']:.1f} of {row['digits_shown']}",
+        *(">", "-log10 of the relative difference, and how many digits are printed"),
+    ),
+    Column("verdict", lambda row: _verdict(row)),
+    Column("source", "cite"),
+)
+_LABELS = (
+    CASE,
+    Column("source", "cite"),
+    T,
+    Column("shift", "shift", "+.4g", "the figures agree at the time t and this shift"),
+    Column("largest difference", "before", ".1e", "at the time that the source gives"),
+    Column("shifted", "after", ".1e", "the same at the shifted time"),
+)
+
+
+def _verdict(row: JsonObject) -> str:
+    """What is said of a figure; of a printout, how far it agrees."""
+    if row["stands"] or row["kind"] != "printout":
+        return str(row["verdict"])
+    return f"agrees to {row['digits_right']:.1f} digits"
+
+
+def tables(results: JsonObject) -> dict[str, PageTable]:
+    """The page's tables from the study's JSON object."""
+    printed = f"{_AGAIN} --only printed --only {{0}}"
+    by_kind = sorted(results["printed"], key=lambda row: _KINDS.index(row["kind"]))
+    return {
+        "cases": table(map(by_number, results["cases"]), _CASES, f"{_AGAIN} --only {{0}}"),
+        "proven": table(results["proven"], _PROVEN, f"{_AGAIN} --only proven --only {{0}}"),
+        "printed": table(by_kind, _FIGURES, printed),
+        "time_labels": table(results["time_labels"], _LABELS, printed),
+    }
+
+
+def facts(results: JsonObject) -> dict[str, object]:
+    """Counts and ranges of the rows."""
+    runs = [run for _, run in runs_of(results["cases"])]
+    judged = [
+        (run["correct_digits"], run["expected"], run["limit"])
+        for run in runs
+        if run.get("expected") and not run["lost"] and run["limit"] != "reference"
+    ]
+    below = [limit for right, band, limit in judged if right < band[0]]
+    above = sum(right > band[2] for right, band, _ in judged)
+    both = [
+        (run["correct_digits"], run["refined"]["correct_digits"], run["refined"]["agreement"])
+        for run in runs
+        if run.get("refined") and not run["lost"]
+    ]
+    gains = [refined - steps for steps, refined, _ in both]
+    stands = {kind: [row for row in results["printed"] if row["kind"] == kind] for kind in _KINDS}
+    return {
+        "judged": len(judged),
+        "inside": len(judged) - len(below) - above,
+        "below": len(below),
+        "above": above,
+        "method": sum(limit.startswith("method") for limit in below),
+        "refined": len(both),
+        "better": sum(gain > 0 for gain in gains),
+        "gain": median(gains, "+.1f"),
+        "least_gain": f"{min(gains, default=0):+.1f}",
+        "apart": ceil(10 * max((min(one, two) - x for one, two, x in both), default=0)) / 10,
+        "contained": share(row["inside"] for row in results["proven"]),
+        "agreement": between([row["digits_right"] for row in stands["printout"]], ".1f"),
+        **{kind: share(row["stands"] for row in rows) for kind, rows in stands.items()},
+    }
+
+
+# --- figure ---------------------------------------------------------------------------------------
+#
+# Figure of the accuracy study: the digits of every case, a strip for each kind of top.
+
+
+def svgs(results: JsonObject) -> dict[str, str]:
+    """Correct digits of every case in every number type, from the study's JSON object."""
+    groups: dict[str, list[JsonObject]] = {}
+    for case in results["cases"]:
+        groups.setdefault(case["case"].partition("/")[0], []).extend(case["runs"])
+    return {"accuracy": drawing.svg(groups)}

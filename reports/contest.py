@@ -1,0 +1,474 @@
+"""All programs on one kind of motion, side by side in one process: ``python -m … < job``.
+
+Of many starts those that are judged are run alone, and all of them where it is timed.
+
+A job: {"kind", "cells": [{"end", "outputs", "starts", "truths": [[high, low, scale] a draw]}],
+"programs": names, "tolerances": {cell's label: {program: [tolerances]}} or null, "patience":
+seconds}.  Without tolerances each program is run once at all of its own, judged, and only those
+next to a level are timed further, in cells of the work-precision diagram all.  A short call is
+timed in a block of them, as a loop makes them; each has another start than the one before: the
+draw's, its first component off by some units in the last place.  What is judged has the draw's own.
+
+The answer is lines of JSON, flushed as they are made: {"failed": program, "fault"} of one that
+could not be prepared, and for each cell {"cell", "points": {program: [[draw, tol, digits,
+seconds]]}, "faults"}.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+import statistics
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import draws
+from draws import (
+    DRAWS,
+    MANY_JUDGED,
+    Cell,
+    Draw,
+    Truth,
+    digits,
+    draw,
+    judged,
+    median_digits,
+    present,
+)
+from kit import Only, Say, cores, in_order
+from peers.field import Run
+from peers.process import ask, end_with_parent, write
+from polhode.numbers.decimals import significant
+from programs import BY_NAME, MANY, OURS, OWN, Program
+
+LEVELS = (6.0, 9.0, 12.0)
+ROUNDS = 5  # of timed blocks of calls, fewer where they take longer than the job's patience
+_BLOCK = 2e-4  # seconds of a block: what a loop pays, with the program's code in the caches
+_MOST = 30  # calls of a block
+_NUDGE = 2.0**-50
+
+#: Of one program in a cell: (draw, tolerance) -> correct digits and the least seconds.
+Points = dict[tuple[int, float], tuple[float, float]]
+
+
+def main() -> None:
+    """Answer the job on stdin."""
+    end_with_parent()
+    job = json.load(sys.stdin)
+    ready: dict[bool, dict[str, Run]] = {False: {}, True: {}}
+    asked_for = {bool(cell_job["starts"]) for cell_job in job["cells"]}
+    for name in job["programs"]:
+        for many in sorted(asked_for):
+            if not many or name in MANY:
+                try:
+                    ready[many][name] = BY_NAME[name].prepared(present(job["kind"]), many)
+                except Exception as fault:  # of a package that does not fit the others
+                    write({"failed": name, "fault": _told(fault)})
+    for cell_job in job["cells"]:
+        cell = Cell(job["kind"], cell_job["end"], cell_job["outputs"], cell_job["starts"])
+        contest = _Contest(cell, [*map(_truth, cell_job["truths"])], ready[bool(cell.starts)])
+        contest.hold((job["tolerances"] or {}).get(cell.label), job["patience"])
+        write({"cell": cell.label, "points": contest.told(), "faults": contest.faults})
+
+
+class _Contest:
+    """One cell: its draws, and what each program has given on them so far."""
+
+    def __init__(self, cell: Cell, truths: Sequence[Truth], ready: Mapping[str, Run]) -> None:
+        import numpy as np
+
+        self.cell, self.truths = cell, truths
+        self.ready = {n: r for n, r in ready.items() if BY_NAME[n].runs(*cell[1:])}
+        self.draws: list[Draw] = [draw(cell.kind, k, *cell[1:]) for k in range(DRAWS)]
+        self.times = np.array([float(t) for t in self.draws[0].scene.times])
+        self.points: dict[str, Points] = defaultdict(dict)
+        self.faults: dict[str, str] = {}
+        self._calls = 0
+
+    def hold(self, tolerances: Mapping[str, Sequence[float]] | None, patience: float) -> None:
+        """Judge every program, then time all of them in turns until the patience is at its end."""
+        for name in self.ready:
+            for tol in BY_NAME[name].tolerances if tolerances is None else tolerances.get(name, ()):
+                for k in range(DRAWS):
+                    self._once(name, k, tol)
+        every = self.cell.every_tolerance
+        near = {name: [*timed_again(self.points[name], every)] for name in self.ready}
+        if self.cell.starts:
+            for name, near_here in near.items():
+                for k, tol in near_here[:1]:  # what is compiled for so many starts is not timed
+                    run, draw_here = self.ready[name], self.draws[k]
+                    with suppress(Exception):  # a fault of the timed call is told
+                        run(draw_here.top, draw_here.start.copy(), self.times / self.cell.end, tol)
+        began = time.perf_counter()
+        for _ in range(ROUNDS):
+            for k in range(DRAWS):
+                for name, near_here in near.items():
+                    for draw_asked, tol in near_here:
+                        if draw_asked == k:
+                            self._block(name, k, tol)
+            if time.perf_counter() - began > patience:
+                return
+
+    def _block(self, name: str, k: int, tol: float) -> None:
+        """Calls one after the other, timed together, each with a start of its own."""
+        right, least = self.points[name][k, tol]
+        run, top = self.ready[name], self.draws[k].top
+        starts = []
+        for _ in range(min(_MOST, math.ceil(_BLOCK / least)) if least < math.inf else 1):
+            self._calls += 1
+            start = self.draws[k].start.copy()
+            start[..., 0] += (1 + self._calls % 15) * _NUDGE
+            starts.append(start)
+        try:
+            began = time.process_time()
+            for start in starts:
+                run(top, start, self.times, tol)
+            seconds = (time.process_time() - began) / len(starts)
+        except Exception as fault:
+            self._fail(name, tol, fault)
+            return
+        self.points[name][k, tol] = right, min(least, seconds)
+
+    def _fail(self, name: str, tol: float, fault: Exception) -> None:
+        """What a program raised, whatever it is: a result."""
+        self.faults[f"{name} at {tol:.1g}"] = _told(fault)
+
+    def _once(self, name: str, k: int, tol: float) -> None:
+        """The call that is judged, timed alone; of many starts those that are judged, untimed."""
+        start = self.draws[k].start.copy()
+        run, top, truth = self.ready[name], self.draws[k].top, self.truths[k]
+        try:
+            if self.cell.starts:
+                right = median_digits(run(top, start[:MANY_JUDGED], self.times, tol), truth)
+                self.points[name][k, tol] = right, math.inf
+                return
+            # what is made on the first call, a short one, is not timed
+            run(top, start, self.times / self.cell.end, tol)
+            began = time.process_time()
+            states = run(top, start, self.times, tol)
+            seconds = time.process_time() - began
+        except Exception as fault:
+            self._fail(name, tol, fault)
+            return
+        expected = (1, len(self.times))
+        if len(states) not in expected:
+            self.faults[f"{name} at {tol:.1g}"] = f"{len(states)} of {expected[-1]} states"
+            return
+        right = digits(judged(states, self.cell.outputs), truth)
+        self.points[name][k, tol] = right, seconds
+
+    def told(self) -> dict[str, list[list[float]]]:
+        """The points as plain lists."""
+        return {
+            name: [
+                [k, tol, round(right, 3), seconds]
+                for (k, tol), (right, seconds) in rows.items()
+                if seconds < math.inf
+            ]
+            for name, rows in self.points.items()
+        }
+
+
+def timed_again(points: Points, every: bool) -> Iterator[tuple[int, float]]:
+    """The tolerances of each draw whose digits lie next to a level, on either side; or all."""
+    if every:
+        yield from points
+        return
+    for k in {k for k, _ in points}:
+        line = sorted((right, tol) for (draw_of, tol), (right, _) in points.items() if draw_of == k)
+        chosen = set()
+        for level in LEVELS:
+            below = [tol for right, tol in line if right < level][-1:]
+            above = [tol for right, tol in line if right >= level][:2]
+            chosen |= {*below, *above}
+        yield from ((k, tol) for tol in sorted(chosen))
+
+
+def _told(fault: Exception) -> str:
+    return f"{type(fault).__name__}: {fault}"
+
+
+def _truth(arrays: Sequence[Any]) -> Truth:
+    import numpy as np
+
+    return Truth(*map(np.array, arrays))
+
+
+if __name__ == "__main__":
+    main()
+
+
+# --- work precision -------------------------------------------------------------------------------
+#
+# Curves of work against precision: seconds at equal digits.
+#
+# A curve is a set of points (correct digits, seconds). What counts is its frontier: the points
+# that no other of the curve beats in both; between two of them log seconds is linear in digits.
+
+
+class WorkPoint(NamedTuple):
+    """A point of a curve."""
+
+    digits: float
+    seconds: float
+
+
+def frontier(marks: Iterable[WorkPoint]) -> list[WorkPoint]:
+    """The points that no other beats in digits and seconds, digits and seconds rising."""
+    points: list[WorkPoint] = []
+    for mark in sorted(marks, key=lambda m: (-m.digits, m.seconds)):
+        if not points or mark.seconds < points[-1].seconds:
+            points.append(mark)
+    return points[::-1]
+
+
+def seconds_at(marks: Sequence[WorkPoint], digits: float) -> float | None:
+    """Seconds for so many digits on the frontier; None beyond its reach.
+
+    Below its first point the first point's.
+    """
+    line = frontier(marks)
+    if not line or digits > line[-1].digits:
+        return None
+    if digits <= line[0].digits:
+        return line[0].seconds
+    k = next(k for k, mark in enumerate(line) if mark.digits >= digits)
+    low, high = line[k - 1], line[k]
+    part = (digits - low.digits) / (high.digits - low.digits)
+    return math.exp((1 - part) * math.log(low.seconds) + part * math.log(high.seconds))
+
+
+# --- cells ----------------------------------------------------------------------------------------
+#
+# The contest's cells: who reaches how many digits, in what time, and how it compares with
+# polhode.
+#
+# Each kind of motion is held in several processes, so that everything compiled is made as often,
+# and the fastest of all counts, for all alike; but what in the first process takes more than ten
+# times as long as the fastest, at every level, is not held again: equal builds differ by less
+# than two. At each level the seconds of each draw are read between its two tolerances next to it;
+# a program reaches a level where at least seven of eight draws do. Ratios are medians over the
+# draws that both reach, with a bootstrap interval: a tie holds 1.
+
+
+PROCESSES = 3
+NEARLY_ALL = 7  # of the draws
+PATIENCE, QUICK_PATIENCE = 0.5, 0.05
+QUICK_CELLS = ((10, 2, 0), (10, 101, 0), (1, 2, 100))
+QUICK_KINDS = ("kovalevskaya", "asymmetric")
+_FAR = 10.0  # times the fastest: no other build makes that up
+_LIMIT = 900.0  # seconds of a process
+_RESAMPLED, _SURE = 2000, 0.95
+_MODULE = "contest"
+
+
+def wanted_cells(quick: bool, only: Only) -> dict[str, list[Cell]]:
+    """The cells to hold, by kind."""
+    cells: dict[str, list[Cell]] = {}
+    for kind in QUICK_KINDS if quick else draws.KINDS:
+        here = [
+            cell
+            for cell in draws.cells(kind)
+            if (not quick or cell[1:] in QUICK_CELLS) and only(cell.label)
+        ]
+        if here:
+            cells[kind] = here
+    return cells
+
+
+def rows(
+    cells_of: Mapping[str, Sequence[Cell]],
+    programs: Sequence[Program],
+    cache: Path,
+    quick: bool,
+    say: Say,
+) -> list[dict[str, Any]]:
+    """A row a cell, in the order asked."""
+    truths = _truths(cells_of, say)
+    with ThreadPoolExecutor(1 if quick else cores()) as pool:
+        futures = {  # the kind that takes longest, of fast spins, begins first
+            kind: pool.submit(_kind, kind, cells_of[kind], programs, truths, cache, quick, say)
+            for kind in reversed([*cells_of])
+        }
+        return [row for kind in cells_of for row in futures[kind].result()]
+
+
+def _kind(
+    kind: str,
+    cells: Sequence[Cell],
+    programs: Sequence[Program],
+    truths: Mapping[tuple[str, int, bool, int], Truth],
+    cache: Path,
+    quick: bool,
+    say: Say,
+) -> list[dict[str, Any]]:
+    """The rows of one kind, from as many processes as are made."""
+    points: dict[str, dict[str, Points]] = {cell.label: {} for cell in cells}
+    faults: dict[str, dict[str, str]] = {cell.label: {} for cell in cells}
+    job: dict[str, Any] = {
+        "kind": kind,
+        "cells": [
+            {
+                **{"end": cell.end, "outputs": cell.outputs, "starts": cell.starts},
+                "truths": [
+                    _plain(truths[kind, cell.end, cell.starts > 0, k]) for k in range(DRAWS)
+                ],
+            }
+            for cell in cells
+        ],
+        "programs": [program.name for program in programs],
+        "tolerances": None,
+        "patience": QUICK_PATIENCE if quick else PATIENCE,
+    }
+    for turn in range(1 if quick else PROCESSES):
+        say(f"contest: {kind}, process {turn + 1}")
+        answers, fault = ask(_MODULE, job, _LIMIT, cache)
+        ended = {f"process {turn + 1}": fault} if fault else {}
+        for answer in answers:
+            if "failed" in answer:
+                ended[answer["failed"]] = answer["fault"]
+            else:
+                _enter(points[answer["cell"]], answer["points"])
+                faults[answer["cell"]] |= answer["faults"]
+        for cell in cells:
+            faults[cell.label] |= ended
+        job["tolerances"] = {
+            cell.label: held_again(points[cell.label], cell.every_tolerance) for cell in cells
+        }
+    return [row(cell, points[cell.label], faults[cell.label]) for cell in cells]
+
+
+def row(cell: Cell, points: Mapping[str, Points], faults: Mapping[str, str]) -> dict[str, Any]:
+    """A cell's seconds at each level, and their ratios to polhode's."""
+    levels = []
+    for level in LEVELS:
+        seconds = {name: seconds_of(marks, level) for name, marks in points.items()}
+        own = seconds.get(OURS, {})
+        there = [
+            {
+                "program": name,
+                "reached": len(marks),
+                "seconds": significant(statistics.median(marks.values()), 3) if marks else None,
+                "ratio": None
+                if name == OURS
+                else ratio(marks, own, f"{cell.label} {level} {name}"),
+            }
+            for name, marks in seconds.items()
+        ]
+        levels.append({"digits": level, "programs": there, "verdict": verdict(there)})
+    drawn = {"curves": curves(points)} if cell.drawn else {}
+    return {**cell._asdict(), "draws": DRAWS, "levels": levels, **drawn, "faults": dict(faults)}
+
+
+def curves(points: Mapping[str, Points]) -> dict[str, list[list[float]]]:
+    """Of each program, by tolerance, the medians over the draws: digits and seconds."""
+    lines: dict[str, list[list[float]]] = {}
+    for name, there in points.items():
+        for tol in sorted({tol for _, tol in there}, reverse=True):
+            marks = [there[k, tol] for k in range(DRAWS) if (k, tol) in there]
+            if len(marks) >= NEARLY_ALL:
+                digits, seconds = (statistics.median(x) for x in zip(*marks, strict=True))
+                curve = lines.setdefault(name, [])
+                curve.append([round(digits, 2), significant(seconds, 3)])
+    return lines
+
+
+def seconds_of(points: Points, level: float) -> dict[int, float]:
+    """Seconds to a level, by draw, of those that reach it."""
+    seconds_by_draw = {}
+    for k in range(DRAWS):
+        marks = [WorkPoint(*point) for (draw, _), point in points.items() if draw == k]
+        seconds = seconds_at(marks, level)
+        if seconds is not None:
+            seconds_by_draw[k] = seconds
+    return seconds_by_draw
+
+
+def ratio(theirs: Mapping[int, float], own: Mapping[int, float], seed: str) -> list[float] | None:
+    """The median of their seconds over ours, and its bootstrap interval.
+
+    None where fewer than nearly all draws reach the level with both.
+    """
+    both = [theirs[k] / own[k] for k in sorted(theirs.keys() & own.keys())]
+    if len(both) < NEARLY_ALL:
+        return None
+    dice = random.Random(seed)
+    medians = sorted(statistics.median(dice.choices(both, k=len(both))) for _ in range(_RESAMPLED))
+    least = medians[math.floor((1 - _SURE) / 2 * _RESAMPLED)]
+    most = medians[math.ceil((1 + _SURE) / 2 * _RESAMPLED) - 1]
+    return [significant(x, 3) for x in (statistics.median(both), least, most)]
+
+
+def verdict(programs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """How polhode stands among the others, heyoka by hand and its own trajectories apart.
+
+    "ahead", "behind" or "even" with the best of the others; "alone" where none of them reaches the
+    level from nearly all draws, "not run" where none was run; "not reached" where polhode does not.
+    """
+    by_name = {by_program["program"]: by_program for by_program in programs}
+    ours = by_name.get(OURS)
+    if ours is None or ours["reached"] < NEARLY_ALL:
+        return {"stands": "not reached"}
+    others = {name: by_program["ratio"] for name, by_program in by_name.items() if name not in OWN}
+    if not others:
+        return {"stands": "not run"}
+    met = [(*ratio, name) for name, ratio in others.items() if ratio is not None]
+    if not met:
+        return {"stands": "alone"}
+    middle, least, most, name = min(met)
+    stands = "ahead" if least > 1 else "behind" if most < 1 else "even"
+    return {"stands": stands, "best": name, "ratio": [middle, least, most]}
+
+
+def _truths(
+    cells_of: Mapping[str, Sequence[Cell]], say: Say
+) -> dict[tuple[str, int, bool, int], Truth]:
+    """The references by kind, end and draw, the longest first: no clock runs beside them."""
+    ends = {(c.kind, c.end, c.starts > 0) for cells in cells_of.values() for c in cells}
+    jobs = [(*x, k) for x in sorted(ends, key=lambda x: (-x[1], x)) for k in range(DRAWS)]
+
+    def begun(job: tuple[str, int, bool, int]) -> None:
+        if job[-1] == 0:
+            say(f"references of {job[0]} to t = {job[1]}{', many starts' if job[2] else ''}")
+
+    return dict(zip(jobs, in_order(_truth_of, jobs, cores(), begun), strict=True))
+
+
+def _truth_of(job: tuple[str, int, bool, int]) -> Truth:
+    kind, end, many, k = job
+    return draws.truth(kind, k, end, many)
+
+
+def _plain(true: Truth) -> list[Any]:
+    return [x.tolist() for x in true]
+
+
+def _enter(points: dict[str, Points], answers: Mapping[str, Sequence[Sequence[float]]]) -> None:
+    for name, marks in answers.items():
+        here = points.setdefault(name, {})
+        for place, tol, right, seconds in marks:
+            key = int(place), tol
+            before = here.get(key, (right, math.inf))
+            here[key] = before[0], min(before[1], seconds)
+
+
+def held_again(points: Mapping[str, Points], every: bool) -> dict[str, list[float]]:
+    """The tolerances of each program that are timed once more: none of one that is far behind.
+
+    ``every``: all of the others.
+    """
+    seconds = [{n: seconds_of(there, x) for n, there in points.items()} for x in LEVELS]
+    middles = [{n: statistics.median(t.values()) for n, t in x.items() if t} for x in seconds]
+    again_by_name = {}
+    for name, there in points.items():
+        met = [times[name] <= _FAR * min(times.values()) for times in middles if name in times]
+        again = timed_again(there, every) if any(met) or not met else ()
+        again_by_name[name] = sorted({tol for _, tol in again}, reverse=True)
+    return again_by_name

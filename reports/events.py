@@ -1,0 +1,426 @@
+"""Study ``events``: event times and counts against closed forms, and what events cost."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import drawing
+import polhode
+from kit import (
+    CASE,
+    DIGITS,
+    END,
+    NUMBER,
+    NUMBERS,
+    Column,
+    JsonObject,
+    Only,
+    PageTable,
+    Say,
+    cores,
+    in_order,
+    share,
+    table,
+)
+from polhode.figures.canvas import COLOURS, MARKS, as_svg, paper
+from polhode.numbers import decimals, exact
+from polhode.numbers.conversion import exactly, to_mpf
+from polhode.numbers.mpmath_context import mpmath, own
+from polhode.numbers.number_types import NumberType
+from polhode.scenes import vocabulary as columns_
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+QUESTION = (
+    "How close are event times to those of closed forms, in units in the last place of the time? "
+    "Is every event counted once to t = 10 000, and what does an event cost?"
+)
+PERIODS = 10  # over which every event is judged in every number type
+FAR = {"double": 10_000, "extended": 10_000, "quad": 1_000}
+QUICK_FAR = {"double": 10_000}
+KEPT = 24  # errors of a far run that the figure shows
+
+PROVEN = ("general/asymmetric-regular", "general/asymmetric-chaotic")
+PROVEN_END = 100
+
+
+@dataclass(frozen=True)
+class EventMotion:
+    """A case, what vanishes, and what it is to people."""
+
+    case: str
+    zero: str
+    what: str
+
+
+MOTIONS = (
+    EventMotion("euler/largest-axis", "q", "half periods of the polhode"),
+    EventMotion("lagrange/nutation", "p*gamma2 - q*gamma1", "turning points of the nutation"),
+    EventMotion("pendulum/librating", "gamma3", "pendulum, libration: third axis horizontal"),
+    EventMotion("pendulum/rotating", "gamma3", "pendulum, rotation: third axis horizontal"),
+    EventMotion("kovalevskaya/delaunay", "q", "Delaunay's motion: q = 0"),
+)
+
+COSTED = "general/asymmetric-regular"
+COST_ENDS = {"double": 2000, "extended": 200, "quad": 5, "mp": 2}
+COST_EVENTS = ("p*gamma2 - q*gamma1", "q", "gamma3 - 1/2")
+
+
+def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
+    """The study's rows; only the seconds in them depend on the clock."""
+    far = QUICK_FAR if quick else FAR
+    jobs: list[tuple[Any, ...]] = [
+        *(("motions", m, far) for m in (MOTIONS[:3] if quick else MOTIONS) if only(m.case, m.what)),
+        *(("proven", name, PROVEN_END) for name in PROVEN[: 1 if quick else 2] if only(name)),
+    ]
+    workers = 1 if quick or len(jobs) == 1 else cores()
+    answers = in_order(_made, jobs, workers, lambda job: say(f"{job[0]}, {_told(job[1])}"))
+    parts: dict[str, list[dict[str, Any]]] = {part: [] for part in _MAKERS}
+    for job, row in zip(jobs, answers, strict=True):
+        parts[job[0]].append(row)
+    cost = []
+    for name in NUMBERS:  # alone: a clock runs
+        if only("cost", name):
+            say(f"cost in {name}")
+            cost.append(_cost_row(name, 3 if quick else 9))
+    return {**parts, "cost": cost}
+
+
+def _made(job: tuple[Any, ...]) -> dict[str, Any]:
+    """A row: the part of the study that it belongs to, and what it is made of."""
+    part, *task = job
+    return _MAKERS[part](*task)
+
+
+def _told(subject: EventMotion | str) -> str:
+    return subject if isinstance(subject, str) else f"{subject.case}, {subject.what}"
+
+
+# -- times and counts -------------------------------------------------------------------------
+
+
+def _motion(motion: EventMotion, far: dict[str, int]) -> dict[str, Any]:
+    scene = _watching(polhode.load(motion.case), motion.zero)
+    zeros = Zeros(scene, motion.zero)
+    near = math.floor(PERIODS * zeros.period)
+    return {
+        "case": motion.case,
+        "zero": motion.zero,
+        "what": motion.what,
+        "period": decimals.decimal_string(zeros.period, 18),
+        "near": [_run(scene, zeros, name, near) for name in NUMBERS],
+        "far": [_run(scene, zeros, name, end) for name, end in far.items()],
+    }
+
+
+def _run(scene: polhode.Scene, zeros: Zeros, name: str, end: int) -> dict[str, Any]:
+    """Events to a time: how many, and their distances from the closed form's."""
+    run = polhode.integrate(scene, name, at=[end])
+    (event,) = run.events
+    true = zeros.until(end)
+    row: dict[str, Any] = {
+        "number": name,
+        "end": end,
+        "true": len(true),
+        "found": len(event.times),
+        "complete": event.complete,
+        "grazing": sum(event.grazing),
+    }
+    if len(event.times) == len(true) > 0:
+        pairs = list(zip(event.times, true, strict=True))
+        ulps = [float(abs(t - x) / ulp(x, run.number.bits)) for t, x in pairs]
+        every = max(1, len(pairs) // KEPT)
+        row |= {
+            "ulps": float(f"{max(ulps):.3g}"),
+            "error": float(f"{float(max(abs(t - x) for t, x in pairs)):.2e}"),
+            "digits": round(min(_digits(t, x, run.number) for t, x in pairs), 2),
+            "samples": [
+                [round(float(x), 3), float(f"{u:.3g}")]
+                for (_, x), u in list(zip(pairs, ulps, strict=True))[::every]
+            ],
+        }
+    return row
+
+
+def _digits(t: Fraction, true: Fraction, number: NumberType) -> float:
+    error = abs(t - true) / true
+    return number.most_digits if error == 0 else min(number.most_digits, -exact.log10(error))
+
+
+def _watching(scene: polhode.Scene, *zeros: str) -> polhode.Scene:
+    events = tuple(polhode.Event(f"event {k}", zero) for k, zero in enumerate(zeros, 1))
+    return replace(scene, events=events, outputs=())
+
+
+# -- proven -----------------------------------------------------------------------------------
+
+
+def _proven(name: str, end: int) -> dict[str, Any]:
+    """Events proven to be these and no others, and how far heyoka's in double are from them."""
+    scene = _watching(polhode.load(name), *COST_EVENTS)
+    run = polhode.integrate(scene, "double", at=[end])
+    began = time.process_time()
+    certified = polhode.certify_events(scene, end)
+    seconds = time.process_time() - began
+    rows = []
+    for true, event in zip(certified, run.events, strict=True):
+        row: dict[str, Any] = {
+            "zero": next(e for e in scene.events if e.name == true.name).zero,
+            "proven": len(true.times),
+            "undecided": len(true.undecided),
+            "double": len(event.times),
+        }
+        if len(true.times) == len(event.times) > 0:
+            off = [abs(exactly(x) - t.time) for x, t in zip(event.times, true.times, strict=True)]
+            row["error"] = float(f"{float(max(off)):.2e}")
+            row["radius"] = float(f"{max(t.radius for t in true.times):.1e}")
+        rows.append(row)
+    return {"case": name, "end": end, "events": rows, "seconds": float(f"{seconds:.2g}")}
+
+
+_MAKERS: dict[str, Callable[..., dict[str, Any]]] = {
+    "proven": _proven,
+    "motions": _motion,
+}
+
+# -- cost -------------------------------------------------------------------------------------
+
+
+def _cost_row(name: str, repeats: int) -> dict[str, Any]:
+    """Microseconds a step with none, one and three events: the minimum of many, interleaved."""
+    scene = polhode.load(COSTED).at((Fraction(COST_ENDS[name]),))
+    scenes = [_watching(scene, *COST_EVENTS[:n]) for n in (0, 1, 3)]
+    seconds = [math.inf] * len(scenes)
+    steps, counts = [0] * len(scenes), [0] * len(scenes)
+    for _ in range(repeats):
+        for k, watched in enumerate(scenes):
+            run = polhode.integrate(watched, name)
+            steps[k], counts[k] = run.steps, sum(len(event.times) for event in run.events)
+            seconds[k] = min(seconds[k], run.seconds["run"])
+    micros = [1e6 * s / n for s, n in zip(seconds, steps, strict=True)]
+    return {
+        "number": name,
+        "events": [0, 1, 3],
+        "steps": steps,
+        "found": counts,
+        "microseconds_a_step": [float(f"{m:.3g}") for m in micros],
+        "microseconds_an_event": [
+            float(f"{1e6 * (s - seconds[0]) / n:.3g}") if n else None
+            for s, n in zip(seconds, counts, strict=True)
+        ],
+    }
+
+
+# --- zeros ----------------------------------------------------------------------------------------
+#
+# The reference of the study of events: zeros along periodic closed forms, found without a run.
+
+
+ZERO_DIGITS = 65  # of the closed form where its zeros are located
+BITS = 240
+
+
+class Zeros:
+    """The zeros of an expression along a periodic closed form, to 60 digits, any number of periods.
+
+    The expression has the period of omega, or of the nutation where omega has none.
+    They are found in one period alone, by signs at many times and then by the secant rule.
+    """
+
+    def __init__(self, scene: polhode.Scene, zero: str, samples: int = 64) -> None:
+        reference = polhode.reference(replace(scene, events=()))
+        assert isinstance(reference, polhode.Reference)
+        self._reference, self._zero, self._columns = reference, zero, scene.columns
+        period = reference.period
+        if period is None:  # of a top that nutates, whose zeros these are
+            with mpmath.workprec(BITS):
+                period = 2 * mpmath.pi / own(reference.frequencies["nutation"])
+        self.period = exactly(period)
+        times = [self.period * k / samples for k in range(samples + 1)]
+        values = [exact.sign(v) for v in self._values(times, 20)]
+        self.first: list[Fraction] = []
+        for k in range(samples):
+            if values[k] * values[k + 1] < 0:
+                self.first.append(self._refined(times[k], times[k + 1]))
+            elif values[k] == 0 and k > 0:
+                self.first.append(times[k])
+
+    def until(self, end: int) -> list[Fraction]:
+        """All zeros in 0 < t <= end."""
+        count = math.ceil(end / self.period) + 1
+        every = [self.period * n + t for n in range(count) for t in self.first]
+        return [t for t in every if 0 < t <= end]
+
+    def _values(self, times: Sequence[Any], digits: int) -> list[Fraction]:
+        values = []
+        for t, row in zip(times, self._reference.at(times, digits), strict=True):
+            columns = dict(zip(self._columns, row, strict=True), t=to_mpf(exactly(t), BITS))
+            value = exactly(columns_.value(self._zero, columns, BITS))
+            values.append(value if abs(value) > Fraction(1, 10 ** (digits - 3)) else Fraction(0))
+        return values
+
+    def _refined(self, low: Fraction, high: Fraction) -> Fraction:
+        def value(t: Any) -> Any:
+            row = self._reference.at([t], ZERO_DIGITS)[0]
+            columns = dict(zip(self._columns, row, strict=True), t=t)
+            return columns_.value(self._zero, columns, BITS)
+
+        with mpmath.workprec(BITS):
+            between = (to_mpf(low, BITS), to_mpf(high, BITS))
+            root = mpmath.findroot(value, between, solver="anderson", tol=1e-120, maxsteps=60)
+            return exactly(root)
+
+
+def ulp(t: Fraction, bits: int) -> Fraction:
+    """The distance between neighbours of a type of so many bits at t."""
+    mantissa, exponent = exact.rounded(t, bits)
+    return Fraction(2) ** (exponent + abs(mantissa).bit_length() - bits)
+
+
+# --- page -----------------------------------------------------------------------------------------
+#
+# Tables and facts of the events study's page.
+
+
+_ZERO = Column("zero", "zero", "code", "an event is where this is zero")
+_TIMES = (
+    Column("motion", "what", meaning="what the events are"),
+    CASE,
+    _ZERO,
+    Column("period", "period", ">", "the period of the motion, by its closed form"),
+    NUMBER,
+    END,
+    Column("true", "true", "d", "events of the closed form"),
+    Column(
+        "found",
+        lambda run: f"{run['found']}{'' if run['complete'] else ' (incomplete)'}",
+        *(">", "events that the run found"),
+    ),
+    Column("largest error, ulps", "ulps", ".3g", "in units in the last place of the time"),
+    Column("largest error", "error", ".1e"),
+    DIGITS,
+)
+_PROVEN = (
+    CASE,
+    END,
+    _ZERO,
+    Column("proven", "proven", "d", "events that are proved to happen"),
+    Column("undecided", "undecided", "d", "zeros of which the proof decides nothing"),
+    Column("in double", "double", "d", "events that a run in double found"),
+    Column("its largest error", "error", ".1e", "the largest error of a time of that run"),
+    Column("radius", "radius", ".1e", "the largest radius of a proven time"),
+)
+_COST = (
+    NUMBER,
+    Column("steps", "steps.0", "d"),
+    Column("none, µs a step", "microseconds_a_step.0", ".3g", "time of a step without events"),
+    Column("one", "microseconds_a_step.1", ".3g", "the same with one event"),
+    Column("three", "microseconds_a_step.2", ".3g", "the same with three events"),
+    Column("found, one", "found.1", "d"),
+    Column("found, three", "found.2", "d"),
+    Column("µs an event, three", "microseconds_an_event.2", ".3g", "added by each event found"),
+)
+
+
+def tables(results: JsonObject) -> dict[str, PageTable]:
+    """The page's tables from the study's JSON object."""
+    again = "python reports/make.py events --only"
+    near, far = (
+        [{**motion, **run} for motion in results["motions"] for run in motion[part]]
+        for part in ("near", "far")
+    )
+    return {
+        "near": table(near, _TIMES, f"{again} {{1}} --only '{{0}}'"),
+        "far": table(far, _TIMES, f"{again} {{1}} --only '{{0}}'"),
+        "proven": table(_proven_rows(results), _PROVEN, f"{again} {{0}}"),
+        "cost": table(results["cost"], _COST, f"{again} cost --only {{0}}"),
+    }
+
+
+def facts(results: JsonObject) -> dict[str, object]:
+    """Counts and ranges of the rows."""
+    near = [run for motion in results["motions"] for run in motion["near"]]
+    far = [run for motion in results["motions"] for run in motion["far"]]
+    return {
+        "end": max((run["end"] for run in far), default=0),
+        "true": sum(run["true"] for run in far),
+        "found": sum(run["found"] for run in far),
+        "whole": share(run["complete"] for run in far),
+        "ulps": max((run["ulps"] for run in near if "ulps" in run), default=0),
+        "exact": share(run["complete"] and run["found"] == run["true"] for run in [*near, *far]),
+        "same": share(
+            row["undecided"] == 0 and row["proven"] == row["double"]
+            for row in _proven_rows(results)
+        ),
+        "steps": share(len({*row["steps"]}) == 1 for row in results["cost"]),
+    }
+
+
+def _proven_rows(results: JsonObject) -> list[JsonObject]:
+    """Proven events of motions without a closed form, each with its case."""
+    return [
+        row | {"case": case["case"], "end": case["end"]}
+        for case in results["proven"]
+        for row in case["events"]
+    ]
+
+
+# --- figure ---------------------------------------------------------------------------------------
+#
+# Figure of the study of events: errors of their times, and their cost.
+
+
+FLOOR = 0.01  # ulps: smaller errors are drawn there, on the axis
+
+
+def svgs(results: JsonObject) -> dict[str, str]:
+    """Above: how large errors of event times are, in ulps; below: cost of a run with events."""
+    with paper() as plt:
+        size = drawing.WIDTH, 5.6
+        figure, (above, below) = plt.subplots(2, figsize=size, layout="constrained")
+        _draw_errors(above, results["motions"])
+        _draw_cost(below, results["cost"])
+        drawing.legend(figure, len(COLOURS))
+        return {"events": as_svg(figure)}
+
+
+def _draw_errors(axes: Axes, motions: Sequence[JsonObject]) -> None:
+    """How many events have no larger error than that: a curve a number type."""
+    for name, colour in COLOURS.items():
+        sizes = sorted(
+            max(ulps, FLOOR)
+            for motion in motions
+            for part in ("near", "far")
+            for run in motion[part]
+            if run["number"] == name
+            for _, ulps in run.get("samples", ())
+        )
+        if sizes:
+            share = [100 * k / len(sizes) for k in range(len(sizes) + 1)]
+            eighth = max(len(sizes) // 8, 1)
+            look: dict[str, Any] = {"marker": MARKS[name], "ms": 4, "markevery": (eighth, eighth)}
+            steps = [FLOOR, *sizes]
+            axes.plot(steps, share, drawstyle="steps-post", color=colour, label=name, **look)
+    axes.set(xscale="log", xlabel="error of the time, in units of its last place")
+    axes.set(xlim=(FLOOR, None), ylim=(0, 100), ylabel="events with no larger error, %")
+    drawing.plain(axes)
+
+
+def _draw_cost(axes: Axes, rows: Sequence[JsonObject]) -> None:
+    """The time of a run over one without events; number types beside each other."""
+    for k, row in enumerate(rows):
+        times, aside = row["microseconds_a_step"], 0.07 * (k - (len(rows) - 1) / 2)
+        ratios = [time / times[0] for time in times]
+        number = row["number"]
+        places = [n + aside for n in row["events"]]
+        axes.plot(places, ratios, MARKS[number], color=COLOURS[number], ms=4, label=number)
+    axes.set(xlabel="events watched", ylim=(0, None), ylabel="time of a run (without events 1)")
+    axes.set_xticks((0, 1, 3))
+    drawing.plain(axes)

@@ -1,0 +1,330 @@
+"""What studies share: the rows that are wanted, tables of them, words, and a page of it all."""
+
+from __future__ import annotations
+
+import os
+import statistics
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, NamedTuple, TypeAlias, TypeVar
+
+#: Keys, and what JSON can hold.
+JsonObject: TypeAlias = dict[str, Any]
+#: Told what is being done.
+Say: TypeAlias = Callable[[str], object]
+Job = TypeVar("Job")
+Answer = TypeVar("Answer")
+
+
+def in_order(
+    answer: Callable[[Job], Answer],
+    jobs: Sequence[Job],
+    workers: int,
+    tell: Callable[[Job], object],
+) -> Iterator[Answer]:
+    """The answers in the order of the jobs, made here or by so many processes; ``begun``: told."""
+    if workers < 2 or len(jobs) < 2:
+        for job in jobs:
+            tell(job)
+            yield answer(job)
+        return
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        for job, answers in zip(jobs, pool.map(answer, jobs), strict=True):
+            tell(job)
+            yield answers
+
+
+def cores() -> int:
+    """The processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def write_whole(path: Path, text: str) -> Path:
+    """Write a file whole or not at all; its path."""
+    beside = path.with_name(f".{path.name}.part")
+    beside.write_text(text, encoding="utf-8")
+    os.replace(beside, path)
+    return path
+
+
+# --- row filter -----------------------------------------------------------------------------------
+#
+# Part of a study: the rows whose names hold every text that was asked for.
+
+
+@dataclass(frozen=True)
+class Only:
+    """What is wanted of a study, asked with the labels of a row: ``only("euler/rest", "quad")``.
+
+    A row is wanted where each text stands in one of its labels, capitals or not; without texts
+    every row is.  ``passed``: the labels of rows that were not wanted, for the message where none
+    was; ``taken``: those of rows that were.
+    """
+
+    texts: tuple[str, ...] = ()
+    taken: list[str] = field(default_factory=list, compare=False)
+    passed: list[str] = field(default_factory=list, compare=False)
+
+    def __call__(self, *labels: str) -> bool:
+        """Whether the row of these labels is wanted."""
+        is_wanted = all(any(t.lower() in x.lower() for x in labels) for t in self.texts)
+        (self.taken if is_wanted else self.passed).extend(labels)
+        return is_wanted
+
+
+# --- words ----------------------------------------------------------------------------------------
+#
+# Numbers and counts of rows in words, as they stand in cells and sentences.
+
+
+DASH = "–"
+
+
+def formatted(value: object, form: str) -> str:
+    """A value in a form of columns (see ``Column``); a dash where there is none."""
+    if value is None or value == "":
+        return DASH
+    if form == "code":
+        return f"`{value}`"
+    return value if isinstance(value, str) else format(value, form)
+
+
+def median(values: Sequence[float], form: str) -> str:
+    """Their median; a dash where there is none."""
+    return format(statistics.median(values), form) if values else DASH
+
+
+def between(values: Sequence[float], form: str, to: str = " to ") -> str:
+    """From the least to the largest; a dash where there is none."""
+    return f"{min(values):{form}}{to}{max(values):{form}}" if values else DASH
+
+
+def spread(values: Sequence[float], form: str) -> str:
+    """The median, and in brackets the least and the largest of several."""
+    middle = median(values, form)
+    return f"{middle} ({between(values, form, DASH)})" if len(values) > 1 else middle
+
+
+def share(flags: Iterable[bool]) -> str:
+    """How many of all are true: "3 of 5"."""
+    every = [*flags]
+    return f"{sum(every)} of {len(every)}"
+
+
+def counted(counts: Mapping[str, int]) -> str:
+    """How many of each, those of which there are some: "3 elliptic, 2 hyperbolic"."""
+    return ", ".join(f"{count} {word}" for word, count in counts.items() if count)
+
+
+def listed(words: Iterable[str]) -> str:
+    """Each of the words once, in order; a dash where there is none."""
+    return ", ".join(sorted(set(words))) or DASH
+
+
+# --- tables ---------------------------------------------------------------------------------------
+#
+# Tables of a study's rows: what stands in each column, and columns that several studies share.
+
+
+#: A key of a row, a path of keys and places with dots between them, or a function of the row.
+Value: TypeAlias = str | Callable[[JsonObject], object]
+
+
+class PageTable(NamedTuple):
+    """Rows of cells under a header; ``align``: one character a column, l or r.
+
+    ``again``: the command that makes a row again; {0}, {1} stand for its cells.  ``meanings``: what
+    each column holds, "" where its header tells it.
+    """
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    align: str = ""
+    again: str = ""
+    meanings: tuple[str, ...] = ()
+
+    def command(self, row: tuple[str, ...]) -> str:
+        """The command that makes one of the rows again."""
+        return self.again.format(*(cell.strip("`").replace("'", r"'\''") for cell in row))
+
+    @property
+    def markdown(self) -> str:
+        """The table, what its columns hold, and how to make a row again; empty without rows."""
+        if not self.rows:
+            return ""
+        sides = ("--:" if side == "r" else "---" for side in self.align)
+        lines = [_line(self.header), f"|{'|'.join(sides)}|", *map(_line, self.rows)]
+        headers: dict[str, list[str]] = {}  # of one meaning, such as number types, together
+        for header, meaning in zip(self.header, self.meanings, strict=False):
+            headers.setdefault(meaning, []).append(header)
+        meanings = [
+            f"*{', '.join(names)}*: {meaning}" for meaning, names in headers.items() if meaning
+        ]
+        lines += ["", f"Columns: {'; '.join(meanings)}."] if meanings else [""]
+        if self.again:
+            lines.append(f"To make rows again, here the first: `{self.command(self.rows[0])}`.")
+        return "\n".join(lines).rstrip()
+
+
+def _line(cells: Iterable[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+class Column(NamedTuple):
+    """A column of a table of rows.
+
+    ``form``: "" for text, "code", or a format of numbers, which stand to the right (">" for text
+    that reads as a number).  A value that is missing is a dash; a text that stands where a number
+    would, such as how a run ended, is written as it is.  ``meaning``: what the column holds, for a
+    stranger, in words that follow the header and a colon; "" where the header tells it.
+    """
+
+    header: str
+    value: Value
+    form: str = ""
+    meaning: str = ""
+
+    @property
+    def side(self) -> str:
+        """``l`` for text, ``r`` for numbers."""
+        return "l" if self.form in ("", "code") else "r"
+
+    def cell(self, row: JsonObject) -> str:
+        """What stands in this column of a row."""
+        value = at(row, self.value) if isinstance(self.value, str) else self.value(row)
+        return formatted(value, self.form)
+
+
+def at(row: JsonObject, path: str) -> Any:
+    """The value at a path of keys and places; None where there is none."""
+    value: Any = row
+    for part in path.split("."):
+        if isinstance(value, list):
+            value = value[int(part)] if value else None
+        else:
+            value = value.get(part) if isinstance(value, dict) else None
+    return value
+
+
+def table(rows: Iterable[JsonObject], columns: Sequence[Column], again: str = "") -> PageTable:
+    """A table of rows; ``again``: see :class:`PageTable`."""
+    return PageTable(
+        tuple(column.header for column in columns),
+        tuple(tuple(column.cell(row) for column in columns) for row in rows),
+        "".join(column.side for column in columns),
+        again,
+        tuple(column.meaning for column in columns),
+    )
+
+
+def at_times(
+    times: Iterable[object], write: Callable[[JsonObject, int], object], meaning: str = ""
+) -> list[Column]:
+    """A column for each of the times, in which something is written of its place in the row."""
+
+    def column(place: int, t: object) -> Column:
+        return Column(f"t = {t}", lambda row: write(row, place), ">", meaning)
+
+    return [column(place, t) for place, t in enumerate(times)]
+
+
+def yes(key: str, no: str = "no") -> Value:
+    """Whether a key of the row is true, in words; None where it has no such key."""
+
+    def value(row: JsonObject) -> str | None:
+        return None if key not in row else "yes" if row[key] else no
+
+    return value
+
+
+CASE = Column("case", "case", "", "a scene of the library, which `polhode show CASE` prints")
+NUMBER = Column("number", "number", "", "the number type of the run")
+REGIME = Column("regime", "regime", "", "the kind of motion")
+T = Column("t", "t", "g")
+END = Column("to t", "end", "g", "the last time of the run")
+STEPS = Column("steps", "steps", "d")
+DIGITS = Column("digits", "digits", ".1f", "-log10 of the largest relative error")
+
+
+# --- template -------------------------------------------------------------------------------------
+#
+# A study's page: the Markdown template beside its rows, filled with their tables and facts.
+
+
+def filled(template: str, tables: Mapping[str, PageTable], facts: Mapping[str, object]) -> str:
+    """The template with its fields filled, as Markdown.
+
+    Under each heading what names tables is left out where none of them has rows.
+
+    >>> filled("# A\\n\\n{n} rows\\n\\n## B\\n\\n{none}\\n", {"none": PageTable((), ())}, {"n": 2})
+    '# A\\n\\n2 rows\\n'
+    """
+    first, *others = template.split("\n#")
+    parts = [first, *(f"\n#{part}" for part in others)]
+    named = [[tables[name] for name in tables if f"{{{name}}}" in part] for part in parts]
+    shown = [part for part, there in zip(parts, named, strict=True) if _has_rows(there)]
+    fields = {name: page_table.markdown for name, page_table in tables.items()} | dict(facts)
+    text = "".join(shown).format_map(fields)
+    while "\n\n\n" in text:  # a table without rows beside one that has some
+        text = text.replace("\n\n\n", "\n\n")
+    return f"{text.strip()}\n"
+
+
+def _has_rows(tables: list[PageTable]) -> bool:
+    return not tables or any(page_table.rows for page_table in tables)
+
+
+# --- case runs ------------------------------------------------------------------------------------
+#
+# Columns of a case that was run in several number types, the same in every study.
+
+
+NUMBERS = ("double", "extended", "quad", "mp")
+
+
+def by_number(case: JsonObject) -> JsonObject:
+    """A case with its runs by their number types, each with the digits expected as text."""
+    runs = [{**run, "band": expected(run.get("expected"))} for run in case["runs"]]
+    return {**case, "runs": {run["number"]: run for run in runs}}
+
+
+def runs_of(cases: list[JsonObject]) -> list[tuple[JsonObject, JsonObject]]:
+    """Every run of the cases, each with its case."""
+    return [(case, run) for case in cases for run in case["runs"]]
+
+
+def expected(band: list[float] | None) -> str | None:
+    """The digits expected, from the least to the most of nine in ten runs."""
+    return None if band is None else f"{band[0]:.1f}{DASH}{band[2]:.1f}"
+
+
+def digits(run: JsonObject | None) -> float | str | None:
+    """A run's correct digits, or in words why it has none; None where it was not run."""
+    if run is None:
+        return None
+    right: float | str = run["correct_digits"] if "correct_digits" in run else run["outcome"]
+    return run.get("lost") or right
+
+
+def in_numbers(write: Callable[[JsonObject | None], object], meaning: str) -> tuple[Column, ...]:
+    """A column for each number type, in which something is written of the case's run in it."""
+
+    def value(case: JsonObject, number: str) -> object:
+        return write(case["runs"].get(number))
+
+    headers = {"mp": "mp (50)"}
+    return tuple(
+        Column(headers.get(name, name), partial(value, number=name), ".1f", meaning)
+        for name in NUMBERS
+    )
+
+
+ABOUT = (
+    CASE,
+    REGIME,
+    Column("t", lambda case: float(case["end"]), "g", "the last time of the runs"),
+)

@@ -1,0 +1,202 @@
+"""polhode's own evidence, made again: ``python reports/make.py [NAME] [--quick] [--only TEXT]``.
+
+A study is a file beside this one with QUESTION, ``rows(quick, say, only)``, the JSON object of the
+rows that are wanted (``say``: told what is being done), ``tables(results)`` and ``facts(results)``,
+what stands in the fields of its page ``templates/NAME.md``, and ``svgs(results)``, its figures by
+name.  Where it has ``versions()``, they belong to its provenance.  Pages and figures are made from
+the JSON alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import sys
+import time
+from collections.abc import Sequence
+from importlib import import_module
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+import benchmark
+import polhode
+from kit import JsonObject, Only, PageTable, filled, write_whole
+from polhode.common.interrupts import heard
+from polhode.common.provenance import cpu, versions
+from polhode.common.texts import as_json
+
+#: The studies, each a file of that name, with _ for -; the seconds that each takes on two
+#: processors, whole and quick.
+STUDIES = {
+    "speed": (2600, 90),
+    "accuracy": (170, 30),
+    "proofs": (170, 20),
+    "stability": (190, 30),
+    "long-run": (300, 30),
+    "events": (35, 10),
+}
+BENCHMARK = "benchmark"
+HERE = Path(__file__).parent
+README = HERE.parent / "README.md"
+_WIDTH = 118
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Make what is asked for; 0, or 1 for what was stale, or 2 for bad input."""
+    parser = argparse.ArgumentParser("make.py", description=(__doc__ or "").partition("\n")[0])
+    every_name = ", ".join([*STUDIES, BENCHMARK])
+    parser.add_argument(
+        "name", nargs="?", metavar="NAME", help=f"{every_name}; without it every study"
+    )
+    parser.add_argument("--quick", action="store_true", help="fewer and shorter cases")
+    parser.add_argument(
+        "--only",
+        metavar="TEXT",
+        action="append",
+        default=[],
+        help="rows with TEXT in their names (may be repeated), printed; of the benchmark a top",
+    )
+    parser.add_argument("-o", dest="folder", metavar="DIR", type=Path, help="here: reports/")
+    stale = "make pages, figures and README's table from the rows again, and name what changes"
+    parser.add_argument("--stale", action="store_true", help=stale)
+    asked = parser.parse_args(arguments)
+    if asked.name not in (None, *STUDIES, BENCHMARK):
+        parser.error(f"NAME {asked.name!r}: expected {every_name}")
+    if asked.only and asked.name is None:
+        parser.error("--only: expected it with the NAME of one study")
+    if asked.stale and asked.name == BENCHMARK:
+        parser.error("--stale: expected a study, as the benchmark is its own rows")
+    folder: Path = asked.folder or HERE / (BENCHMARK * (asked.name == BENCHMARK))
+    names = [asked.name] if asked.name else sorted(STUDIES, key=lambda name: STUDIES[name])
+    try:
+        if asked.stale:
+            changed = write_stale(folder, names)
+            print("\n".join(map(str, changed)))
+            return int(bool(changed))
+        if asked.only and asked.name != BENCHMARK:
+            print(part(asked.name, asked.only, asked.quick))
+            return 0
+        for name in names:
+            if name == BENCHMARK:
+                paths = benchmark.write_benchmark(folder, asked.only, say)
+            else:
+                paths = write_study(name, folder, asked.quick)
+            print("\n".join(map(str, paths)))
+    except (polhode.BadInput, OSError) as fault:
+        print(fault, file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("make.py: stopped; the study that was being made is not written", file=sys.stderr)
+        return 130
+    return 0
+
+
+def say(text: str) -> None:
+    """Tell what is being done."""
+    if heard.came:  # a run that Ctrl-C ended is no row
+        raise KeyboardInterrupt
+    print(text, file=sys.stderr, flush=True)
+
+
+def write_study(name: str, folder: Path, quick: bool = False) -> list[Path]:
+    """Run one study and write its results, page and figures; the paths."""
+    began = time.perf_counter()
+    study = module(name)
+    rows = study.rows(quick, lambda text: say(f"{name}: {text}"), Only())
+    say(f"{name}: figures and page")
+    results = {"study": name, "question": study.QUESTION, "quick": quick, **rows}
+    results["provenance"] = {
+        "command": _command(name) + " --quick" * quick,
+        "seconds": round(time.perf_counter() - began, 1),
+        "versions": versions() | (study.versions() if hasattr(study, "versions") else {}),
+        "cpu": cpu(),
+    }
+    texts = {f"{name}.json": as_json(results), **pages(json.loads(as_json(results)))}
+    folder.mkdir(parents=True, exist_ok=True)
+    return [write_whole(folder / file, text) for file, text in texts.items()]
+
+
+def part(name: str, texts: Sequence[str], quick: bool = False) -> str:
+    """The tables of the rows of a study whose names hold all texts; nothing is written."""
+    only = Only(tuple(texts))
+    results = module(name).rows(quick, lambda text: say(f"{name}: {text}"), only)
+    if not only.taken:
+        likely = f"part of the name of a row, such as {', '.join(dict.fromkeys(only.passed[:8]))}"
+        raise polhode.BadInput("make.py", "--only", " ".join(texts), likely)
+    tables: dict[str, PageTable] = module(name).tables(results)
+    return "\n\n".join(table.markdown for table in tables.values() if table.rows)
+
+
+def pages(results: JsonObject) -> dict[str, str]:
+    """What is made of a study's results by the names of the files: figures and page."""
+    name = results["study"]
+    figures = module(name).svgs(results)
+    return {**{f"{key}.svg": svg for key, svg in figures.items()}, f"{name}.md": page(results)}
+
+
+def page(results: JsonObject) -> str:
+    """A study's page as Markdown, from its JSON object."""
+    name, origin = results["study"], dict(results["provenance"])
+    packages = [f"{package} {version}" for package, version in origin["versions"].items()]
+    again = _command(name) + " --quick" * results["quick"]
+    origin |= {"again": again, "packages": ", ".join(packages), "polhode": packages[0]}
+    templates = (HERE / "templates" / f"{file}.md" for file in (name, "provenance"))
+    template = "".join(path.read_text(encoding="utf-8") for path in templates)
+    study = module(name)
+    shared = {"question": results["question"], "origin": origin}
+    return filled(template, study.tables(results), study.facts(results) | shared)
+
+
+def write_stale(folder: Path, names: Sequence[str]) -> list[Path]:
+    """Make all that follows from the studies' rows again; the paths of what was out of date."""
+    texts: dict[Path, str] = {}
+    for name in names:
+        results = results_of(folder, name)
+        texts |= {folder / file: text for file, text in pages(results).items()}
+        if name == "speed" and folder == HERE:
+            texts[README] = with_summary(README.read_text(encoding="utf-8"), results)
+    return [
+        write_whole(path, text)
+        for path, text in texts.items()
+        if not path.exists() or path.read_text(encoding="utf-8") != text
+    ]
+
+
+def results_of(folder: Path, name: str) -> JsonObject:
+    """The JSON object of a study in a folder."""
+    results: JsonObject = json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
+    return results
+
+
+def with_summary(readme: str, speed: JsonObject) -> str:
+    """README with the speed study's table of four lengths and of many starts."""
+    from draws import DRAWS
+    from speed import SUMMARY_OUTPUTS, summary
+
+    origin = speed["provenance"]
+    packages = ", ".join(f"{name} {origin['versions'][name]}" for name in ("polhode", "heyoka"))
+    kinds = {cell["kind"] for cell in speed["cells"]}
+    conditions = (
+        f"Medians over {len(kinds)} kinds of motion of {DRAWS} bodies each (in n of m: in so many "
+        "of the kinds both reach the digits), "
+        f"{SUMMARY_OUTPUTS} outputs (many starts: the end), one thread; "
+        f"{packages}, {origin['cpu']}. [All rows and rules](reports/speed.md)."
+    )
+    text = f"{summary(speed['cells']).markdown}\n\n{fill(conditions, _WIDTH)}\n"
+    pattern = r"(<!-- summary: [^>]*-->\n).*?(<!-- end -->)"
+    return re.sub(pattern, lambda match: match[1] + text + match[2], readme, flags=re.DOTALL)
+
+
+def module(name: str) -> Any:
+    """A study's module; imported when it is asked for."""
+    return import_module(name.replace("-", "_"))
+
+
+def _command(name: str) -> str:
+    return f"python reports/make.py {name}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,81 @@
+"""CyRK's nbsolve2_ivp (DOP853, VERN8, LSODA in C++), the right-hand side compiled by numba."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from peers.field import Array, Run, Top, of_pattern
+
+
+def prepared(present: Sequence[bool], method: str) -> Run:
+    """One compiled function: solve, copy the rows, free the solver's memory.
+
+    ``method``: DOP853 or VERN8; with ", Python" pysolve_ivp instead, which compiles nothing.
+    """
+    word, _, python = method.partition(", ")
+    if python:
+        return _in_python(present, word)
+    from peers.field import run_of
+
+    return run_of(_solver(present, method))
+
+
+def prepared_many(present: Sequence[bool], method: str) -> Run:
+    """The same function called in a loop that numba compiles."""
+    from peers.field import loop_of
+
+    return loop_of(_solver(present, method))
+
+
+def _solver(present: Sequence[bool], method: str) -> Array:
+    """One solve, compiled by numba: the rows, and whether it arrived."""
+    import numba
+    from CyRK import nbsolve2_ivp
+    from CyRK.nb.numba_solver import cyjit_sig
+
+    rates = numba.njit(of_pattern(present))
+
+    def field_plain(dy: Array, t: float, y: Array, args: Array) -> None:
+        dy[0], dy[1], dy[2], dy[3], dy[4], dy[5] = rates(y[0], y[1], y[2], y[3], y[4], y[5], args)
+
+    field = numba.cfunc(cyjit_sig)(field_plain)
+
+    address = field.address
+
+    def solve_plain(coefficients: Array, start: Array, times: Array, tol: float) -> Array:
+        span = (times[0], times[-1])
+        solution = nbsolve2_ivp(address, span, start, method, times, False, coefficients, tol, tol)
+        rows, success = solution.y.T.copy(), solution.success
+        solution.free()
+        return rows, success
+
+    return numba.njit(solve_plain)
+
+
+def _in_python(present: Sequence[bool], method: str) -> Run:
+    """Its pysolve_ivp with a right-hand side in Python: nothing is compiled."""
+    from CyRK import pysolve_ivp
+
+    rates = of_pattern(present)
+
+    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
+        c = top.coefficients.tolist()
+
+        def field(dy: Array, t: float, y: Array) -> None:
+            dy[:] = rates(*y.tolist(), c)
+
+        solution = pysolve_ivp(
+            field,
+            (times[0], times[-1]),
+            start,
+            method=method,
+            t_eval=times,
+            rtol=tol,
+            atol=tol,
+            pass_dy_as_arg=True,
+        )
+        if not solution.success:
+            raise ArithmeticError("success is False")
+        return solution.y.T
+
+    return run

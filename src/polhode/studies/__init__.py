@@ -1,1 +1,0 @@
-"""Studies: one folder for each (rows, page, figure), and the report made of all of them."""

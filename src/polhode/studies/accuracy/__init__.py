@@ -1,1 +1,0 @@
-"""Correct digits of every case in every number type."""

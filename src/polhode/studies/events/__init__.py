@@ -1,1 +1,0 @@
-"""Event times in ulps, counts, cost."""

@@ -1,1 +1,0 @@
-"""Periodic orbits and chaos, proved or refused."""

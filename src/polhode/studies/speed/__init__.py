@@ -1,1 +1,0 @@
-"""Seconds against digits, beside other programs and in every number type."""

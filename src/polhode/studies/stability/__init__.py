@@ -1,1 +1,0 @@
-"""Hard motions: correct digits beside those possible."""

@@ -1,0 +1,408 @@
+"""The contest of the study speed: who reaches what, ratios, and what is claimed of them.
+
+No test depends on how long anything takes.
+"""
+
+from __future__ import annotations
+
+import json
+import warnings
+from importlib.util import find_spec
+from itertools import pairwise
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import contest
+import draws
+import polhode
+import programs
+import speed
+from draws import DRAWS, Cell
+from kit import Only
+from peers import scipy_ode
+from peers.process import ask
+from polhode.dynamics.lyapunov import lyapunov
+from programs import ENGINE, OURS, RUN
+
+PEER = "CyRK VERN8"
+
+
+# the motions
+
+
+def test_every_kind_has_as_many_bodies_as_draws_and_patterns_hold_them_all():
+    for kind in draws.KINDS:
+        found = [draws.draw(kind, k, 1, 2) for k in range(DRAWS)]
+        assert len({one.top.coefficients.tobytes() for one in found}) == DRAWS
+        present = np.array(draws.present(kind))
+        assert all(np.all(present | (one.top.coefficients == 0)) for one in found)
+    assert draws.present("euler") == (True, False, False) * 3
+    assert all(draws.present("chaotic"))
+
+
+@pytest.mark.slow
+def test_the_chaotic_draws_are_chaotic():
+    for k in (0, DRAWS - 1):
+        assert lyapunov(draws.scene_of("chaotic", k, 100, 2), 3000).verdict == "chaotic"
+
+
+def test_the_digits_of_a_run_are_those_of_its_worst_judged_time():
+    true = draws.truth("lagrange", 0, 10)
+    rows = true.high.copy()
+    assert draws.digits(rows, true) > 15.5
+    rows[3, 5] += 1e-7
+    assert abs(draws.digits(rows, true) - 7) < 0.01
+    assert draws.digits(rows[-1:], true) > 15.5  # the end alone
+    rows[7, 0] = np.nan
+    assert draws.digits(rows, true) == 0
+    assert len(draws.judged(np.zeros((101, 6)), 101)) == draws.JUDGED
+    assert len(draws.judged(np.zeros((2, 6)), 2)) == 1
+
+
+def costs(program):
+    """Compilers are slow."""
+    marks = [pytest.mark.slow] if program.needs else []
+    return pytest.param(program, id=program.name.replace(" ", "-"), marks=marks)
+
+
+@pytest.mark.parametrize("program", [*map(costs, programs.PROGRAMS)])
+def test_every_program_that_is_here_finds_the_motion(program):
+    if any(find_spec(need) is None for need in program.needs):
+        pytest.skip(f"without {program.needs}")
+    kind = "kovalevskaya" if program.needs else "lagrange"
+    run, true = program.prepared(draws.present(kind)), draws.truth(kind, 3, 10)
+    for outputs in (2, 101):
+        one = draws.draw(kind, 3, 10, outputs)
+        times = np.array([float(t) for t in one.scene.times])
+        for tol in program.tolerances[-2:]:
+            found = run(one.top, one.start, times, tol)
+            assert len(found) in ((1, 2) if outputs == 2 else (101,))
+            most = 19.27 if program.name == programs.WIDER else 15.96
+            assert 8 < draws.digits(draws.judged(found, outputs), true) <= most
+
+
+@pytest.mark.parametrize("program", [costs(programs.BY_NAME[name]) for name in programs.MANY])
+def test_every_program_finds_the_motions_of_many_starts(program):
+    """The same starts, however many; as right as a start alone, and in their order."""
+    if any(find_spec(need) is None for need in program.needs):
+        pytest.skip(f"without {program.needs}")
+    few, many = (draws.draw("asymmetric", 2, 1, 2, n) for n in (20, 100))
+    assert np.array_equal(few.start, many.start[:20])
+    true, times = draws.truth("asymmetric", 2, 1, many=True), np.array([0.0, 1.0])
+    run = program.prepared(draws.present("asymmetric"), many=True)
+    found = np.array(run(few.top, few.start.copy(), times, 1e-13))  # JAX's cannot be written to
+    assert found.shape == (20, 6)
+    assert 11 < draws.median_digits(found[: draws.MANY_JUDGED], true) <= 15.96
+    back = run(few.top, few.start[::-1].copy(), times, 1e-13)
+    assert np.abs(back[::-1] - found).max() < 1e-11
+    found[: draws.MANY_JUDGED // 2, 0] += 1e-3  # fewer than half: the median is another one's
+    assert draws.median_digits(found[: draws.MANY_JUDGED], true) > 11
+    found[: draws.MANY_JUDGED // 2 + 1, 0] += 1e-3
+    assert draws.median_digits(found[: draws.MANY_JUDGED], true) < 4
+
+
+def test_a_start_that_is_none_is_refused():
+    one = draws.draw("lagrange", 1, 10, 11)
+    with pytest.raises(polhode.BadInput):
+        programs.BY_NAME[OURS].prepared(())(one.top, one.start * 2, np.array([0.0, 1.0]), 1e-9)
+
+
+def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
+    near = {(0, 10.0**-k): (float(k), 1.0) for k in range(1, 16)}
+    assert [tol for _, tol in contest.timed_again(near, False)] == [
+        10.0**-k for k in range(13, 4, -1)
+    ]
+    true, seconds = draws.truth("lagrange", 0, 10), iter((0.0, 3.0, 5.0, 6.0, 8.0, 10.0))
+    monkeypatch.setattr(contest, "time", SimpleNamespace(process_time=lambda: next(seconds)))
+    cell = Cell("lagrange", 10, draws.JUDGED)
+    held = contest._Contest(cell, [true], {OURS: lambda top, start, times, tol: true.high})
+    held._once(OURS, 0, 1e-9)
+    for _ in range(2):
+        held._block(OURS, 0, 1e-9)
+    ((_, tol, digits, least),) = held.told()[OURS]
+    assert (tol, least) == (1e-9, 1.0)
+    assert digits > 15
+    entered = {}
+    for seconds in (2.0, 1.0, 3.0):  # of three processes, by the fastest
+        contest._enter(entered, {OURS: [[0, tol, digits, seconds]]})
+    assert entered == {OURS: {(0, tol): (digits, 1.0)}}
+
+
+@pytest.mark.slow
+def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatch, tmp_path):
+    truth = draws.truth("lagrange", 0, 10)
+    asked = {"end": 10, "outputs": 2, "starts": 0, "truths": [contest._plain(truth)] * DRAWS}
+    job = {"kind": "lagrange", "cells": [asked], "programs": ["broken", OURS], "patience": 0}
+    job["tolerances"] = {"lagrange t=10 outputs=2": {OURS: [1e-9]}}
+    answers, fault = ask(contest._MODULE, job, 60.0, tmp_path)
+    failed, cell = answers
+    assert fault == ""
+    assert failed == {"failed": "broken", "fault": "KeyError: 'broken'"}
+    assert len(cell["points"][OURS]) == DRAWS
+    assert cell["faults"] == {}
+    monkeypatch.setattr(contest, "ask", lambda *_: (answers, ""))
+    truths = {("lagrange", 10, False, k): truth for k in range(DRAWS)}
+    (row,) = contest._kind("lagrange", [Cell("lagrange", 10, 2)], [], truths, tmp_path, True, print)
+    assert row["faults"] == {"broken": failed["fault"]}
+
+
+# rows
+
+
+def points(digits: dict[float, float], seconds: dict[float, float], draws_of=range(DRAWS)):
+    return {
+        (k, tol): (digits[tol], seconds[tol] * (1 + k / 100)) for k in draws_of for tol in digits
+    }
+
+
+def stands(row):
+    return [level["verdict"]["stands"] for level in row["levels"]]
+
+
+REACH = {1e-5: 5.0, 1e-8: 8.0, 1e-11: 11.0, 1e-14: 14.0}
+
+
+def test_a_level_is_reached_between_its_tolerances_by_nearly_all_draws_or_not_at_all():
+    ours = points(REACH, {1e-5: 1.0, 1e-8: 2.0, 1e-11: 3.0, 1e-14: 4.0})
+    few = points(REACH, dict.fromkeys(REACH, 0.1), range(6))
+    slow = points(REACH, dict.fromkeys(REACH, 8.0))
+    assert contest.seconds_of(ours, 8.0)[0] == pytest.approx(2)
+    row = contest.row(Cell("euler", 10, 2), {OURS: ours, "few": few, PEER: slow}, {})
+    for level in row["levels"]:
+        told = {one["program"]: one for one in level["programs"]}
+        assert told["few"]["reached"] == 6
+        assert told["few"]["ratio"] is None  # six draws decide nothing
+        assert level["verdict"]["stands"] == "ahead"
+        assert level["verdict"]["best"] == PEER
+        assert level["verdict"]["ratio"][1] > 1
+    short = points({1e-5: 5.0, 1e-8: 8.0}, {1e-5: 0.1, 1e-8: 0.2})
+    row = contest.row(Cell("euler", 10, 2), {OURS: short, PEER: slow}, {})
+    assert stands(row) == ["ahead", "not reached", "not reached"]
+    row = contest.row(Cell("euler", 10, 2), {OURS: ours, PEER: short, ENGINE: few, RUN: slow}, {})
+    assert stands(row) == ["behind", "alone", "alone"]
+
+
+def test_what_is_far_behind_at_every_level_is_not_held_again():
+    ours = points(REACH, dict.fromkeys(REACH, 1.0))
+    far = points(REACH, dict.fromkeys(REACH, 10.2))
+    close = points(REACH, dict.fromkeys(REACH, 30.0) | {1e-5: 9.8, 1e-8: 9.8})  # at 6 digits
+    lost = points({1e-5: 2.0}, {1e-5: 50.0})  # reaches no level: nothing is known of it
+    every = {OURS: ours, "far": far, PEER: close, "lost": lost}
+    again = contest.held_again(every, every=False)
+    assert again["far"] == []
+    assert again["lost"] == [1e-5]
+    assert again[OURS] == again[PEER] == [1e-14, 1e-11, 1e-8, 1e-5][::-1]
+    ours[0, 1e-3] = 3.0, 1.0
+    again = contest.held_again(every, every=True)
+    assert again["far"] == []
+    assert again[OURS] == [1e-3, *sorted(REACH, reverse=True)]
+
+
+def test_a_panel_of_the_diagram_has_the_medians_of_each_tolerance_and_what_no_other_beats():
+    """Seconds of the draws are 1, 1.01, ... 1.07 times as many."""
+    (drawn,) = [cell for cell in draws.cells("euler") if cell.drawn]
+    assert drawn.label == "euler t=100 outputs=101"
+    assert [cell.label for cell in draws.cells("asymmetric") if cell.drawn][1:] == [
+        "asymmetric t=10 starts=10000"
+    ]
+    assert not [cell for cell in draws.cells("fast") if cell.drawn]
+    ours = points(REACH, dict(zip(REACH, (2.0, 4.0, 6.0, 8.0), strict=True)))
+    few = points(REACH, dict.fromkeys(REACH, 0.1), range(6))
+    one = points({1e-5: 5.0, 1e-8: 8.0}, {1e-5: 0.2, 1e-8: 8.0})
+    other = points({1e-5: 4.0, 1e-8: 9.0}, {1e-5: 0.6, 1e-8: 6.0})
+    found = contest.row(drawn, {OURS: ours, RUN: few, PEER: one, "CyRK DOP853": other}, {})
+    curves = found["curves"]
+    assert curves[OURS] == [[5.0, 2.07], [8.0, 4.14], [11.0, 6.21], [14.0, 8.28]]
+    assert RUN not in curves  # six draws of eight
+    lines = speed.lines(curves)
+    assert [*lines] == ["polhode, double", "CyRK"]
+    assert lines["CyRK"] == [(0.207, 1e-5), (6.21, 1e-9)]  # of both methods
+    assert "curves" not in contest.row(Cell("euler", 10, 2), {OURS: ours}, {})
+    assert speed.svgs({"cells": [found], "motions": []}).keys() == {"speed"}
+
+
+def test_what_is_judged_has_the_start_of_the_draw_itself_and_what_is_timed_another():
+    starts = []
+
+    def run(top, start, times, tol):
+        starts.append(start.tolist())
+        return true.high
+
+    true, cell = draws.truth("lagrange", 0, 10), Cell("lagrange", 10, draws.JUDGED)
+    held = contest._Contest(cell, [true], {OURS: run})
+    held._once(OURS, 0, 1e-9)
+    for _ in range(3):
+        held._block(OURS, 0, 1e-9)
+    own = held.draws[0].start.tolist()
+    assert starts[0] == starts[1] == own  # the first call is not timed
+    assert own not in starts[2:]
+    assert 20 < len(starts) <= 2 + 3 * 30  # short calls are timed in blocks
+    assert all(a != b for a, b in pairwise(starts[2:]))
+    assert np.allclose(starts[2:], own, rtol=0, atol=16 * 2.0**-50)
+
+
+def test_an_extended_run_starts_from_the_draws_decimals():
+    """Of a motion that multiplies no error it has more digits than the start in doubles would."""
+    run, true = programs.BY_NAME[programs.WIDER].prepared(()), draws.truth("euler", 0, 10)
+    one = draws.draw("euler", 0, 10, 101)
+    times = np.array([float(t) for t in one.scene.times])
+    rows = run(one.top, one.start, times, 2.0**-63)
+    assert 17 < draws.digits(draws.judged(rows, 101), true) < 19.3
+    assert draws.digits(draws.judged(rows.astype(float), 101), true) <= 15.96
+    start = one.start.copy()
+    start[0] += 2.0**-50
+    rows = run(one.top, start, times, 2.0**-63)
+    assert 13 < draws.digits(draws.judged(rows, 101), true) < 16
+
+
+def test_a_tie_is_no_win():
+    """The interval of the median holds 1 where draws disagree."""
+    own = dict.fromkeys(range(DRAWS), 1.0)
+    apart = {k: 0.5 if k % 2 else 2.0 for k in range(DRAWS)}
+    middle, least, most = contest.ratio(apart, own, "seed")
+    assert least < 1 < most
+    told = [
+        {"program": OURS, "reached": 8, "ratio": None},
+        {"program": PEER, "reached": 8, "ratio": [middle, least, most]},
+    ]
+    assert contest.verdict(told)["stands"] == "even"
+    assert contest.ratio(dict.fromkeys(range(6), 2.0), own, "seed") is None
+    assert contest.ratio(own, own, "seed") == [1, 1, 1]
+    assert contest.ratio(apart, own, "seed") == contest.ratio(apart, own, "seed")
+
+
+# claims
+
+
+def synthetic(factor: float) -> dict:
+    """Rows as the study gives them, the peer's times being ours times a factor."""
+    ours = points(REACH, dict.fromkeys(REACH, 1e-3))
+    theirs = points(REACH, dict.fromkeys(REACH, 1e-3 * factor))
+    found = [
+        contest.row(cell, {OURS: ours, RUN: theirs, ENGINE: ours, PEER: theirs}, {"x": "failed so"})
+        for kind in ("chaotic",)
+        for cell in draws.cells(kind)
+    ]
+    clock = {"wall": 0.5, "processor": 0.4}
+    first = [{"program": OURS, "cold": clock, "warm": clock, "fault": ""}]
+    rest = {"once_above": 0.1, "without": [], "motions": [], "refined": []}
+    return json.loads(json.dumps({"first": first, "cells": found, **rest}))
+
+
+@pytest.mark.sample(0, first=1, slow=1)
+@pytest.mark.parametrize("factor", [2.0, 0.5, 1.0])
+def test_what_the_page_counts_follows_from_the_rows(factor):
+    found = synthetic(factor)
+    words = {2.0: "ahead", 0.5: "behind", 1.0: "even"}
+    standing = speed.tables(found)["standing"]
+    own = standing.header.index(words[factor])
+    lengths = {(x["starts"], x["end"]): [] for x in found["cells"]}
+    for cell in found["cells"]:
+        lengths[cell["starts"], cell["end"]] += stands(cell)
+    assert len(standing.rows) == len(lengths)
+    for row, (many, end) in zip(standing.rows, sorted(lengths), strict=True):
+        assert row[0] == f"t = {end}" + (f", {many} starts" if many else "")
+        counts = [int(x) for x in row[1:6]]
+        assert counts[own - 1] == sum(counts) == len(lengths[many, end])
+        lost = (f"{0.5:.2f} (0.50–0.50)", PEER) if factor == 0.5 else ("–", "–")
+        assert row[6:8] == lost
+        assert row[8].startswith("1.00 (1.00–")
+    lines = speed.tables(found)["many"].markdown.splitlines()
+    assert sum("starts=100 " in line for line in lines) == 9
+    assert "starts" not in speed.tables(found)["short"].markdown
+    ratio = f"{factor:.2f}"
+    cell = f"**{ratio}** {PEER}" if factor > 1 else f"{ratio} {PEER}"
+    summary = speed.tables(found)["summary"]
+    assert [row[0] for row in summary.rows] == [
+        *("t = 1", "t = 10", "t = 100"),
+        "10000 starts at once, t = 1 and 10",
+    ]
+    assert {x for row in summary.rows for x in row[1:]} == {cell}
+
+
+# the study
+
+
+def test_a_program_that_is_not_installed_is_left_out_and_named(monkeypatch):
+    monkeypatch.setattr(programs, "find_spec", lambda need: None if need == "CyRK" else True)
+    found = speed.rows(False, print, Only(("no such row",)))
+    assert found["without"] == [p.name for p in programs.PROGRAMS if p.name.startswith("CyRK")]
+    assert not {*found["without"]} & {*found["programs"]}
+    assert OURS in found["programs"]
+    names = ", ".join(found["without"])
+    assert speed.facts(found)["without"] == f"{names} (install polhode[peers])"
+
+
+@pytest.mark.parametrize(
+    ("told", "cell", "without"),
+    [
+        ({"quick": True}, "others not run by --quick", "all others (--quick runs what needs no"),
+        (
+            {"without": ["CyRK VERN8", "numbalsoda lsoda"]},
+            "others not run: install polhode[peers], polhode[peers-fortran]",
+            "CyRK VERN8, numbalsoda lsoda (install polhode[peers], polhode[peers-fortran])",
+        ),
+    ],
+)
+def test_polhode_is_not_alone_where_no_other_was_run(told, cell, without):
+    """It was called so where others were not installed, and with --quick."""
+    ours = points(REACH, dict.fromkeys(REACH, 1e-3))
+    rows = [contest.row(cell, {OURS: ours, ENGINE: ours}, {}) for cell in draws.cells("chaotic")]
+    found = {**synthetic(1.0), **told, "cells": rows}
+    assert {word for row in rows for word in stands(row)} == {"not run"}
+    tables = speed.tables(found)
+    assert {x for row in tables["summary"].rows for x in row[1:]} == {cell}
+    assert "not run" in tables["standing"].header
+    assert speed.facts(found)["without"].startswith(without)
+    lost = {OURS: ours, PEER: {}}  # it was run, and reached nothing
+    assert stands(contest.row(Cell("euler", 10, 2), lost, {})) == ["alone"] * 3
+    assert "not run" not in speed.tables(synthetic(1.0))["standing"].header
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["LSODA", "DOP853"])
+def test_scipy_takes_its_steps_in_compiled_code(method, monkeypatch):
+    """solve_ivp takes the same steps in Python, many times as long for the same error."""
+    integrate = pytest.importorskip("scipy.integrate")
+    pytest.importorskip("numba")
+    run = programs.BY_NAME[f"SciPy {method}"].prepared(draws.present("lagrange"))
+    monkeypatch.setattr(integrate, "solve_ivp", None)
+    one, true = draws.draw("lagrange", 3, 10, 101), draws.truth("lagrange", 3, 10)
+    times = np.array([float(t) for t in one.scene.times])
+    found = [run(one.top, one.start.copy(), times, 1e-11) for _ in range(2)]
+    assert np.array_equal(*found)  # no call goes on where the one before ended
+    assert 8 < draws.digits(draws.judged(found[0], 101), true) < 15
+    monkeypatch.setattr(scipy_ode, "_MOST_STEPS", 1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # SciPy's own word
+        with pytest.raises(ArithmeticError):
+            run(one.top, one.start.copy(), times[[0, -1]], 1e-12)
+
+
+@pytest.mark.campaign
+def test_a_small_contest_of_many_starts_from_end_to_end():
+    found = speed.rows(True, print, Only(("asymmetric t=1 starts=100",)))
+    (cell,) = found["cells"]
+    assert (cell["starts"], cell["faults"]) == (100, {})
+    for level in cell["levels"]:
+        reached = {one["program"]: one["reached"] for one in level["programs"]}
+        assert reached == dict.fromkeys((OURS, RUN, ENGINE), 8)
+        seconds = {one["program"]: one["seconds"] for one in level["programs"]}
+        assert seconds[ENGINE] < 10 * seconds[OURS]  # a hundred times as many would be a loop
+    assert "t=1 starts=100" in speed.tables(found)["many"].markdown
+
+
+@pytest.mark.slow
+def test_a_small_contest_from_end_to_end():
+    """Two cells in processes of their own, without compilers; the page is of the rows."""
+    found = speed.rows(True, print, Only(("kovalevskaya t=10",)))
+    assert [cell["outputs"] for cell in found["cells"]] == [2, 101]
+    for cell in found["cells"]:
+        assert cell["faults"] == {}
+        for level in cell["levels"]:
+            reached = {one["program"]: one["reached"] for one in level["programs"]}
+            assert reached == dict.fromkeys((OURS, RUN, ENGINE), 8)
+            assert level["verdict"]["stands"] == "not run"
+    assert "t=10 outputs=101" in speed.tables(found)["short"].markdown

@@ -1,0 +1,65 @@
+"""The geometric peer: orders of its compositions, what it keeps, and its error on closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from draws import draw
+from peers import splitting
+from polhode.judging.reference import reference
+
+
+def power_sum(order: int, power: int) -> float:
+    half = splitting.WEIGHTS[order]
+    return math.fsum(w**power for w in (*half, *half[-2::-1]))
+
+
+@pytest.mark.parametrize("order", splitting.WEIGHTS)
+def test_the_weights_fulfil_the_conditions_on_power_sums(order):
+    """Sum 1; odd powers below the order sum to 0, and the order's next does not."""
+    assert power_sum(order, 1) == pytest.approx(1, abs=2**-51)
+    for power in range(3, order, 2):
+        assert abs(power_sum(order, power)) < 2**-50
+    assert abs(power_sum(order, order + 1)) > 1e-6
+
+
+def error(kind: str, word: str, tol: float, end: int = 10, start: int = 2) -> float:
+    pytest.importorskip("numba")
+    one = draw(kind, start, end, 2)
+    run = splitting.prepared([], word)
+    found = run(one.top, one.start, np.array([0.0, end]), tol)[-1]
+    true = reference(one.scene).at(one.scene.times, 20)[-1]
+    return max(abs(float(x) - float(y)) for x, y in zip(found, true, strict=True))
+
+
+def steps(kind: str, order: int, tol: float, end: int = 10, start: int = 2) -> int:
+    one = draw(kind, start, end, 2)
+    pull = math.sqrt(math.hypot(*one.top.torque) / min(one.top.moments))
+    return math.ceil(end * max(math.hypot(*one.start[:3]), pull) / tol ** (1 / order))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("order", "kind", "tolerances"),
+    [(4, "euler", (1e-3, 1e-5)), (6, "lagrange", (1e-3, 1e-5)), (8, "kovalevskaya", (1e-4, 1e-6))],
+)
+def test_the_error_falls_with_the_order(order, kind, tolerances):
+    """Between two steps of which both errors are far above rounding."""
+    coarse, fine = (error(kind, str(order), tol) for tol in tolerances)
+    assert fine > 1e-13
+    few, many = (steps(kind, order, tol) for tol in tolerances)
+    slope = math.log(coarse / fine) / math.log(many / few)
+    assert abs(slope - order) < 0.2
+
+
+@pytest.mark.slow
+def test_carrying_the_rounding_gains_a_digit_over_many_steps():
+    """With steps so short that the method's own error is below rounding in both."""
+    plain, carried = (
+        math.prod(error("lagrange", word, 1e-10, end=1000, start=k) for k in range(4))
+        for word in ("8", "8 compensated")
+    )
+    assert carried < plain / 10**4

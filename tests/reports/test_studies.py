@@ -1,0 +1,368 @@
+"""The studies: each is made, its page follows from its rows, and every row can be made again."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from string import Formatter
+from typing import Any
+
+import pytest
+
+import accuracy
+import events
+import make
+import polhode
+import stability
+from kit import Column, JsonObject, Only, PageTable, filled, table, yes
+from polhode.common.provenance import digest
+from polhode.judging.limits import selected
+from polhode.numbers.number_types import named
+from polhode.scenes import library
+from shared.reports import COMMITTED, committed
+
+# -- tables ----------------------------------------------------------------------------------------
+
+ROW = {"name": "a", "digits": 12.34, "seconds": {"run": 0.5}, "found": [1, 2], "gap": None}
+
+
+@pytest.mark.parametrize(
+    ("value", "form", "cell", "side"),
+    [
+        ("name", "", "a", "l"),
+        ("name", "code", "`a`", "l"),
+        ("digits", ".1f", "12.3", "r"),
+        ("seconds.run", ".2g", "0.5", "r"),
+        ("found.1", "d", "2", "r"),
+        ("gap", ".1f", "–", "r"),
+        ("gap.deeper", "", "–", "l"),
+        ("name", ".1f", "a", "r"),  # such as how a run ended, in place of its digits
+        (lambda row: 2 * row["digits"], ".2f", "24.68", "r"),
+        (yes("gap", "NO"), "", "NO", "l"),
+        (yes("not there"), "", "–", "l"),
+    ],
+)
+def test_a_cell_is_a_value_of_the_row_in_the_form_of_its_column(value, form, cell, side):
+    column = Column("header", value, form)
+    assert (column.cell(ROW), column.side) == (cell, side)
+
+
+def test_a_table_is_rows_of_columns_with_what_they_hold_and_how_to_make_them_again():
+    columns = Column("a|b", "name", "code"), Column("p", "digits", ".1f", "so *much*")
+    made = table([ROW, {"name": "b"}], columns, "x {0} '{1}'")
+    assert made.command(made.rows[1]) == "x b '–'"
+    assert made.markdown == (
+        "| a\\|b | p |\n|---|--:|\n| `a` | 12.3 |\n| `b` | – |\n\n"
+        "Columns: *p*: so *much*.\nTo make rows again, here the first: `x a '12.3'`."
+    )
+    assert table([], columns).markdown == ""
+
+
+def test_a_part_without_rows_is_left_out_under_its_heading():
+    template = "# A\n\n{n} of it\n\n## B\n\nwords\n\n{b}\n\n{c}\n\n### C\n\nmore {n}\n\n{c}\n"
+    whole = PageTable(("x",), (("1",),), "l")
+    none = whole._replace(rows=())
+    text = filled(template, {"b": whole, "c": none}, {"n": 2})
+    assert text == "# A\n\n2 of it\n\n## B\n\nwords\n\n| x |\n|---|\n| 1 |\n"
+    assert filled(template, {"b": none, "c": none}, {"n": 2}) == "# A\n\n2 of it\n"
+
+
+# -- the committed report --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", make.STUDIES)
+def test_every_study_is_committed_with_its_page_and_figures(name):
+    results = committed(name)
+    assert not results["quick"]
+    page = make.page(results)
+    assert (COMMITTED / f"{name}.md").read_text() == page
+    assert page.split("\n\n")[2].startswith("Made by polhode ")
+    shown = re.findall(r"^!\[.*\]\((.*)\.svg\)$", page, re.M)
+    assert shown
+    for figure in shown:
+        assert (COMMITTED / f"{figure}.svg").read_text().startswith("<?xml")
+    for case in results.get("cases", []):
+        assert f"\n| {case['case']} | " in page, case["case"]
+        assert case["sha256"] == digest(library.load(case["case"]).source), case["case"]
+    if name == "accuracy":
+        assert [case["case"] for case in results["cases"]] == library.names()
+
+
+def test_the_table_in_readme_is_of_the_committed_rows():
+    text = make.README.read_text(encoding="utf-8")
+    assert make.with_summary(text, committed("speed")) == text
+    spoiled = text.replace("| t = 100 | 0", "| t = 100 | 9")
+    assert make.with_summary(spoiled, committed("speed")) == text != spoiled
+
+
+@pytest.mark.slow
+def test_stale_files_are_made_again_and_named(tmp_path):
+    for name in ("events.json", "events.md"):
+        (tmp_path / name).write_bytes((COMMITTED / name).read_bytes())
+    page = (tmp_path / "events.md").read_text()
+    (tmp_path / "events.md").write_text(page.replace("Events", "events", 1) + "more\n")
+    changed = make.write_stale(tmp_path, ["events"])
+    assert sorted(path.name for path in changed) == ["events.md", "events.svg"]
+    assert (tmp_path / "events.md").read_text() == page
+    assert make.write_stale(tmp_path, ["events"]) == []
+
+
+@pytest.mark.parametrize("name", make.STUDIES)
+def test_every_table_and_every_fact_stands_on_the_page_once_and_is_explained(name):
+    results, study = committed(name), make.module(name)
+    tables, facts = study.tables(results), study.facts(results)
+    template = (make.HERE / "templates" / f"{name}.md").read_text(encoding="utf-8")
+    named = [field for _, field, _, _ in Formatter().parse(template) if field is not None]
+    assert not {*tables} & {*facts}
+    assert sorted(field for field in named if field in tables) == sorted(tables)
+    assert {field.partition("[")[0] for field in named} == {*tables, *facts, "question", "origin"}
+    assert any(meaning for made in tables.values() for meaning in made.meanings)
+    for made in tables.values():  # two columns of one name tell a reader nothing
+        assert len({*made.header}) == len(made.header)
+
+
+class Listed(Only):
+    """Wants nothing, and keeps the labels of every row that it was asked for."""
+
+    def __call__(self, *labels: str) -> bool:
+        self.passed.append(labels)
+        return False
+
+
+def finds(command: str, name: str, rows: list[tuple[str, ...]]) -> bool:
+    """Whether a command names this study and a row of it, or the study as a whole."""
+    program, path, study, *rest = shlex.split(command)
+    assert (program, path, study) == ("python", "reports/make.py", name)
+    assert rest
+    only = Only(tuple(rest[1::2]))
+    return rest == ["-o", "DIR"] or (
+        set(rest[::2]) == {"--only"} and any(only(*row) for row in rows)
+    )
+
+
+@pytest.mark.sample(2, first=3)
+@pytest.mark.parametrize("name", make.STUDIES)
+def test_every_row_has_a_command_that_finds_it(name):
+    listed, results = Listed(("nothing",)), committed(name)
+    make.module(name).rows(False, print, listed)  # nothing is run
+    tables = make.module(name).tables(results)
+    assert all(x.again or place in ("summary", "standing", "faults") for place, x in tables.items())
+    commands = [x.command(row) for x in tables.values() if x.again for row in x.rows]
+    text = make.page(results).partition("## Provenance")[0]
+    commands += re.findall(r"`(python reports/make.py [^`]+)`", text)
+    assert commands
+    assert [command for command in commands if not finds(command, name, listed.passed)] == []
+    assert not finds(f"python reports/make.py {name} --only 'no row'", name, listed.passed)
+
+
+def rows_in(results: JsonObject) -> Iterator[tuple[JsonObject, str]]:
+    """Where there are lists of rows in a study's results: the object that has one, and its key."""
+    for key, value in results.items():
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            yield results, key
+        elif isinstance(value, dict) and key != "provenance":
+            yield from rows_in(value)
+
+
+@pytest.mark.sample(3)
+@pytest.mark.parametrize("name", make.STUDIES)
+@pytest.mark.parametrize("kept", [0, 1])
+def test_a_page_of_no_rows_and_of_one_row_of_each_kind_can_be_made(name, kept):
+    whole = committed(name)
+    for k in range(len([*rows_in(whole)])):
+        results = copy.deepcopy(whole)
+        for j, (place, key) in enumerate(rows_in(results)):
+            if not (name == "stability" and key == "cases"):  # which its kinds name
+                place[key] = place[key][: kept * (j == k)]
+        assert make.page(results).startswith(make.page(whole).partition("\n")[0])
+
+
+def one_run_less(case: str) -> Any:
+    def change(results: JsonObject) -> None:
+        del next(row["runs"] for row in results["cases"] if row["case"] == case)[0]
+
+    return change
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("accuracy", one_run_less("kovalevskaya/generic")),
+        ("stability", one_run_less("hard/near-cusp")),
+        ("proofs", lambda results: results["orbits"][0]["orbits"].pop(0)),
+    ],
+)
+def test_a_row_less_is_a_mark_less(name, change):
+    results, study = committed(name), make.module(name)
+    before = study.svgs(results)[name].count("<use ")
+    change(results)
+    assert before - study.svgs(results)[name].count("<use ") == 1
+
+
+def test_all_that_the_reports_link_to_is_there_and_nothing_else_is():
+    linked = {"looping.gif"}  # README's
+    for page in COMMITTED.glob("*.md"):
+        linked.add(page.name)
+        for target in re.findall(r"\]\(([^)#]+)[)#]", page.read_text()):
+            if not target.startswith("http"):
+                assert (COMMITTED / target).is_file(), (page.name, target)
+                linked.add(target)
+    linked |= {f"{name}.json" for name in make.STUDIES}
+    files = {path.relative_to(COMMITTED).as_posix() for path in COMMITTED.rglob("*.*")}
+    own = ("benchmark/", "templates/", "peers/")
+    rest = {x for x in files - linked if not x.startswith(own) and "__pycache__" not in x}
+    assert {x for x in rest if not x.endswith(".py")} == set()
+    text = (COMMITTED / "gallery.md").read_text()
+    rows = re.findall(r"^([\w-]+/[\w-]+) (\d+)$", text, re.M)
+    assert len(rows) > 20
+    for case, end in rows:  # a picture of each motion of the gallery's loop
+        assert f"[{case}](../cases/{case}.toml) to t = {end}" in " ".join(text.split())
+        assert f"(gallery/{case.replace('/', '-')}.svg)" in text
+
+
+# -- verdicts of the committed rows ----------------------------------------------------------------
+
+STEP = 0.01  # digits are kept to two places
+
+
+def judged() -> list[dict[str, Any]]:
+    """The runs of the library and of the hard cases that were judged against what is expected."""
+    cases = [*committed("accuracy")["cases"], *committed("stability")["cases"]]
+    runs = [{"case": case["case"], **run} for case in cases for run in case["runs"]]
+    return [run for run in runs if run.get("correct_digits") is not None and run["expected"]]
+
+
+def test_no_verdict_of_the_library_contradicts_its_band():
+    """*conditioning* and *inputs* are of runs that lose no more than the band and the choice of the
+    worst time allow, *method* of those that lose more.
+    """
+    runs, wrong = judged(), []
+    assert len(runs) > 800
+    for run in runs:
+        least = run["expected"][0] - selected(run.get("times", 1))
+        below, inside = (
+            run["correct_digits"] < least - STEP,
+            run["correct_digits"] > least + STEP,
+        )
+        word = run["limit"].split()[0]
+        if (word in ("conditioning", "inputs") and below) or (word == "method" and inside):
+            wrong.append((run["case"], run["number"], run["limit"]))
+    assert wrong == []
+    words = {run["limit"].split()[0] for run in runs}
+    assert {"conditioning", "inputs", "method", "rounding"} <= words
+
+
+def test_nine_in_ten_runs_of_the_library_end_in_the_band():
+    """Of runs that have digits left; 85 to 95 % of them, the worst over the output times."""
+    runs = [run for run in judged() if run["expected"][2] > 0]
+    inside = sum(e[0] <= run["correct_digits"] <= e[2] for run in runs for e in [run["expected"]])
+    assert 0.85 <= inside / len(runs) <= 0.95
+
+
+# -- made today ------------------------------------------------------------------------------------
+
+
+def rows_of(name: str, *texts: str) -> JsonObject:
+    """Rows of a study, made again."""
+    rows: JsonObject = make.module(name).rows(False, print, Only(texts))
+    return json.loads(json.dumps(rows))
+
+
+@pytest.mark.slow
+def test_rows_made_today_agree_with_the_committed_ones():
+    (today,) = rows_of("accuracy", "euler/smallest-axis")["cases"]
+    (before,) = (x for x in committed("accuracy")["cases"] if x["case"] == "euler/smallest-axis")
+    assert [run["outcome"] for run in today["runs"]] == ["reached end"] * 4
+    for run, then in zip(today["runs"], before["runs"], strict=True):
+        assert abs(run["correct_digits"] - then["correct_digits"]) < 1
+        assert (run["number"], run["outcome"]) == (then["number"], then["outcome"])
+    (motion,) = rows_of("events", "euler/largest-axis")["motions"]
+    for run in (*motion["near"], *motion["far"]):
+        assert run["found"] == run["true"] > 0
+        assert run["ulps"] < 1e4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in make.STUDIES if name != "speed"])
+def test_a_quick_study_is_made(name, tmp_path):
+    """From outside, as CONTRIBUTING tells; each wrote its page, which is of its rows."""
+    command = [sys.executable, make.__file__, name, "--quick", "-o", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    results = make.results_of(tmp_path, name)
+    assert results["quick"]
+    assert (tmp_path / f"{name}.md").read_text() == make.page(results)
+    assert (tmp_path / f"{name}.svg").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["acuracy"], "expected speed, accuracy"),
+        (["--only", "x"], "NAME of one study"),
+        (["accuracy", "--only", "no such case"], "part of the name of a row, such as"),
+        (["benchmark", "--only", "lagrange", "-o", "x"], "expected euler-largest-axis"),
+    ],
+)
+def test_what_is_asked_wrongly_is_refused_in_words(words, told, monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    try:
+        code = make.main(words)
+    except SystemExit as end:
+        code = end.code
+    assert code == 2
+    assert told in capsys.readouterr().err
+
+
+# -- what would be seen ----------------------------------------------------------------------------
+
+
+def test_every_case_tagged_hard_is_in_the_study_of_stability_once():
+    names = stability.hard_names()
+    assert len(names) == len(set(names))
+    assert set(names) <= set(library.names())
+    tagged = {name for name in library.names() if "hard" in polhode.load(name).tags}
+    assert tagged <= set(names)
+    assert set(stability.QUICK) <= set(names)
+
+
+def test_a_lost_event_is_seen(monkeypatch):
+    """A count that is not the closed form's shows, and no error is then made up."""
+    scene = events._watching(polhode.load("euler/largest-axis"), "q")
+    zeros = events.Zeros(scene, "q")
+    first, second = zeros.first
+    assert abs(second - first - zeros.period / 2) < Fraction(1, 10**45)
+    honest = events._run(scene, zeros, "double", 20)
+    assert honest["true"] == honest["found"] == 4
+    assert 0 < honest["ulps"] < 8
+    monkeypatch.setattr(zeros, "first", zeros.first[:1])
+    corrupted = events._run(scene, zeros, "double", 20)
+    assert corrupted["true"] == 2 != corrupted["found"]
+    assert "ulps" not in corrupted
+
+
+def test_a_closed_form_beside_the_motion_is_seen(monkeypatch):
+    assert accuracy.provable(polhode.load("general/asymmetric-regular")) is None
+    scene = accuracy.provable(polhode.load("lagrange/nutation"))
+    row = accuracy.proven_case(scene)
+    assert row["inside"]
+    assert row["digits"] >= accuracy.PROVEN_DIGITS
+    omega = (scene.omega[0] + Fraction(1, 10**15), *scene.omega[1:])
+    other = polhode.reference(replace(scene, omega=omega))
+    monkeypatch.setattr(polhode, "reference", lambda _: other)
+    assert not accuracy.proven_case(scene)["inside"]
+
+
+@pytest.mark.parametrize(("number", "most"), [("double", 1e4), ("extended", 1e4), ("quad", 1e4)])
+def test_a_regular_motion_comes_back(number, most):
+    scene = polhode.load("euler/largest-axis")
+    assert 0 < stability.error(scene, named(number)) < most
+    assert stability.error(scene.at((Fraction(1, 8),)), named(number)) < 20
