@@ -42,7 +42,7 @@ def test_no_folder_is_crowded():
 
 def test_the_table_of_rooms_is_that_of_the_folders():
     """It named a room that was gone, and files that were elsewhere."""
-    source, text = TOP / "src/polhode", (TOP / "CONTRIBUTING.md").read_text()
+    source, text = TOP / "src/polhode", (TOP / "src/polhode/README.md").read_text()
     rooms = dict(re.findall(r"^\| `(\w+/\w+)/` \| (.*) \|$", text, re.M))
     families = {name.replace("-", "_") for name in REFERENCES}
     found = {}
@@ -52,6 +52,7 @@ def test_the_table_of_rooms_is_that_of_the_folders():
             docstring = ast.get_docstring(ast.parse(path.read_text())) or ""
             found[f"{room}/{inner}"] = docstring.partition("\n")[0].rstrip(".")
     assert rooms == found
+    text += (TOP / "CONTRIBUTING.md").read_text()
     for name in re.findall(r"`([\w./]+/[\w./]*)`", text):
         assert any((top / name).exists() for top in (TOP, source)), name
 
@@ -81,7 +82,7 @@ def signatures() -> Iterator[tuple[str, object]]:
 def test_a_room_s_docstring_names_what_is_there():
     """Some described other rooms: what had gone elsewhere, or what the room once was."""
     source = TOP / "src/polhode"
-    text = (TOP / "CONTRIBUTING.md").read_text()
+    text = (TOP / "src/polhode/README.md").read_text()
     floors = re.findall(r"^\| \d+ \| (.*?) \| (.*) \|$", text, re.M)
     for file in source.rglob("__init__.py"):
         docstring = ast.get_docstring(ast.parse(file.read_text())) or ""
