@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import pickle
 import threading
 from fractions import Fraction
 
@@ -119,6 +120,18 @@ def test_rows_differ_by_which_others_are_asked_for_within_the_tolerance():
         assert go(t=times).tolist() == rows.tolist()  # the same question, the same bits
 
 
+@pytest.mark.parametrize("name", MOTIONS)
+def test_at_time_0_it_stands_at_its_start(name):
+    """The polynomial of a later step, by which the rows near 0 are made, leaves it."""
+    scene = top(name)
+    go = polhode.propagator(scene, tol=1e-3)
+    times = np.linspace(0, 4 / fastest(scene), 2001)
+    rows = go(t=times)
+    assert 1 < go.steps < 12
+    assert rows[0].tolist() == go(t=[0.0])[0].tolist()
+    assert 0 < np.abs(rows[1] - rows[0]).max() < 0.01 * np.abs(rows[0]).max()
+
+
 def test_at_eps_no_bit_depends_on_the_other_rows():
     """Also where the tolerance is given, and the bits are those of a run."""
     for name in ("chaotic", "unit"):
@@ -170,6 +183,25 @@ def test_threads_with_copies_have_the_same_bits():
     for thread in threads:
         thread.join()
     assert same == [True] * 20
+
+
+def test_another_process_and_other_kinds_of_numbers_have_the_same_bits():
+    """Both went heyoka's own way, and of a chaotic motion to t = 30 nothing was the same."""
+    for name in ("chaotic", "slow unit", "turned"):
+        scene = top(name)
+        go = polhode.propagator(scene, tol=1e-6)
+        elsewhere = pickle.loads(pickle.dumps(go))
+        end = 30 / fastest(scene)
+        for times in (np.linspace(0, end / 30, 101), np.linspace(0, end, 7)):
+            rows = go(t=times)
+            assert elsewhere(t=times).tolist() == rows.tolist()
+            assert elsewhere.steps == go.steps
+            assert go(t=[Fraction(t) for t in times.tolist()]).tolist() == rows.tolist()
+            assert go(t=times.astype(np.longdouble)).tolist() == rows.tolist()
+        row = go(t=end)
+        for t in (np.float64(end), Fraction(end), np.array(end), np.longdouble(end)):
+            assert go(t=t).tolist() == row.tolist()
+        assert elsewhere(t=end).tolist() == row.tolist()
 
 
 def test_a_motion_at_rest_and_outputs_that_hardly_move():
