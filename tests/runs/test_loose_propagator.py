@@ -81,6 +81,22 @@ def test_no_row_is_off_by_more_than_the_tolerance(name, grid):
         assert errors(scene, go, times) < tol + 64 * EPS
 
 
+@pytest.mark.parametrize("fast", [10, 1000])
+def test_of_a_start_faster_than_the_scene_gamma_is_off_by_that_many_tolerances(fast):
+    """The unit of time is the scene's, and heyoka's error that of the largest variable."""
+    tol, moments = 1e-6, [1.5, 1.5 + 2**-10, 1]
+    body = {"moments": moments, "centre": [0.25, 0.125, 0.5], "weight": 1, "end": 1}
+    go = polhode.propagator(polhode.top(**body, omega=[0, 0, 1], gamma=["3/5", 0, "4/5"]), tol=tol)
+    start = np.array([1e-3 * fast, 0, fast, 0.6, 0, 0.8])
+    t = 10 / fast
+    own = polhode.top(**body, omega=start[:3].tolist(), gamma=["3/5", 0, "4/5"])
+    true = polhode.propagator(own)(start, t=t)
+    off = np.abs(go(start, t=t) - true)
+    assert off[:3].max() < tol * fast
+    assert 1e-3 * tol * fast < off[3:].max() < tol * fast
+    assert np.abs(polhode.propagator(own, tol=tol)(start, t=t) - true)[3:].max() < tol
+
+
 @pytest.mark.parametrize("tol", [1e-3, 1e-6, 1e-9])
 def test_heyoka_decides_how_long_a_step_may_be(tol, monkeypatch):
     """However much longer steps are tried."""
