@@ -57,11 +57,10 @@ def rates(starts: Stack, bound: Bound) -> Doubles:
 
     ``starts``: (n, columns) in principal axes.  The larger it is, the more steps a motion takes.
     """
-    rows, terms = starts.astype(np.float64, copy=False), bound.terms[..., : starts.shape[1]]
+    rows, twice = starts.astype(np.float64, copy=False), np.zeros(len(starts))
     with np.errstate(all="ignore"):
-        squares = rows * rows
-        squares[:, 3:] = rows[:, 3:]
-        twice = squares @ terms if terms.ndim == 1 else (squares * terms).sum(axis=1)
+        for k, x in enumerate(rows.T):  # no product of matrices: some sum the last rows otherwise
+            twice += bound.terms[..., k] * (x * x if k < 3 else x)
         found: Doubles = np.sqrt(twice + bound.rest)
     return found
 
