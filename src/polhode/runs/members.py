@@ -211,20 +211,23 @@ def columns_of(
 
     from polhode.taylor.batches import Columns
 
-    ends = [*[t for t in times if t][:1], times[-1]]  # the least and the largest that are not 0
     made = _Made(members, number)
     for block in blocks(members):
         left = made.fill(block)
         for k in np.flatnonzero(left):
             made.one(block, int(k))
-    for exponent, first in zip(*np.unique(made.exponents, return_index=True), strict=True):
-        own = [t / Fraction(2) ** int(exponent) for t in ends]
-        refuse_out_of_range(members, int(first), number, own)
-    there = [i for i in range(len(NAMES)) if np.any(made.coefficients[:, i] != 0)]
-    there.sort(key=lambda i: NAMES[i])
-    names = tuple(NAMES[i] for i in there)
-    coefficients = made.coefficients[:, there].copy()
-    return names, Columns(coefficients, made.starts), made.exponents, made.rates
+    ends = [*[t for t in times if t][:1], times[-1]]  # the least and the largest that are not 0
+    extremes = [(made.exponents.min(initial=0), made.exponents.max(initial=0))]
+    with np.errstate(all="ignore"):
+        sizes = np.ldexp([[to_double(t)] for t in ends], -np.array(extremes))
+    if _out_of_range(sizes):
+        for exponent, first in zip(*np.unique(made.exponents, return_index=True), strict=True):
+            own = [t / Fraction(2) ** int(exponent) for t in ends]
+            refuse_out_of_range(members, int(first), number, own)
+    present = np.flatnonzero((made.coefficients != 0).any(axis=0)).tolist()
+    present.sort(key=NAMES.__getitem__)
+    columns = Columns(made.coefficients.take(present, axis=1), made.starts)
+    return tuple(NAMES[i] for i in present), columns, made.exponents, made.rates
 
 
 class Fastest:
@@ -279,9 +282,13 @@ class _Made:
                 self.rates[here] = _rates(block, torque, starts)
             except (OverflowError, ZeroDivisionError):  # beyond doubles, here or on the way
                 return np.ones(len(block), dtype=bool)
-            starts[:, :3] = np.ldexp(starts[:, :3], exponents[:, None])
-            coefficients[:, 3:] = np.ldexp(coefficients[:, 3:], 2 * exponents[:, None])
-            left: npt.NDArray[np.bool_] = block.left | unsure | _out_of_range(starts, coefficients)
+            if exponents.any():
+                starts[:, :3] = np.ldexp(starts[:, :3], exponents[:, None])
+                coefficients[:, 3:] = np.ldexp(coefficients[:, 3:], 2 * exponents[:, None])
+            left: npt.NDArray[np.bool_] = block.left | unsure
+            for table in (starts, coefficients):
+                if _out_of_range(table):
+                    left |= [_out_of_range(row) for row in table]
         self.exponents[here] = exponents
         return left
 
@@ -402,24 +409,25 @@ def _note(unsure: Booleans, size: Doubles, lost: Booleans | bool = False) -> Non
     unsure |= (size != 0) & (~((size > _LEAST) & (size < _MOST)) | lost)
 
 
-def _out_of_range(*tables: Flat) -> Booleans | bool:
-    """Members with a number that is not 0 and not between a double's limits, or nearly so."""
+def _out_of_range(numbers: Flat) -> bool:
+    """Whether one of them is not 0 and not between a double's limits, or nearly so."""
     import numpy as np
 
-    found: Booleans | bool = False
-    for table in tables:
-        sizes = np.abs(table)
-        if sizes.max(initial=0) <= _LARGEST and (sizes[sizes < _SMALLEST] == 0).all():
-            continue
-        found |= (((sizes < _SMALLEST) & (sizes != 0)) | ~(sizes <= _LARGEST)).any(axis=1)
-    return found
+    sizes = np.abs(numbers)
+    small = np.count_nonzero(sizes < _SMALLEST)
+    return not sizes.max(initial=0) <= _LARGEST or small > np.count_nonzero(sizes == 0)
 
 
 def _rates(block: Block, torque: Sequence[Numbers], starts: Flat) -> Doubles:
     """Bounds of the members' fastest rates, in the scene's unit of time."""
+    import numpy as np
+
     from polhode.taylor import lanes
 
-    moments, weight = (_rows(block, vector) for vector in (block.moments, torque))
+    moments, weight = (
+        np.stack(np.broadcast_arrays(*map(_doubles, vector)), axis=-1)
+        for vector in (block.moments, torque)
+    )
     largest = moments.max(axis=-1, keepdims=True)
     return lanes.rates(starts, lanes.Bound.of(moments / largest, weight / largest))
 
@@ -449,16 +457,8 @@ def _rate(member: Scene, start: Flat) -> float:
         return float(np.fmin(np.maximum(rate, least), largest)[0])
 
 
-def _rows(block: Block, vector: Sequence[Numbers]) -> Doubles:
-    """A vector of all members, (3,), or a row for each."""
-    import numpy as np
-
-    if all(isinstance(x, Exact) for x in vector):
-        return np.array([to_double(x) for x in vector])
-    return np.stack([_doubles(block, x) for x in vector], axis=1)
-
-
-def _doubles(block: Block, x: Numbers) -> Doubles:
+def _doubles(x: Numbers) -> Doubles:
+    """The doubles next to numbers of all members, or next to one that they have in common."""
     import numpy as np
 
     from polhode.numbers.double_double import Pairs
@@ -466,25 +466,19 @@ def _doubles(block: Block, x: Numbers) -> Doubles:
     if isinstance(x, np.ndarray):
         return x.astype(np.float64, copy=False)
     if isinstance(x, Rationals):
-        return np.broadcast_to(x.doubles(), len(block))
-    if isinstance(x, Pairs):
-        return np.broadcast_to(x.hi, len(block))
-    return np.broadcast_to(to_double(x), len(block))
-
-
-def _square(block: Block, vector: Vector) -> Doubles:
-    x, y, z = (_doubles(block, x) ** 2 for x in vector)
-    return x + y + z
+        return x.doubles()
+    return np.asarray(x.hi if isinstance(x, Pairs) else to_double(x))
 
 
 def _fourth(block: Block) -> Doubles:
     """The fastest rate at the start to the fourth power, as :attr:`Scene.time_unit` means it."""
     import numpy as np
 
-    square = _square(block, block.omega)
-    largest = np.maximum.reduce([_doubles(block, x) for x in block.moments])
-    found: Doubles = np.maximum(square * square, _square(block, block.torque) / (largest * largest))
-    return found
+    vectors = block.omega, block.torque, block.moments
+    (p, q, r), (x, y, z), (a, b, c) = (map(_doubles, vector) for vector in vectors)
+    square, largest = p**2 + q**2 + r**2, np.maximum(np.maximum(a, b), c)
+    fourth = np.maximum(square * square, (x**2 + y**2 + z**2) / (largest * largest))
+    return np.broadcast_to(fourth, len(block))
 
 
 def _exponents(block: Block) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.bool_]]:
