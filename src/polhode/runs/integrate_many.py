@@ -305,8 +305,11 @@ def integrate_many(
         raise BadInput(scene.name, "method", method, "quad or more digits, or the method taylor")
     prepared = time.perf_counter()
     here = executor is None and parts is None
-    size = LANES if plan.number.name == "double" else 1
-    groups = list(plan.groups(size, _most_jobs(plan, here)))
+    size, most = LANES if plan.number.name == "double" else 1, _most_jobs(plan, here)
+    single = most == 1 and plan.number.flat and plan.steps.sure
+    groups = list(plan.groups(size, most, single))
+    if here and most == 1:  # not worth a second thread
+        workers = workers or 1
     kept = None
     if parts is not None:  # writing a scene as text takes longer than a small sweep
         key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from polhode.scenes.members import Block, Vector
-    from polhode.taylor.batches import Columns
+    from polhode.taylor.batches import BatchJob, Columns
 
 
 # --- plan -----------------------------------------------------------------------------------------
@@ -72,12 +72,17 @@ class Plan:
     rates: npt.NDArray[np.float64]
 
     @cached_property
-    def grid(self) -> Flat:
-        """The times as numbers of the type, of one that numpy holds."""
+    def steps(self) -> BatchJob:
+        """The job of all members, of a type that numpy holds."""
         import numpy as np
 
-        times = [number_value(t, self.number) for t in self.times]
-        return np.array(times, dtype=kind_of(self.number))
+        from polhode.taylor import lanes
+        from polhode.taylor.batches import BatchJob
+
+        grid = np.array([number_value(t, self.number) for t in self.times], kind_of(self.number))
+        how = self.names, self.number, self.tolerance, self.max_steps, grid, Fraction(1)
+        job = BatchJob(*how, self.motions, exponents=self.exponents)
+        return job._replace(sure=lanes.surely(job, float(self.rates.max(initial=0.0))))
 
     def bodies(self, members: npt.NDArray[np.int64]) -> list[npt.NDArray[np.int64]]:
         """Of some members which value of each of the body's keys they have: arrays, one a key."""
@@ -85,14 +90,18 @@ class Plan:
         each = zip(self.varied.keys, rows.columns, rows.repeats, strict=True)
         return [members // n % len(x) for key, x, n in each if key.startswith("body.")]
 
-    def groups(self, size: int, most: int) -> Iterator[npt.NDArray[np.int64]]:
-        """The members in groups of one unit of time and about the same rate.
+    def groups(self, size: int, most: int, mixed: bool = False) -> Iterator[npt.NDArray[np.int64]]:
+        """The members in groups of about the same rate, and of one unit of time if not ``mixed``.
 
         Each is a multiple of ``size`` members but the last of a unit; about ``most`` groups.
         """
         import numpy as np
 
         size *= max(1, -(-len(self.rates) // (size * most)))
+        if mixed:
+            order = np.argsort(-self.rates, kind="stable")
+            yield from (order[i : i + size] for i in range(0, len(order), size))
+            return
         order = np.lexsort((-self.rates, self.exponents))
         ends = np.flatnonzero(np.diff(self.exponents[order])) + 1
         for alike in np.split(order, ends):
@@ -415,7 +424,7 @@ def _out_of_range(numbers: Flat) -> bool:
 
     sizes = np.abs(numbers)
     small = np.count_nonzero(sizes < _SMALLEST)
-    return not sizes.max(initial=0) <= _LARGEST or small > np.count_nonzero(sizes == 0)
+    return bool(not sizes.max(initial=0) <= _LARGEST or small > np.count_nonzero(sizes == 0))
 
 
 def _rates(block: Block, torque: Sequence[Numbers], starts: Flat) -> Doubles:
