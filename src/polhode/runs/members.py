@@ -229,7 +229,7 @@ def columns_of(
     extremes = [(made.exponents.min(initial=0), made.exponents.max(initial=0))]
     with np.errstate(all="ignore"):
         sizes = np.ldexp([[to_double(t)] for t in ends], -np.array(extremes))
-    if _out_of_range(sizes):
+    if len(_out_of_range(sizes)):
         for exponent, first in zip(*np.unique(made.exponents, return_index=True), strict=True):
             own = [t / Fraction(2) ** int(exponent) for t in ends]
             refuse_out_of_range(members, int(first), number, own)
@@ -267,7 +267,7 @@ class _Made:
 
         count, kind = len(members), kind_of(number)
         self.members, self.number = members, number
-        self.coefficients: Flat = np.zeros((count, len(NAMES)), kind)
+        self.coefficients: Flat = np.zeros((count, len(NAMES)), kind, order="F")
         self.starts: Flat = np.zeros((count, len(members.scene.columns)), kind)
         self.exponents = np.zeros(count, dtype=np.int64)
         self.rates = np.zeros(count)
@@ -296,8 +296,7 @@ class _Made:
                 coefficients[:, 3:] = np.ldexp(coefficients[:, 3:], 2 * exponents[:, None])
             left: npt.NDArray[np.bool_] = block.left | unsure
             for table in (starts, coefficients):
-                if _out_of_range(table):
-                    left |= [_out_of_range(row) for row in table]
+                left[_out_of_range(table)] = True
         self.exponents[here] = exponents
         return left
 
@@ -418,13 +417,15 @@ def _note(unsure: Booleans, size: Doubles, lost: Booleans | bool = False) -> Non
     unsure |= (size != 0) & (~((size > _LEAST) & (size < _MOST)) | lost)
 
 
-def _out_of_range(numbers: Flat) -> bool:
-    """Whether one of them is not 0 and not between a double's limits, or nearly so."""
+def _out_of_range(table: Flat) -> npt.NDArray[np.int64]:
+    """Rows with a number that is not 0 and not between a double's limits, or nearly so."""
     import numpy as np
 
-    sizes = np.abs(numbers)
-    small = np.count_nonzero(sizes < _SMALLEST)
-    return bool(not sizes.max(initial=0) <= _LARGEST or small > np.count_nonzero(sizes == 0))
+    sizes = np.abs(table)
+    rows: npt.NDArray[np.int64] = np.nonzero(
+        (sizes != 0) & ~((sizes >= _SMALLEST) & (sizes <= _LARGEST))
+    )[0]
+    return rows
 
 
 def _rates(block: Block, torque: Sequence[Numbers], starts: Flat) -> Doubles:

@@ -34,7 +34,7 @@ from polhode.scenes.vocabulary import CENTRE
 
 _BODIES = 1024  # that are remembered
 _LOOKED_AT = 64  # members, for notes
-_NEAR_FLAT = Fraction(1, 1 << 40)
+_NOT_FLAT = 1 - Fraction(1, 1 << 40)
 _MAY_BE_ROUNDED = {"body.moments", "body.inertia", "start.gamma", "start.quaternion"}
 
 _SECTIONS = ("body", "start")
@@ -113,9 +113,12 @@ class Members(LazySequence[Scene]):
 
     def _body_may_be_changed(self, index: int) -> bool:
         """Not where three moments vary and are far from those of a flat body."""
-        each = zip(self.varied.keys, self.varied.rows[index], strict=True)
-        moments = [x for key, x in each if key.startswith("body.moments")]
-        return len(moments) < 3 or 2 * max(moments) > sum(moments) * (1 - _NEAR_FLAT)
+        rows, moments = self.varied.rows, []
+        for key, column, repeat in zip(self.varied.keys, rows.columns, rows.repeats, strict=True):
+            if key.startswith("body.moments"):
+                given = column if column.floats is None else column.floats
+                moments.append(given[index // repeat % len(column)])
+        return len(moments) < 3 or bool(2 > sum(x / max(moments) for x in moments) * _NOT_FLAT)
 
     def speak(self) -> None:
         """Say the members' own notes on stderr, as :meth:`Scene.speak` does a scene's."""
