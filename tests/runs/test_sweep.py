@@ -20,7 +20,7 @@ import polhode
 from polhode.equations import integrals
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.runs import members as sweep_plan
-from polhode.runs.members import Fastest
+from polhode.runs.members import fastest
 from polhode.scenes import scene_file, vary
 from shared.examples import examples
 from shared.motions import free_file, heavy, heavy_file
@@ -193,7 +193,7 @@ def test_numbers_of_any_size_begin_where_they_should(scene, given):
     """Beyond doubles on the way: 0/0 was computed of members that are left to their scenes."""
     many = polhode.integrate_many(scene, given, at=[0])
     rates = [member.log10_rate for member in many.members]
-    assert Fastest(many.members).scene.log10_rate == max(rates)
+    assert fastest(many.members).log10_rate == max(rates)
     for states, member in zip(many.states, many.members, strict=True):
         start = np.array([[float(x) for x in member.start]])
         for part in (slice(0, 3), slice(3, 6)):

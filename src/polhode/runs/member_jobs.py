@@ -8,6 +8,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+import numpy.typing as npt
+
 from polhode.common.checkpoint import Arrays
 from polhode.common.interrupts import Stop
 from polhode.equations.readout import Readout
@@ -23,9 +26,6 @@ from polhode.runs.solve import solve
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
     from polhode.taylor.batches import BatchJob, Solved
 
 
@@ -36,8 +36,6 @@ if TYPE_CHECKING:
 
 def no_states(number: NumberType, shape: tuple[int, ...]) -> Stack:
     """States of this shape, none of them a number."""
-    import numpy as np
-
     if number.flat:
         return flat(np.full(shape, np.nan, kind_of(number)))
     from polhode.numbers.mpmath_context import mpmath, ordinary
@@ -69,8 +67,6 @@ def put_together(
 
 def packed(found: Solved, number: NumberType) -> Mapping[str, npt.ArrayLike]:
     """A job's result as arrays that need no pickle; states above extended as decimals."""
-    import numpy as np
-
     states: npt.NDArray[np.generic] = found.states
     if not number.flat:
         text = [
@@ -89,8 +85,6 @@ def packed(found: Solved, number: NumberType) -> Mapping[str, npt.ArrayLike]:
 
 def unpacked(held: Arrays, number: NumberType) -> Solved:
     """The same back."""
-    import numpy as np
-
     from polhode.taylor.batches import Solved
 
     told = json.loads(str(held["errors"]))
@@ -104,8 +98,6 @@ def unpacked(held: Arrays, number: NumberType) -> Solved:
 
 
 def _numbers(texts: npt.NDArray[np.generic], number: NumberType) -> Stack:
-    import numpy as np
-
     found = no_states(number, texts.shape)
     for index in np.argwhere(texts != "nan"):
         found[tuple(index)] = number_value(Fraction(str(texts[tuple(index)])), number)
@@ -134,8 +126,6 @@ class Reader:
 
         ``rows``: (members, times, columns) inside the members' frames.
         """
-        import numpy as np
-
         states = flat(rows)
         for alike, one in self.bodies:  # one readout reads all of them
             frame = Frame(one.body.axes, int(self.exponents[alike[0]]))
@@ -150,8 +140,6 @@ class Reader:
 
 def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
     """What reads the rows of some members of a sweep."""
-    import numpy as np
-
     exponents, base, stay = plan.exponents[members], plan.members.scene, plan.members.axes_stay
     if stay and base.body.axes.trivial:  # a reading knows the axes alone
         return Reader(plan.number, exponents, ())
@@ -183,8 +171,6 @@ class FlatJob(NamedTuple):
 
 def flat_job(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
     """The job of some members, which have a unit of time in common or are sure to arrive."""
-    import numpy as np
-
     from polhode.taylor import lanes
 
     job = plan.steps.some(group)
