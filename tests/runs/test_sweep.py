@@ -285,6 +285,29 @@ def test_order_and_number_of_members_change_no_bit(spins, workers):
     assert [row[0] for row in many.varied.rows] == spins
 
 
+@pytest.mark.parametrize("number", ["double", "extended"])
+@pytest.mark.parametrize("times", [["-1/3"], [0, "1/5", "1/3"]])
+@pytest.mark.parametrize(
+    "inertia", [[3, 2, 1], [["66/25", "-12/25", 0], ["-12/25", "59/25", 0], [0, 0, 4]]]
+)
+def test_members_of_several_units_of_time_side_by_side_are_each_what_they_are_alone(
+    number, times, inertia
+):
+    """A small sweep is one job: in its batches each lane goes to a time in its own unit."""
+    body = {"moments": inertia} if inertia == [3, 2, 1] else {"inertia": inertia}
+    start = {"omega": ["1/16", "1/32", 1], "gamma": [0, "3/5", "4/5"], "end": 1}
+    scene = polhode.top(**body, centre=["1/9", 0, "1/7"], weight="1/64", **start)
+    spins = [Fraction(5, 4) ** k for k in range(-9, 10)]
+    many, *alone = (
+        polhode.integrate_many(scene, {"start.omega[3]": some}, number=number, at=times)
+        for some in (spins, *([spin] for spin in spins))
+    )
+    assert len({member.time_unit for member in many.members}) > 3
+    assert np.array_equal(many.states, np.concatenate([each.states for each in alone]))
+    assert many.steps == sum((each.steps for each in alone), ())
+    assert set(many.reached) == {many.times[-1]}
+
+
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("end", ["600", "-600"])
 def test_long_sweeps_of_slow_and_fast_members_in_any_order(end):
