@@ -66,9 +66,15 @@ def rates(starts: Stack, bound: Bound) -> Doubles:
 
 
 def surely(job: BatchJob, fastest: float) -> bool:
-    """Whether motions no faster than this arrive in so few steps that nobody need look."""
+    """Whether motions no faster than this arrive in so few steps that nobody need look.
+
+    ``fastest``: in the unit of the job's times.
+    """
     end = abs(float(job.times[-1]))
     few = STEPS * end * fastest < min(_SURE, job.max_steps)  # not, if a start is so large
+    if job.exponents is not None:
+        with np.errstate(over="ignore"):
+            end = float(np.ldexp(end, -job.exponents.min(initial=0)))
     return 0 < end <= batch_integrator.longest(job.number) and few
 
 
