@@ -274,6 +274,17 @@ def test_a_number_that_no_motion_has_is_judged_without_warnings(size):
         judgement = polhode.compare(table, "lagrange/nutation", details=True)
         assert "0.00 correct digits at worst (t = 3)" in str(judgement)
     of_p, of_q, *_ = judgement.residuals
-    assert of_p.rms == pytest.approx(size * 5**0.5 / 6, rel=1e-15)
+    assert of_p.rms == pytest.approx(size * (5**0.5 / 6), rel=1e-15)
     assert of_p.bias == pytest.approx(size / 6, rel=1e-15)
     assert 0 < of_q.rms < 1e-16
+
+
+@pytest.mark.parametrize("size", [1e17, 1e30])
+def test_a_wrong_number_is_not_explained_by_rounded_times(size):
+    """By a motion of that speed, times rounded to doubles would have moved it by as much."""
+    table = tables.right("lagrange/nutation", range(6))
+    table["p"][3] = size
+    judgement = polhode.compare(table, "lagrange/nutation")
+    assert judgement.worst == 0
+    assert judgement.limit == ""
+    assert "rounding" not in judgement.verdict
