@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import time
+import warnings
 from dataclasses import replace
 from decimal import Decimal
 
@@ -17,6 +18,7 @@ import pytest
 import polhode
 from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes import scene_file
+from shared import tables
 from shared.motions import free_file
 
 SECONDS = 2.0  # of processor time, for a refusal that once took minutes
@@ -260,3 +262,29 @@ def test_a_drift_beyond_doubles_is_said_in_words(tmp_path):
     file = tmp_path / "huge.csv"
     file.write_text("t,p,q,r,gamma1,gamma2,gamma3\n1,1e400,0,0,0,0,1\n")
     assert "drift h over 1.8e+308" in polhode.compare(file, FREE).details()
+
+
+@pytest.mark.parametrize("size", [1.7e308, 1e160])
+def test_a_number_that_no_motion_has_is_judged_without_warnings(size):
+    """Overflow was warned of, an error to many test suites, and what is left called infinite."""
+    table = tables.right("lagrange/nutation", range(6))
+    table["p"][3] = size
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        judgement = polhode.compare(table, "lagrange/nutation", details=True)
+        assert "0.00 correct digits at worst (t = 3)" in str(judgement)
+    of_p, of_q, *_ = judgement.residuals
+    assert of_p.rms == pytest.approx(size * (5**0.5 / 6), rel=1e-15)
+    assert of_p.bias == pytest.approx(size / 6, rel=1e-15)
+    assert 0 < of_q.rms < 1e-16
+
+
+@pytest.mark.parametrize("size", [1e17, 1e30])
+def test_a_wrong_number_is_not_explained_by_rounded_times(size):
+    """By a motion of that speed, times rounded to doubles would have moved it by as much."""
+    table = tables.right("lagrange/nutation", range(6))
+    table["p"][3] = size
+    judgement = polhode.compare(table, "lagrange/nutation")
+    assert judgement.worst == 0
+    assert judgement.limit == ""
+    assert "rounding" not in judgement.verdict

@@ -25,8 +25,9 @@ from polhode.judging.score import SHOWN, RowDigits, Score
 from polhode.judging.tables.table import Table
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.decimals import brief
+from polhode.numbers.double_double import Pairs
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import DIGITS_HELD, Doubles
+from polhode.numbers.number_types import Doubles
 from polhode.scenes.body import Body
 from polhode.taylor import heyoka
 
@@ -350,25 +351,24 @@ def time_rounding(score: Score, expected: Expectation) -> float | None:
     A row holds at a time that the table has rounded, such as a clock's late ones:
     :mod:`polhode.judging.tables.csv_file`.
     """
-    table, scene, digits = score.subject, score.reference.scene, score.digits
-    if not table.time_errors:
+    table, scene, comparison = score.subject, score.reference.scene, score.comparison
+    if not table.time_errors or comparison is None:
         return None
-    chosen = sorted({*few(len(score.times), FOLLOWED), score.lowest_row})
-    rows = table.some(chosen).rows(scene.columns) or [[None]] * len(chosen)
-    states = {k: row for k, row in zip(chosen, rows, strict=True) if None not in row}
-    if not states:
-        (row,) = score.reference.at([score.times[score.lowest_row]], DIGITS_HELD["double"])
-        states = {score.lowest_row: [*row]}
-    numbers = doubles([*states.values()])
-    with np.errstate(over="ignore", invalid="ignore"):  # of numbers that are no motion's
+    judged = range(len(score.times)) if score.selected is None else score.selected.rows
+    places = sorted({*few(len(judged), FOLLOWED), judged.index(score.lowest_row)})
+    true = comparison.first_answer("at")  # for by a wrong number the motion could be of any speed
+    rows = true.hi[places] if isinstance(true, Pairs) else [true[k] for k in places]
+    numbers, chosen = doubles(rows), [judged[k] for k in places]
+    with np.errstate(over="ignore", invalid="ignore"):  # of units in which doubles end
         speed = float(np.max(np.linalg.norm(numbers[:, :3], axis=1))) or 1.0
         rates = np.abs(field(scene)(0.0, numbers.T))
         omega, gamma = np.max(rates[:3], axis=0), np.max(rates[3:], axis=0, initial=0.0)
-        off = np.array([table.time_errors[k] for k in states])
+        off = np.array([table.time_errors[k] for k in chosen])
         moved = off * np.maximum(omega / speed, gamma)
     fewer = selected(len(score.times))
-    least = [table.held if (e := expected.bands[k]) is None else e.least - fewer for k in states]
-    errors = _errors_of([table.held if (d := digits[k]) is None else d for k in states])
+    least = [table.held if (e := expected.bands[k]) is None else e.least - fewer for k in chosen]
+    digits = [table.held if (d := score.digits[k]) is None else d for k in chosen]
+    errors = _errors_of(digits)
     right = bool(np.all(errors <= _MORE * (moved + _errors_of(least))))
     worst = int(np.argmax(errors))
     return float(np.max(off)) if right and errors[worst] <= _MOST * moved[worst] else None

@@ -81,9 +81,12 @@ def rotations(own: Given | Pairs, true: Given | Pairs) -> Doubles:
 
 def residuals(names: Sequence[str], rows: Doubles) -> tuple[Residual, ...]:
     """Of each column, of whole rows in the order of time."""
-    count = max(1, len(rows))
-    spread = np.std(rows, axis=0) if len(rows) else np.zeros(len(names))
-    means = np.mean(rows, axis=0) if len(rows) else spread
+    if not len(rows):
+        return tuple(Residual(name, 0.0, 0.0, 0.0) for name in names)
+    count = len(rows)
+    # powers of two, so that no square is beyond doubles: of numbers that are no motion's
+    sizes = np.ldexp(1.0, np.frexp(np.max(np.abs(rows), axis=0))[1] - 1)
+    spread, means = (sizes * f(rows / sizes, axis=0) for f in (np.std, np.mean))
     pairs = zip(names, spread.tolist(), means.tolist(), strict=True)
     return tuple(Residual(name, rms, bias, rms / math.sqrt(count)) for name, rms, bias in pairs)
 
@@ -202,7 +205,8 @@ class ResidualRows(NamedTuple):
             true = score.comparison.first_answer("at")
             rate = 10.0 ** log10_rate(true, score.reference.scene)
         sizes = [rate if n in STATE[:3] else _RADIAN if n in ROTATION else 1.0 for n in self.names]
-        level = np.sqrt(np.mean(self.rows**2, axis=0)) / sizes
+        with np.errstate(over="ignore"):  # of numbers that are no motion's
+            level = np.sqrt(np.mean(self.rows**2, axis=0)) / sizes
         if not (np.all(level < _NOISY) and are_white(self.rows)):
             return None
         return BIASED if any(abs(x.bias) > _BIASED * x.rms for x in self.residuals) else WHITE

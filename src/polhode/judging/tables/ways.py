@@ -168,6 +168,7 @@ def clock_remark(subject: Table, scene: Scene) -> tuple[str, ...]:
 
 LEAST_ROWS = 3  # fewer do not tell other axes from a wrong number
 _TELLABLE = 15.0  # digits
+_HUGE = 1e300  # a size that no motion's number has, and that stays a double in any unit
 _DEGREE = math.pi / 180
 #: Units of angles by the degrees in them; 0 for radians.
 _UNITS = ((0, ""), (1, "degrees"), (6, "rpm"), (360, "revolutions"))
@@ -213,6 +214,7 @@ class Way(NamedTuple):
 
 def ways(part: str, values: Doubles, right: Right) -> Iterator[Way]:
     """Conventions of a part and the digits that each gives; as it stands first."""
+    values = np.clip(values, -_HUGE, _HUGE)
     if part == "omega":
         yield from _of_omega(values, right)
     elif part == "gamma":
