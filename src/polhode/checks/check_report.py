@@ -101,8 +101,8 @@ class Report:
     @property
     def proposal(self) -> dict[str, tuple[float, float]]:
         """Bands by number type, of the runs that have digits left."""
-        found = {line.number: line.proposal for line in self.lines}
-        return {number: band for number, band in found.items() if band is not None}
+        bands = {line.number: line.proposal for line in self.lines}
+        return {number: band for number, band in bands.items() if band is not None}
 
     @property
     def passed(self) -> bool | None:
@@ -110,8 +110,8 @@ class Report:
         every = [*(x.passed for x in self.lines), *(x.passed for x in self.figures)]
         if self.textbook is not None and self.textbook < WANTED:
             every.append(False)  # two closed forms that agree are no check of a run
-        found = [passed for passed in every if passed is not None]
-        return all(found) if found else None
+        verdicts = [passed for passed in every if passed is not None]
+        return all(verdicts) if verdicts else None
 
 
 def check(
@@ -148,21 +148,21 @@ def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True)
     ``details``: as of :func:`check`.
     """
     reference = reference_of(scene)
-    wanted = [*(numbers or scene.expect)]
-    widest = sorted(wanted, key=number_types.NAMES.index, reverse=True)
-    known: Conditioning | None = None
+    types = [*(numbers or scene.expect)]
+    widest = sorted(types, key=number_types.NAMES.index, reverse=True)
+    conditions: Conditioning | None = None
     if widest and details:
-        known = conditioning(scene, number=number_types.named(widest[0]))
+        conditions = conditioning(scene, number=number_types.named(widest[0]))
     lines: dict[str, Line] = {}
     earlier: Score | None = None  # whose rows of the reference judge the narrower types, too
     for number in widest:
-        lines[number], latest = _report_line(scene, reference, number, known, earlier, details)
+        lines[number], latest = _report_line(scene, reference, number, conditions, earlier, details)
         earlier = earlier or latest
     return Report(
         scene,
         reference.regime,
         reference.kind,
-        tuple(lines[number] for number in wanted),
+        tuple(lines[number] for number in types),
         tuple(figures(scene, reference)),
         textbook_digits(reference),
     )
@@ -172,11 +172,11 @@ def _report_line(
     scene: Scene,
     reference: AnyReference,
     number: str,
-    known: Conditioning | None,
+    conditions: Conditioning | None,
     earlier: Score | None,
     details: bool,
 ) -> tuple[Line, Score | None]:
-    """``known``: the scene's conditioning; ``earlier``: the score in a wider type.
+    """``conditions``: the scene's conditioning; ``earlier``: the score in a wider type.
 
     All that will be told is made here: the judgement does not go to another process, which would
     have to compute the reference again.
@@ -195,7 +195,7 @@ def _report_line(
     limit = plain_limit_of(own, own.digits)
     is_limit_told = details or not line.passed
     if own.state_worst < LAST or (is_limit_told and limit is None):
-        expected = expectation(own, known)
+        expected = expectation(own, conditions)
         line = replace(line, lost=lost_digits(own.digits, expected))
         limit = limit or state_limit(own, expected)
     return replace(line, limit=limit or "") if is_limit_told else line, own
@@ -325,10 +325,10 @@ class CheckReport(Result, ByValue):
                 else _lines(report, self.proposing)
             )
         ]
-        for found in self.forms:
-            digits = "" if found.digits is None else f"{found.digits:.1f} digits, "
-            mark = _MARKS[found.passed]
-            lines.append(f"{mark} {found.scene} in the form {found.form}: {digits}{found.note}")
+        for form in self.forms:
+            digits = "" if form.digits is None else f"{form.digits:.1f} digits, "
+            mark = _MARKS[form.passed]
+            lines.append(f"{mark} {form.scene} in the form {form.form}: {digits}{form.note}")
         return "\n".join([*lines, self._verdict])
 
     def table(self) -> Table:
@@ -421,8 +421,8 @@ def check_cases(
             for report in check(patterns, numbers, tick, shared, details or propose):
                 reports.append(report)
         if forms or not (scenes or number):
-            for found in cross_checks(tick):
-                crossed.append(found)
+            for row in cross_checks(tick):
+                crossed.append(row)
     except KeyboardInterrupt:
         return CheckReport(reports, crossed, propose, interrupted=True)
     return CheckReport(reports, crossed, propose)

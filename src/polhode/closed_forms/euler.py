@@ -305,10 +305,10 @@ class Polhode(Motion):
         """gamma."""
         z1, z2, z3 = direction
         across = self._across * self._turned(at, t)
-        one, other, along = across.real, across.imag, self._along
+        real, imaginary, along = across.real, across.imag, self._along
         square = z1 * z1 + z2 * z2
-        same, turned = along + one * z3 / square, other / square
-        return z1 * same + z2 * turned, z2 * same - z1 * turned, along * z3 - one
+        same, crossed = along + real * z3 / square, imaginary / square
+        return z1 * same + z2 * crossed, z2 * same - z1 * crossed, along * z3 - real
 
     def _attitude(self, at: Place, t: arb) -> Turn:
         """The quaternion body -> space in axes of space of which the third is along G."""

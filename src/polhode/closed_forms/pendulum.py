@@ -146,8 +146,8 @@ def place(scene: PrincipalScene) -> PendulumPlacement | None:
     if is_zero(torque) or gamma is None:
         return None
     n = axis_of(torque, omega, gamma)
-    turned = momentum(moments, n)
-    if not (is_zero(cross(n, turned)) and sign(dot(n, gamma)) == 0 and sign(dot(n, torque)) == 0):
+    spin = momentum(moments, n)
+    if not (is_zero(cross(n, spin)) and sign(dot(n, gamma)) == 0 and sign(dot(n, torque)) == 0):
         return None
     return PendulumPlacement(
         regime=regime(moments, torque, omega, gamma),
@@ -219,9 +219,9 @@ class Swing(Motion):
         if n % 2:
             c, s = -c, -s
         cos, sin = self._begin
-        turned = s * cos - c * sin
+        sine = s * cos - c * sin
         x, y, z = self._axis
-        return c * cos + s * sin, turned * x, turned * y, turned * z
+        return c * cos + s * sin, sine * x, sine * y, sine * z
 
     def rates(self) -> Mapping[str, arb]:
         """ "libration" or "rotation"."""

@@ -236,17 +236,17 @@ class Family:
                 outer = [End(POLE, arb(rational(a))) for a in {a for a, t in pairs if t != 0}]
             else:
                 outer = [End(START, arb(rational(self.start)).sqrt())]
-            found = []
+            ends = []
             b, d = self._spectrum
             for root in real_roots(d):
                 # balls that overlap are one root: each holds no other one, and d(A_i) = 0
                 leaves = self.axis is None and any(
                     root.ball.overlaps(arb(rational(a))) for a in free
                 )
-                found.append(End(BRANCH if leaves else CUSP, root.ball))
+                ends.append(End(BRANCH if leaves else CUSP, root.ball))
             gap = real_roots(b * b - 4 * d)
-            found += [End(HOPF, root.ball) for root in gap if root.multiplicity % 2]
-            inside = [end for end in found if self.holds(end.x, outer)]
+            ends += [End(HOPF, root.ball) for root in gap if root.multiplicity % 2]
+            inside = [end for end in ends if self.holds(end.x, outer)]
         return tuple(sorted([*outer, *inside], key=lambda end: middle(end.x)))
 
     @cached_property
@@ -323,8 +323,8 @@ class Family:
                 for end in piece[:2]
             ]
             at = [*closed[0], *map(self._x, parameters), *closed[1]]
-            found = [self.at(x) for x in at]
-            rows = [(float(point.f), float(point.h)) for point in found]
+            points = [self.at(x) for x in at]
+            rows = [(float(point.f), float(point.h)) for point in points]
         return np.array([row for row in rows if all(map(np.isfinite, row))]).reshape(-1, 2)
 
     def _x(self, parameter: float) -> arb:
@@ -339,15 +339,15 @@ class Family:
 
     @cached_property
     def _square(self) -> Polynomial:
-        found: Polynomial = dot(self.g, self.g)
-        return found
+        square: Polynomial = dot(self.g, self.g)
+        return square
 
     @cached_property
     def _inertia(self) -> Polynomial:
-        found: Polynomial = dot(
+        inertia: Polynomial = dot(
             self.g, [rational(a) * y for a, y in zip(self.body.moments, self.g, strict=True)]
         )
-        return found
+        return inertia
 
     @cached_property
     def _spectrum(self) -> tuple[Polynomial, Polynomial]:
@@ -357,7 +357,7 @@ class Family:
 
 def families(body: RationalBody) -> tuple[Family, ...]:
     """The first family, unless there is no torque, then the second ones."""
-    found, seen = [], []
+    result, moments_seen = [], []
     pairs = [*zip(body.moments, body.torque, strict=True)]
     poles = sorted({a for a, t in pairs if t != 0})
     if poles:
@@ -365,19 +365,19 @@ def families(body: RationalBody) -> tuple[Family, ...]:
         for a in poles:
             k *= rational(a) - _X
         g = tuple((k // (rational(a) - _X)) * rational(t) if t != 0 else 0 * _X for a, t in pairs)
-        found.append(Family(body, None, g, k, _X))
+        result.append(Family(body, None, g, k, _X))
     for i, (a, t) in enumerate(pairs):
         others = [pair for j, pair in enumerate(pairs) if j != i]
-        if t == 0 and a not in seen and all(x == 0 or b != a for b, x in others):
+        if t == 0 and a not in moments_seen and all(x == 0 or b != a for b, x in others):
             tilts = [x / (b - a) if x != 0 else Fraction(0) for b, x in pairs]
             start = sum((x * x for x in tilts), Fraction(0))
             g = tuple(
                 _X * _X - rational(start) if j == i else 2 * _X * rational(x)
                 for j, x in enumerate(tilts)
             )
-            found.append(Family(body, i, g, 2 * _X, fmpq_poly([rational(a)]), start))
-            seen.append(a)
-    return tuple(found)
+            result.append(Family(body, i, g, 2 * _X, fmpq_poly([rational(a)]), start))
+            moments_seen.append(a)
+    return tuple(result)
 
 
 def between(first: End | None, last: End | None) -> Fraction:
@@ -405,5 +405,5 @@ def _samples(first: arb | None, last: arb | None, axis: int | None, pace: float)
         assert first is not None
         low = float(first)
         at = low + (low or pace) * np.exp(rising if axis is None else rising / 2)
-    found: list[float] = at.tolist()
-    return found
+    samples: list[float] = at.tolist()
+    return samples

@@ -95,13 +95,13 @@ class Turned:
         return UP * (self.radius + grown * miss) + TINY
 
 
-def turns(known: Bounds, steps: Sequence[Step], solution: Solution) -> Turns:
+def turns(bounds: Bounds, steps: Sequence[Step], solution: Solution) -> Turns:
     """The turns of a window whose steps have been accepted, with their errors.
 
     v is found by Newton's corrections, until they make the defect no smaller.
     """
-    noise, old = known.problem.noise, known.pieces
-    state = improved(old, known.correction, noise, max(known.problem.fine, old.level))
+    noise, old = bounds.problem.noise, bounds.pieces
+    state = improved(old, bounds.correction, noise, max(bounds.problem.fine, old.level))
     parts = tuple((level, part[:, :3]) for level, part in state.parts)
     w = replace(state, parts=parts, near=state.near[:, :, :3])
     a = np.zeros((*w.near.shape[:2], 4, 4))
@@ -151,11 +151,11 @@ def defects(w: Pieces, v: Pieces, noise: int) -> tuple[Any, Any, Any]:
         length = fmpz(w.times[n + 1] - w.times[n])
         x, y = turning[4 * n : 4 * n + 4], rates[3 * n : 3 * n + 3]
         for i, row in enumerate(PRODUCT):
-            turned = sum((x[a] * y[b] * sign for sign, a, b in row), fmpz(0))
-            numbers.append((packs.slope(x[i]) << shift) - turned * length)
+            integrand = sum((x[a] * y[b] * sign for sign, a, b in row), fmpz(0))
+            numbers.append((packs.slope(x[i]) << shift) - integrand * length)
     power = np.full(len(turning), noise - v.level - shift)
-    found = packing(2 * used - 1, words).doubles(numbers, power)
-    values = found.reshape(w.count, 4, -1).transpose(0, 2, 1)
+    coefficients = packing(2 * used - 1, words).doubles(numbers, power)
+    values = coefficients.reshape(w.count, 4, -1).transpose(0, 2, 1)
     near = packs.doubles(turning, np.full(len(turning), -v.level))
     sizes = np.sum(np.abs(values), axis=2)  # |.|_2 <= |.|_1
     weights = 1.0 / np.arange(1, values.shape[1] + 1)

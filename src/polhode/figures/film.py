@@ -165,8 +165,8 @@ class _Frames:
 
         pieces, colours, depths = [], [], []
         for body in self.bodies:
-            seen, depth, colour = self._seen(body, quaternion)
-            pieces += [*self.globe.onto_page(seen)]
+            corners, depth, colour = self._seen(body, quaternion)
+            pieces += [*self.globe.onto_page(corners)]
             depths += [*depth]
             colours += [*colour]
         ends = np.linspace(0, 1, _ARM + 1)[:, None] * tip
@@ -193,10 +193,10 @@ class _Frames:
         corners = np.moveaxis(np.array(turned(quaternion, np.moveaxis(body.corners, -1, 0))), 0, -1)
         normals = np.array(turned(quaternion, body.normals.T)).T
         facing = normals @ globe.towards
-        kept = facing > 0
-        sides = np.column_stack([globe.onto_page(normals[kept]), facing[kept]])
+        facing_viewer = facing > 0
+        sides = np.column_stack([globe.onto_page(normals[facing_viewer]), facing[facing_viewer]])
         light = 1.12 * (0.42 + 0.5 * np.maximum(0, sides @ _LIGHT))
-        pale = 0.55 * body.tones[kept, None]
+        pale = 0.55 * body.tones[facing_viewer, None]
         colour = (1 - pale) * np.array(to_rgb(BODY)) + pale * _PALE
-        depth = corners[kept].mean(axis=1) @ globe.towards
-        return corners[kept], depth, np.clip(colour * light[:, None], 0, 1)
+        depth = corners[facing_viewer].mean(axis=1) @ globe.towards
+        return corners[facing_viewer], depth, np.clip(colour * light[:, None], 0, 1)

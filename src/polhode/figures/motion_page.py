@@ -62,7 +62,7 @@ def page(shown: Motion, title: str, regime: str, words: str, origin: str, comman
     point, _ = apex(scene)
     data = _data(shown, words)
     scripts = "".join((_PARTS / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
-    what = "its solids" if scene.body.parts else "its ellipsoid of inertia"
+    shape = "its solids" if scene.body.parts else "its ellipsoid of inertia"
     return _filled(
         (_PARTS / "motion.html").read_text(encoding="utf-8"),
         title=escape(printable(title)),
@@ -71,7 +71,7 @@ def page(shown: Motion, title: str, regime: str, words: str, origin: str, comman
         css=(_PARTS / "motion.css").read_text(encoding="utf-8"),
         body_alt=escape(f"the body and the path of its {point} in space, in motion"),
         body_caption=(
-            f"{_swatch(BLUE)} the body, drawn as {what}, about the fixed point; "
+            f"{_swatch(BLUE)} the body, drawn as {shape}, about the fixed point; "
             f"{_swatch(ORANGE)} the path of its {point}, on a sphere; the arrow points upward"
         ),
         rolling_alt="the curves of omega in the body and in space, rolling on each other",

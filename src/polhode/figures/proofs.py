@@ -91,12 +91,12 @@ def draw_crossings(axes: Axes, points: Crossings) -> None:
 
 def _sets(axes: Axes, proof: ProvedChaos) -> None:
     home, first = proof.guess.sets[:2]
-    for name, what in (("N0", home), ("M1", first)):
-        low, high = what.middle - what.width, what.middle + what.width
+    for name, rectangle in (("N0", home), ("M1", first)):
+        low, high = rectangle.middle - rectangle.width, rectangle.middle + rectangle.width
         x = np.array([low, high, high, low, low]) / home.width
-        y = np.array([-1, -1, 1, 1, -1]) * what.height / home.height
+        y = np.array([-1, -1, 1, 1, -1]) * rectangle.height / home.height
         axes.plot(x, y, color=SETS, lw=1.2, gid=name)
-        axes.text(what.middle / home.width, 1.06 * y.max(), name, ha="center", size=9)
+        axes.text(rectangle.middle / home.width, 1.06 * y.max(), name, ha="center", size=9)
     into, out = canvas.series(2)
     x, y = _outline(proof.images[0])
     axes.fill(x / home.width, y / home.height, color=out, alpha=0.35, lw=0, label="image of N0")

@@ -81,8 +81,8 @@ def shown_times(scene: Scene, end: Exact | None, samples: int | None = None) -> 
         places = 1 - math.floor(exact.log10(reach))
         last = Fraction(round(reach, places)) * sign(last)  # two significant digits
         angle = WINDOW
-    wanted = SAMPLES * math.ceil(angle / WINDOW)
-    return even_times(last, min(MOST_SAMPLES, max(SAMPLES, wanted)))
+    count = SAMPLES * math.ceil(angle / WINDOW)
+    return even_times(last, min(MOST_SAMPLES, max(SAMPLES, count)))
 
 
 def radians_apart(scene: Scene, times: Sequence[Exact]) -> float:

@@ -124,12 +124,12 @@ class Line(NamedTuple):
         rows = zip(self.judgement.times, self.digits, strict=True)
         return next((float(t) for t, d in rows if d is not None and d < digits), None)
 
-    def mark(self, wanted: int | None) -> str:
+    def mark(self, goal: int | None) -> str:
         """Good: as many digits as are wanted, or half of those held; fair: one or more; or bad."""
         if self.judgement is None or self.fewest is None:
             return UNKNOWN
         subject = self.judgement.subject
-        enough = min(subject.held, subject.number.most_digits) / 2 if wanted is None else wanted
+        enough = min(subject.held, subject.number.most_digits) / 2 if goal is None else goal
         return GOOD if self.fewest >= enough else FAIR if self.fewest >= 1 else BAD
 
 
@@ -177,8 +177,8 @@ class Section:
         which nearby ones separate exponentially.
         """
         if line.run is None:
-            held = 0.0 if line.judgement is None else line.judgement.subject.held
-            return line.below(held / 2), line.below(1.0)
+            most = 0.0 if line.judgement is None else line.judgement.subject.held
+            return line.below(most / 2), line.below(1.0)
         expected, end = line.run.expected, to_double(self.scene.end)
         rate = self.motion.exponent / math.log(10)
         separates = self.motion.verdict in ("chaotic", "unstable") and rate > 0
@@ -192,16 +192,16 @@ class Section:
         return beyond(expected.halved_after, half), beyond(expected.lost_after, 0.0)
 
 
-def section(scene: Scene, files: Sequence[Line], asked: Asked, say: Message) -> Section:
+def section(scene: Scene, files: Sequence[Line], request: Asked, say: Message) -> Section:
     """Measure a scene's runs in every number type, their cost, and the motion itself."""
     times = len(scene.times)
     if times > MOST_TIMES:
         scene = scene.at([scene.times[k] for k in few(times, MOST_TIMES)])
     lines, faults = [], []
-    for name, options in _kinds(asked):
+    for name, options in _kinds(request):
         say(f"{scene.name}: {name}")
         try:
-            lines.append(_judged(name, integrate(scene, **options), asked, options))
+            lines.append(_judged(name, integrate(scene, **options), request, options))
         except BadInput as fault:
             faults.append(fault)
             lines.append(Line(name, None, str(fault)))
@@ -211,22 +211,22 @@ def section(scene: Scene, files: Sequence[Line], asked: Asked, say: Message) -> 
     motion, growth = lyapunov(scene, max_steps=MOTION_STEPS), conditioning(scene, [scene.end])
     unprojected = None
     with suppress(BadInput):
-        unprojected = _run(scene, {"number": asked.number or "double", "project": False})
+        unprojected = _run(scene, {"number": request.number or "double", "project": False})
     say(f"{scene.name}: speed against error")
     until = min((x.until for x in lines if x.until is not None), key=abs, default=scene.end)
-    work = _work(scene, until, asked) if any(x.judgement for x in lines) else []
+    work = _work(scene, until, request) if any(x.judgement for x in lines) else []
     orders, about = _orders(files), (describe(scene), reference(scene))
-    parts = *about, lines, files, orders, motion, growth, work, unprojected, asked.digits
+    parts = *about, lines, files, orders, motion, growth, work, unprojected, request.digits
     return Section(scene, times, *parts)
 
 
-def _kinds(asked: Asked) -> list[tuple[str, dict[str, Any]]]:
+def _kinds(request: Asked) -> list[tuple[str, dict[str, Any]]]:
     """The runs that are made of each scene: a name, and the options of integrate."""
-    if asked.number is not None:
-        return [(asked.number, {"number": asked.number, "digits": asked.digits})]
+    if request.number is not None:
+        return [(request.number, {"number": request.number, "digits": request.digits})]
     kinds: list[tuple[str, dict[str, Any]]] = [(x, {"number": x}) for x in NUMBERS]
-    if asked.digits is not None:
-        kinds.append((f"{asked.digits} digits", {"digits": asked.digits}))
+    if request.digits is not None:
+        kinds.append((f"{request.digits} digits", {"digits": request.digits}))
     return kinds
 
 
@@ -238,19 +238,19 @@ def _run(scene: Scene, options: Mapping[str, Any]) -> Trajectory:
     return run
 
 
-def _judged(name: str, run: Trajectory, asked: Asked, options: Mapping[str, Any]) -> Line:
+def _judged(name: str, run: Trajectory, request: Asked, options: Mapping[str, Any]) -> Line:
     """A run held against its reference, as far as a proof goes in the time that it may take."""
     part, why = run, "" if run.outcome.done else f"the run ended early: {run.cause}"
     while any(part.times):
         try:
-            judgement = compare(part, **asked.limits(run.scene), details=True)
+            judgement = compare(part, **request.limits(run.scene), details=True)
             _ = judgement.worst
         except BadInput as fault:
             if not isinstance(fault, (ProofTooLong, TooManySteps)):
                 return Line(name, None, str(fault), run)
             why = "no reference to these digits within the time that a proof may take"
             seconds = fault.value if isinstance(fault.value, float) else 0.0
-            share = min(0.5, asked.max_seconds / max(seconds, 1e-9))
+            share = min(0.5, request.max_seconds / max(seconds, 1e-9))
             part = _run(run.scene.at(run.scene.times[: int(len(part.times) * share)]), options)
             continue
         until = part.times[-1] if len(part.times) < len(run.times) else None
@@ -258,17 +258,17 @@ def _judged(name: str, run: Trajectory, asked: Asked, options: Mapping[str, Any]
     return Line(name, None, why or "no output time was reached", run)
 
 
-def of_table(given: Given, scene: Scene, asked: Asked) -> Line:
+def of_table(source: Given, scene: Scene, request: Asked) -> Line:
     """A table held against a scene; raises BadInput for one that cannot be read."""
-    how: dict[str, Any] = {"columns": asked.columns, "read": asked.read}
-    if isinstance(given.table, Trajectory):
+    how: dict[str, Any] = {"columns": request.columns, "read": request.read}
+    if isinstance(source.table, Trajectory):
         how = {}
     try:
-        judgement = compare(given.table, scene, **how, **asked.limits(scene))
+        judgement = compare(source.table, scene, **how, **request.limits(scene))
     except ProofTooLong:
         why = "not judged: no reference within the time that a proof may take"
-        return Line(given.name, None, why, given=given)
-    return Line(given.name, judgement, given=given)
+        return Line(source.name, None, why, given=source)
+    return Line(source.name, judgement, given=source)
 
 
 def _orders(files: Sequence[Line]) -> Sequence[ObservedOrder | str]:
@@ -291,14 +291,14 @@ def _orders(files: Sequence[Line]) -> Sequence[ObservedOrder | str]:
     return orders
 
 
-def _work(scene: Scene, end: Exact, asked: Asked) -> list[Work]:
+def _work(scene: Scene, end: Exact, request: Asked) -> list[Work]:
     """What digits at the end cost: prepared runs in each number type at several tolerances."""
     plain = replace(scene, outputs=(), events=(), form="principal").at((end,))
     against = reference(plain)
     if isinstance(against, Certified):
-        against = Certified(plain, **asked.limits(plain))
+        against = Certified(plain, **request.limits(plain))
     rows = []
-    for number in NUMBERS if asked.number is None else [asked.number]:
+    for number in NUMBERS if request.number is None else [request.number]:
         with suppress(BadInput):  # of which the table of runs tells
             for tolerance in (None, *TOLERANCES.get(number, ())):
                 rows.append(_costed(plain, against, number, tolerance))
@@ -351,14 +351,14 @@ class _Maker(NamedTuple):
 
 def tables(sections: Sequence[Section]) -> Mapping[str, Table]:
     """All of them by name."""
-    found = {}
+    by_name = {}
     for name, (texts, numbers, rows) in _MAKERS.items():
         types = dict.fromkeys(["scene", *texts.split()], TEXT)
         types |= dict.fromkeys(numbers.split(), DOUBLE)
         every = [(x.scene.name, *row) for x in sections for row in rows(x)]
         columns = table_of_rows(types, every).columns
-        found[name] = Table([column._replace(digits=SHOWN) for column in columns])
-    return found
+        by_name[name] = Table([column._replace(digits=SHOWN) for column in columns])
+    return by_name
 
 
 def _overview_rows(of: Section) -> Iterator[_Row]:

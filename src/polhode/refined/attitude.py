@@ -120,18 +120,18 @@ def _field(kind: Limbs, t: Doubles, omega: Doubles, lengths: Doubles) -> Doubles
 def spun(q: Doubles, omega: Doubles) -> Doubles:
     """q ⊗ (0, w)."""
     p, y, r = omega
-    found = np.empty_like(q)
-    found[0] = -(q[1] * p) - q[2] * y - q[3] * r
-    found[1] = q[0] * p + q[2] * r - q[3] * y
-    found[2] = q[0] * y + q[3] * p - q[1] * r
-    found[3] = q[0] * r + q[1] * y - q[2] * p
-    return found
+    spin = np.empty_like(q)
+    spin[0] = -(q[1] * p) - q[2] * y - q[3] * r
+    spin[1] = q[0] * p + q[2] * r - q[3] * y
+    spin[2] = q[0] * y + q[3] * p - q[1] * r
+    spin[3] = q[0] * r + q[1] * y - q[2] * p
+    return spin
 
 
 def times(a: GivenRow, b: GivenRow) -> Scalar:
     """The product of quaternions, of arrays of them, or of lists of integers."""
-    found = quaternion_product(a, b)
-    return np.array(found) if isinstance(a, np.ndarray) else found
+    row = quaternion_product(a, b)
+    return np.array(row) if isinstance(a, np.ndarray) else row
 
 
 def conjugate(q: Doubles) -> Doubles:
@@ -178,7 +178,7 @@ class Following:
         self._windings = np.zeros(2)
 
     def advance(
-        self, found: Turns, chain: int, starts: Integers, nodes: Doubles, lengths: Doubles
+        self, block_turns: Turns, chain: int, starts: Integers, nodes: Doubles, lengths: Doubles
     ) -> list[Attitude]:
         """Go on over a block's chain; the attitudes at its outputs.
 
@@ -186,21 +186,21 @@ class Following:
         Raises CannotRefine where angles are wanted and the motion passes a pole too closely.
         """
         edges = [self._now]
-        for turn in found.ends[:chain]:
+        for turn in block_turns.ends[:chain]:
             edges.append(self._after(edges[-1], turn))
-        wound = np.zeros((2, len(found.ends)))
+        wound = np.zeros((2, len(block_turns.ends)))
         if self._angles:
             begin = np.array([[x * 2.0**-self._bits for x in edges[i]] for i in starts])
-            ends = np.array([[x * 2.0**-self._ends for x in row] for row in found.ends])
-            wound = windings(self._double, begin, found.path, ends, nodes, lengths)
+            ends = np.array([[x * 2.0**-self._ends for x in row] for row in block_turns.ends])
+            wound = windings(self._double, begin, block_turns.path, ends, nodes, lengths)
         before = np.concatenate([np.zeros((2, 1)), np.cumsum(wound[:, :chain], axis=1)], axis=1)
         before += self._windings[:, None]
         outputs = []
-        for i in range(chain, len(found.ends)):
-            whole = self._after(edges[starts[i]], found.ends[i])
-            one = 1 << self._bits
+        for i in range(chain, len(block_turns.ends)):
+            whole = self._after(edges[starts[i]], block_turns.ends[i])
+            unit = 1 << self._bits
             quaternion = tuple(
-                sum((x * Fraction(y, one) for x, y in zip(row, whole, strict=True)), Fraction(0))
+                sum((x * Fraction(y, unit) for x, y in zip(row, whole, strict=True)), Fraction(0))
                 for row in self._frame
             )
             sums = before[:, starts[i]] + wound[:, i]
@@ -246,10 +246,10 @@ def windings(
     wound = np.angle(z[:, 1:] * z[:, :-1].conj())
     near = ~_clear(z[:, :-1], z[:, 1:], np.diff(at)[:, None] * lengths)
     for c, gap, i in np.argwhere(near).tolist():
-        one = _OnePath(frames[i], at[:-1], path[:, :-1, i], float(lengths[i]), c)
-        wound[c, gap, i] = one.winding(at[gap], at[gap + 1])
-    found: Doubles = wound.sum(axis=1)
-    return found
+        piece = _OnePath(frames[i], at[:-1], path[:, :-1, i], float(lengths[i]), c)
+        wound[c, gap, i] = piece.winding(at[gap], at[gap + 1])
+    growth: Doubles = wound.sum(axis=1)
+    return growth
 
 
 class _OnePath:
@@ -288,8 +288,8 @@ class _OnePath:
         shares[hit.any(axis=1)] = 0.0
         shares[hit] = 1.0
         t = (self._path @ shares.T) / shares.sum(axis=1)
-        found: Complexes = _pair(self._matrix @ t)[self._which]
-        return found
+        points: Complexes = _pair(self._matrix @ t)[self._which]
+        return points
 
 
 def _clear(a: Complexes, b: Complexes, apart: Doubles) -> Booleans:

@@ -39,14 +39,14 @@ class Chain:
         n = sources.shape[1]
         delta = np.zeros((self._chunks * self._long, n, 1))
         delta[: self._count, :, 0] = sources
-        found = delta.reshape(self._chunks, self._long, n, 1)
+        errors = delta.reshape(self._chunks, self._long, n, 1)
         for i in range(1, self._long):
-            found[:, i] += self._steps[:, i] @ found[:, i - 1]
+            errors[:, i] += self._steps[:, i] @ errors[:, i - 1]
         begin = np.zeros((self._chunks, n, 1))
         for c in range(1, self._chunks):
-            begin[c] = self._products[c - 1, -1] @ begin[c - 1] + found[c - 1, -1]
-        found = found + self._products @ begin[:, None]
-        return found.reshape(-1, n)[: self._count]
+            begin[c] = self._products[c - 1, -1] @ begin[c - 1] + errors[c - 1, -1]
+        errors = errors + self._products @ begin[:, None]
+        return errors.reshape(-1, n)[: self._count]
 
 
 # --- deferred correction --------------------------------------------------------------------------
@@ -232,20 +232,20 @@ class _Sweep:
         """Y - 1 on the coarse nodes by Picard's iteration, then everywhere."""
         tables, n = self.constants.tables, self.count
         coarse, costate = len(tables.coarse), self.constants.kernels.costate
-        given = np.zeros((VARIABLES + VARIABLES**2, coarse * n))
-        np.matmul(tables.thinned, guess, out=given[:VARIABLES].reshape(VARIABLES, coarse, n))
-        y = given[VARIABLES:].reshape(VARIABLES**2, coarse, n)
+        inputs = np.zeros((VARIABLES + VARIABLES**2, coarse * n))
+        np.matmul(tables.thinned, guess, out=inputs[:VARIABLES].reshape(VARIABLES, coarse, n))
+        y = inputs[VARIABLES:].reshape(VARIABLES**2, coarse, n)
         parameters = self._plain.reshape(COEFFICIENTS + 1, self.nodes, n)[:, :coarse]
         parameters = np.ascontiguousarray(parameters).reshape(COEFFICIENTS + 1, -1)
         pushed = np.empty((VARIABLES**2, coarse * n))
         rates = pushed.reshape(VARIABLES**2, coarse, n)
 
         def turn() -> None:
-            costate(given, pars=parameters, outputs=pushed)
+            costate(inputs, pars=parameters, outputs=pushed)
             np.matmul(tables.coarse, rates, out=y)
 
         self.change = iterated(turn, y[:, :: coarse - 1], _TRANSITIONS)
-        costate(given, pars=parameters, outputs=pushed)
+        costate(inputs, pars=parameters, outputs=pushed)
         inner = self._gather[2 * VARIABLES :].reshape(VARIABLES**2, self.nodes, n)
         np.matmul(tables.fine[: self.nodes], rates, out=inner)
         ends = np.matmul(tables.fine[self.nodes :], rates)  # (36, 2, N)

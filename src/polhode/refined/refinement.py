@@ -103,32 +103,32 @@ def _estimate(stretches: Sequence[Stretch], sides: Sequence[Side], rounding: flo
         own = _reach(np.eye(6), side.scale)
         sums[c], squares[c] = own * side.made, own * own
     first = sum(len(stretch.made) for stretch in stretches)
-    begun = count  # outputs from here on have been met
-    begun = _first_inside(sides, begun, first, carried)
+    first_met = count  # outputs from here on have been met
+    first_met = _first_inside(sides, first_met, first, carried)
     for stretch in reversed(stretches):
         size = len(stretch.made)
         first -= size
-        kept = np.zeros((size, count, 6, 6))  # Lambda at each interval's end
+        carried_to = np.zeros((size, count, 6, 6))  # Lambda at each interval's end
         for n in range(size - 1, -1, -1):
-            begun = _first_inside(sides, begun, first + n + 1, carried)
-            kept[n, begun:] = carried[begun:]
-            np.matmul(kept[n, begun:], stretch.transitions[n], out=carried[begun:])
-        reach = _reach(kept, stretch.scale)
+            first_met = _first_inside(sides, first_met, first + n + 1, carried)
+            carried_to[n, first_met:] = carried[first_met:]
+            np.matmul(carried_to[n, first_met:], stretch.transitions[n], out=carried[first_met:])
+        reach = _reach(carried_to, stretch.scale)
         sums += np.einsum("nci,n->ci", reach, stretch.made)
         squares += (reach * reach).sum(axis=0)
-    _first_inside(sides, begun, 0, carried)
+    _first_inside(sides, first_met, 0, carried)
     kappa = np.abs(carried).sum(axis=-1).max(axis=-1)
     errors = sums + rounding * np.sqrt(squares)
     errors[~(kappa < LARGEST_KAPPA)] = np.inf
     return Estimate(errors, kappa)
 
 
-def _first_inside(sides: Sequence[Side], begun: int, edge: int, carried: Doubles) -> int:
+def _first_inside(sides: Sequence[Side], first_met: int, edge: int, carried: Doubles) -> int:
     """Enter the outputs whose side begins at this edge or later; the first one that is in."""
-    while begun and sides[begun - 1].edge >= edge:
-        begun -= 1
-        carried[begun] = sides[begun].transition
-    return begun
+    while first_met and sides[first_met - 1].edge >= edge:
+        first_met -= 1
+        carried[first_met] = sides[first_met].transition
+    return first_met
 
 
 def _reach(carried: Doubles, scale: float) -> Doubles:
@@ -322,7 +322,7 @@ class Motion:
 def refine(
     scene: Scene,
     times: Sequence[Fraction],
-    wanted: Accuracy = QUAD,
+    goal: Accuracy = QUAD,
     m: int = STEPS_AN_INTERVAL,
     progress: Progress | None = None,
     max_steps: int | None = None,
@@ -336,8 +336,8 @@ def refine(
     for another form than the principal one.
     """
     backward = times[-1] < 0
-    exact = rational_system(scene, wanted.limbs.finest + 64, backward)
-    run = _Run(exact, [abs(t) for t in times], wanted, m, following)
+    exact = rational_system(scene, goal.limbs.finest + 64, backward)
+    run = _Run(exact, [abs(t) for t in times], goal, m, following)
     with one_thread(), one_blas_thread():
         stopped = run.to_the_end(progress, max_steps)
     reached = run.origin if stopped else abs(times[-1])
@@ -345,8 +345,8 @@ def refine(
     return Motion(
         times=tuple(times[:whole]),
         states=[_turned(row, backward) for row in run.found[:whole]],
-        bits=wanted.limbs.finest,
-        estimate=estimate(run.stretches, run.sides[:whole], 2.0**-wanted.limbs.bits),
+        bits=goal.limbs.finest,
+        estimate=estimate(run.stretches, run.sides[:whole], 2.0**-goal.limbs.bits),
         steps=run.steps,
         intervals=sum(len(stretch.made) for stretch in run.stretches) + whole,
         reached=-reached if backward else reached,
@@ -367,12 +367,12 @@ class _Run:
         self,
         exact: RationalSystem,
         times: Sequence[Fraction],
-        wanted: Accuracy,
+        goal: Accuracy,
         m: int,
         following: Following | None = None,
     ) -> None:
         self.following, self.attitudes = following, list[Attitude]()
-        self.system, self.wanted, self.m = exact, wanted, m
+        self.system, self.wanted, self.m = exact, goal, m
         self.times = list(times)
         self.found: list[list[int]] = []
         self.stretches: list[Stretch] = []
@@ -382,7 +382,7 @@ class _Run:
         self._state = exact.state
         self._width = WIDTH
         self._edges_passed = 0
-        self._nodes = wanted.nodes(m)
+        self._nodes = goal.nodes(m)
 
     def to_the_end(self, progress: Progress | None, max_steps: int | None) -> str | None:
         """Base after base, until every output is there; else why not."""
@@ -463,9 +463,9 @@ class _Run:
         if self.following is None:
             return
         assert solved.stages is not None
-        found = turns(self._constants, solved.stages, work.lengths, self.wanted.tail)
+        turn = turns(self._constants, solved.stages, work.lengths, self.wanted.tail)
         nodes, lengths = self._constants.tables.nodes, work.lengths.sum(axis=0)
-        self.attitudes += self.following.advance(found, work.chain, work.starts, nodes, lengths)
+        self.attitudes += self.following.advance(turn, work.chain, work.starts, nodes, lengths)
 
     def _check_tails(self, solved: Solved) -> None:
         """Raise TooLong or _TooFewNodes where the nodes do not resolve the motion."""

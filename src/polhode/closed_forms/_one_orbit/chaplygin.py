@@ -75,13 +75,13 @@ def coefficients(scene: NormalScene) -> Coefficients:
 def state_of(
     moments: Sequence[Scalar],
     c: Scalar,
-    known: Sequence[Scalar],
+    numbers: Sequence[Scalar],
     z: Scalar,
     Y: Scalar,
     Z: Scalar,
 ) -> Sequence[Scalar]:
-    """p, q, r, gamma1, gamma2, gamma3 for any scalars; ``known``: b2, c2, B1 and C1."""
-    (A, B, C), (b2, c2, B1, C1) = moments, known
+    """p, q, r, gamma1, gamma2, gamma3 for any scalars; ``numbers``: b2, c2, B1 and C1."""
+    (A, B, C), (b2, c2, B1, C1) = moments, numbers
     p, q, r = z * z * z, z * Y, z * Z
     two = (A - B) * p * q - C * (B - C) * (c2 * p * q + C1 * Y / 3) / A
     three = (A - C) * p * r + B * (B - C) * (b2 * p * r + B1 * Z / 3) / A
@@ -109,13 +109,13 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
         yield from _at_rest(scene, x)
         return
     # C1 Y and B1 Z, Y = q/p^(1/3), Z = r/p^(1/3), without roots: B1 p^(2/3) = q^2 - b2 p^2.
-    one, two = x.ratio * q * rest / p, r * rest / p
+    first, second = x.ratio * q * rest / p, r * rest / p
     yield from matching(
         scene,
         (
             -(A * p * p + B * q * q + C * r * r) / (2 * c),
-            ((A - B) * p * q - C * (B - C) * (x.c2 * p * q + one / 3) / A) / c,
-            ((A - C) * p * r + B * (B - C) * (x.b2 * p * r + two / 3) / A) / c,
+            ((A - B) * p * q - C * (B - C) * (x.c2 * p * q + first / 3) / A) / c,
+            ((A - C) * p * r + B * (B - C) * (x.b2 * p * r + second / 3) / A) / c,
         ),
     )
 
@@ -153,11 +153,11 @@ class Chaplygin(OrbitPlacement):
         A, B, C = (ball(y) for y in self.normal.moments)
         c, k = ball(self.normal.torque[0]), (B - C) / (3 * A)
         b2, c2, B1, ratio, size = (ball(y) for y in (x.b2, x.c2, x.B1, x.ratio, scale))
-        known = b2, c2, B1, ratio * B1
+        numbers = b2, c2, B1, ratio * B1
         width = size.sqrt()
 
         def state(z: acb, Y: acb, Z: acb) -> Sequence[acb]:
-            return state_of((A, B, C), c, known, width * z, size * Y, size * Z)
+            return state_of((A, B, C), c, numbers, width * z, size * Y, size * Z)
 
         quartics = (ONE, ZERO, ZERO, ZERO, x.b2), (x.ratio, ZERO, ZERO, ZERO, x.c2)
         start = z / sqrt(scale), Y / scale, Z / scale

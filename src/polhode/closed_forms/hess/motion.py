@@ -141,10 +141,10 @@ class PlaneSpin:
         """A positive multiple of y."""
         grown = self._a12 * self._swing.swung(t)
         if grown.mid() > 0:
-            one, two = arb(1), (-2 * grown).exp()
+            growing, decaying = arb(1), (-2 * grown).exp()
         else:
-            one, two = (2 * grown).exp(), arb(1)
-        return self._unit * acb(one * self._unit.real, -two * self._unit.imag)
+            growing, decaying = (2 * grown).exp(), arb(1)
+        return self._unit * acb(growing * self._unit.real, -decaying * self._unit.imag)
 
 
 class ConeSpin:
@@ -166,5 +166,5 @@ class ConeSpin:
             s, c = (self.rate * t).tanh() / self.rate, arb(1)
         else:
             s, c = t, arb(1)
-        turned = acb(0, self._om / 2)
-        return (turned * t).exp() * (c + s * (self._pull - turned))
+        rate = acb(0, self._om / 2)
+        return (rate * t).exp() * (c + s * (self._pull - rate))

@@ -100,8 +100,8 @@ def place(scene: PrincipalScene) -> HessPlacement | None:
     if normal is None:
         return None
     order, (moments, torque) = normal[0].order, (scene.moments, scene.torque)
-    one, two, three = (-ONE if n == order[1] else ZERO for n in range(3))
-    e3: Vector = (one, two, three)
+    x, y, z = (-ONE if n == order[1] else ZERO for n in range(3))
+    e3: Vector = (x, y, z)
     e2, square = cross(e3, torque), dot(torque, torque)
     frame = Frame((e2, e3, torque), (square, ONE, square))
     assert scene.gamma is not None
