@@ -45,7 +45,7 @@ TICK = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Line:
+class NumberCheck:
     """One check: a case in one number type against its band.
 
     ``outcome``: how the run ended, ``ended`` whether as it should.  ``lost``: that no digits are
@@ -88,13 +88,13 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Report:
+class CaseCheck:
     """What the checks of one case gave."""
 
     scene: Scene
     regime: str
     reference: str
-    lines: tuple[Line, ...]
+    lines: tuple[NumberCheck, ...]
     figures: tuple[PrintedFigure, ...]
     textbook: float | None  # digits to which mpmath's own functions agree with the closed form
 
@@ -120,7 +120,7 @@ def check(
     tick: TICK | None = None,
     workers: int = 1,
     details: bool = True,
-) -> Iterator[Report]:
+) -> Iterator[CaseCheck]:
     """Check cases (all that ship, or names, patterns, paths) in the number types that they expect.
 
     ``numbers``: these types instead; a case without a band for one is run and shown without.
@@ -142,7 +142,7 @@ def check(
     yield from of_work.in_order(solve, scenes, min(workers, len(scenes)), begun)
 
 
-def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True) -> Report:
+def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True) -> CaseCheck:
     """The checks of one case: of its states, by runs without outputs and events.
 
     ``details``: as of :func:`check`.
@@ -153,12 +153,12 @@ def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True)
     conditions: Conditioning | None = None
     if widest and details:
         conditions = conditioning(scene, number=number_types.named(widest[0]))
-    lines: dict[str, Line] = {}
+    lines: dict[str, NumberCheck] = {}
     earlier: Score | None = None  # whose rows of the reference judge the narrower types, too
     for number in widest:
         lines[number], latest = _report_line(scene, reference, number, conditions, earlier, details)
         earlier = earlier or latest
-    return Report(
+    return CaseCheck(
         scene,
         reference.regime,
         reference.kind,
@@ -175,7 +175,7 @@ def _report_line(
     conditions: Conditioning | None,
     earlier: Score | None,
     details: bool,
-) -> tuple[Line, Score | None]:
+) -> tuple[NumberCheck, Score | None]:
     """``conditions``: the scene's conditioning; ``earlier``: the score in a wider type.
 
     All that will be told is made here: the judgement does not go to another process, which would
@@ -189,9 +189,9 @@ def _report_line(
     run = solve(plain, choose_number(scene, number, digits), options, interruptible=False)
     outcome = run.outcome.value
     if not run.outcome.done:
-        return Line(number, 0.0, band, outcome, ended=False), None
+        return NumberCheck(number, 0.0, band, outcome, ended=False), None
     own = score(as_judged(of_run(run), scene), reference, earlier=earlier)
-    line = Line(number, own.state_worst, band, outcome, ended=True)
+    line = NumberCheck(number, own.state_worst, band, outcome, ended=True)
     limit = plain_limit_of(own, own.digits)
     is_limit_told = details or not line.passed
     if own.state_worst < LAST or (is_limit_told and limit is None):
@@ -276,7 +276,7 @@ class CheckReport(Result, ByValue):
     Ctrl-C ended it, before all cases.
     """
 
-    cases: Sequence[Report]
+    cases: Sequence[CaseCheck]
     forms: Sequence[CrossCheck]
     proposing: bool = False
     interrupted: bool = False
@@ -413,7 +413,7 @@ def check_cases(
     tick = message or (lambda _: None)
     patterns = [*map(str, scenes)]
     shared = cores() if len(library.matching(patterns)) >= _MANY else 1
-    reports: list[Report] = []
+    reports: list[CaseCheck] = []
     crossed: list[CrossCheck] = []
     try:
         if scenes or not forms:
@@ -428,11 +428,11 @@ def check_cases(
     return CheckReport(reports, crossed, propose)
 
 
-def _head(report: Report) -> str:
+def _head(report: CaseCheck) -> str:
     return f"{_MARKS[report.passed]} {report.scene.name} ({report.regime}, {report.reference})"
 
 
-def _line(report: Report) -> str:
+def _line(report: CaseCheck) -> str:
     """A case that passes, in one line."""
     digits = [f"{line.number} {line.lost or f'{line.digits:.2f} digits'}" for line in report.lines]
     if report.figures:
@@ -440,7 +440,7 @@ def _line(report: Report) -> str:
     return f"{_head(report)}: {', '.join(digits)}"
 
 
-def _lines(report: Report, proposing: bool) -> Iterator[str]:
+def _lines(report: CaseCheck, proposing: bool) -> Iterator[str]:
     """What is told of a case."""
     yield _head(report)
     for line in report.lines:

@@ -86,7 +86,7 @@ def _excess(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> tu
 
 
 @dataclass(frozen=True)
-class Numbers:
+class SwingNumbers:
     """The exact numbers of a swing: no difference in them is left to rounding."""
 
     librates: bool
@@ -98,7 +98,7 @@ class Numbers:
     phase: Vector  # sn^2, cn^2, dn^2 at t = 0
 
 
-def numbers(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Numbers:
+def numbers(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> SwingNumbers:
     """Those of a start in principal axes, which is not at rest."""
     n = axis_of(torque, omega, gamma)
     inertia = dot(n, momentum(moments, n)) / dot(n, n)
@@ -114,11 +114,11 @@ def numbers(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Nu
     half = cos2, sin2
     if sign(kc2) > 0:
         phase = sin2 / k2, kinetic / k2, cos2
-        return Numbers(True, side, half, k2, kc2, rate2, phase)
+        return SwingNumbers(True, side, half, k2, kc2, rate2, phase)
     if sign(kc2) == 0:
         k2, kc2 = ONE, ZERO
     phase = sin2, cos2, kinetic / k2
-    return Numbers(False, side, half, 1 / k2, -kc2 / k2, rate2 * k2, phase)
+    return SwingNumbers(False, side, half, 1 / k2, -kc2 / k2, rate2 * k2, phase)
 
 
 # --- placing --------------------------------------------------------------------------------------
@@ -132,7 +132,7 @@ class PendulumPlacement(Placement):
 
     omega: Vector
     gamma: Vector
-    numbers: Numbers | None = None
+    numbers: SwingNumbers | None = None
 
 
 def place(scene: PrincipalScene) -> PendulumPlacement | None:
@@ -189,7 +189,7 @@ def solve(place: PendulumPlacement) -> Motion:
 class Swing(Motion):
     """A swing about ``n``, of any length, in any axes; ``gamma``: the vertical at t = 0."""
 
-    def __init__(self, numbers: Numbers, n: Vector, gamma: Sequence[arb]) -> None:
+    def __init__(self, numbers: SwingNumbers, n: Vector, gamma: Sequence[arb]) -> None:
         self._gamma = gamma
         size = root(dot(n, n))
         x, y, z = (ball(component) / size for component in n)

@@ -22,7 +22,7 @@ from polhode.common.values import ByValue, refuse_too_much
 from polhode.dynamics import coordinates as geometry
 from polhode.dynamics.coordinates import tangents_of
 from polhode.dynamics.lyapunov import SHORTEST, UNSTABLE, UNSTABLE_GROWTH, is_integrable, is_known
-from polhode.dynamics.starts import asked_of, starts_of
+from polhode.dynamics.starts import cut_of, starts_of
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.equations.terms import NAMES
@@ -89,7 +89,7 @@ def on_section(
 
     ``foretold``: see :func:`starts_of`.
     """
-    plan = asked_of(scene, by, extremum, h, f)
+    plan = cut_of(scene, by, extremum, h, f)
     if plan.by not in (MOMENTUM, HEIGHT):
         raise BadInput(scene.name, "by", plan.by, "momentum or height, for a map")
     on = geometry.ground(scene, plan.h, plan.f)

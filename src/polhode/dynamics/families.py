@@ -39,7 +39,7 @@ from polhode.dynamics.orbit import (
     primitive,
 )
 from polhode.dynamics.section import section
-from polhode.dynamics.starts import MAXIMA, MOST_STARTS, asked_of, starts_of
+from polhode.dynamics.starts import MAXIMA, MOST_STARTS, cut_of, starts_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import shown
@@ -357,7 +357,7 @@ LOOKS = 400  # along an orbit with which another one is compared
 ALIKE = 1e-7  # relative: periods and residues of one orbit
 
 
-class Guess(NamedTuple):
+class OrbitGuess(NamedTuple):
     """A start, a time, the distance at that time, and after how many crossings."""
 
     state: Doubles
@@ -462,7 +462,7 @@ def orbit_search(
     most = CROSSINGS if crossings is None else crossings
     most = whole(scene.name, "crossings", most, 1, MOST_CROSSINGS)
     across = cells(scene.name, GRID if grid is None else grid, MOST_STARTS)
-    cut = asked_of(scene, MOMENTUM, MAXIMA, h, f)
+    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
     on = Surface(scene, cut.h, cut.f)
     orbits: list[Closed] = []
     tried, interrupted = 0, False
@@ -477,14 +477,14 @@ def orbit_search(
     except KeyboardInterrupt:
         interrupted = True
     orbits.sort(key=lambda one: float(one.period))
-    points = tuple(point_of(on, one) for one in orbits)
+    points = tuple(point_of(on, x) for x in orbits)
     return OrbitSearch(scene, points, tried, interrupted, tuple(orbits), on, scene.provenance())
 
 
-def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[Guess]:
+def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[OrbitGuess]:
     """Starts whose return is nearer than those of the cells around, by rising number of it."""
     scene, unit = on.scene, float(on.unit)
-    plan = asked_of(scene, MOMENTUM, MAXIMA, on.h, on.f)
+    plan = cut_of(scene, MOMENTUM, MAXIMA, on.h, on.f)
     first = starts_of(plan, geometry.ground(scene, on.h, on.f), None, grid)
     cut = section(
         scene,
@@ -508,7 +508,7 @@ def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[Guess]:
         least = _least_around(cells.reshape(grid)).ravel()
         for k in np.flatnonzero((distance <= least[first.of]) & (distance < FARTHEST)).tolist():
             time = float(cut.times[k, n]) / unit
-            yield Guess(first.states[k], time, float(distance[k]), n + 1)
+            yield OrbitGuess(first.states[k], time, float(distance[k]), n + 1)
 
 
 def _least_around(cells: Doubles) -> Doubles:
@@ -520,7 +520,7 @@ def _least_around(cells: Doubles) -> Doubles:
     return least
 
 
-def _closed(on: Surface, guess: Guess) -> Closed | None:
+def _closed(on: Surface, guess: OrbitGuess) -> Closed | None:
     """The orbit near a guess, with its shortest period; None where there is none."""
     try:
         orbit = closed(on, guess.state, guess.time, at_level(on, guess.state))

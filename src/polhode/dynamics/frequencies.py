@@ -57,7 +57,7 @@ AXIS = "axis"  # the third body axis in space, across the vertical; of a free bo
 
 
 class Line(NamedTuple):
-    """A line of one signal; see :class:`polhode.dynamics.naff.Line`.
+    """A line of one signal; see :class:`polhode.dynamics.naff.SpectralLine`.
 
     ``combination``: integers by name of the frequency, empty where none fits.
     """
@@ -277,7 +277,7 @@ def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
         for name, x in closed.frequencies.items():
             rates |= {f"{name}/2": float(x) / 2} if name in half else {name: float(x)}
     signals = {name: _signal(scene.name, name, columns, scene) for name in names}
-    result = _found(scene.name, signals, step, count, rates, scene.provenance())
+    result = _lines_of(scene.name, signals, step, count, rates, scene.provenance())
     if isinstance(closed, Reference):
         result = replace(result, rates_of=closed.rates_of)
     listed = scene.output_times.floats is not None  # which a text would hold one by one
@@ -304,7 +304,7 @@ def _of_table(table: Table, of: Sequence[str] | None, count: int) -> Frequencies
         )
         raise BadInput(table.name, key, None, f"{expected} (row {row + 1} has none)")
     signals = {name: _signal(table.name, name, columns, None) for name in names}
-    return _found(table.name, signals, step, count, {}, provenance(table.name))
+    return _lines_of(table.name, signals, step, count, {}, provenance(table.name))
 
 
 def _columns(name: str) -> tuple[str, ...]:
@@ -345,7 +345,7 @@ def _axis(columns: Mapping[str, Any], scene: Scene | None) -> Any:
     return first @ axis + 1j * (np.cross(up, first) @ axis)
 
 
-def _found(
+def _lines_of(
     name: str,
     signals: Mapping[str, Any],
     step: Spacing,

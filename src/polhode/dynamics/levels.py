@@ -20,10 +20,10 @@ from polhode.dynamics.permanent_rotations import (
     BODY_BITS,
     POLE,
     START,
-    End,
-    Family,
     Piece,
+    PieceEnd,
     RationalBody,
+    RotationFamily,
     refuse_far,
     simplest,
 )
@@ -268,7 +268,7 @@ class Curve(NamedTuple):
     points: Doubles
 
 
-class Column(NamedTuple):
+class DiagramColumn(NamedTuple):
     """At one f: the energies of permanent rotations, ascending, and the region above each.
 
     Both empty where they are not decided.
@@ -422,7 +422,7 @@ class Levels(Result, ByValue):
             expected = f"an f at which the regions are decided ({fault})"
             raise BadInput(self.scene.name, "f", shown(area), expected) from None
 
-    def columns(self, first: float, last: float, count: int = COLUMNS) -> list[Column]:
+    def columns(self, first: float, last: float, count: int = COLUMNS) -> list[DiagramColumn]:
         """The regions at ``count`` evenly spaced f; none in a column where they are not decided."""
         body = RationalBody.of(self.scene.body)
         for end in (first, last):
@@ -433,7 +433,7 @@ class Levels(Result, ByValue):
             pairs: tuple[Any, ...] = ((), ())
             with suppress(Undecided):
                 pairs = (*zip(*regions.regions_between(body, families, f), strict=True),)
-            columns.append(Column(float(f), *pairs))
+            columns.append(DiagramColumn(float(f), *pairs))
         return columns
 
 
@@ -491,25 +491,27 @@ def levels(scene: Scene | str | Path) -> Levels:
     return Levels(scene, curves, marks, here, body.exact and exact, scene.provenance())
 
 
-def _curve(family: Family, piece: Piece) -> Curve:
+def _curve(family: RotationFamily, piece: Piece) -> Curve:
     ends = [None if end is None else _parameter(family, end) for end in (piece.first, piece.last)]
     points = family.points(piece)
     return Curve(family.name, family.axis, piece.type, piece.morse, ends[0], ends[1], points)
 
 
-def _mark(family: Family, end: End) -> Mark:
+def _mark(family: RotationFamily, end: PieceEnd) -> Mark:
     with ctx.workprec(BITS):
         point = family.at(end.x)
     f, h = (nearest(x, DIGIT_BITS) for x in (point.f, point.h))
     return Mark(end.kind, family.name, _parameter(family, end), f, h)
 
 
-def _parameter(family: Family, end: End) -> mpf:
+def _parameter(family: RotationFamily, end: PieceEnd) -> mpf:
     with ctx.workprec(BITS):
         return nearest(family.parameter(end.x), DIGIT_BITS)
 
 
-def _here(scene: Scene, body: RationalBody, families: Sequence[Family]) -> tuple[Here, bool]:
+def _here(
+    scene: Scene, body: RationalBody, families: Sequence[RotationFamily]
+) -> tuple[Here, bool]:
     energy, area = scene.integrals.energy, scene.integrals.area
     assert area is not None
     energy, area = simplest(energy), simplest(area)

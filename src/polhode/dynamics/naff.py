@@ -84,7 +84,7 @@ _UNRESOLVED = 1e-10  # of its amplitude are neighbours that are not told from it
 _Wave: TypeAlias = tuple[float, complex]  # frequency and amplitude
 
 
-class Line(NamedTuple):
+class SpectralLine(NamedTuple):
     """One line: amplitude·exp(i frequency t), t from the first sample on.
 
     Of a real signal also its mirror image, which makes both 2 |amplitude| cos(frequency t + phase).
@@ -176,7 +176,7 @@ class _Window:
         return waves, rest
 
 
-def lines(samples: Doubles | Complexes, step: float, count: int) -> list[Line]:
+def lines(samples: Doubles | Complexes, step: float, count: int) -> list[SpectralLine]:
     """The strongest lines of equally spaced samples, strongest first; fewer if they end.
 
     Samples without any imaginary part are a real signal's.  ``step``: the time between two,
@@ -205,7 +205,7 @@ def lines(samples: Doubles | Complexes, step: float, count: int) -> list[Line]:
             numbers[0] = -numbers[0]
         if real and numbers[0] < 0:  # of both images the one above 0
             numbers[0], amplitude = -numbers[0], amplitude.conjugate()
-        result.append(Line(numbers[0], amplitude, numbers[1], numbers[2]))
+        result.append(SpectralLine(numbers[0], amplitude, numbers[1], numbers[2]))
     return result
 
 

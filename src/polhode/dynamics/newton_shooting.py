@@ -434,7 +434,7 @@ class Arc:
         return Member(orbit, tangent, value, slope)
 
 
-class Step(NamedTuple):
+class FamilyStep(NamedTuple):
     """What one step along a family found: special members in order, and the member at its end."""
 
     passed: tuple[Passed, ...]
@@ -442,7 +442,7 @@ class Step(NamedTuple):
     length: float
 
 
-def stepped(arc: Arc, member: Member, length: float, ends: tuple[float, ...]) -> Step:
+def stepped(arc: Arc, member: Member, length: float, ends: tuple[float, ...]) -> FamilyStep:
     """One step, as long as is fit; raises NotClosed where none is.
 
     ``ends``: of the range of the parameter; the step ends where it leaves it.
@@ -464,7 +464,7 @@ def stepped(arc: Arc, member: Member, length: float, ends: tuple[float, ...]) ->
             length = min(LONGEST_STEP, 1.5 * length)
         elif corrections >= HARD:
             length /= 2
-        return Step(special, after, length)
+        return FamilyStep(special, after, length)
     raise NotClosed(why)
 
 

@@ -25,7 +25,7 @@ from polhode.dynamics import high_precision
 from polhode.dynamics.coordinates import ground
 from polhode.dynamics.high_precision import Monodromy, Refined
 from polhode.dynamics.newton_shooting import Closed, NotClosed, Surface, at_level, closed, is_still
-from polhode.dynamics.starts import MAXIMA, asked_of
+from polhode.dynamics.starts import MAXIMA, cut_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double, to_mpf
@@ -153,11 +153,11 @@ def report(orbit: Orbit) -> str:
     """Start, period and stability, a line each."""
     more = orbit.digits + 2
     gamma = orbit.scene.gamma or ()
-    residue = _known(exactly(orbit.residue), orbit.residue_error, orbit.digits)
+    residue = _sure_digits(exactly(orbit.residue), orbit.residue_error, orbit.digits)
     lines = [
         f"period      {_decimal(orbit.period, more)}",
         f"omega       {', '.join(_decimal(x, more) for x in orbit.scene.omega)}",
-        f"gamma       {', '.join(_placed(x, more) for x in gamma)}",
+        f"gamma       {', '.join(_to_places(x, more) for x in gamma)}",
         f"level       h = {shown(orbit.h)}, f = {shown(orbit.f)}",
         f"residue     {residue}, {orbit.kind}",
     ]
@@ -180,7 +180,7 @@ def _advance(orbit: Orbit) -> str:
     if orbit.turns is not None:
         count = counted(orbit.turns.denominator, "period")
         closes = f"the motion in space closes after {count}"
-    return f"{_placed(exactly(orbit.psi), places)} per period; {closes}"
+    return f"{_to_places(exactly(orbit.psi), places)} per period; {closes}"
 
 
 def _multipliers(orbit: Orbit) -> list[tuple[str, str]]:
@@ -192,7 +192,7 @@ def _multipliers(orbit: Orbit) -> list[tuple[str, str]]:
         # mu - 1/mu divides the error of mu + 1/mu = 2 - 4R; near +-1 its root is taken
         apart = abs(multiplier - 1 / multiplier)
         error = 4 * orbit.residue_error * size / max(apart, math.sqrt(orbit.residue_error))
-        pairs.append((_known(real, error, most), _known(imaginary, error, most)))
+        pairs.append((_sure_digits(real, error, most), _sure_digits(imaginary, error, most)))
     return pairs
 
 
@@ -205,13 +205,13 @@ def _decimal(x: Exact, digits: int) -> str:
     return decimal_string(exact.binary(*exact.rounded(x, 4 * digits + 8)), digits)
 
 
-def _placed(x: Exact, digits: int) -> str:
+def _to_places(x: Exact, digits: int) -> str:
     """A component of a unit vector to so many places."""
     near = exact.binary(*exact.rounded(x, 4 * digits + 8)) if x else Fraction(0)
     return high_precision.decimal(near, Fraction(1), digits)
 
 
-def _known(x: Fraction, error: float, most: int) -> str:
+def _sure_digits(x: Fraction, error: float, most: int) -> str:
     """x as far as an error leaves digits, and no more than so many; 0 where it leaves none."""
     if not x:
         return "0"
@@ -447,7 +447,7 @@ def orbit(
     most = RETURNS if returns is None else whole(scene.name, "returns", returns, 1, MOST_RETURNS)
     if scene.gamma is not None:
         _refuse_permanent(scene)
-    cut = asked_of(scene, MOMENTUM, MAXIMA, h, f)
+    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
     ground(scene, cut.h, cut.f)  # refuses a level that doubles cannot hold
     on = Surface(scene, cut.h, cut.f)
     start = np.array([to_double(x) for x in on.exact_start])

@@ -32,7 +32,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from flint import arb, arb_poly, fmpq_poly
 
-from polhode.dynamics.permanent_rotations import BITS, Family, RationalBody
+from polhode.dynamics.permanent_rotations import BITS, RationalBody, RotationFamily
 from polhode.numbers.exact import EQUAL_BITS
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.vectors import dot, middle, rational, real_roots
@@ -86,7 +86,7 @@ class _Meeting(Exception):
 
 
 def critical_points(
-    body: RationalBody, families: Sequence[Family], f: Fraction, bits: int = BITS
+    body: RationalBody, families: Sequence[RotationFamily], f: Fraction, bits: int = BITS
 ) -> CriticalPoints:
     """The critical points of W_f.
 
@@ -120,7 +120,7 @@ def critical_points(
     return critical_points(body, families, f, EQUAL_BITS)
 
 
-def _critical_points(families: Sequence[Family], f: Fraction, bits: int) -> list[Critical]:
+def _critical_points(families: Sequence[RotationFamily], f: Fraction, bits: int) -> list[Critical]:
     points = []
     with ctx.workprec(bits):
         for family in families:
@@ -137,7 +137,7 @@ def _critical_points(families: Sequence[Family], f: Fraction, bits: int) -> list
 
 
 def _of_symmetric(
-    body: RationalBody, axis: int, families: Sequence[Family], f: Fraction, bits: int
+    body: RationalBody, axis: int, families: Sequence[RotationFamily], f: Fraction, bits: int
 ) -> list[Critical]:
     """Both poles of a symmetric body, and a point of each circle."""
     torque = rational(body.torque[axis])
@@ -160,7 +160,9 @@ def _at_rest(body: RationalBody) -> list[Critical]:
         return [Critical(tuple(-x for x in up), -size, 0), Critical(up, size, 2)]
 
 
-def region(body: RationalBody, families: Sequence[Family], h: Fraction, f: Fraction) -> Region:
+def region(
+    body: RationalBody, families: Sequence[RotationFamily], h: Fraction, f: Fraction
+) -> Region:
     """The edges of each part of U; raises Undecided where h is a critical value."""
     if f == 0 and not body.heavy:  # a free body: W_f is zero everywhere
         if h == 0:
@@ -177,7 +179,7 @@ def region(body: RationalBody, families: Sequence[Family], h: Fraction, f: Fract
 
 
 def regions_between(
-    body: RationalBody, families: Sequence[Family], f: Fraction
+    body: RationalBody, families: Sequence[RotationFamily], f: Fraction
 ) -> list[tuple[float, Region]]:
     """At one f: the critical energies by rising h, and the region above each.
 
@@ -192,7 +194,7 @@ def regions_between(
         ]
 
 
-def least_energy(body: RationalBody, families: Sequence[Family], f: Fraction) -> float:
+def least_energy(body: RationalBody, families: Sequence[RotationFamily], f: Fraction) -> float:
     """The least h at one f: that of the lowest permanent rotation."""
     if f == 0 and not body.heavy:
         return 0.0

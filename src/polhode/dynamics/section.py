@@ -21,7 +21,7 @@ from polhode.common.processes import run_jobs
 from polhode.common.values import ByValue, cached_property, refuse_too_much
 from polhode.dynamics import coordinates as geometry
 from polhode.dynamics.coordinates import Ground, tangents_of
-from polhode.dynamics.starts import MAXIMA, Asked, asked_of, starts_of
+from polhode.dynamics.starts import MAXIMA, Cut, cut_of, starts_of
 from polhode.equations.forms import principal
 from polhode.equations.integrals import first_integrals
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
@@ -64,7 +64,7 @@ PATIENCE = 1000.0  # the level's units of time without a crossing until an orbit
 
 
 def jobs_of(
-    cut: Asked, on: Ground, zero: SectionZero, direction: int, count: int, states: Doubles
+    cut: Cut, on: Ground, zero: SectionZero, direction: int, count: int, states: Doubles
 ) -> list[SearchJob]:
     """The jobs of orbits from ``states``, LANES of them each, in principal axes and inner units.
 
@@ -501,7 +501,7 @@ def section(
 
     scene = library.load(scene, takes=REQUESTS)
     refuse_other_rounding(scene)
-    plan, cut = scene.section, asked_of(scene, by, extremum, h, f)
+    plan, cut = scene.section, cut_of(scene, by, extremum, h, f)
     count = plan.crossings if crossings is None else crossings
     count = whole(scene.name, "crossings", count, 1, MOST_CROSSINGS)
     if starts is None and grid is None and plan.starts:
@@ -571,7 +571,7 @@ def section(
     return result
 
 
-def _refuse_constant(cut: Asked, on: Ground, zero: SectionZero, states: Doubles) -> None:
+def _refuse_constant(cut: Cut, on: Ground, zero: SectionZero, states: Doubles) -> None:
     """Raise BadInput for an expression that has no value at a start, or no rate at any of them."""
     from polhode.taylor.projection import ARRAYS
 
@@ -597,7 +597,7 @@ def _refuse_constant(cut: Asked, on: Ground, zero: SectionZero, states: Doubles)
 
 
 @contextmanager
-def _refused(cut: Asked, on: Ground, checkpoint: JobCheckpoint | None) -> Iterator[None]:
+def _refused(cut: Cut, on: Ground, checkpoint: JobCheckpoint | None) -> Iterator[None]:
     """Leave nothing behind where the section's function is refused, on the way too."""
     from polhode.taylor.event_batches import Singular
 
@@ -612,7 +612,7 @@ def _refused(cut: Asked, on: Ground, checkpoint: JobCheckpoint | None) -> Iterat
         raise
 
 
-def _not_finite(cut: Asked, on: Ground, start: Sequence[float], time: float) -> BadInput:
+def _not_finite(cut: Cut, on: Ground, start: Sequence[float], time: float) -> BadInput:
     """The refusal of an expression that has no finite value on an orbit, at a time of the run."""
     l, ratio = (float(x) for x in geometry.coordinates(on, np.array(start)))
     t = math.ldexp(time, Frame.of(cut.scene).exponent + on.slower)
@@ -623,7 +623,7 @@ def _not_finite(cut: Asked, on: Ground, start: Sequence[float], time: float) -> 
     return BadInput(cut.scene.name, "by", cut.by, expected)
 
 
-def _refuse_never_zero(cut: Asked, on: Ground, zero: SectionZero) -> None:
+def _refuse_never_zero(cut: Cut, on: Ground, zero: SectionZero) -> None:
     from polhode.taylor.projection import ARRAYS
 
     grid = geometry.cells(60, 60)

@@ -39,7 +39,7 @@ MOST_STARTS = 1_000_000
 _FEW = 5000  # cells whose states tell how many a large grid has, within some percent
 
 
-class Asked(NamedTuple):
+class Cut(NamedTuple):
     """A scene's body, a level and a section of it, checked."""
 
     scene: Scene
@@ -49,13 +49,13 @@ class Asked(NamedTuple):
     extremum: str
 
 
-def asked_of(
+def cut_of(
     scene: Scene,
     by: str | None,
     extremum: str | None,
     h: AnyNumber | None,
     f: AnyNumber | None,
-) -> Asked:
+) -> Cut:
     """What is asked, checked; None for the scene's own section, h or f.  Raises BadInput."""
     by = scene.section.by if by is None else by
     extremum = scene.section.extremum if extremum is None else extremum
@@ -82,7 +82,7 @@ def asked_of(
             ("f", f, simplest(own.area), AREA),
         )
     ]
-    plan = Asked(scene, level[0], level[1], by, extremum)
+    plan = Cut(scene, level[0], level[1], by, extremum)
     body = RationalBody.of(scene.body)
     near = fraction_near(plan.f, BODY_BITS)[0]
     if plan.h > body.reached(near):  # no roots are isolated to know that there is motion
@@ -101,7 +101,7 @@ def asked_of(
 
 
 def starts_of(
-    cut: Asked,
+    cut: Cut,
     on: Ground,
     starts: Iterable[AnyVector] | str | Path | None,
     grid: tuple[int, int] | None,
@@ -141,7 +141,7 @@ def starts_of(
     return geometry.Found(np.array(states), np.arange(len(states)))
 
 
-def _in_cells(cut: Asked, on: Ground, angle: Doubles, cosine: Doubles) -> Found:
+def _in_cells(cut: Cut, on: Ground, angle: Doubles, cosine: Doubles) -> Found:
     """The states at some cells' centres."""
     maxima = cut.extremum == MAXIMA
     if cut.by != HEIGHT:
@@ -150,7 +150,7 @@ def _in_cells(cut: Asked, on: Ground, angle: Doubles, cosine: Doubles) -> Found:
     return geometry.height_states(on, gamma, np.tile([1.0, -1.0], len(angle)), maxima)
 
 
-def _own(cut: Asked, on: Ground) -> Doubles:
+def _own(cut: Cut, on: Ground) -> Doubles:
     """The scene's own start, on the section or not."""
     scene = cut.scene
     assert scene.gamma is not None
@@ -160,7 +160,7 @@ def _own(cut: Asked, on: Ground) -> Doubles:
     return _moving(cut, on, "starts", OWN, np.array([to_double(x) for x in inside.start]))
 
 
-def _momentum_start(cut: Asked, on: Ground, key: str, row: Sequence[float]) -> Doubles:
+def _momentum_start(cut: Cut, on: Ground, key: str, row: Sequence[float]) -> Doubles:
     name, shown_row = cut.scene.name, f"[{', '.join(f'{x:g}' for x in row)}]"
     if len(row) not in (2, 3) or (len(row) == 3 and row[2] != int(row[2])):
         raise BadInput(name, key, shown_row, "[l, L/G] or [l, L/G, k] with k = 0, 1, ...")
@@ -188,7 +188,7 @@ def _where(on: Ground, l: float, maxima: bool) -> str:
     return f"at this l they lie from L/G = {inside.min():.4g} to {inside.max():.4g}"
 
 
-def _height_start(cut: Asked, on: Ground, key: str, row: Sequence[float]) -> Doubles:
+def _height_start(cut: Cut, on: Ground, key: str, row: Sequence[float]) -> Doubles:
     name, shown_row = cut.scene.name, f"[{', '.join(f'{x:g}' for x in row)}]"
     length = sum(x * x for x in row[:3]) ** 0.5
     if len(row) != 4 or row[3] not in (1, -1) or abs(length - 1) > 1e-6:
@@ -218,7 +218,7 @@ def _height_start(cut: Asked, on: Ground, key: str, row: Sequence[float]) -> Dou
     return _moving(cut, on, key, shown_row, candidates.states[0])
 
 
-def _moving(cut: Asked, on: Ground, key: str, shown_row: str, state: Doubles) -> Doubles:
+def _moving(cut: Cut, on: Ground, key: str, shown_row: str, state: Doubles) -> Doubles:
     """A start that is no permanent rotation."""
     w, g = state[:3], state[3:]
     moment = np.cross(g, on.torque) - np.cross(w, w * on.moments)

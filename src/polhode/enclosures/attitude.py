@@ -68,7 +68,7 @@ class Pace(NamedTuple):
         return self.speed**2 * (1.0 + self.gyration) + self.pull
 
 
-class Leaving(NamedTuple):
+class PoleDirections(NamedTuple):
     """How a motion leaves a pole at t = 0: the directions of the two numbers, and how they grow.
 
     ``order``: that of their first derivative that is not 0, 1 or 2; ``size``: its modulus.
@@ -109,7 +109,9 @@ class Followed:
     ``leaving``: of a start at a pole; psi and phi are then those just after it.
     """
 
-    def __init__(self, psi: float, phi: float, known: bool, leaving: Leaving | None = None) -> None:
+    def __init__(
+        self, psi: float, phi: float, known: bool, leaving: PoleDirections | None = None
+    ) -> None:
         self.leaving = leaving
         self.total = np.array([psi, phi])
         self.slack = 1e-9 * (1.0 + abs(psi))  # of what was added up
@@ -196,7 +198,7 @@ class Pose(NamedTuple):
     turns: tuple[float, float] | None
 
 
-class Watch:
+class AttitudeWatch:
     """The attitude at times >= 0, increasing, given as balls, as the windows of a proof go by.
 
     ``angles``: whether psi and phi are followed too.  ``deadline``: looked at with each step.
@@ -250,7 +252,7 @@ class Watch:
         psi -= float(scene.gamma[2]) * phi
         directions = np.exp(1j * np.array([psi, phi]))
         return Followed(
-            psi, phi, True, Leaving(directions, leaving.order, size, math.hypot(*turning))
+            psi, phi, True, PoleDirections(directions, leaving.order, size, math.hypot(*turning))
         )
 
     def window(self, bounds: Bounds, steps: Sequence[Step]) -> None:
@@ -275,7 +277,7 @@ class Watch:
         return self._followed.lost
 
     def _follow(
-        self, bounds: Bounds, turns: quaternion.Turns, n: int, step: Step, taus: Sequence[Any]
+        self, bounds: Bounds, turns: quaternion.TurnBounds, n: int, step: Step, taus: Sequence[Any]
     ) -> Any:
         if not self._followed.known:
             return None

@@ -161,10 +161,10 @@ def _enclosure(job: Task, noise: int) -> Enclosure:
     attitudes = bool({"angles", "attitude"} & {*scene.modelled})
     solution, angles = approximation.forced, "angles" in scene.modelled
 
-    def watch(side: Side, problem: Problem, at: Sequence[Any]) -> list[attitude.Watch]:
+    def watch(side: Side, problem: Problem, at: Sequence[Any]) -> list[attitude.AttitudeWatch]:
         if not attitudes:
             return []
-        return [attitude.Watch(side.motion, problem, at, solution, angles, job.deadline)]
+        return [attitude.AttitudeWatch(side.motion, problem, at, solution, angles, job.deadline)]
 
     rows: dict[int, list[Any]] = {}
     poses: dict[int, attitude.Pose] = {}

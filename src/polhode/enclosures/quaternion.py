@@ -53,7 +53,7 @@ PRODUCT = (
 Solution = Callable[[Doubles, Doubles, Doubles], Doubles]
 
 
-class Turns(NamedTuple):
+class TurnBounds(NamedTuple):
     """The turns v of each step of a window, four polynomials each.
 
     ``near``: doubles of their coefficients, (W, count, 4), off by UNPACKED roundings; ``miss``:
@@ -73,7 +73,7 @@ class Turned:
         self.centre = (1 << problem.fine, 0, 0, 0)  # times 2**-fine
         self.radius = 0.0
 
-    def at(self, turns: Turns, n: int, tau: Any) -> tuple[Sequence[Any], float]:
+    def at(self, turns: TurnBounds, n: int, tau: Any) -> tuple[Sequence[Any], float]:
         """The turn at tau in step n: the four balls of Q~ v(tau), and its distance from U."""
         with ctx.workprec(self.problem.noise + 104):
             unit = arb((1, -turns.pieces.level))
@@ -81,7 +81,7 @@ class Turned:
             before = [arb((x, -self.problem.fine)) for x in self.centre]
             return quaternion_product(before, v), self._after(float(turns.miss[n]))
 
-    def step(self, turns: Turns, n: int) -> None:
+    def step(self, turns: TurnBounds, n: int) -> None:
         """To the end of step n, the centre rounded to 2**-fine."""
         exact = quaternion_product(self.centre, turns.pieces.ends[n].tolist())
         level = turns.pieces.level
@@ -95,7 +95,7 @@ class Turned:
         return UP * (self.radius + grown * miss) + TINY
 
 
-def turns(bounds: Bounds, steps: Sequence[Step], solution: Solution) -> Turns:
+def turns(bounds: Bounds, steps: Sequence[Step], solution: Solution) -> TurnBounds:
     """The turns of a window whose steps have been accepted, with their errors.
 
     v is found by Newton's corrections, until they make the defect no smaller.
@@ -123,7 +123,7 @@ def turns(bounds: Bounds, steps: Sequence[Step], solution: Solution) -> Turns:
     rounded = 0.5 * w.near.shape[1] * math.ldexp(1.0, noise - w.level)
     off = _ROOT_OF_3 * (np.array([step.r for step in steps]) + rounded)
     first = np.array([_start(row, v.level, noise) for row in v.starts.tolist()])
-    return Turns(v, near, UP * (first + defect + 0.5 * w.lengths * off) + TINY)
+    return TurnBounds(v, near, UP * (first + defect + 0.5 * w.lengths * off) + TINY)
 
 
 def _start(row: Sequence[int], level: int, noise: int) -> float:

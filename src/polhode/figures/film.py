@@ -14,7 +14,7 @@ import numpy as np
 
 from polhode.equations.kinematics import turned
 from polhode.figures.canvas import BODY, HIDDEN, SPACE, paper
-from polhode.figures.samples import Motion, Samples, of_samples
+from polhode.figures.samples import Samples, ShownMotion, of_samples
 from polhode.figures.solids import Faces, faces, solids
 from polhode.figures.sphere import IN_SPACE, apex, facing_most
 from polhode.numbers.number_types import Doubles
@@ -59,7 +59,7 @@ def filmed(samples: Samples, tell: Callable[[float], None]) -> Film:
     with paper() as plt:
         figure, axes = plt.subplots(figsize=(INCHES, INCHES), dpi=DOTS, layout="constrained")
         try:
-            drawn = _Frames(motion, axes, end, closed=back is not None)
+            drawn = _FilmFrames(motion, axes, end, closed=back is not None)
             drawn.show(end)  # has every colour
             palette = _picture(figure).quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
             pictures = []
@@ -85,7 +85,7 @@ def _picture(figure: Figure) -> Image:
     return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
 
 
-def return_time(motion: Motion) -> float | None:
+def return_time(motion: ShownMotion) -> float | None:
     """The last time at which attitude and omega are those of the first moment; None if never.
 
     They are to within CLOSED, omega in units of its largest, after the motion has been away from
@@ -117,10 +117,10 @@ def return_time(motion: Motion) -> float | None:
     return None
 
 
-class _Frames:
+class _FilmFrames:
     """A sphere about the fixed point, on which the body turns and its apex leaves a path."""
 
-    def __init__(self, motion: Motion, axes: Axes, end: float, closed: bool) -> None:
+    def __init__(self, motion: ShownMotion, axes: Axes, end: float, closed: bool) -> None:
         self.motion, self.axes, self.closed = motion, axes, closed
         scene = motion.scene
         _, direction = apex(scene)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.dynamics.levels import Column, Levels, levels
+from polhode.dynamics.levels import DiagramColumn, Levels, levels
 from polhode.dynamics.regions import Region
 from polhode.figures import canvas
 from polhode.figures.canvas import label_text, series
@@ -83,14 +83,14 @@ def draw(
     return figure
 
 
-class Window(NamedTuple):
+class DiagramWindow(NamedTuple):
     """What is drawn."""
 
     f: tuple[float, float]
     h: tuple[float, float]
 
 
-def window(result: Levels, f: Any = None, h: Any = None) -> Window:
+def window(result: Levels, f: Any = None, h: Any = None) -> DiagramWindow:
     """The window asked for; unless given, one that holds every special point and the scene."""
     here = to_double(result.here.f), to_double(result.here.h)
     f = None if f is None else _range(result.scene.name, "--f-range", f)
@@ -108,7 +108,7 @@ def window(result: Levels, f: Any = None, h: Any = None) -> Window:
         margin = 0.08 * (max(high) - min(low)) or 1.0
         h = (min(low) - margin, max(high) + margin)
     source = result.scene.name
-    return Window(_range(source, "--f-range", f), _range(source, "--h-range", h))
+    return DiagramWindow(_range(source, "--f-range", f), _range(source, "--h-range", h))
 
 
 def _range(source: str, key: str, limits: Any) -> tuple[float, float]:
@@ -128,7 +128,7 @@ def _range(source: str, key: str, limits: Any) -> tuple[float, float]:
     return first, last
 
 
-def _shades(axes: Axes, result: Levels, shown: Window) -> None:
+def _shades(axes: Axes, result: Levels, shown: DiagramWindow) -> None:
     span = (shown.f[1] - shown.f[0]) / 1e6  # f = 0 itself may be critical everywhere
     ends = [x or (span if x == shown.f[0] else -span) for x in shown.f]
     columns = result.columns(ends[0], ends[1], COLUMNS)
@@ -149,7 +149,11 @@ def _shades(axes: Axes, result: Levels, shown: Window) -> None:
 
 
 def _strip(
-    axes: Axes, left: Column, right: Column, f: tuple[float, float], h: tuple[float, float]
+    axes: Axes,
+    left: DiagramColumn,
+    right: DiagramColumn,
+    f: tuple[float, float],
+    h: tuple[float, float],
 ) -> set[Region]:
     """The regions between two columns that have the same ones; hatched where none is decided."""
     if not left.regions:

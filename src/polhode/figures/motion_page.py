@@ -19,7 +19,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput, printable
 from polhode.common.provenance import __version__
-from polhode.figures.samples import Motion
+from polhode.figures.samples import ShownMotion
 from polhode.figures.solids import solids, unit
 from polhode.figures.sphere import apex
 from polhode.numbers.conversion import to_double
@@ -53,7 +53,7 @@ _CONES = (
 )
 
 
-def page(shown: Motion, title: str, regime: str, words: str, origin: str, command: str) -> str:
+def page(shown: ShownMotion, title: str, regime: str, words: str, origin: str, command: str) -> str:
     """The page as HTML text.
 
     ``words``: what is seen, in sentences; ``origin``: where the numbers come from, a sentence.
@@ -106,7 +106,7 @@ def _filled(template: str, **parts: str) -> str:
     return "".join(pieces)
 
 
-def _data(shown: Motion, words: str) -> dict[str, Any]:
+def _data(shown: ShownMotion, words: str) -> dict[str, Any]:
     """What the page's scripts read."""
     scene, body = shown.scene, shown.scene.body
     begin, end = float(shown.times[0]), float(shown.times[-1])
@@ -158,7 +158,7 @@ def _swing(inertia: Doubles, weight: Sequence[float]) -> float:
     return math.sqrt(float(np.linalg.norm(np.linalg.solve(inertia, torque), 2)))
 
 
-def _heavy(shown: Motion) -> bool:
+def _heavy(shown: ShownMotion) -> bool:
     return not shown.scene.body.torque_free
 
 

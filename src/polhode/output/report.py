@@ -19,7 +19,7 @@ from polhode.judging.reference import reference
 from polhode.judging.tables.table_file import is_table
 from polhode.numbers.number_types import MAX_DIGITS, AnyNumber, AnyVector
 from polhode.output import accuracy, report_page
-from polhode.output.accuracy import Asked, Given, Section
+from polhode.output.accuracy import Given, ReportRequest, SceneSection
 from polhode.results import places, writer
 from polhode.results.cells import TEXT
 from polhode.results.result import Result
@@ -65,7 +65,7 @@ class Report(Result, ByValue):
     (1, True)
     """
 
-    sections: Sequence[Section]
+    sections: Sequence[SceneSection]
 
     def __repr__(self) -> str:
         return f"<Report: {counted(len(self.sections), 'scene')}>"
@@ -206,7 +206,7 @@ def report(
     >>> 15 < found.column("digits_files")[0] <= 16
     True
     """
-    request = Asked(number, digits, max_seconds, columns, read)
+    request = ReportRequest(number, digits, max_seconds, columns, read)
     say = progress or _unsaid
     groups = _grouped(what)
     scenes = [_timed(scene, end, at) for scene, _ in groups]
@@ -235,7 +235,7 @@ def _grouped(sources: Sequence[Any]) -> list[tuple[Scene, list[Given]]]:
     """The scenes, each with the tables that are judged against it; raises BadInput."""
     groups: list[tuple[Scene, list[Given]]] = []
     for k, source in enumerate(sources, 1):
-        table_given = None if isinstance(source, Scene) else _given(source, k)
+        table_given = None if isinstance(source, Scene) else _table_of(source, k)
         if table_given is None:
             groups.append((library.load(source, takes=REQUESTS), []))
             continue
@@ -258,7 +258,7 @@ def _grouped(sources: Sequence[Any]) -> list[tuple[Scene, list[Given]]]:
     return groups
 
 
-def _given(source: Any, place: int) -> Given | None:
+def _table_of(source: Any, place: int) -> Given | None:
     """A table; None for what is to be read as a scene."""
     if isinstance(source, Trajectory):
         return Given(f"run of {source.scene.name}", source)

@@ -20,7 +20,7 @@ from polhode.common.provenance import cpu, versions
 from polhode.common.texts import JsonObject
 from polhode.figures import accuracy, canvas
 from polhode.numbers.decimals import brief
-from polhode.output.accuracy import BAD, FAIR, GOOD, UNKNOWN, Section
+from polhode.output.accuracy import BAD, FAIR, GOOD, UNKNOWN, SceneSection
 from polhode.results import writer
 from polhode.results.cells import doubles, word_of
 from polhode.results.table import Table, Value
@@ -54,7 +54,7 @@ _ALTS = {
 _NO_FIGURES = "The figures need matplotlib, which is not installed: pip install 'polhode[figures]'."
 
 
-class Page:
+class ReportPage:
     """A page as Markdown and as HTML, block by block; pictures are those that were drawn."""
 
     def __init__(self, path: Path, svgs: Mapping[str, str]) -> None:
@@ -130,7 +130,7 @@ def write(texts: Mapping[Path, str | bytes]) -> None:
     write_whole(texts)
 
 
-def figures(sections: Sequence[Section], parts: Sequence[Tables]) -> Mapping[str, str]:
+def figures(sections: Sequence[SceneSection], parts: Sequence[Tables]) -> Mapping[str, str]:
     """All figures as SVG by the names of their files; none where matplotlib is not installed."""
     try:
         canvas.require()
@@ -151,10 +151,10 @@ def figures(sections: Sequence[Section], parts: Sequence[Tables]) -> Mapping[str
 
 
 def page(
-    path: Path, sections: Sequence[Section], parts: Sequence[Tables], svgs: Mapping[str, str]
-) -> Page:
+    path: Path, sections: Sequence[SceneSection], parts: Sequence[Tables], svgs: Mapping[str, str]
+) -> ReportPage:
     """A row for each scene, then a section each; ``parts``: the tables of each."""
-    to = Page(path, svgs)
+    to = ReportPage(path, svgs)
     to.heading(1, TITLE)
     _first(to, sections, parts)
     if not svgs:
@@ -167,7 +167,7 @@ def page(
     return to
 
 
-def _first(to: Page, sections: Sequence[Section], parts: Sequence[Tables]) -> None:
+def _first(to: ReportPage, sections: Sequence[SceneSection], parts: Sequence[Tables]) -> None:
     rows = []
     for of in parts:
         ((name, verdict, limit, _, regime, motion, *digits, _, fewest),) = _rows(of["overview"])
@@ -179,7 +179,7 @@ def _first(to: Page, sections: Sequence[Section], parts: Sequence[Tables]) -> No
     to.words(f"Digits of the runs: {', '.join(x.name for x in sections[0].lines)}. {_LEGEND}")
 
 
-def _scene(to: Page, of: Tables, section: Section, k: int) -> None:
+def _scene(to: ReportPage, of: Tables, section: SceneSection, k: int) -> None:
     scene = section.scene
     title = f"{scene.name}: {one_line(scene.title)}" if scene.title else scene.name
     to.heading(2, title, f"scene-{k}")
@@ -214,14 +214,14 @@ _DRIFT_MEANS = (
 )
 
 
-def _measured_against(section: Section) -> str:
+def _measured_against(section: SceneSection) -> str:
     against, times = section.reference, len(section.scene.times)
     how = "the closed form in balls" if against.is_closed_form else "a proven enclosure"
     thinned = f" of the scene's {section.times}" if section.times > times else ""
     return f"Measured against {how} ({against.kind}: {against.regime}) at {times}{thinned} times."
 
 
-def _add_digits(to: Page, of: Tables) -> None:
+def _add_digits(to: ReportPage, of: Tables) -> None:
     """Times down, runs and files across: the digits, and in brackets the band expected."""
     rows = _rows(of["digits"])
     names = [*dict.fromkeys(row[1] for row in rows)]
@@ -247,7 +247,7 @@ def _digits(x: float) -> str:
     return "" if math.isnan(x) else f"{x:.2f}"
 
 
-def _add_limits(to: Page, of: Tables, section: Section) -> None:
+def _add_limits(to: ReportPage, of: Tables, section: SceneSection) -> None:
     to.heading(3, "What limits them, and how far each number type reaches")
     header, rows = _shown(of["runs"])
     names = ("run", "digits", "t_of_digits", "digits_end", "limit", "half_lost_after", "lost_after")
@@ -265,7 +265,7 @@ def _add_limits(to: Page, of: Tables, section: Section) -> None:
     to.words(f"The motion is {section.motion}.{sentence + '.' if sentence else ''} {beyond}")
 
 
-def _add_files(to: Page, section: Section) -> None:
+def _add_files(to: ReportPage, section: SceneSection) -> None:
     for line in section.files:
         to.heading(3, f"File {line.name}: {line.mark(section.wanted)}")
         to.verbatim(line.sentence if line.judgement is None else str(line.judgement))
@@ -279,7 +279,7 @@ def _add_files(to: Page, section: Section) -> None:
         to.verbatim(str(order))
 
 
-def _add_events(to: Page, of: Tables, section: Section) -> None:
+def _add_events(to: ReportPage, of: Tables, section: SceneSection) -> None:
     header, rows = _shown(of["events"])
     if not rows:
         return
@@ -293,7 +293,7 @@ def _add_events(to: Page, of: Tables, section: Section) -> None:
     to.grid(header, shown)
 
 
-def _add_table(to: Page, of: Tables, name: str, title: str = "", text: str = "") -> None:
+def _add_table(to: ReportPage, of: Tables, name: str, title: str = "", text: str = "") -> None:
     header, rows = _shown(of[name])
     if not rows:
         return
@@ -304,7 +304,7 @@ def _add_table(to: Page, of: Tables, name: str, title: str = "", text: str = "")
     to.grid(header, rows)
 
 
-def of_tests(path: Path, rows: Sequence[JsonObject]) -> Page:
+def of_tests(path: Path, rows: Sequence[JsonObject]) -> ReportPage:
     """The page of a test suite's judgements.
 
     ``rows``: of each judgement the test and whether it passed, the scene, the times, the digits,
@@ -316,7 +316,7 @@ def of_tests(path: Path, rows: Sequence[JsonObject]) -> Page:
     cells = [
         (x["test"], marks[x["passed"]], f"{x['worst']:.2f}", x["scene"], x["verdict"]) for x in rows
     ]
-    to = Page(path, svgs)
+    to = ReportPage(path, svgs)
     to.heading(1, TITLE)
     to.grid(header, cells)
     for k, scene in enumerate(dict.fromkeys(row["scene"] for row in rows), 1):

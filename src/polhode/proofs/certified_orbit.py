@@ -72,7 +72,7 @@ class Candidate(NamedTuple):
     period: Fraction
 
 
-class Proof(NamedTuple):
+class OrbitProof(NamedTuple):
     """What the checker proved, of which guesses; ``runs``: how often it was called.
 
     Of bodies within a tolerance in their principal axes, else in the scene's.
@@ -112,13 +112,13 @@ def certified(
     digits: int,
     progress: Message | None = None,
     tolerance: Fraction | None = None,
-) -> Proof:
+) -> OrbitProof:
     """The first certificate with so many digits that the checker proves; raises NotProved."""
     proof = _certified(candidate, digits, progress)
     return _of_bodies(candidate, proof, tolerance) if tolerance else proof
 
 
-def _certified(candidate: Candidate, digits: int, progress: Message | None) -> Proof:
+def _certified(candidate: Candidate, digits: int, progress: Message | None) -> OrbitProof:
     place = max(digits // 2 + _CENTRE, digits - _FEWER)
     bits = math.ceil(BITS_A_DIGIT * digits) + _SPARE
     why, have = "", 0.0
@@ -143,8 +143,8 @@ def _certified(candidate: Candidate, digits: int, progress: Message | None) -> P
         place, bits = place + more // 2 + 1, bits + math.ceil(BITS_A_DIGIT * more)
     if why or have < digits:
         why = why or f"{have:.1f} digits are proved, not {digits}"
-        raise NotProved(f"{candidate.name}: {_told(candidate, why)}")
-    return Proof(zero, certificate, have, tried + 1)
+        raise NotProved(f"{candidate.name}: {_refusal(candidate, why)}")
+    return OrbitProof(zero, certificate, have, tried + 1)
 
 
 def _chosen(candidate: Candidate, place: int, choice: Choice) -> tuple[Problem, Choice]:
@@ -156,7 +156,7 @@ def _chosen(candidate: Candidate, place: int, choice: Choice) -> tuple[Problem, 
     try:
         fine = high_precision.refined(on, orbit, [exactly(x) for x in orbit.state.tolist()], place)
     except NotClosed as fault:
-        raise NotProved(f"{candidate.name}: {_told(candidate, str(fault))}") from None
+        raise NotProved(f"{candidate.name}: {_refusal(candidate, str(fault))}") from None
     start = [Fraction(x) for x in (*fine.omega, *fine.gamma)]
     radius = Fraction(1, 10 ** (place - _BOX))
     problem = Problem(on.scene.body, on.h, on.f, start, Fraction(fine.period))
@@ -182,7 +182,7 @@ def _condition(candidate: Candidate) -> float:
     return float(sizes[0] / sizes[-1]) if sizes[-1] else math.inf
 
 
-def _told(candidate: Candidate, why: str) -> str:
+def _refusal(candidate: Candidate, why: str) -> str:
     """What the checker refused, and what may be done about it."""
     if isinstance(candidate.closed, str):
         return f"no periodic orbit is near the start, {candidate.closed}: {why}; try another start"
@@ -202,7 +202,7 @@ def _told(candidate: Candidate, why: str) -> str:
 # -- many bodies ----------------------------------------------------------------------------------
 
 
-def _of_bodies(candidate: Candidate, proof: Proof, tolerance: Fraction) -> Proof:
+def _of_bodies(candidate: Candidate, proof: OrbitProof, tolerance: Fraction) -> OrbitProof:
     """The certificate of all bodies; raises NotProved, with the widest tolerance that works.
 
     The box is to hold the orbits of all of them, on the one level, and Krawczyk's test fails for a
@@ -225,7 +225,7 @@ def _of_bodies(candidate: Candidate, proof: Proof, tolerance: Fraction) -> Proof
     raise NotProved(f"{candidate.name}: {sentence}")
 
 
-def _of_all(candidate: Candidate, proof: Proof, tolerance: Fraction) -> Proof:
+def _of_all(candidate: Candidate, proof: OrbitProof, tolerance: Fraction) -> OrbitProof:
     """The proof in the first box that is large enough; raises the checker's NotProved."""
     on, bits = candidate.on, math.floor(-math.log2(to_double(tolerance)))
     start = _in_principal_axes(on.scene.body, [middle(x) for x in proof.zero.start])
@@ -246,7 +246,7 @@ def _of_all(candidate: Candidate, proof: Proof, tolerance: Fraction) -> Proof:
             continue
         # a box about a centre that is off by its own size tells of no neighbourhood
         if min(zero.alone) > 0 and not zero.repeated:
-            return Proof(zero, certificate, _digits_of(candidate, zero), proof.runs + 1)
+            return OrbitProof(zero, certificate, _digits_of(candidate, zero), proof.runs + 1)
     raise last
 
 

@@ -20,7 +20,7 @@ from polhode.common.interrupts import Message
 from polhode.dynamics.families import orbit_search
 from polhode.dynamics.newton_shooting import Surface
 from polhode.dynamics.orbit import Orbit
-from polhode.dynamics.starts import MAXIMA, asked_of
+from polhode.dynamics.starts import MAXIMA, cut_of
 from polhode.enclosures.fixed_point_problem import Motion, motion, unit_for, upper
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import to_double
@@ -189,11 +189,11 @@ def prove_chaos(
     """
     scene = library.load(scene, takes=REQUESTS)
     most = whole(scene.name, "tries", tries, 1, MOST_TRIES)
-    cut = asked_of(scene, MOMENTUM, MAXIMA, h, f)
+    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
     on = Surface(scene, cut.h, cut.f)
     if orbit is not None:
         near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit, takes=REQUESTS)
-        return _Search(on, most, progress).found([near_scene(on, near)])
+        return _ChaosSearch(on, most, progress).found([near_scene(on, near)])
     if progress is not None:
         progress("unstable periodic orbits of the level")
     some = orbit_search(scene, _GRID, _RETURNS, h, f)
@@ -204,10 +204,10 @@ def prove_chaos(
     if not unstable:
         raise NotProved(f"{scene.name}: no unstable periodic orbit was found on the level")
     guesses = [of_closed(some.surface, some.closed[k]) for k in unstable[:_ORBITS]]
-    return _Search(on, most, progress).found(guesses)
+    return _ChaosSearch(on, most, progress).found(guesses)
 
 
-class _Search:
+class _ChaosSearch:
     """The tries of one proof."""
 
     def __init__(self, on: Surface, most: int, progress: Message | None) -> None:

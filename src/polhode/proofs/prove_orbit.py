@@ -15,7 +15,7 @@ from polhode.dynamics.families import OrbitSearch, orbit_search
 from polhode.dynamics.newton_shooting import Surface
 from polhode.dynamics.orbit import Orbit
 from polhode.dynamics.orbit import orbit as approximate
-from polhode.dynamics.starts import MAXIMA, asked_of
+from polhode.dynamics.starts import MAXIMA, cut_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import sign
@@ -100,7 +100,7 @@ def prove_orbit(
         orbit = approximate(scene, h=h, f=f, period=period, returns=returns, progress=progress)
     elif period is not None or returns is not None:
         raise BadInput(scene.name, "orbit", None, "no period, returns with it")
-    cut = asked_of(scene, MOMENTUM, MAXIMA, h, f)
+    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
     on = Surface(scene, cut.h, cut.f)
     if isinstance(orbit, Orbit) and _alike(orbit.surface, on):
         candidate = certified_orbit.of_closed(on, orbit.closed)

@@ -201,7 +201,7 @@ class ProvedOrbit(ProvedResult, ByValue):
 
 
 def of_proof(
-    on: Surface, proof: certified_orbit.Proof, tolerance: Fraction, seconds: float
+    on: Surface, proof: certified_orbit.OrbitProof, tolerance: Fraction, seconds: float
 ) -> ProvedOrbit:
     """What the checker proved, stated in its certificate; raises NotProved."""
     zero, name = proof.zero, on.scene.name

@@ -23,10 +23,10 @@ from polhode.numbers.number_types import Booleans, Complexes, Doubles, GivenRow,
 from polhode.numbers.vectors import quaternion_product
 from polhode.refined.collocation_tables import Tables
 from polhode.refined.compiled_field import FIELD_SHIFT
-from polhode.refined.deferred_correction import Constants, iterated
+from polhode.refined.deferred_correction import BlockConstants, iterated
 from polhode.refined.double_run import rational
-from polhode.refined.errors import CannotRefine, TooLong
-from polhode.refined.expansions import Levels, Limbs, product
+from polhode.refined.errors import CannotRefine, IntervalsTooLong
+from polhode.refined.expansions import Limbs, LimbSums, product
 from polhode.scenes.scene import Scene
 
 QUATERNION = 4
@@ -35,7 +35,7 @@ _STAGES = 1e-11  # to which a correction is, relative
 _ENDS = 1e-12  # relative error of the ends' last correction, at most
 
 
-class Turns(NamedTuple):
+class BlockTurns(NamedTuple):
     """T of N intervals.  ``ends``: four integers times 2**-finest each; ``path``: T at the nodes,
     in double, (4, M, N)."""
 
@@ -43,7 +43,9 @@ class Turns(NamedTuple):
     path: Doubles
 
 
-def turns(constants: Constants, stages: Doubles, lengths: Doubles, largest_tail: float) -> Turns:
+def turns(
+    constants: BlockConstants, stages: Doubles, lengths: Doubles, largest_tail: float
+) -> BlockTurns:
     """T along N intervals: stages (6, L, M, N) and lengths (L, N) in limbs.
 
     Raises TooLong for intervals with too few nodes for it, or CannotRefine.
@@ -71,9 +73,9 @@ def turns(constants: Constants, stages: Doubles, lengths: Doubles, largest_tail:
         size = float(np.abs(r).max())
         if count and size * _ENDS < constants.target:
             if (tails > largest_tail).any():  # told by the last sweep, which no guess disturbs
-                raise TooLong(tails > largest_tail)
+                raise IntervalsTooLong(tails > largest_tail)
             whole = ends.transpose(2, 0, 1).tolist()
-            return Turns([[limbs.integer(x) for x in row] for row in whole], t)
+            return BlockTurns([[limbs.integer(x) for x in row] for row in whole], t)
         rest = np.zeros_like(t)
 
         def correct(r: Doubles = r, rest: Doubles = rest) -> None:
@@ -106,7 +108,7 @@ def _field(kind: Limbs, t: Doubles, omega: Doubles, lengths: Doubles) -> Doubles
     """H T ⊗ w in limbs (4, L, M, N); |T|, |w| <= 1 and H |w| <= 4, as the kernels' field has it."""
     q, w = ([list(x) for x in part] for part in (t, omega))
     minus = [-x for x in q[1]], [-x for x in q[2]], [-x for x in q[3]]
-    rates: list[Levels] = [
+    rates: list[LimbSums] = [
         product(minus[0], w[0]) + product(minus[1], w[1]) + product(minus[2], w[2]),
         product(q[0], w[0]) + product(q[2], w[2]) + product(minus[2], w[1]),
         product(q[0], w[1]) + product(q[3], w[0]) + product(minus[0], w[2]),
@@ -159,7 +161,7 @@ _NEAREST = 1e-12  # to a pole, where psi and phi cannot be told in double any mo
 _PARTS = 8  # of a piece of path that comes near
 
 
-class Attitude(NamedTuple):
+class RefinedAttitude(NamedTuple):
     """At an output: the quaternion, rationals, and by how much (psi + phi)/2 and (psi - phi)/2 have
     grown since the start, in double."""
 
@@ -178,8 +180,13 @@ class Following:
         self._windings = np.zeros(2)
 
     def advance(
-        self, block_turns: Turns, chain: int, starts: Integers, nodes: Doubles, lengths: Doubles
-    ) -> list[Attitude]:
+        self,
+        block_turns: BlockTurns,
+        chain: int,
+        starts: Integers,
+        nodes: Doubles,
+        lengths: Doubles,
+    ) -> list[RefinedAttitude]:
         """Go on over a block's chain; the attitudes at its outputs.
 
         ``starts``: of the intervals, counted in edges; ``nodes``: c_j; ``lengths``: (N,).
@@ -204,7 +211,7 @@ class Following:
                 for row in self._frame
             )
             sums = before[:, starts[i]] + wound[:, i]
-            outputs.append(Attitude(quaternion, (float(sums[0]), float(sums[1]))))
+            outputs.append(RefinedAttitude(quaternion, (float(sums[0]), float(sums[1]))))
         self._now, self._windings = edges[chain], before[:, chain]
         return outputs
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from polhode.equations.terms import NAMES, ROWS, SLOPES, Term
 from polhode.refined.errors import CannotRefine
-from polhode.refined.expansions import Levels, Limbs, product
+from polhode.refined.expansions import Limbs, LimbSums, product
 from polhode.taylor.heyoka import hy
 
 VARIABLES = len(ROWS)
@@ -71,7 +71,7 @@ def _field(kind: Limbs) -> Any:
     return hy.cfunc([e for row in rows for e in row], x, compact_mode=n >= _COMPACT_FROM)
 
 
-def _value(term: Term, limbs: list[list[Any]], k: list[list[Any]], kind: Limbs) -> Levels:
+def _value(term: Term, limbs: list[list[Any]], k: list[list[Any]], kind: Limbs) -> LimbSums:
     """A term but for its sign."""
     x, *y = (limbs[n] for n in term.factors)
     if term.coefficient is None:
@@ -79,7 +79,7 @@ def _value(term: Term, limbs: list[list[Any]], k: list[list[Any]], kind: Limbs) 
     return product(k[term.coefficient], product(x, y[0]).limbs(kind) if y else x)
 
 
-def _times(rate: Levels, length: list[Any], kind: Limbs) -> list[Any]:
+def _times(rate: LimbSums, length: list[Any], kind: Limbs) -> list[Any]:
     return product(length, rate.limbs(kind)).limbs(kind.shifted(FIELD_SHIFT))
 
 

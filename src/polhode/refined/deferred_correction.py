@@ -11,11 +11,11 @@ import numpy as np
 from polhode.numbers.number_types import Doubles, Integers
 from polhode.refined.collocation_tables import LARGEST_FIELD, Tables
 from polhode.refined.compiled_field import COEFFICIENTS, VARIABLES, Kernels
-from polhode.refined.errors import CannotRefine, Stalled, TooFarOff, TooLong
+from polhode.refined.errors import CannotRefine, IntervalsTooLong, Stalled, TooFarOff
 from polhode.refined.expansions import Limbs
 
 
-class Chain:
+class LinearChain:
     """The transition matrices of successive intervals, (K, 6, 6), cut into about sqrt(K) chunks.
 
     All chunks advance together; then their ends are joined, one after the other.
@@ -81,7 +81,7 @@ _LOOK = 3  # turns between two looks at an iteration's change
 
 
 @dataclass(frozen=True, eq=False)
-class Constants:
+class BlockConstants:
     """What all blocks of a run share: the numbers' kind, compiled functions, tables, the body's
     coefficients as limbs (9, L), the error wanted on each interval, the sweeps allowed."""
 
@@ -111,7 +111,7 @@ class Intervals:
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
+class SolvedBlock:
     """A block's final states, and what its error estimate is made of; arrays over the intervals.
 
     ``drift``: how far the guess was off, at each end (N,).  ``unfinished``: error left of the
@@ -127,7 +127,7 @@ class Solved:
     stages: Doubles | None = None
 
 
-def solve(constants: Constants, work: Intervals, with_stages: bool = False) -> Solved:
+def solve(constants: BlockConstants, work: Intervals, with_stages: bool = False) -> SolvedBlock:
     """Sweep until the error left is below the target.
 
     ``with_stages``: the last correction of the stages is made, too, and they are given back.
@@ -160,14 +160,14 @@ def solve(constants: Constants, work: Intervals, with_stages: bool = False) -> S
             if with_stages:
                 sweep.move_stages(defect, e, _STAGES)
             stages = sweep.stages if with_stages else None
-            return Solved(sweep.states, drift, unfinished, tails, sweep.transitions, stages)
+            return SolvedBlock(sweep.states, drift, unfinished, tails, sweep.transitions, stages)
         enough = _enough(largest, relative, constants.target)
         sweep.move_stages(defect, e, enough)
         before = largest
     raise Stalled("the sweeps do not converge")
 
 
-def _levels(constants: Constants, before: float, left: float) -> int:
+def _levels(constants: BlockConstants, before: float, left: float) -> int:
     """How many levels of the products this sweep can make use of, the tail counted.
 
     The defect, no larger than ``before``, can be reduced no further than its 1e-24 part; where the
@@ -199,7 +199,7 @@ def _check_drift(errors: Doubles, work: Intervals) -> None:
 class _Sweep:
     """The arrays of a block under way: states at ends and stages, and the transitions."""
 
-    def __init__(self, constants: Constants, work: Intervals) -> None:
+    def __init__(self, constants: BlockConstants, work: Intervals) -> None:
         self.constants, self.work = constants, work
         self.states = work.states.copy()
         guess = work.guess
@@ -254,7 +254,7 @@ class _Sweep:
         )
         self._back = np.linalg.inv(end)
         self.transitions = self._back @ start
-        self._chain = Chain(self.transitions[: self.work.chain])
+        self._chain = LinearChain(self.transitions[: self.work.chain])
 
     def defects(self, count: int) -> tuple[Doubles, Doubles, Doubles]:
         """r at the stages (6, M, N), at the ends (6, N), and the last Legendre coefficients (N,).
@@ -289,7 +289,7 @@ class _Sweep:
         if not (largest <= LARGEST_FIELD).all():
             if not np.isfinite(largest).all():
                 raise CannotRefine("a stage became infinite")
-            raise TooLong(largest > LARGEST_FIELD)
+            raise IntervalsTooLong(largest > LARGEST_FIELD)
 
     def ends(self, defect: Doubles, end_defect: Doubles) -> Doubles:
         """e at every slot, (6, slots)."""

@@ -112,7 +112,7 @@ def rounded(v: Any, place: int) -> Any:
     return (v + c) - c
 
 
-class Levels:
+class LimbSums:
     """A sum of products of limbs before it is one number: by the sum of the limbs' indices.
 
     ``exact``: the sums for index sums 2 to L, each exact.  ``tail``: what index sums L + 1 and
@@ -122,13 +122,13 @@ class Levels:
     def __init__(self, exact: list[Any], tail: Any) -> None:
         self.exact, self.tail = exact, tail
 
-    def __add__(self, other: Levels) -> Levels:
+    def __add__(self, other: LimbSums) -> LimbSums:
         pairs = zip(self.exact, other.exact, strict=True)
-        return Levels([a + b for a, b in pairs], self.tail + other.tail)
+        return LimbSums([a + b for a, b in pairs], self.tail + other.tail)
 
-    def __sub__(self, other: Levels) -> Levels:
+    def __sub__(self, other: LimbSums) -> LimbSums:
         pairs = zip(self.exact, other.exact, strict=True)
-        return Levels([a - b for a, b in pairs], self.tail - other.tail)
+        return LimbSums([a - b for a, b in pairs], self.tail - other.tail)
 
     def limbs(self, kind: Limbs) -> list[Any]:
         """The number again as limbs.
@@ -144,7 +144,7 @@ class Levels:
         return [*limbs, rest]
 
 
-def product(x: Sequence[Any], y: Sequence[Any]) -> Levels:
+def product(x: Sequence[Any], y: Sequence[Any]) -> LimbSums:
     """x·y by levels.
 
     A level of index sum l is a sum of l - 1 products, each a multiple of 2**-(B l) of at most
@@ -152,7 +152,7 @@ def product(x: Sequence[Any], y: Sequence[Any]) -> Levels:
     """
     count = len(x)
     exact = [_sum(x, y, total) for total in range(2, count + 1)]
-    return Levels(exact, _sum(x, y, count + 2) + _sum(x, y, count + 1))
+    return LimbSums(exact, _sum(x, y, count + 2) + _sum(x, y, count + 1))
 
 
 def _sum(x: Sequence[Any], y: Sequence[Any], total: int) -> Any:

@@ -39,7 +39,7 @@ from polhode.numbers.number_types import Scalar
 
 
 @dataclass(frozen=True)
-class Coefficients:
+class ChaplyginCoefficients:
     """Of a body that fits; ``cube`` is B1^3, ``ratio`` C1/B1."""
 
     b2: Exact
@@ -59,12 +59,12 @@ def ratio_of(scene: NormalScene) -> Exact:
     return -(3 * A - 2 * B) * (A - 2 * B) / ((3 * A - 2 * C) * (A - 2 * C))
 
 
-def coefficients(scene: NormalScene) -> Coefficients:
+def coefficients(scene: NormalScene) -> ChaplyginCoefficients:
     """Of a body that fits."""
     (A, B, C), c = scene.moments, scene.torque[0]
     ratio = ratio_of(scene)
     K = ratio * (B - C) ** 2 * (C * C * ratio + B * B) / (9 * A * A)
-    return Coefficients(
+    return ChaplyginCoefficients(
         b2=A * (A - C) / ((A - 2 * B) * (B - C)),
         c2=-A * (A - B) / ((A - 2 * C) * (B - C)),
         ratio=ratio,
@@ -120,7 +120,7 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     )
 
 
-def _at_rest(scene: NormalScene, x: Coefficients) -> Iterator[Condition]:
+def _at_rest(scene: NormalScene, x: ChaplyginCoefficients) -> Iterator[Condition]:
     """Where the orbit passes w = 0: gamma1 = 0, and Y^2 = B1 there."""
     (A, B, C), c = scene.moments, scene.torque[0]
     yield equal("gamma1 = 0", scene.gamma[0], ZERO, ONE)
@@ -135,7 +135,7 @@ class Chaplygin(OrbitPlacement):
     name = "Chaplygin 1904"
     conditions = staticmethod(conditions)
 
-    def _begin(self, x: Coefficients) -> tuple[Exact, Exact, Exact]:
+    def _begin(self, x: ChaplyginCoefficients) -> tuple[Exact, Exact, Exact]:
         """z, Y, Z at t = 0."""
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega
         if sign(p):

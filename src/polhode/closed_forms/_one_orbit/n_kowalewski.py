@@ -36,7 +36,7 @@ from polhode.closed_forms.membership import (
 from polhode.numbers.exact import ONE, Exact, sqrt
 
 
-class Coefficients(NamedTuple):
+class KowalewskiPolynomials(NamedTuple):
     """h, Q and R of a body that fits, for C = c3 = 1, and c3^4."""
 
     h: Exact
@@ -50,7 +50,7 @@ class Coefficients(NamedTuple):
         return sqrt(sqrt(self.fourth))
 
 
-def coefficients(scene: NormalScene) -> Coefficients:
+def coefficients(scene: NormalScene) -> KowalewskiPolynomials:
     """Of a body that fits; |gamma| = 1 gives c3^4."""
     (A, B, C), c = scene.moments, scene.torque[0]
     x = B / C
@@ -66,10 +66,10 @@ def coefficients(scene: NormalScene) -> Coefficients:
     h = 1458 * three**2 * two**3 * cubic / (x * x * D**6)
     level, lever = h - (x * b0 + c0) / 2, (x - 1) * C / (2 * A)
     K = level**2 + b0 * (lever * c1) ** 2 + c0 * (x * lever * b1) ** 2
-    return Coefficients(h, (b0, b1, b2), (c0, c1, c2, ONE), K * C * C / (c * c))
+    return KowalewskiPolynomials(h, (b0, b1, b2), (c0, c1, c2, ONE), K * C * C / (c * c))
 
 
-def gamma_of(scene: NormalScene, polynomials: Coefficients) -> GammaOfOmega:
+def gamma_of(scene: NormalScene, polynomials: KowalewskiPolynomials) -> GammaOfOmega:
     """gamma, q^2 and r^2 as polynomials in p."""
     (h, Q, R, _), c3 = polynomials, polynomials.c3
     Q, R = (

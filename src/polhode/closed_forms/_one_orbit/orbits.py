@@ -22,7 +22,7 @@ from polhode.closed_forms.balls.core import TooFewBits, ball, root, square
 from polhode.closed_forms.balls.frames import Frame, Motion, StateAndTurning
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.balls.periodic_attitude import (
-    Equations,
+    BallEquations,
     PeriodicAttitude,
     PeriodicOrbit,
     Strip,
@@ -127,10 +127,10 @@ class OrbitPlacement(Placement):
         self._strip = attitude.strip
         return attitude
 
-    def _equations(self) -> Equations | None:
+    def _equations(self) -> BallEquations | None:
         """The body's, at the precision in force."""
         moments, torque = ([ball(x) for x in v] for v in (self.normal.moments, self.normal.torque))
-        return Equations(moments, torque)
+        return BallEquations(moments, torque)
 
 
 # --- gamma ----------------------------------------------------------------------------------------

@@ -118,7 +118,7 @@ class PeriodicOrbit:
 
 
 @dataclass(frozen=True)
-class Equations:
+class BallEquations:
     """Euler's and Poisson's equations of a body, I w' + w x I w = g x T, g' = g x w."""
 
     moments: Sequence[Scalar]
@@ -172,7 +172,7 @@ class PeriodicAttitude:
         orbit: PeriodicOrbit,
         size: arb,
         speed: arb,
-        equations: Equations | None,
+        equations: BallEquations | None,
         strip: Strip | None = None,
     ) -> None:
         self._orbit, self._size, self._equations = orbit, size, equations

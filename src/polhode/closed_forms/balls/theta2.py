@@ -173,7 +173,7 @@ class Theta2:
             side = -1 if (a1 * l[0] + a2 * l[1] + b1 * k[0] + b2 * k[1]) % 2 else 1
             turns = (a1 * b1 + a2 * b2) % 4
             value, d1, d2 = (
-                _turned(side * _mixed(even, odd, (b1, b2), i, j), turns)
+                _rotated(side * _mixed(even, odd, (b1, b2), i, j), turns)
                 for i, j in ((0, 0), (1, 0), (0, 1))
             )
             value += self._errors[0]
@@ -257,7 +257,7 @@ def _mixed(even: acb_mat, odd: acb_mat, b: tuple[int, int], i: int, j: int) -> a
     return first - second if b[0] else first + second
 
 
-def _turned(x: acb, turns: int) -> acb:
+def _rotated(x: acb, turns: int) -> acb:
     """i^turns x."""
     if turns % 2:
         x = acb(-x.imag, x.real)

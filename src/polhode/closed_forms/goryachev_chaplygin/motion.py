@@ -29,7 +29,12 @@ from polhode.closed_forms.goryachev_chaplygin.place import (
     Regime,
     Start,
 )
-from polhode.closed_forms.goryachev_chaplygin.separated import Point, Separated, positive, sines
+from polhode.closed_forms.goryachev_chaplygin.separated import (
+    Separated,
+    SeparatedPoint,
+    positive,
+    sines,
+)
 from polhode.numbers.exact import Exact
 from polhode.numbers.vectors import is_zero
 
@@ -48,7 +53,7 @@ class GoryachevState:
 
     def at(self, t: arb) -> Sequence[arb]:
         """p, q, r, g1, g2, g3."""
-        point: Point = self.path.at(t)
+        point: SeparatedPoint = self.path.at(t)
         (sx, cx), (se, ce) = point.xi, point.et
         u_share, v_share, both = point.shares
         half = self._side * point.root / 2
@@ -148,7 +153,7 @@ class Libration(Swinging):
         self._l, self._across = ((fu - fv) / 2).sin() / mean, (fu.sin() * fv.sin()).sqrt() / mean
         self._begin(fu, fv)
 
-    def at(self, t: arb) -> Point:
+    def at(self, t: arb) -> SeparatedPoint:
         """The point at a time."""
         m, m1, l, across = self._m, self._m1, self._l, self._across
         sn, cn, dn = self._functions(t)
@@ -162,7 +167,7 @@ class Libration(Swinging):
         size = 2 * (self._a * m * m1).sqrt()
         u_part, v_part, both = (CP + l * CF) / Du, (CP - l * CF) / Dv, across / (Du * Dv).sqrt()
         total = u_part + v_part
-        return Point(
+        return SeparatedPoint(
             size * su / Du,
             size * sv / Dv,
             size * SF * both,
@@ -192,7 +197,7 @@ class Rotation(Swinging):
         self._sin, self._cos = ((fu - fv) / 2).sin_cos()
         self._begin(fu, fv)
 
-    def at(self, t: arb) -> Point:
+    def at(self, t: arb) -> SeparatedPoint:
         """The point at a time."""
         m, m1, SP, CP = self._m, self._m1, self._sin, self._cos
         sn, cn, dn = self._functions(t)
@@ -216,7 +221,7 @@ class Separatrix:
         self._y0 = (first.asinh() + second.asinh()) / 2
         self._apart = (first - second) / 2
 
-    def at(self, t: arb) -> Point:
+    def at(self, t: arb) -> SeparatedPoint:
         """The point at a time: sinh b = apart/cosh y."""
         sinh, cosh = (self._y0 + self._rate * t).sinh_cosh()
         sb = self._apart / cosh

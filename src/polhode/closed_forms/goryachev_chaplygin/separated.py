@@ -39,7 +39,7 @@ _HALVINGS = 80
 _NEAR, _ROUGH = 1e-12, 1e-8  # steps that end the rough searches, over the size
 
 
-class Point(NamedTuple):
+class SeparatedPoint(NamedTuple):
     """Everything that the state is made of, at one time; u, v and root may be negative together."""
 
     u: arb
@@ -50,10 +50,10 @@ class Point(NamedTuple):
     et: tuple[arb, arb]
 
 
-def positive(u: arb, v: arb, xi: tuple[arb, arb], et: tuple[arb, arb]) -> Point:
+def positive(u: arb, v: arb, xi: tuple[arb, arb], et: tuple[arb, arb]) -> SeparatedPoint:
     """A point with u, v > 0."""
     root, total = (u * v).sqrt(), u + v
-    return Point(u, v, root, (u / total, v / total, root / total), xi, et)
+    return SeparatedPoint(u, v, root, (u / total, v / total, root / total), xi, et)
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ class Separated:
             return None
         return 4 * (u.U[-1] + v.z * u.S[-1])
 
-    def at(self, t: arb) -> Point:
+    def at(self, t: arb) -> SeparatedPoint:
         """The point at a time."""
         x, y = self._phases(t)
         u, xi = self._u.halves(x, self._a)

@@ -31,7 +31,7 @@ from polhode.closed_forms.hess.period_map import PeriodMap
 from polhode.closed_forms.hess.place import HessPlacement, Regime, cone
 from polhode.closed_forms.lagrange.motion import Nutating, Parameters, Steady, own_start
 from polhode.closed_forms.lagrange.place import Constants
-from polhode.closed_forms.pendulum import Numbers, Swing, axis_of
+from polhode.closed_forms.pendulum import Swing, SwingNumbers, axis_of
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.vectors import Vector, quaternion_product
 
@@ -54,7 +54,7 @@ class HessMotion(Motion):
         self.sphere: Swing | Steady | Nutating
         self.spin: Spin
         exact = place.sphere
-        if isinstance(exact, Numbers):
+        if isinstance(exact, SwingNumbers):
             n = axis_of((ZERO, ZERO, place.weight), place.omega, place.gamma)
             self.sphere = swing = Swing(exact, n, [ball(x) for x in place.gamma])
             self.spin = PlaneSpin(swing, n, self._a12)

@@ -50,7 +50,7 @@ class Regime(StrEnum):
 
 
 #: The exact numbers of the sphere's motion.
-Sphere: TypeAlias = pendulum.Numbers | Constants
+Sphere: TypeAlias = pendulum.SwingNumbers | Constants
 
 _HELD = ("r0 at right angles to the middle axis", "(B/C - 1) T1^2 = (1 - B/A) T3^2", "Iw.r0 = 0")
 
@@ -132,7 +132,7 @@ def place(scene: PrincipalScene) -> HessPlacement | None:
 
 def regime(sphere: Sphere, a12: Exact) -> Regime:
     """The kind of motion, decided by exact arithmetic."""
-    if isinstance(sphere, pendulum.Numbers):
+    if isinstance(sphere, pendulum.SwingNumbers):
         if sphere.librates:
             return Regime.LIBRATION
         return Regime.ROTATION if sign(sphere.kc2) else Regime.SEPARATRIX

@@ -56,7 +56,7 @@ class Moment:
 
 
 @dataclass(frozen=True)
-class Choice:
+class EigenspaceChoice:
     """A, A' and B, B' of one choice of eigenspaces."""
 
     tops: Sequence[Vector]
@@ -147,7 +147,9 @@ class ThetaAttitude:
         log = self.rate * t - moved + above.log - below.log
         return Moment(state, below.along(V), above.along(V), log)
 
-    def _fitting(self, k: tuple[int, int], l: tuple[int, int], first: Turn) -> list[Choice]:
+    def _fitting(
+        self, k: tuple[int, int], l: tuple[int, int], first: Turn
+    ) -> list[EigenspaceChoice]:
         """The choices that are not proven wrong."""
         motion = self.motion
         unit = _I if (k[0] * l[0] + k[1] * l[1]) % 2 else acb(1)
@@ -161,7 +163,7 @@ class ThetaAttitude:
             tops = self._numerators((spaces[m], spaces[-m]), bottoms, moments, begin)
             if tops is None:
                 continue
-            choice = Choice(tops, bottoms)
+            choice = EigenspaceChoice(tops, bottoms)
             if not any(self._misses(choice, moment) for moment in moments[1:]):
                 choices.append(choice)
         if not choices:
@@ -170,7 +172,7 @@ class ThetaAttitude:
             raise TooFewBits
         return choices
 
-    def _misses(self, choice: Choice, moment: Moment) -> bool:
+    def _misses(self, choice: EigenspaceChoice, moment: Moment) -> bool:
         """Whether |xi|^2 or |eta|^2 is proven to be another than gamma3 says."""
         height = moment.state[5] / self.motion.weight
         for value, side in zip(choice.at(moment), (-1, 1), strict=True):

@@ -142,7 +142,7 @@ def _slopes(c: Constants, now: Parameters) -> Parameters:
     )
 
 
-class TopMotion(Motion):
+class LagrangeMotion(Motion):
     """A motion from al, bt and xi; ``start``: those at t = 0, psi = 0.
 
     ``regime`` and ``side``, of the axis along its principal axis, are asked for periods alone.
@@ -213,7 +213,7 @@ class TopMotion(Motion):
         return rates
 
 
-class Steady(TopMotion):
+class Steady(LagrangeMotion):
     """theta constant: al, bt and xi turn uniformly."""
 
     def __init__(
@@ -279,7 +279,7 @@ class Quotient:
         return z.arg() + self.turn * t
 
 
-class Nutating(TopMotion):
+class Nutating(LagrangeMotion):
     """The general motion; k = 0 excluded (:class:`Steady`), k' = 0 included."""
 
     def __init__(

@@ -29,7 +29,7 @@ from polhode.common.files import STDIN, called, read_stdin, read_whole
 from polhode.judging.tables.column_aliases import (
     PLAIN,
     Cells,
-    Column,
+    NamedColumn,
     Naming,
     by_clock,
     columns,
@@ -111,7 +111,7 @@ def printed_type(columns: Iterable[Sequence[str]], printed: int) -> NumberType |
             return None
         evidence = 0.0
         for cell in (cell for column in some for cell in column if cell):
-            type_of_cell = _told(cell, kind)
+            type_of_cell = _type_of(cell, kind)
             if type_of_cell is None:
                 break
             evidence += type_of_cell
@@ -126,7 +126,7 @@ def _telling(kind: NumberType) -> int:
     return kind.printed_digits + (kind.bits <= DOUBLE.bits)
 
 
-def _told(cell: str, kind: NumberType) -> float | None:
+def _type_of(cell: str, kind: NumberType) -> float | None:
     """How much a decimal tells for a type, as a power of ten; None where it is not of the type."""
     try:
         _, digits, places = Decimal(cell).as_tuple()
@@ -288,7 +288,7 @@ def _whole(value: Any) -> int:
 def table_of_cells(
     source: str,
     header: Sequence[str],
-    named: Sequence[Column],
+    named: Sequence[NamedColumn],
     cells: Sequence[Cells | None],
     printed: int,
     number: NumberType | None,
@@ -351,7 +351,9 @@ def _with_rates(
     return rates, ("gx gy gz were read as rates, for they are no unit vector",)
 
 
-def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[Column]) -> None:
+def refuse_names(
+    source: str, key: str, header: Sequence[str], named: Sequence[NamedColumn]
+) -> None:
     """Raise BadInput for a column that is there twice, or a header with no column to judge."""
     if (name := twice(named)) is not None:
         both = [f"{of!r}" for of, meant in zip(header, named, strict=True) if meant.name == name]
@@ -611,7 +613,7 @@ def _commented(lines: Sequence[str], count: int, names: Naming) -> Sequence[str]
     return ()
 
 
-def _table(path: Path, sheet: _Sheet, named: list[Column], number: NumberType | None) -> Table:
+def _table(path: Path, sheet: _Sheet, named: list[NamedColumn], number: NumberType | None) -> Table:
     texts = [*zip(*(row for _, row in sheet.rows), strict=True)]
     clock = next(k for k, meant in enumerate(named) if meant.name == "t")
     whole = all(cell.isdecimal() for cell in texts[clock])
@@ -666,7 +668,7 @@ def _numbers(
 
 def _time_errors(
     times: Sequence[Fraction],
-    clock: Column,
+    clock: NamedColumn,
     texts: Sequence[str],
     number: NumberType | None,
     digits: int,

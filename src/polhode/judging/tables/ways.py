@@ -309,7 +309,7 @@ class _Frames(NamedTuple):
     def words(self) -> str:
         """What the frames are called."""
         if not self.is_fitted:
-            return _told(self.space, self.body)
+            return _words_of(self.space, self.body)
         if np.array_equal(self.body, np.eye(3)):
             return f"{TURN}{rotation_in_words(self.space.T)} in space axes"
         return f"{TURN}{rotation_in_words(self.body)} in body axes"
@@ -345,7 +345,7 @@ def _frames(rotations: Doubles, true: Any) -> Iterator[_Frames]:
     yield _Frames(same, body, _against(rotations @ body, true), True)
 
 
-def _told(space: Doubles, body: Doubles) -> str:
+def _words_of(space: Doubles, body: Doubles) -> str:
     """What frames are called; a world by its vertical where the body's axes are the scene's."""
     words = []
     if in_words(space):
