@@ -179,8 +179,8 @@ def test_names_of_python_and_options_exist(capsys):
         part = polhode
         for word in name[1:].split("."):
             part = getattr(part, word)
-    # the last of pip and pytest
-    known = {"--help", "--print-completion", "--no-deps", "--polhode-report"}
+    # the last of pip, pytest and reports/make.py
+    known = {"--help", "--print-completion", "--no-deps", "--polhode-report", "--only"}
     verbs = re.findall(r"^\| `polhode (prove \w+|\w+)([^`]*)` \|", PAGES["commands"], re.M)
     assert [verb for verb, _ in verbs] == [*dict.fromkeys(verb for verb, _ in verbs)]
     assert {verb.split()[0] for verb, _ in verbs} == {*catalogue.NAMES}

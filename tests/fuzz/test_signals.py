@@ -85,7 +85,7 @@ def fault_of_matplotlib() -> None:
 
 @pytest.mark.parametrize("work", [fault_of_numpy, fault_of_c, fault_of_matplotlib])
 def test_a_library_that_makes_another_exception_of_a_signal(monkeypatch, capsys, work):
-    monkeypatch.setattr(guide, "main", lambda _: work())
+    monkeypatch.setattr(guide, "guide", lambda _: work())
     signal.signal(signal.SIGTERM, heard)
     assert cli.main(["guide"]) == 130
     assert capsys.readouterr().err == "polhode: interrupted\n"
@@ -95,7 +95,7 @@ def test_other_faults_stay_what_they_are(monkeypatch):
     def fail(_):
         raise SystemError("an error of its own")
 
-    monkeypatch.setattr(guide, "main", fail)
+    monkeypatch.setattr(guide, "guide", fail)
     with pytest.raises(SystemError, match="an error of its own"):
         cli.main(["guide"])
 

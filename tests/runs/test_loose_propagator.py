@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import pickle
 import threading
 from fractions import Fraction
 
@@ -80,6 +81,22 @@ def test_no_row_is_off_by_more_than_the_tolerance(name, grid):
         assert errors(scene, go, times) < tol + 64 * EPS
 
 
+@pytest.mark.parametrize("fast", [10, 1000])
+def test_of_a_start_faster_than_the_scene_gamma_is_off_by_that_many_tolerances(fast):
+    """The unit of time is the scene's, and heyoka's error that of the largest variable."""
+    tol, moments = 1e-6, [1.5, 1.5 + 2**-10, 1]
+    body = {"moments": moments, "centre": [0.25, 0.125, 0.5], "weight": 1, "end": 1}
+    go = polhode.propagator(polhode.top(**body, omega=[0, 0, 1], gamma=["3/5", 0, "4/5"]), tol=tol)
+    start = np.array([1e-3 * fast, 0, fast, 0.6, 0, 0.8])
+    t = 10 / fast
+    own = polhode.top(**body, omega=start[:3].tolist(), gamma=["3/5", 0, "4/5"])
+    true = polhode.propagator(own)(start, t=t)
+    off = np.abs(go(start, t=t) - true)
+    assert off[:3].max() < tol * fast
+    assert 1e-3 * tol * fast < off[3:].max() < tol * fast
+    assert np.abs(polhode.propagator(own, tol=tol)(start, t=t) - true)[3:].max() < tol
+
+
 @pytest.mark.parametrize("tol", [1e-3, 1e-6, 1e-9])
 def test_heyoka_decides_how_long_a_step_may_be(tol, monkeypatch):
     """However much longer steps are tried."""
@@ -117,6 +134,18 @@ def test_rows_differ_by_which_others_are_asked_for_within_the_tolerance():
             assert np.abs(go(t=part)[mine] - rows[shared]).max() < 1e-6
         assert np.abs(go(t=2.0) - rows[-1]).max() < 1e-6
         assert go(t=times).tolist() == rows.tolist()  # the same question, the same bits
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_at_time_0_it_stands_at_its_start(name):
+    """The polynomial of a later step, by which the rows near 0 are made, leaves it."""
+    scene = top(name)
+    go = polhode.propagator(scene, tol=1e-3)
+    times = np.linspace(0, 4 / fastest(scene), 2001)
+    rows = go(t=times)
+    assert 1 < go.steps < 12
+    assert rows[0].tolist() == go(t=[0.0])[0].tolist()
+    assert 0 < np.abs(rows[1] - rows[0]).max() < 0.01 * np.abs(rows[0]).max()
 
 
 def test_at_eps_no_bit_depends_on_the_other_rows():
@@ -170,6 +199,25 @@ def test_threads_with_copies_have_the_same_bits():
     for thread in threads:
         thread.join()
     assert same == [True] * 20
+
+
+def test_another_process_and_other_kinds_of_numbers_have_the_same_bits():
+    """Both went heyoka's own way, and of a chaotic motion to t = 30 nothing was the same."""
+    for name in ("chaotic", "slow unit", "turned"):
+        scene = top(name)
+        go = polhode.propagator(scene, tol=1e-6)
+        elsewhere = pickle.loads(pickle.dumps(go))
+        end = 30 / fastest(scene)
+        for times in (np.linspace(0, end / 30, 101), np.linspace(0, end, 7)):
+            rows = go(t=times)
+            assert elsewhere(t=times).tolist() == rows.tolist()
+            assert elsewhere.steps == go.steps
+            assert go(t=[Fraction(t) for t in times.tolist()]).tolist() == rows.tolist()
+            assert go(t=times.astype(np.longdouble)).tolist() == rows.tolist()
+        row = go(t=end)
+        for t in (np.float64(end), Fraction(end), np.array(end), np.longdouble(end)):
+            assert go(t=t).tolist() == row.tolist()
+        assert elsewhere(t=end).tolist() == row.tolist()
 
 
 def test_a_motion_at_rest_and_outputs_that_hardly_move():

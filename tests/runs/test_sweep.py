@@ -20,7 +20,7 @@ import polhode
 from polhode.equations import integrals
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.runs import members as sweep_plan
-from polhode.runs.members import Fastest
+from polhode.runs.members import fastest
 from polhode.scenes import scene_file, vary
 from shared.examples import examples
 from shared.motions import free_file, heavy, heavy_file
@@ -193,7 +193,7 @@ def test_numbers_of_any_size_begin_where_they_should(scene, given):
     """Beyond doubles on the way: 0/0 was computed of members that are left to their scenes."""
     many = polhode.integrate_many(scene, given, at=[0])
     rates = [member.log10_rate for member in many.members]
-    assert Fastest(many.members).scene.log10_rate == max(rates)
+    assert fastest(many.members).log10_rate == max(rates)
     for states, member in zip(many.states, many.members, strict=True):
         start = np.array([[float(x) for x in member.start]])
         for part in (slice(0, 3), slice(3, 6)):
@@ -283,6 +283,29 @@ def test_order_and_number_of_members_change_no_bit(spins, workers):
     back = polhode.integrate_many(heavy("7"), {"start.omega[3]": spins[::-1]})
     assert np.array_equal(many.states, back.states[::-1])
     assert [row[0] for row in many.varied.rows] == spins
+
+
+@pytest.mark.parametrize("number", ["double", "extended"])
+@pytest.mark.parametrize("times", [["-1/3"], [0, "1/5", "1/3"]])
+@pytest.mark.parametrize(
+    "inertia", [[3, 2, 1], [["66/25", "-12/25", 0], ["-12/25", "59/25", 0], [0, 0, 4]]]
+)
+def test_members_of_several_units_of_time_side_by_side_are_each_what_they_are_alone(
+    number, times, inertia
+):
+    """A small sweep is one job: in its batches each lane goes to a time in its own unit."""
+    body = {"moments": inertia} if inertia == [3, 2, 1] else {"inertia": inertia}
+    start = {"omega": ["1/16", "1/32", 1], "gamma": [0, "3/5", "4/5"], "end": 1}
+    scene = polhode.top(**body, centre=["1/9", 0, "1/7"], weight="1/64", **start)
+    spins = [Fraction(5, 4) ** k for k in range(-9, 10)]
+    many, *alone = (
+        polhode.integrate_many(scene, {"start.omega[3]": some}, number=number, at=times)
+        for some in (spins, *([spin] for spin in spins))
+    )
+    assert len({member.time_unit for member in many.members}) > 3
+    assert np.array_equal(many.states, np.concatenate([each.states for each in alone]))
+    assert many.steps == sum((each.steps for each in alone), ())
+    assert set(many.reached) == {many.times[-1]}
 
 
 @pytest.mark.sample(1)

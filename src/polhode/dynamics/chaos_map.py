@@ -33,7 +33,7 @@ from polhode.numbers.number_types import AnyNumber, Doubles, Integers
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.runs import integrate_many
-from polhode.runs.integrate_many import from_starts
+from polhode.runs.integrate_many import varied_of
 from polhode.scenes import library, vary
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.members import Members
@@ -407,8 +407,7 @@ def chaos_map(
             raise BadInput(scene.name, key, None, "no grid, section or level together with it")
         if isinstance(starts, (str, Path)):
             starts = integrate_many.read(Path(starts), scene)
-        source, varied = (scene, vary) if starts is None else from_starts(scene, starts, vary)
-        motions = of_varied(source, varied or {}, forecast)
+        motions = of_varied(*varied_of(scene, starts, vary), forecast)
     initial, coefficients = motions.starts, motions.coefficients
     forecast(len(initial))
     first = tangents_of(initial, motions.moments, motions.torques)

@@ -38,10 +38,9 @@ from polhode.results.cells import DOUBLE, EXACT
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.results.writer import lines
-from polhode.runs.members import blocks
 from polhode.runs.trajectory import ERROR, Trajectory
 from polhode.scenes import vary
-from polhode.scenes.members import Members
+from polhode.scenes.members import Blocks, Members
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
     provenance_fact,
@@ -54,9 +53,6 @@ from polhode.scenes.scene_facts import (
 from polhode.scenes.vocabulary import ATTITUDE, COLUMNS
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
     from polhode.scenes.members import Block, Vector
     from polhode.scenes.members import Column as Numbers
 
@@ -71,8 +67,6 @@ class SweepResult(Result, ByValue):
 
     def tally(self) -> dict[Outcome, int]:
         """How many members ended how, in the order in which the first of each comes."""
-        import numpy as np
-
         codes, first, counts = np.unique(self.endings, return_index=True, return_counts=True)
         return {OUTCOMES[codes[k]]: int(counts[k]) for k in np.argsort(first)}
 
@@ -109,7 +103,7 @@ def drifts(members: Members, states: Stack, one: Callable[[int], Drift]) -> Doub
     """
     drift = np.full((len(members), 4), np.nan)
     there = states[:, :, 0] == states[:, :, 0]
-    for given in blocks(members):
+    for given in Blocks(members):
         block, unit = given.exact(), not given.arrays
         here = slice(block.first, block.last)
         columns = states.dtype != object and block.axes.trivial and not _irrational(block)
@@ -313,8 +307,6 @@ class Ensemble(SweepResult):
 
         Of many members the first and last ones, and how many are between them.
         """
-        import numpy as np
-
         count = len(self)
         between = count - 2 * _SHOWN if count > 3 * _SHOWN else 0
         member = np.delete(np.arange(count), slice(_SHOWN, _SHOWN + between))
@@ -368,8 +360,6 @@ class Ensemble(SweepResult):
     @property
     def t(self) -> npt.NDArray[np.float64]:
         """The times as doubles, the nearest ones."""
-        import numpy as np
-
         return np.array([float(t) for t in self.times])
 
     def _errors(self, index: int) -> tuple[float | None, ...] | None:
@@ -454,8 +444,6 @@ class Ensemble(SweepResult):
 
     def table(self) -> Table:
         """One row per member and time that it reached: what is varied, t, the state, outputs."""
-        import numpy as np
-
         there = self.states[:, :, 0] == self.states[:, :, 0]
         member, time = np.nonzero(there)
         scene, number = self.scene, self.number
@@ -491,8 +479,6 @@ class Ensemble(SweepResult):
         ]
 
     def _members(self) -> Table:
-        import numpy as np
-
         member = np.arange(len(self))
         drift = (
             Column(f"drift_{name}", self.drift[:, k], "largest departure of an integral, relative")

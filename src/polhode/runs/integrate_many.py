@@ -13,6 +13,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+import numpy.typing as npt
+
 from polhode.common.arguments import rows_of, steps, whole
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import UNREADABLE, BadInput
@@ -37,19 +40,21 @@ from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor import defaults
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from polhode.taylor.batches import Solved
 
 
-def from_starts(
-    scene: Scene, starts: npt.ArrayLike, others: vary.Vary | None = None
-) -> tuple[Scene, dict[str, Any]]:
-    """A scene whose start is omega and gamma, and what is varied of it; raises BadInput.
+def varied_of(
+    scene: Scene, starts: npt.ArrayLike | None, others: vary.Vary | None = None
+) -> tuple[Scene, vary.Vary]:
+    """The scene of a sweep and what is varied of it, by keys or by starts; raises BadInput.
 
-    ``starts``: (N, 6), or (N, 3) of a scene without gamma.  ``others``: arrays of the body's
-    numbers.
+    ``starts``: (N, 6), or (N, 3) of a scene without gamma; ``others``, beside them, are arrays of
+    the body's numbers, and the scene's start is omega and gamma.
     """
+    if starts is None:
+        if others is None:
+            raise BadInput(scene.name, "vary", None, "numbers to vary, or starts")
+        return scene, others
     rows = rows_of(scene.name, "starts", starts, len(scene.columns))
     varied: dict[str, Any] = {"start.omega": rows[:, :3]}
     if scene.gamma is not None:
@@ -64,17 +69,6 @@ def from_starts(
     if "omega" not in own or ("gamma" in own) != (scene.gamma is not None):  # angles, a level
         scene = replace(scene, source="")
     return scene, varied
-
-
-def varied_of(
-    scene: Scene, starts: npt.ArrayLike | None, others: vary.Vary | None
-) -> tuple[Scene, vary.Vary]:
-    """The scene of a sweep and what is varied of it, by keys or by starts; raises BadInput."""
-    if starts is not None:
-        return from_starts(scene, starts, others)
-    if others is None:
-        raise BadInput(scene.name, "vary", None, "numbers to vary, or starts")
-    return scene, others
 
 
 # --- starts file ----------------------------------------------------------------------------------
@@ -105,8 +99,6 @@ def read(path: Path, scene: Scene, extended: bool = False) -> npt.NDArray[Any]:
 
 
 def _of_result(path: Path, scene: Scene, extended: bool) -> npt.NDArray[Any]:
-    import numpy as np
-
     columns = {x.name: x for x in load_result(path).table().columns}
     if any(name not in columns for name in scene.columns):
         expected = f"columns {','.join(scene.columns)}"
@@ -121,8 +113,6 @@ def _of_result(path: Path, scene: Scene, extended: bool) -> npt.NDArray[Any]:
 
 
 def _array(path: Path, data: bytes) -> npt.NDArray[Any]:
-    import numpy as np
-
     try:
         dtype, count, begin = npy_header(io.BytesIO(data))
         if begin + count * dtype.itemsize != len(data):
@@ -134,8 +124,6 @@ def _array(path: Path, data: bytes) -> npt.NDArray[Any]:
 
 
 def _table(path: Path, data: bytes, scene: Scene, extended: bool) -> npt.NDArray[Any]:
-    import numpy as np
-
     name, columns = str(path), list(scene.columns)
     expected = f"{len(columns)} numbers {','.join(columns)}"
     try:
@@ -164,8 +152,6 @@ def _table(path: Path, data: bytes, scene: Scene, extended: bool) -> npt.NDArray
 
 def _lost(cell: str, rounded: Any) -> bool:
     """Whether a decimal that is not 0 is one too small for the type to have its digits."""
-    import numpy as np
-
     if abs(rounded) >= np.finfo(type(rounded)).smallest_normal:
         return False
     return any(digit in "123456789" for digit in cell.lower().partition("e")[0])
@@ -305,8 +291,11 @@ def integrate_many(
         raise BadInput(scene.name, "method", method, "quad or more digits, or the method taylor")
     prepared = time.perf_counter()
     here = executor is None and parts is None
-    size = LANES if plan.number.name == "double" else 1
-    groups = list(plan.groups(size, _most_jobs(plan, here)))
+    size, most = LANES if plan.number.name == "double" else 1, _most_jobs(plan, here)
+    single = most == 1 and plan.number.flat and plan.steps.sure
+    groups = list(plan.groups(size, most, single))
+    if here and most == 1:  # not worth a second thread
+        workers = workers or 1
     kept = None
     if parts is not None:  # writing a scene as text takes longer than a small sweep
         key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance

@@ -8,6 +8,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+import numpy.typing as npt
+
 from polhode.common.checkpoint import Arrays
 from polhode.common.interrupts import Stop
 from polhode.equations.readout import Readout
@@ -23,9 +26,6 @@ from polhode.runs.solve import solve
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
     from polhode.taylor.batches import BatchJob, Solved
 
 
@@ -36,8 +36,6 @@ if TYPE_CHECKING:
 
 def no_states(number: NumberType, shape: tuple[int, ...]) -> Stack:
     """States of this shape, none of them a number."""
-    import numpy as np
-
     if number.flat:
         return flat(np.full(shape, np.nan, kind_of(number)))
     from polhode.numbers.mpmath_context import mpmath, ordinary
@@ -69,8 +67,6 @@ def put_together(
 
 def packed(found: Solved, number: NumberType) -> Mapping[str, npt.ArrayLike]:
     """A job's result as arrays that need no pickle; states above extended as decimals."""
-    import numpy as np
-
     states: npt.NDArray[np.generic] = found.states
     if not number.flat:
         text = [
@@ -89,8 +85,6 @@ def packed(found: Solved, number: NumberType) -> Mapping[str, npt.ArrayLike]:
 
 def unpacked(held: Arrays, number: NumberType) -> Solved:
     """The same back."""
-    import numpy as np
-
     from polhode.taylor.batches import Solved
 
     told = json.loads(str(held["errors"]))
@@ -104,8 +98,6 @@ def unpacked(held: Arrays, number: NumberType) -> Solved:
 
 
 def _numbers(texts: npt.NDArray[np.generic], number: NumberType) -> Stack:
-    import numpy as np
-
     found = no_states(number, texts.shape)
     for index in np.argwhere(texts != "nan"):
         found[tuple(index)] = number_value(Fraction(str(texts[tuple(index)])), number)
@@ -121,12 +113,12 @@ def _numbers(texts: npt.NDArray[np.generic], number: NumberType) -> Stack:
 class Reader:
     """Reads rows of some members in scene axes and units: plain data, to be sent anywhere.
 
-    ``bodies``: members that have principal axes in common, with a scene of such; none where axes
-    need no turn.  ``exponent``: of the unit of time that all of them have.
+    ``bodies``: members that have principal axes and a unit of time in common, with a scene of such
+    axes; none where axes need no turn.  ``exponents``: of their units of time.
     """
 
     number: NumberType
-    exponent: int
+    exponents: npt.NDArray[np.int64]
     bodies: tuple[tuple[npt.NDArray[np.int64], Scene], ...]
 
     def states(self, rows: Stack) -> Stack:
@@ -134,39 +126,37 @@ class Reader:
 
         ``rows``: (members, times, columns) inside the members' frames.
         """
-        import numpy as np
-
         states = flat(rows)
         for alike, one in self.bodies:  # one readout reads all of them
-            frame = Frame(one.body.axes, self.exponent)
+            frame = Frame(one.body.axes, int(self.exponents[alike[0]]))
             at = np.zeros(rows.shape[:2], dtype=bool)
             at[alike] = ~np.isnan(rows[alike, :, 0])
             if at.any():
                 states[at] = flat(Readout(one, self.number, frame).states(flat(rows[at])))
-        if self.exponent and not self.bodies:
-            states[:, :, :3] = np.ldexp(states[:, :, :3], -self.exponent)
+        if not self.bodies and self.exponents.any():
+            states[:, :, :3] = np.ldexp(states[:, :, :3], -self.exponents[:, None, None])
         return states
 
 
 def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
-    """What reads the rows of some members of a sweep that have a unit of time in common."""
-    import numpy as np
-
-    exponent, base = int(plan.exponents[members[0]]), plan.members.scene
-    if not plan.members.axes_stay:
-        _, first, alike = np.unique(
-            np.stack(plan.bodies(members), axis=1), axis=0, return_index=True, return_inverse=True
-        )
-        own = [plan.members[int(members[k])] for k in first]
-        sets = [(np.flatnonzero(alike == n), one) for n, one in enumerate(own)]
-    else:  # a reading knows the axes alone
-        sets = [] if base.body.axes.trivial else [(np.arange(len(members)), base)]
-    bodies = tuple((these, replace(one, form="principal")) for these, one in sets)
-    return Reader(plan.number, exponent, bodies)
+    """What reads the rows of some members of a sweep."""
+    exponents, base, stay = plan.exponents[members], plan.members.scene, plan.members.axes_stay
+    if stay and base.body.axes.trivial:  # a reading knows the axes alone
+        return Reader(plan.number, exponents, ())
+    which = [exponents, *([] if stay else plan.bodies(members))]
+    _, first, alike = np.unique(
+        np.stack(which, axis=1), axis=0, return_index=True, return_inverse=True
+    )
+    own = [base if stay else plan.members[int(members[k])] for k in first]
+    bodies = tuple(
+        (np.flatnonzero(alike.ravel() == n), replace(one, form="principal"))
+        for n, one in enumerate(own)
+    )
+    return Reader(plan.number, exponents, bodies)
 
 
 class FlatJob(NamedTuple):
-    """Members that have a unit of time in common, and what reads their rows."""
+    """Members, and what reads their rows."""
 
     steps: BatchJob
     read: Reader
@@ -180,20 +170,15 @@ class FlatJob(NamedTuple):
 
 
 def flat_job(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
-    """The job of some members that have a unit of time in common."""
-    import numpy as np
-
+    """The job of some members, which have a unit of time in common or are sure to arrive."""
     from polhode.taylor import lanes
-    from polhode.taylor.batches import BatchJob
 
-    exponent, motions = int(plan.exponents[group[0]]), plan.motions.some(group)
-    times = np.ldexp(plan.grid, -exponent)
-    asked = plan.names, plan.number, plan.tolerance, plan.max_steps, times
-    job = BatchJob(*asked, Fraction(2) ** exponent, motions)
-    with np.errstate(over="ignore"):  # of a rate that is only known to be so small
-        fastest = float(np.ldexp(plan.rates[group].max(), exponent))
-    sure = lanes.surely(job, fastest)
-    return FlatJob(job._replace(sure=sure), reader(plan, group))
+    job = plan.steps.some(group)
+    if not job.sure:
+        with np.errstate(over="ignore"):  # of a rate that is only known to be so small
+            fastest = float(np.ldexp(plan.rates[group].max(), plan.exponents[group[0]]))
+        job = job._replace(sure=lanes.surely(job, fastest))
+    return FlatJob(job, reader(plan, group))
 
 
 # --- wide members ---------------------------------------------------------------------------------

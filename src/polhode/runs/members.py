@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
 
+import numpy as np
+import numpy.typing as npt
+
 from polhode.common.arguments import unit_rows
 from polhode.common.errors import BadInput
 from polhode.common.values import cached_property, refuse_too_much
@@ -14,6 +17,7 @@ from polhode.equations.forms import principal
 from polhode.equations.terms import NAMES, coefficients_of
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import number_value, to_double
+from polhode.numbers.double_double import Pairs, pairs
 from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.number_types import (
     AnyNumber,
@@ -29,17 +33,14 @@ from polhode.numbers.vectors import scaled
 from polhode.runs.options import choose_number, refuse_other_rounding, rounded_tolerance
 from polhode.scenes import vary
 from polhode.scenes.body import PrincipalAxes
-from polhode.scenes.members import Members
+from polhode.scenes.members import Blocks, Members
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults
 from polhode.taylor.time_grid import rounded_times
 
 if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
-
     from polhode.scenes.members import Block, Vector
-    from polhode.taylor.batches import Columns
+    from polhode.taylor.batches import BatchJob, Columns
 
 
 # --- plan -----------------------------------------------------------------------------------------
@@ -72,12 +73,15 @@ class Plan:
     rates: npt.NDArray[np.float64]
 
     @cached_property
-    def grid(self) -> Flat:
-        """The times as numbers of the type, of one that numpy holds."""
-        import numpy as np
+    def steps(self) -> BatchJob:
+        """The job of all members, of a type that numpy holds."""
+        from polhode.taylor import lanes
+        from polhode.taylor.batches import BatchJob
 
-        times = [number_value(t, self.number) for t in self.times]
-        return np.array(times, dtype=kind_of(self.number))
+        grid = np.array([number_value(t, self.number) for t in self.times], kind_of(self.number))
+        how = self.names, self.number, self.tolerance, self.max_steps, grid, Fraction(1)
+        job = BatchJob(*how, self.motions, exponents=self.exponents)
+        return job._replace(sure=lanes.surely(job, float(self.rates.max(initial=0.0))))
 
     def bodies(self, members: npt.NDArray[np.int64]) -> list[npt.NDArray[np.int64]]:
         """Of some members which value of each of the body's keys they have: arrays, one a key."""
@@ -85,16 +89,15 @@ class Plan:
         each = zip(self.varied.keys, rows.columns, rows.repeats, strict=True)
         return [members // n % len(x) for key, x, n in each if key.startswith("body.")]
 
-    def groups(self, size: int, most: int) -> Iterator[npt.NDArray[np.int64]]:
-        """The members in groups of one unit of time and about the same rate.
+    def groups(self, size: int, most: int, mixed: bool = False) -> Iterator[npt.NDArray[np.int64]]:
+        """The members in groups of about the same rate, and of one unit of time if not ``mixed``.
 
         Each is a multiple of ``size`` members but the last of a unit; about ``most`` groups.
         """
-        import numpy as np
-
         size *= max(1, -(-len(self.rates) // (size * most)))
-        order = np.lexsort((-self.rates, self.exponents))
-        ends = np.flatnonzero(np.diff(self.exponents[order])) + 1
+        units = np.zeros_like(self.exponents) if mixed else self.exponents
+        order = np.lexsort((-self.rates, units))
+        ends = np.flatnonzero(np.diff(units[order])) + 1
         for alike in np.split(order, ends):
             yield from (alike[i : i + size] for i in range(0, len(alike), size))
 
@@ -112,8 +115,6 @@ def planned(
 
     ``kept``: whether the states of all members are held at once.
     """
-    import numpy as np
-
     from polhode.taylor.batches import Columns
 
     refuse_other_rounding(scene)
@@ -129,7 +130,7 @@ def planned(
     _ = members.tables  # a key that is none is refused before anything else
     chosen = choose_number(scene, number, None)
     if digits is not None and len(members):
-        chosen = choose_number(Fastest(members).scene.at(scene.times), number, digits)
+        chosen = choose_number(fastest(members).at(scene.times), number, digits)
     _check_arrays(scene.name, varied, chosen)
     times = tuple(rounded_times(scene, chosen))
     tolerance = rounded_tolerance(scene, chosen, tol)
@@ -150,8 +151,6 @@ def _check_arrays(name: str, varied: vary.Grid, number: NumberType) -> None:
 
     Gamma is of length 1 to 8 eps of it.
     """
-    import numpy as np
-
     each = zip(varied.keys, varied.rows.columns, strict=True)
     arrays = {key: column.floats for key, column in each if column.floats is not None}
     if not arrays:
@@ -180,22 +179,12 @@ def _check_arrays(name: str, varied: vary.Grid, number: NumberType) -> None:
 #: Numbers of all members, pairs too, or one that they have in common.
 Numbers: TypeAlias = Scalar
 
-BLOCK = 1 << 16  # members that are read at once: a bound on what planning holds
 _NEXT_POWER = 1 - 2.0**-9  # from this part of a power of two on, eight bits round to it
 _UNSURE = 1e-9  # of that, in doubles
 _SMALLEST, _LARGEST = 2.0**-1022, 2.0**1023
 _LEAST, _MOST = 2.0**-400, 2.0**400  # between these pairs, and their quotients, hold all bits
 _SIZES = 2.0**-1000, 2.0**1000  # of a rate
 _CANCELLED = 2.0**-20  # of a sum's terms: what is less has lost bits
-
-
-def blocks(members: Members) -> Iterator[Block]:
-    """The members in columns, some at a time; raises BadInput for one that cannot be."""
-    from polhode.scenes.members import Blocks
-
-    read = Blocks(members)
-    for first in range(0, len(members), BLOCK):
-        yield read.block(first, min(first + BLOCK, len(members)))
 
 
 def columns_of(
@@ -207,63 +196,57 @@ def columns_of(
     ``times``: away from 0.  ``number``: double or extended.  Raises BadInput for a member, or a
     time in a member's unit, that it cannot hold.
     """
-    import numpy as np
-
     from polhode.taylor.batches import Columns
 
-    ends = [*[t for t in times if t][:1], times[-1]]  # the least and the largest that are not 0
     made = _Made(members, number)
-    for block in blocks(members):
+    for block in Blocks(members):
         left = made.fill(block)
         for k in np.flatnonzero(left):
             made.one(block, int(k))
-    for exponent, first in zip(*np.unique(made.exponents, return_index=True), strict=True):
-        own = [t / Fraction(2) ** int(exponent) for t in ends]
-        refuse_out_of_range(members, int(first), number, own)
-    there = [i for i in range(len(NAMES)) if np.any(made.coefficients[:, i] != 0)]
-    there.sort(key=lambda i: NAMES[i])
-    names = tuple(NAMES[i] for i in there)
-    coefficients = made.coefficients[:, there].copy()
-    return names, Columns(coefficients, made.starts), made.exponents, made.rates
+    ends = [*[t for t in times if t][:1], times[-1]]  # the least and the largest that are not 0
+    extremes = [(made.exponents.min(initial=0), made.exponents.max(initial=0))]
+    with np.errstate(all="ignore"):
+        sizes = np.ldexp([[to_double(t)] for t in ends], -np.array(extremes))
+    if len(_out_of_range(sizes)):
+        for exponent, first in zip(*np.unique(made.exponents, return_index=True), strict=True):
+            own = [t / Fraction(2) ** int(exponent) for t in ends]
+            refuse_out_of_range(members, int(first), number, own)
+    present = np.flatnonzero((made.coefficients != 0).any(axis=0)).tolist()
+    present.sort(key=NAMES.__getitem__)
+    columns = Columns(made.coefficients.take(present, axis=1), made.starts)
+    return tuple(NAMES[i] for i in present), columns, made.exponents, made.rates
 
 
-class Fastest:
+def fastest(members: Members) -> Scene:
     """The member of a sweep that turns fastest at the start."""
-
-    def __init__(self, members: Members) -> None:
-        import numpy as np
-
-        best, self.scene = -1.0, members[0]
-        for block in blocks(members):
-            with np.errstate(all="ignore"):
-                fourth = _fourth(block)
-            left = block.left | ~np.isfinite(fourth)  # doubles do not tell
-            fourth = np.where(left, -1.0, fourth)
-            k = int(np.argmax(fourth))
-            others = [block.first + int(i) for i in np.flatnonzero(left)]
-            for index in [block.first + k] * bool(fourth[k] >= 0) + others:
-                member = members[index]
-                if member.log10_rate > best or index == 0:
-                    best, self.scene = member.log10_rate, member
+    rate, scene = -1.0, members[0]
+    for block in Blocks(members):
+        with np.errstate(all="ignore"):
+            fourth = _fourth(block)
+        left = block.left | ~np.isfinite(fourth)  # doubles do not tell
+        fourth = np.where(left, -1.0, fourth)
+        k = int(np.argmax(fourth))
+        others = [block.first + int(i) for i in np.flatnonzero(left)]
+        for index in [block.first + k] * bool(fourth[k] >= 0) + others:
+            member = members[index]
+            if member.log10_rate > rate or index == 0:
+                rate, scene = member.log10_rate, member
+    return scene
 
 
 class _Made:
     """Columns of all members, filled block by block."""
 
     def __init__(self, members: Members, number: NumberType) -> None:
-        import numpy as np
-
         count, kind = len(members), kind_of(number)
         self.members, self.number = members, number
-        self.coefficients: Flat = np.zeros((count, len(NAMES)), kind)
+        self.coefficients: Flat = np.zeros((count, len(NAMES)), kind, order="F")
         self.starts: Flat = np.zeros((count, len(members.scene.columns)), kind)
         self.exponents = np.zeros(count, dtype=np.int64)
         self.rates = np.zeros(count)
 
     def fill(self, block: Block) -> npt.NDArray[np.bool_]:
         """Put a block of members in; which of them are left."""
-        import numpy as np
-
         here = slice(block.first, block.last)
         starts, coefficients = self.starts[here], self.coefficients[here]
         with np.errstate(all="ignore"):
@@ -279,18 +262,17 @@ class _Made:
                 self.rates[here] = _rates(block, torque, starts)
             except (OverflowError, ZeroDivisionError):  # beyond doubles, here or on the way
                 return np.ones(len(block), dtype=bool)
-            starts[:, :3] = np.ldexp(starts[:, :3], exponents[:, None])
-            coefficients[:, 3:] = np.ldexp(coefficients[:, 3:], 2 * exponents[:, None])
-            left: npt.NDArray[np.bool_] = block.left | unsure | _out_of_range(starts, coefficients)
+            if exponents.any():
+                starts[:, :3] = np.ldexp(starts[:, :3], exponents[:, None])
+                coefficients[:, 3:] = np.ldexp(coefficients[:, 3:], 2 * exponents[:, None])
+            left: npt.NDArray[np.bool_] = block.left | unsure
+            for table in (starts, coefficients):
+                left[_out_of_range(table)] = True
         self.exponents[here] = exponents
         return left
 
     def _put(self, table: Flat, columns: Sequence[Numbers]) -> None:
         """Columns into a table, each number rounded once."""
-        import numpy as np
-
-        from polhode.numbers.double_double import Pairs, pairs
-
         for i, column in enumerate(columns):
             if isinstance(column, Exact):
                 table[:, i] = number_value(column, self.number)
@@ -347,10 +329,6 @@ def _along(vector: Vector, axes: PrincipalAxes, unsure: Booleans) -> Sequence[Nu
 
     ``unsure``: where pairs do not tell them is noted there.
     """
-    import numpy as np
-
-    from polhode.numbers.double_double import pairs
-
     fixed = [x for x in vector if isinstance(x, Exact)]
     if axes.trivial:
         return vector
@@ -370,10 +348,6 @@ def _coefficients(
     moments: Vector, torque: Sequence[Numbers], unsure: Booleans
 ) -> Sequence[Numbers]:
     """All coefficients; of moments that are floats in pairs, and where those do not tell noted."""
-    import numpy as np
-
-    from polhode.numbers.double_double import pairs
-
     if not any(isinstance(x, np.ndarray) for x in moments):
         return coefficients_of([*moments, *torque])
     own, arms = ([pairs(_parted(x)) for x in vector] for vector in (moments, torque))
@@ -387,10 +361,6 @@ def _coefficients(
 
 def _parted(x: Numbers) -> Numbers:
     """An array's longdoubles as pairs."""
-    import numpy as np
-
-    from polhode.numbers.double_double import Pairs
-
     if not isinstance(x, np.ndarray) or x.dtype == np.float64:
         return x
     high = x.astype(np.float64)
@@ -402,24 +372,23 @@ def _note(unsure: Booleans, size: Doubles, lost: Booleans | bool = False) -> Non
     unsure |= (size != 0) & (~((size > _LEAST) & (size < _MOST)) | lost)
 
 
-def _out_of_range(*tables: Flat) -> Booleans | bool:
-    """Members with a number that is not 0 and not between a double's limits, or nearly so."""
-    import numpy as np
-
-    found: Booleans | bool = False
-    for table in tables:
-        sizes = np.abs(table)
-        if sizes.max(initial=0) <= _LARGEST and (sizes[sizes < _SMALLEST] == 0).all():
-            continue
-        found |= (((sizes < _SMALLEST) & (sizes != 0)) | ~(sizes <= _LARGEST)).any(axis=1)
-    return found
+def _out_of_range(table: Flat) -> npt.NDArray[np.int64]:
+    """Rows with a number that is not 0 and not between a double's limits, or nearly so."""
+    sizes = np.abs(table)
+    rows: npt.NDArray[np.int64] = np.nonzero(
+        (sizes != 0) & ~((sizes >= _SMALLEST) & (sizes <= _LARGEST))
+    )[0]
+    return rows
 
 
 def _rates(block: Block, torque: Sequence[Numbers], starts: Flat) -> Doubles:
     """Bounds of the members' fastest rates, in the scene's unit of time."""
     from polhode.taylor import lanes
 
-    moments, weight = (_rows(block, vector) for vector in (block.moments, torque))
+    moments, weight = (
+        np.stack(np.broadcast_arrays(*map(_doubles, vector)), axis=-1)
+        for vector in (block.moments, torque)
+    )
     largest = moments.max(axis=-1, keepdims=True)
     return lanes.rates(starts, lanes.Bound.of(moments / largest, weight / largest))
 
@@ -429,8 +398,6 @@ def _rate(member: Scene, start: Flat) -> float:
 
     One that doubles cannot hold in the scene's is the least or the largest of _SIZES.
     """
-    import numpy as np
-
     from polhode.taylor import lanes
 
     frame = Frame.of(member)
@@ -449,48 +416,26 @@ def _rate(member: Scene, start: Flat) -> float:
         return float(np.fmin(np.maximum(rate, least), largest)[0])
 
 
-def _rows(block: Block, vector: Sequence[Numbers]) -> Doubles:
-    """A vector of all members, (3,), or a row for each."""
-    import numpy as np
-
-    if all(isinstance(x, Exact) for x in vector):
-        return np.array([to_double(x) for x in vector])
-    return np.stack([_doubles(block, x) for x in vector], axis=1)
-
-
-def _doubles(block: Block, x: Numbers) -> Doubles:
-    import numpy as np
-
-    from polhode.numbers.double_double import Pairs
-
+def _doubles(x: Numbers) -> Doubles:
+    """The doubles next to numbers of all members, or next to one that they have in common."""
     if isinstance(x, np.ndarray):
         return x.astype(np.float64, copy=False)
     if isinstance(x, Rationals):
-        return np.broadcast_to(x.doubles(), len(block))
-    if isinstance(x, Pairs):
-        return np.broadcast_to(x.hi, len(block))
-    return np.broadcast_to(to_double(x), len(block))
-
-
-def _square(block: Block, vector: Vector) -> Doubles:
-    x, y, z = (_doubles(block, x) ** 2 for x in vector)
-    return x + y + z
+        return x.doubles()
+    return np.asarray(x.hi if isinstance(x, Pairs) else to_double(x))
 
 
 def _fourth(block: Block) -> Doubles:
     """The fastest rate at the start to the fourth power, as :attr:`Scene.time_unit` means it."""
-    import numpy as np
-
-    square = _square(block, block.omega)
-    largest = np.maximum.reduce([_doubles(block, x) for x in block.moments])
-    found: Doubles = np.maximum(square * square, _square(block, block.torque) / (largest * largest))
-    return found
+    vectors = block.omega, block.torque, block.moments
+    (p, q, r), (x, y, z), (a, b, c) = (map(_doubles, vector) for vector in vectors)
+    square, largest = p**2 + q**2 + r**2, np.maximum(np.maximum(a, b), c)
+    fourth = np.maximum(square * square, (x**2 + y**2 + z**2) / (largest * largest))
+    return np.broadcast_to(fourth, len(block))
 
 
 def _exponents(block: Block) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.bool_]]:
     """The exponents of :attr:`Scene.time_unit`, and where doubles do not tell them."""
-    import numpy as np
-
     fourth = _fourth(block)
     part, exponent = np.frexp(fourth)
     unsure = ~((fourth > 1e-290) & (fourth < 1e290)) | (np.abs(part - _NEXT_POWER) < _UNSURE)

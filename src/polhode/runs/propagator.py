@@ -127,7 +127,7 @@ class Propagator:
         back = None if self._plain or self._turn is not None else self._back
         # the tolerance where it is above eps and it alone decides, no projection; else 0
         loose = 0.0
-        if system.tolerance is not None and self.number is DOUBLE and every is None:
+        if system.tolerance is not None and self.number == DOUBLE and every is None:
             loose = float(system.tolerance) if system.tolerance > DOUBLE.eps else 0.0
         self._long_steps = [LongSteps(system, x, back) for x in defaults.long_steps(loose)]
         self._far = math.inf  # (radians)**2 from where on heyoka's own order is not the fastest
@@ -261,8 +261,13 @@ class Propagator:
                         rows = rows[:, : engine.columns].copy()
                     states: Flat = rows[-grid.size :]
                     return self._read(states)
-            several = numbers_given(t)[1]
-            rows = self._at_times(start, cast(Sequence[AnyNumber], t if several else [t]))
+            given, several = numbers_given(t)
+            if self._long_steps and _plain_numbers(given, self._kind) is None:
+                times, unit = self._times(t)[0], self._unit
+                rounded = [x / unit for x in times.tolist()]  # the way is that of these
+                if [x * unit for x in rounded] == times.tolist():
+                    return self(start, t=rounded if several else rounded[0])
+            rows = self._at_times(start, cast(Sequence[AnyNumber], given))
             return rows if several else rows[0]
         except KeyboardInterrupt:
             self.steps, self.outcome = None, Outcome.INTERRUPTED

@@ -10,7 +10,6 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from polhode.common.errors import BadInput, FileName, nearest, say_change
 from polhode.common.values import cached_property
@@ -18,7 +17,7 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.exact_sequences import ExactNumbers, LazySequence
-from polhode.numbers.number_types import Flat, Scalar
+from polhode.numbers.number_types import Booleans, Flat, Scalar
 from polhode.numbers.row_formulas import Rationals, of_floats, of_fractions
 from polhode.scenes import scene_file, vocabulary
 from polhode.scenes.body import OWN_AXES, Body, PrincipalAxes
@@ -34,7 +33,7 @@ from polhode.scenes.vocabulary import CENTRE
 
 _BODIES = 1024  # that are remembered
 _LOOKED_AT = 64  # members, for notes
-_NEAR_FLAT = Fraction(1, 1 << 40)
+_NOT_FLAT = 1 - Fraction(1, 1 << 40)
 _MAY_BE_ROUNDED = {"body.moments", "body.inertia", "start.gamma", "start.quaternion"}
 
 _SECTIONS = ("body", "start")
@@ -113,9 +112,12 @@ class Members(LazySequence[Scene]):
 
     def _body_may_be_changed(self, index: int) -> bool:
         """Not where three moments vary and are far from those of a flat body."""
-        each = zip(self.varied.keys, self.varied.rows[index], strict=True)
-        moments = [x for key, x in each if key.startswith("body.moments")]
-        return len(moments) < 3 or 2 * max(moments) > sum(moments) * (1 - _NEAR_FLAT)
+        rows, moments = self.varied.rows, []
+        for key, column, repeat in zip(self.varied.keys, rows.columns, rows.repeats, strict=True):
+            if key.startswith("body.moments"):
+                given = column if column.floats is None else column.floats
+                moments.append(given[index // repeat % len(column)])
+        return len(moments) < 3 or bool(sum(x / max(moments) for x in moments) * _NOT_FLAT < 2)
 
     def speak(self) -> None:
         """Say the members' own notes on stderr, as :meth:`Scene.speak` does a scene's."""
@@ -240,7 +242,6 @@ def _leaves(data: dict[str, Any]) -> Iterator[tuple[str, Slot]]:
 #: an array.  They have arithmetic in common.
 Column: TypeAlias = Scalar
 Vector: TypeAlias = tuple[Column, Column, Column]
-Booleans = npt.NDArray[np.bool_]
 
 #: What may be varied here, and what a scene's tables may hold.
 _KEYS = (
@@ -300,7 +301,9 @@ class Block:
 
 
 class Blocks:
-    """Reads blocks of a sweep's members."""
+    """Reads a sweep's members in columns, some at a time; raises BadInput for an impossible one."""
+
+    SIZE = 1 << 16  # members that are read at once: a bound on what planning holds
 
     def __init__(self, members: Members) -> None:
         self.members = members
@@ -341,8 +344,12 @@ class Blocks:
     def _has(self, start: str) -> bool:
         return any(key.startswith(start) for key in self.keys)
 
-    def block(self, first: int, last: int) -> Block:
-        """Some of the members.  Raises BadInput where one of them cannot be."""
+    def __iter__(self) -> Iterator[Block]:
+        count = len(self.members)
+        for first in range(0, count, self.SIZE):
+            yield self._block(first, min(first + self.SIZE, count))
+
+    def _block(self, first: int, last: int) -> Block:
         count, scene = last - first, self.members.scene
         if not self.readable:
             return Block(first, last, np.ones(count, bool), _NONE, _NONE, _NONE, None)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -104,7 +104,8 @@ class BatchJob(NamedTuple):
 
     ``names``: of the coefficients.  ``times``: away from 0, numbers of the type.  ``unit``: that of
     time, by which what is reached is told.  ``sure``: whether all of them arrive in so few steps
-    that nobody need look.  ``order``: of a step of doubles, 0 for heyoka's own.
+    that nobody need look.  ``order``: of a step of doubles, 0 for heyoka's own.  ``exponents``: of
+    each motion's own unit, a power of two of that of the times; None where theirs is its own.
     """
 
     names: tuple[str, ...]
@@ -116,6 +117,26 @@ class BatchJob(NamedTuple):
     motions: Columns
     sure: bool = False
     order: int = 0
+    exponents: Indices | None = None
+
+    def some(self, which: Indices) -> BatchJob:
+        """The job of some of the motions, in their own unit of time if they have one in common."""
+        job = self._replace(motions=self.motions.some(which))
+        if self.exponents is None:
+            return job
+        exponents = self.exponents[which]
+        exponent = int(exponents[0])
+        if (exponents != exponent).any():
+            return job._replace(exponents=exponents)
+        times, unit = np.ldexp(self.times, -exponent), self.unit * Fraction(2) ** exponent
+        return job._replace(times=times, unit=unit, exponents=None)
+
+    def in_units(self, which: Indices) -> Iterator[tuple[Indices, BatchJob]]:
+        """Some of the motions, and their job, for each unit of time."""
+        units = np.zeros(len(which)) if self.exponents is None else self.exponents[which]
+        for unit in np.unique(units):
+            alike = which[units == unit]
+            yield alike, self.some(alike)
 
     @property
     def columns(self) -> int:
@@ -334,7 +355,10 @@ def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
         if there.all():
             return found
     with prepared(job) as ready:
-        _Way(job, ready, stop).finish(found)
+        for which, own in job.in_units(np.flatnonzero(found.outcomes != _THERE)):
+            some = Solved.undone(found.states[which])
+            _Way(own, ready, stop).finish(some)
+            found.put(which, some)
     return found
 
 
@@ -357,9 +381,12 @@ def at_once(
     states = np.empty((len(here), len(job.times), job.columns, LANES))
     if len(ahead) < len(job.times):
         states[:, 0] = here
-    counts = np.zeros((len(here) if steps is not None else 0, LANES), dtype=np.int64)
-    end, grid = ahead[-1].item(), np.zeros((1 + len(ahead), LANES))
-    grid[1:] = ahead[:, None]
+    taken: list[int] = []
+    ends, grid = [ahead[-1].item()] * len(here), np.zeros((1 + len(ahead), LANES))
+    grid[1:], times = ahead[:, None], None
+    if job.exponents is not None:
+        times = np.ldexp(ahead[:, None], -in_lanes(job.exponents[:, None], order))
+        ends = times[:, -1].tolist()
     with prepared(job) as ready:
         ta, state = ready.heyoka, ready.state
         if own is None:
@@ -373,17 +400,19 @@ def at_once(
                 ready.tell(own[k])
             ready.begin()
             if one:  # the end alone needs no dense output
-                ta.propagate_until(end)
+                ta.propagate_until(ends[k])
                 rows[-1] = state
             else:
+                if times is not None:
+                    grid[1:] = times[k]
                 rows[-len(ahead) :] = ta.propagate_grid(grid)[1][1:, : job.columns]
             if steps is not None:
-                counts[k] = [result[3] for result in ta.propagate_res]
+                taken += [result[3] for result in ta.propagate_res]
     arrived = np.isfinite(states[:, -1])
     if not arrived.all():  # a lane has stopped the others
         states[~arrived.all(axis=(1, 2))] = np.nan
     if steps is not None:
-        steps[:] = counts.ravel()[:many]
+        steps[: len(taken)] = taken[:many]
     return out_of_lanes(states)[:many]
 
 
@@ -398,12 +427,14 @@ def _one_by_one(
             if stop is not None and stop():
                 break
             ready.stand(starts[motion], given[motion if len(given) > 1 else 0])
-            rows = states[k, len(job.times) - len(ahead) :]
-            if len(ahead) == 1:
-                result = ready.heyoka.propagate_until(ahead[-1])
+            rows, own = states[k, len(job.times) - len(ahead) :], ahead
+            if job.exponents is not None:
+                own = np.ldexp(ahead, -job.exponents[motion])
+            if len(own) == 1:
+                result = ready.heyoka.propagate_until(own[0])
                 rows[-1] = ready.state
             else:
-                result = ready.heyoka.propagate_grid(np.concatenate([[0], ahead]))
+                result = ready.heyoka.propagate_grid(np.concatenate([[0], own]))
                 rows[: len(result[-1]) - 1] = result[-1][1:]
             if len(ahead) < len(job.times):
                 states[k, 0] = starts[motion]

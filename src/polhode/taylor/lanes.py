@@ -57,19 +57,24 @@ def rates(starts: Stack, bound: Bound) -> Doubles:
 
     ``starts``: (n, columns) in principal axes.  The larger it is, the more steps a motion takes.
     """
-    rows, terms = starts.astype(np.float64, copy=False), bound.terms[..., : starts.shape[1]]
+    rows, twice = starts.astype(np.float64, copy=False), np.zeros(len(starts))
     with np.errstate(all="ignore"):
-        squares = rows * rows
-        squares[:, 3:] = rows[:, 3:]
-        twice = squares @ terms if terms.ndim == 1 else (squares * terms).sum(axis=1)
+        for k, x in enumerate(rows.T):  # no product of matrices: some sum the last rows otherwise
+            twice += bound.terms[..., k] * (x * x if k < 3 else x)
         found: Doubles = np.sqrt(twice + bound.rest)
     return found
 
 
 def surely(job: BatchJob, fastest: float) -> bool:
-    """Whether motions no faster than this arrive in so few steps that nobody need look."""
+    """Whether motions no faster than this arrive in so few steps that nobody need look.
+
+    ``fastest``: in the unit of the job's times.
+    """
     end = abs(float(job.times[-1]))
     few = STEPS * end * fastest < min(_SURE, job.max_steps)  # not, if a start is so large
+    if job.exponents is not None:
+        with np.errstate(over="ignore"):
+            end = float(np.ldexp(end, -job.exponents.min(initial=0)))
     return 0 < end <= batch_integrator.longest(job.number) and few
 
 

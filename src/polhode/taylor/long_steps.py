@@ -109,6 +109,8 @@ class LongSteps:
                 for matrix, block in blocks:
                     np.dot(matrix, coefficients, rows[block])
             else:
+                if not grid.ahead[-grid.size]:
+                    rows[0] = start if self._backs is None else start * self._backs
                 return rows, count
             if not granted / length > 0:  # not a number
                 engine.tell_scale()

@@ -253,7 +253,7 @@ def sweep(
     """
     from polhode.dynamics.reduce_many import reduce_many
     from polhode.runs import integrate_many as starts_file
-    from polhode.runs.integrate_many import from_starts, integrate_many
+    from polhode.runs.integrate_many import integrate_many, varied_of
 
     if (starts is None) == (vary is None):
         keys = None if vary is None else ", ".join(map(str, vary))
@@ -261,7 +261,7 @@ def sweep(
     varied: Any = vary
     if starts is not None:
         rows = starts_file.read(Path(starts), scene, number == "extended")
-        scene, varied = from_starts(scene, rows)
+        scene, varied = varied_of(scene, rows)
     how: dict[str, Any] = {
         "number": number,
         "tol": tol,
