@@ -35,7 +35,7 @@ from kit import (
     yes,
 )
 from polhode.figures.canvas import BODY, REST, SPACE, as_svg, paper, residue_axis
-from polhode.figures.proofs import Crossings, crossings, draw_crossings
+from polhode.figures.proofs import SectionCrossings, crossings, draw_crossings
 from polhode.numbers.decimals import brief
 from polhode.proofs.proved_chaos import ProvedChaos
 
@@ -373,8 +373,8 @@ def manifolds(drawn: JsonObject) -> str:
     with paper() as plt:
         size = drawing.WIDTH, 4.4
         figure, axes = plt.subplots(figsize=size, layout="constrained", dpi=_DOTS_PER_INCH)
-        points = (np.array(drawn[key]) for key in Crossings._fields)
-        draw_crossings(axes, Crossings(*((x, y) for x, y in points)))
+        points = (np.array(drawn[key]) for key in SectionCrossings._fields)
+        draw_crossings(axes, SectionCrossings(*((x, y) for x, y in points)))
         place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 2}
         handles, names = axes.get_legend_handles_labels()
         shown = [copy(handle) for handle in handles]

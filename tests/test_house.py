@@ -323,3 +323,65 @@ def test_a_door_says_what_of_a_scene_it_takes():
                     if not takes and id(call) not in named and given != "name":  # its name alone
                         silent.append(f"{path.name}: {ast.unparse(call)}")
     assert not silent
+
+
+#: Participles and pronouns that name nothing by themselves.
+_VAGUE = re.compile(
+    "_*(found|told|asked|made|given|known|held|kept|seen|done|taken|begun|placed|turned|wanted"
+    "|one|other|what|way|put)_*"
+)
+#: How often a room may bind one of them: as often as it does, in public keywords above all.
+_MOST_VAGUE = {
+    "__init__": 1,
+    "certificates": 68,
+    "checks": 2,
+    "closed_forms": 10,
+    "common": 4,
+    "dynamics": 14,
+    "enclosures": 2,
+    "equations": 2,
+    "figures": 12,
+    "judging": 28,
+    "motion": 1,
+    "numbers": 13,
+    "output": 5,
+    "proofs": 2,
+    "refined": 1,
+    "results": 1,
+    "runs": 81,
+    "scenes": 1,
+    "taylor": 57,
+    "testing": 2,
+    "verbs": 6,
+}
+
+
+def _bound_names(tree: ast.AST) -> Iterator[str]:
+    """Names of functions, classes, parameters and variables where they are bound."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            yield node.name
+        elif isinstance(node, ast.arg):
+            yield node.arg
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.id
+
+
+def _operators(tree: ast.AST) -> int:
+    """How many of Python's operators have an ``other``, which is Python's word for it."""
+    functions = (x for x in ast.walk(tree) if isinstance(x, ast.FunctionDef))
+    return sum(
+        x.name.startswith("__") and [a.arg for a in x.args.args] == ["self", "other"]
+        for x in functions
+    )
+
+
+def test_names_do_not_get_vaguer():
+    """A local variable, too, is named by what it is: CONTRIBUTING has ten examples."""
+    counts = dict.fromkeys(_MOST_VAGUE, 0)
+    for path in (TOP / "src/polhode").rglob("*.py"):
+        tree = ast.parse(path.read_text())
+        count = sum(bool(_VAGUE.fullmatch(name)) for name in _bound_names(tree))
+        room = path.relative_to(TOP / "src/polhode").parts[0].removesuffix(".py")
+        counts[room] = counts.get(room, 0) + count - _operators(tree)
+    assert {room: n for room, n in counts.items() if n > _MOST_VAGUE.get(room, 0)} == {}

@@ -66,35 +66,35 @@ class _Parser(ArgumentParser):
     def error(self, message: str) -> NoReturn:
         verb = self.prog.removeprefix("polhode").strip()
         command = f"polhode {verb}" if verb else "polhode"
-        if found := re.match(r"argument VERB: invalid choice: '(.*?)'", message):
-            meant = _MEANT.get(found[1].lower())
-            raise BadInput(command, "VERB", found[1], meant or listed(found[1], [*catalogue.NAMES]))
-        if found := re.match(
+        if match := re.match(r"argument VERB: invalid choice: '(.*?)'", message):
+            meant = _MEANT.get(match[1].lower())
+            raise BadInput(command, "VERB", match[1], meant or listed(match[1], [*catalogue.NAMES]))
+        if match := re.match(
             r"argument ([\w-]+): invalid choice: '(.*?)' \(choose from (.*)\)", message
         ):
-            words = [word.strip(" '") for word in found[3].split(",")]
-            raise BadInput(command, found[1], found[2], nearest(found[2], words))
-        if found := re.match(r"argument ([^\s:]+): (.+), not '?(.*?)'?$", message):  # by a type
-            raise BadInput(command, found[1], found[3], found[2])
+            words = [word.strip(" '") for word in match[3].split(",")]
+            raise BadInput(command, match[1], match[2], nearest(match[2], words))
+        if match := re.match(r"argument ([^\s:]+): (.+), not '?(.*?)'?$", message):  # by a type
+            raise BadInput(command, match[1], match[3], match[2])
         raise BadInput(command, "command", None, f"what {command} --help shows ({message})")
 
     def _print_message(self, message: str, file: object = None) -> None:
         """Help and version, as any other result: argparse would not say that they got lost."""
         write_stdout(message)
 
-    def refuse(self, rest: Sequence[str], given: Sequence[str]) -> NoReturn:
+    def refuse(self, rest: Sequence[str], arguments: Sequence[str]) -> NoReturn:
         """Refuse unknown arguments, and suggest the closest known option."""
-        if "--" in given:
+        if "--" in arguments:
             raise BadInput(self.prog, "argument", "--", _BEFORE)
         first = rest[0].partition("=")[0]
         options = self._option_string_actions
-        known = [name for name in options if name.startswith("--")]
+        long_options = [name for name in options if name.startswith("--")]
         if first.startswith("-"):
             name = first.lstrip("-").replace("-", "_")
             here = called_here(name, [option.lstrip("-") for option in options])
             dashes = "-" if here == "o" else "--"
             meant = None if here is None else f"{dashes}{here}, as it is called here"
-            raise BadInput(self.prog, "option", first, meant or nearest(first, known))
+            raise BadInput(self.prog, "option", first, meant or nearest(first, long_options))
         raise BadInput(self.prog, "argument", first, f"nothing more; see {self.prog} --help")
 
 
@@ -114,19 +114,19 @@ def _main(arguments: Sequence[str] | None) -> int:
     try:
         try:
             terminal.prepare()
-            given = sys.argv[1:] if arguments is None else [*arguments]
-            if given[:1] == ["--print-completion"]:
-                terminal.say(_completion(given[1:]))
+            words = sys.argv[1:] if arguments is None else [*arguments]
+            if words[:1] == ["--print-completion"]:
+                terminal.say(_completion(words[1:]))
                 return DONE
-            if not given:
+            if not words:
                 terminal.say(WELCOME.rstrip())
                 return DONE
-            if given[0] == "--":
+            if words[0] == "--":
                 raise BadInput("polhode", "argument", "--", _BEFORE)
-            parser = _parser(given)
-            options, rest = parser.parse_known_args(_joined(given, parser))
+            parser = _parser(words)
+            options, rest = parser.parse_known_args(_joined(words, parser))
             if rest:
-                options.parser.refuse(rest, given)
+                options.parser.refuse(rest, words)
             with in_verb():
                 code: int = options.main(options)
             return code
@@ -171,7 +171,7 @@ def _interrupted() -> int:
     return INTERRUPTED
 
 
-def _completion(given: Sequence[str]) -> str:
+def _completion(words: Sequence[str]) -> str:
     """A script that completes verbs and options in a shell."""
     try:
         import shtab
@@ -179,26 +179,26 @@ def _completion(given: Sequence[str]) -> str:
         expected = "shtab, which completion needs: pip install 'polhode[shell]'"
         raise BadInput("polhode", "--print-completion", None, expected) from None
     shells = list(shtab.SUPPORTED_SHELLS)
-    if len(given) != 1 or given[0] not in shells:
-        shell = given[0] if given else None
+    if len(words) != 1 or words[0] not in shells:
+        shell = words[0] if words else None
         raise BadInput("polhode", "--print-completion", shell, nearest(shell, shells))
-    return str(shtab.complete(_parser((), whole=True), given[0])).rstrip()
+    return str(shtab.complete(_parser((), whole=True), words[0])).rstrip()
 
 
 def _joined(arguments: Sequence[str], parser: ArgumentParser) -> list[str]:
     """``--at -1,2`` as ``--at=-1,2``: argparse would take a negative number for an option."""
-    known = dict(_options_of(parser))
+    options = dict(_options_of(parser))
     joined: list[str] = []
     pending = ""
     for argument in arguments:
-        if pending and argument.partition("=")[0] in known:
+        if pending and argument.partition("=")[0] in options:
             joined.append(pending)
             pending = ""
         if pending:
             # argparse drops a "--", wherever it stands, and would give no value at all
             joined += [pending, argument] if argument == "--" else [f"{pending}={argument}"]
             pending = ""
-        elif known.get(argument, False) and argument.startswith("--"):
+        elif options.get(argument, False) and argument.startswith("--"):
             pending = argument
         else:
             joined.append(argument)
@@ -215,7 +215,7 @@ def _options_of(parser: ArgumentParser) -> Iterator[tuple[str, bool]]:
             yield option, action.nargs is None
 
 
-def _parser(given: Sequence[str], whole: bool = False) -> ArgumentParser:
+def _parser(words: Sequence[str], whole: bool = False) -> ArgumentParser:
     """The parser of the verb that these arguments begin with, others by their names alone.
 
     ``whole``: with the options of all verbs.
@@ -226,9 +226,9 @@ def _parser(given: Sequence[str], whole: bool = False) -> ArgumentParser:
     )
     top.add_argument("--version", action="version", version=f"polhode {__version__}")
     kinds = top.add_subparsers(dest="verb", required=True, metavar="VERB", parser_class=_Parser)
-    known = given[:1] if given[:1] and given[0] in catalogue.NAMES else catalogue.NAMES
-    for name in known:
-        in_full = whole or len(known) == 1
+    names = words[:1] if words[:1] and words[0] in catalogue.NAMES else catalogue.NAMES
+    for name in names:
+        in_full = whole or len(names) == 1
         if name in catalogue.VERBS:
             _add_row(kinds, catalogue.VERBS[name], name, in_full)
         else:

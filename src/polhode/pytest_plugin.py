@@ -35,8 +35,8 @@ class _Digits:
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """The last report of a test has all its properties."""
         values: dict[str, list[Any]] = {
-            wanted: [value for name, value in report.user_properties if name == wanted]
-            for wanted in (_DIGITS, _SCENE, _REPORT)
+            key: [value for name, value in report.user_properties if name == key]
+            for key in (_DIGITS, _SCENE, _REPORT)
         }
         failed = report.failed or any(not row["passed"] for row in self.rows.get(report.nodeid, ()))
         self.rows[report.nodeid] = [
@@ -68,8 +68,8 @@ class _Digits:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """The option for a page of all judgements."""
-    told = "write the judgements of assert_digits as a page, .html or .md"
-    parser.addoption(_OPTION, metavar="FILE", help=told)
+    help_text = "write the judgements of assert_digits as a page, .html or .md"
+    parser.addoption(_OPTION, metavar="FILE", help=help_text)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -108,10 +108,10 @@ def _row_of(score: Score) -> dict[str, Any]:
     """What a page tells of a judgement, in plain values, which pytest-xdist sends."""
     from polhode.common.errors import few
     from polhode.judging.compare import judgement
-    from polhode.output.accuracy import Line
+    from polhode.output.accuracy import AccuracyLine
 
     judged = judgement(score)
-    line = Line("", judged)
+    line = AccuracyLine("", judged)
     shown = few(len(score.times), _MOST_TIMES)
     digits = [line.digits[k] for k in shown]
     return {

@@ -12,7 +12,7 @@ from polhode.closed_forms._one_orbit import orbits
 from polhode.closed_forms._one_orbit.orbits import zeros
 from polhode.closed_forms.balls import periodic_attitude
 from polhode.closed_forms.balls.core import Refused, TooFewBits, ball
-from polhode.closed_forms.balls.periodic_attitude import Equations, PeriodicAttitude, PowerSum
+from polhode.closed_forms.balls.periodic_attitude import BallEquations, PeriodicAttitude, PowerSum
 from polhode.closed_forms.families import mpmath, orbit_family
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
@@ -105,7 +105,7 @@ def test_a_body_without_moment_is_the_free_one():
     """w' = 0 where w is along an axis, and the vertical turns: a bound that starts from 0."""
     with ctx.workprec(64):
         still = [acb(x) for x in (1, 0, 0, 0, 0, 1)]
-        moves = Equations([arb(3), arb(2), arb(1)], [arb(0)] * 3).moves(still, arb("0.01"))
+        moves = BallEquations([arb(3), arb(2), arb(1)], [arb(0)] * 3).moves(still, arb("0.01"))
         assert [bool(x == 0) for x in moves] == [True] * 4 + [False] * 2
         assert 0.0099 < moves[4] < 0.0103
 

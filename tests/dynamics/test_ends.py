@@ -14,7 +14,7 @@ import polhode
 from polhode.common import values
 from polhode.dynamics import coordinates, section
 from polhode.dynamics.permanent_rotations import MOST_SPREAD, RationalBody, Reach
-from polhode.dynamics.starts import asked_of
+from polhode.dynamics.starts import cut_of
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import batches, variations
 from polhode.taylor import event_batches as taylor
@@ -72,7 +72,7 @@ def test_a_long_expression_is_compiled_in_time(what):
 @pytest.fixture
 def section_job():
     scene = polhode.load(REGULAR)
-    what = asked_of(scene, "momentum", "max", None, None)
+    what = cut_of(scene, "momentum", "max", None, None)
     on = coordinates.ground(scene, what.h, what.f)
     starts = coordinates.momentum_states(on, np.array([1.5]), np.array([0.5]), True).states
     zero = section.zero_of(scene, on, "momentum")

@@ -157,7 +157,7 @@ def test_crossings_are_extrema_of_the_kind_asked_for_on_the_level(by, extremum):
 @pytest.mark.slow
 def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
     """Chunks that end on the first crossing, to the last bit, and 1e-14 to either side of it."""
-    asked = section_starts.asked_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
+    asked = section_starts.cut_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
     on = geometry.ground(GENERIC, asked.h, asked.f)
     states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states
     zero = section_jobs.zero_of(GENERIC, on, "momentum")
@@ -228,7 +228,7 @@ def test_flat_crossings_of_many_orbits_are_looked_at_each_with_its_own_numbers(t
 @pytest.mark.parametrize("lost", [3, 4])
 def test_a_crossing_that_heyoka_loses_is_found_again(lost, monkeypatch):
     """One that is asked for, and one of the other direction: the signs at the ends tell."""
-    asked = section_starts.asked_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
+    asked = section_starts.cut_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
     on = geometry.ground(GENERIC, asked.h, asked.f)
     states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states[:1]
     zero = section_jobs.zero_of(GENERIC, on, "momentum")

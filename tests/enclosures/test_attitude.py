@@ -26,7 +26,7 @@ from polhode.enclosures import (
     task,
 )
 from polhode.enclosures.fixed_point_problem import Refused
-from polhode.enclosures.quaternion import Turned, Turns
+from polhode.enclosures.quaternion import TurnBounds, Turned
 from polhode.enclosures.result import Part
 from polhode.enclosures.taylor_polynomials import Pieces
 from polhode.judging.adaptive_precision import integrate
@@ -154,7 +154,7 @@ def _by_rounding() -> float:
         v = [round(x * 2**level) for x in unit]
         table = np.array([[[x] for x in v]], dtype=np.int64)
         pieces = Pieces((0, 1), level, ((level, table),), np.zeros((1, 1, 4)), np.zeros((1, 1)))
-        turned.step(Turns(pieces, None, np.zeros(1)), 0)
+        turned.step(TurnBounds(pieces, None, np.zeros(1)), 0)
         true = vectors.quaternion_product(true, [Fraction(x, 2**level) for x in v])
     centre = [Fraction(int(x), 1 << problem.fine) for x in turned.centre]
     return _off(centre, true) / (turned.radius * 2.0**-problem.noise)

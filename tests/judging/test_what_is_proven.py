@@ -10,7 +10,7 @@ from flint import acb
 
 import polhode
 from polhode.closed_forms.closed_form import ClosedForm
-from polhode.closed_forms.kovalevskaya.theta_attitude import Choice, Moment
+from polhode.closed_forms.kovalevskaya.theta_attitude import EigenspaceChoice, Moment
 from polhode.scenes.vocabulary import STATE
 
 IRRATIONAL = polhode.top(
@@ -84,13 +84,13 @@ def test_an_attitude_is_answered_after_the_states_at_the_same_times() -> None:
 def test_an_attitude_that_has_not_the_gamma_of_the_state_is_no_answer(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    right = Choice.at
+    right = EigenspaceChoice.at
 
-    def turned(choice: Choice, moment: Moment) -> tuple[acb, acb]:
+    def turned(choice: EigenspaceChoice, moment: Moment) -> tuple[acb, acb]:
         xi, eta = right(choice, moment)
         return xi, -eta
 
-    monkeypatch.setattr(Choice, "at", turned)
+    monkeypatch.setattr(EigenspaceChoice, "at", turned)
     truth = polhode.reference("kovalevskaya/generic")
     with pytest.raises(polhode.BadInput, match="has not the gamma of the state"):
         truth.attitude([1], 20)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from polhode.refined.refinement import Side, Stretch, estimate, made
+from polhode.refined.refinement import ChainStretch, OutputSide, errors_made, estimate
 
 OUTPUTS, INTERVALS, ROUNDING = 90, 60, 1e-3
 
@@ -18,12 +18,12 @@ def run():
         return np.eye(6) + 0.1 * draw.normal(size=(*shape, 6, 6))
 
     stretches = [
-        Stretch(turn(count), draw.uniform(0.1, 1.0, count), scale)
+        ChainStretch(turn(count), draw.uniform(0.1, 1.0, count), scale)
         for count, scale in ((INTERVALS // 3, 2.0), (INTERVALS - INTERVALS // 3, 0.5))
     ]
     edges = np.sort(draw.integers(0, INTERVALS + 1, OUTPUTS))
     edges[:2] = 0  # before the end of the first interval
-    sides = [Side(int(edge), turn(), float(draw.uniform(0.1, 5.0)), 0.5) for edge in edges]
+    sides = [OutputSide(int(edge), turn(), float(draw.uniform(0.1, 5.0)), 0.5) for edge in edges]
     return stretches, sides
 
 
@@ -45,13 +45,13 @@ def test_an_output_between_those_with_an_estimate_takes_the_larger_of_its_neighb
 def test_what_each_interval_adds_is_carried_to_the_output_by_the_transitions_after_it():
     """By products of all of them, one by one; rounding adds up by its square."""
     stretches, sides = run()
-    parts = [(stretch, k) for stretch in stretches for k in range(len(stretch.made))]
+    parts = [(stretch, k) for stretch in stretches for k in range(len(stretch.errors))]
     for side in sides[::5]:
         own = reached(np.eye(6), side.scale)
-        carried, sums, squares = side.transition, own * side.made, own**2
+        carried, sums, squares = side.transition, own * side.error, own**2
         for stretch, k in reversed(parts[: side.edge]):
             reach = reached(carried, stretch.scale)
-            sums, squares = sums + reach * stretch.made[k], squares + reach**2
+            sums, squares = sums + reach * stretch.errors[k], squares + reach**2
             carried = carried @ stretch.transitions[k]
         found = estimate(stretches, [side], ROUNDING)
         assert found.errors[0] == pytest.approx(sums + ROUNDING * np.sqrt(squares), rel=1e-12)
@@ -66,8 +66,8 @@ def reached(carried, scale):
 
 def test_collocation_neglects_what_grows_as_the_square_of_the_last_coefficients():
     left, tails = np.array([1e-30, 2e-30]), np.array([1e-10, 3e-12])
-    assert made(left, 0 * tails).tolist() == left.tolist()
-    one, two = made(0 * left, tails), made(0 * left, 2 * tails)
+    assert errors_made(left, 0 * tails).tolist() == left.tolist()
+    one, two = errors_made(0 * left, tails), errors_made(0 * left, 2 * tails)
     assert (one > 0).all()
     assert two == pytest.approx(4 * one, rel=1e-15)
-    assert (made(left, tails) == left + one).all()
+    assert (errors_made(left, tails) == left + one).all()

@@ -38,25 +38,28 @@ _MORE = (0, 48, 112, 192)  # bits, where those given are too few
 
 
 def checked(
-    name: str, made: Callable[[int, int], Made], bits: int, progress: Progress | None = None
+    name: str,
+    certificate_of: Callable[[int, int], Made],
+    bits: int,
+    progress: Progress | None = None,
 ) -> Made:
     """The first of several tries that its checker proves, each with more bits; raises BadInput.
 
-    ``name``: of the scene; ``made``: a certificate with so many bits, and the number of the try,
-    which shows the progress up to :data:`MAKING`.
+    ``name``: of the scene; ``certificate_of``: a certificate with so many bits, and the number of
+    the try, which shows the progress up to :data:`MAKING`.
     """
     fault = ""
     for n, more in enumerate(_MORE):
-        found = made(bits + more, n)
+        certificate = certificate_of(bits + more, n)
         try:
             checking = part_of(progress, MAKING, 1.0)
-            by_checker(verify.KINDS[str(found["kind"])], found, checking)
+            by_checker(verify.KINDS[str(certificate["kind"])], certificate, checking)
         except (verify.NotProved, verify.Damaged) as refused:
             fault = str(refused)
             if isinstance(refused, verify.Damaged):
                 break
             continue
-        return found
+        return certificate
     raise BadInput(name, "certificate", fault, "a statement that its own checker proves")
 
 
@@ -125,8 +128,8 @@ def body_numbers(body: Body, bits: int, tolerance: Fraction = _NONE) -> dict[str
     else:
         rows = [[number(x, bits) for x in row] for row in body.inertia]
         points = [number(x, bits) for x in body.centre]
-        turned = any(body.inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j)
-        form = {"inertia": rows} if turned else {"moments": [rows[i][i] for i in range(3)]}
+        oblique = any(body.inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j)
+        form = {"inertia": rows} if oblique else {"moments": [rows[i][i] for i in range(3)]}
     return {**form, "centre": points, "weight": number(body.weight, bits)}
 
 

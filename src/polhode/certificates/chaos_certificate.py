@@ -79,30 +79,32 @@ def guesses(chain: Chain) -> Made:
     }
 
 
-def proved(made: Made, progress: Progress | None = None) -> verify.Horseshoe:
+def proved(certificate: Made, progress: Progress | None = None) -> verify.Horseshoe:
     """What the checker proves of guesses; raises its NotProved."""
-    return by_checker(verify.horseshoe, made, progress)
+    return by_checker(verify.horseshoe, certificate, progress)
 
 
-def passes(found: verify.Horseshoe, start: Sequence[arb], period: arb) -> None:
+def passes(theorem: verify.Horseshoe, start: Sequence[arb], period: arb) -> None:
     """That a periodic motion is the one of the first set; raises the checker's NotProved."""
-    by_checker(verify.is_orbit_of, found, start, period)
+    by_checker(verify.is_orbit_of, theorem, start, period)
 
 
-def stated(made: Made, statement: Made, found: verify.Horseshoe) -> Made:
+def stated(certificate: Made, statement: Made, theorem: verify.Horseshoe) -> Made:
     """The certificate with its statement, which the checker compares with what it proved."""
-    by_checker(verify.check_chaos, verify.read_chaos(statement), found)
-    return {**made, "statement": statement}
+    by_checker(verify.check_chaos, verify.read_chaos(statement), theorem)
+    return {**certificate, "statement": statement}
 
 
 def _transit(numbers: Made, chain: Chain, n: int) -> Made:
     """Steps from the middle of a set to the next plane."""
-    what = chain.sets[n]
-    chart = chain.charts[what.chart]
-    start = [arb(x) for x in (chart.centre + chart.wide[:, 0] * what.middle).tolist()]
+    rectangle = chain.sets[n]
+    chart = chain.charts[rectangle.chart]
+    start = [arb(x) for x in (chart.centre + chart.wide[:, 0] * rectangle.middle).tolist()]
     end = Fraction(chain.times[n])
-    found = certificate_file.steps(numbers, start, end, _BITS, _TIME_BITS, growth=_GROWTH)
-    return {word: found[word] for word in verify.Guesses._fields[:-1]}
+    numbers_of_steps = certificate_file.steps(
+        numbers, start, end, _BITS, _TIME_BITS, growth=_GROWTH
+    )
+    return {word: numbers_of_steps[word] for word in verify.Guesses._fields[:-1]}
 
 
 def _integers(chart: Chart) -> Made:

@@ -50,26 +50,26 @@ def guesses(problem: Problem, choice: Choice, progress: Progress | None = None) 
     numbers = certificate_file.body_numbers(problem.body, wide, problem.tolerance)
     level = [certificate_file.number(x, wide) for x in (problem.h, problem.f, ONE)]
     with ctx.workprec(choice.bits + 2 * verify.COARSE):
-        found = _steps(numbers, problem, choice, progress)
+        steps = _steps(numbers, problem, choice, progress)
     return {
         "format": verify.FORMAT,
         "kind": "orbit",
         "scene": {**numbers, "level": level},
-        **found,
+        **steps,
         "bits": choice.bits,
     }
 
 
-def proved(made: Made, progress: Progress | None = None) -> verify.Zero:
+def proved(certificate: Made, progress: Progress | None = None) -> verify.Zero:
     """What the checker proves of guesses; raises its NotProved."""
-    return by_checker(verify.zero_near, made, progress)
+    return by_checker(verify.zero_near, certificate, progress)
 
 
-def stated(made: Made, statement: Made, zero: verify.Zero) -> Made:
+def stated(certificate: Made, statement: Made, zero: verify.Zero) -> Made:
     """The certificate with its statement, which the checker compares with what it proved."""
-    with ctx.workprec(int(str(made["bits"])) + verify.COARSE):
+    with ctx.workprec(int(str(certificate["bits"])) + verify.COARSE):
         verify.check_orbit(verify.read_orbit(statement), zero)
-    return {**made, "statement": statement}
+    return {**certificate, "statement": statement}
 
 
 def _steps(
@@ -78,21 +78,21 @@ def _steps(
     """Steps of one period, the box's radius, and by how much the period is divided."""
     bits, part = choice.bits, choice.part
     x = [verify.ball((x, Fraction(0))) for x in problem.start]
-    found = certificate_file.steps(numbers, x, problem.period, bits, bits, part, progress)
+    steps = certificate_file.steps(numbers, x, problem.period, bits, bits, part, progress)
     state_bits = bits + 8  # the first centre is x* itself
-    centres = found["centres"]
+    centres = steps["centres"]
     assert isinstance(centres, list)
-    more = state_bits - int(str(found["state_bits"]))
+    more = state_bits - int(str(steps["state_bits"]))
     centres = [[x << more for x in row] for row in centres]
     centres[0] = [round(x * (1 << state_bits)) for x in problem.start]
     inertia, torque, _ = verify.balls_of(verify.read_body(numbers, ()))
-    held = {**found, "state_bits": state_bits, "centres": centres, "bits": bits}
-    guesses = verify.read_guesses([held[name] for name in verify.Guesses._fields])
+    certificate = {**steps, "state_bits": state_bits, "centres": centres, "bits": bits}
+    guesses = verify.read_guesses([certificate[name] for name in verify.Guesses._fields])
     run = verify.Run(guesses, inertia, torque)
     steep = max(float(verify.steepness(verify.slope(run.body, x)).mid()) for x in run.centres)
     steep *= float(problem.period * Fraction(2) ** run.shift)
     return {
-        **found,
+        **steps,
         "state_bits": state_bits,
         "centres": centres,
         "radius_bits": math.floor(-math.log2(choice.radius)),

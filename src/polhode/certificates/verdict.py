@@ -106,8 +106,10 @@ def verify(path: str | Path, progress: Progress | None = None) -> Verdict:
     True
     """
     of_kind("verify", "path", path, (str, Path), "the path of a certificate")
-    most, what = checker.LARGEST, "a readable certificate"
-    data = read_stdin(most, what) if str(path) == "-" else read_whole(Path(path), most, what)
+    most, expected = checker.LARGEST, "a readable certificate"
+    data = (
+        read_stdin(most, expected) if str(path) == "-" else read_whole(Path(path), most, expected)
+    )
     try:
         with ctx.workprec(checker.COARSE):  # which the checker changes as it likes
             return Verdict(True, "\n".join(checker.verify(data, progress)))

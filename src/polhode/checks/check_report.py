@@ -45,7 +45,7 @@ TICK = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Line:
+class NumberCheck:
     """One check: a case in one number type against its band.
 
     ``outcome``: how the run ended, ``ended`` whether as it should.  ``lost``: that no digits are
@@ -88,21 +88,21 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Report:
+class CaseCheck:
     """What the checks of one case gave."""
 
     scene: Scene
     regime: str
     reference: str
-    lines: tuple[Line, ...]
+    lines: tuple[NumberCheck, ...]
     figures: tuple[PrintedFigure, ...]
     textbook: float | None  # digits to which mpmath's own functions agree with the closed form
 
     @property
     def proposal(self) -> dict[str, tuple[float, float]]:
         """Bands by number type, of the runs that have digits left."""
-        found = {line.number: line.proposal for line in self.lines}
-        return {number: band for number, band in found.items() if band is not None}
+        bands = {line.number: line.proposal for line in self.lines}
+        return {number: band for number, band in bands.items() if band is not None}
 
     @property
     def passed(self) -> bool | None:
@@ -110,8 +110,8 @@ class Report:
         every = [*(x.passed for x in self.lines), *(x.passed for x in self.figures)]
         if self.textbook is not None and self.textbook < WANTED:
             every.append(False)  # two closed forms that agree are no check of a run
-        found = [passed for passed in every if passed is not None]
-        return all(found) if found else None
+        verdicts = [passed for passed in every if passed is not None]
+        return all(verdicts) if verdicts else None
 
 
 def check(
@@ -120,7 +120,7 @@ def check(
     tick: TICK | None = None,
     workers: int = 1,
     details: bool = True,
-) -> Iterator[Report]:
+) -> Iterator[CaseCheck]:
     """Check cases (all that ship, or names, patterns, paths) in the number types that they expect.
 
     ``numbers``: these types instead; a case without a band for one is run and shown without.
@@ -142,27 +142,27 @@ def check(
     yield from of_work.in_order(solve, scenes, min(workers, len(scenes)), begun)
 
 
-def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True) -> Report:
+def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True) -> CaseCheck:
     """The checks of one case: of its states, by runs without outputs and events.
 
     ``details``: as of :func:`check`.
     """
     reference = reference_of(scene)
-    wanted = [*(numbers or scene.expect)]
-    widest = sorted(wanted, key=number_types.NAMES.index, reverse=True)
-    known: Conditioning | None = None
+    types = [*(numbers or scene.expect)]
+    widest = sorted(types, key=number_types.NAMES.index, reverse=True)
+    conditions: Conditioning | None = None
     if widest and details:
-        known = conditioning(scene, number=number_types.named(widest[0]))
-    lines: dict[str, Line] = {}
+        conditions = conditioning(scene, number=number_types.named(widest[0]))
+    lines: dict[str, NumberCheck] = {}
     earlier: Score | None = None  # whose rows of the reference judge the narrower types, too
     for number in widest:
-        lines[number], latest = _report_line(scene, reference, number, known, earlier, details)
+        lines[number], latest = _report_line(scene, reference, number, conditions, earlier, details)
         earlier = earlier or latest
-    return Report(
+    return CaseCheck(
         scene,
         reference.regime,
         reference.kind,
-        tuple(lines[number] for number in wanted),
+        tuple(lines[number] for number in types),
         tuple(figures(scene, reference)),
         textbook_digits(reference),
     )
@@ -172,11 +172,11 @@ def _report_line(
     scene: Scene,
     reference: AnyReference,
     number: str,
-    known: Conditioning | None,
+    conditions: Conditioning | None,
     earlier: Score | None,
     details: bool,
-) -> tuple[Line, Score | None]:
-    """``known``: the scene's conditioning; ``earlier``: the score in a wider type.
+) -> tuple[NumberCheck, Score | None]:
+    """``conditions``: the scene's conditioning; ``earlier``: the score in a wider type.
 
     All that will be told is made here: the judgement does not go to another process, which would
     have to compute the reference again.
@@ -189,13 +189,13 @@ def _report_line(
     run = solve(plain, choose_number(scene, number, digits), options, interruptible=False)
     outcome = run.outcome.value
     if not run.outcome.done:
-        return Line(number, 0.0, band, outcome, ended=False), None
+        return NumberCheck(number, 0.0, band, outcome, ended=False), None
     own = score(as_judged(of_run(run), scene), reference, earlier=earlier)
-    line = Line(number, own.state_worst, band, outcome, ended=True)
+    line = NumberCheck(number, own.state_worst, band, outcome, ended=True)
     limit = plain_limit_of(own, own.digits)
     is_limit_told = details or not line.passed
     if own.state_worst < LAST or (is_limit_told and limit is None):
-        expected = expectation(own, known)
+        expected = expectation(own, conditions)
         line = replace(line, lost=lost_digits(own.digits, expected))
         limit = limit or state_limit(own, expected)
     return replace(line, limit=limit or "") if is_limit_told else line, own
@@ -276,7 +276,7 @@ class CheckReport(Result, ByValue):
     Ctrl-C ended it, before all cases.
     """
 
-    cases: Sequence[Report]
+    cases: Sequence[CaseCheck]
     forms: Sequence[CrossCheck]
     proposing: bool = False
     interrupted: bool = False
@@ -325,10 +325,10 @@ class CheckReport(Result, ByValue):
                 else _lines(report, self.proposing)
             )
         ]
-        for found in self.forms:
-            digits = "" if found.digits is None else f"{found.digits:.1f} digits, "
-            mark = _MARKS[found.passed]
-            lines.append(f"{mark} {found.scene} in the form {found.form}: {digits}{found.note}")
+        for form in self.forms:
+            digits = "" if form.digits is None else f"{form.digits:.1f} digits, "
+            mark = _MARKS[form.passed]
+            lines.append(f"{mark} {form.scene} in the form {form.form}: {digits}{form.note}")
         return "\n".join([*lines, self._verdict])
 
     def table(self) -> Table:
@@ -413,7 +413,7 @@ def check_cases(
     tick = message or (lambda _: None)
     patterns = [*map(str, scenes)]
     shared = cores() if len(library.matching(patterns)) >= _MANY else 1
-    reports: list[Report] = []
+    reports: list[CaseCheck] = []
     crossed: list[CrossCheck] = []
     try:
         if scenes or not forms:
@@ -421,18 +421,18 @@ def check_cases(
             for report in check(patterns, numbers, tick, shared, details or propose):
                 reports.append(report)
         if forms or not (scenes or number):
-            for found in cross_checks(tick):
-                crossed.append(found)
+            for row in cross_checks(tick):
+                crossed.append(row)
     except KeyboardInterrupt:
         return CheckReport(reports, crossed, propose, interrupted=True)
     return CheckReport(reports, crossed, propose)
 
 
-def _head(report: Report) -> str:
+def _head(report: CaseCheck) -> str:
     return f"{_MARKS[report.passed]} {report.scene.name} ({report.regime}, {report.reference})"
 
 
-def _line(report: Report) -> str:
+def _line(report: CaseCheck) -> str:
     """A case that passes, in one line."""
     digits = [f"{line.number} {line.lost or f'{line.digits:.2f} digits'}" for line in report.lines]
     if report.figures:
@@ -440,7 +440,7 @@ def _line(report: Report) -> str:
     return f"{_head(report)}: {', '.join(digits)}"
 
 
-def _lines(report: Report, proposing: bool) -> Iterator[str]:
+def _lines(report: CaseCheck, proposing: bool) -> Iterator[str]:
     """What is told of a case."""
     yield _head(report)
     for line in report.lines:

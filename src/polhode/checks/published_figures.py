@@ -104,8 +104,8 @@ class PrintedFigure:
     @property
     def passed(self) -> bool:
         """Whether as many digits are right as are known to be: all, unless the case says less."""
-        known = self.published.right
-        return self.complete if known is None else self.right >= known
+        expected = self.published.right
+        return self.complete if expected is None else self.right >= expected
 
     @property
     def digits_right(self) -> float:
@@ -129,9 +129,9 @@ class PrintedFigure:
         right = f"all {shown}" if self.complete else f"{self.right} of {shown}"
         if self.passed:
             return f"{right} digits right"
-        wanted = "all" if self.published.right is None else self.published.right
+        expected = "all" if self.published.right is None else self.published.right
         difference = decimal_string(self.difference, 2)
-        return f"{right} digits right, where {wanted} are expected: differs by {difference}"
+        return f"{right} digits right, where {expected} are expected: differs by {difference}"
 
 
 def figures(scene: Scene, reference: Reference | Certified) -> list[PrintedFigure]:
@@ -198,15 +198,15 @@ def columns_at(
     scene: Scene, reference: Reference | Certified, t: Fraction, digits: int
 ) -> dict[str, Any]:
     """All columns that the scene's figures name, at one time."""
-    found: dict[str, Real | None] = dict(
+    columns: dict[str, Real | None] = dict(
         zip(scene.columns, reference.at([t], digits)[0], strict=True)
     )
     used = " ".join(p.quantity for p in scene.published)
     for word, column in COLUMNS.items():
         if any(name in used for name in column.names):
             (row,) = column_of(partial(getattr, reference), scene, word, [t], digits)
-            found |= dict(zip(column.names, row, strict=True))
-    return found
+            columns |= dict(zip(column.names, row, strict=True))
+    return columns
 
 
 def _digits(published: Published) -> int:

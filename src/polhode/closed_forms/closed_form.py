@@ -95,8 +95,8 @@ class ClosedForm(Turning):
 
     def curve(self, digits: int) -> dict[str, object] | None:
         """The algebraic curve on which the motion is linear, where the family tells it."""
-        known = self._relative(lambda: self._motion().curve(), digits)
-        return self.place.curve_of(known) if known else None
+        numbers = self._relative(lambda: self._motion().curve(), digits)
+        return self.place.curve_of(numbers) if numbers else None
 
     def approach(self, digits: int) -> mpf | None:
         """The rate at which the motion tends to a periodic one; None where it does not.
@@ -256,8 +256,8 @@ class ClosedForm(Turning):
         """By the family's third axis, or the one about which the body turns."""
         motion, now = self._motion(), t * self._unit()
         if self.place.axis is None:
-            one, other = motion.arguments(now)
-            return (one, other) if self._own_side > 0 else (other, one)
+            alpha, beta = motion.arguments(now)
+            return (alpha, beta) if self._own_side > 0 else (beta, alpha)
         q0, q1, q2, q3 = self._start()[6:]
         size = root(dot(self.place.axis, self.place.axis))
         along = [ball(x) if size.is_zero() else ball(x) / size for x in self.place.axis]
@@ -297,9 +297,9 @@ class ClosedForm(Turning):
         """The rows asked for; those of the last question are kept."""
         if attitude:
             _ = self._gamma  # refuses where it is not known
-        known, wanted, rows = self._last
+        last_times, last_digits, rows = self._last
         wide = not attitude or all(len(row) > 6 for row in rows)
-        if not (wanted == digits and wide and known == list(times)):
+        if not (last_digits == digits and wide and last_times == list(times)):
             with self._noting():
                 most = self.place.most_bits(digits)
                 rows = sure_rows(lambda t: self.row_at(t, attitude=attitude), times, digits, most)

@@ -119,7 +119,7 @@ def numbered(I: Sequence[Exact], w: Sequence[Exact]) -> tuple[tuple[int, ...], i
 
 
 @dataclass(frozen=True)
-class Numbers:
+class PolhodeNumbers:
     """The exact numbers of a motion that is no permanent rotation; no square is negative.
 
     Triples of squares are those of sn, cn, dn: of the phase at t = 0 to the modulus k, and of the
@@ -139,7 +139,7 @@ class Numbers:
     sense: int  # 1 where the third moment is the largest, -1 where it is the smallest
 
 
-def numbers(I: Vector, w: Vector) -> Numbers:
+def numbers(I: Vector, w: Vector) -> PolhodeNumbers:
     """The numbers of moments and w in the axes numbered for the motion."""
     I1, I2, I3 = I
     m1, m2, m3 = (a * x for a, x in zip(I, w, strict=True))
@@ -152,7 +152,7 @@ def numbers(I: Vector, w: Vector) -> Numbers:
     p2, q2, r2 = P / (I1 * d31), P / (I2 * d32), R / (I3 * d31)
     s1, s3 = (1 if sign(x) >= 0 else -1 for x in (w[0], w[2]))
     s2 = sign(d32) * s1 * s3
-    return Numbers(
+    return PolhodeNumbers(
         moments=I,
         G2=G2,
         k2=d21 * P / (d32 * R),
@@ -178,7 +178,7 @@ class EulerPlacement(Placement):
 
     omega: Vector
     gamma: Vector | None
-    numbers: Numbers | None = None
+    numbers: PolhodeNumbers | None = None
 
 
 def place(scene: PrincipalScene) -> EulerPlacement | None:
@@ -235,7 +235,7 @@ class Polhode(Motion):
     ``vertical``: at t = 0; None where it is not known.
     """
 
-    def __init__(self, numbers: Numbers, vertical: Sequence[arb] | None) -> None:
+    def __init__(self, numbers: PolhodeNumbers, vertical: Sequence[arb] | None) -> None:
         n = numbers
         self._vertical = vertical
         self.elliptic = Jacobi(ball(n.k2), ball(n.kc2))
@@ -305,10 +305,10 @@ class Polhode(Motion):
         """gamma."""
         z1, z2, z3 = direction
         across = self._across * self._turned(at, t)
-        one, other, along = across.real, across.imag, self._along
+        real, imaginary, along = across.real, across.imag, self._along
         square = z1 * z1 + z2 * z2
-        same, turned = along + one * z3 / square, other / square
-        return z1 * same + z2 * turned, z2 * same - z1 * turned, along * z3 - one
+        same, crossed = along + real * z3 / square, imaginary / square
+        return z1 * same + z2 * crossed, z2 * same - z1 * crossed, along * z3 - real
 
     def _attitude(self, at: Place, t: arb) -> Turn:
         """The quaternion body -> space in axes of space of which the third is along G."""

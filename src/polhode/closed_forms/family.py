@@ -57,9 +57,9 @@ class Placement:
         del digits
         return None
 
-    def curve_of(self, known: Mapping[str, mpf]) -> dict[str, object]:
+    def curve_of(self, numbers: Mapping[str, mpf]) -> dict[str, object]:
         """The curve of a motion, from the numbers that the motion tells of it."""
-        return dict(known)
+        return dict(numbers)
 
 
 #: What decides whether a scene belongs to a family, and where it is in the family's axes then.

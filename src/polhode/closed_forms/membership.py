@@ -248,8 +248,8 @@ def matching(
         size = scene.speed * scene.speed
         for name, w, square in zip("qr", scene.omega[1:], squares, strict=True):
             yield equal(f"{name}^2 as p requires", w * w, square, size)
-    for i, (one, other) in enumerate(zip(scene.gamma, gamma, strict=True)):
-        yield equal(f"gamma{i + 1} as w requires", one, other, ONE)
+    for i, (own, required) in enumerate(zip(scene.gamma, gamma, strict=True)):
+        yield equal(f"gamma{i + 1} as w requires", own, required, ONE)
 
 
 def on_axis_1(scene: NormalScene) -> Iterator[Condition]:
@@ -270,9 +270,9 @@ def placed_in(
     if scene.gamma is None or is_zero(scene.torque):
         return None
     for axes in ALL_AXES:
-        placed = axes.placed(scene.moments, scene.torque, scene.omega, scene.gamma)
-        if all(condition.holds for condition in conditions(placed)):
-            return axes, placed
+        normal = axes.placed(scene.moments, scene.torque, scene.omega, scene.gamma)
+        if all(condition.holds for condition in conditions(normal)):
+            return axes, normal
     return None
 
 
@@ -286,8 +286,8 @@ def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
         return Misfit("a body on which the weight has a moment")
     best, least = Misfit(_NOT_REAL.text), math.inf
     for axes in ALL_AXES:
-        placed = axes.placed(scene.moments, scene.torque, scene.omega, scene.gamma)
-        failing = _failing(conditions, placed, least)
+        normal = axes.placed(scene.moments, scene.torque, scene.omega, scene.gamma)
+        failing = _failing(conditions, normal, least)
         if not failing:
             return None
         sizes = [log10(condition.off) for condition in failing]
@@ -300,11 +300,11 @@ def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
     return best
 
 
-def _failing(conditions: Conditions, placed: NormalScene, least: float) -> list[Condition]:
+def _failing(conditions: Conditions, normal: NormalScene, least: float) -> list[Condition]:
     """The conditions that fail, up to one that is off by more than 10^least."""
     failing: list[Condition] = []
     try:
-        for condition in conditions(placed):
+        for condition in conditions(normal):
             if not condition.holds:
                 failing.append(condition)
                 if log10(condition.off) >= least:

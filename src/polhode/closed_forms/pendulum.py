@@ -86,7 +86,7 @@ def _excess(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> tu
 
 
 @dataclass(frozen=True)
-class Numbers:
+class SwingNumbers:
     """The exact numbers of a swing: no difference in them is left to rounding."""
 
     librates: bool
@@ -98,7 +98,7 @@ class Numbers:
     phase: Vector  # sn^2, cn^2, dn^2 at t = 0
 
 
-def numbers(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Numbers:
+def numbers(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> SwingNumbers:
     """Those of a start in principal axes, which is not at rest."""
     n = axis_of(torque, omega, gamma)
     inertia = dot(n, momentum(moments, n)) / dot(n, n)
@@ -114,11 +114,11 @@ def numbers(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Nu
     half = cos2, sin2
     if sign(kc2) > 0:
         phase = sin2 / k2, kinetic / k2, cos2
-        return Numbers(True, side, half, k2, kc2, rate2, phase)
+        return SwingNumbers(True, side, half, k2, kc2, rate2, phase)
     if sign(kc2) == 0:
         k2, kc2 = ONE, ZERO
     phase = sin2, cos2, kinetic / k2
-    return Numbers(False, side, half, 1 / k2, -kc2 / k2, rate2 * k2, phase)
+    return SwingNumbers(False, side, half, 1 / k2, -kc2 / k2, rate2 * k2, phase)
 
 
 # --- placing --------------------------------------------------------------------------------------
@@ -132,7 +132,7 @@ class PendulumPlacement(Placement):
 
     omega: Vector
     gamma: Vector
-    numbers: Numbers | None = None
+    numbers: SwingNumbers | None = None
 
 
 def place(scene: PrincipalScene) -> PendulumPlacement | None:
@@ -146,8 +146,8 @@ def place(scene: PrincipalScene) -> PendulumPlacement | None:
     if is_zero(torque) or gamma is None:
         return None
     n = axis_of(torque, omega, gamma)
-    turned = momentum(moments, n)
-    if not (is_zero(cross(n, turned)) and sign(dot(n, gamma)) == 0 and sign(dot(n, torque)) == 0):
+    spin = momentum(moments, n)
+    if not (is_zero(cross(n, spin)) and sign(dot(n, gamma)) == 0 and sign(dot(n, torque)) == 0):
         return None
     return PendulumPlacement(
         regime=regime(moments, torque, omega, gamma),
@@ -189,7 +189,7 @@ def solve(place: PendulumPlacement) -> Motion:
 class Swing(Motion):
     """A swing about ``n``, of any length, in any axes; ``gamma``: the vertical at t = 0."""
 
-    def __init__(self, numbers: Numbers, n: Vector, gamma: Sequence[arb]) -> None:
+    def __init__(self, numbers: SwingNumbers, n: Vector, gamma: Sequence[arb]) -> None:
         self._gamma = gamma
         size = root(dot(n, n))
         x, y, z = (ball(component) / size for component in n)
@@ -219,9 +219,9 @@ class Swing(Motion):
         if n % 2:
             c, s = -c, -s
         cos, sin = self._begin
-        turned = s * cos - c * sin
+        sine = s * cos - c * sin
         x, y, z = self._axis
-        return c * cos + s * sin, turned * x, turned * y, turned * z
+        return c * cos + s * sin, sine * x, sine * y, sine * z
 
     def rates(self) -> Mapping[str, arb]:
         """ "libration" or "rotation"."""

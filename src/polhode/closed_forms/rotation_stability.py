@@ -76,5 +76,5 @@ def _jacobian(
     return rows
 
 
-def _product(one: list[list[Scalar]], other: list[list[Scalar]]) -> list[list[Scalar]]:
-    return [[sum(row[k] * other[k][j] for k in range(6)) for j in range(6)] for row in one]
+def _product(left: list[list[Scalar]], right: list[list[Scalar]]) -> list[list[Scalar]]:
+    return [[sum(row[k] * right[k][j] for k in range(6)) for j in range(6)] for row in left]

@@ -92,8 +92,8 @@ def _fourier(values: Sequence[mpc], roots: Sequence[mpc]) -> list[mpc]:
     if len(values) == 1:
         return [*values]
     even, odd = (_fourier(values[k::2], roots[::2]) for k in (0, 1))
-    turned = [x * root for x, root in zip(odd, roots, strict=False)]
-    return [x + side * y for side in (1, -1) for x, y in zip(even, turned, strict=True)]
+    twisted = [x * root for x, root in zip(odd, roots, strict=False)]
+    return [x + side * y for side in (1, -1) for x, y in zip(even, twisted, strict=True)]
 
 
 # --- cycle ----------------------------------------------------------------------------------------
@@ -134,8 +134,8 @@ class Cycle:
 
     def point(self, x: mpf) -> Point:
         """s at an angle."""
-        one, two = mpmath.cos(x / 2) ** 2, self._balance * mpmath.sin(x / 2) ** 2
-        return one * self._u[0] + two * self._v[0], one * self._u[1] + two * self._v[1]
+        cos2, sin2 = mpmath.cos(x / 2) ** 2, self._balance * mpmath.sin(x / 2) ** 2
+        return cos2 * self._u[0] + sin2 * self._v[0], cos2 * self._u[1] + sin2 * self._v[1]
 
     def rate(self, x: mpf) -> mpc:
         """ds/w, and s ds/w as its imaginary part, over dx."""
@@ -284,8 +284,8 @@ def lagrange_motion(
     rate = mpmath.sqrt(a * (u3 - u1)) / 2
     steady = u2 - u1 < _EQUAL * mpmath.eps
     sine = 0 if steady else mpmath.sqrt(min(1, max(0, (u0 - u1) / (u2 - u1))))
-    way = -1 if g1 * q - g2 * p < 0 else 1
-    begin = way * mpmath.ellipf(mpmath.asin(sine), parameter)
+    direction = -1 if g1 * q - g2 * p < 0 else 1
+    begin = direction * mpmath.ellipf(mpmath.asin(sine), parameter)
 
     def turned(at: Along) -> mpf:
         """phi without its growth at the rate r - n."""
@@ -403,13 +403,13 @@ class _Top:
     def _angles(self, state: Sequence[mpf], later: Sequence[mpf]) -> list[mpf]:
         """Those of a state, on the sides that a state a moment later tells."""
         p, q, r, _, _, G3 = later
-        found = []
+        angles = []
         for cycle, s, point in zip(
             self._cycles, self._variables(state), self._variables(later), strict=True
         ):
             by_r, by_G3 = self._mumford(p, q, point)
-            found.append(cycle.angle(s, (by_r * r + by_G3 * G3) * q))
-        return found
+            angles.append(cycle.angle(s, (by_r * r + by_G3 * G3) * q))
+        return angles
 
     def _variables(self, state: Sequence[mpf]) -> tuple[Point, Point]:
         """s1 and s2, without cancellation; s1 is infinite where q = 0."""
@@ -443,13 +443,13 @@ class _Top:
         for e, side in zip(self._e, self._signs, strict=True):
             f, g = mpmath.sqrt(e * e + self._b), mpmath.sqrt(2 * (e + self._H))
             f, g = (f, 2 * self._m / f) if abs(f) >= abs(g) else (2 * self._m / g, g)
-            one, two = (c.root((e, 1), x) for c, x in zip(self._cycles, angles, strict=True))
-            yield e, f, g, side * one * two
+            first, second = (c.root((e, 1), x) for c, x in zip(self._cycles, angles, strict=True))
+            yield e, f, g, side * first * second
 
     def _unit(self, angles: Sequence[mpf]) -> mpf:
         """What all the roots have before them."""
-        one, two = (c.root((-1, 0), x) for c, x in zip(self._cycles, angles, strict=True))
-        return one * two
+        first, second = (c.root((-1, 0), x) for c, x in zip(self._cycles, angles, strict=True))
+        return first * second
 
     def _signs_at(self, state: Sequence[mpf], angles: Sequence[mpf]) -> list[mpf]:
         """Of the roots, from 2q sqrt((s1 - e)(s2 - e)) = i(f sg - g(pi - e))."""
@@ -464,7 +464,7 @@ class _Top:
         """p and q by Koetter's sums, r and G3 from w1 and w2, the rest by H, m."""
         denominator = numerator = mpmath.mpf(0)
         for e, f, g, root in self._roots(angles):
-            slope = mpmath.fprod(e - other for other in self._e if other != e)
+            slope = mpmath.fprod(e - zero for zero in self._e if zero != e)
             numerator += f * root / slope
             denominator += g * root / slope
         p, q = (mpmath.re(x / denominator) for x in (numerator, self._unit(angles)))
@@ -477,9 +477,11 @@ class _Top:
 
 def _steps(rates: Sequence[mpc], miss: mpc) -> tuple[mpf, mpf]:
     """The real x and y for which x and y times the two rates add up to the complex number."""
-    one, two = rates
-    determinant = (one.conjugate() * two).imag
-    return -(two.conjugate() * miss).imag / determinant, (one.conjugate() * miss).imag / determinant
+    by_x, by_y = rates
+    determinant = (by_x.conjugate() * by_y).imag
+    return -(by_y.conjugate() * miss).imag / determinant, (
+        by_x.conjugate() * miss
+    ).imag / determinant
 
 
 def _rates(_: mpf, state: Sequence[mpf]) -> list[mpf]:
@@ -558,12 +560,12 @@ def _rows(
     state = _MOTIONS[family](along, size, own * omega, own * gamma, regime)
     back = (own * mpmath.matrix([[*vector(row)] for row in scene.body.axes.rows])).T
     width = 3 if principal.gamma is None else 6
-    found = []
+    rows = []
     for t in vector(times):
         row = state(t)
         w, g = (back * mpmath.matrix(v) for v in (row[:3], row[3:]))
-        found.append([*w, *g][:width])
-    return found
+        rows.append([*w, *g][:width])
+    return rows
 
 
 def _axes(family: str, moments: Any, torque: Any, omega: Any) -> Any:
@@ -600,7 +602,7 @@ def _agree(rows: list[list[mpf]], others: list[list[mpf]], goal: mpf) -> bool:
     rate = max(mpmath.norm(row[:3]) for row in others) or 1
     pairs = [
         abs(x - y) / (rate if k < 3 else 1)
-        for row, other in zip(rows, others, strict=True)
-        for k, (x, y) in enumerate(zip(row, other, strict=True))
+        for row, row_of_others in zip(rows, others, strict=True)
+        for k, (x, y) in enumerate(zip(row, row_of_others, strict=True))
     ]
     return all(x < goal for x in pairs)

@@ -22,7 +22,7 @@ from polhode.common.values import ByValue, refuse_too_much
 from polhode.dynamics import coordinates as geometry
 from polhode.dynamics.coordinates import tangents_of
 from polhode.dynamics.lyapunov import SHORTEST, UNSTABLE, UNSTABLE_GROWTH, is_integrable, is_known
-from polhode.dynamics.starts import asked_of, starts_of
+from polhode.dynamics.starts import cut_of, starts_of
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.equations.terms import NAMES
@@ -89,7 +89,7 @@ def on_section(
 
     ``foretold``: see :func:`starts_of`.
     """
-    plan = asked_of(scene, by, extremum, h, f)
+    plan = cut_of(scene, by, extremum, h, f)
     if plan.by not in (MOMENTUM, HEIGHT):
         raise BadInput(scene.name, "by", plan.by, "momentum or height, for a map")
     on = geometry.ground(scene, plan.h, plan.f)
@@ -384,8 +384,8 @@ def chaos_map(
     scene = library.load(scene, takes=REQUESTS)
     frame = Frame.of(scene)
     unit, default = float(frame.unit), frame.time_outside(Fraction(END))
-    wanted = default if end is None else end
-    (last,) = each(scene.name, "end", (wanted,), reader(scene.units, TIME), "a time")
+    last_time = default if end is None else end
+    (last,) = each(scene.name, "end", (last_time,), reader(scene.units, TIME), "a time")
     length = to_double(last) / unit
     if not 0 < length < MOST:
         raise BadInput(scene.name, "end", to_double(last), f"a time above 0, below {MOST * unit:g}")
@@ -394,9 +394,9 @@ def chaos_map(
     looks = LEAST_LOOKS * max(1, int(np.ceil(length / LOOK / LEAST_LOOKS)))
 
     def forecast(many: int, more_than: str = "") -> None:
-        what = f"{more_than}{many} motions with {looks} samples each"
+        work = f"{more_than}{many} motions with {looks} samples each"
         words = "samples in all; a coarser grid, or an earlier end"
-        refuse_too_much(scene.name, "map", what, many * looks, _BYTES, words)
+        refuse_too_much(scene.name, "map", work, many * looks, _BYTES, words)
 
     if vary is None and starts is None:
         foretold = partial(forecast, more_than="more than ")
@@ -408,15 +408,15 @@ def chaos_map(
         if isinstance(starts, (str, Path)):
             starts = integrate_many.read(Path(starts), scene)
         motions = of_varied(*varied_of(scene, starts, vary), forecast)
-    begun, coefficients = motions.starts, motions.coefficients
-    forecast(len(begun))
-    first = tangents_of(begun, motions.moments, motions.torques)
+    initial, coefficients = motions.starts, motions.coefficients
+    forecast(len(initial))
+    first = tangents_of(initial, motions.moments, motions.torques)
     early = (looks // 8, looks // 4, looks // 2)
     jobs = [
         variations.TangentJob(
             motions.names,
             coefficients[k : k + LANES],
-            begun[k : k + LANES],
+            initial[k : k + LANES],
             first[k : k + LANES],
             length,
             looks,
@@ -424,25 +424,27 @@ def chaos_map(
             early,
             UNSTABLE_GROWTH,
         )
-        for k in range(0, len(begun), LANES)
+        for k in range(0, len(initial), LANES)
     ]
-    kept = JobCheckpoint.at(parts, "map", scene.text, length, looks, tol, begun, coefficients)
+    checkpoint = JobCheckpoint.at(
+        parts, "map", scene.text, length, looks, tol, initial, coefficients
+    )
     finished = run_jobs(
         variations.solve,
         jobs,
         [len(job.starts) for job in jobs],
         workers,
         executor,
-        kept,
-        lambda found: found._asdict(),
+        checkpoint,
+        lambda verdicts: verdicts._asdict(),
         variations.Followed.of,
         progress,
     )
     sizes, left = (np.concatenate(arrays) for arrays in zip(*finished.done, strict=True))
     judged = _judged(sizes, left, length)
-    verdict, done = judged["verdict"], np.flatnonzero(finished.rows)
+    verdict, rows = judged["verdict"], np.flatnonzero(finished.rows)
     integrable = [
-        k for k in np.flatnonzero(verdict == _CHAOTIC).tolist() if motions.is_known(done[k])
+        k for k in np.flatnonzero(verdict == _CHAOTIC).tolist() if motions.is_known(rows[k])
     ]
     verdict[integrable] = _UNSTABLE
     judged["exponent"] = judged["exponent"] / unit
@@ -458,7 +460,7 @@ def chaos_map(
         h=motions.h,
         f=motions.f,
         interrupted=finished.interrupted,
-        kept=kept,
+        kept=checkpoint,
         provenance=scene.provenance(),
     )
 

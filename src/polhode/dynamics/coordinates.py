@@ -45,13 +45,13 @@ def tangents_of(
     basis: list[Doubles] = []
     for vector in across:  # Gram and Schmidt, twice
         for _ in range(2):
-            for other in basis:
-                vector = vector - (vector * other).sum(axis=1)[:, None] * other
+            for direction in basis:
+                vector = vector - (vector * direction).sum(axis=1)[:, None] * direction
         size = np.sqrt((vector * vector).sum(axis=1))[:, None]
         basis.append(np.where(size > 1e-12, vector / np.maximum(size, 1e-300), 0.0))
     for _ in range(2):
-        for other in basis:
-            tangents = tangents - (tangents * other).sum(axis=1)[:, None] * other
+        for direction in basis:
+            tangents = tangents - (tangents * direction).sum(axis=1)[:, None] * direction
     unit: Doubles = tangents / np.sqrt((tangents * tangents).sum(axis=1))[:, None]
     return unit
 
@@ -98,8 +98,8 @@ class Ground(NamedTuple):
     @property
     def torque(self) -> Doubles:
         """Mg r0."""
-        found: Doubles = self.weight * self.frame[2]
-        return found
+        torque: Doubles = self.weight * self.frame[2]
+        return torque
 
     @property
     def largest_momentum(self) -> float:
@@ -191,8 +191,8 @@ def _momentum_states(on: Ground, l: Doubles, sig: Doubles, maxima: bool) -> Foun
     gamma = (on.f / size)[:, None] * e + (y / size)[:, None] * n
     states = np.concatenate([size[:, None] * e / on.moments, gamma], axis=1)
     kind = momentum_slope(on, states) < 0
-    kept = kind if maxima else ~kind
-    return Found(states[kept], rows[kept])
+    extremal = kind if maxima else ~kind
+    return Found(states[extremal], rows[extremal])
 
 
 def _roots(on: Ground, kappa: Doubles, sig: Doubles, across: Doubles) -> Doubles:
@@ -216,9 +216,9 @@ def _roots(on: Ground, kappa: Doubles, sig: Doubles, across: Doubles) -> Doubles
     real = np.abs(roots.imag) < 1e-5 * np.maximum(np.abs(roots.real), 1e-3)
     size = np.where(real & (roots.real > 0), roots.real * scale, np.nan)
     with np.errstate(invalid="ignore"):
-        other = np.sqrt(np.maximum(size * size - f * f, 0))
+        root = np.sqrt(np.maximum(size * size - f * f, 0))
         side = -((kappa[:, None] * size**3 / 2 - h * size) + (weight * f * sig)[:, None]) / weight
-        y = np.where(side < 0, -other, other)
+        y = np.where(side < 0, -root, root)
         for _ in range(6):  # Newton's method on the equation itself
             excess, slope = _excess(on, y, kappa, sig, across)
             y = y - excess / slope
@@ -269,8 +269,8 @@ def height_states(on: Ground, gamma: Doubles, side: Doubles, maxima: bool) -> Fo
     there = np.isfinite(states).all(axis=1)
     kind = np.zeros(len(gamma), dtype=bool)
     kind[there] = height_bend(on, states[there]) < 0
-    kept = there & (kind if maxima else ~kind)
-    return Found(states[kept], np.flatnonzero(kept))
+    extremal = there & (kind if maxima else ~kind)
+    return Found(states[extremal], np.flatnonzero(extremal))
 
 
 def height_bend(on: Ground, states: Doubles) -> Doubles:

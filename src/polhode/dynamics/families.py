@@ -39,7 +39,7 @@ from polhode.dynamics.orbit import (
     primitive,
 )
 from polhode.dynamics.section import section
-from polhode.dynamics.starts import MAXIMA, MOST_STARTS, asked_of, starts_of
+from polhode.dynamics.starts import MAXIMA, MOST_STARTS, cut_of, starts_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import shown
@@ -175,13 +175,13 @@ class OrbitFamily(Result, ByValue):
         """The k-th point's orbit to ``digits`` digits, on exactly the level of its doubles."""
         point = self.points[k]
         levels = self.surface.h, self.surface.f
-        given: list[Exact] = [exactly(point.h), exactly(point.f)]
-        held = 1 - BY.index(self.by)
-        given[held] = levels[held]
-        on = Surface(self.scene, *given)
-        known = self.members[k].found
-        anchor = [exactly(x) for x in known.state.tolist()]
-        return completed(on, known, anchor, digits, self.scene.name, 0.0)
+        level: list[Exact] = [exactly(point.h), exactly(point.f)]
+        fixed = 1 - BY.index(self.by)
+        level[fixed] = levels[fixed]
+        on = Surface(self.scene, *level)
+        double_orbit = self.members[k].found
+        anchor = [exactly(x) for x in double_orbit.state.tolist()]
+        return completed(on, double_orbit, anchor, digits, self.scene.name, 0.0)
 
 
 def orbit_family(
@@ -239,12 +239,12 @@ def orbit_family(
     if by not in BY:
         raise BadInput("orbit_family", "by", by, nearest(by, [*BY]))
     if not isinstance(start, Orbit):
-        found = orbit(start, h=h, f=f, period=period, returns=returns, progress=progress)
+        first = orbit(start, h=h, f=f, period=period, returns=returns, progress=progress)
     elif h is f is period is returns is None:
-        found = start
+        first = start
     else:
         raise BadInput(start.name, "start", None, "a scene, whose first orbit is looked for")
-    on = found.surface
+    on = first.surface
     name = on.scene.name
     most = whole(name, "points", points, 2, MOST_POINTS)
     unit = ENERGY if by == "h" else AREA
@@ -253,9 +253,9 @@ def orbit_family(
     if sign(end - begin) == 0:
         raise BadInput(name, "to", shown(end), f"another {by} than that of the first orbit")
     try:
-        arc = Arc(on, found.closed, by)
+        arc = Arc(on, first.closed, by)
     except NotClosed as fault:
-        expected = f"an orbit of one family ({fault}: its residue is {float(found.residue):.1e})"
+        expected = f"an orbit of one family ({fault}: its residue is {float(first.residue):.1e})"
         raise BadInput(name, "start", None, expected) from None
     return _followed(on, arc, by, begin, end, most, progress)
 
@@ -274,11 +274,13 @@ def _followed(
         while len(members) < most:
             ends = (high,) if len(members) == 1 else (low, high)
             step = stepped(arc, member, length, ends)
-            targets = [one for one in step.passed if one.what == TARGET]
-            for one in step.passed:
-                if one.what == TARGET:
+            targets = [mark for mark in step.passed if mark.what == TARGET]
+            for mark in step.passed:
+                if mark.what == TARGET:
                     break
-                special.append(Bifurcation(one.what, point_of(on, one.member.found), len(members)))
+                special.append(
+                    Bifurcation(mark.what, point_of(on, mark.member.found), len(members))
+                )
             if targets:
                 last, back = targets[0].member, targets[0].member.value
                 back = abs(back - low) < abs(back - high)
@@ -297,7 +299,7 @@ def _followed(
     return OrbitFamily(
         on.scene,
         by,
-        tuple(point_of(on, one.found) for one in members),
+        tuple(point_of(on, mark.found) for mark in members),
         tuple(special),
         ended,
         interrupted,
@@ -355,7 +357,7 @@ LOOKS = 400  # along an orbit with which another one is compared
 ALIKE = 1e-7  # relative: periods and residues of one orbit
 
 
-class Guess(NamedTuple):
+class OrbitGuess(NamedTuple):
     """A start, a time, the distance at that time, and after how many crossings."""
 
     state: Doubles
@@ -409,9 +411,9 @@ class OrbitSearch(Result, ByValue):
 
     def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
         """The k-th orbit to ``digits`` digits."""
-        known = self.closed[k]
-        anchor = [exactly(x) for x in known.state.tolist()]
-        return completed(self.surface, known, anchor, digits, self.scene.name, 0.0)
+        double_orbit = self.closed[k]
+        anchor = [exactly(x) for x in double_orbit.state.tolist()]
+        return completed(self.surface, double_orbit, anchor, digits, self.scene.name, 0.0)
 
 
 def orbit_search(
@@ -460,30 +462,30 @@ def orbit_search(
     most = CROSSINGS if crossings is None else crossings
     most = whole(scene.name, "crossings", most, 1, MOST_CROSSINGS)
     across = cells(scene.name, GRID if grid is None else grid, MOST_STARTS)
-    asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
-    on = Surface(scene, asked.h, asked.f)
+    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
+    on = Surface(scene, cut.h, cut.f)
     orbits: list[Closed] = []
     tried, interrupted = 0, False
     try:
         for guess in _guesses(on, across, most):
             tried += 1
             orbit = _closed(on, guess)
-            if orbit is not None and not any(_same(on, orbit, other) for other in orbits):
+            if orbit is not None and not any(_same(on, orbit, earlier) for earlier in orbits):
                 orbits.append(orbit)
             if progress is not None:
                 progress(f"{tried} guesses, {len(orbits)} orbits")
     except KeyboardInterrupt:
         interrupted = True
     orbits.sort(key=lambda one: float(one.period))
-    points = tuple(point_of(on, one) for one in orbits)
+    points = tuple(point_of(on, x) for x in orbits)
     return OrbitSearch(scene, points, tried, interrupted, tuple(orbits), on, scene.provenance())
 
 
-def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[Guess]:
+def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[OrbitGuess]:
     """Starts whose return is nearer than those of the cells around, by rising number of it."""
     scene, unit = on.scene, float(on.unit)
-    asked = asked_of(scene, MOMENTUM, MAXIMA, on.h, on.f)
-    begun = starts_of(asked, geometry.ground(scene, on.h, on.f), None, grid)
+    plan = cut_of(scene, MOMENTUM, MAXIMA, on.h, on.f)
+    first = starts_of(plan, geometry.ground(scene, on.h, on.f), None, grid)
     cut = section(
         scene,
         MOMENTUM,
@@ -499,14 +501,14 @@ def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[Guess]:
         raise KeyboardInterrupt
     states = geometry.turned(scene, cut.states, back=True)
     for n in range(most):
-        off = (states[:, n] - begun.states) / on.scale(begun.states[0])
+        off = (states[:, n] - first.states) / on.scale(first.states[0])
         distance = np.where(np.isnan(off).any(axis=1), np.inf, np.sqrt((off**2).sum(axis=1)))
         cells = np.full(grid[0] * grid[1], np.inf)
-        np.minimum.at(cells, begun.of, distance)
+        np.minimum.at(cells, first.of, distance)
         least = _least_around(cells.reshape(grid)).ravel()
-        for k in np.flatnonzero((distance <= least[begun.of]) & (distance < FARTHEST)).tolist():
+        for k in np.flatnonzero((distance <= least[first.of]) & (distance < FARTHEST)).tolist():
             time = float(cut.times[k, n]) / unit
-            yield Guess(begun.states[k], time, float(distance[k]), n + 1)
+            yield OrbitGuess(first.states[k], time, float(distance[k]), n + 1)
 
 
 def _least_around(cells: Doubles) -> Doubles:
@@ -518,7 +520,7 @@ def _least_around(cells: Doubles) -> Doubles:
     return least
 
 
-def _closed(on: Surface, guess: Guess) -> Closed | None:
+def _closed(on: Surface, guess: OrbitGuess) -> Closed | None:
     """The orbit near a guess, with its shortest period; None where there is none."""
     try:
         orbit = closed(on, guess.state, guess.time, at_level(on, guess.state))
@@ -529,18 +531,18 @@ def _closed(on: Surface, guess: Guess) -> Closed | None:
     return primitive(on, orbit)
 
 
-def _same(on: Surface, one: Closed, other: Closed) -> bool:
+def _same(on: Surface, first: Closed, second: Closed) -> bool:
     """Whether a state of one orbit lies on another: mirror images have period and residue alike."""
-    alike = abs(one.period - other.period) < ALIKE * other.period
-    if not alike or abs(one.residue - other.residue) > ALIKE * np.linalg.norm(other.monodromy):
+    alike = abs(first.period - second.period) < ALIKE * second.period
+    if not alike or abs(first.residue - second.residue) > ALIKE * np.linalg.norm(second.monodromy):
         return False
-    scale = on.scale(other.state)
+    scale = on.scale(second.state)
     try:
-        times = np.linspace(0, float(other.period), LOOKS + 1)
-        off = (on.plain_flow.along(other.state, times) - one.state) / scale
+        times = np.linspace(0, float(second.period), LOOKS + 1)
+        off = (on.plain_flow.along(second.state, times) - first.state) / scale
     except NotFollowed:
         return False
     near = off[int(np.argmin((off**2).sum(axis=1)))]
-    way = on.rates(one.state) / scale
-    across = near - (near @ way) / (way @ way) * way
-    return bool(np.linalg.norm(across) < 0.1 * float(other.period) / LOOKS * np.linalg.norm(way))
+    flow = on.rates(first.state) / scale
+    across = near - (near @ flow) / (flow @ flow) * flow
+    return bool(np.linalg.norm(across) < 0.1 * float(second.period) / LOOKS * np.linalg.norm(flow))

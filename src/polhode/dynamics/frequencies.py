@@ -57,7 +57,7 @@ AXIS = "axis"  # the third body axis in space, across the vertical; of a free bo
 
 
 class Line(NamedTuple):
-    """A line of one signal; see :class:`polhode.dynamics.naff.Line`.
+    """A line of one signal; see :class:`polhode.dynamics.naff.SpectralLine`.
 
     ``combination``: integers by name of the frequency, empty where none fits.
     """
@@ -222,8 +222,8 @@ def frequencies(
         raise BadInput(scene.name, "end", "0", "a time other than 0")
     outputs = ("attitude",) if AXIS in names else ()
     speed = _fastest(scene)
-    wanted = PER_LINE * speed * abs(to_double(last))
-    samples = math.ceil(min(wanted, MOST_SAMPLES)) + 2
+    samples_needed = PER_LINE * speed * abs(to_double(last))
+    samples = math.ceil(min(samples_needed, MOST_SAMPLES)) + 2
     if samples > MOST_SAMPLES:
         expected = f"a time up to {MOST_SAMPLES / PER_LINE / speed:.6g}: more samples take too long"
         raise BadInput(scene.name, "end", to_double(last), expected)
@@ -271,17 +271,17 @@ def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
     if run.attitude is not None:
         columns |= zip(ATTITUDE, doubles(run.attitude).T, strict=True)
     closed = reference(scene)
-    known: dict[str, float] = {}
+    rates: dict[str, float] = {}
     if closed.is_closed_form:
         half = {"s1", "s2", "u", "v"}  # of separated variables: the state has twice their period
         for name, x in closed.frequencies.items():
-            known |= {f"{name}/2": float(x) / 2} if name in half else {name: float(x)}
+            rates |= {f"{name}/2": float(x) / 2} if name in half else {name: float(x)}
     signals = {name: _signal(scene.name, name, columns, scene) for name in names}
-    found = _found(scene.name, signals, step, count, known, scene.provenance())
+    result = _lines_of(scene.name, signals, step, count, rates, scene.provenance())
     if isinstance(closed, Reference):
-        found = replace(found, rates_of=closed.rates_of)
+        result = replace(result, rates_of=closed.rates_of)
     listed = scene.output_times.floats is not None  # which a text would hold one by one
-    return found if listed else replace(found, scene=scene)
+    return result if listed else replace(result, scene=scene)
 
 
 def _of_table(table: Table, of: Sequence[str] | None, count: int) -> Frequencies:
@@ -304,7 +304,7 @@ def _of_table(table: Table, of: Sequence[str] | None, count: int) -> Frequencies
         )
         raise BadInput(table.name, key, None, f"{expected} (row {row + 1} has none)")
     signals = {name: _signal(table.name, name, columns, None) for name in names}
-    return _found(table.name, signals, step, count, {}, provenance(table.name))
+    return _lines_of(table.name, signals, step, count, {}, provenance(table.name))
 
 
 def _columns(name: str) -> tuple[str, ...]:
@@ -337,45 +337,45 @@ def _axis(columns: Mapping[str, Any], scene: Scene | None) -> Any:
     inertia = np.array([[to_double(x) for x in row] for row in scene.body.inertia])
     momentum = inertia @ [columns[name][0] for name in STATE[:3]]
     a, *b = (float(x[0]) for x in (q0, q1, q2, q3))
-    turned = quaternion_product((a, *b), (0.0, *momentum.tolist()))
-    up = np.array(quaternion_product(turned, (a, *(-x for x in b)))[1:])
+    rotated = quaternion_product((a, *b), (0.0, *momentum.tolist()))
+    up = np.array(quaternion_product(rotated, (a, *(-x for x in b)))[1:])
     up = up / np.linalg.norm(up)
     first = np.cross(np.eye(3)[int(np.argmin(np.abs(up)))], up)
     first = first / np.linalg.norm(first)
     return first @ axis + 1j * (np.cross(up, first) @ axis)
 
 
-def _found(
+def _lines_of(
     name: str,
     signals: Mapping[str, Any],
     step: Spacing,
     count: int,
-    known: dict[str, float],
+    rates: dict[str, float],
     origin: Mapping[str, Any],
 ) -> Frequencies:
-    closed = bool(known)
-    found: dict[str, tuple[Line, ...]] = {}
+    closed = bool(rates)
+    lines: dict[str, tuple[Line, ...]] = {}
     for signal, samples in signals.items():
         bin_width = 2 * math.pi / abs(step.step * (len(samples) - 1))
         parts = []
         for line in naff.lines(samples, step.step, count):
             line = line._replace(error=line.error + abs(line.frequency * step.relative_error))
             sharp = line.error < _SHARP * bin_width
-            combination = combined(line.frequency, line.error, known) if sharp else {}
+            combination = combined(line.frequency, line.error, rates) if sharp else {}
             zero = abs(line.frequency) < 10 * line.error
-            if sharp and not (combination or closed or zero) and len(known) < 3:
-                label = f"{signal}: {len(known) + 1}"
-                known[label] = float(line.frequency)
+            if sharp and not (combination or closed or zero) and len(rates) < 3:
+                label = f"{signal}: {len(rates) + 1}"
+                rates[label] = float(line.frequency)
                 combination = {label: 1}
             parts.append(Line(*line, combination))
-        found[signal] = tuple(parts)
+        lines[signal] = tuple(parts)
     n = len(next(iter(signals.values())))
     return Frequencies(
         name,
         step.step * (n - 1),
         n,
-        found,
-        known,
+        lines,
+        rates,
         closed,
         signals=dict(signals),
         step=step.step,
@@ -384,16 +384,16 @@ def _found(
     )
 
 
-def combined(frequency: float, error: float, known: Mapping[str, float]) -> dict[str, int]:
+def combined(frequency: float, error: float, rates: Mapping[str, float]) -> dict[str, int]:
     """The simplest integer combination of known frequencies that is this one; {} without any."""
-    names = [name for name, value in known.items() if value][:3]
+    names = [name for name, value in rates.items() if value][:3]
     best: tuple[int, dict[str, int]] | None = None
     span = range(-LARGEST_FACTOR, LARGEST_FACTOR + 1)
     for factors in itertools.product(span, repeat=len(names)):
         order = sum(map(abs, factors))
         if not 0 < order <= MOST_ORDER or (best is not None and order >= best[0]):
             continue
-        value = sum(k * known[name] for k, name in zip(factors, names, strict=True))
+        value = sum(k * rates[name] for k, name in zip(factors, names, strict=True))
         if abs(value - frequency) < _SURE * error + 2.0**-48 * abs(frequency):
             best = order, {n: k for n, k in zip(names, factors, strict=True) if k}
     return {} if best is None else best[1]

@@ -84,7 +84,7 @@ class Monodromy(NamedTuple):
 
 def refined(
     on: Surface,
-    found: Closed,
+    closed: Closed,
     anchor: Sequence[Exact],
     digits: int,
     tell: Callable[[str], None] | None = None,
@@ -95,19 +95,19 @@ def refined(
     x' the rates at the anchor, so that it is the same to all digits whatever double makes of it.
     """
     near = np.array([to_double(x) for x in anchor])
-    rows = at_level(on, near)(found.state, found.period)[1]
-    matrix = bordered(on, found.state, found.state, found.monodromy, rows)
-    chord = Chord(on, found.state, tuple(anchor), inverse_of(matrix))
-    norms = (float(np.linalg.norm(x, 2)) for x in (chord.inverse, found.monodromy))
+    rows = at_level(on, near)(closed.state, closed.period)[1]
+    matrix = bordered(on, closed.state, closed.state, closed.monodromy, rows)
+    chord = Chord(on, closed.state, tuple(anchor), inverse_of(matrix))
+    norms = (float(np.linalg.norm(x, 2)) for x in (chord.inverse, closed.monodromy))
     lost = sum(math.log10(max(1.0, norm)) for norm in norms)
     kind = type_for(math.ceil(digits + lost + 0.5))
     for _ in range(MOST_TYPES):
-        state, time, count = _solved(chord, kind, found.period, digits, tell)
-        made = _written(chord, state, time, kind, digits, count)
-        if made.error <= 10.0**-digits:
-            return made
+        state, time, count = _solved(chord, kind, closed.period, digits, tell)
+        solution = _written(chord, state, time, kind, digits, count)
+        if solution.error <= 10.0**-digits:
+            return solution
         kind = number_types.wider(kind)
-    raise NotClosed(f"in {kind.name} the error is {made.error:.1e}, not below 1e-{digits}")
+    raise NotClosed(f"in {kind.name} the error is {solution.error:.1e}, not below 1e-{digits}")
 
 
 class Chord(NamedTuple):
@@ -137,16 +137,16 @@ class Chord(NamedTuple):
         numbers = {name: _binary(x, bits) for name, x in on.coefficients.items()}
         rates = principal.field(anchor, numbers, EXACT)
         length = Fraction(math.hypot(*map(float, rates)))
-        way = zip(rates, state, anchor, strict=True)
-        wanted = [
+        displacements = zip(rates, state, anchor, strict=True)
+        residual = [
             *(a - b for a, b in zip(end, state, strict=True)),
             *(a - b for a, b in zip(values, level, strict=True)),
-            sum((a * (x - r) for a, x, r in way), Fraction(0)) / length,
+            sum((a * (x - r) for a, x, r in displacements), Fraction(0)) / length,
         ]
-        size = max(map(abs, wanted))
+        size = max(map(abs, residual))
         if not size:
             return [Fraction(0)] * 7
-        step = -(self.inverse @ np.array([float(x / size) for x in wanted]))[:7]
+        step = -(self.inverse @ np.array([float(x / size) for x in residual]))[:7]
         return [Fraction(x) * size for x in step.tolist()]
 
 
@@ -220,8 +220,8 @@ def monodromy(on: Surface, state: Fractions, time: Fraction, digits: int) -> Mon
     kind = DOUBLE if digits <= HELD else type_for(digits + SPARE_DIGITS, QUAD.bits)
     flow = Flow(on.coefficients, kind, derivative=True)
     start = [kind.rounded(x) for x in state]
-    given = [float(x) for x in start] if kind == DOUBLE else start
-    matrix = flow.after(given, kind.rounded(time)).derivative
+    rounded = [float(x) for x in start] if kind == DOUBLE else start
+    matrix = flow.after(rounded, kind.rounded(time)).derivative
     assert matrix is not None
     rows = [[Fraction(x) for x in row] for row in matrix]
     moments, torque = (

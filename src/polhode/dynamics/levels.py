@@ -20,10 +20,10 @@ from polhode.dynamics.permanent_rotations import (
     BODY_BITS,
     POLE,
     START,
-    End,
-    Family,
     Piece,
+    PieceEnd,
     RationalBody,
+    RotationFamily,
     refuse_far,
     simplest,
 )
@@ -133,7 +133,7 @@ def fourth_integral(
             name, values = "F", _chaplygin(body.moments[top.axis], size, h)
         else:
             return None
-    critical = sorted({CriticalValue(float(value), what) for value, what in values})
+    critical = sorted({CriticalValue(float(value), motions) for value, motions in values})
     return FourthIntegral(name, _own(scene, name, top.axis or 0), tuple(critical))
 
 
@@ -141,13 +141,13 @@ def _own(scene: Scene, name: str, axis: int) -> float:
     """The scene's value, in its own units."""
     frame = Frame.of(scene)
     inside = frame.inside(scene)
-    found: Exact = exact_values(inside, first_integrals(inside))[-1]
+    integral: Exact = exact_values(inside, first_integrals(inside))[-1]
     unit, largest = frame.unit, max(scene.body.moments)
     if name == "|G|^2":
-        return to_double(found * (largest / unit) * (largest / unit))
+        return to_double(integral * (largest / unit) * (largest / unit))
     if name == "L":
-        return to_double(found / unit * scene.body.moments[axis])
-    return to_double(found / unit ** (4 if name == "K^2" else 3))
+        return to_double(integral / unit * scene.body.moments[axis])
+    return to_double(integral / unit ** (4 if name == "K^2" else 3))
 
 
 def _euler(body: RationalBody, h: Fraction, f: Fraction) -> list[tuple[Fraction, str]]:
@@ -268,7 +268,7 @@ class Curve(NamedTuple):
     points: Doubles
 
 
-class Column(NamedTuple):
+class DiagramColumn(NamedTuple):
     """At one f: the energies of permanent rotations, ascending, and the region above each.
 
     Both empty where they are not decided.
@@ -413,28 +413,28 @@ class Levels(Result, ByValue):
         Energies of rotations that meet at this f are listed once.  Raises BadInput where regions
         are not decided, such as f = 0 of a free body, where every position is a rotation's.
         """
-        (given,) = each(self.scene.name, "f", (f,), reader(self.scene.units, AREA), "a number")
-        near, body = fraction_near(given, BODY_BITS)[0], RationalBody.of(self.scene.body)
+        (area,) = each(self.scene.name, "f", (f,), reader(self.scene.units, AREA), "a number")
+        near, body = fraction_near(area, BODY_BITS)[0], RationalBody.of(self.scene.body)
         refuse_far(self.scene.name, "f", body, near)
         try:
             return regions.regions_between(body, permanent_rotations.families(body), near)
         except Undecided as fault:
             expected = f"an f at which the regions are decided ({fault})"
-            raise BadInput(self.scene.name, "f", shown(given), expected) from None
+            raise BadInput(self.scene.name, "f", shown(area), expected) from None
 
-    def columns(self, first: float, last: float, count: int = COLUMNS) -> list[Column]:
+    def columns(self, first: float, last: float, count: int = COLUMNS) -> list[DiagramColumn]:
         """The regions at ``count`` evenly spaced f; none in a column where they are not decided."""
         body = RationalBody.of(self.scene.body)
         for end in (first, last):
             refuse_far(self.scene.name, "f", body, Fraction(end))
         step = (Fraction(last) - Fraction(first)) / max(1, count - 1)
-        families, found = permanent_rotations.families(body), []
+        families, columns = permanent_rotations.families(body), []
         for f in (Fraction(first) + k * step for k in range(count)):
             pairs: tuple[Any, ...] = ((), ())
             with suppress(Undecided):
                 pairs = (*zip(*regions.regions_between(body, families, f), strict=True),)
-            found.append(Column(float(f), *pairs))
-        return found
+            columns.append(DiagramColumn(float(f), *pairs))
+        return columns
 
 
 def topology(region: Region | None) -> str:
@@ -491,25 +491,27 @@ def levels(scene: Scene | str | Path) -> Levels:
     return Levels(scene, curves, marks, here, body.exact and exact, scene.provenance())
 
 
-def _curve(family: Family, piece: Piece) -> Curve:
+def _curve(family: RotationFamily, piece: Piece) -> Curve:
     ends = [None if end is None else _parameter(family, end) for end in (piece.first, piece.last)]
     points = family.points(piece)
     return Curve(family.name, family.axis, piece.type, piece.morse, ends[0], ends[1], points)
 
 
-def _mark(family: Family, end: End) -> Mark:
+def _mark(family: RotationFamily, end: PieceEnd) -> Mark:
     with ctx.workprec(BITS):
         point = family.at(end.x)
     f, h = (nearest(x, DIGIT_BITS) for x in (point.f, point.h))
     return Mark(end.kind, family.name, _parameter(family, end), f, h)
 
 
-def _parameter(family: Family, end: End) -> mpf:
+def _parameter(family: RotationFamily, end: PieceEnd) -> mpf:
     with ctx.workprec(BITS):
         return nearest(family.parameter(end.x), DIGIT_BITS)
 
 
-def _here(scene: Scene, body: RationalBody, families: Sequence[Family]) -> tuple[Here, bool]:
+def _here(
+    scene: Scene, body: RationalBody, families: Sequence[RotationFamily]
+) -> tuple[Here, bool]:
     energy, area = scene.integrals.energy, scene.integrals.area
     assert area is not None
     energy, area = simplest(energy), simplest(area)

@@ -46,9 +46,9 @@ SHORTEST = 1000.0
 REGULAR_GROWTH, UNSTABLE_GROWTH = 2.0, 6.0
 
 
-def of_growing(known: bool) -> str:
+def of_growing(proven: bool) -> str:
     """The kind of a motion from which nearby motions separate exponentially."""
-    return UNSTABLE if known else CHAOTIC
+    return UNSTABLE if proven else CHAOTIC
 
 
 def is_integrable(body: Body) -> bool:
@@ -135,7 +135,7 @@ def _growth_at_rest(plain: System, count: int) -> float:
         ahead, behind = ([*start], [*start])
         ahead[place], behind[place] = start[place] + 1, start[place] - 1
         pair = (principal.field(x, k, EXACT) for x in (ahead, behind))
-        columns.append([(one - other) / 2 for one, other in zip(*pair, strict=True)])
+        columns.append([(upper - lower) / 2 for upper, lower in zip(*pair, strict=True)])
     square = [[_sum(columns, i, row) for i in range(count)] for row in range(count)]
     s = _total(square[i][i] for i in range(count)) / 2
     t = _total(square[i][j] * square[j][i] for i in range(count) for j in range(count)) / 2
@@ -143,7 +143,7 @@ def _growth_at_rest(plain: System, count: int) -> float:
     if sign(s) <= 0 <= min(sign(product), sign(gap)):
         return 0.0
     root = cmath.sqrt(to_double(gap))
-    squares = [(to_double(s) + way * root) / 2 for way in (1, -1)]
+    squares = [(to_double(s) + side * root) / 2 for side in (1, -1)]
     return max(abs(cmath.sqrt(x).real) for x in squares) or math.ulp(0.0)
 
 
@@ -348,11 +348,11 @@ def lyapunov(
             return lyapunov(scene, last * looks / (BLOCKS * LOOKS) * unit, max_steps, spectrum)
     reached = abs(last) * (len(sizes) - 1) / (BLOCKS * LOOKS)
     exponent, error, growth = fitted(sizes, reached)
-    known, length = known_stability(scene, plain, max_steps), reached / slow
+    stability, length = known_stability(scene, plain, max_steps), reached / slow
     about = "a fixed point; " if still else "a closed form is known; " if closed else ""
-    verdict, reason = _judged(known, about, growth, exponent, error, length, unit)
+    verdict, reason = _judged(stability, about, growth, exponent, error, length, unit)
     if verdict == UNDECIDED:
-        later = _deciding(known, plain, state, reached, slow) * unit
+        later = _deciding(stability, plain, state, reached, slow) * unit
         reason = f"{about}an end of {later:.2g} may decide"
     if verdict == CHAOTIC:
         moved = (start * by for by in MOVED)
@@ -365,8 +365,8 @@ def lyapunov(
         rates = _all_exponents(flow, last, start if still else None, max_steps)
         every = tuple(float(x) / unit for x in rates)
         flow.release()
-    found = last * unit
-    return Lyapunov(scene, exponent / unit, error / unit, growth, found, verdict, reason, every)
+    exponents = last * unit
+    return Lyapunov(scene, exponent / unit, error / unit, growth, exponents, verdict, reason, every)
 
 
 def _all_exponents(flow: Variations, last: float, still: Doubles | None, most: int) -> Doubles:
@@ -391,7 +391,7 @@ def _all_exponents(flow: Variations, last: float, still: Doubles | None, most: i
 
 
 def _judged(
-    known: Known,
+    stability: Known,
     about: str,
     growth: float,
     exponent: float,
@@ -400,27 +400,29 @@ def _judged(
     unit: float,
 ) -> tuple[str, str]:
     """The verdict and why: by what is known, else by the growth over so many units of time."""
-    if known.rate == 0:
+    if stability.rate == 0:
         return (
             REGULAR,
-            f"{about}nearby motions separate no faster than a power of t, by {known.words}",
+            f"{about}nearby motions separate no faster than a power of t, by {stability.words}",
         )
     if _grows(growth, exponent, error):
         return of_growing(bool(about)), f"{about}nearby motions separate exponentially"
-    if known.rate:
-        pace = f"like exp({known.rate / unit:.3g} t), by {known.words}"
+    if stability.rate:
+        pace = f"like exp({stability.rate / unit:.3g} t), by {stability.words}"
         return of_growing(bool(about)), f"{about}nearby motions separate {pace}"
-    if growth < REGULAR_GROWTH and length >= SHORTEST and not known.tends:
+    if growth < REGULAR_GROWTH and length >= SHORTEST and not stability.tends:
         return REGULAR, f"{about}{_POWER}"
     return UNDECIDED, about
 
 
-def _deciding(known: Known, plain: System, state: Doubles, reached: float, slow: float) -> float:
+def _deciding(
+    stability: Known, plain: System, state: Doubles, reached: float, slow: float
+) -> float:
     """An end that may decide.
 
     Of a motion that tends to another one, which stands still, by the rate there.
     """
-    rate = growth_about(plain, state[: len(plain.start)]) if known.tends else 0.0
+    rate = growth_about(plain, state[: len(plain.start)]) if stability.tends else 0.0
     sure = 2 * (UNSTABLE_GROWTH + 1) / rate if rate > 0 else SHORTEST * slow
     return sure if sure > reached else 2 * reached
 

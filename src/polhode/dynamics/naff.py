@@ -43,8 +43,8 @@ def _table(power: int) -> tuple[Doubles, Doubles]:
     slope = np.abs(np.gradient(w, at))
     curve = math.pi**2 / 3 - 2 * sum(1 / k**2 for k in range(1, power + 1))
     envelope = np.maximum.accumulate(slope[::-1])[::-1] / curve
-    held = at <= last
-    return at[held], envelope[held]
+    main = at <= last
+    return at[main], envelope[main]
 
 
 # --- naff -----------------------------------------------------------------------------------------
@@ -84,7 +84,7 @@ _UNRESOLVED = 1e-10  # of its amplitude are neighbours that are not told from it
 _Wave: TypeAlias = tuple[float, complex]  # frequency and amplitude
 
 
-class Line(NamedTuple):
+class SpectralLine(NamedTuple):
     """One line: amplitude·exp(i frequency t), t from the first sample on.
 
     Of a real signal also its mirror image, which makes both 2 |amplitude| cos(frequency t + phase).
@@ -129,8 +129,8 @@ class _Window:
 
     def wave(self, line: _Wave) -> Complexes:
         """A line's part of the signal, without its mirror image."""
-        found: Complexes = line[1] * np.exp(1j * line[0] * self.time)
-        return found
+        wave: Complexes = line[1] * np.exp(1j * line[0] * self.time)
+        return wave
 
     def without(self, rest: Complexes, wave: Complexes) -> Complexes:
         """What is left where a line's wave is taken away; of a real signal no constant, either."""
@@ -143,14 +143,14 @@ class _Window:
     def again(self, line: _Wave, rest: Complexes) -> tuple[_Wave, Complexes]:
         """A line anew, with all others and its mirror image taken away; and what is then left."""
         wave = self.wave(line)
-        found = self.line(rest + wave, line[0], _AGAIN)
-        return found, self.without(self.without(rest, -wave), self.wave(found))
+        anew = self.line(rest + wave, line[0], _AGAIN)
+        return anew, self.without(self.without(rest, -wave), self.wave(anew))
 
     def beside_each_other(
-        self, found: list[_Wave], rest: Complexes
+        self, first: list[_Wave], rest: Complexes
     ) -> tuple[list[_Wave], Complexes]:
         """Each line again with all others taken away; and what is then left."""
-        lines = list(found)
+        lines = list(first)
         for _ in range(_SWEEPS):
             for k, line in enumerate(lines):
                 lines[k], rest = self.again(line, rest)
@@ -158,11 +158,11 @@ class _Window:
 
     def lines(self, z: Complexes, count: int, least: float) -> tuple[list[_Wave], Complexes]:
         """The strongest lines, none below ``least``, and what they leave of z."""
-        rest, found = self.without(z, 0 * z), list[_Wave]()
+        rest, waves = self.without(z, 0 * z), list[_Wave]()
         for _ in range(count):
             moduli = self.moduli(rest)
-            for other, _amplitude in found:
-                moduli[np.abs(self.grid - other) < _SEPARATE * self.bin] = 0
+            for frequency, _amplitude in waves:
+                moduli[np.abs(self.grid - frequency) < _SEPARATE * self.bin] = 0
             if self.real:
                 moduli[self.grid < _SEPARATE * self.bin] = 0
             k = int(np.argmax(moduli))
@@ -172,11 +172,11 @@ class _Window:
             rest = self.without(rest, self.wave(line))
             for _ in range(_SWEEPS if self.real else 0):
                 line, rest = self.again(line, rest)
-            found.append(line)
-        return found, rest
+            waves.append(line)
+        return waves, rest
 
 
-def lines(samples: Doubles | Complexes, step: float, count: int) -> list[Line]:
+def lines(samples: Doubles | Complexes, step: float, count: int) -> list[SpectralLine]:
     """The strongest lines of equally spaced samples, strongest first; fewer if they end.
 
     Samples without any imaginary part are a real signal's.  ``step``: the time between two,
@@ -196,17 +196,17 @@ def lines(samples: Doubles | Complexes, step: float, count: int) -> list[Line]:
     errors = _errors(window, z, whole, rest, size)
     middle = z[: (len(z) + 1) // 2]
     half, _ = _Window(len(middle), pace, _PADDED, real).lines(middle, count, _SMALLEST * size)
-    found = []
+    result = []
     for (frequency, amplitude), error in zip(whole, errors, strict=True):
-        told = [frequency, error, _off(frequency, half, 2 * window.bin)]
-        told = [math.ldexp(x, -unit) for x in told]
+        numbers = [frequency, error, _off(frequency, half, 2 * window.bin)]
+        numbers = [math.ldexp(x, -unit) for x in numbers]
         amplitude = complex(math.ldexp(amplitude.real, large), math.ldexp(amplitude.imag, large))
         if step < 0:  # the samples as time rises have each line's mirror image
-            told[0] = -told[0]
-        if real and told[0] < 0:  # of both images the one above 0
-            told[0], amplitude = -told[0], amplitude.conjugate()
-        found.append(Line(told[0], amplitude, told[1], told[2]))
-    return found
+            numbers[0] = -numbers[0]
+        if real and numbers[0] < 0:  # of both images the one above 0
+            numbers[0], amplitude = -numbers[0], amplitude.conjugate()
+        result.append(SpectralLine(numbers[0], amplitude, numbers[1], numbers[2]))
+    return result
 
 
 def size_of(samples: Doubles | Complexes) -> float:
@@ -218,7 +218,7 @@ def size_of(samples: Doubles | Complexes) -> float:
 
 
 def _errors(
-    window: _Window, z: Complexes, found: list[_Wave], rest: Complexes, size: float
+    window: _Window, z: Complexes, waves: list[_Wave], rest: Complexes, size: float
 ) -> list[float]:
     """What each frequency may be off, by three things that a wrong one does not pass together.
 
@@ -232,15 +232,15 @@ def _errors(
     n, step = len(z), float(window.time[1])
     second = _Window(n - n // _SECOND_LEFT_OUT, step, _SECOND_PADDED, window.real)
     later = z[n - len(second.time) :]
-    others, _ = second.lines(later, len(found) + _SECOND_MORE, _SMALLEST * size)
-    beside, rest = window.beside_each_other(list(found), rest)
+    others, _ = second.lines(later, len(waves) + _SECOND_MORE, _SMALLEST * size)
+    beside, rest = window.beside_each_other(list(waves), rest)
     for _ in range(_MORE):  # one by one: strong ones hide each other's neighbours
         more, rest = window.lines(rest, 1, _SMALLEST * size)
         beside, rest = window.beside_each_other(beside + more, rest)
     left = window.moduli(rest)
-    images = [(-place, other) for place, other in beside] if window.real else []
+    images = [(-place, height) for place, height in beside] if window.real else []
     errors = []
-    for k, (frequency, amplitude) in enumerate(found):
+    for k, (frequency, amplitude) in enumerate(waves):
         refined = beside[k][0]
         away = np.abs(window.grid - refined) / window.bin
         relative = left / abs(amplitude)
@@ -248,8 +248,8 @@ def _errors(
         near = max(
             [float(np.max(relative[away < _REST_NEAR]))]
             + [
-                abs(other / amplitude)
-                for j, (place, other) in enumerate(beside + images)
+                abs(height / amplitude)
+                for j, (place, height) in enumerate(beside + images)
                 if j != k and abs(place - refined) < _LINE_NEAR * window.bin
             ]
         )
@@ -266,15 +266,15 @@ def _errors(
 
 def _off(frequency: float, others: list[_Wave], most: float) -> float:
     """How far the nearest of some lines is, at most so far."""
-    return min([abs(frequency - other) for other, _ in others] + [most])
+    return min([abs(frequency - line) for line, _ in others] + [most])
 
 
 def _refined(weighted: Complexes, time: Doubles, start: float, cell: float, most: int) -> float:
     """The maximum of |F|^2 nearest to a point of the grid."""
     frequency, centred = start, time - time[-1] / 2  # the phase turns least about the middle
     for _ in range(most):
-        turned = weighted * np.exp(-1j * frequency * centred)
-        f, f1, f2 = turned.sum(), (-1j * centred) @ turned, -(centred**2) @ turned
+        rotated = weighted * np.exp(-1j * frequency * centred)
+        f, f1, f2 = rotated.sum(), (-1j * centred) @ rotated, -(centred**2) @ rotated
         slope = 2 * (f.conjugate() * f1).real
         curve = 2 * (f.conjugate() * f2).real + 2 * abs(f1) ** 2
         step = -slope / curve if curve < 0 else math.copysign(cell / 2, slope)

@@ -216,7 +216,7 @@ def at_level(on: Surface, reference: Doubles) -> Conditions:
 
 
 def conditions(
-    held: list[int], on: Surface, level: Doubles, ways: Doubles, reference: Doubles
+    fixed: list[int], on: Surface, level: Doubles, ways: Doubles, reference: Doubles
 ) -> Conditions:
     """Some of h, f and |gamma|^2 held at their values, no way from a reference along others.
 
@@ -225,9 +225,9 @@ def conditions(
     units = ways / np.linalg.norm(ways, axis=1)[:, None]
 
     def conditions(state: Doubles, period: float) -> tuple[Doubles, Doubles]:
-        off = on.integrals(state)[held] - level[held]
+        off = on.integrals(state)[fixed] - level[fixed]
         rows = np.zeros((4, 7))
-        rows[: len(held), :6], rows[len(held) :] = on.gradients(state)[held], units
+        rows[: len(fixed), :6], rows[len(fixed) :] = on.gradients(state)[fixed], units
         return np.append(off, units @ (np.append(state, period) - reference)), rows
 
     return conditions
@@ -249,8 +249,8 @@ def inverse_of(matrix: Doubles) -> Doubles:
     """The inverse; across directions in which nothing is determined, no step."""
     left, sizes, right = np.linalg.svd(matrix)
     parts = np.where(sizes > SINGULAR * sizes[0], sizes, np.inf)
-    found: Doubles = (right.T / parts) @ left.T
-    return found
+    inverse: Doubles = (right.T / parts) @ left.T
+    return inverse
 
 
 def closed(on: Surface, state: Doubles, period: float, conditions: Conditions) -> Closed:
@@ -267,10 +267,10 @@ def closed(on: Surface, state: Doubles, period: float, conditions: Conditions) -
         if not np.max(np.abs(monodromy)) < WILDEST:
             raise NotClosed(f"a period multiplies errors by {np.max(np.abs(monodromy)):.0e}")
         values, rows = conditions(state, period)
-        wanted = np.concatenate([end - state, values])
-        miss = float(np.linalg.norm(wanted))
+        residual = np.concatenate([end - state, values])
+        miss = float(np.linalg.norm(residual))
         inverse = inverse_of(bordered(on, state, end, monodromy, rows))
-        step = -(inverse @ wanted)[:7]
+        step = -(inverse @ residual)[:7]
         size = float(np.linalg.norm(step / _measure(on, state, period)))
         if size < EXACT or (size < CLOSED and size > last / 4):
             return Closed(state + step[:6], period + step[6], monodromy, inverse, count)
@@ -408,10 +408,10 @@ class Arc:
                 far, at_far, at_near = member, value, at_near / 2
         return best
 
-    def way(self, base: Member, other: Member) -> float:
+    def way(self, base: Member, member: Member) -> float:
         """How far another member lies along a member's tangent."""
         ahead = np.append(
-            other.found.state - base.found.state, other.found.period - base.found.period
+            member.found.state - base.found.state, member.found.period - base.found.period
         )
         return float(base.tangent @ (ahead / self.metric))
 
@@ -434,7 +434,7 @@ class Arc:
         return Member(orbit, tangent, value, slope)
 
 
-class Step(NamedTuple):
+class FamilyStep(NamedTuple):
     """What one step along a family found: special members in order, and the member at its end."""
 
     passed: tuple[Passed, ...]
@@ -442,7 +442,7 @@ class Step(NamedTuple):
     length: float
 
 
-def stepped(arc: Arc, member: Member, length: float, ends: tuple[float, ...]) -> Step:
+def stepped(arc: Arc, member: Member, length: float, ends: tuple[float, ...]) -> FamilyStep:
     """One step, as long as is fit; raises NotClosed where none is.
 
     ``ends``: of the range of the parameter; the step ends where it leaves it.
@@ -457,14 +457,14 @@ def stepped(arc: Arc, member: Member, length: float, ends: tuple[float, ...]) ->
         if after.tangent @ member.tangent < STRAIGHT:
             why, length = "the family bends too sharply", length / 2
             continue
-        passed = sorted(_passed(arc, member, after, ends), key=lambda found: found[0])
-        special = tuple(one for _, one in passed)
+        passed = sorted(_passed(arc, member, after, ends), key=lambda pair: pair[0])
+        special = tuple(passage for _, passage in passed)
         corrections = after.found.corrections
         if corrections <= EASY:
             length = min(LONGEST_STEP, 1.5 * length)
         elif corrections >= HARD:
             length /= 2
-        return Step(special, after, length)
+        return FamilyStep(special, after, length)
     raise NotClosed(why)
 
 
@@ -474,14 +474,14 @@ def _passed(
     """The special members of a step, each with its place along the step."""
     special = []
     marks: list[tuple[str, Callable[[Member], float]]] = [
-        ("", lambda one: one.residue),
-        (DOUBLING, lambda one: one.residue - 1),
-        *((TARGET, lambda one, end=end: one.value - end) for end in ends),
+        ("", lambda member: member.residue),
+        (DOUBLING, lambda member: member.residue - 1),
+        *((TARGET, lambda member, end=end: member.value - end) for end in ends),
     ]
-    for what, off in marks:
+    for kind, off in marks:
         if off(member) * off(after) >= 0:
             continue
         at = arc.between(member, after, off)
-        turned = member.slope * after.slope < 0
-        special.append((arc.way(member, at), Passed(what or (FOLD if turned else BRANCH), at)))
+        folds = member.slope * after.slope < 0
+        special.append((arc.way(member, at), Passed(kind or (FOLD if folds else BRANCH), at)))
     return special

@@ -83,15 +83,15 @@ def asked(scene: Scene, keep: Any) -> tuple[Reduction, ...]:
     texts = each(scene.name, "keep", keep, lambda text: text, _EXPECTED)
     for text in texts:
         of_kind(scene.name, "keep", text, str, _EXPECTED)
-    found = tuple(dict.fromkeys(_read(scene, text) for text in texts))
-    if not found:
+    reductions = tuple(dict.fromkeys(_read(scene, text) for text in texts))
+    if not reductions:
         raise BadInput(scene.name, "keep", None, _EXPECTED)
-    return found
+    return reductions
 
 
 def event_of(scene: Scene, name: str) -> Event:
     """An event by its name: the scene's, or one known by name; raises BadInput."""
-    events = {known: Event(known) for known in READY_MADE}
+    events = {word: Event(word) for word in READY_MADE}
     events |= {event.name: event for event in scene.events}
     if name not in events:
         raise BadInput(scene.name, f"keep: {FIRST}", name, f"an event: {nearest(name, [*events])}")
@@ -113,18 +113,18 @@ def extremes(
     kind: NumberType,
 ) -> dict[str, Any]:
     """What states (members, times, columns) tell: arrays by name, one number per member."""
-    found: dict[str, Any] = {}
+    numbers: dict[str, Any] = {}
     with np.errstate(all="ignore"):
-        for what in which:
-            names = what.names(columns)
-            if what.kind == FINAL:
-                found |= zip(names, states[:, -1].T, strict=True)
+        for reduction in which:
+            names = reduction.names(columns)
+            if reduction.kind == FINAL:
+                numbers |= zip(names, states[:, -1].T, strict=True)
             else:
-                values = _values(what.of, states, times, columns, kind)
-                at = (np.argmax if what.kind == LARGEST else np.argmin)(values, axis=1)
+                values = _values(reduction.of, states, times, columns, kind)
+                at = (np.argmax if reduction.kind == LARGEST else np.argmin)(values, axis=1)
                 best = np.take_along_axis(values, at[:, None], axis=1)[:, 0]
-                found |= zip(names, (best, times[at]), strict=True)
-    return found
+                numbers |= zip(names, (best, times[at]), strict=True)
+    return numbers
 
 
 def _values(
@@ -175,21 +175,21 @@ def check(scene: Scene, plan: Plan, which: tuple[Reduction, ...]) -> None:
     name = plan.number.name
     if not plan.number.flat:
         raise BadInput(scene.name, "number", name, "double or extended, where numbers are kept")
-    for what in which:
-        if what.kind in (FIRST, LYAPUNOV):
+    for reduction in which:
+        if reduction.kind in (FIRST, LYAPUNOV):
             if name != "double":
-                raise BadInput(scene.name, "number", name, f"double, for {what.text}")
+                raise BadInput(scene.name, "number", name, f"double, for {reduction.text}")
             if plan.tolerance is not None:
-                raise BadInput(scene.name, "tol", None, f"none, for {what.text}")
+                raise BadInput(scene.name, "tol", None, f"none, for {reduction.text}")
             if plan.times[-1] == 0:
-                raise BadInput(scene.name, "at", 0, f"a time other than 0, for {what.text}")
-        if what.kind == FIRST:
-            zero = event_of(scene, what.of).expression or ""
+                raise BadInput(scene.name, "at", 0, f"a time other than 0, for {reduction.text}")
+        if reduction.kind == FIRST:
+            zero = event_of(scene, reduction.of).expression or ""
             names, constant = scene.columns, typed_constant(plan.number)
             try:  # its numbers, before anything is integrated
                 in_columns(zero, names, hy.make_vars(*names), TIME, constant, EXPRESSIONS)
             except ExpressionError as fault:
-                expected = f"a type of wider range ({fault}), for {what.text}"
+                expected = f"a type of wider range ({fault}), for {reduction.text}"
                 raise BadInput(scene.name, "number", name, expected) from None
 
 
@@ -198,15 +198,15 @@ def job_of(
 ) -> Job:
     """The job of some members that have a unit of time in common."""
     read, n = reader(plan, group), int(plan.exponents[group[0]])
-    motions, told = plan.motions.some(group), {what.kind for what in which}
-    states = member_jobs.flat_job(plan, group) if told - {FIRST, LYAPUNOV} else None
+    motions, kinds = plan.motions.some(group), {reduction.kind for reduction in which}
+    states = member_jobs.flat_job(plan, group) if kinds - {FIRST, LYAPUNOV} else None
     end = float(plan.times[-1] / Fraction(2) ** n)
     firsts = tuple(
-        (what, *_of_event(scene, plan, event_of(scene, what.of), group, end), read)
-        for what in which
-        if what.kind == FIRST
+        (reduction, *_of_event(scene, plan, event_of(scene, reduction.of), group, end), read)
+        for reduction in which
+        if reduction.kind == FIRST
     )
-    follow = any(what.kind == LYAPUNOV for what in which)
+    follow = any(reduction.kind == LYAPUNOV for reduction in which)
     exponents = Exponents(_tangents(plan, motions, end), plan.members, group) if follow else None
     return Job(which, scene.columns, states, firsts, exponents, n)
 
@@ -331,27 +331,29 @@ def _parts(job: Job, stop: Stop | None) -> Iterator[Reduced]:
         steps = job.states.steps
         times = np.ldexp(steps.times, job.time_exponent)
         solved = job.states.solved(stop)
-        told = [what for what in job.which if what.kind not in (FIRST, LYAPUNOV)]
-        numbers = extremes(told, solved.states, times, job.columns, steps.number)
+        of_states = [
+            reduction for reduction in job.which if reduction.kind not in (FIRST, LYAPUNOV)
+        ]
+        numbers = extremes(of_states, solved.states, times, job.columns, steps.number)
         yield Reduced(solved.outcomes, solved.steps, numbers)
-    for what, first, singles, read in job.firsts:
-        yield _first(what, first, singles, read, stop)
+    for reduction, first, singles, read in job.firsts:
+        yield _first(reduction, first, singles, read, stop)
     if job.exponents is not None:
         yield _exponents(job.exponents, job.time_exponent, stop)
 
 
 def _first(
-    what: Reduction,
+    reduction: Reduction,
     job: SearchJob,
     singles: Singles,
     read: Reader,
     stop: Stop | None,
 ) -> Reduced:
 
-    found = event_batches.solve(job, stop)
-    times = np.ldexp(found.times[:, 0], job.exponent)
-    states = read.states(found.states)[:, 0]
-    ended, steps = np.array(found.outcomes), found.steps.copy()
+    crossings = event_batches.solve(job, stop)
+    times = np.ldexp(crossings.times[:, 0], job.exponent)
+    states = read.states(crossings.states)[:, 0]
+    ended, steps = np.array(crossings.outcomes), crossings.steps.copy()
     not_run, reached = code(Outcome.NOT_RUN), code(Outcome.REACHED_END)
     outcomes = np.where(ended == event_batches.STOPPED, not_run, reached).astype(np.uint8)
 
@@ -370,7 +372,7 @@ def _first(
         times[k] = float(met.times[-1]) if stopped else np.nan
         states[k] = met.states[-1] if stopped else np.nan
         outcomes[k] = code(Outcome.REACHED_END if run.outcome.done else run.outcome)
-    names = what.names(job.watched.columns)
+    names = reduction.names(job.watched.columns)
     return Reduced(outcomes, steps, dict(zip(names, (times, *states.T), strict=True)))
 
 
@@ -378,22 +380,22 @@ def _exponents(of: Exponents, time_exponent: int, stop: Stop | None) -> Reduced:
     """As :func:`polhode.lyapunov` tells them: those of chaotic members with their neighbours'."""
 
     job = of.job
-    found = variations.solve(job, stop)
-    told = np.full((3, len(job.starts)), np.nan)
-    whole = found.last == job.looks
+    tangents = variations.solve(job, stop)
+    fits = np.full((3, len(job.starts)), np.nan)
+    whole = tangents.last == job.looks
     for k in np.flatnonzero(whole).tolist():
-        told[:, k] = lyapunov.fitted(found.sizes[k].tolist(), abs(job.end))
+        fits[:, k] = lyapunov.fitted(tangents.sizes[k].tolist(), abs(job.end))
     chaotic = [
         k
         for k in np.flatnonzero(whole).tolist()
-        if lyapunov.is_chaotic(of.members[int(of.group[k])], told[2, k], told[0, k], told[1, k])
+        if lyapunov.is_chaotic(of.members[int(of.group[k])], fits[2, k], fits[0, k], fits[1, k])
     ]
     if chaotic:
-        told[1, chaotic] = _scatter(job, np.array(chaotic), told[0, chaotic], stop)
-    told[:2] = np.ldexp(told[:2], -time_exponent)
+        fits[1, chaotic] = _scatter(job, np.array(chaotic), fits[0, chaotic], stop)
+    fits[:2] = np.ldexp(fits[:2], -time_exponent)
     outcomes = np.where(whole, code(Outcome.REACHED_END), code(Outcome.NON_FINITE))
     names = Reduction(LYAPUNOV).names(())
-    return Reduced(outcomes, np.zeros(len(whole), np.int64), dict(zip(names, told, strict=True)))
+    return Reduced(outcomes, np.zeros(len(whole), np.int64), dict(zip(names, fits, strict=True)))
 
 
 def _scatter(
@@ -406,10 +408,10 @@ def _scatter(
     moved = job._replace(
         coefficients=job.coefficients[again], starts=starts, tangents=job.tangents[again]
     )
-    found = variations.solve(moved, stop)
+    tangents = variations.solve(moved, stop)
     ends = [
         lyapunov.fitted(sizes[: last + 1].tolist(), abs(job.end))[0]
-        for sizes, last in zip(found.sizes, found.last.tolist(), strict=True)
+        for sizes, last in zip(tangents.sizes, tangents.last.tolist(), strict=True)
     ]
     rows = np.array(ends).reshape(len(lyapunov.MOVED), len(which)).T
     together = np.column_stack([exponents, rows])

@@ -25,7 +25,7 @@ from polhode.dynamics import high_precision
 from polhode.dynamics.coordinates import ground
 from polhode.dynamics.high_precision import Monodromy, Refined
 from polhode.dynamics.newton_shooting import Closed, NotClosed, Surface, at_level, closed, is_still
-from polhode.dynamics.starts import MAXIMA, asked_of
+from polhode.dynamics.starts import MAXIMA, cut_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double, to_mpf
@@ -118,10 +118,10 @@ def near_returns(on: Surface, start: Doubles, most: int) -> Returns:
     scale = on.scale(start)
     dt = STEP / float(scale[0])
     times: Doubles = np.linspace(0.0, LOOKS * dt, LOOKS + 1).astype(np.float64)
-    state, begun = start, 0.0
+    state, elapsed = start, 0.0
     before, here, largest, nearest = 0.0, 0.0, 0.0, np.inf
     returns: list[Return] = []
-    while begun < FARTHEST / float(scale[0]):
+    while elapsed < FARTHEST / float(scale[0]):
         try:
             rows = on.plain_flow.along(state, times)
         except NotFollowed:
@@ -135,13 +135,13 @@ def near_returns(on: Surface, start: Doubles, most: int) -> Returns:
                 least = max(0.0, here - bend * shift * shift / 2) ** 0.5
                 nearest = min(nearest, least / largest)
                 if least < NEAR * largest:
-                    returns.append(Return(begun + float(times[k - 1]) + shift * dt, least))
+                    returns.append(Return(elapsed + float(times[k - 1]) + shift * dt, least))
                     if len(returns) == most:
-                        return Returns(tuple(returns), nearest, begun + float(times[k]))
+                        return Returns(tuple(returns), nearest, elapsed + float(times[k]))
             largest = max(largest, after**0.5)
             before, here = here, after
-        state, begun = rows[-1], begun + float(times[-1])
-    return Returns(tuple(returns), nearest, begun)
+        state, elapsed = rows[-1], elapsed + float(times[-1])
+    return Returns(tuple(returns), nearest, elapsed)
 
 
 # --- report ---------------------------------------------------------------------------------------
@@ -153,11 +153,11 @@ def report(orbit: Orbit) -> str:
     """Start, period and stability, a line each."""
     more = orbit.digits + 2
     gamma = orbit.scene.gamma or ()
-    residue = _known(exactly(orbit.residue), orbit.residue_error, orbit.digits)
+    residue = _sure_digits(exactly(orbit.residue), orbit.residue_error, orbit.digits)
     lines = [
         f"period      {_decimal(orbit.period, more)}",
         f"omega       {', '.join(_decimal(x, more) for x in orbit.scene.omega)}",
-        f"gamma       {', '.join(_placed(x, more) for x in gamma)}",
+        f"gamma       {', '.join(_to_places(x, more) for x in gamma)}",
         f"level       h = {shown(orbit.h)}, f = {shown(orbit.f)}",
         f"residue     {residue}, {orbit.kind}",
     ]
@@ -180,7 +180,7 @@ def _advance(orbit: Orbit) -> str:
     if orbit.turns is not None:
         count = counted(orbit.turns.denominator, "period")
         closes = f"the motion in space closes after {count}"
-    return f"{_placed(exactly(orbit.psi), places)} per period; {closes}"
+    return f"{_to_places(exactly(orbit.psi), places)} per period; {closes}"
 
 
 def _multipliers(orbit: Orbit) -> list[tuple[str, str]]:
@@ -188,11 +188,11 @@ def _multipliers(orbit: Orbit) -> list[tuple[str, str]]:
     pairs, most = [], orbit.digits
     for parts in orbit.multipliers:
         real, imaginary = map(exactly, parts)
-        one, size = complex(*map(float, parts)), max(1.0, abs(float(real)))
+        multiplier, size = complex(*map(float, parts)), max(1.0, abs(float(real)))
         # mu - 1/mu divides the error of mu + 1/mu = 2 - 4R; near +-1 its root is taken
-        apart = abs(one - 1 / one)
+        apart = abs(multiplier - 1 / multiplier)
         error = 4 * orbit.residue_error * size / max(apart, math.sqrt(orbit.residue_error))
-        pairs.append((_known(real, error, most), _known(imaginary, error, most)))
+        pairs.append((_sure_digits(real, error, most), _sure_digits(imaginary, error, most)))
     return pairs
 
 
@@ -205,13 +205,13 @@ def _decimal(x: Exact, digits: int) -> str:
     return decimal_string(exact.binary(*exact.rounded(x, 4 * digits + 8)), digits)
 
 
-def _placed(x: Exact, digits: int) -> str:
+def _to_places(x: Exact, digits: int) -> str:
     """A component of a unit vector to so many places."""
     near = exact.binary(*exact.rounded(x, 4 * digits + 8)) if x else Fraction(0)
     return high_precision.decimal(near, Fraction(1), digits)
 
 
-def _known(x: Fraction, error: float, most: int) -> str:
+def _sure_digits(x: Fraction, error: float, most: int) -> str:
     """x as far as an error leaves digits, and no more than so many; 0 where it leaves none."""
     if not x:
         return "0"
@@ -443,30 +443,30 @@ def orbit(
     (True, 'elliptic')
     """
     scene = library.load(scene, takes=REQUESTS)
-    wanted = whole(scene.name, "digits", digits, 1, MAX_DIGITS)
+    digit_count = whole(scene.name, "digits", digits, 1, MAX_DIGITS)
     most = RETURNS if returns is None else whole(scene.name, "returns", returns, 1, MOST_RETURNS)
     if scene.gamma is not None:
         _refuse_permanent(scene)
-    asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
-    ground(scene, asked.h, asked.f)  # refuses a level that doubles cannot hold
-    on = Surface(scene, asked.h, asked.f)
+    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
+    ground(scene, cut.h, cut.f)  # refuses a level that doubles cannot hold
+    on = Surface(scene, cut.h, cut.f)
     start = np.array([to_double(x) for x in on.exact_start])
     if period is None:
         guesses = _guesses(on, start, most)
     else:
-        (given,) = each(scene.name, "period", (period,), reader(scene.units, TIME), "a time")
-        if sign(given) <= 0:
+        (duration,) = each(scene.name, "period", (period,), reader(scene.units, TIME), "a time")
+        if sign(duration) <= 0:
             raise BadInput(scene.name, "period", period, "a time above 0")
-        if not math.isfinite(to_double(given / on.unit)):
+        if not math.isfinite(to_double(duration / on.unit)):
             raise BadInput(scene.name, "period", period, "a time that double precision can hold")
-        if to_double(given / on.unit) < on.shortest / FARTHER:
+        if to_double(duration / on.unit) < on.shortest / FARTHER:
             least = on.shortest * to_double(on.unit)
             expected = f"one near {least:.3g} or longer: no motion on this level closes in less"
             raise BadInput(scene.name, "period", period, expected)
-        guesses = [Return(to_double(given / on.unit), math.inf)]
-    found = _first(on, start, guesses)
-    moved = moved_from(on, found, start)
-    return completed(on, found, on.exact_start, wanted, scene.name, moved, progress)
+        guesses = [Return(to_double(duration / on.unit), math.inf)]
+    double_orbit = _first(on, start, guesses)
+    moved = moved_from(on, double_orbit, start)
+    return completed(on, double_orbit, on.exact_start, digit_count, scene.name, moved, progress)
 
 
 def _refuse_permanent(scene: Scene) -> None:
@@ -547,7 +547,7 @@ def completed(
         expected = f"an orbit that can be computed to {digits} digits ({fault})"
         raise BadInput(name, "digits", digits, expected) from None
     scene = _scene(on.scene, name, fine)
-    turned = advance(scene, fine.number)
+    rotation = advance(scene, fine.number)
     bits = bits_for(digits) + 20
     return Orbit(
         scene,
@@ -560,8 +560,8 @@ def completed(
         ordinary(to_mpf(matrix.residue, bits)),
         _residue_error(matrix, orbit, fine),
         matrix.determinant,
-        turned.psi,
-        turned.whole,
+        rotation.psi,
+        rotation.whole,
         moved,
         (orbit.corrections, fine.corrections),
         on,

@@ -181,7 +181,7 @@ _CLUSTER = 14.0  # pieces are followed to e^-14 of their length from an open end
 _X: Polynomial = fmpq_poly([0, 1])
 
 
-class End(NamedTuple):
+class PieceEnd(NamedTuple):
     """Where a piece ends: a cusp (f' = 0), a Hamiltonian-Hopf point (b^2 = 4d), a branch, where a
     second family leaves; a pole, or the start of a second family."""
 
@@ -195,13 +195,13 @@ class Piece(NamedTuple):
     ``morse``: how many directions on the sphere lower W_f; None where it is degenerate.
     """
 
-    first: End | None
-    last: End | None
+    first: PieceEnd | None
+    last: PieceEnd | None
     type: str
     morse: int | None
 
 
-class Point(NamedTuple):
+class RotationPoint(NamedTuple):
     """A rotation in balls: gamma in principal axes, om, f and h."""
 
     gamma: tuple[arb, ...]
@@ -211,7 +211,7 @@ class Point(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Family:
+class RotationFamily:
     """One family.  ``axis``: i of a second one, None of the first; ``g``, ``k``, ``s``: of x."""
 
     body: RationalBody
@@ -227,26 +227,26 @@ class Family:
         return FIRST if self.axis is None else SECOND
 
     @cached_property
-    def ends(self) -> tuple[End, ...]:
+    def ends(self) -> tuple[PieceEnd, ...]:
         """All ends of pieces, by rising x."""
         pairs = [*zip(self.body.moments, self.body.torque, strict=True)]
         free = [a for a, t in pairs if t == 0]
         with ctx.workprec(BITS):
             if self.axis is None:
-                outer = [End(POLE, arb(rational(a))) for a in {a for a, t in pairs if t != 0}]
+                outer = [PieceEnd(POLE, arb(rational(a))) for a in {a for a, t in pairs if t != 0}]
             else:
-                outer = [End(START, arb(rational(self.start)).sqrt())]
-            found = []
+                outer = [PieceEnd(START, arb(rational(self.start)).sqrt())]
+            ends = []
             b, d = self._spectrum
             for root in real_roots(d):
                 # balls that overlap are one root: each holds no other one, and d(A_i) = 0
                 leaves = self.axis is None and any(
                     root.ball.overlaps(arb(rational(a))) for a in free
                 )
-                found.append(End(BRANCH if leaves else CUSP, root.ball))
+                ends.append(PieceEnd(BRANCH if leaves else CUSP, root.ball))
             gap = real_roots(b * b - 4 * d)
-            found += [End(HOPF, root.ball) for root in gap if root.multiplicity % 2]
-            inside = [end for end in found if self.holds(end.x, outer)]
+            ends += [PieceEnd(HOPF, root.ball) for root in gap if root.multiplicity % 2]
+            inside = [end for end in ends if self.holds(end.x, outer)]
         return tuple(sorted([*outer, *inside], key=lambda end: middle(end.x)))
 
     @cached_property
@@ -263,11 +263,11 @@ class Family:
                 if first is None or last is None or first.x < last.x
             )
 
-    def holds(self, x: arb, outer: list[End]) -> bool:
+    def holds(self, x: arb, outer: list[PieceEnd]) -> bool:
         """Whether a number is on this family."""
         return all(x > end.x if end.kind == START else not x.overlaps(end.x) for end in outer)
 
-    def at(self, x: arb) -> Point:
+    def at(self, x: arb) -> RotationPoint:
         """The rotation at x, in balls of the precision in force."""
         moments, torque = ([rational(a) for a in numbers] for numbers in self.body[:2])
         g, k = [arb_poly(p)(x) for p in self.g], arb_poly(self.k)(x)
@@ -276,7 +276,7 @@ class Family:
         om = (size / abs(k)).sqrt()
         f = om * dot(g, [a * y for a, y in zip(moments, g, strict=True)]) / square
         size = size if k > 0 else -size
-        return Point(tuple(y / size for y in g), om, f, om * f / 2 + dot(torque, g) / size)
+        return RotationPoint(tuple(y / size for y in g), om, f, om * f / 2 + dot(torque, g) / size)
 
     def parameter(self, x: arb) -> arb:
         """What a point is told by: s on the first family, om on a second one."""
@@ -323,8 +323,8 @@ class Family:
                 for end in piece[:2]
             ]
             at = [*closed[0], *map(self._x, parameters), *closed[1]]
-            found = [self.at(x) for x in at]
-            rows = [(float(point.f), float(point.h)) for point in found]
+            points = [self.at(x) for x in at]
+            rows = [(float(point.f), float(point.h)) for point in points]
         return np.array([row for row in rows if all(map(np.isfinite, row))]).reshape(-1, 2)
 
     def _x(self, parameter: float) -> arb:
@@ -339,15 +339,15 @@ class Family:
 
     @cached_property
     def _square(self) -> Polynomial:
-        found: Polynomial = dot(self.g, self.g)
-        return found
+        square: Polynomial = dot(self.g, self.g)
+        return square
 
     @cached_property
     def _inertia(self) -> Polynomial:
-        found: Polynomial = dot(
+        inertia: Polynomial = dot(
             self.g, [rational(a) * y for a, y in zip(self.body.moments, self.g, strict=True)]
         )
-        return found
+        return inertia
 
     @cached_property
     def _spectrum(self) -> tuple[Polynomial, Polynomial]:
@@ -355,9 +355,9 @@ class Family:
         return spectrum(moments, [t * self.k for t in torque], self.g, self.g)
 
 
-def families(body: RationalBody) -> tuple[Family, ...]:
+def families(body: RationalBody) -> tuple[RotationFamily, ...]:
     """The first family, unless there is no torque, then the second ones."""
-    found, seen = [], []
+    result, moments_seen = [], []
     pairs = [*zip(body.moments, body.torque, strict=True)]
     poles = sorted({a for a, t in pairs if t != 0})
     if poles:
@@ -365,22 +365,22 @@ def families(body: RationalBody) -> tuple[Family, ...]:
         for a in poles:
             k *= rational(a) - _X
         g = tuple((k // (rational(a) - _X)) * rational(t) if t != 0 else 0 * _X for a, t in pairs)
-        found.append(Family(body, None, g, k, _X))
+        result.append(RotationFamily(body, None, g, k, _X))
     for i, (a, t) in enumerate(pairs):
         others = [pair for j, pair in enumerate(pairs) if j != i]
-        if t == 0 and a not in seen and all(x == 0 or b != a for b, x in others):
+        if t == 0 and a not in moments_seen and all(x == 0 or b != a for b, x in others):
             tilts = [x / (b - a) if x != 0 else Fraction(0) for b, x in pairs]
             start = sum((x * x for x in tilts), Fraction(0))
             g = tuple(
                 _X * _X - rational(start) if j == i else 2 * _X * rational(x)
                 for j, x in enumerate(tilts)
             )
-            found.append(Family(body, i, g, 2 * _X, fmpq_poly([rational(a)]), start))
-            seen.append(a)
-    return tuple(found)
+            result.append(RotationFamily(body, i, g, 2 * _X, fmpq_poly([rational(a)]), start))
+            moments_seen.append(a)
+    return tuple(result)
 
 
-def between(first: End | None, last: End | None) -> Fraction:
+def between(first: PieceEnd | None, last: PieceEnd | None) -> Fraction:
     """A number between two ends, one of which may be infinite."""
     low, high = (None if end is None else middle(end.x) for end in (first, last))
     if low is None:
@@ -405,5 +405,5 @@ def _samples(first: arb | None, last: arb | None, axis: int | None, pace: float)
         assert first is not None
         low = float(first)
         at = low + (low or pace) * np.exp(rising if axis is None else rising / 2)
-    found: list[float] = at.tolist()
-    return found
+    samples: list[float] = at.tolist()
+    return samples

@@ -213,43 +213,43 @@ def reduce_many(
     if workers is not None:
         workers = whole(scene.name, "workers", workers, 1)
     check(scene, plan, which)
-    held = len(plan.members) * len(plan.times) * len(scene.columns)
-    groups = list(plan.groups(LANES, max(_JOBS, -(-held // MOST_AT_ONCE))))
+    size = len(plan.members) * len(plan.times) * len(scene.columns)
+    groups = list(plan.groups(LANES, max(_JOBS, -(-size // MOST_AT_ONCE))))
     jobs = [job_of(scene, plan, which, group) for group in groups]
     key = scene.text, scene.times, which, plan.varied, plan.number, tol, plan.max_steps
-    kept = JobCheckpoint.at(parts, "sweep", *key)
+    checkpoint = JobCheckpoint.at(parts, "sweep", *key)
     finished = run_jobs(
         solve,
         jobs,
         [len(group) for group in groups],
         workers,
         executor,
-        kept,
-        lambda found: {"endings": found.endings, "counts": found.counts, **found.numbers},
+        checkpoint,
+        lambda reduced: {"endings": reduced.endings, "counts": reduced.counts, **reduced.numbers},
         Reduced.of,
         progress,
     )
     endings = np.full(len(plan.members), code(Outcome.NOT_RUN), dtype=np.uint8)
     counts = np.zeros(len(plan.members), dtype=np.int64)
-    names = [name for what in which for name in what.names(scene.columns)]
+    names = [name for reduction in which for name in reduction.names(scene.columns)]
     kind = np.dtype(kind_of(plan.number))
     numbers = {name: np.full(len(plan.members), np.nan, kind) for name in names}
-    for group, found in zip(groups, finished.results, strict=True):
-        if found is None:
+    for group, reduced in zip(groups, finished.results, strict=True):
+        if reduced is None:
             continue
-        endings[group], counts[group] = found.endings, found.counts
+        endings[group], counts[group] = reduced.endings, reduced.counts
         for name in names:
-            numbers[name][group] = found.numbers[name]
+            numbers[name][group] = reduced.numbers[name]
     plan.members.speak()
     return Reductions(
         scene,
         plan.varied,
         plan.members,
         plan.number,
-        tuple(what.text for what in which),
+        tuple(reduction.text for reduction in which),
         numbers,
         endings,
         counts,
         plan.members.provenance(),
-        kept,
+        checkpoint,
     )

@@ -32,7 +32,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from flint import arb, arb_poly, fmpq_poly
 
-from polhode.dynamics.permanent_rotations import BITS, Family, RationalBody
+from polhode.dynamics.permanent_rotations import BITS, RationalBody, RotationFamily
 from polhode.numbers.exact import EQUAL_BITS
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.vectors import dot, middle, rational, real_roots
@@ -76,9 +76,9 @@ class CriticalPoints(NamedTuple):
     apart: Fraction
     bits: int
 
-    def same(self, one: Critical, other: Critical) -> bool:
+    def same(self, lower: Critical, upper: Critical) -> bool:
         """Whether two of them, by rising value, count as one energy."""
-        return not bool(other.value - one.value > rational(self.apart))
+        return not bool(upper.value - lower.value > rational(self.apart))
 
 
 class _Meeting(Exception):
@@ -86,7 +86,7 @@ class _Meeting(Exception):
 
 
 def critical_points(
-    body: RationalBody, known: Sequence[Family], f: Fraction, bits: int = BITS
+    body: RationalBody, families: Sequence[RotationFamily], f: Fraction, bits: int = BITS
 ) -> CriticalPoints:
     """The critical points of W_f.
 
@@ -97,7 +97,7 @@ def critical_points(
     from all of them than twice that bound.
     """
     if body.axis is not None:
-        points = _of_symmetric(body, body.axis, known, abs(f), bits)
+        points = _of_symmetric(body, body.axis, families, abs(f), bits)
         return CriticalPoints(points, f, Fraction(0), bits)
     if f == 0:
         if not body.heavy:
@@ -105,51 +105,51 @@ def critical_points(
         return CriticalPoints(_at_rest(body), f, Fraction(0), bits)
     at, apart = abs(f), Fraction(0)
     try:
-        points = _critical_points(known, at, bits)
+        points = _critical_points(families, at, bits)
     except _Meeting:
         at *= 1 + _BESIDE
         apart = 2 * at * (at - abs(f)) / min(body.moments)
         try:
-            points = _critical_points(known, at, bits)
+            points = _critical_points(families, at, bits)
         except _Meeting:
             raise Undecided(f"at f = {float(f):.12g} two permanent rotations meet") from None
-    found = CriticalPoints(points, at, apart, bits)
-    distinct = all(a.value is b.value or not found.same(a, b) for a, b in pairwise(points))
+    result = CriticalPoints(points, at, apart, bits)
+    distinct = all(a.value is b.value or not result.same(a, b) for a, b in pairwise(points))
     if bits == EQUAL_BITS or apart or distinct:
-        return found
-    return critical_points(body, known, f, EQUAL_BITS)
+        return result
+    return critical_points(body, families, f, EQUAL_BITS)
 
 
-def _critical_points(known: Sequence[Family], f: Fraction, bits: int) -> list[Critical]:
-    found = []
+def _critical_points(families: Sequence[RotationFamily], f: Fraction, bits: int) -> list[Critical]:
+    points = []
     with ctx.workprec(bits):
-        for family in known:
+        for family in families:
             for x in family.meets(f):
                 point, (_, morse) = family.at(x), family.type(x)
                 if morse is None:
                     raise _Meeting
-                found.append(Critical(point.gamma, point.h, morse))
+                points.append(Critical(point.gamma, point.h, morse))
                 if family.axis is not None:
                     signs = [1 - 2 * (j == family.axis) for j in range(3)]
                     mirrored = tuple(s * y for s, y in zip(signs, point.gamma, strict=True))
-                    found.append(Critical(mirrored, point.h, morse))
-    return sorted(found, key=lambda c: middle(c.value))
+                    points.append(Critical(mirrored, point.h, morse))
+    return sorted(points, key=lambda c: middle(c.value))
 
 
 def _of_symmetric(
-    body: RationalBody, axis: int, known: Sequence[Family], f: Fraction, bits: int
+    body: RationalBody, axis: int, families: Sequence[RotationFamily], f: Fraction, bits: int
 ) -> list[Critical]:
     """Both poles of a symmetric body, and a point of each circle."""
     torque = rational(body.torque[axis])
     with ctx.workprec(bits):
         kinetic = arb(rational(f * f / (2 * body.moments[axis])))
         up = tuple(arb(int(j == axis)) for j in range(3))
-        found = [Critical(up, kinetic + torque, None)]
-        found.append(Critical(tuple(-x for x in up), kinetic - torque, None))
-        circles = [family for family in known if family.axis not in (None, axis)]
+        points = [Critical(up, kinetic + torque, None)]
+        points.append(Critical(tuple(-x for x in up), kinetic - torque, None))
+        circles = [family for family in families if family.axis not in (None, axis)]
         for point in [family.at(x) for family in circles for x in family.meets(f)]:
-            found.append(Critical(point.gamma, point.h, None))
-    return sorted(found, key=lambda c: middle(c.value))
+            points.append(Critical(point.gamma, point.h, None))
+    return sorted(points, key=lambda c: middle(c.value))
 
 
 def _at_rest(body: RationalBody) -> list[Critical]:
@@ -160,14 +160,16 @@ def _at_rest(body: RationalBody) -> list[Critical]:
         return [Critical(tuple(-x for x in up), -size, 0), Critical(up, size, 2)]
 
 
-def region(body: RationalBody, known: Sequence[Family], h: Fraction, f: Fraction) -> Region:
+def region(
+    body: RationalBody, families: Sequence[RotationFamily], h: Fraction, f: Fraction
+) -> Region:
     """The edges of each part of U; raises Undecided where h is a critical value."""
     if f == 0 and not body.heavy:  # a free body: W_f is zero everywhere
         if h == 0:
             raise Undecided("rest, in any position")
         return (0,) if h > 0 else ()
     for bits in (BITS, EQUAL_BITS):
-        at = critical_points(body, known, f, bits)
+        at = critical_points(body, families, f, bits)
         with ctx.workprec(at.bits):
             low, high = arb(rational(h - at.apart)), arb(rational(h + at.apart))
             below = sum(bool(point.value < low) for point in at.points)
@@ -177,13 +179,13 @@ def region(body: RationalBody, known: Sequence[Family], h: Fraction, f: Fraction
 
 
 def regions_between(
-    body: RationalBody, known: Sequence[Family], f: Fraction
+    body: RationalBody, families: Sequence[RotationFamily], f: Fraction
 ) -> list[tuple[float, Region]]:
     """At one f: the critical energies by rising h, and the region above each.
 
     Energies equal by the rule for *equal*, or of rotations that meet at f, are listed once.
     """
-    at = critical_points(body, known, f)
+    at = critical_points(body, families, f)
     with ctx.workprec(at.bits):
         ends = [k for k, (a, b) in enumerate(pairwise(at.points), 1) if not at.same(a, b)]
         return [
@@ -192,11 +194,11 @@ def regions_between(
         ]
 
 
-def least_energy(body: RationalBody, known: Sequence[Family], f: Fraction) -> float:
+def least_energy(body: RationalBody, families: Sequence[RotationFamily], f: Fraction) -> float:
     """The least h at one f: that of the lowest permanent rotation."""
     if f == 0 and not body.heavy:
         return 0.0
-    return float(critical_points(body, known, f).points[0].value)
+    return float(critical_points(body, families, f).points[0].value)
 
 
 # -- parts by counting ---------------------------------------------------------------------------
@@ -231,30 +233,30 @@ def _runs(axis: int, below: Sequence[Critical], above: Sequence[Critical]) -> Re
     """The parts of a symmetric body's level."""
     marked = [(point, True) for point in below] + [(point, False) for point in above]
     marked.sort(key=lambda pair: middle(pair[0].gamma[axis]))
-    held = [inside for _, inside in marked]
-    found = []
-    for inside, run in groupby(range(len(held)), key=held.__getitem__):
+    inside_below = [inside for _, inside in marked]
+    boundaries = []
+    for inside, run in groupby(range(len(inside_below)), key=inside_below.__getitem__):
         places = [*run]
         if inside:
-            found.append(2 - (places[0] == 0) - (places[-1] == len(held) - 1))
-    return tuple(sorted(found))
+            boundaries.append(2 - (places[0] == 0) - (places[-1] == len(inside_below) - 1))
+    return tuple(sorted(boundaries))
 
 
 def _joined(
-    body: RationalBody, h: Fraction, f: Fraction, one: Critical, other: Critical, bends: int = BENDS
+    body: RationalBody, h: Fraction, f: Fraction, a: Critical, b: Critical, bends: int = BENDS
 ) -> bool:
     """Whether two points below h are shown to be in one part, by an arc or by a chain of them."""
-    if arc_below(body, h, f, one, other):
+    if arc_below(body, h, f, a, b):
         return True
     if not bends:
         return False
-    bend = _bend(body, f, one, other)
-    return all(_joined(body, h, f, end, bend, bends - 1) for end in (one, other))
+    bend = _bend(body, f, a, b)
+    return all(_joined(body, h, f, end, bend, bends - 1) for end in (a, b))
 
 
-def _bend(body: RationalBody, f: Fraction, one: Critical, other: Critical) -> Critical:
+def _bend(body: RationalBody, f: Fraction, start: Critical, end: Critical) -> Critical:
     """About the lowest point across the middle of an arc, found in doubles."""
-    a, b = (np.array([float(y) for y in point.gamma]) for point in (one, other))
+    a, b = (np.array([float(y) for y in point.gamma]) for point in (start, end))
     between, across = a + b, np.cross(a, b)
     angle = np.linspace(-_SIDEWAYS, _SIDEWAYS, 2001)[:, None]
     g = np.cos(angle) * between / np.linalg.norm(between)
@@ -269,13 +271,13 @@ def _bend(body: RationalBody, f: Fraction, one: Critical, other: Critical) -> Cr
     return Critical(tuple(arb(y) for y in g[lowest].tolist()), value, None)
 
 
-def arc_below(body: RationalBody, h: Fraction, f: Fraction, one: Critical, other: Critical) -> bool:
+def arc_below(body: RationalBody, h: Fraction, f: Fraction, start: Critical, end: Critical) -> bool:
     """Whether W_f < h is shown on the shorter arc of the great circle between two such points.
 
     On v = a + t (b - a), with n = v.v, i = v.I v and y = T.v, W_f = h where 2 h i - f^2 n =
     2 i y/sqrt(n): at a root of the difference of their squares at which both sides have one sign.
     """
-    a, b = ([rational(middle(y)) for y in point.gamma] for point in (one, other))
+    a, b = ([rational(middle(y)) for y in point.gamma] for point in (start, end))
     v = [fmpq_poly([x, y - x]) for x, y in zip(a, b, strict=True)]
     moments, torque = ([rational(x) for x in numbers] for numbers in body[:2])
     n, i, y = dot(v, v), dot(v, [m * x for m, x in zip(moments, v, strict=True)]), dot(torque, v)
@@ -285,4 +287,4 @@ def arc_below(body: RationalBody, h: Fraction, f: Fraction, one: Critical, other
         outside = t < 0 or t > 1
         if not outside and not arb_poly(spare * y)(t) < 0:
             return False
-    return bool(one.value < rational(h))
+    return bool(start.value < rational(h))

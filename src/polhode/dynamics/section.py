@@ -21,7 +21,7 @@ from polhode.common.processes import run_jobs
 from polhode.common.values import ByValue, cached_property, refuse_too_much
 from polhode.dynamics import coordinates as geometry
 from polhode.dynamics.coordinates import Ground, tangents_of
-from polhode.dynamics.starts import MAXIMA, Asked, asked_of, starts_of
+from polhode.dynamics.starts import MAXIMA, Cut, cut_of, starts_of
 from polhode.equations.forms import principal
 from polhode.equations.integrals import first_integrals
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
@@ -64,7 +64,7 @@ PATIENCE = 1000.0  # the level's units of time without a crossing until an orbit
 
 
 def jobs_of(
-    asked: Asked, on: Ground, zero: SectionZero, direction: int, count: int, states: Doubles
+    cut: Cut, on: Ground, zero: SectionZero, direction: int, count: int, states: Doubles
 ) -> list[SearchJob]:
     """The jobs of orbits from ``states``, LANES of them each, in principal axes and inner units.
 
@@ -73,9 +73,9 @@ def jobs_of(
     """
     from polhode.taylor.event_batches import SearchJob, Watched
 
-    scene = asked.scene
+    scene = cut.scene
     frame, slower = Frame.of(scene).slower(on.slower), 2.0**on.slower
-    level = level_of(scene, asked.h, asked.f, frame)
+    level = level_of(scene, cut.h, cut.f, frame)
     k = principal.coefficients(frame.inside(scene).body)
     constants = tuple(map(to_double, k.values()))
     own = np.tile(constants, (len(states), 1))
@@ -102,13 +102,15 @@ def level_of(scene: Scene, h: Exact, f: Exact, frame: Frame) -> Level:
     from polhode.equations import integrals
     from polhode.taylor.projection import Level
 
-    known = first_integrals(frame.inside(scene))
-    if integrals.CHAPLYGIN in known.onto and f != 0:
-        known = integrals.FirstIntegrals(known.onto[:-1], known.order, known.coefficients)
+    conserved = first_integrals(frame.inside(scene))
+    if integrals.CHAPLYGIN in conserved.onto and f != 0:
+        conserved = integrals.FirstIntegrals(
+            conserved.onto[:-1], conserved.order, conserved.coefficients
+        )
     unit, largest = frame.unit, max(scene.body.moments)
     targets = (2 * h * unit * unit / largest, f * unit / largest, Fraction(1))
-    coefficients = {name: to_extended(x) for name, x in known.coefficients.items()}
-    return Level(known, coefficients, tuple(to_extended(x) for x in targets))
+    coefficients = {name: to_extended(x) for name, x in conserved.coefficients.items()}
+    return Level(conserved, coefficients, tuple(to_extended(x) for x in targets))
 
 
 def zero_of(scene: Scene, on: Ground, by: str) -> SectionZero:
@@ -139,14 +141,14 @@ def packed(result: Crossed) -> Arrays:
     return {name: np.asarray(value) for name, value in result._asdict().items()}
 
 
-def unpacked(held: Arrays) -> Crossed:
+def unpacked(arrays: Arrays) -> Crossed:
     """What a job found, from those arrays."""
     from polhode.taylor.event_batches import Crossed
 
-    states, times, rests = (double_array(held[name]) for name in ("states", "times", "rests"))
-    found, steps = (np.asarray(held[name], dtype=np.int64) for name in ("found", "steps"))
-    outcomes, drift = tuple(held["outcomes"].tolist()), float(held["drift"].item())
-    return Crossed(states, times, rests, found, steps, outcomes, drift)
+    states, times, rests = (double_array(arrays[name]) for name in ("states", "times", "rests"))
+    counts, steps = (np.asarray(arrays[name], dtype=np.int64) for name in ("found", "steps"))
+    outcomes, drift = tuple(arrays["outcomes"].tolist()), float(arrays["drift"].item())
+    return Crossed(states, times, rests, counts, steps, outcomes, drift)
 
 
 # --- crossing accuracy ----------------------------------------------------------------------------
@@ -499,36 +501,36 @@ def section(
 
     scene = library.load(scene, takes=REQUESTS)
     refuse_other_rounding(scene)
-    plan, asked = scene.section, asked_of(scene, by, extremum, h, f)
+    plan, cut = scene.section, cut_of(scene, by, extremum, h, f)
     count = plan.crossings if crossings is None else crossings
     count = whole(scene.name, "crossings", count, 1, MOST_CROSSINGS)
     if starts is None and grid is None and plan.starts:
         starts = plan.starts
-    on = geometry.ground(scene, asked.h, asked.f)
+    on = geometry.ground(scene, cut.h, cut.f)
 
     def forecast(orbits: int, more_than: str = "") -> None:
-        what = f"{more_than}{orbits} orbits to {count} crossings"
+        work = f"{more_than}{orbits} orbits to {count} crossings"
         words = "crossings in all; a coarser grid, or fewer of each orbit"
-        refuse_too_much(scene.name, "section", what, orbits * count, _BYTES, words)
+        refuse_too_much(scene.name, "section", work, orbits * count, _BYTES, words)
 
-    begun = starts_of(asked, on, starts, grid, lambda orbits: forecast(orbits, "more than "))
-    forecast(len(begun.states))
-    zero = zero_of(asked.scene, on, asked.by)
+    initial = starts_of(cut, on, starts, grid, lambda orbits: forecast(orbits, "more than "))
+    forecast(len(initial.states))
+    zero = zero_of(cut.scene, on, cut.by)
     direction = 0
-    if asked.by in (MOMENTUM, HEIGHT):
-        direction = -1 if asked.extremum == MAXIMA else 1
-    _refuse_constant(asked, on, zero, begun.states)
-    jobs = jobs_of(asked, on, zero, direction, count, begun.states)
-    key = scene.text, str(asked[1:]), count, direction, begun.states
-    kept = JobCheckpoint.at(parts, "section", *key)
-    with _refused(asked, on, kept):
+    if cut.by in (MOMENTUM, HEIGHT):
+        direction = -1 if cut.extremum == MAXIMA else 1
+    _refuse_constant(cut, on, zero, initial.states)
+    jobs = jobs_of(cut, on, zero, direction, count, initial.states)
+    key = scene.text, str(cut[1:]), count, direction, initial.states
+    checkpoint = JobCheckpoint.at(parts, "section", *key)
+    with _refused(cut, on, checkpoint):
         finished = run_jobs(
             event_batches.solve,
             jobs,
             [len(job.starts) for job in jobs],
             workers or worker_count(len(jobs), count),
             executor,
-            kept,
+            checkpoint,
             packed,
             unpacked,
             progress,
@@ -536,19 +538,19 @@ def section(
         )
     crossed = event_batches.joined(finished.done)
     crossed.states[..., :3] *= 2.0**-on.slower
-    if asked.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
-        with _refused(asked, on, kept):
-            _refuse_never_zero(asked, on, zero)
-    states = begun.states[finished.rows]
-    angles = geometry.height_coordinates if asked.by == HEIGHT else geometry.coordinates
+    if cut.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
+        with _refused(cut, on, checkpoint):
+            _refuse_never_zero(cut, on, zero)
+    states = initial.states[finished.rows]
+    angles = geometry.height_coordinates if cut.by == HEIGHT else geometry.coordinates
     l, ratio = geometry.coordinates(on, crossed.states)
     unit = float(Frame.of(scene).slower(on.slower).unit)
     result = Section(
         scene,
-        asked.h,
-        asked.f,
-        asked.by,
-        asked.extremum,
+        cut.h,
+        cut.f,
+        cut.by,
+        cut.extremum,
         np.stack(angles(on, states), axis=-1),
         geometry.turned(scene, states),
         geometry.turned(scene, crossed.states),
@@ -560,7 +562,7 @@ def section(
         crossed.outcomes,
         crossed.drift,
         finished.interrupted,
-        kept,
+        checkpoint,
         scene.provenance(),
         accuracy,
     )
@@ -569,13 +571,13 @@ def section(
     return result
 
 
-def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Doubles) -> None:
+def _refuse_constant(cut: Cut, on: Ground, zero: SectionZero, states: Doubles) -> None:
     """Raise BadInput for an expression that has no value at a start, or no rate at any of them."""
     from polhode.taylor.projection import ARRAYS
 
-    if asked.by in (MOMENTUM, HEIGHT):
+    if cut.by in (MOMENTUM, HEIGHT):
         return
-    inside = Frame.of(asked.scene).inside(asked.scene)
+    inside = Frame.of(cut.scene).inside(cut.scene)
     k = {name: to_double(x) for name, x in principal.coefficients(inside.body).items()}
     moved = states.T + 1e-3 * np.random.default_rng(0).normal(size=states.T.shape)
     try:
@@ -586,16 +588,16 @@ def _refuse_constant(asked: Asked, on: Ground, zero: SectionZero, states: Double
             value = np.real(zero.value(list(moved), ARRAYS))
             here = zero.value(list(states.T), ARRAYS) + 0 * states[:, 0]
         if not np.isfinite(here).all():
-            raise _not_finite(asked, on, states[int(np.argmin(np.isfinite(here)))], 0.0)
+            raise _not_finite(cut, on, states[int(np.argmin(np.isfinite(here)))], 0.0)
     except (ArithmeticError, AttributeError, TypeError):  # no name in it
         speed = value = np.zeros(1)
     if not np.any(np.abs(speed) > 1e-12 * np.maximum(1e-300, np.abs(value))):
         expected = "an expression that changes along the motion; this one is constant"
-        raise BadInput(asked.scene.name, "by", asked.by, expected)
+        raise BadInput(cut.scene.name, "by", cut.by, expected)
 
 
 @contextmanager
-def _refused(asked: Asked, on: Ground, kept: JobCheckpoint | None) -> Iterator[None]:
+def _refused(cut: Cut, on: Ground, checkpoint: JobCheckpoint | None) -> Iterator[None]:
     """Leave nothing behind where the section's function is refused, on the way too."""
     from polhode.taylor.event_batches import Singular
 
@@ -603,25 +605,25 @@ def _refused(asked: Asked, on: Ground, kept: JobCheckpoint | None) -> Iterator[N
         try:
             yield
         except Singular as met:
-            raise _not_finite(asked, on, met.start, met.time) from None
+            raise _not_finite(cut, on, met.start, met.time) from None
     except BadInput:
-        if kept is not None:
-            kept.remove()
+        if checkpoint is not None:
+            checkpoint.remove()
         raise
 
 
-def _not_finite(asked: Asked, on: Ground, start: Sequence[float], time: float) -> BadInput:
+def _not_finite(cut: Cut, on: Ground, start: Sequence[float], time: float) -> BadInput:
     """The refusal of an expression that has no finite value on an orbit, at a time of the run."""
     l, ratio = (float(x) for x in geometry.coordinates(on, np.array(start)))
-    t = math.ldexp(time, Frame.of(asked.scene).exponent + on.slower)
+    t = math.ldexp(time, Frame.of(cut.scene).exponent + on.slower)
     expected = (
         "an expression that is real and finite on all orbits; on the one from "
         f"l = {l:.6g}, L/G = {ratio:.6g} it has a pole or stops being real at t = {t:.6g}"
     )
-    return BadInput(asked.scene.name, "by", asked.by, expected)
+    return BadInput(cut.scene.name, "by", cut.by, expected)
 
 
-def _refuse_never_zero(asked: Asked, on: Ground, zero: SectionZero) -> None:
+def _refuse_never_zero(cut: Cut, on: Ground, zero: SectionZero) -> None:
     from polhode.taylor.projection import ARRAYS
 
     grid = geometry.cells(60, 60)
@@ -631,4 +633,4 @@ def _refuse_never_zero(asked: Asked, on: Ground, zero: SectionZero) -> None:
         "an expression that becomes zero; at the extrema of |G| on this level it is from "
         f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g}, and no orbit crosses 0"
     )
-    raise BadInput(asked.scene.name, "by", asked.by, expected)
+    raise BadInput(cut.scene.name, "by", cut.by, expected)

@@ -39,7 +39,7 @@ MOST_STARTS = 1_000_000
 _FEW = 5000  # cells whose states tell how many a large grid has, within some percent
 
 
-class Asked(NamedTuple):
+class Cut(NamedTuple):
     """A scene's body, a level and a section of it, checked."""
 
     scene: Scene
@@ -49,13 +49,13 @@ class Asked(NamedTuple):
     extremum: str
 
 
-def asked_of(
+def cut_of(
     scene: Scene,
     by: str | None,
     extremum: str | None,
     h: AnyNumber | None,
     f: AnyNumber | None,
-) -> Asked:
+) -> Cut:
     """What is asked, checked; None for the scene's own section, h or f.  Raises BadInput."""
     by = scene.section.by if by is None else by
     extremum = scene.section.extremum if extremum is None else extremum
@@ -75,14 +75,14 @@ def asked_of(
     assert own.area is not None
     level = [
         default
-        if given is None
-        else each(scene.name, key, (given,), reader(scene.units, unit), "a number")[0]
-        for key, given, default, unit in (
+        if value is None
+        else each(scene.name, key, (value,), reader(scene.units, unit), "a number")[0]
+        for key, value, default, unit in (
             ("h", h, simplest(own.energy), ENERGY),
             ("f", f, simplest(own.area), AREA),
         )
     ]
-    plan = Asked(scene, level[0], level[1], by, extremum)
+    plan = Cut(scene, level[0], level[1], by, extremum)
     body = RationalBody.of(scene.body)
     near = fraction_near(plan.f, BODY_BITS)[0]
     if plan.h > body.reached(near):  # no roots are isolated to know that there is motion
@@ -101,7 +101,7 @@ def asked_of(
 
 
 def starts_of(
-    asked: Asked,
+    cut: Cut,
     on: Ground,
     starts: Iterable[AnyVector] | str | Path | None,
     grid: tuple[int, int] | None,
@@ -112,22 +112,22 @@ def starts_of(
     ``foretold``: told a number that a large grid's states surely exceed, before they are found, to
     refuse them.
     """
-    name = asked.scene.name
+    name = cut.scene.name
     if starts is None:
         first, second = cells(name, GRID if grid is None else grid, MOST_STARTS)
         angle, cosine = geometry.cells(first, second)
         if foretold is not None and len(angle) > 4 * _FEW:
             some = np.random.default_rng(0).choice(len(angle), _FEW, replace=False)
-            many = len(_in_cells(asked, on, angle[some], cosine[some]).states)
+            many = len(_in_cells(cut, on, angle[some], cosine[some]).states)
             sure = max(0, many - int(8 * many**0.5))  # four deviations of up to four a cell
             foretold(sure * len(angle) // _FEW)
-        points = _in_cells(asked, on, angle, cosine)
+        points = _in_cells(cut, on, angle, cosine)
         if len(points.states) == 0:
             expected = "a finer grid, or another level: no cell's centre is on it"
             raise BadInput(name, "grid", f"{first}x{second}", expected)
         return points
     if isinstance(starts, str) and starts == OWN:
-        return geometry.Found(_own(asked, on)[None, :], np.zeros(1, dtype=int))
+        return geometry.Found(_own(cut, on)[None, :], np.zeros(1, dtype=int))
     if isinstance(starts, (str, Path)):
         starts = read_starts(Path(starts))
     rows = [
@@ -136,37 +136,37 @@ def starts_of(
     ]
     if not rows:
         raise BadInput(name, "starts", "nothing", "at least one start")
-    one = _height_start if asked.by == HEIGHT else _momentum_start
-    states = [one(asked, on, f"starts[{k + 1}]", row) for k, row in enumerate(rows)]
+    start_of = _height_start if cut.by == HEIGHT else _momentum_start
+    states = [start_of(cut, on, f"starts[{k + 1}]", row) for k, row in enumerate(rows)]
     return geometry.Found(np.array(states), np.arange(len(states)))
 
 
-def _in_cells(asked: Asked, on: Ground, angle: Doubles, cosine: Doubles) -> Found:
+def _in_cells(cut: Cut, on: Ground, angle: Doubles, cosine: Doubles) -> Found:
     """The states at some cells' centres."""
-    maxima = asked.extremum == MAXIMA
-    if asked.by != HEIGHT:
+    maxima = cut.extremum == MAXIMA
+    if cut.by != HEIGHT:
         return geometry.momentum_states(on, angle, cosine, maxima)
     gamma = np.repeat(geometry.gamma_at(on, angle, cosine), 2, axis=0)
     return geometry.height_states(on, gamma, np.tile([1.0, -1.0], len(angle)), maxima)
 
 
-def _own(asked: Asked, on: Ground) -> Doubles:
+def _own(cut: Cut, on: Ground) -> Doubles:
     """The scene's own start, on the section or not."""
-    scene = asked.scene
+    scene = cut.scene
     assert scene.gamma is not None
-    if asked.h != scene.integrals.energy or asked.f != scene.integrals.area:
+    if cut.h != scene.integrals.energy or cut.f != scene.integrals.area:
         raise BadInput(scene.name, "starts", OWN, "the scene's own h and f")
     inside = Frame.of(scene).inside(scene)
-    return _moving(asked, on, "starts", OWN, np.array([to_double(x) for x in inside.start]))
+    return _moving(cut, on, "starts", OWN, np.array([to_double(x) for x in inside.start]))
 
 
-def _momentum_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> Doubles:
-    name, shown_row = asked.scene.name, f"[{', '.join(f'{x:g}' for x in row)}]"
+def _momentum_start(cut: Cut, on: Ground, key: str, row: Sequence[float]) -> Doubles:
+    name, shown_row = cut.scene.name, f"[{', '.join(f'{x:g}' for x in row)}]"
     if len(row) not in (2, 3) or (len(row) == 3 and row[2] != int(row[2])):
         raise BadInput(name, key, shown_row, "[l, L/G] or [l, L/G, k] with k = 0, 1, ...")
     if not -1 < row[1] < 1:
         raise BadInput(name, key, shown_row, "L/G between -1 and 1")
-    maxima = asked.extremum == MAXIMA
+    maxima = cut.extremum == MAXIMA
     candidates = geometry.momentum_states(on, np.array([row[0]]), np.array([row[1]]), maxima)
     k = int(row[2]) if len(row) == 3 else 0
     if not 0 <= k < len(candidates.states):
@@ -175,7 +175,7 @@ def _momentum_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) ->
         if not len(candidates.states):
             expected = _where(on, row[0], maxima)
         raise BadInput(name, key, shown_row, f"a point with {kind}: {expected}")
-    return _moving(asked, on, key, shown_row, candidates.states[k])
+    return _moving(cut, on, key, shown_row, candidates.states[k])
 
 
 def _where(on: Ground, l: float, maxima: bool) -> str:
@@ -188,15 +188,15 @@ def _where(on: Ground, l: float, maxima: bool) -> str:
     return f"at this l they lie from L/G = {inside.min():.4g} to {inside.max():.4g}"
 
 
-def _height_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> Doubles:
-    name, shown_row = asked.scene.name, f"[{', '.join(f'{x:g}' for x in row)}]"
+def _height_start(cut: Cut, on: Ground, key: str, row: Sequence[float]) -> Doubles:
+    name, shown_row = cut.scene.name, f"[{', '.join(f'{x:g}' for x in row)}]"
     length = sum(x * x for x in row[:3]) ** 0.5
     if len(row) != 4 or row[3] not in (1, -1) or abs(length - 1) > 1e-6:
         raise BadInput(name, key, shown_row, "[gamma1, gamma2, gamma3, 1 or -1], gamma of length 1")
-    axes = asked.scene.body.axes
-    turned = np.array([[to_double(x) for x in line] for line in axes.rows])
-    gamma = (turned @ np.array(row[:3]) / length)[None, :]
-    maxima = asked.extremum == MAXIMA
+    axes = cut.scene.body.axes
+    rotation = np.array([[to_double(x) for x in line] for line in axes.rows])
+    gamma = (rotation @ np.array(row[:3]) / length)[None, :]
+    maxima = cut.extremum == MAXIMA
     for kind in (maxima, not maxima):
         candidates = geometry.height_states(on, gamma, np.array([row[3]]), kind)
         if len(candidates.states):
@@ -205,9 +205,9 @@ def _height_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> D
         inertia = float((gamma[0] ** 2 * on.moments).sum())
         least = on.f**2 / (2 * inertia) + float(gamma[0] @ on.torque)
         if least > on.h:
-            body = asked.scene.body
+            body = cut.scene.body
             unit = to_double(max(body.moments)) / on.moments.max()
-            least = math.ldexp(least * unit, -2 * Frame.of(asked.scene).exponent)
+            least = math.ldexp(least * unit, -2 * Frame.of(cut.scene).exponent)
             expected = f"a gamma that the level allows: h is at least {least:.12g} there"
         else:
             expected = "a gamma that is not along the centre of mass"
@@ -215,17 +215,17 @@ def _height_start(asked: Asked, on: Ground, key: str, row: Sequence[float]) -> D
     if kind is not maxima:
         expected = f"a {'maximum' if maxima else 'minimum'} of the height; this is the other kind"
         raise BadInput(name, key, shown_row, expected)
-    return _moving(asked, on, key, shown_row, candidates.states[0])
+    return _moving(cut, on, key, shown_row, candidates.states[0])
 
 
-def _moving(asked: Asked, on: Ground, key: str, shown_row: str, state: Doubles) -> Doubles:
+def _moving(cut: Cut, on: Ground, key: str, shown_row: str, state: Doubles) -> Doubles:
     """A start that is no permanent rotation."""
     w, g = state[:3], state[3:]
     moment = np.cross(g, on.torque) - np.cross(w, w * on.moments)
     speed = float(np.linalg.norm(np.cross(g, w)))
     if speed < 1e-9 * on.fastest and float(np.linalg.norm(moment)) < 1e-9 * on.fastest**2:
         expected = "a motion: this is a permanent rotation, which crosses no section"
-        raise BadInput(asked.scene.name, key, shown_row, expected)
+        raise BadInput(cut.scene.name, key, shown_row, expected)
     return state
 
 

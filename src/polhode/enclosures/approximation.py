@@ -39,18 +39,18 @@ def matrices(a: Doubles) -> Doubles:
     """
     steps, count = a.shape[:2]
     flat = _flat(a)
-    turned = np.zeros((steps, 6 * count, 6))  # V_k in reversed order
-    turned[:, 6 * (count - 1) :] = np.eye(6)
+    reversed_rows = np.zeros((steps, 6 * count, 6))  # V_k in reversed order
+    reversed_rows[:, 6 * (count - 1) :] = np.eye(6)
     degree = count - 1
     for k in range(count - 1):
         low = 6 * (count - 1 - k)
-        row = np.matmul(flat[:, :, : 6 * (k + 1)], turned[:, low:]) / (k + 1)
-        turned[:, low - 6 : low] = row
+        row = np.matmul(flat[:, :, : 6 * (k + 1)], reversed_rows[:, low:]) / (k + 1)
+        reversed_rows[:, low - 6 : low] = row
         if k + 1 >= _FEWEST and float(np.max(np.abs(row))) < LEAST_TERM:
             degree = k + 1
             break
-    found = turned.reshape(steps, count, 6, 6)[:, ::-1]
-    return np.ascontiguousarray(found[:, : degree + 1])
+    matrices_of_steps = reversed_rows.reshape(steps, count, 6, 6)[:, ::-1]
+    return np.ascontiguousarray(matrices_of_steps[:, : degree + 1])
 
 
 def correction(a: Doubles, defects: Doubles, v: Doubles, gaps: Doubles) -> Doubles:
@@ -59,14 +59,14 @@ def correction(a: Doubles, defects: Doubles, v: Doubles, gaps: Doubles) -> Doubl
     ``defects``: (W, K, 6); ``gaps``: the jumps of the polynomials, (W, 6).  Returns (W, p + 1, 6).
     """
     steps = a.shape[0]
-    found = forced(a, defects, np.zeros(6))
-    ends, flows = np.sum(found, axis=1), np.sum(v, axis=1)
+    corrections = forced(a, defects, np.zeros(6))
+    ends, flows = np.sum(corrections, axis=1), np.sum(v, axis=1)
     starts = np.zeros((steps, 6))
     starts[0] = gaps[0]
     for n in range(1, steps):
         starts[n] = flows[n - 1] @ starts[n - 1] + ends[n - 1] + gaps[n]
-    found[:, : v.shape[1]] += np.einsum("wkij,wj->wki", v, starts)
-    return found
+    corrections[:, : v.shape[1]] += np.einsum("wkij,wj->wki", v, starts)
+    return corrections
 
 
 def forced(a: Doubles, defects: Doubles, start: Doubles) -> Doubles:
@@ -76,15 +76,15 @@ def forced(a: Doubles, defects: Doubles, start: Doubles) -> Doubles:
     """
     steps, count, rows = a.shape[:3]
     flat = _flat(a)
-    turned = np.zeros((steps, rows * count, 1))  # e_k in reversed order
-    turned[:, rows * (count - 1) :, 0] = start
+    reversed_rows = np.zeros((steps, rows * count, 1))  # e_k in reversed order
+    reversed_rows[:, rows * (count - 1) :, 0] = start
     for k in range(count - 1):
         low = rows * (count - 1 - k)
-        row = np.matmul(flat[:, :, : rows * (k + 1)], turned[:, low:])[..., 0]
+        row = np.matmul(flat[:, :, : rows * (k + 1)], reversed_rows[:, low:])[..., 0]
         if k < defects.shape[1]:
             row = row - defects[:, k]
-        turned[:, low - rows : low, 0] = row / (k + 1)
-    return np.ascontiguousarray(turned.reshape(steps, count, rows)[:, ::-1])
+        reversed_rows[:, low - rows : low, 0] = row / (k + 1)
+    return np.ascontiguousarray(reversed_rows.reshape(steps, count, rows)[:, ::-1])
 
 
 def _flat(a: Doubles) -> Doubles:
@@ -191,28 +191,28 @@ def _series(problem: Problem, states: Any, lengths: Any, count: int) -> Any:
     """Taylor coefficients in tau of the motions through the states, to degree ``count``."""
     of_layers = [layer.coefficients(problem.factors) for layer in LAYERS]
     coefficients = [None if c is None else np.array(c)[:, None] for c in of_layers]
-    found = np.zeros((len(states), count + 1, 6))
-    found[:, 0] = states
+    series = np.zeros((len(states), count + 1, 6))
+    series[:, 0] = states
     h = lengths[:, None]
     for k in range(count):
         products = np.einsum(
-            "wki,wki->wi", found[:, : k + 1][:, :, LEFT], found[:, k::-1][:, :, RIGHT]
+            "wki,wki->wi", series[:, : k + 1][:, :, LEFT], series[:, k::-1][:, :, RIGHT]
         )
-        omega, gamma = layered(products.T, found[:, k].T, coefficients)
-        found[:, k + 1, :3], found[:, k + 1, 3:] = omega.T, gamma.T
-        found[:, k + 1] *= h / (k + 1)
-    return found
+        omega, gamma = layered(products.T, series[:, k].T, coefficients)
+        series[:, k + 1, :3], series[:, k + 1, 3:] = omega.T, gamma.T
+        series[:, k + 1] *= h / (k + 1)
+    return series
 
 
 def tangents(
-    what: Motion, last: float, deadline: Deadline = NONE
+    motion: Motion, last: float, deadline: Deadline = NONE
 ) -> tuple[list[float], float, float]:
     """log2 of a tangent's length along the motion, at even times, the largest |w|, and the steps.
 
     The list is short where double fails, or at the deadline; |w| is in the proof's unit of time;
     the steps are those of double to the last time, if it goes on as it went.
     """
-    scene = what.scene
+    scene = motion.scene
     plain = principal_system(scene)
     values = [to_double(x) for x in plain.start]
     start = np.array(values + [0.0] * (6 - len(values)))
@@ -239,7 +239,7 @@ def tangents(
         straight.to(end, _MOST_STEPS)
         steps = max(1, straight.steps)
         straight.release()
-    return logs, fastest * 2.0 ** (what.unit - frame.exponent), steps
+    return logs, fastest * 2.0 ** (motion.unit - frame.exponent), steps
 
 
 # --- precision choice -----------------------------------------------------------------------------
@@ -278,15 +278,15 @@ class Forecast(NamedTuple):
         return (2.0 if outputs else 1.0) * step * self.steps
 
 
-def forecast(what: Motion, last: Exact, digits: float, deadline: Deadline = NONE) -> Forecast:
+def forecast(motion: Motion, last: Exact, digits: float, deadline: Deadline = NONE) -> Forecast:
     """What the digits need at the time ``last``; at the deadline from what is known then."""
-    grown, fastest, taken = growth(what, last, deadline)
+    grown, fastest, steps_taken = growth(motion, last, deadline)
     slow = max(0.0, -math.log2(fastest)) if fastest > 0.0 else 0.0  # digits of w are relative
     bits = digits * BITS_A_DIGIT + _MARGIN + slow
-    more = max((_OF_OUTPUTS.get(name, 0.0) for name in what.scene.modelled), default=0.0)
+    more = max((_OF_OUTPUTS.get(name, 0.0) for name in motion.scene.modelled), default=0.0)
     if more:  # they add up what the state is off on the way
-        bits += more + math.log2(1.0 + steps(what, last))
-    return Forecast(bits, max(0.0, grown), taken)
+        bits += more + math.log2(1.0 + steps(motion, last))
+    return Forecast(bits, max(0.0, grown), steps_taken)
 
 
 def raised(noise: int, bits: float, why: Refused) -> int:
@@ -302,18 +302,18 @@ def raised(noise: int, bits: float, why: Refused) -> int:
     return max(noise + 20, math.ceil(bits + why.grown + _AHEAD * ahead) + _SURE)
 
 
-def steps(what: Motion, last: Exact) -> float:
+def steps(motion: Motion, last: Exact) -> float:
     """About how many steps lead to a time; infinite beyond the range of double."""
-    return _STEPS_A_UNIT * abs(to_double(last / Fraction(2) ** what.unit))
+    return _STEPS_A_UNIT * abs(to_double(last / Fraction(2) ** motion.unit))
 
 
-def growth(what: Motion, last: Exact, deadline: Deadline = NONE) -> tuple[float, float, float]:
+def growth(motion: Motion, last: Exact, deadline: Deadline = NONE) -> tuple[float, float, float]:
     """log2 of the sum over the steps of what an error made there is at the end; |w|; the steps.
 
     |w| at its largest, in the proof's unit of time.
     """
-    count = max(1.0, steps(what, last))
-    logs, fastest, taken = tangents(what, to_double(last), deadline)
+    count = max(1.0, steps(motion, last))
+    logs, fastest, steps_taken = tangents(motion, to_double(last), deadline)
     if len(logs) < 2:
         return 2.0 * math.log2(1.0 + count), fastest, count
     ahead = max(logs)  # an error is no smaller later than where the tangent is short by chance
@@ -323,5 +323,5 @@ def growth(what: Motion, last: Exact, deadline: Deadline = NONE) -> tuple[float,
     return (
         largest + math.log2(mean) + math.log2(count),
         fastest,
-        min(count, max(_OF_ALL_STEPS * count, _OF_DOUBLES_STEPS * taken)),
+        min(count, max(_OF_ALL_STEPS * count, _OF_DOUBLES_STEPS * steps_taken)),
     )

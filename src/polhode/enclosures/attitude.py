@@ -68,7 +68,7 @@ class Pace(NamedTuple):
         return self.speed**2 * (1.0 + self.gyration) + self.pull
 
 
-class Leaving(NamedTuple):
+class PoleDirections(NamedTuple):
     """How a motion leaves a pole at t = 0: the directions of the two numbers, and how they grow.
 
     ``order``: that of their first derivative that is not 0, 1 or 2; ``size``: its modulus.
@@ -109,15 +109,17 @@ class Followed:
     ``leaving``: of a start at a pole; psi and phi are then those just after it.
     """
 
-    def __init__(self, psi: float, phi: float, known: bool, leaving: Leaving | None = None) -> None:
+    def __init__(
+        self, psi: float, phi: float, known: bool, leaving: PoleDirections | None = None
+    ) -> None:
         self.leaving = leaving
         self.total = np.array([psi, phi])
         self.slack = 1e-9 * (1.0 + abs(psi))  # of what was added up
         self.known = known
         self.walked, self.lost = 0.0, None if known else 0.0
 
-    def step(self, at: Any, length: float, pace: Pace, doubt: float, asked: Any) -> Any:
-        """The angles at the points ``asked`` of a step; None where they are lost.
+    def step(self, at: Any, length: float, pace: Pace, doubt: float, points: Any) -> Any:
+        """The angles at the points ``points`` of a step; None where they are lost.
 
         ``at``: an array of tau in [0, 1] to the two complex numbers, (2, n), each right to
         ``doubt``, which holds the rounding of :func:`_chords` as well: a few units of 1.
@@ -127,7 +129,7 @@ class Followed:
         doubt += UP * gamma(8) * length * pace.speed  # tau is a double
         first = None if self.leaving is None else min(1.0, self.leaving.until(pace) / length)
         even = np.linspace(0.0, 1.0, _FIRST + 1)
-        nodes = np.unique(np.concatenate([even, asked, [] if first is None else [first]]))
+        nodes = np.unique(np.concatenate([even, points, [] if first is None else [first]]))
         while True:
             values = at(nodes)
             if first is not None and self.leaving is not None:
@@ -157,7 +159,7 @@ class Followed:
         if not math.isfinite(float(np.sum(self.total))):
             return self._lost()
         self.leaving, self.walked = None, self.walked + length
-        return along[:, np.searchsorted(nodes, asked)].T
+        return along[:, np.searchsorted(nodes, points)].T
 
     def _lost(self) -> None:
         """From this step on they are not known."""
@@ -196,7 +198,7 @@ class Pose(NamedTuple):
     turns: tuple[float, float] | None
 
 
-class Watch:
+class AttitudeWatch:
     """The attitude at times >= 0, increasing, given as balls, as the windows of a proof go by.
 
     ``angles``: whether psi and phi are followed too.  ``deadline``: looked at with each step.
@@ -204,7 +206,7 @@ class Watch:
 
     def __init__(
         self,
-        what: Motion,
+        motion: Motion,
         problem: Problem,
         times: Sequence[Any],
         solution: quaternion.Solution,
@@ -215,7 +217,7 @@ class Watch:
         self.deadline = deadline
         self.poses: list[Pose] = []
         self._turned = Turned(problem)
-        scene = what.scene
+        scene = motion.scene
         if scene.gamma is None:
             raise ValueError("a scene without gamma has no attitude")
         bits = problem.fine + 64
@@ -225,16 +227,16 @@ class Watch:
         self._axes = None if axes.trivial else [[ball(x, bits) for x in row] for row in axes.rows]
         self._turn = np.array([[float(x) for x in row] for row in axes.rows])
         self._first = np.array([float(x.mid()) for x in self._start])
-        self._followed = self._beginning(what) if angles else Followed(0.0, 0.0, False)
+        self._followed = self._beginning(motion) if angles else Followed(0.0, 0.0, False)
 
-    def _beginning(self, what: Motion) -> Followed:
+    def _beginning(self, motion: Motion) -> Followed:
         """psi and phi at the start; just after it where that is at a pole.
 
         There psi + phi, at the lower pole psi - phi, is the psi given, and
         gamma' = gamma x w, n' = R (w x e3) tell where the two numbers go; gamma'' = gamma x w',
         n'' = R (w' x e3) where w is along the third axis.
         """
-        scene = what.scene
+        scene = motion.scene
         assert scene.gamma is not None
         psi = float(scene.psi)
         if not scene.starts_at_pole:
@@ -242,32 +244,32 @@ class Watch:
         leaving = departure(scene)
         if leaving is None:
             return Followed(0.0, 0.0, False)
-        turning = [math.ldexp(float(x), leaving.order * what.unit) for x in leaving.vector]
+        turning = [math.ldexp(float(x), leaving.order * motion.unit) for x in leaving.vector]
         size = math.hypot(*turning[:2])
         if size == 0.0:  # too small for a double
             return Followed(0.0, 0.0, False)
-        phi = phi_leaving_the_pole(scene, -1 if what.backward else 1)
+        phi = phi_leaving_the_pole(scene, -1 if motion.backward else 1)
         psi -= float(scene.gamma[2]) * phi
         directions = np.exp(1j * np.array([psi, phi]))
         return Followed(
-            psi, phi, True, Leaving(directions, leaving.order, size, math.hypot(*turning))
+            psi, phi, True, PoleDirections(directions, leaving.order, size, math.hypot(*turning))
         )
 
-    def window(self, known: Bounds, steps: Sequence[Step]) -> None:
+    def window(self, bounds: Bounds, steps: Sequence[Step]) -> None:
         """A window whose steps have been accepted."""
-        pieces = known.pieces
-        found = quaternion.turns(known, steps, self.solution)
-        asked = inside(self.times[len(self.poses) :], pieces.times[-1])
+        pieces = bounds.pieces
+        turns = quaternion.turns(bounds, steps, self.solution)
+        times = inside(self.times[len(self.poses) :], pieces.times[-1])
         with ctx.workprec(TIME_BITS):
-            where = places(pieces.times, asked)
+            where = places(pieces.times, times)
         for n, step in enumerate(steps):
             self.deadline.check()
             taus = where.get(n, [])
-            followed = self._follow(known, found, n, step, taus)
+            followed = self._follow(bounds, turns, n, step, taus)
             for k, tau in enumerate(taus):
                 about = None if followed is None else (float(followed[k, 0]), float(followed[k, 1]))
-                self.poses.append(Pose(self._scene(*self._turned.at(found, n, tau)), about))
-            self._turned.step(found, n)
+                self.poses.append(Pose(self._scene(*self._turned.at(turns, n, tau)), about))
+            self._turned.step(turns, n)
 
     @property
     def lost(self) -> float | None:
@@ -275,20 +277,20 @@ class Watch:
         return self._followed.lost
 
     def _follow(
-        self, known: Bounds, found: quaternion.Turns, n: int, step: Step, taus: Sequence[Any]
+        self, bounds: Bounds, turns: quaternion.TurnBounds, n: int, step: Step, taus: Sequence[Any]
     ) -> Any:
         if not self._followed.known:
             return None
-        pieces, noise = known.pieces, self.problem.noise
-        near, v = pieces.near[n], found.near[n]
+        pieces, noise = bounds.pieces, self.problem.noise
+        near, v = pieces.near[n], turns.near[n]
         before = np.array([math.ldexp(x, -self.problem.fine) for x in self._turned.centre])
 
         def at(nodes: Doubles) -> Complexes:
             return two_numbers(nodes, near[:, 3:], v, before, self._first, self._turn)
 
         size = np.sum(np.abs(near[:, :3]), axis=0) + np.sum(pieces.gap[n])
-        off = math.ldexp(float(known.sigma[n]) + step.r, -noise)
-        turn = math.ldexp(self._turned.radius + float(found.miss[n]), -noise)
+        off = math.ldexp(float(bounds.sigma[n]) + step.r, -noise)
+        turn = math.ldexp(self._turned.radius + float(turns.miss[n]), -noise)
         doubt = UP * 8.0 * (float(np.sum(pieces.gap[n])) + off + turn) + rounding(near[:, 3:], v)
         speed = UP * (math.sqrt(float(np.sum(size * size))) + 2.0 * off)
         points = np.array([float(tau.mid()) for tau in taus])
@@ -307,16 +309,16 @@ class Watch:
         pull = max(term.of(factors) for term in LINEAR)
         return Pace(speed, bend, 1.7321 * _PULLS * pull)
 
-    def _scene(self, turned: Sequence[Any], radius: float) -> list[Any]:
+    def _scene(self, turn: Sequence[Any], radius: float) -> list[Any]:
         """The attitude of the scene from the turn since the start and its distance from that."""
         noise = self.problem.noise
         with ctx.workprec(noise + 104):
-            vector = turned[1:]
+            vector = turn[1:]
             if self._axes is not None:
                 vector = [sum(self._axes[i][j] * vector[i] for i in range(3)) for j in range(3)]
-            found = quaternion_product(self._start, [turned[0], *vector])
+            quaternion_now = quaternion_product(self._start, [turn[0], *vector])
             off = arb(0, radius) * arb((1, -noise))
-            return [x + off for x in found]
+            return [x + off for x in quaternion_now]
 
 
 def two_numbers(
@@ -329,8 +331,8 @@ def two_numbers(
     """
     powers = np.vander(nodes, max(len(vertical), len(turn)), increasing=True)
     gammas = powers[:, : len(vertical)] @ vertical @ axes
-    turned = np.array(quaternion_product(before, (powers[:, : len(turn)] @ turn).T))
-    q = quaternion_product(first, [turned[0], *(axes.T @ turned[1:])])
+    quaternion_at = np.array(quaternion_product(before, (powers[:, : len(turn)] @ turn).T))
+    q = quaternion_product(first, [quaternion_at[0], *(axes.T @ quaternion_at[1:])])
     psi = third_axis(q)
     return np.array([1j * psi[0] - psi[1], gammas[:, 1] + 1j * gammas[:, 0]])
 

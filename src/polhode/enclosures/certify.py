@@ -115,13 +115,13 @@ def certify(
         times = each(scene.name, "at", at, reader(scene.units, TIME), "a list of times")
     if not times:
         raise BadInput(scene.name, "at", None, "at least one time")
-    asked = task(box, "at", times, digits, max_steps, max_seconds, progress)
+    job = task(box, "at", times, digits, max_steps, max_seconds, progress)
     began = time.process_time()
     if box.radii is not None and scene.starts_at_pole and "angles" in scene.modelled:
         expected = "no angles: where the third axis leaves the vertical depends on omega"
         raise BadInput(scene.name, "outputs", "angles", expected)
-    asked.foretell(forecast)
-    noise: int | None = asked.noise
+    job.foretell(forecast)
+    noise: int | None = job.noise
     best: Enclosure | None = None
     refusal = ""
     for tries in range(1, _MOST_TRIES + 1):
@@ -129,77 +129,77 @@ def certify(
             break
         started = time.process_time()
         try:
-            found = _enclosure(asked, noise)
+            enclosure = _enclosure(job, noise)
         except Refused as why:
-            refusal, noise = str(why), asked.raised(noise, why, tries)
+            refusal, noise = str(why), job.raised(noise, why, tries)
             continue
         seconds = time.process_time() - started
         in_all = time.process_time() - began
-        if not found.outcome.done and best is not None:  # fewer digits, but at every time
-            return replace(best, outcome=found.outcome, tries=tries, seconds_in_all=in_all)
-        best = replace(found, seconds=seconds, tries=tries, seconds_in_all=in_all)
+        if not enclosure.outcome.done and best is not None:  # fewer digits, but at every time
+            return replace(best, outcome=enclosure.outcome, tries=tries, seconds_in_all=in_all)
+        best = replace(enclosure, seconds=seconds, tries=tries, seconds_in_all=in_all)
         if best.complete or not best.outcome.done or box.radii is not None:
             if best.times or best.outcome is not Outcome.TOO_WIDE:
                 return best
             break
         if noise == MOST_NOISE:
             break
-        missing = approximation.BITS_A_DIGIT * (asked.digits - best.fewest)
+        missing = approximation.BITS_A_DIGIT * (job.digits - best.fewest)
         noise = min(MOST_NOISE, noise + math.ceil(missing) + _SPARE)
     if box.radii is not None:
-        nearest = shown(min(asked.times, key=abs))
+        nearest = shown(min(job.times, key=abs))
         expected = f"narrower intervals, to be followed to t = {nearest}"
         raise BadInput(scene.name, start_box.KEY, box.text, expected)
     had = f"{best.fewest:.1f} proven" if best else refusal
     expected = f"digits that can be proven to t = {shown(max(times, key=abs))} ({had})"
-    raise BadInput(scene.name, "digits", asked.digits, expected)
+    raise BadInput(scene.name, "digits", job.digits, expected)
 
 
-def _enclosure(asked: Task, noise: int) -> Enclosure:
+def _enclosure(job: Task, noise: int) -> Enclosure:
     """The enclosure at one noise level, as far as it came; raises Refused."""
-    scene, times, bits = asked.box.scene, asked.times, noise + 100
-    turned = bool({"angles", "attitude"} & {*scene.modelled})
+    scene, times, bits = job.box.scene, job.times, noise + 100
+    attitudes = bool({"angles", "attitude"} & {*scene.modelled})
     solution, angles = approximation.forced, "angles" in scene.modelled
 
-    def watch(side: Side, problem: Problem, at: Sequence[Any]) -> list[attitude.Watch]:
-        if not turned:
+    def watch(side: Side, problem: Problem, at: Sequence[Any]) -> list[attitude.AttitudeWatch]:
+        if not attitudes:
             return []
-        return [attitude.Watch(side.motion, problem, at, solution, angles, asked.deadline)]
+        return [attitude.AttitudeWatch(side.motion, problem, at, solution, angles, job.deadline)]
 
     rows: dict[int, list[Any]] = {}
     poses: dict[int, attitude.Pose] = {}
     lost: list[float] = []
     steps, outcome, until = 0, Outcome.REACHED_END, 0.0
-    for side, watches, proof in asked.proofs(noise, watch):
+    for side, watches, proof in job.proofs(noise, watch):
         steps, outcome = steps + proof.steps, proof.outcome
-        way, unit = -1.0 if side.motion.backward else 1.0, side.motion.unit
-        until = way * math.ldexp(proof.end.time, unit - CLOCK)
-        had = min([len(proof.rows), *(len(one.poses) for one in watches)])
+        sense, unit = -1.0 if side.motion.backward else 1.0, side.motion.unit
+        until = sense * math.ldexp(proof.end.time, unit - CLOCK)
+        had = min([len(proof.rows), *(len(watcher.poses) for watcher in watches)])
         states = [in_scene_axes(side.motion, row, bits) for row in proof.rows[:had]]
         reached = {n: place for n, place in side.places.items() if place < had}
         rows |= {n: states[place] for n, place in reached.items()}
-        for one in watches:
-            poses |= {n: one.poses[place] for n, place in reached.items()}
-            if angles and one.lost is not None:
-                lost.append(way * math.ldexp(one.lost, unit))
+        for watcher in watches:
+            poses |= {n: watcher.poses[place] for n, place in reached.items()}
+            if angles and watcher.lost is not None:
+                lost.append(sense * math.ldexp(watcher.lost, unit))
     order = sorted(rows)
-    given: dict[str, Sequence[Sequence[Any]]] = {"state": [rows[n] for n in order]}
+    balls_by_word: dict[str, Sequence[Sequence[Any]]] = {"state": [rows[n] for n in order]}
     if "attitude" in scene.modelled:
-        given["attitude"] = [poses[n].quaternion for n in order]
+        balls_by_word["attitude"] = [poses[n].quaternion for n in order]
     if angles:
-        given["angles"] = [attitude.angles(poses[n], rows[n][3:], bits) for n in order]
+        balls_by_word["angles"] = [attitude.angles(poses[n], rows[n][3:], bits) for n in order]
     for word in derived_words():
         if word in scene.outputs:
-            given[word] = derived_balls(word, scene, given, bits)
-    centres, radii = balls(given["state"], bits)
-    parts = {word: Part(*balls(x, bits)) for word, x in given.items() if word in COLUMNS}
+            balls_by_word[word] = derived_balls(word, scene, balls_by_word, bits)
+    centres, radii = balls(balls_by_word["state"], bits)
+    parts = {word: Part(*balls(x, bits)) for word, x in balls_by_word.items() if word in COLUMNS}
     return Enclosure(
         scene,
         tuple(times[n] for n in order),
         centres,
         radii,
-        _digits(scene, asked.sides, centres, radii),
-        asked.digits,
+        _digits(scene, job.sides, centres, radii),
+        job.digits,
         noise,
         steps,
         0.0,
@@ -211,7 +211,7 @@ def _enclosure(asked: Task, noise: int) -> Enclosure:
         parts,
         assumed(scene, times),
         tuple(lost),
-        asked.box.radii,
+        job.box.radii,
         until,
     )
 
@@ -236,20 +236,20 @@ def _digits(scene: Scene, sides: Sequence[Side], centres: Any, radii: Any) -> tu
     if _at_rest(sides[0].motion):
         rate = scene.pendulum_rate_squared
         sure = float(exact.sqrt(rate)) if sign(rate) else 1.0
-    found = []
+    digits = []
     for row in radii:
         worst = max(row[:3]) / sure if sure > 0.0 else math.inf
         worst = max([worst, *row[3:]])
-        found.append(digits_of(worst))
-    return tuple(found)
+        digits.append(digits_of(worst))
+    return tuple(digits)
 
 
-def _at_rest(what: Motion) -> bool:
+def _at_rest(motion: Motion) -> bool:
     """Whether w is zero for ever, zero by the rule for *equal*."""
-    if what.radii or any(sign(x) for x in what.start[:3]):
+    if motion.radii or any(sign(x) for x in motion.start[:3]):
         return False
     rates = (
-        sum((x.of(what.constants) * what.start[x.factors[0]] for x in row if x in LINEAR), ZERO)
+        sum((x.of(motion.constants) * motion.start[x.factors[0]] for x in row if x in LINEAR), ZERO)
         for row in ROWS[:3]
     )
     return all(sign(x) == 0 for x in rates)

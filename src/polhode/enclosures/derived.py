@@ -16,7 +16,7 @@ from polhode.scenes.vocabulary import COLUMNS
 
 
 def derived_balls(
-    word: str, scene: Scene, given: Mapping[str, Sequence[Sequence[Any]]], bits: int
+    word: str, scene: Scene, balls_by_word: Mapping[str, Sequence[Sequence[Any]]], bits: int
 ) -> list[list[Any]]:
     """Rows of balls that contain the column: of rows of balls of all that it needs, by name.
 
@@ -28,7 +28,7 @@ def derived_balls(
         formula, coefficients = FORMULAS[word].of(scene)
         k = {name: ball(x, bits) for name, x in coefficients.items()}
         fn = Functions(arb(0), arb.sin, arb.cos, arb.sqrt)
-        for parts in zip(*(given[need] for need in COLUMNS[word].needs), strict=True):
+        for parts in zip(*(balls_by_word[need] for need in COLUMNS[word].needs), strict=True):
             row = [x for part in parts for x in part]
             balls = [] if any(x is None for x in row) else [arb(x) for x in formula(row, k, fn)]
             finite = balls if all(x.is_finite() for x in balls) else []

@@ -108,30 +108,30 @@ def certify_events(
         (last,) = each(scene.name, "end", (end,), reader(scene.units, TIME), "a time")
     if sign(last) == 0:
         raise BadInput(scene.name, "end", "0", "a time other than 0")
-    asked = task(box, "end", [last], digits, max_steps, max_seconds, progress)
-    (side,) = asked.sides
+    job = task(box, "end", [last], digits, max_steps, max_seconds, progress)
+    (side,) = job.sides
     polynomials = [of_event(side.motion, n, event) for n, event in enumerate(scene.events)]
     for n, (event, g) in enumerate(zip(scene.events, polynomials, strict=True)):
         if is_still(side.motion, g):
             key, text = f"events[{n + 1}].zero", event.expression or event.name
             expected = "an expression that is not zero at all times of the motion"
             raise BadInput(scene.name, key, text, expected)
-    asked.foretell(forecast, _DEARER)
-    noise: int | None = asked.noise
+    job.foretell(forecast, _DEARER)
+    noise: int | None = job.noise
     for tries in range(1, _MOST_TRIES + 1):
         if noise is None:
             break
         try:
-            return _events(asked, polynomials, noise)
+            return _events(job, polynomials, noise)
         except Refused as why:
-            noise = asked.raised(noise, why, tries)
+            noise = job.raised(noise, why, tries)
     if box.radii is not None:
         raise BadInput(scene.name, start_box.KEY, box.text, "narrower intervals")
-    raise BadInput(scene.name, "digits", asked.digits, "digits that can be proven to the end")
+    raise BadInput(scene.name, "digits", job.digits, "digits that can be proven to the end")
 
 
 def _events(
-    asked: Task, polynomials: Sequence[Polynomial], noise: int
+    job: Task, polynomials: Sequence[Polynomial], noise: int
 ) -> tuple[CertifiedEvents, ...]:
     """The events proven at one noise level, as far as it came; raises Refused."""
 
@@ -141,60 +141,60 @@ def _events(
             first = first_derivative(side.motion, g)
             at_start = None if first is None else first.balls(bits)
             slope = rate(g, side.motion.field).balls(bits)
-            searches.append(Search(g.balls(bits), slope, at_start, asked.deadline))
+            searches.append(Search(g.balls(bits), slope, at_start, job.deadline))
         return searches
 
-    ((side, searches, proof),) = asked.proofs(noise, watch)
+    ((side, searches, proof),) = job.proofs(noise, watch)
     for search in searches:
         search.finish()
-    what = side.motion
-    (end,) = fixed_point_problem.times(what, side.ordered)
+    motion = side.motion
+    (end,) = fixed_point_problem.times(motion, side.ordered)
     until = end if proof.outcome.done else arb((proof.end.time, -CLOCK))
-    events = zip(asked.box.scene.events, searches, strict=True)
-    found = [_named(what, event, search, until, noise) for event, search in events]
+    events = zip(job.box.scene.events, searches, strict=True)
+    rows = [_named(motion, event, search, until, noise) for event, search in events]
     if not proof.outcome.done:
-        missed = _interval(what, until, end, end)
-        found = [replace(row, undecided=(*row.undecided, missed)) for row in found]
-    return tuple(found)
+        missed = _interval(motion, until, end, end)
+        rows = [replace(row, undecided=(*row.undecided, missed)) for row in rows]
+    return tuple(rows)
 
 
-def _unit(what: Motion) -> Fraction:
+def _unit(motion: Motion) -> Fraction:
     """The proof's unit of time in the scene's, with its sign."""
-    return Fraction(2) ** what.unit * (-1 if what.backward else 1)
+    return Fraction(2) ** motion.unit * (-1 if motion.backward else 1)
 
 
-def _named(what: Motion, event: Event, search: Search, end: arb, noise: int) -> CertifiedEvents:
+def _named(motion: Motion, event: Event, search: Search, end: arb, noise: int) -> CertifiedEvents:
     """What one search found up to the end, in the scene's unit and direction of time."""
-    by = _unit(what)
+    by = _unit(motion)
     times, undecided = [], []
     with ctx.workprec(noise + 200):
         for crossing in search.crossings:
-            slope = -crossing.slope if what.backward else crossing.slope
+            slope = -crossing.slope if motion.backward else crossing.slope
             time, state = crossing.at
             if not event.counts(slope) or time > end:
                 continue
             if time < end and time > 0:
-                row = in_scene_axes(what, state, noise + 100)
+                row = in_scene_axes(motion, state, noise + 100)
                 times.append(_time(time, by, slope, row, noise + 100))
             else:
-                undecided.append(_interval(what, time, time, end))
+                undecided.append(_interval(motion, time, time, end))
     for contact in search.contacts:
         if not contact.begin > end:
-            undecided.append(_interval(what, contact.begin, contact.end, end))
+            undecided.append(_interval(motion, contact.begin, contact.end, end))
     return CertifiedEvents(event.name, tuple(times), tuple(undecided))
 
 
-def _interval(what: Motion, begin: arb, end: arb, last: arb) -> tuple[float, float]:
+def _interval(motion: Motion, begin: arb, end: arb, last: arb) -> tuple[float, float]:
     """Doubles of the scene around all times of two balls, of those from 0 to ``last``."""
-    by = _unit(what)
+    by = _unit(motion)
     with ctx.workprec(TIME_BITS):
         low, high = (middle(x) for x in (begin.lower(), end.upper()))
         most = middle(last.upper())
-    one, other = sorted((by * max(low, Fraction(0)), by * min(high, most)))
-    below, above = float(one), float(other)
+    lower, highest = sorted((by * max(low, Fraction(0)), by * min(high, most)))
+    below, above = float(lower), float(highest)
     return (
-        below if Fraction(below) <= one else math.nextafter(below, -math.inf),
-        above if Fraction(above) >= other else math.nextafter(above, math.inf),
+        below if Fraction(below) <= lower else math.nextafter(below, -math.inf),
+        above if Fraction(above) >= highest else math.nextafter(above, math.inf),
     )
 
 
@@ -204,31 +204,31 @@ def _time(time: arb, by: Fraction, slope: int, row: Sequence[arb], bits: int) ->
     return EventTime(middle(time) * by, radius, slope, centres, radii)
 
 
-def of_event(what: Motion, n: int, event: Event) -> Polynomial:
+def of_event(motion: Motion, n: int, event: Event) -> Polynomial:
     """What vanishes, as a polynomial in the proof's variables; raises BadInput."""
-    scene = what.scene
+    scene = motion.scene
     text = event.expression
     key = f"events[{n + 1}].zero"
     if text is None:  # w along the middle principal axis
-        return variable(sorted(range(3), key=lambda i: what.moments[i])[1])
+        return variable(sorted(range(3), key=lambda i: motion.moments[i])[1])
     rows = scene.body.axes.rows
-    unit = Fraction(2) ** -what.unit * (-1 if what.backward else 1)
+    unit = Fraction(2) ** -motion.unit * (-1 if motion.backward else 1)
     columns = {}
     for k, name in enumerate(STATE):
         part, i = divmod(k, 3)
-        turned = total([variable(3 * part + j) * rows[j][i] for j in range(3)])
-        columns[name] = turned if part else turned * unit
+        rotated = total([variable(3 * part + j) * rows[j][i] for j in range(3)])
+        columns[name] = rotated if part else rotated * unit
     if scene.gamma is None:
         columns = {name: columns[name] for name in STATE[:3]}
     functions = dict.fromkeys(expression.FUNCTIONS, _refuse)
     try:
-        found = expression.evaluate(text, columns, Algebra(constant, functions))
+        value = expression.evaluate(text, columns, Algebra(constant, functions))
     except ExpressionError as fault:
         expected = f"a polynomial in {' '.join(columns)} ({fault})"
         raise BadInput(scene.name, key, text, expected) from None
-    if not isinstance(found, Polynomial) or not found.terms:
+    if not isinstance(value, Polynomial) or not value.terms:
         raise BadInput(scene.name, key, text, "a polynomial that is not a number")
-    return found
+    return value
 
 
 def _refuse(_: Polynomial) -> Polynomial:

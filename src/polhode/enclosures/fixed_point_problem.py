@@ -108,11 +108,11 @@ class Motion:
 
     def starts(self, bits: int) -> list[arb]:
         """Balls that hold every start, their middles that of the scene."""
-        found = [ball(x, bits) for x in self.start]
+        balls = [ball(x, bits) for x in self.start]
         if not self.radii:
-            return found
+            return balls
         with ctx.workprec(bits):
-            return [x + arb(0, 1) * ball(r, bits) for x, r in zip(found, self.radii, strict=True)]
+            return [x + arb(0, 1) * ball(r, bits) for x, r in zip(balls, self.radii, strict=True)]
 
     def balls(self, bits: int) -> list[arb]:
         """The constants, each of radius below 2**-bits; raises Refused."""
@@ -158,11 +158,11 @@ def motion(
 
 def _principal(rows: Matrix, radii: Vector, by: Fraction) -> list[Exact]:
     """Radii along the principal axes of a box that holds that of the scene's axes."""
-    found: list[Exact] = []
+    radii_along: list[Exact] = []
     for row in rows:
         a, b, c = (by * r * abs(x) for x, r in zip(row, radii, strict=True))
-        found.append(a + b + c)
-    return found
+        radii_along.append(a + b + c)
+    return radii_along
 
 
 def unit_for(body: Body, omega: Vector) -> int:
@@ -176,7 +176,7 @@ def unit_for(body: Body, omega: Vector) -> int:
     return -((exponent + mantissa.bit_length() + 3) // 4)
 
 
-def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Problem:
+def problem(of: Motion, noise: int, constant_bits: int | None = None) -> Problem:
     """A motion's data as integers with radii for the noise level 2**-noise.
 
     ``constant_bits``: the constants are rounded to 2**-that; by default they stay as they are where
@@ -186,20 +186,20 @@ def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Probl
     if not LEAST_NOISE <= noise <= MOST_NOISE:
         raise Refused(f"a noise level of 2**-{noise} is outside {LEAST_NOISE} to {MOST_NOISE}")
     fine = max(noise + 12, LEAST_FINE)
-    balls = what.balls(fine + _SHARPER)
+    balls = of.balls(fine + _SHARPER)
     with ctx.workprec(4 * fine + 200):
-        constants, denominators, slack = _whole(what, balls, noise, constant_bits)
+        constants, denominators, slack = _whole(of, balls, noise, constant_bits)
         factors, factor_slack = [], []
-        for known in balls:
-            factor = float(known.mid())
+        for constant in balls:
+            factor = float(constant.mid())
             factors.append(factor)
-            factor_slack.append(upper(known - arb(factor)))
+            factor_slack.append(upper(constant - arb(factor)))
         start, spread = [], []
-        for known in what.starts(2 * fine + 100):
-            near, radius = _nearest(known, fine)
+        for constant in of.starts(2 * fine + 100):
+            near, radius = _nearest(constant, fine)
             start.append(near)
             spread.append(upper(radius * arb((1, noise))))
-    if what.radii and not max(spread) < _WIDEST:
+    if of.radii and not max(spread) < _WIDEST:
         raise Refused("the start's intervals are too wide")
     return Problem(
         noise,
@@ -211,42 +211,42 @@ def problem(what: Motion, noise: int, constant_bits: int | None = None) -> Probl
         tuple(factor_slack),
         tuple(start),
         tuple(spread),
-        _weights(what),
-        bool(what.radii),
+        _weights(of),
+        bool(of.radii),
     )
 
 
-def _weights(what: Motion) -> tuple[float, ...]:
+def _weights(of: Motion) -> tuple[float, ...]:
     """c m_i**(1/2), and 1 for gamma; doubles near them, m_i parts of the largest moment."""
-    largest = max(what.moments)
-    moments = [max(to_double(exact.divide(m, largest)), _LEAST_WEIGHT) for m in what.moments]
-    pull = math.hypot(*(to_double(exact.divide(k, largest)) for k in what.torque))
+    largest = max(of.moments)
+    moments = [max(to_double(exact.divide(m, largest)), _LEAST_WEIGHT) for m in of.moments]
+    pull = math.hypot(*(to_double(exact.divide(k, largest)) for k in of.torque))
     c = 1.0 / math.sqrt(max(pull, _SLOW))
     return (*(c * math.sqrt(m) for m in moments), 1.0, 1.0, 1.0)
 
 
 def _whole(
-    what: Motion, balls: Sequence[Any], noise: int, bits: int | None
+    of: Motion, balls: Sequence[Any], noise: int, bits: int | None
 ) -> tuple[tuple[int, ...], tuple[int, ...], tuple[float, ...]]:
     """The constants as integers over a denominator a row, these, and the radii."""
-    count, below = len(what.constants), []
-    found, slack = [0] * count, [0.0] * count
+    count, below = len(of.constants), []
+    numerators, slack = [0] * count, [0.0] * count
     for row in ROWS[:3]:
         places = [term.coefficient for term in row if term.coefficient is not None]
-        exactly = [x for k in places if isinstance(x := what.constants[k], Fraction)]
+        exactly = [x for k in places if isinstance(x := of.constants[k], Fraction)]
         whole = len(exactly) == len(places)
         least = math.lcm(*(x.denominator for x in exactly)) if whole else 0
         if bits is None and 0 < least < _SMALL:
             below.append(least)
             for k, x in zip(places, exactly, strict=True):
-                found[k] = int(x * least)
+                numerators[k] = int(x * least)
             continue
         coarse = noise + _FINER if bits is None else bits
         below.append(1 << coarse)
         for k in places:
-            found[k], radius = _nearest(balls[k], coarse)
+            numerators[k], radius = _nearest(balls[k], coarse)
             slack[k] = upper(radius * arb((1, noise)))
-    return tuple(found), tuple(below), tuple(slack)
+    return tuple(numerators), tuple(below), tuple(slack)
 
 
 def upper(x: Any) -> float:
@@ -262,35 +262,35 @@ def _sharp(x: Exact, bits: int) -> Any:
     return sharp(lambda working: ball(x, working), bits)
 
 
-def sharp(made: Callable[[int], Any], bits: int) -> Any:
-    """The first ball of radius below 2**-bits that ``made``, of a working precision, gives."""
+def sharp(formula: Callable[[int], Any], bits: int) -> Any:
+    """The first ball of radius below 2**-bits that ``formula``, of a working precision, gives."""
     working = bits + 64
     while working <= _MOST_BITS:
-        found = made(working)
+        value = formula(working)
         with ctx.workprec(64):
-            if found.rad() < arb((1, -bits)):
-                return found
+            if value.rad() < arb((1, -bits)):
+                return value
         working *= 2
     raise Refused("a constant of the body is not known sharply enough")
 
 
-def _nearest(known: Any, bits: int) -> tuple[int, Any]:
+def _nearest(value: Any, bits: int) -> tuple[int, Any]:
     """The integer n for which n·2**-bits is near a ball's midpoint, and |ball - n·2**-bits|."""
-    near = round(middle(known) * 2**bits) if known.is_finite() else 0
-    return near, abs(known - arb((near, -bits)))
+    near = round(middle(value) * 2**bits) if value.is_finite() else 0
+    return near, abs(value - arb((near, -bits)))
 
 
-def times(what: Motion, asked: Sequence[Exact], bits: int = TIME_BITS) -> list[Any]:
+def times(of: Motion, instants: Sequence[Exact], bits: int = TIME_BITS) -> list[Any]:
     """Balls around times of the scene, in the proof's unit and forward."""
-    by = Fraction(2) ** -what.unit * (-1 if what.backward else 1)
-    return [ball(exact.multiply(by, t), bits) for t in asked]
+    by = Fraction(2) ** -of.unit * (-1 if of.backward else 1)
+    return [ball(exact.multiply(by, t), bits) for t in instants]
 
 
-def in_scene_axes(what: Motion, row: Sequence[arb], bits: int) -> list[arb]:
+def in_scene_axes(of: Motion, row: Sequence[arb], bits: int) -> list[arb]:
     """A state in principal axes and the proof's unit as balls in the scene's axes and unit."""
-    scene = what.scene
+    scene = of.scene
     with ctx.workprec(bits):
-        by = arb((-1 if what.backward else 1, -what.unit))
+        by = arb((-1 if of.backward else 1, -of.unit))
         vectors = [[by * x for x in row[:3]]]
         if scene.gamma is not None:
             vectors.append(list(row[3:]))

@@ -53,37 +53,37 @@ class Integral(NamedTuple):
     second: tuple[BallPolynomial, ...]
 
 
-def first_integrals(what: Motion) -> dict[str, Polynomial]:
+def first_integrals(motion: Motion) -> dict[str, Polynomial]:
     """The first integrals that the motion is proven to have, by name."""
     x = [variable(i) for i in range(6)]
-    largest = max(what.moments)
-    inertia = [m / largest for m in what.moments]
+    largest = max(motion.moments)
+    inertia = [m / largest for m in motion.moments]
     momentum = [x[i] * inertia[i] for i in range(3)]
-    torque = [exact.divide(k, largest) for k in what.torque]
+    torque = [exact.divide(k, largest) for k in motion.torque]
     kinetic = total([momentum[i] * x[i] for i in range(3)])
     weight = total([x[3 + i] * torque[i] * 2 for i in range(3)])
-    found = {"h": kinetic + weight}
-    if what.scene.gamma is not None:
-        found["f"] = total([momentum[i] * x[3 + i] for i in range(3)])
-        found["|gamma|^2"] = total([x[i] * x[i] for i in range(3, 6)])
-    field = what.field
+    integrals = {"h": kinetic + weight}
+    if motion.scene.gamma is not None:
+        integrals["f"] = total([momentum[i] * x[3 + i] for i in range(3)])
+        integrals["|gamma|^2"] = total([x[i] * x[i] for i in range(3, 6)])
+    field = motion.field
     if all(row.rational for row in field):
         candidates = {"|G|^2": total([part * part for part in momentum])}
         for i, name in enumerate("pqr"):
             candidates[name] = x[i]
         candidates["w.k"] = total([x[i] * torque[i] for i in range(3)])
         for order in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-            candidates[f"K^2, axis {order[2] + 1}"] = _kovalevskaya(x, what, order)
+            candidates[f"K^2, axis {order[2] + 1}"] = _kovalevskaya(x, motion, order)
         for name, candidate in candidates.items():
             if candidate.terms and not rate(candidate, field).terms:
-                found[name] = candidate
-    return found
+                integrals[name] = candidate
+    return integrals
 
 
-def _kovalevskaya(x: Sequence[Polynomial], what: Motion, order: tuple[int, int, int]) -> Polynomial:
+def _kovalevskaya(x: Sequence[Polynomial], of: Motion, order: tuple[int, int, int]) -> Polynomial:
     """|(u + i v)**2 - (c1 + i c2)(gamma_u + i gamma_v)|**2, c = k/C, C about the third axis."""
     i, j, k = order
-    c1, c2 = (what.torque[n] / what.moments[k] for n in (i, j))
+    c1, c2 = (of.torque[n] / of.moments[k] for n in (i, j))
     u, v, g, h = x[i], x[j], x[3 + i], x[3 + j]
     real = [u * u, -(v * v), g * -c1, h * c2]
     imaginary = [u * v * 2, h * -c1, g * -c2]
@@ -91,16 +91,16 @@ def _kovalevskaya(x: Sequence[Polynomial], what: Motion, order: tuple[int, int, 
     return a * a + b * b
 
 
-def prepared(what: Motion, bits: int) -> list[Integral]:
+def prepared(motion: Motion, bits: int) -> list[Integral]:
     """The first integrals with balls for their coefficients and values, to so many bits."""
-    found = []
+    integrals = []
     with ctx.workprec(bits):
-        start = what.starts(bits)
-        for name, h in first_integrals(what).items():
+        start = motion.starts(bits)
+        for name, h in first_integrals(motion).items():
             gradient = [h.derivative(i) for i in range(6)]
             second = [row.derivative(i) for row in gradient for i in range(6)]
             whole = h.balls(bits)
-            found.append(
+            integrals.append(
                 Integral(
                     name,
                     whole.at(start),
@@ -109,7 +109,7 @@ def prepared(what: Motion, bits: int) -> list[Integral]:
                     tuple(p.balls(bits) for p in second if p.terms),
                 )
             )
-    return found
+    return integrals
 
 
 def shrunk(problem: Problem, state: State, integrals: Sequence[Integral]) -> State:
@@ -139,8 +139,8 @@ def shrunk(problem: Problem, state: State, integrals: Sequence[Integral]) -> Sta
     left = math.ldexp(1.0, problem.noise - problem.fine)
     lost = gamma(g.shape[1] + 8) * rounding  # products of k, then a difference and products of 6
     box = UP * (size @ width + lost + left) + TINY
-    found = State(state.time, centre, np.hstack([columns, np.diag(box)]))
-    return found if np.sum(found.radii) < np.sum(radii) else state
+    smaller = State(state.time, centre, np.hstack([columns, np.diag(box)]))
+    return smaller if np.sum(smaller.radii) < np.sum(radii) else state
 
 
 def _measured(

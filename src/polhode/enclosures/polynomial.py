@@ -37,14 +37,14 @@ class Polynomial:
 
     def __mul__(self, other: Polynomial | Exact | int) -> Polynomial:
         factor = other if isinstance(other, Polynomial) else constant(other)
-        found = Polynomial({})
+        product = Polynomial({})
         for a, x in self.terms.items():
             moved = {
                 tuple(i + j for i, j in zip(a, b, strict=True)): exact.multiply(x, y)
                 for b, y in factor.terms.items()
             }
-            found = found + Polynomial(moved)
-        return found
+            product = product + Polynomial(moved)
+        return product
 
     def __neg__(self) -> Polynomial:
         return self * -1
@@ -60,10 +60,10 @@ class Polynomial:
     def __pow__(self, exponent: int) -> Polynomial:
         if not 0 <= exponent <= MOST_POWER:
             raise ValueError(f"a power of a name lies between 0 and {MOST_POWER}")
-        found = constant(1)
+        power = constant(1)
         for _ in range(exponent):
-            found = found * self
-        return found
+            power = power * self
+        return power
 
     def derivative(self, variable: int) -> Polynomial:
         """The partial derivative by one of the six variables."""
@@ -116,10 +116,10 @@ def variable(index: int) -> Polynomial:
 
 def total(parts: Sequence[Polynomial]) -> Polynomial:
     """The sum of any number of polynomials."""
-    found = Polynomial({})
+    polynomial_sum = Polynomial({})
     for part in parts:
-        found = found + part
-    return found
+        polynomial_sum = polynomial_sum + part
+    return polynomial_sum
 
 
 def rate(of: Polynomial, field: Sequence[Polynomial]) -> Polynomial:

@@ -53,7 +53,7 @@ PRODUCT = (
 Solution = Callable[[Doubles, Doubles, Doubles], Doubles]
 
 
-class Turns(NamedTuple):
+class TurnBounds(NamedTuple):
     """The turns v of each step of a window, four polynomials each.
 
     ``near``: doubles of their coefficients, (W, count, 4), off by UNPACKED roundings; ``miss``:
@@ -73,7 +73,7 @@ class Turned:
         self.centre = (1 << problem.fine, 0, 0, 0)  # times 2**-fine
         self.radius = 0.0
 
-    def at(self, turns: Turns, n: int, tau: Any) -> tuple[Sequence[Any], float]:
+    def at(self, turns: TurnBounds, n: int, tau: Any) -> tuple[Sequence[Any], float]:
         """The turn at tau in step n: the four balls of Q~ v(tau), and its distance from U."""
         with ctx.workprec(self.problem.noise + 104):
             unit = arb((1, -turns.pieces.level))
@@ -81,7 +81,7 @@ class Turned:
             before = [arb((x, -self.problem.fine)) for x in self.centre]
             return quaternion_product(before, v), self._after(float(turns.miss[n]))
 
-    def step(self, turns: Turns, n: int) -> None:
+    def step(self, turns: TurnBounds, n: int) -> None:
         """To the end of step n, the centre rounded to 2**-fine."""
         exact = quaternion_product(self.centre, turns.pieces.ends[n].tolist())
         level = turns.pieces.level
@@ -95,13 +95,13 @@ class Turned:
         return UP * (self.radius + grown * miss) + TINY
 
 
-def turns(known: Bounds, steps: Sequence[Step], solution: Solution) -> Turns:
+def turns(bounds: Bounds, steps: Sequence[Step], solution: Solution) -> TurnBounds:
     """The turns of a window whose steps have been accepted, with their errors.
 
     v is found by Newton's corrections, until they make the defect no smaller.
     """
-    noise, old = known.problem.noise, known.pieces
-    state = improved(old, known.correction, noise, max(known.problem.fine, old.level))
+    noise, old = bounds.problem.noise, bounds.pieces
+    state = improved(old, bounds.correction, noise, max(bounds.problem.fine, old.level))
     parts = tuple((level, part[:, :3]) for level, part in state.parts)
     w = replace(state, parts=parts, near=state.near[:, :, :3])
     a = np.zeros((*w.near.shape[:2], 4, 4))
@@ -123,7 +123,7 @@ def turns(known: Bounds, steps: Sequence[Step], solution: Solution) -> Turns:
     rounded = 0.5 * w.near.shape[1] * math.ldexp(1.0, noise - w.level)
     off = _ROOT_OF_3 * (np.array([step.r for step in steps]) + rounded)
     first = np.array([_start(row, v.level, noise) for row in v.starts.tolist()])
-    return Turns(v, near, UP * (first + defect + 0.5 * w.lengths * off) + TINY)
+    return TurnBounds(v, near, UP * (first + defect + 0.5 * w.lengths * off) + TINY)
 
 
 def _start(row: Sequence[int], level: int, noise: int) -> float:
@@ -151,11 +151,11 @@ def defects(w: Pieces, v: Pieces, noise: int) -> tuple[Any, Any, Any]:
         length = fmpz(w.times[n + 1] - w.times[n])
         x, y = turning[4 * n : 4 * n + 4], rates[3 * n : 3 * n + 3]
         for i, row in enumerate(PRODUCT):
-            turned = sum((x[a] * y[b] * sign for sign, a, b in row), fmpz(0))
-            numbers.append((packs.slope(x[i]) << shift) - turned * length)
+            integrand = sum((x[a] * y[b] * sign for sign, a, b in row), fmpz(0))
+            numbers.append((packs.slope(x[i]) << shift) - integrand * length)
     power = np.full(len(turning), noise - v.level - shift)
-    found = packing(2 * used - 1, words).doubles(numbers, power)
-    values = found.reshape(w.count, 4, -1).transpose(0, 2, 1)
+    coefficients = packing(2 * used - 1, words).doubles(numbers, power)
+    values = coefficients.reshape(w.count, 4, -1).transpose(0, 2, 1)
     near = packs.doubles(turning, np.full(len(turning), -v.level))
     sizes = np.sum(np.abs(values), axis=2)  # |.|_2 <= |.|_1
     weights = 1.0 / np.arange(1, values.shape[1] + 1)

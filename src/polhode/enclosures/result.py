@@ -238,7 +238,7 @@ class Enclosure(Result, ByValue):
     def fewest(self) -> float:
         """The fewest proven digits of the state, the angles and the attitude."""
         parts = [part.digits for part in (self.angles, self.attitude) if part is not None]
-        return min([self.proven, *(found for digits in parts for found in digits)])
+        return min([self.proven, *(digits_at for digits in parts for digits_at in digits)])
 
     @property
     def statement(self) -> tuple[str, ...]:
@@ -327,11 +327,11 @@ class Enclosure(Result, ByValue):
 
         if self.omega_radius is not None:
             raise BadInput(self.scene.name, "start.omega", None, "numbers, for a certificate")
-        turned, gamma = None, self.scene.gamma
+        attitude, gamma = None, self.scene.gamma
         if self.attitude is not None and gamma is not None:
             first = starting_attitude(gamma, self.scene.psi)
-            turned = state_certificate.Attitude(first, self.attitude.decimals())
-        state_certificate.save(self.scene, self.times, self.decimals(), path, progress, turned)
+            attitude = state_certificate.Attitude(first, self.attitude.decimals())
+        state_certificate.save(self.scene, self.times, self.decimals(), path, progress, attitude)
 
     def __repr__(self) -> str:
         last = f" to t = {shown(self.times[-1])}" if self.times else ""

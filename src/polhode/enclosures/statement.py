@@ -43,8 +43,8 @@ _APPROXIMATE = "approximation"
 
 def _room(folder: str) -> list[str]:
     """The files of a folder and of those in it, by their paths, what approximates left out."""
-    found = sorted((_TOP / folder).rglob("*.py"))
-    names = [path.relative_to(_TOP).with_suffix("").as_posix() for path in found]
+    paths = sorted((_TOP / folder).rglob("*.py"))
+    names = [path.relative_to(_TOP).with_suffix("").as_posix() for path in paths]
     return [name for name in names if _APPROXIMATE not in name.split("/")]
 
 
@@ -146,13 +146,13 @@ def stated(
 def _numbers(scene: Scene) -> list[tuple[str, Exact | Vector]]:
     """The numbers that the equations and the start have, by name."""
     rows = zip("xyz", scene.body.inertia, strict=True)
-    found: list[tuple[str, Exact | Vector]] = [(f"I_{axis}", row) for axis, row in rows]
-    found += [("r0", scene.body.centre), ("Mg", scene.body.weight), ("w", scene.omega)]
+    numbers: list[tuple[str, Exact | Vector]] = [(f"I_{axis}", row) for axis, row in rows]
+    numbers += [("r0", scene.body.centre), ("Mg", scene.body.weight), ("w", scene.omega)]
     if scene.gamma is not None:
-        found.append(("gamma", scene.gamma))
+        numbers.append(("gamma", scene.gamma))
         if scene.modelled:
-            found.append(("psi", scene.psi))
-    return found
+            numbers.append(("psi", scene.psi))
+    return numbers
 
 
 def _exactly(value: Exact | Vector) -> str:
@@ -164,34 +164,34 @@ def _exactly(value: Exact | Vector) -> str:
 
 def assumed(scene: Scene, times: Sequence[Exact]) -> tuple[str, ...]:
     """What is decided by the rule for *equal* alone."""
-    found = []
+    assumptions = []
     text = scene_file.source_text(scene)  # whose reading decides more than what is written
     with noted() as met:
         _read(scene, {} if text is None else text.tables)
     if met:
-        found.append(NUMBERS)
+        assumptions.append(NUMBERS)
     with noted() as met:
         principal(scene.body.inertia, scene.body.centre)
     if met:
-        found.append(AXES)
+        assumptions.append(AXES)
     with noted() as met:
         ordered = sorted(times)
-        for one, other in itertools.pairwise(ordered):
-            sign(other - one)
+        for earlier, later in itertools.pairwise(ordered):
+            sign(later - earlier)
         for t in times:
             sign(t)
     if met:
-        found.append(TIMES)
+        assumptions.append(TIMES)
     if scene.gamma is not None and {"angles", "attitude"} & {*scene.modelled}:
         with noted() as met:
             sign(dot(scene.gamma, scene.gamma) - 1)
         if met:
-            found.append(LENGTH)
+            assumptions.append(LENGTH)
         with noted() as met:
             _start(scene)
         if met:
-            found.append(START)
-    return tuple(found)
+            assumptions.append(START)
+    return tuple(assumptions)
 
 
 def _read(scene: Scene, tables: dict[str, object]) -> None:

@@ -123,15 +123,15 @@ class Bounds:
 def jacobian(problem: Problem, near: Any, lengths: Any) -> Any:
     """Coefficients of h f'(x~) from doubles near those of x~: (W, p + 1, 6, 6)."""
     steps, count = near.shape[:2]
-    found = np.zeros((steps, count, 6, 6))
+    slopes = np.zeros((steps, count, 6, 6))
     scaled = near * lengths[:, None, None]
-    for row, column, term, other in SLOPES:
+    for row, column, term, factor in SLOPES:
         coefficient = term.of(problem.factors)
-        if other is None:
-            found[:, 0, row, column] += coefficient * lengths
+        if factor is None:
+            slopes[:, 0, row, column] += coefficient * lengths
         else:
-            found[:, :, row, column] += coefficient * scaled[:, :, other]
-    return found
+            slopes[:, :, row, column] += coefficient * scaled[:, :, factor]
+    return slopes
 
 
 def product(left: Any, right: Any, count: int) -> Any:
@@ -141,24 +141,24 @@ def product(left: Any, right: Any, count: int) -> Any:
     """
     steps, n, m = left.shape[0], left.shape[1], right.shape[1]
     flat = np.ascontiguousarray(left.transpose(0, 2, 1, 3)).reshape(steps, 6, 6 * n)
-    turned = np.ascontiguousarray(right[:, ::-1]).reshape(steps, 6 * m, right.shape[3])
-    found = np.zeros((steps, count, 6, right.shape[3]))
+    reversed_right = np.ascontiguousarray(right[:, ::-1]).reshape(steps, 6 * m, right.shape[3])
+    coefficients = np.zeros((steps, count, 6, right.shape[3]))
     for k in range(min(count, n + m - 1)):
         first, last = max(0, k - m + 1), min(k, n - 1) + 1
         low = m - 1 - k
-        columns = turned[:, 6 * (low + first) : 6 * (low + last)]
-        np.matmul(flat[:, :, 6 * first : 6 * last], columns, out=found[:, k])
-    return found
+        columns = reversed_right[:, 6 * (low + first) : 6 * (low + last)]
+        np.matmul(flat[:, :, 6 * first : 6 * last], columns, out=coefficients[:, k])
+    return coefficients
 
 
-def bounds(problem: Problem, known: Defects, correction: Any, matrices: Any) -> Bounds:
+def bounds(problem: Problem, defects: Defects, correction: Any, matrices: Any) -> Bounds:
     """alpha, delta, sigma and rho of every step, from what the untrusted parts have left.
 
     ``correction``: e, (W, p + 1, 6); ``matrices``: V, (W, m + 1, 6, 6), of any origin, and copied:
     who made them may keep them and change them.  Raises Refused where they do not fit the
     polynomials; numbers that are not finite make bounds that no test accepts.
     """
-    pieces = known.pieces
+    pieces = defects.pieces
     steps, count = pieces.near.shape[:2]
     correction, matrices = np.array(correction, dtype=float), np.array(matrices, dtype=float)
     if _adds(problem):
@@ -171,14 +171,14 @@ def bounds(problem: Problem, known: Defects, correction: Any, matrices: Any) -> 
     a_norms = _norms(a)
     a_gaps = _jacobian_gaps(problem, pieces, lengths) + gamma(4) * a_norms
     a_sum = UP * (np.sum(a_norms, axis=1) + np.sum(a_gaps, axis=1))
-    weights = 1.0 / np.arange(1, known.values.shape[1] + 1)
+    weights = 1.0 / np.arange(1, defects.values.shape[1] + 1)
     alpha = UP * np.sum((a_norms + a_gaps) * weights[:count], axis=1)
     majorant = exponential(alpha)
     kappa, m = logarithm(problem.weights, a, a_norms, a_gaps)
     growth = np.minimum(majorant, UP * kappa * exponential(m))
     e_sizes = np.max(np.abs(correction), axis=2)
     sigma = UP * np.sum(e_sizes, axis=1)
-    delta = _delta(problem, known, correction, a, a_sum, np.sum(a_gaps, axis=1), sigma, weights)
+    delta = _delta(problem, defects, correction, a, a_sum, np.sum(a_gaps, axis=1), sigma, weights)
     v_norms = _norms(matrices)
     sizes = UP * np.sum(v_norms, axis=1)
     miss = np.sum(np.abs(np.eye(6) - matrices[:, 0]), axis=2).max(axis=1)
@@ -210,7 +210,7 @@ def _adds(problem: Problem) -> bool:
 
 def _delta(
     problem: Problem,
-    known: Defects,
+    defects: Defects,
     correction: Any,
     a: Any,
     a_sum: Any,
@@ -219,14 +219,14 @@ def _delta(
     weights: Any,
 ) -> Any:
     """int |d + e' - A e|: in double, plus what the doubles and the constants miss."""
-    pieces = known.pieces
-    count, width = correction.shape[1], known.values.shape[1]
-    residual = known.values - product(a, correction[..., None], width)[..., 0]
+    pieces = defects.pieces
+    count, width = correction.shape[1], defects.values.shape[1]
+    residual = defects.values - product(a, correction[..., None], width)[..., 0]
     residual[:, : count - 1] += correction[:, 1:] * np.arange(1, count)[:, None]
-    d_sum = np.sum(np.max(np.abs(known.values), axis=2) * weights, axis=1)
-    found = np.sum(np.max(np.abs(residual), axis=2) * weights, axis=1)
-    found = found + gamma(ROUNDINGS) * a_sum * sigma + gamma(2) * sigma
-    found = found + gamma(2 + known.roundings) * d_sum + a_gap * sigma
+    d_sum = np.sum(np.max(np.abs(defects.values), axis=2) * weights, axis=1)
+    total = np.sum(np.max(np.abs(residual), axis=2) * weights, axis=1)
+    total = total + gamma(ROUNDINGS) * a_sum * sigma + gamma(2) * sigma
+    total = total + gamma(2 + defects.roundings) * d_sum + a_gap * sigma
     largest = np.sum(np.abs(pieces.near) + pieces.gap[:, :, None], axis=1)  # sup |x~_i|
     missed = np.zeros((pieces.count, 3))
     for term in (term for row in ROWS[:3] for term in row):
@@ -234,7 +234,7 @@ def _delta(
         for n in term.factors:
             part = part * largest[:, n]
         missed[:, term.row] += part
-    return UP * (found + pieces.lengths * np.max(missed, axis=1)) + TINY
+    return UP * (total + pieces.lengths * np.max(missed, axis=1)) + TINY
 
 
 def _matrix_residual(
@@ -245,14 +245,14 @@ def _matrix_residual(
     degree = terms - 1
     residual = product(a, matrices, degree)
     residual -= matrices[:, 1:] * np.arange(1, terms)[:, None, None]
-    found = np.sum(_norms(residual) / np.arange(1, terms), axis=1)
+    total = np.sum(_norms(residual) / np.arange(1, terms), axis=1)
     # coefficients from the degree on: the sum over j + l >= degree of |A_j| |V_l| / (degree + 1)
     after = np.zeros((a.shape[0], terms))  # [:, l]: the sum of |A_j| over j >= degree - l
     for j in range(terms):
         after[:, j] = np.sum(a_norms[:, max(0, degree - j) :], axis=1)
-    found = found + np.sum(after * v_norms, axis=1) / terms
-    found = found + gamma(ROUNDINGS) * a_sum * sizes + gamma(2) * sizes
-    return UP * (found + np.sum(a_gaps, axis=1) * sizes)
+    total = total + np.sum(after * v_norms, axis=1) / terms
+    total = total + gamma(ROUNDINGS) * a_sum * sizes + gamma(2) * sizes
+    return UP * (total + np.sum(a_gaps, axis=1) * sizes)
 
 
 def _jacobian_gaps(problem: Problem, pieces: Pieces, lengths: Any) -> Any:
@@ -260,9 +260,9 @@ def _jacobian_gaps(problem: Problem, pieces: Pieces, lengths: Any) -> Any:
     slack = max(problem.factor_slack)
     steepest = max(abs(x.term.of(problem.factors)) for x in SLOPES if x.other is not None)
     largest = np.max(np.abs(pieces.near), axis=2) + pieces.gap
-    found = _VARYING * steepest * pieces.gap + _OF_THE_BODY * slack * largest
-    found[:, 0] += _CONSTANT * slack
-    return UP * found * lengths[:, None]
+    gaps = _VARYING * steepest * pieces.gap + _OF_THE_BODY * slack * largest
+    gaps[:, 0] += _CONSTANT * slack
+    return UP * gaps * lengths[:, None]
 
 
 def _norms(matrices: Any) -> Any:
@@ -293,8 +293,8 @@ def exponential(alpha: Any) -> Any:
     Infinite beyond MOST_ALPHA and for what is not a number.
     """
     usable = alpha < MOST_ALPHA
-    found = 1.0 / (1.0 - np.where(usable, alpha, 0.0) * 2.0**-24)
+    power = 1.0 / (1.0 - np.where(usable, alpha, 0.0) * 2.0**-24)
     with np.errstate(over="ignore"):
         for _ in range(24):
-            found = found * found
-    return np.where(usable, found * (1.0 + 1e-7), math.inf)
+            power = power * power
+    return np.where(usable, power * (1.0 + 1e-7), math.inf)

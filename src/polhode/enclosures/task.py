@@ -74,7 +74,7 @@ SHORT_STEPS = Untrusted(window=partial(approximation.window, turn=0.5))
 class Watcher(Protocol):
     """Something that looks at the windows of a proof as they are accepted."""
 
-    def window(self, known: step_bound.Bounds, steps: Sequence[zonotope.Step]) -> None:
+    def window(self, bounds: step_bound.Bounds, steps: Sequence[zonotope.Step]) -> None:
         """A window whose steps have been accepted."""
 
 
@@ -123,20 +123,20 @@ def run(
                     raise Refused("the approximation loses the motion")
                 wide = max(_FEWEST, wide // 2)
                 continue
-            asked = zonotope.inside(times[len(rows) :], tried.pieces.times[-1])
+            times_inside = zonotope.inside(times[len(rows) :], tried.pieces.times[-1])
             before = state.time
             try:
-                state, found, taken = zonotope.advance(state, tried, asked, deadline)
+                state, balls, accepted = zonotope.advance(state, tried, times_inside, deadline)
             except Refused:
                 if problem.is_box and wide > _FEWEST:  # as far as a box can be followed
                     wide = _FEWEST
                     continue
                 raise
-            rows += found
+            rows += balls
             for watcher in watchers:
-                watcher.window(tried, taken)
-            steps += len(taken)
-            pace = math.ldexp(state.time - before, -CLOCK) / len(taken)
+                watcher.window(tried, accepted)
+            steps += len(accepted)
+            pace = math.ldexp(state.time - before, -CLOCK) / len(accepted)
             state = integral_contraction.shrunk(problem, state, integrals)
             whole, wide = state, min(most, 2 * wide)
             if progress is not None:
@@ -168,25 +168,25 @@ def _window(
     Raises TooLong at the deadline.
     """
     deadline.check()
-    found = untrusted.window(problem, replace(state, columns=state.columns.copy()), end, wide, pace)
-    if found is None:
+    guess = untrusted.window(problem, replace(state, columns=state.columns.copy()), end, wide, pace)
+    if guess is None:
         return None
-    shape = taylor_polynomials.of_doubles(found.times, found.series)
+    shape = taylor_polynomials.of_doubles(guess.times, guess.series)
     a = step_bound.jacobian(problem, shape.near, shape.lengths)
     v = untrusted.matrices(a)
     last = 10**6
     for _ in range(_MOST_ROUNDS):
         deadline.check()
-        known = taylor_polynomials.defects(problem, shape)
+        exact_defects = taylor_polynomials.defects(problem, shape)
         gaps = taylor_polynomials.gaps(problem, shape, state.centre)
-        e = untrusted.correction(a, known.values.copy(), v, gaps)
+        e = untrusted.correction(a, exact_defects.values.copy(), v, gaps)
         size = taylor_polynomials.size(e, problem.noise)
         if size > _LOST or size >= last:
             return None
         # its square and its rounding are noise
         if max(2 * size, size - 40) <= -problem.noise:
             step_bound.check_arithmetic()
-            return step_bound.bounds(problem, known, e, v)
+            return step_bound.bounds(problem, exact_defects, e, v)
         shape = taylor_polynomials.improved(shape, e, problem.noise, 53 - size)
         last = size
     raise Refused("the corrections do not converge")
@@ -245,7 +245,7 @@ class Task:
     @cached_property
     def sides(self) -> list[Side]:
         """The times forward, and those backward, where there are any."""
-        found = []
+        sides = []
         for backward in (False, True):
             chosen = [n for n, t in enumerate(self.times) if (sign(t) < 0) == backward]
             ordered: list[Exact] = []
@@ -255,9 +255,9 @@ class Task:
                     ordered.append(self.times[n])
                 places[n] = len(ordered) - 1
             if ordered:
-                what = motion(self.box.scene, backward, radii=self.box.radii)
-                found.append(Side(what, ordered, places))
-        return found
+                exact_motion = motion(self.box.scene, backward, radii=self.box.radii)
+                sides.append(Side(exact_motion, ordered, places))
+        return sides
 
     @cached_property
     def forecasts(self) -> list[Forecast]:
@@ -270,21 +270,21 @@ class Task:
     @property
     def noise(self) -> int:
         """The noise level to begin with."""
-        needed = (math.ceil(found.bits + found.grown) for found in self.forecasts)
+        needed = (math.ceil(forecast.bits + forecast.grown) for forecast in self.forecasts)
         return min(MOST_NOISE, max(LEAST_NOISE, *needed))
 
     def foretell(self, forecast: Callable[[float], None] | None, dearer: float = 1.0) -> None:
         """Tell about how many seconds a proof takes."""
         if forecast is not None:
-            turned = bool({"angles", "attitude"} & {*self.box.scene.modelled})
+            attitudes = bool({"angles", "attitude"} & {*self.box.scene.modelled})
             noise = self.noise
-            forecast(dearer * sum(found.seconds(noise, turned) for found in self.forecasts))
+            forecast(dearer * sum(row.seconds(noise, attitudes) for row in self.forecasts))
 
     def raised(self, noise: int, why: Refused, tries: int) -> int | None:
         """The noise level after so many tries, the last one refused; None if more are of no use."""
         if noise == MOST_NOISE or (self.box.radii is not None and tries >= _OF_A_BOX):
             return None
-        bits = max(found.bits for found in self.forecasts)
+        bits = max(forecast.bits for forecast in self.forecasts)
         return min(MOST_NOISE, approximation.raised(noise, bits, why))
 
     def proofs(
@@ -296,12 +296,12 @@ class Task:
         """
         for side in self.sides:
             problem = fixed_point_problem.problem(side.motion, noise)
-            asked = fixed_point_problem.times(side.motion, side.ordered)
+            times = fixed_point_problem.times(side.motion, side.ordered)
             bits = 2 * problem.fine + 100
-            watchers = watch(side, problem, asked)
+            watchers = watch(side, problem, times)
             proof = run(
                 problem,
-                asked,
+                times,
                 integral_contraction.prepared(side.motion, bits),
                 untrusted=HONEST if self.box.radii is None else SHORT_STEPS,
                 progress=self.progress,
@@ -328,12 +328,12 @@ def task(
     max_steps = steps(name, max_steps)
     deadline = time_limit(box.scene, max_seconds)
     digits = min(digits, digits_of_box(box))
-    found = Task(box, times, digits, deadline, progress)
-    for side in found.sides:
+    job = Task(box, times, digits, deadline, progress)
+    for side in job.sides:
         if (needed := approximation.steps(side.motion, side.last)) > max_steps:
             expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"
             raise TooManySteps(name, key, shown(side.last), expected)
-    return found
+    return job
 
 
 def digits_of_box(box: StartBox) -> int:

@@ -62,10 +62,10 @@ class Packing:
 
     def _times_powers(self, digits: fmpz) -> fmpz:
         """Each digit, from 0 to 2**B - 1, times its place k: bit by bit of k."""
-        found = fmpz(0)
+        weighted = fmpz(0)
         for bit, mask in enumerate(self._masks):
-            found += (digits & mask) << bit
-        return found
+            weighted += (digits & mask) << bit
+        return weighted
 
     def doubles(self, values: Sequence[fmpz], powers: Any) -> Any:
         """Coefficients times 2**powers as doubles, (n, count), off by UNPACKED roundings each.
@@ -83,10 +83,10 @@ class Packing:
         raw = b"".join([int(x + self._signs).to_bytes(size, "little") for x in values])
         table = np.frombuffer(raw, dtype="<u8").reshape(len(values), self.count, self.words)
         negative = table[:, :, -1] < _HALF
-        turned = np.where(negative, ~np.uint64(0), np.uint64(0))
-        found = np.ldexp(negative.astype(float), powers[:, None])
+        flip = np.where(negative, ~np.uint64(0), np.uint64(0))
+        numbers = np.ldexp(negative.astype(float), powers[:, None])
         for k in range(self.words):
-            word: Any = table[:, :, k] ^ turned
+            word: Any = table[:, :, k] ^ flip
             if k == self.words - 1:
                 word = word ^ _HALF
             scales = 64 * k + powers
@@ -94,8 +94,8 @@ class Packing:
                 if np.any(word[scales > _LARGEST]):
                     raise Refused("an approximation is too large")
                 scales = np.minimum(scales, _LARGEST)
-            found += word * np.ldexp(1.0, scales)[:, None]
-        return np.where(negative, -found, found)
+            numbers += word * np.ldexp(1.0, scales)[:, None]
+        return np.where(negative, -numbers, numbers)
 
 
 @lru_cache(maxsize=64)
@@ -169,20 +169,20 @@ class Pieces:
 
     def packed(self, packing: Packing) -> list[fmpz]:
         """X of all steps as single integers, C of each; ``packing`` of ``used`` coefficients."""
-        found = [fmpz(0)] * (self.count * self.near.shape[2])
+        whole = [fmpz(0)] * (self.count * self.near.shape[2])
         for level, part in self.parts:
             more = packing.values(part[:, :, : packing.count].reshape(-1, packing.count))
-            found = [(x + (y << (self.level - level))) for x, y in zip(found, more, strict=True)]
-        return found
+            whole = [(x + (y << (self.level - level))) for x, y in zip(whole, more, strict=True)]
+        return whole
 
     def polynomials(self, n: int) -> list[fmpz_poly]:
         """X of step n."""
-        found = [fmpz_poly([])] * self.near.shape[2]
+        polynomials = [fmpz_poly([])] * self.near.shape[2]
         for level, part in self.parts:
             by = fmpz(1) << (self.level - level)
             more = [fmpz_poly(row) for row in part[n].tolist()]
-            found = [x + y * by for x, y in zip(found, more, strict=True)]
-        return found
+            polynomials = [x + y * by for x, y in zip(polynomials, more, strict=True)]
+        return polynomials
 
     @cached_property
     def starts(self) -> Any:
@@ -192,11 +192,11 @@ class Pieces:
     @cached_property
     def ends(self) -> Any:
         """X(1) of every step, Python's integers, (W, C)."""
-        found: Any = 0
+        ends: Any = 0
         for level, part in self.parts:  # of fewer than 2**31 coefficients
             high, low = (np.sum(x, axis=-1).astype(object) for x in (part >> 32, part & _LOW))
-            found += ((high << 32) + low) << (self.level - level)
-        return found
+            ends += ((high << 32) + low) << (self.level - level)
+        return ends
 
 
 def of_doubles(times: Sequence[int], near: Any, rows: int = 6) -> Pieces:
@@ -298,11 +298,11 @@ def defects(problem: Problem, pieces: Pieces) -> Defects:
     whole = problem.noise - 2 * level - CLOCK
     twos = [(n & -n).bit_length() - 1 for n in problem.denominators]
     powers = np.tile([whole - two for two in (*twos, 0, 0, 0)], pieces.count)
-    found = packing(2 * used - 1, words).doubles(numbers, powers).reshape(pieces.count, 6, -1)
+    doubles = packing(2 * used - 1, words).doubles(numbers, powers).reshape(pieces.count, 6, -1)
     for i, n in enumerate(problem.denominators):
-        found[:, i] /= float(n >> twos[i])
+        doubles[:, i] /= float(n >> twos[i])
     values = np.zeros((pieces.count, 2 * pieces.near.shape[1] - 1, 6))
-    values[:, : 2 * used - 1] = found.transpose(0, 2, 1)
+    values[:, : 2 * used - 1] = doubles.transpose(0, 2, 1)
     return Defects(pieces, values, UNPACKED + 1)
 
 
@@ -336,11 +336,11 @@ def gaps(problem: Problem, pieces: Pieces, start: tuple[int, ...]) -> Any:
 
     The first one is from the state ``start``, integers times 2**-fine.
     """
-    found = np.zeros((pieces.count, 6))
+    jumps = np.zeros((pieces.count, 6))
     level, noise, first = pieces.level, problem.noise, np.array(start, dtype=object)
-    found[0] = difference(first, problem.fine, pieces.starts[0], level, noise)
-    found[1:] = difference(pieces.ends[:-1], level, pieces.starts[1:], level, noise)
-    return found
+    jumps[0] = difference(first, problem.fine, pieces.starts[0], level, noise)
+    jumps[1:] = difference(pieces.ends[:-1], level, pieces.starts[1:], level, noise)
+    return jumps
 
 
 def difference(x: Any, x_bits: int, y: Any, y_bits: int, noise: int) -> Any:

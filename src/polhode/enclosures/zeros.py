@@ -28,27 +28,27 @@ _MOST_ORDER, _MOST_TERMS = 4, 2000  # of a derivative as a polynomial
 _BITS = 2000
 
 
-def first_derivative(what: Motion, g: Polynomial) -> Polynomial | None:
+def first_derivative(motion: Motion, g: Polynomial) -> Polynomial | None:
     """The first derivative of g along the motion that is not 0 at t = 0, where g is 0 there.
 
     None where g is not, where that is not decided exactly, or is of too high an order; and where
     the start is a box.
     """
-    start = [x for x in what.start if isinstance(x, Fraction)]
-    exactly = len(start) == 6 and all(isinstance(x, Fraction) for x in what.constants)
-    if what.radii or not (exactly and g.rational):
+    start = [x for x in motion.start if isinstance(x, Fraction)]
+    exactly = len(start) == 6 and all(isinstance(x, Fraction) for x in motion.constants)
+    if motion.radii or not (exactly and g.rational):
         return None
-    found = g
+    derivative = g
     for order in range(_MOST_ORDER + 1):
-        if found.at(start):
-            return found if order else None
-        found = rate(found, what.field)
-        if not 0 < len(found.terms) <= _MOST_TERMS:
+        if derivative.at(start):
+            return derivative if order else None
+        derivative = rate(derivative, motion.field)
+        if not 0 < len(derivative.terms) <= _MOST_TERMS:
             return None
     return None
 
 
-def is_still(what: Motion, g: Polynomial) -> bool:
+def is_still(motion: Motion, g: Polynomial) -> bool:
     """Whether nothing tells g from 0 all along the motion.
 
     Not trusted: said of the first Taylor coefficients to many digits, and only where a product of
@@ -59,17 +59,17 @@ def is_still(what: Motion, g: Polynomial) -> bool:
     if 2 * degree > _ORDERS:
         return False
     with ctx.workprec(_BITS):
-        start = [ball(x, _BITS) for x in what.start]
+        start = [ball(x, _BITS) for x in motion.start]
         along = g.balls(_BITS)
         if not along.at(start).contains(0):
             return False
-        field = [row.balls(_BITS) for row in what.field]
+        field = [row.balls(_BITS) for row in motion.field]
         x = [arb_poly([value]) for value in start]
         for order in range(1, _ORDERS + 1):
             rates = [arb_poly(row.at(x)).truncate(order) for row in field]
             x = [arb_poly([a]) + row.integral() for a, row in zip(start, rates, strict=True)]
-        found = arb_poly(along.at(x))
-        return all(found[k].contains(0) for k in range(_ORDERS + 1))
+        derivatives = arb_poly(along.at(x))
+        return all(derivatives[k].contains(0) for k in range(_ORDERS + 1))
 
 
 # --- certified zeros ------------------------------------------------------------------------------
@@ -175,10 +175,10 @@ class Search:
     _group: _Group | None = None  # what is open where the search stands
     _sign: int = 0  # of g at the last boundary
 
-    def window(self, known: Bounds, steps: Sequence[Step]) -> None:
+    def window(self, bounds: Bounds, steps: Sequence[Step]) -> None:
         """The zeros in a window whose steps have been accepted."""
         for n, step in enumerate(steps):
-            self._step(_OnStep(self, known, n, step))
+            self._step(_OnStep(self, bounds, n, step))
 
     def finish(self) -> None:
         """What is left at the last time is undecided."""
@@ -197,20 +197,20 @@ class Search:
             a, b = pending.pop()
             pieces += 1
             if pieces > MOST_PIECES:
-                pending, b, found = [], WHOLE, None
+                pending, b, outcome = [], WHOLE, None
             else:
-                found = on.decide(a, b)
-            if found == SPLIT and b - a > _FINEST:
+                outcome = on.decide(a, b)
+            if outcome == SPLIT and b - a > _FINEST:
                 middle = on.split(a, b)
                 pending += [(middle, b), (a, middle)]
                 continue
-            if found == EMPTY:  # the sign of g is one, from a on
+            if outcome == EMPTY:  # the sign of g is one, from a on
                 self._close(on.sign(b))
                 continue
-            if not isinstance(found, _Piece):
-                found = _Piece(0, None, on.time(a), on.time(b))
+            if not isinstance(outcome, _Piece):
+                outcome = _Piece(0, None, on.time(a), on.time(b))
             self._group = self._group or _Group(on.sign(a))
-            self._group.pieces.append(found)
+            self._group.pieces.append(outcome)
             if on.sign(b):
                 self._close(on.sign(b))
         self._sign = on.sign(WHOLE)
@@ -246,17 +246,17 @@ class Search:
 class _OnStep:
     """g and g' on one step."""
 
-    def __init__(self, search: Search, known: Bounds, n: int, step: Step) -> None:
+    def __init__(self, search: Search, bounds: Bounds, n: int, step: Step) -> None:
         self.g, self.rate = search.g, search.rate
-        self.known, self.n, self.step = known, n, step
-        self.first = None if known.pieces.times[n] else search.first
-        self.bits = known.problem.noise + 104
-        pieces = known.pieces
-        unit = arb((1, -known.problem.noise))
+        self.known, self.n, self.step = bounds, n, step
+        self.first = None if bounds.pieces.times[n] else search.first
+        self.bits = bounds.problem.noise + 104
+        pieces = bounds.pieces
+        unit = arb((1, -bounds.problem.noise))
         with ctx.workprec(_COARSE):
             self.h = arb((pieces.times[n + 1] - pieces.times[n], -CLOCK))
             off = UP * float(np.sum(pieces.gap[n]))
-            self.slack = arb(0, off) + arb(0, UP * (float(known.sigma[n]) + step.r)) * unit
+            self.slack = arb(0, off) + arb(0, UP * (float(bounds.sigma[n]) + step.r)) * unit
             self.rows = [arb_poly([arb(float(c)) for c in row]) for row in pieces.near[n].T]
         self.signs: dict[int, int] = {}
 
@@ -374,12 +374,12 @@ def _ball(a: int, b: int) -> Any:
 
 def _either(zeros: Sequence[Zero]) -> Zero:
     """A zero that is one of these."""
-    found = zeros[0]
+    union = zeros[0]
     with ctx.workprec(_TIMES):
         for time, state in zeros[1:]:
-            both = tuple(x.union(y) for x, y in zip(found.state, state, strict=True))
-            found = Zero(found.time.union(time), both)
-    return found
+            both = tuple(x.union(y) for x, y in zip(union.state, state, strict=True))
+            union = Zero(union.time.union(time), both)
+    return union
 
 
 def _sign(value: Any) -> int:

@@ -74,34 +74,34 @@ def beginning(problem: Problem) -> State:
 
 
 def advance(
-    state: State, known: Bounds, asked: Sequence[Any], deadline: Deadline = NONE
+    state: State, bounds: Bounds, times: Sequence[Any], deadline: Deadline = NONE
 ) -> tuple[State, list[list[Any]], list[Step]]:
     """Carry the set through a window's steps; balls at the times asked for, and the steps.
 
-    ``asked``: balls around times inside the window, increasing.  Raises Refused where a step
+    ``times``: balls around times inside the window, increasing.  Raises Refused where a step
     fails its test, TooLong at the deadline; nothing of the window is then to be used.
     """
-    problem, pieces = known.problem, known.pieces
+    problem, pieces = bounds.problem, bounds.pieces
     if pieces.times[0] != state.time:
         raise Refused("a window does not begin where the last one ended")
-    jumps = _jumps(state, known)
+    jumps = _jumps(state, bounds)
     hbs = UP * pieces.lengths * problem.beta * math.ldexp(1.0, -problem.noise) + TINY
     carried = _Carried(state.columns)
     rows: list[list[Any]] = []
     steps: list[Step] = []
     with ctx.workprec(TIME_BITS):
-        where = places(pieces.times, asked)
+        where = places(pieces.times, times)
     for n in range(pieces.count):
         hull = carried.hull()
         jump = jumps[n]
         eps = UP * (float(np.max(hull)) + float(np.max(jump)))
-        step = _accepted(known, n, eps, float(hbs[n]))
+        step = _accepted(bounds, n, eps, float(hbs[n]))
         steps.append(step)
         if taus := where.get(n):
             deadline.check()
-            rows += _balls(known, n, taus, carried, jump, hull, eps, step)
-        carried.step(known.ends[n], jump, hull, step.s)
-    centre, rest = _centre(known)
+            rows += _balls(bounds, n, taus, carried, jump, hull, eps, step)
+        carried.step(bounds.ends[n], jump, hull, step.s)
+    centre, rest = _centre(bounds)
     carried.settle(rest)
     return State(pieces.times[-1], centre, carried.settled), rows, steps
 
@@ -144,77 +144,77 @@ class _Carried:
         self.count = 0
 
 
-def _accepted(known: Bounds, n: int, eps: float, hb: float) -> Step:
+def _accepted(bounds: Bounds, n: int, eps: float, hb: float) -> Step:
     """The test of the step theorem; raises Refused.  A number that is none fails it."""
-    growth, delta = float(known.growth[n]), float(known.delta[n])
-    sigma, rho = float(known.sigma[n]), float(known.rho[n])
+    growth, delta = float(bounds.growth[n]), float(bounds.delta[n])
+    sigma, rho = float(bounds.sigma[n]), float(bounds.rho[n])
     r = UP * 2.0 * growth * (eps + delta + 2.0 * hb * sigma * sigma) + TINY
     if not 8.0 * growth * hb * r <= 0.999 or not sigma + r < 1e150:  # whose square is a number
         raise Refused("the set has grown too large for the next step")
-    for _ in range(1 + known.problem.is_box):  # an r that (2) gives makes another s; see there
+    for _ in range(1 + bounds.problem.is_box):  # an r that (2) gives makes another s; see there
         s = UP * (growth * (delta + hb * (sigma + r) ** 2) + rho * eps) + TINY
         if not s < 1e300:
             raise Refused("the error of a step has no bound")
-        r = min(r, UP * (float(known.sizes[n]) * eps + s) + TINY)
+        r = min(r, UP * (float(bounds.sizes[n]) * eps + s) + TINY)
     return Step(r, s)
 
 
-def _jumps(state: State, known: Bounds) -> Any:
+def _jumps(state: State, bounds: Bounds) -> Any:
     """Bounds of |J_n|, (W, 6): exact integer parts, and the corrections at both ends."""
-    e = known.correction
+    e = bounds.correction
     ends, sizes = np.sum(e, axis=1), np.sum(np.abs(e), axis=1)
-    whole = gaps(known.problem, known.pieces, state.centre)
+    whole = gaps(bounds.problem, bounds.pieces, state.centre)
     before = np.vstack([np.zeros((1, 6)), ends[:-1]])
     rounding = np.vstack([np.zeros((1, 6)), sizes[:-1]]) + np.abs(e[:, 0]) + np.abs(whole)
-    return UP * (np.abs(whole + before - e[:, 0]) + _lost(known) * rounding) + TINY
+    return UP * (np.abs(whole + before - e[:, 0]) + _lost(bounds) * rounding) + TINY
 
 
-def _lost(known: Bounds) -> float:
+def _lost(bounds: Bounds) -> float:
     """The relative rounding of a sum of a correction's coefficients."""
-    return gamma(known.correction.shape[1] + known.matrices.shape[1] + 40)
+    return gamma(bounds.correction.shape[1] + bounds.matrices.shape[1] + 40)
 
 
-def _centre(known: Bounds) -> tuple[tuple[int, ...], Any]:
+def _centre(bounds: Bounds) -> tuple[tuple[int, ...], Any]:
     """The approximation's end rounded to 2**-fine, and bounds of what that leaves, (6,)."""
-    level, fine, noise = known.pieces.level, known.problem.fine, known.problem.noise
-    ends = np.sum(known.correction[-1], axis=0)
-    sizes = np.sum(np.abs(known.correction[-1]), axis=0)
-    end = known.pieces.ends[-1]
+    level, fine, noise = bounds.pieces.level, bounds.problem.fine, bounds.problem.noise
+    ends = np.sum(bounds.correction[-1], axis=0)
+    sizes = np.sum(np.abs(bounds.correction[-1]), axis=0)
+    end = bounds.pieces.ends[-1]
     moved = [round(math.ldexp(x, fine - noise)) for x in ends.tolist()]
     centre = ((end << max(0, fine - level)) >> max(0, level - fine)) + np.array(moved, dtype=object)
     exact = difference(end, level, centre, fine, noise).astype(float)
-    rest = UP * (np.abs(exact + ends) + _lost(known) * (sizes + np.abs(exact)))
+    rest = UP * (np.abs(exact + ends) + _lost(bounds) * (sizes + np.abs(exact)))
     return tuple(centre.tolist()), rest + TINY
 
 
 def inside(times: Sequence[Any], end: int) -> list[Any]:
     """Those of the times that come before the end of a window."""
-    found = []
+    earlier = []
     with ctx.workprec(TIME_BITS):
         for t in times:
             if not t * arb((1, CLOCK)) <= end:
                 break
-            found.append(t)
-    return found
+            earlier.append(t)
+    return earlier
 
 
-def places(times: Sequence[int], asked: Sequence[Any]) -> dict[int, list[Any]]:
+def places(times: Sequence[int], times_asked: Sequence[Any]) -> dict[int, list[Any]]:
     """The times as tau in the steps that hold their balls, by step; raises Refused outside."""
-    found: dict[int, list[Any]] = {}
+    by_step: dict[int, list[Any]] = {}
     n = 0
-    for t in asked:
+    for t in times_asked:
         ticks = t * arb((1, CLOCK))  # exact
         while n + 1 < len(times) - 1 and ticks > times[n + 1]:
             n += 1
         if not (times[n] <= ticks.lower() and ticks.upper() <= times[n + 1]):
             raise Refused("a time asked for is not inside a step")
         tau = (ticks - times[n]) / (times[n + 1] - times[n])
-        found.setdefault(n, []).append(tau)
-    return found
+        by_step.setdefault(n, []).append(tau)
+    return by_step
 
 
 def _balls(
-    known: Bounds,
+    bounds: Bounds,
     n: int,
     taus: Sequence[Any],
     carried: _Carried,
@@ -224,7 +224,7 @@ def _balls(
     step: Step,
 ) -> list[list[Any]]:
     """Six balls around the exact state at each tau in step n, by (2) of ``step_bound``."""
-    v = known.matrices[n]
+    v = bounds.matrices[n]
     terms = v.shape[0]
     near = np.array([float(tau.mid()) for tau in taus])
     with ctx.workprec(64):
@@ -237,19 +237,19 @@ def _balls(
     radii = radii + np.sum(np.abs(w @ carried.born[:, : carried.count]), axis=2)
     radii = radii + np.abs(w) @ (jump + gamma(16) * hull)
     lost = gamma(2 * terms + 6) + UP * terms * off  # |V(tau) - V(near)| <= sum k |V_k| off
-    radii = UP * (radii + step.s + (lost * float(known.sizes[n]) * eps)[:, None]) + TINY
-    noise = known.problem.noise
+    radii = UP * (radii + step.s + (lost * float(bounds.sizes[n]) * eps)[:, None]) + TINY
+    noise = bounds.problem.noise
     with ctx.workprec(noise + 104):
-        centre = approximation(known, n)
+        centre = approximation(bounds, n)
         return [widened(centre, *at, noise) for at in zip(taus, radii.tolist(), strict=True)]
 
 
-def approximation(known: Bounds, n: int) -> list[arb_poly]:
+def approximation(bounds: Bounds, n: int) -> list[arb_poly]:
     """The polynomials of step n, corrections added to them, to the working precision."""
-    pieces = known.pieces
-    unit, level = arb((1, -known.problem.noise)), arb((1, -pieces.level))
+    pieces = bounds.pieces
+    unit, level = arb((1, -bounds.problem.noise)), arb((1, -pieces.level))
     return [
-        arb_poly(x) * level + arb_poly([arb(float(c)) for c in known.correction[n, :, i]]) * unit
+        arb_poly(x) * level + arb_poly([arb(float(c)) for c in bounds.correction[n, :, i]]) * unit
         for i, x in enumerate(pieces.polynomials(n))
     ]
 

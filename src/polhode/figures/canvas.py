@@ -240,11 +240,11 @@ def _fonts(families: Iterable[str]) -> list[Any]:
     """The fonts of a text of these families, each letter of which the first has that can."""
     from matplotlib.font_manager import FontProperties, findfont, get_font
 
-    found = []
+    paths = []
     for family in families:
         with suppress(ValueError):  # which matplotlib leaves out as well
-            found.append(findfont(FontProperties(family=[family]), fallback_to_default=False))
-    return [get_font(path) for path in found or [findfont("DejaVu Sans")]]
+            paths.append(findfont(FontProperties(family=[family]), fallback_to_default=False))
+    return [get_font(path) for path in paths or [findfont("DejaVu Sans")]]
 
 
 def power_of_ten(exponent: float) -> str:
@@ -260,13 +260,13 @@ def power_of_ten(exponent: float) -> str:
 SUFFIXES = (".svg", ".png", ".pdf")
 
 
-def drawn(draw: Callable[[Any, Any], Any], what: object, suffix: str, title: str) -> bytes:
+def drawn(draw: Callable[[Any, Any], Any], subject: object, suffix: str, title: str) -> bytes:
     """The bytes of a printed figure: ``draw(pyplot, what)`` makes it; it depends on nothing else.
 
     ``suffix``: one of SUFFIXES.
     """
     with paper() as plt:
-        figure = draw(plt, what)
+        figure = draw(plt, subject)
         if suffix == ".svg":
             return as_svg(figure, title).encode()
         out = BytesIO()

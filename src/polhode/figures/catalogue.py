@@ -69,14 +69,14 @@ def words(kind: str) -> tuple[str, ...]:
     return tuple(FIGURES.get(kind, ()))
 
 
-def chosen(kind: str, what: str | None, source: str = "plot") -> str:
+def chosen(kind: str, figure: str | None, source: str = "plot") -> str:
     """A word of a kind's figures, unless given the default; raises BadInput for another."""
     figures = words(kind)
     if not figures:
         raise BadInput(source, "result", kind, "one that has a figure")
-    if what is not None and what not in figures:
-        raise BadInput(source, "--what", what, nearest(what, [*figures]))
-    return what or figures[0]
+    if figure is not None and figure not in figures:
+        raise BadInput(source, "--what", figure, nearest(figure, [*figures]))
+    return figure or figures[0]
 
 
 def draw(
@@ -128,5 +128,5 @@ def own_panels(figure: Any) -> list[Any]:
 
 
 def _function(module: str, name: str) -> Callable[..., Any]:
-    made: Callable[..., Any] = getattr(import_module(f"polhode.figures.{module}"), name)
-    return made
+    function: Callable[..., Any] = getattr(import_module(f"polhode.figures.{module}"), name)
+    return function

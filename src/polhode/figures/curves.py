@@ -117,9 +117,9 @@ def _logarithmic(plt: Any, samples: Samples, labels: dict[str, str], axes: Any) 
     shown = {name: samples.columns[name] for name in labels if name in samples.columns}
     rows = {labels[name]: {name: values} for name, values in shown.items()}
     figure, panels = _of(plt, samples, rows, axes, sharey=True)
-    seen = np.concatenate([*shown.values()])
-    seen = seen[np.isfinite(seen)]
-    ends = [max(np.quantile(seen, 0.02) - 1, seen.min()), seen.max()] if len(seen) else []
+    finite = np.concatenate([*shown.values()])
+    finite = finite[np.isfinite(finite)]
+    ends = [max(np.quantile(finite, 0.02) - 1, finite.min()), finite.max()] if len(finite) else []
     for panel, values in zip(panels, shown.values(), strict=True):
         if (zeros := np.mean(~np.isfinite(values))) > 0.5:
             text = "exactly 0" if zeros == 1 else "exactly 0 at most times"
@@ -157,8 +157,8 @@ def hodographs(plt: Any, samples: Samples, axes: Any = None) -> Any:
         space = samples.vectors(SPACE_COLUMNS)
     else:
         space = np.array(turned(samples.vectors(ATTITUDE).T, omega.T)).T
-    kept = np.isfinite(omega).all(axis=1) & np.isfinite(space).all(axis=1)
-    omega, space = omega[kept], space[kept]
+    finite = np.isfinite(omega).all(axis=1) & np.isfinite(space).all(axis=1)
+    omega, space = omega[finite], space[finite]
     scene = samples.scene
     if scene is None or not scene.body.torque_free or not omega.any():
         return _views(plt, omega, space, axes)
@@ -193,7 +193,7 @@ def _poinsot(plt: Any, samples: Samples, omega: Doubles, space: Doubles, axes: A
     a, b, c = ((2 * energy / to_double(m)) ** 0.5 for m in body.moments)
     inertia = np.array([[to_double(x) for x in row] for row in body.inertia])
     figure, ((left, right),) = panels(plt, axes, 1, 2, figsize=(7.0, 3.5))
-    colour, other = series(2)
+    colour, second_colour = series(2)
     if max(a, b, c) > FLATTEST * min(a, b, c):
         _flat(left, principal[:, 0], principal[:, 2], _largest(omega), colour, "polhode")
         left.set(xlabel=label_text("ω₁" + UNIT), ylabel=label_text("ω₃" + UNIT))
@@ -205,7 +205,7 @@ def _poinsot(plt: Any, samples: Samples, omega: Doubles, space: Doubles, axes: A
         globe.mark(left, principal[0], colour)
     left.set_title("polhode on the ellipsoid of energy", size=9)
     across, along = invariable_plane(samples, space, omega[0] @ inertia)
-    _flat(right, space @ across, space @ along, _largest(omega), other, "herpolhode")
+    _flat(right, space @ across, space @ along, _largest(omega), second_colour, "herpolhode")
     right.plot(0, 0, "+", color=ink(), ms=5, mew=0.7)
     right.set(xlabel=label_text("ω·ξ" + UNIT), ylabel=label_text("ω·η" + UNIT))
     right.set_title("herpolhode in the invariable plane", size=9)

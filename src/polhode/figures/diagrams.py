@@ -67,17 +67,17 @@ def verdict(plt: Any, result: Storable, axes: Any = None) -> Any:
     return figure
 
 
-def _scaled(plt: Any, facts: Saved, axes: Any, what: str, cmap: str | None) -> Any:
+def _scaled(plt: Any, facts: Saved, axes: Any, quantity: str, cmap: str | None) -> Any:
     """A number of each motion by a colour."""
     figure, panels = canvas.panels(plt, axes, 1, figsize=(6.0, 4.4))
-    panel, values = panels[0, 0], numbers(facts, what)
+    panel, values = panels[0, 0], numbers(facts, quantity)
     early = numbers(facts, "until") < facts.fact("end") * (1 - 1e-9)
-    if what in TOPS and early.any() and not early.all():  # chaotic: off the scale
+    if quantity in TOPS and early.any() and not early.all():  # chaotic: off the scale
         values = np.where(early, max(values.max(), values[~early].max()), values)
-    top = min(float(np.quantile(values, 0.99)), TOPS.get(what, np.inf))
+    top = min(float(np.quantile(values, 0.99)), TOPS.get(quantity, np.inf))
     mesh = _mesh(panel, facts, values, {"cmap": cmap, "vmax": top})
     bar = figure.colorbar(mesh, ax=panel, extend="max")
-    bar.set_label(LABELS[what])
+    bar.set_label(LABELS[quantity])
     bar.outline.set_linewidth(0.6)
     return figure
 
@@ -140,9 +140,9 @@ def crossings(plt: Any, result: Storable, axes: Any = None) -> Any:
         panel.plot(first[own], second[own], ".", color=colour, gid=f"orbit {k}", **look)
     canvas.label(panel, height, facts.scene.body.torque_free)
     kind = f", {facts.fact('extremum')}ima" if by in (HEIGHT, "momentum") else ""
-    what = {"momentum": "|G|", HEIGHT: "height"}.get(by, by)
+    quantity = {"momentum": "|G|", HEIGHT: "height"}.get(by, by)
     h, f = (to_double(facts.fact(name)) for name in "hf")
-    panel.set_title(f"{what}{kind}: h = {h:.6g}, f = {f:.6g}", size=9)
+    panel.set_title(f"{quantity}{kind}: h = {h:.6g}, f = {f:.6g}", size=9)
     return figure
 
 
@@ -177,11 +177,11 @@ def family(plt: Any, result: Storable, axes: Any = None) -> Any:
         panel.plot(over, values, ".", color=first, ms=2.5)
         marked = set()
         at = zip(*(x.values for x in passed.columns if x.name in ("what", by, name)), strict=True)
-        for what, *point in at:
-            label = None if what in marked else what
-            marked.add(what)
-            look = {"color": colours[what], "ms": 4, "mfc": "none", "label": label}
-            panel.plot(*point, _MARKS[what], **look)
+        for kind, *point in at:
+            label = None if kind in marked else kind
+            marked.add(kind)
+            look = {"color": colours[kind], "ms": 4, "mfc": "none", "label": label}
+            panel.plot(*point, _MARKS[kind], **look)
         panel.set_ylabel(name)
     above, below = panels[:, 0]
     residue_axis(below)
@@ -197,15 +197,15 @@ def family(plt: Any, result: Storable, axes: Any = None) -> Any:
 # Figure of frequencies: the lines of each signal, over its amplitude spectrum.
 
 
-def lines(plt: Any, found: Storable, axes: Any = None) -> Any:
+def lines(plt: Any, result: Storable, axes: Any = None) -> Any:
     """|F| over frequency by a window of (1 + cos)^5, and a circle on each line.
 
     Of a file, which has no samples, the lines alone.
     """
-    known = told(found)
-    signal = np.array(known.column("signal"), dtype=np.str_)
-    frequency, amplitude = (numbers(known, name) for name in ("frequency", "amplitude"))
-    samples = found.signals if isinstance(found, Frequencies) else {}
+    facts = told(result)
+    signal = np.array(facts.column("signal"), dtype=np.str_)
+    frequency, amplitude = (numbers(facts, name) for name in ("frequency", "amplitude"))
+    samples = result.signals if isinstance(result, Frequencies) else {}
     names = [*(samples or dict.fromkeys(signal.tolist()))] or ["no signal"]
     size = (6.4, 0.6 + 1.9 * len(names))
     figure, panels = canvas.panels(plt, axes, len(names), figsize=size, sharex=True)
@@ -214,8 +214,8 @@ def lines(plt: Any, found: Storable, axes: Any = None) -> Any:
     for panel, name in zip(panels[:, 0], names, strict=True):
         own = signal == name
         top = float(amplitude[own].max(initial=0.0)) or 1.0
-        if isinstance(found, Frequencies):
-            at, power = spectrum(samples[name], found.step)
+        if isinstance(result, Frequencies):
+            at, power = spectrum(samples[name], result.step)
             shown = np.abs(at) <= span
             panel.semilogy(at[shown], power[shown], color=curve, lw=0.6, gid=f"spectrum {name}")
         else:

@@ -14,7 +14,7 @@ import numpy as np
 
 from polhode.equations.kinematics import turned
 from polhode.figures.canvas import BODY, HIDDEN, SPACE, paper
-from polhode.figures.samples import Motion, Samples, of_samples
+from polhode.figures.samples import Samples, ShownMotion, of_samples
 from polhode.figures.solids import Faces, faces, solids
 from polhode.figures.sphere import IN_SPACE, apex, facing_most
 from polhode.numbers.number_types import Doubles
@@ -59,7 +59,7 @@ def filmed(samples: Samples, tell: Callable[[float], None]) -> Film:
     with paper() as plt:
         figure, axes = plt.subplots(figsize=(INCHES, INCHES), dpi=DOTS, layout="constrained")
         try:
-            drawn = _Frames(motion, axes, end, closed=back is not None)
+            drawn = _FilmFrames(motion, axes, end, closed=back is not None)
             drawn.show(end)  # has every colour
             palette = _picture(figure).quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
             pictures = []
@@ -85,7 +85,7 @@ def _picture(figure: Figure) -> Image:
     return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
 
 
-def return_time(motion: Motion) -> float | None:
+def return_time(motion: ShownMotion) -> float | None:
     """The last time at which attitude and omega are those of the first moment; None if never.
 
     They are to within CLOSED, omega in units of its largest, after the motion has been away from
@@ -117,10 +117,10 @@ def return_time(motion: Motion) -> float | None:
     return None
 
 
-class _Frames:
+class _FilmFrames:
     """A sphere about the fixed point, on which the body turns and its apex leaves a path."""
 
-    def __init__(self, motion: Motion, axes: Axes, end: float, closed: bool) -> None:
+    def __init__(self, motion: ShownMotion, axes: Axes, end: float, closed: bool) -> None:
         self.motion, self.axes, self.closed = motion, axes, closed
         scene = motion.scene
         _, direction = apex(scene)
@@ -165,8 +165,8 @@ class _Frames:
 
         pieces, colours, depths = [], [], []
         for body in self.bodies:
-            seen, depth, colour = self._seen(body, quaternion)
-            pieces += [*self.globe.onto_page(seen)]
+            corners, depth, colour = self._seen(body, quaternion)
+            pieces += [*self.globe.onto_page(corners)]
             depths += [*depth]
             colours += [*colour]
         ends = np.linspace(0, 1, _ARM + 1)[:, None] * tip
@@ -193,10 +193,10 @@ class _Frames:
         corners = np.moveaxis(np.array(turned(quaternion, np.moveaxis(body.corners, -1, 0))), 0, -1)
         normals = np.array(turned(quaternion, body.normals.T)).T
         facing = normals @ globe.towards
-        kept = facing > 0
-        sides = np.column_stack([globe.onto_page(normals[kept]), facing[kept]])
+        facing_viewer = facing > 0
+        sides = np.column_stack([globe.onto_page(normals[facing_viewer]), facing[facing_viewer]])
         light = 1.12 * (0.42 + 0.5 * np.maximum(0, sides @ _LIGHT))
-        pale = 0.55 * body.tones[kept, None]
+        pale = 0.55 * body.tones[facing_viewer, None]
         colour = (1 - pale) * np.array(to_rgb(BODY)) + pale * _PALE
-        depth = corners[kept].mean(axis=1) @ globe.towards
-        return corners[kept], depth, np.clip(colour * light[:, None], 0, 1)
+        depth = corners[facing_viewer].mean(axis=1) @ globe.towards
+        return corners[facing_viewer], depth, np.clip(colour * light[:, None], 0, 1)

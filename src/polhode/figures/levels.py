@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.dynamics.levels import Column, Levels, levels
+from polhode.dynamics.levels import DiagramColumn, Levels, levels
 from polhode.dynamics.regions import Region
 from polhode.figures import canvas
 from polhode.figures.canvas import label_text, series
@@ -83,14 +83,14 @@ def draw(
     return figure
 
 
-class Window(NamedTuple):
+class DiagramWindow(NamedTuple):
     """What is drawn."""
 
     f: tuple[float, float]
     h: tuple[float, float]
 
 
-def window(result: Levels, f: Any = None, h: Any = None) -> Window:
+def window(result: Levels, f: Any = None, h: Any = None) -> DiagramWindow:
     """The window asked for; unless given, one that holds every special point and the scene."""
     here = to_double(result.here.f), to_double(result.here.h)
     f = None if f is None else _range(result.scene.name, "--f-range", f)
@@ -108,7 +108,7 @@ def window(result: Levels, f: Any = None, h: Any = None) -> Window:
         margin = 0.08 * (max(high) - min(low)) or 1.0
         h = (min(low) - margin, max(high) + margin)
     source = result.scene.name
-    return Window(_range(source, "--f-range", f), _range(source, "--h-range", h))
+    return DiagramWindow(_range(source, "--f-range", f), _range(source, "--h-range", h))
 
 
 def _range(source: str, key: str, limits: Any) -> tuple[float, float]:
@@ -128,20 +128,20 @@ def _range(source: str, key: str, limits: Any) -> tuple[float, float]:
     return first, last
 
 
-def _shades(axes: Axes, result: Levels, shown: Window) -> None:
+def _shades(axes: Axes, result: Levels, shown: DiagramWindow) -> None:
     span = (shown.f[1] - shown.f[0]) / 1e6  # f = 0 itself may be critical everywhere
     ends = [x or (span if x == shown.f[0] else -span) for x in shown.f]
     columns = result.columns(ends[0], ends[1], COLUMNS)
-    seen = set()
+    regions = set()
     for left, right in pairwise(columns):
         middle = (left.f + right.f) / 2
         if left.regions == right.regions:
             pairs = [(left, right, left.f, right.f)]
         else:
             pairs = [(left, left, left.f, middle), (right, right, middle, right.f)]
-        for one, other, f0, f1 in pairs:
-            seen |= _strip(axes, one, other, (f0, f1), shown.h)
-    for k, region in enumerate(sorted(seen, key=lambda region: (len(region), region))):
+        for first, second, f0, f1 in pairs:
+            regions |= _strip(axes, first, second, (f0, f1), shown.h)
+    for k, region in enumerate(sorted(regions, key=lambda region: (len(region), region))):
         (patch,) = axes.fill([], [], color=SHADES.get(region, OTHER))
         patch.set(label=label_text(name(region)), gid=f"region {k}")
         if not region:
@@ -149,23 +149,27 @@ def _shades(axes: Axes, result: Levels, shown: Window) -> None:
 
 
 def _strip(
-    axes: Axes, one: Column, other: Column, f: tuple[float, float], h: tuple[float, float]
+    axes: Axes,
+    left: DiagramColumn,
+    right: DiagramColumn,
+    f: tuple[float, float],
+    h: tuple[float, float],
 ) -> set[Region]:
     """The regions between two columns that have the same ones; hatched where none is decided."""
-    if not one.regions:
+    if not left.regions:
         axes.fill_between(f, *h, facecolor="#ffffff", edgecolor="#888888", hatch=HATCH, linewidth=0)
         return {()}
     top = max(h)
-    seen = set()
-    for k, region in enumerate(one.regions):
-        low = one.energies[k], other.energies[k]
-        last = k + 1 == len(one.regions)
-        high = (top, top) if last else (one.energies[k + 1], other.energies[k + 1])
+    regions = set()
+    for k, region in enumerate(left.regions):
+        low = left.energies[k], right.energies[k]
+        last = k + 1 == len(left.regions)
+        high = (top, top) if last else (left.energies[k + 1], right.energies[k + 1])
         if min(low) < top:
             shade = SHADES.get(region, OTHER)
             axes.fill_between(f, low, high, color=shade, linewidth=0.3, edgecolor=shade)
-            seen.add(region)
-    return seen
+            regions.add(region)
+    return regions
 
 
 def name(region: Region) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput, printable
 from polhode.common.provenance import __version__
-from polhode.figures.samples import Motion
+from polhode.figures.samples import ShownMotion
 from polhode.figures.solids import solids, unit
 from polhode.figures.sphere import apex
 from polhode.numbers.conversion import to_double
@@ -53,7 +53,7 @@ _CONES = (
 )
 
 
-def page(shown: Motion, title: str, regime: str, words: str, origin: str, command: str) -> str:
+def page(shown: ShownMotion, title: str, regime: str, words: str, origin: str, command: str) -> str:
     """The page as HTML text.
 
     ``words``: what is seen, in sentences; ``origin``: where the numbers come from, a sentence.
@@ -62,7 +62,7 @@ def page(shown: Motion, title: str, regime: str, words: str, origin: str, comman
     point, _ = apex(scene)
     data = _data(shown, words)
     scripts = "".join((_PARTS / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
-    what = "its solids" if scene.body.parts else "its ellipsoid of inertia"
+    shape = "its solids" if scene.body.parts else "its ellipsoid of inertia"
     return _filled(
         (_PARTS / "motion.html").read_text(encoding="utf-8"),
         title=escape(printable(title)),
@@ -71,7 +71,7 @@ def page(shown: Motion, title: str, regime: str, words: str, origin: str, comman
         css=(_PARTS / "motion.css").read_text(encoding="utf-8"),
         body_alt=escape(f"the body and the path of its {point} in space, in motion"),
         body_caption=(
-            f"{_swatch(BLUE)} the body, drawn as {what}, about the fixed point; "
+            f"{_swatch(BLUE)} the body, drawn as {shape}, about the fixed point; "
             f"{_swatch(ORANGE)} the path of its {point}, on a sphere; the arrow points upward"
         ),
         rolling_alt="the curves of omega in the body and in space, rolling on each other",
@@ -106,7 +106,7 @@ def _filled(template: str, **parts: str) -> str:
     return "".join(pieces)
 
 
-def _data(shown: Motion, words: str) -> dict[str, Any]:
+def _data(shown: ShownMotion, words: str) -> dict[str, Any]:
     """What the page's scripts read."""
     scene, body = shown.scene, shown.scene.body
     begin, end = float(shown.times[0]), float(shown.times[-1])
@@ -158,7 +158,7 @@ def _swing(inertia: Doubles, weight: Sequence[float]) -> float:
     return math.sqrt(float(np.linalg.norm(np.linalg.solve(inertia, torque), 2)))
 
 
-def _heavy(shown: Motion) -> bool:
+def _heavy(shown: ShownMotion) -> bool:
     return not shown.scene.body.torque_free
 
 

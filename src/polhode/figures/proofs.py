@@ -53,7 +53,7 @@ def chaos(plt: ModuleType, proof: Storable, axes: Any = None) -> Figure:
     return figure
 
 
-class Crossings(NamedTuple):
+class SectionCrossings(NamedTuple):
     """Azimuth and cosine of points on the section: of the manifolds, of the sets' centres."""
 
     unstable: Points
@@ -61,20 +61,20 @@ class Crossings(NamedTuple):
     sets: Points
 
 
-def crossings(proof: ProvedChaos) -> Crossings:
+def crossings(proof: ProvedChaos) -> SectionCrossings:
     """Where the proof's guess of both manifolds crosses the section, and the sets of the proof."""
     lanes, saddle, charts, sets, _ = proof.guess
     out, into, _ = homoclinic.manifolds(lanes, saddle)
     on = geometry.ground(proof.scene, proof.h, proof.f)
     centres = [charts[x.chart].centre + charts[x.chart].wide[:, 0] * x.middle for x in sets]
-    return Crossings(
+    return SectionCrossings(
         geometry.height_coordinates(on, out.state.T),
         geometry.height_coordinates(on, backward(into.state).T),
         geometry.height_coordinates(on, np.array(centres)),
     )
 
 
-def draw_crossings(axes: Axes, points: Crossings) -> None:
+def draw_crossings(axes: Axes, points: SectionCrossings) -> None:
     """The section with both manifolds and the sets."""
     into, out = canvas.series(2)
     for name, colour, where in (
@@ -91,12 +91,12 @@ def draw_crossings(axes: Axes, points: Crossings) -> None:
 
 def _sets(axes: Axes, proof: ProvedChaos) -> None:
     home, first = proof.guess.sets[:2]
-    for name, what in (("N0", home), ("M1", first)):
-        low, high = what.middle - what.width, what.middle + what.width
+    for name, rectangle in (("N0", home), ("M1", first)):
+        low, high = rectangle.middle - rectangle.width, rectangle.middle + rectangle.width
         x = np.array([low, high, high, low, low]) / home.width
-        y = np.array([-1, -1, 1, 1, -1]) * what.height / home.height
+        y = np.array([-1, -1, 1, 1, -1]) * rectangle.height / home.height
         axes.plot(x, y, color=SETS, lw=1.2, gid=name)
-        axes.text(what.middle / home.width, 1.06 * y.max(), name, ha="center", size=9)
+        axes.text(rectangle.middle / home.width, 1.06 * y.max(), name, ha="center", size=9)
     into, out = canvas.series(2)
     x, y = _outline(proof.images[0])
     axes.fill(x / home.width, y / home.height, color=out, alpha=0.35, lw=0, label="image of N0")

@@ -127,13 +127,13 @@ def members(plt: Any, result: Storable, axes: Any = None, *, cmap: str | None = 
     count = facts.fact("members").rows
     column = facts.scene.columns[-1]
     member, t, values = (numbers(facts, name) for name in ("member", "t", column))
-    kept = range(1, count + 1, -(-count // MOST) or 1)
-    shades = plt.get_cmap(cmap)(np.linspace(0, 0.9, len(kept)))
-    for k, shade in zip(kept, shades, strict=True):
+    rows = range(1, count + 1, -(-count // MOST) or 1)
+    shades = plt.get_cmap(cmap)(np.linspace(0, 0.9, len(rows)))
+    for k, shade in zip(rows, shades, strict=True):
         own = member == k
         panel.plot(t[own], values[own], color=shade, lw=0.8, gid=f"member {k}")
     panel.set(xlabel=time_label(facts.scene), ylabel=column)
-    panel.set_title(f"{len(kept)} members by {', '.join(facts.fact('vary'))}")
+    panel.set_title(f"{len(rows)} members by {', '.join(facts.fact('vary'))}")
     return figure
 
 
@@ -141,9 +141,9 @@ def reductions(plt: Any, result: Storable, axes: Any = None) -> Any:
     """Each number that was kept over what is varied first."""
     facts = told(result)
     key, columns = facts.fact("vary")[0], names(facts)
-    kept = {name: numbers(facts, name) for name in columns[columns.index("steps") + 1 :]}
-    alone = {"ylabel": next(iter(kept))} if len(kept) == 1 else {}
-    return _curves(plt, axes, numbers(facts, key), kept, ".-", xlabel=key, **alone)[0]
+    curves = {name: numbers(facts, name) for name in columns[columns.index("steps") + 1 :]}
+    alone = {"ylabel": next(iter(curves))} if len(curves) == 1 else {}
+    return _curves(plt, axes, numbers(facts, key), curves, ".-", xlabel=key, **alone)[0]
 
 
 def residues(plt: Any, result: Storable, axes: Any = None) -> Any:

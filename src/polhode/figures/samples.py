@@ -81,8 +81,8 @@ def shown_times(scene: Scene, end: Exact | None, samples: int | None = None) -> 
         places = 1 - math.floor(exact.log10(reach))
         last = Fraction(round(reach, places)) * sign(last)  # two significant digits
         angle = WINDOW
-    wanted = SAMPLES * math.ceil(angle / WINDOW)
-    return even_times(last, min(MOST_SAMPLES, max(SAMPLES, wanted)))
+    count = SAMPLES * math.ceil(angle / WINDOW)
+    return even_times(last, min(MOST_SAMPLES, max(SAMPLES, count)))
 
 
 def radians_apart(scene: Scene, times: Sequence[Exact]) -> float:
@@ -137,7 +137,7 @@ _COARSE = 0.5  # radians from one sample to the next that a cubic does not follo
 ANOTHER = "The file is of another motion than the scene's: energy or momentum differ."
 
 
-class Motion(NamedTuple):
+class ShownMotion(NamedTuple):
     """Even times in order, the quaternion and omega in the body a row each, and the scene."""
 
     scene: Scene
@@ -209,7 +209,7 @@ def _cubic(
     return between
 
 
-def of_samples(samples: Samples) -> Motion:
+def of_samples(samples: Samples) -> ShownMotion:
     """The motion in columns, in order of time; raises BadInput where it cannot be shown."""
     if samples.scene is None:
         raise BadInput(samples.name, "--scene", None, "the scene that the file belongs to")
@@ -230,4 +230,4 @@ def of_samples(samples: Samples) -> Motion:
     steps = np.diff(times)
     if len(times) < 3 or np.ptp(steps) > 1e-6 * abs(times[-1] - times[0]):
         raise BadInput(samples.name, "file", None, "three rows or more at even times")
-    return Motion(samples.scene, times, attitude, omega)
+    return ShownMotion(samples.scene, times, attitude, omega)

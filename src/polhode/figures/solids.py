@@ -76,8 +76,8 @@ def faces(solid: Solid, n: int = 12) -> Faces:
     corners = grids @ np.array(axes) + origin
     across = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     sizes = np.linalg.norm(across, axis=1)
-    kept = sizes > 0
-    return Faces(corners[kept], across[kept] / sizes[kept, None], tones[kept])
+    nonzero = sizes > 0
+    return Faces(corners[nonzero], across[nonzero] / sizes[nonzero, None], tones[nonzero])
 
 
 def _part(part: Part, size: float) -> Solid:
@@ -120,12 +120,12 @@ def _lengths(part: Part) -> dict[str, Any]:
 
 def _extent(part: Part) -> float:
     """How far a part reaches from the fixed point, at most."""
-    told = _lengths(part)
-    lengths = [*told.get("size", []), *(2 * x for x in told.get("semi_axes", []))]
-    lengths += [2 * told.get("radius", 0.0), told["height"]]
+    numbers = _lengths(part)
+    lengths = [*numbers.get("size", []), *(2 * x for x in numbers.get("semi_axes", []))]
+    lengths += [2 * numbers.get("radius", 0.0), numbers["height"]]
     half = math.sqrt(sum((x / 2) ** 2 for x in lengths))
-    lifted = told["height"] / 2 if part.shape == "cone" else 0.0
-    middle = [x + lifted * e for x, e in zip(told["at"], told["direction"], strict=True)]
+    lifted = numbers["height"] / 2 if part.shape == "cone" else 0.0
+    middle = [x + lifted * e for x, e in zip(numbers["at"], numbers["direction"], strict=True)]
     return math.hypot(*middle) + half or 1.0
 
 
@@ -168,11 +168,11 @@ def _divided(line: Lengths) -> Doubles:
     Among short faces it can be told which one is nearer.
     """
     points = np.array(line)
-    kept = [points[:1]]
+    pieces = [points[:1]]
     for a, b in pairwise(points):
         count = max(1, math.ceil(float(np.linalg.norm(b - a)) / _PIECE))
-        kept.append(a + (b - a) * np.arange(1, count + 1)[:, None] / count)
-    return np.concatenate(kept)
+        pieces.append(a + (b - a) * np.arange(1, count + 1)[:, None] / count)
+    return np.concatenate(pieces)
 
 
 def _patches(u: Doubles) -> Doubles:

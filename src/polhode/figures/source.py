@@ -63,8 +63,8 @@ def errors(table: Table, reference: Reference | Certified, number: NumberType | 
     answers = Answers(reference, table.times, False, None)
     true = answers.rows("at", math.ceil(min(most, 1000)) + SPARE_DIGITS)
     states = table.numbers(scene.columns, in_pairs=isinstance(true, Pairs))
-    found = scaled(log10_differences(states, true), log10_rate(true, scene))
-    parts = {"omega": largest(found[:, :3]), "gamma": largest(found[:, 3:])}
+    log10_errors = scaled(log10_differences(states, true), log10_rate(true, scene))
+    parts = {"omega": largest(log10_errors[:, :3]), "gamma": largest(log10_errors[:, 3:])}
     for name, logs in parts.items():
         logs[table.gaps(PARTS[name])] = math.nan  # of no whole vector
     judged = {name: logs for name, logs in parts.items() if not np.isnan(logs).all()}
@@ -86,8 +86,8 @@ def departures(table: Table, scene: Scene, number: NumberType | None) -> Samples
     states: Rows = [mpf_row(row, bits) for row in table.rows(scene.columns) or []]
     if table.run is not None:
         states = table.run.states
-    found = integrals.departures(scene, states, bits)
-    shown = {_NAMES.get(name, "fourth"): _log10(values) for name, values in found.items()}
+    by_integral = integrals.departures(scene, states, bits)
+    shown = {_NAMES.get(name, "fourth"): _log10(values) for name, values in by_integral.items()}
     return _samples(table, shown, scene, number)
 
 
@@ -172,12 +172,12 @@ class Drawing(NamedTuple):
 
 def drawing_of(
     source: Source,
-    what: str | None,
+    word: str | None,
     request: Request,
     progress: Progress | None = None,
     usual: str = "angles",
 ) -> Drawing:
-    """What is drawn of a source; ``what``: one of its figures, unless given its default.
+    """What is drawn of a source; ``word``: one of its figures, unless given its default.
 
     A run is integrated anew at as many times as curves need; a table of another program is drawn
     as it is, and so is a file of which a scene, conventions or columns were told.  ``usual``: the
@@ -189,58 +189,58 @@ def drawing_of(
         is_described = (request.scene, request.read, request.columns) != (None, None, None)
         is_result = path.suffix.lower() == ".json" or reader.is_result(path)
         if is_described or not is_result:
-            return _of_table(path, what or usual, request)
+            return _of_table(path, word or usual, request)
         source = load_result(path)
     if isinstance(source, Trajectory):
-        return _of_scene(source.scene, what or usual, request, source.number, progress)
+        return _of_scene(source.scene, word or usual, request, source.number, progress)
     if isinstance(source, Storable):
         kind = catalogue.kind_of(source)
         request.refuse(name, [*vars(request)], "no --{}: it is for a motion")
         notes = []
         if isinstance(source, Saved) and kind == "Frequencies":
             notes.append(f"{name}: the lines alone, no spectrum: a file has no samples")
-        return Drawing(source, catalogue.chosen(kind, what, name), name, tuple(notes))
+        return Drawing(source, catalogue.chosen(kind, word, name), name, tuple(notes))
     scene = library.load(source, takes=REQUESTS)
-    return _of_scene(scene, what or usual, request, None, progress)
+    return _of_scene(scene, word or usual, request, None, progress)
 
 
-def _check(what: str, source: str) -> None:
+def _check(word: str, source: str) -> None:
     """Raise BadInput for what is no figure of a motion."""
     figures = [*catalogue.MOTION, MOTION]
-    if what not in figures:
-        raise BadInput(source, "--what", what, nearest(what, figures))
+    if word not in figures:
+        raise BadInput(source, "--what", word, nearest(word, figures))
 
 
 def _of_scene(
     scene: Scene,
-    what: str,
+    word: str,
     request: Request,
     number: NumberType | None,
     progress: Progress | None,
 ) -> Drawing:
     """A scene's motion, integrated at even times."""
-    _check(what, scene.name)
+    _check(word, scene.name)
     request.refuse(scene.name, ("scene", "read", "columns"), "no --{}: it is for a FILE")
-    if what not in FREE_OF_GAMMA and scene.gamma is None:
-        raise BadInput(scene.name, "--what", what, "a scene with start.gamma")
+    if word not in FREE_OF_GAMMA and scene.gamma is None:
+        raise BadInput(scene.name, "--what", word, "a scene with start.gamma")
     end = None if request.end is None else _time(scene, request.end)
-    long = what in OVER_TIME
+    long = word in OVER_TIME
     times = sampling.shown_times(scene, end, SAMPLES if long else None)
-    reference = reference_of(scene) if what == "error" else None
+    reference = reference_of(scene) if word == "error" else None
     run = sampling.run(
         scene,
         times,
-        OUTPUTS.get(what, ()),
+        OUTPUTS.get(word, ()),
         request.number or (number if request.digits is None else None),
         request.digits,
         progress,
-        project=False if what == "integrals" else None,
+        project=False if word == "integrals" else None,
     )
     if not run.outcome.done:
         expected = f"an earlier end: {run.outcome.cause}; {run.outcome.advice}"
         raise Unreached(scene.name, "end", brief(times[-1]), expected)
     notes = []
-    if what == "integrals":
+    if word == "integrals":
         note = "without projection, after which the integrals would say nothing"
         notes.append(f"{scene.name}: {note}")
     if abs(times[-1]) < abs(scene.end) and end is None:
@@ -259,7 +259,7 @@ def _of_scene(
     else:
         samples = sampling.of_run(run)
         _refuse_extreme_numbers(samples)
-    return Drawing(samples, what, scene.name, tuple(notes))
+    return Drawing(samples, word, scene.name, tuple(notes))
 
 
 def _time(scene: Scene, end: AnyNumber) -> Exact:
@@ -269,13 +269,13 @@ def _time(scene: Scene, end: AnyNumber) -> Exact:
         raise BadInput(scene.name, "--end", end, f"a time ({fault})") from None
 
 
-def _of_table(path: Path, what: str, request: Request) -> Drawing:
+def _of_table(path: Path, word: str, request: Request) -> Drawing:
     """A table as it is."""
     source = str(path)
-    _check(what, source)
+    _check(word, source)
     scene = None if request.scene is None else library.load(request.scene, takes=REQUESTS)
-    if what in (*OVER_TIME, "momentum", MOTION) and scene is None:
-        raise BadInput(source, "--scene", None, f"the scene that the file belongs to, for {what}")
+    if word in (*OVER_TIME, "momentum", MOTION) and scene is None:
+        raise BadInput(source, "--scene", None, f"the scene that the file belongs to, for {word}")
     request.refuse(source, ("end",), "no --{}: a file is drawn whole")
     if scene is None:
         request.refuse(source, ("number", "digits"), "a --scene to judge the file with it")
@@ -287,17 +287,17 @@ def _of_table(path: Path, what: str, request: Request) -> Drawing:
     if scene is not None and request.read is not None:
         table = table_as_told(table, reference_of(scene), request.read)
     notes = [f"{table.name}: {remark}" for remark in table.remarks]
-    if what == "error" and scene is not None:
+    if word == "error" and scene is not None:
         samples = errors(table, reference_of(scene), number)
-    elif what == "integrals" and scene is not None:
+    elif word == "integrals" and scene is not None:
         samples = departures(table, scene, number)
     else:
         samples = sampling.of_table(table, scene)
-        _refuse_what_is_missing(samples, what)
+        _refuse_what_is_missing(samples, word)
         _refuse_extreme_numbers(samples)
-    if what == MOTION:
+    if word == MOTION:
         notes += _on_motion(samples)
-    return Drawing(samples, what, str(table.name), tuple(notes), measured=True)
+    return Drawing(samples, word, str(table.name), tuple(notes), measured=True)
 
 
 def _refuse_extreme_numbers(samples: Samples) -> None:
@@ -324,9 +324,9 @@ def _on_motion(samples: Samples) -> list[str]:
     return notes
 
 
-def _refuse_what_is_missing(samples: Samples, what: str) -> None:
+def _refuse_what_is_missing(samples: Samples, word: str) -> None:
     """Raise BadInput where a file lacks the columns of a figure, or has too few rows."""
-    wanted = {
+    needs = {
         "omega": (any(samples.has([name]) for name in STATE[:3]), "one of p, q, r"),
         "momentum": (samples.has(STATE[:3]), "columns p, q, r"),
         "attitude": (samples.has(ATTITUDE), "columns q0, q1, q2, q3"),
@@ -338,10 +338,10 @@ def _refuse_what_is_missing(samples: Samples, what: str) -> None:
             "columns p, q, r and the attitude q0, q1, q2, q3 (or omega_x, omega_y, omega_z)",
         ),
     }
-    there, expected = wanted[what]
+    there, expected = needs[word]
     if not there:
-        expected = f"{expected} for {what}"
-        if what == "angles" and samples.has(ATTITUDE):
+        expected = f"{expected} for {word}"
+        if word == "angles" and samples.has(ATTITUDE):
             expected += "; --what attitude draws its q0, q1, q2, q3"
         raise BadInput(samples.name, "header", ",".join(samples.columns), expected)
     if len(samples.columns["t"]) < 3:

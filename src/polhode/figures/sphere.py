@@ -64,13 +64,13 @@ class Globe:
         """
         points = np.asarray(points)
         page, side = self.onto_page(points), self.facing(points)
-        seen = side[:-1] + side[1:] >= 0  # of each piece between two points
-        for part, tint, order, end in ((~seen, hidden, 1, "-hidden"), (seen, colour, 3, "")):
-            kept = np.zeros(len(points), dtype=bool)
-            kept[:-1] |= part
-            kept[1:] |= part
-            x, y = np.where(kept[:, None], page, math.nan).T
-            if kept.any():
+        front = side[:-1] + side[1:] >= 0  # of each piece between two points
+        for part, tint, order, end in ((~front, hidden, 1, "-hidden"), (front, colour, 3, "")):
+            shown = np.zeros(len(points), dtype=bool)
+            shown[:-1] |= part
+            shown[1:] |= part
+            x, y = np.where(shown[:, None], page, math.nan).T
+            if shown.any():
                 axes.plot(
                     x,
                     y,
@@ -93,7 +93,7 @@ class Globe:
             c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
             arc = np.array([c * np.cos(half), s * np.cos(half), np.sin(half)]).T
             self.curve(axes, arc * self.semi_axes, FRONT, BACK, lw=0.4, above=-1)
-        gids = [line.get_gid() or "" for other in axes.figure.axes for line in other.lines]
+        gids = [line.get_gid() or "" for panel in axes.figure.axes for line in panel.lines]
         before = sum(gid.startswith("outline") for gid in gids)
         name = f"outline-{before + 1}" if before else "outline"  # no name stands twice
         axes.plot(*self.onto_page(self._outline()).T, color=RIM, lw=0.6, zorder=2, gid=name)
@@ -115,9 +115,9 @@ class Globe:
     def arms(self, axes: Any, labels: Sequence[str]) -> None:
         """The three axes outside the surface, named."""
         for i, label in enumerate(labels):
-            page, seen = self.onto_page(self._arm(i)), self.towards[i] > 0
-            colour = ink() if seen else RIM
-            axes.plot(*page[:2].T, color=colour, lw=0.7, zorder=4 if seen else 0)
+            page, front = self.onto_page(self._arm(i)), self.towards[i] > 0
+            colour = ink() if front else RIM
+            axes.plot(*page[:2].T, color=colour, lw=0.7, zorder=4 if front else 0)
             axes.annotate(label, page[2], ha="center", va="center", color=colour, zorder=5)
 
     def _arm(self, i: int) -> Doubles:
@@ -128,9 +128,9 @@ class Globe:
 
     def mark(self, axes: Any, point: Doubles, colour: str, hidden: str = "") -> None:
         """A dot, where the motion starts."""
-        seen = self.facing(point) >= 0
-        tint = colour if seen else hidden or pale(colour)
-        axes.plot(*self.onto_page([point]).T, "o", color=tint, ms=2.6, zorder=6 if seen else 1)
+        front = self.facing(point) >= 0
+        tint = colour if front else hidden or pale(colour)
+        axes.plot(*self.onto_page([point]).T, "o", color=tint, ms=2.6, zorder=6 if front else 1)
 
 
 def facing_most(points: Doubles, semi_axes: tuple[float, float, float] = (1.0, 1.0, 1.0)) -> Globe:

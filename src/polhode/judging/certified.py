@@ -123,12 +123,12 @@ class Certified(Storable):
         digits = whole(self.scene.name, "digits", digits, 1, MOST_DIGITS)
         scene = self.scene
         instants = each(scene.name, "t", times, reader(scene.units, TIME), "a list of times")
-        known = (x for at, of, x in self._proofs if at == instants and of == outputs)
-        found = next((proof for proof in known if proof.asked >= digits), None)
-        if found is None:
+        proofs = (x for at, of, x in self._proofs if at == instants and of == outputs)
+        enclosure = next((proof for proof in proofs if proof.asked >= digits), None)
+        if enclosure is None:
             progress, forecast = self._told
             left = None if self._most is None else max(1e-3, self._deadline - time.monotonic())
-            found = certify(
+            enclosure = certify(
                 replace(self.scene, outputs=outputs),
                 instants,
                 digits=digits,
@@ -136,15 +136,15 @@ class Certified(Storable):
                 max_seconds=left,
                 forecast=forecast,
             )
-            if found.outcome is Outcome.TIME_LIMIT:
+            if enclosure.outcome is Outcome.TIME_LIMIT:
                 last = shown(max(instants, key=abs))
                 expected = f"seconds in which the motion is proven to t = {last}, or earlier times"
                 raise ProofTooLong(self.scene.name, "max_seconds", self._most, expected)
-            if not found.outcome.done:
+            if not enclosure.outcome.done:
                 raise KeyboardInterrupt
-            self._proofs.append((instants, outputs, found))
-        self.agreement = found.proven
-        return found
+            self._proofs.append((instants, outputs, enclosure))
+        self.agreement = enclosure.proven
+        return enclosure
 
     def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows q0 q1 q2 q3 as mpf, the quaternion body to space, proven to ``digits`` digits."""

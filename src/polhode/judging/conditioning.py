@@ -179,10 +179,10 @@ def rounding(along: Passage, number: NumberType, every: int = 0) -> Iterator[Rou
     )
     clear, rests = _Clearing(along, every), _Rests(along, v.values)
     for stretch, variances in zip(along.stretches, _of_steps(along), strict=True):
-        first, other, once = (np.diag(np.ldexp(x, -c.exponent)) for x in variances)
+        first, rest, once = (np.diag(np.ldexp(x, -c.exponent)) for x in variances)
         half, carried = stretch.steps / 2, stretch.carried
         errors = carried @ v.values + np.ldexp(stretch.driven @ drive, -v.exponent)
-        spread = carried @ (c.values + half * first) @ carried.T + half * other
+        spread = carried @ (c.values + half * first) @ carried.T + half * rest
         if (count := clear.made(stretch.steps)) > 0:
             keep = clear.removed(stretch.state)
             errors = keep @ errors
@@ -303,9 +303,9 @@ class _Rests:
         ``values``: where they should be, off the exact motion, in eps times 2**exponent.
         """
         for i, gap in self._gaps.items():
-            wanted, chosen = math.ldexp(float(values[i]), exponent), []
+            target, chosen = math.ldexp(float(values[i]), exponent), []
             for _ in range(count):
-                off = wanted + self._left[i]
+                off = target + self._left[i]
                 chosen.append(self._start[i] + gap * round((off - self._start[i]) / gap))
                 self._left[i] = off - chosen[-1]
             values[i] = math.ldexp(sum(chosen) / count, -exponent)
@@ -500,8 +500,8 @@ class Conditioning(Result, ByValue):
         ]
 
     def __repr__(self) -> str:
-        known = [x for x in self.log10_kappa if x is not None]
-        largest = f"kappa up to {_power(max(known)):.3g}" if known else "kappa not computed"
+        finite = [x for x in self.log10_kappa if x is not None]
+        largest = f"kappa up to {_power(max(finite)):.3g}" if finite else "kappa not computed"
         return f"<Conditioning of {self.scene.name}: {largest}>"
 
     def __str__(self) -> str:
@@ -523,7 +523,7 @@ class Conditioning(Result, ByValue):
         return "\n".join([*lines, *filter(None, (self.lost, self.note))])
 
     def _at(
-        self, place: int, number: NumberType, what: Callable[[int], T], none_left: T
+        self, place: int, number: NumberType, quantity: Callable[[int], T], none_left: T
     ) -> T | None:
         """What is known of the stretch that ends at ``times[place]``; None where that is unknown.
 
@@ -531,7 +531,7 @@ class Conditioning(Result, ByValue):
         """
         k = self._places[place]
         if k is not None:
-            return what(k)
+            return quantity(k)
         lost = self._gone(self.along.outputs[place]) and number.bits <= self.number.bits
         return none_left if lost else None
 

@@ -146,9 +146,9 @@ class ObservedOrder(Result):
 
     @property
     def _summary(self) -> str:
-        known = sum(x is not None for x in self.orders)
+        count = sum(x is not None for x in self.orders)
         words = f"{self.least:.2f} to {self.most:.2f} between successive steps"
-        return words if len(self.times) == 1 else f"{words} at {known} of {len(self.times)} times"
+        return words if len(self.times) == 1 else f"{words} at {count} of {len(self.times)} times"
 
     def __repr__(self) -> str:
         counted = sum(self.counted)
@@ -242,8 +242,8 @@ def _order(
         for score in judged
     ]
     times = judged[0].times
-    common = tuple(t for t in times if t and all(_label(t) in known for known in digits))
-    rows = tuple(tuple(known[_label(t)] for t in common) for known in digits)
+    common = tuple(t for t in times if t and all(_label(t) in by_time for by_time in digits))
+    rows = tuple(tuple(by_time[_label(t)] for t in common) for by_time in digits)
     rounding = min(score.subject.held for score in judged) - _SPARE
     limited = _limited(judged, steps, common, rows, rounding)
     order = ObservedOrder(steps, common, rows, rounding, names, limited)

@@ -47,8 +47,8 @@ def checked(
     ``digits``: those wanted.  ``proved``: whether a motion without closed form is to be enclosed; a
     second run tells the digits to which the two agree.
     """
-    kept = few(len(run.times), MOST_CHECKED)
-    times, states = [run.times[k] for k in kept], [run.states[k] for k in kept]
+    rows = few(len(run.times), MOST_CHECKED)
+    times, states = [run.times[k] for k in rows], [run.states[k] for k in rows]
     scene = run.scene.at(tuple(times))
     judge = _closed_form(run, scene, times)
     if judge is None and proved is not False:
@@ -83,17 +83,17 @@ def _proof(
     scene: Scene,
     times: Sequence[Fraction],
     digits: int,
-    wanted: bool,
+    demanded: bool,
     progress: Progress | None,
 ) -> _Judge | None:
     """Midpoints of proven balls; None where there are none, or the second run costs less."""
     from polhode.enclosures.certify import certify
     from polhode.enclosures.task import MOST_DIGITS
 
-    if digits + _SPARE > MOST_DIGITS or not (wanted or run.number.bits > 64):
+    if digits + _SPARE > MOST_DIGITS or not (demanded or run.number.bits > 64):
         return None
     limit = MOST_SECONDS
-    if not wanted:
+    if not demanded:
         limit = min(_UNASKED_SECONDS, defaults.seconds(wider(run.number), run.steps))
 
     def forecast(seconds: float) -> None:

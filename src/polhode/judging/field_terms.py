@@ -313,7 +313,7 @@ class _Fitted:
         for row, column in np.argwhere(self._differ(own, right)).tolist():
             places = self.monomials[column]
             unit = self.sizes[row] / math.prod(self._units[k] for k in places)
-            true, other = (
+            true, coefficient = (
                 0.0 if abs(x) <= noise else x * unit
                 for x, noise in (
                     (float(right[row, column]), _ROUNDING),
@@ -321,15 +321,15 @@ class _Fitted:
                 )
             )
             term = " ".join(self.names[k] for k in places) or "1"
-            differences.append(Difference(f"{self.names[row]}'", term, true, other))
+            differences.append(Difference(f"{self.names[row]}'", term, true, coefficient))
         return tuple(differences)
 
     def _terms(self) -> Iterator[str]:
         """What differs, in words: whole terms, and the coefficients of others."""
         left = self.own.copy()
-        other = self._other_scene()
-        if other:
-            yield f"the equations are those of a body with {other}"
+        other_body = self._other_scene()
+        if other_body:
+            yield f"the equations are those of a body with {other_body}"
             return
         for words, rows, columns in self._vectors():
             place = np.ix_(rows, columns)
@@ -382,8 +382,8 @@ class _Fitted:
 
     def _other_scene(self) -> str:
         """Another body of which f has the equations, in words; empty where there is none."""
-        for words, other in self._others():
-            if not np.any(self._differ(self.own, self._of(other))):
+        for words, scene in self._others():
+            if not np.any(self._differ(self.own, self._of(scene))):
                 return words
         return ""
 
@@ -391,9 +391,9 @@ class _Fitted:
         """Bodies that may be meant."""
         if not np.any(self._differ(self.own, self.right)):
             return
-        for words, other in other_scenes(self.scene):
-            if other.body.inertia != self.scene.body.inertia:  # the weight is a term of its own
-                yield words, other
+        for words, scene in other_scenes(self.scene):
+            if scene.body.inertia != self.scene.body.inertia:  # the weight is a term of its own
+                yield words, scene
         inertia = self.scene.body.inertia
         full = any(inertia[i][j] for i in range(3) for j in range(i))
         for order in permutations(range(3)):

@@ -74,21 +74,21 @@ UNKNOWN = Limit("unknown", "the digits to expect were not computed")
 OF_THIN = Limit("unknown", "steps of so thin a body lose more than the expected digits allow for")
 
 
-def plain_limit(digits: float, held: float, reference: float) -> Limit | None:
+def plain_limit(digits: float, most: float, reference: float) -> Limit | None:
     """What limits so many correct digits, where that needs nothing of the motion; else None.
 
-    ``held``: the most that a table may have.  ``reference``: those that the reference is good for,
+    ``most``: the most that a table may have.  ``reference``: those that the reference is good for,
     inf for a closed form.  *reference*: it is not good for more.  *rounding*: these are the type's
     own last digits.
     """
     if reference < digits + LAST:
         return Limit("reference")
-    return Limit("rounding") if digits >= held - LAST else None
+    return Limit("rounding") if digits >= most - LAST else None
 
 
 def limit(
     digits: float,
-    held: float,
+    most: float,
     expected: Band | None,
     inputs: float | None,
     steps: str,
@@ -112,7 +112,7 @@ def limit(
     least = expected.least - selected(times)
     if digits < least:
         return OF_THIN if thin and digits >= least - THIN_TAKES else Limit("method", steps)
-    if expected.middle >= held - MOTION_TAKES:
+    if expected.middle >= most - MOTION_TAKES:
         return Limit("rounding")
     lost = expected.most == 0
     alone = inputs is not None and inputs < expected.middle + ALONE and not lost
@@ -160,22 +160,22 @@ def shown_digits(digits: float | None, expected: Band | None) -> str:
     return "none left" if is_lost(digits, expected) else f"{digits:.2f}"
 
 
-def between(known: Mapping[int, Any], times: Sequence[Fraction]) -> tuple[Any, ...]:
+def between(by_row: Mapping[int, Any], times: Sequence[Fraction]) -> tuple[Any, ...]:
     """Digits (numbers or bands) at times, linear between the rows where they are known.
 
     None where they are not known at a neighbour.
     """
-    kind = next((x for x in known.values() if x is not None), None)
+    kind = next((x for x in by_row.values() if x is not None), None)
     if kind is None:
         return (None,) * len(times)
-    nodes, unknown = sorted(known, key=times.__getitem__), np.full(np.size(kind), math.nan)
-    rows = np.array([unknown if known[k] is None else np.ravel(known[k]) for k in nodes])
+    nodes, unknown = sorted(by_row, key=times.__getitem__), np.full(np.size(kind), math.nan)
+    rows = np.array([unknown if by_row[k] is None else np.ravel(by_row[k]) for k in nodes])
     at = np.array([to_double(t) for t in times])
     columns = [np.interp(at, at[nodes], column) for column in rows.T]
     rows_between = np.stack(columns, axis=1).tolist()
     make = type(kind) if np.size(kind) > 1 else float
     return tuple(
-        known[k] if k in known else None if math.isnan(row[0]) else make(*row)
+        by_row[k] if k in by_row else None if math.isnan(row[0]) else make(*row)
         for k, row in enumerate(rows_between)
     )
 
@@ -245,17 +245,17 @@ class Expectation:
     lost: str
 
 
-def expectation(score: Score, known: Conditioning | None = None) -> Expectation:
+def expectation(score: Score, conditions: Conditioning | None = None) -> Expectation:
     """The digits to expect of what was judged.
 
-    ``known``: the conditioning at the scene's times, of which these are the first ones, to spare
-    its computation.
+    ``conditions``: the conditioning at the scene's times, of which these are the first ones, to
+    spare its computation.
     """
     table, times, scene = score.subject, score.times, score.reference.scene
     lowest = {score.lowest_row} if score.digits else set()
     rows = sorted({*few(len(times), FOLLOWED), *few(len(times), SHOWN)} | lowest)
-    if known is not None:
-        parts, rows = [known], [*range(len(times))]
+    if conditions is not None:
+        parts, rows = [conditions], [*range(len(times))]
     elif heyoka.installed:
         instants = by_sign([times[k] for k in rows])
         parts = [conditioning(scene, part, table.number) for part in instants]
@@ -339,10 +339,10 @@ def attitude_limit(score: Score, expected: Expectation) -> Limit:
     at = digits.index(worst)
     band = expected.bands[at]
     if band is not None:
-        turned = 10.0**scene.log10_rate * abs(to_double(score.times[at]))
-        band = band._replace(least=max(0.0, band.least - math.log10(1 + turned)))
-    held, thin = most_digits(table), is_thin(scene.body)
-    return limit(worst, held, band, None, table.steps, len(there), thin)
+        angle = 10.0**scene.log10_rate * abs(to_double(score.times[at]))
+        band = band._replace(least=max(0.0, band.least - math.log10(1 + angle)))
+    most, thin = most_digits(table), is_thin(scene.body)
+    return limit(worst, most, band, None, table.steps, len(there), thin)
 
 
 def time_rounding(score: Score, expected: Expectation) -> float | None:

@@ -39,7 +39,7 @@ Asked = Callable[[str], Callable[..., list[list[Real | None]]]]
 
 
 def column_of(
-    asked: Asked, scene: Scene, word: str, times: Iterable[AnyNumber], digits: int
+    ask: Asked, scene: Scene, word: str, times: Iterable[AnyNumber], digits: int
 ) -> list[list[Real | None]]:
     """Rows of an output at the times; raises BadInput.
 
@@ -50,9 +50,9 @@ def column_of(
         raise BadInput(scene.name, "outputs", word, nearest(word, [*COLUMNS]))
     times = list(times)
     if COLUMNS[word].how == "integrated":
-        return asked(word)(times, digits)
+        return ask(word)(times, digits)
     parts = [
-        asked("at")(times, digits) if need == "state" else asked(need)(times, digits + 1)
+        ask("at")(times, digits) if need == "state" else ask(need)(times, digits + 1)
         for need in COLUMNS[word].needs
     ]
     rows = derived(word, scene, parts, number_types.mp(digits + 1))
@@ -243,7 +243,7 @@ class Reference(Storable):
         It is an estimate where the closed form is only reproduced.
         """
         own: Real = self._asked(
-            lambda exactly, wanted: self._motion.error(wanted, exactly), times, digits
+            lambda exactly, places: self._motion.error(places, exactly), times, digits
         )
         return own
 
@@ -418,8 +418,8 @@ def reference(
     if fitting is not None:
         return Reference(scene, *fitting)
     if scene.reference != "auto":
-        other = closed_form(scene)
-        fits = f"{other[0] if other else 'certified'}, which fits body and start"
+        fit = closed_form(scene)
+        fits = f"{fit[0] if fit else 'certified'}, which fits body and start"
         if (why := misfit(scene, scene.reference)) is not None:
             fits += f"; {scene.reference} needs {why}"
         raise BadInput(scene.name, "reference.kind", scene.reference, fits)

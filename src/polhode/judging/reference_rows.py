@@ -124,11 +124,11 @@ def tabulated(source: _Answers, digits: int = USUAL_DIGITS) -> ReferenceTable:
     scene = source.scene
     digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
     printed = _number(digits).printed_digits
-    held = held_times(scene, scene.times, digits)
-    states: Any = right_rows(source.at, held, printed)
-    radii = source.radii(held, printed)
+    exact_times = held_times(scene, scene.times, digits)
+    states: Any = right_rows(source.at, exact_times, printed)
+    radii = source.radii(exact_times, printed)
     outputs: dict[str, Any] = {
-        word: right_rows(partial(source.column, word), held, printed)
+        word: right_rows(partial(source.column, word), exact_times, printed)
         for word in COLUMNS
         if word in scene.outputs
     }
@@ -137,7 +137,7 @@ def tabulated(source: _Answers, digits: int = USUAL_DIGITS) -> ReferenceTable:
         source.kind,
         source.regime,
         digits,
-        tuple(held),
+        tuple(exact_times),
         states,
         None if radii is None else [*map(partial(_bounds, printed), states, radii)],
         outputs,

@@ -75,8 +75,8 @@ def rotations(own: Given | Pairs, true: Given | Pairs) -> Doubles:
         sine = np.linalg.norm(vector, axis=1)
         angle = 2 * np.arctan2(sine, np.abs(product))
         factor = np.where(sine > 0, np.degrees(angle) / sine, 0.0)
-        turned: Doubles = vector * factor[:, None]
-    return turned
+        rotation: Doubles = vector * factor[:, None]
+    return rotation
 
 
 def residuals(names: Sequence[str], rows: Doubles) -> tuple[Residual, ...]:

@@ -44,14 +44,14 @@ SHOWN = 11  # times that are printed, and judged in any case
 TURNING = (ANGLES.index("psi"), ANGLES.index("phi"))  # angles whose whole turns mean nothing
 
 
-def fewest(digits: RowDigits, held: float) -> float:
-    """The fewest of the digits; ``held`` where none was judged."""
-    return min((d for d in digits if d is not None), default=held)
+def fewest(digits: RowDigits, most: float) -> float:
+    """The fewest of the digits; ``most`` where none was judged."""
+    return min((d for d in digits if d is not None), default=most)
 
 
-def row_digits(differences: Doubles, held: float) -> RowDigits:
+def row_digits(differences: Doubles, most: float) -> RowDigits:
     """The fewest digits of each row, of log10 of its numbers' differences; None where none is."""
-    digits = digits_of(largest(differences), held)
+    digits = digits_of(largest(differences), most)
     return tuple(None if math.isnan(x) else x for x in digits.tolist())
 
 
@@ -59,23 +59,23 @@ def part_digits(
     name: str,
     own: Given | Pairs,
     true: Given | Pairs,
-    held: float,
+    most: float,
     bits: int,
 ) -> RowDigits:
-    """A part's rows against the reference's; ``held``: the most digits that can be told.
+    """A part's rows against the reference's; ``most``: the most digits that can be told.
 
     Angles against attitudes: psi and phi up to whole turns, with ``bits`` of pi.  A quaternion and
     its opposite are one attitude.
     """
     if name == "angles":
         angles = angles_of_attitudes(plain_rows(true), bits)
-        return row_digits(log10_differences(own, angles, turning=TURNING, bits=bits), held)
+        return row_digits(log10_differences(own, angles, turning=TURNING, bits=bits), most)
     scale = 0.0 if COLUMNS[name].how == "integrated" else _log10_largest(true)
     differences = log10_differences(own, true)
     if name == "attitude":
         sides = differences, log10_differences(own, true, side=-1)
         differences = np.fmin(*map(largest, sides))[:, None]
-    return row_digits(differences - scale, held)
+    return row_digits(differences - scale, most)
 
 
 def angles_of_attitudes(attitudes: Given, bits: int) -> list[list[Scalar | None]]:
@@ -214,10 +214,10 @@ class Answers:
             group = ("attitude", "at") if both and question in ("attitude", "at") else (question,)
             for name, answer in self._found(group, digits).items():
                 self._known[name, digits] = answer
-        found = self._known[question, digits]
-        if isinstance(found, ValueError):
-            raise found
-        return found
+        reply = self._known[question, digits]
+        if isinstance(reply, ValueError):
+            raise reply
+        return reply
 
     def _is_answered(self, question: str, digits: int) -> bool:
         """Whether a question that was asked was not refused: for fewer digits it may not be."""
@@ -245,9 +245,9 @@ class Answers:
                         pieces[name].append(self._piece(name, piece, digits, in_pairs))
                 except ValueError as fault:  # BadInput is one
                     faults[name] = fault
-            done = begin + len(piece)
+            count_done = begin + len(piece)
             if self.progress is not None and size < count:
-                self.progress(done / count, done)
+                self.progress(count_done / count, count_done)
         answers = {name: faults.get(name) or _joined(pieces[name]) for name in questions}
         if in_pairs and not all(map(_is_held, answers.values())):
             return self._found(questions, digits, in_pairs=False)
@@ -342,8 +342,8 @@ class Comparison(NamedTuple):
         """Digits at all rows of the table, None where they are not judged."""
         if self.selected is None:
             return digits
-        known = dict(zip(self.selected.rows, digits, strict=True))
-        return tuple(known.get(k) for k in range(len(self.subject.times)))
+        by_row = dict(zip(self.selected.rows, digits, strict=True))
+        return tuple(by_row.get(k) for k in range(len(self.subject.times)))
 
     def by_enough(
         self, word: str, judged: Callable[[Answer], T], right: Callable[[T], float], more: int = 0
@@ -354,12 +354,12 @@ class Comparison(NamedTuple):
         ``right``: how many are right by it.  ``more``: digits that are asked for in any case.
         Raises ValueError.
         """
-        wanted = min(self.digits_wanted, FIRST_ASKED)
+        requested = min(self.digits_wanted, FIRST_ASKED)
         while True:
-            value = judged(self.answers.rows(word, wanted + more))
-            if wanted == self.digits_wanted or right(value) < wanted - SPARE_DIGITS:
+            value = judged(self.answers.rows(word, requested + more))
+            if requested == self.digits_wanted or right(value) < requested - SPARE_DIGITS:
                 return value
-            wanted = min(self.digits_wanted, 4 * wanted)
+            requested = min(self.digits_wanted, 4 * requested)
 
     def first_answer(self, word: str) -> Answer:
         """The reference's rows of a word, to the digits that were asked for at first."""
@@ -380,14 +380,14 @@ class Comparison(NamedTuple):
 
     def part(self, name: str) -> RowDigits:
         """Digits of angles, attitude or a derived column; raises ValueError."""
-        held = self.subject.held
+        most = self.subject.held
         word, more = ("attitude", NEAR_POLE) if name == "angles" else (name, 0)
 
         def judged(true: Answer) -> RowDigits:
             own = self.judged.numbers(COLUMNS[name].names, in_pairs=isinstance(true, Pairs))
-            return part_digits(name, own, true, held, self.bits)
+            return part_digits(name, own, true, most, self.bits)
 
-        digits = self.by_enough(word, judged, lambda row: fewest(row, held), more)
+        digits = self.by_enough(word, judged, lambda row: fewest(row, most), more)
         return self.at_all_rows(digits)
 
     def state_errors(self) -> Doubles:
@@ -486,8 +486,8 @@ class Score(ByValue):
     @property
     def parts(self) -> dict[str, float]:
         """The fewest correct digits over all times of angles, attitude and derived columns."""
-        held = self.subject.held
-        return {name: fewest(digits, held) for name, digits in self.other_parts.items()}
+        most = self.subject.held
+        return {name: fewest(digits, most) for name, digits in self.other_parts.items()}
 
     @cached_property
     def gaps(self) -> dict[str, tuple[int, ...]]:
@@ -597,8 +597,8 @@ def score(
     rows that it asked for.  Raises BadInput where the state cannot be judged, which is
     :class:`NoAnswer` where another reference may have an answer.
     """
-    known = None if earlier is None or earlier.comparison is None else earlier.comparison.answers
-    comparison = Comparison.of(subject, reference, progress, known)
+    answers = None if earlier is None or earlier.comparison is None else earlier.comparison.answers
+    comparison = Comparison.of(subject, reference, progress, answers)
     errors = comparison.state_errors() if subject.state else None
     missing = comparison.missing()
     gaps = gaps_of_parts(missing)

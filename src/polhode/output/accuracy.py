@@ -45,7 +45,7 @@ VERDICTS = GOOD, FAIR, BAD, UNKNOWN = "good", "fair", "bad", "unknown"
 
 
 @dataclass(frozen=True)
-class Asked:
+class ReportRequest:
     """What a report is asked for: the options of :func:`polhode.report`."""
 
     number: str | None = None
@@ -78,7 +78,7 @@ class Given(NamedTuple):
     step: str | None = None
 
 
-class Line(NamedTuple):
+class AccuracyLine(NamedTuple):
     """A run or a table, and how many of its digits are right.
 
     ``judgement``: None where there is none, and ``why`` says why.  ``run``, ``until``: of a run,
@@ -124,12 +124,12 @@ class Line(NamedTuple):
         rows = zip(self.judgement.times, self.digits, strict=True)
         return next((float(t) for t, d in rows if d is not None and d < digits), None)
 
-    def mark(self, wanted: int | None) -> str:
+    def mark(self, goal: int | None) -> str:
         """Good: as many digits as are wanted, or half of those held; fair: one or more; or bad."""
         if self.judgement is None or self.fewest is None:
             return UNKNOWN
         subject = self.judgement.subject
-        enough = min(subject.held, subject.number.most_digits) / 2 if wanted is None else wanted
+        enough = min(subject.held, subject.number.most_digits) / 2 if goal is None else goal
         return GOOD if self.fewest >= enough else FAIR if self.fewest >= 1 else BAD
 
 
@@ -143,7 +143,7 @@ class Work(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Section:
+class SceneSection:
     """All that is measured of a scene, and of the files beside it.
 
     ``times``: how many the scene has, of which as many are looked at as ``scene`` has here.
@@ -155,8 +155,8 @@ class Section:
     times: int
     description: Description
     reference: AnyReference
-    lines: Sequence[Line]
-    files: Sequence[Line]
+    lines: Sequence[AccuracyLine]
+    files: Sequence[AccuracyLine]
     orders: Sequence[ObservedOrder | str]
     motion: Lyapunov
     growth: Conditioning
@@ -170,15 +170,15 @@ class Section:
         marks = [x.mark(self.wanted) for x in self.files or self.lines]
         return (max if self.files else min)(marks, key=VERDICTS.index)
 
-    def reach(self, line: Line) -> tuple[float | None, float | None]:
+    def reach(self, line: AccuracyLine) -> tuple[float | None, float | None]:
         """The times after which half of the digits and all of them are lost; None: not by the end.
 
         Of a table as measured.  Of a run as expected; beyond the end by the exponent of a motion on
         which nearby ones separate exponentially.
         """
         if line.run is None:
-            held = 0.0 if line.judgement is None else line.judgement.subject.held
-            return line.below(held / 2), line.below(1.0)
+            most = 0.0 if line.judgement is None else line.judgement.subject.held
+            return line.below(most / 2), line.below(1.0)
         expected, end = line.run.expected, to_double(self.scene.end)
         rate = self.motion.exponent / math.log(10)
         separates = self.motion.verdict in ("chaotic", "unstable") and rate > 0
@@ -192,41 +192,43 @@ class Section:
         return beyond(expected.halved_after, half), beyond(expected.lost_after, 0.0)
 
 
-def section(scene: Scene, files: Sequence[Line], asked: Asked, say: Message) -> Section:
+def section(
+    scene: Scene, files: Sequence[AccuracyLine], request: ReportRequest, say: Message
+) -> SceneSection:
     """Measure a scene's runs in every number type, their cost, and the motion itself."""
     times = len(scene.times)
     if times > MOST_TIMES:
         scene = scene.at([scene.times[k] for k in few(times, MOST_TIMES)])
     lines, faults = [], []
-    for name, options in _kinds(asked):
+    for name, options in _kinds(request):
         say(f"{scene.name}: {name}")
         try:
-            lines.append(_judged(name, integrate(scene, **options), asked, options))
+            lines.append(_judged(name, integrate(scene, **options), request, options))
         except BadInput as fault:
             faults.append(fault)
-            lines.append(Line(name, None, str(fault)))
+            lines.append(AccuracyLine(name, None, str(fault)))
     if len(faults) == len(lines):
         raise faults[0]
     say(f"{scene.name}: what the motion does to errors")
     motion, growth = lyapunov(scene, max_steps=MOTION_STEPS), conditioning(scene, [scene.end])
     unprojected = None
     with suppress(BadInput):
-        unprojected = _run(scene, {"number": asked.number or "double", "project": False})
+        unprojected = _run(scene, {"number": request.number or "double", "project": False})
     say(f"{scene.name}: speed against error")
     until = min((x.until for x in lines if x.until is not None), key=abs, default=scene.end)
-    work = _work(scene, until, asked) if any(x.judgement for x in lines) else []
+    work = _work(scene, until, request) if any(x.judgement for x in lines) else []
     orders, about = _orders(files), (describe(scene), reference(scene))
-    parts = *about, lines, files, orders, motion, growth, work, unprojected, asked.digits
-    return Section(scene, times, *parts)
+    parts = *about, lines, files, orders, motion, growth, work, unprojected, request.digits
+    return SceneSection(scene, times, *parts)
 
 
-def _kinds(asked: Asked) -> list[tuple[str, dict[str, Any]]]:
+def _kinds(request: ReportRequest) -> list[tuple[str, dict[str, Any]]]:
     """The runs that are made of each scene: a name, and the options of integrate."""
-    if asked.number is not None:
-        return [(asked.number, {"number": asked.number, "digits": asked.digits})]
+    if request.number is not None:
+        return [(request.number, {"number": request.number, "digits": request.digits})]
     kinds: list[tuple[str, dict[str, Any]]] = [(x, {"number": x}) for x in NUMBERS]
-    if asked.digits is not None:
-        kinds.append((f"{asked.digits} digits", {"digits": asked.digits}))
+    if request.digits is not None:
+        kinds.append((f"{request.digits} digits", {"digits": request.digits}))
     return kinds
 
 
@@ -238,43 +240,45 @@ def _run(scene: Scene, options: Mapping[str, Any]) -> Trajectory:
     return run
 
 
-def _judged(name: str, run: Trajectory, asked: Asked, options: Mapping[str, Any]) -> Line:
+def _judged(
+    name: str, run: Trajectory, request: ReportRequest, options: Mapping[str, Any]
+) -> AccuracyLine:
     """A run held against its reference, as far as a proof goes in the time that it may take."""
     part, why = run, "" if run.outcome.done else f"the run ended early: {run.cause}"
     while any(part.times):
         try:
-            judgement = compare(part, **asked.limits(run.scene), details=True)
+            judgement = compare(part, **request.limits(run.scene), details=True)
             _ = judgement.worst
         except BadInput as fault:
             if not isinstance(fault, (ProofTooLong, TooManySteps)):
-                return Line(name, None, str(fault), run)
+                return AccuracyLine(name, None, str(fault), run)
             why = "no reference to these digits within the time that a proof may take"
             seconds = fault.value if isinstance(fault.value, float) else 0.0
-            share = min(0.5, asked.max_seconds / max(seconds, 1e-9))
+            share = min(0.5, request.max_seconds / max(seconds, 1e-9))
             part = _run(run.scene.at(run.scene.times[: int(len(part.times) * share)]), options)
             continue
         until = part.times[-1] if len(part.times) < len(run.times) else None
-        return Line(name, judgement, why, run, until)
-    return Line(name, None, why or "no output time was reached", run)
+        return AccuracyLine(name, judgement, why, run, until)
+    return AccuracyLine(name, None, why or "no output time was reached", run)
 
 
-def of_table(given: Given, scene: Scene, asked: Asked) -> Line:
+def of_table(source: Given, scene: Scene, request: ReportRequest) -> AccuracyLine:
     """A table held against a scene; raises BadInput for one that cannot be read."""
-    how: dict[str, Any] = {"columns": asked.columns, "read": asked.read}
-    if isinstance(given.table, Trajectory):
+    how: dict[str, Any] = {"columns": request.columns, "read": request.read}
+    if isinstance(source.table, Trajectory):
         how = {}
     try:
-        judgement = compare(given.table, scene, **how, **asked.limits(scene))
+        judgement = compare(source.table, scene, **how, **request.limits(scene))
     except ProofTooLong:
         why = "not judged: no reference within the time that a proof may take"
-        return Line(given.name, None, why, given=given)
-    return Line(given.name, judgement, given=given)
+        return AccuracyLine(source.name, None, why, given=source)
+    return AccuracyLine(source.name, judgement, given=source)
 
 
-def _orders(files: Sequence[Line]) -> Sequence[ObservedOrder | str]:
+def _orders(files: Sequence[AccuracyLine]) -> Sequence[ObservedOrder | str]:
     """The order of each method of which there are several files: names equal but for digits."""
 
-    def method(line: Line) -> str:
+    def method(line: AccuracyLine) -> str:
         return re.sub(r"[\d.]+", "", line.name)
 
     orders: list[ObservedOrder | str] = []
@@ -291,14 +295,14 @@ def _orders(files: Sequence[Line]) -> Sequence[ObservedOrder | str]:
     return orders
 
 
-def _work(scene: Scene, end: Exact, asked: Asked) -> list[Work]:
+def _work(scene: Scene, end: Exact, request: ReportRequest) -> list[Work]:
     """What digits at the end cost: prepared runs in each number type at several tolerances."""
     plain = replace(scene, outputs=(), events=(), form="principal").at((end,))
     against = reference(plain)
     if isinstance(against, Certified):
-        against = Certified(plain, **asked.limits(plain))
+        against = Certified(plain, **request.limits(plain))
     rows = []
-    for number in NUMBERS if asked.number is None else [asked.number]:
+    for number in NUMBERS if request.number is None else [request.number]:
         with suppress(BadInput):  # of which the table of runs tells
             for tolerance in (None, *TOLERANCES.get(number, ())):
                 rows.append(_costed(plain, against, number, tolerance))
@@ -346,22 +350,22 @@ class _Maker(NamedTuple):
 
     texts: str
     numbers: str
-    rows: Callable[[Section], Iterator[_Row]]
+    rows: Callable[[SceneSection], Iterator[_Row]]
 
 
-def tables(sections: Sequence[Section]) -> Mapping[str, Table]:
+def tables(sections: Sequence[SceneSection]) -> Mapping[str, Table]:
     """All of them by name."""
-    found = {}
+    by_name = {}
     for name, (texts, numbers, rows) in _MAKERS.items():
         types = dict.fromkeys(["scene", *texts.split()], TEXT)
         types |= dict.fromkeys(numbers.split(), DOUBLE)
         every = [(x.scene.name, *row) for x in sections for row in rows(x)]
         columns = table_of_rows(types, every).columns
-        found[name] = Table([column._replace(digits=SHOWN) for column in columns])
-    return found
+        by_name[name] = Table([column._replace(digits=SHOWN) for column in columns])
+    return by_name
 
 
-def _overview_rows(of: Section) -> Iterator[_Row]:
+def _overview_rows(of: SceneSection) -> Iterator[_Row]:
     fewest = {line.name: line.fewest for line in of.lines}
     judged = [x.judgement for x in of.lines if x.judgement is not None]
     limit = judged[0].limit if judged else ""
@@ -370,7 +374,7 @@ def _overview_rows(of: Section) -> Iterator[_Row]:
     yield (of.verdict, limit, *kind, *map(fewest.get, NUMBERS), len(of.files), files)
 
 
-def _run_rows(of: Section) -> Iterator[_Row]:
+def _run_rows(of: SceneSection) -> Iterator[_Row]:
     for line in of.lines:
         run = line.run
         texts = ("", "") if run is None else (run.number.name, run.method)
@@ -379,18 +383,18 @@ def _run_rows(of: Section) -> Iterator[_Row]:
         yield (line.name, *texts, _limit(line), line.why, steps, *_digits_of(of, line), until)
 
 
-def _file_rows(of: Section) -> Iterator[_Row]:
+def _file_rows(of: SceneSection) -> Iterator[_Row]:
     for line in of.files:
         reading = "" if line.judgement is None else line.judgement.reading or ""
         texts = line.mark(of.wanted), _limit(line), reading, line.sentence
         yield (line.name, *texts, *_digits_of(of, line), line.given and line.given.seconds)
 
 
-def _limit(line: Line) -> str:
+def _limit(line: AccuracyLine) -> str:
     return "" if line.judgement is None else line.judgement.limit
 
 
-def _digits_of(of: Section, line: Line) -> _Row:
+def _digits_of(of: SceneSection, line: AccuracyLine) -> _Row:
     """The fewest digits, when, those at the end, and when half of them and all are lost."""
     if line.judgement is None or line.fewest is None:
         return (None,) * 3 + of.reach(line)
@@ -398,7 +402,7 @@ def _digits_of(of: Section, line: Line) -> _Row:
     return (*worst, line.digits[-1], *of.reach(line))
 
 
-def _digit_rows(of: Section) -> Iterator[_Row]:
+def _digit_rows(of: SceneSection) -> Iterator[_Row]:
     for line in (*of.lines, *of.files):
         if line.judgement is None:
             continue
@@ -409,7 +413,7 @@ def _digit_rows(of: Section) -> Iterator[_Row]:
             yield (line.name, to_double(t), d, *edges)
 
 
-def _drift_rows(of: Section) -> Iterator[_Row]:
+def _drift_rows(of: SceneSection) -> Iterator[_Row]:
     if of.unprojected is not None and of.unprojected.times:
         yield (f"{of.unprojected.number.name}, not projected", *of.unprojected.drift)
     for line in (*of.lines, *of.files):
@@ -418,7 +422,7 @@ def _drift_rows(of: Section) -> Iterator[_Row]:
             yield (line.name, *drift)
 
 
-def _event_rows(of: Section) -> Iterator[_Row]:
+def _event_rows(of: SceneSection) -> Iterator[_Row]:
     for line in of.lines:
         for event in line.run.events if line.run else ():
             columns = event.signs, event.uncertainty, event.depths
@@ -426,14 +430,14 @@ def _event_rows(of: Section) -> Iterator[_Row]:
                 yield (line.name, event.name, event.shown(k), k + 1, *row)
 
 
-def _work_rows(of: Section) -> Iterator[_Row]:
+def _work_rows(of: SceneSection) -> Iterator[_Row]:
     yield from of.work
     for line in of.files:
         if line.fewest is not None and line.given and line.given.seconds is not None:
             yield (line.name, None, line.digits[-1], line.given.seconds)
 
 
-def _order_rows(of: Section) -> Iterator[_Row]:
+def _order_rows(of: SceneSection) -> Iterator[_Row]:
     for order in of.orders:
         if not isinstance(order, str):
             yield (", ".join(order.names), order.order, order.least, order.most)

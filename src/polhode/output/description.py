@@ -139,8 +139,8 @@ def described(scene: Scene) -> JsonObject:
 
 def _columns(scene: Scene) -> list[str]:
     """All columns that a run of the scene gives."""
-    asked = (found.names for word, found in COLUMNS.items() if word in scene.outputs)
-    return [*scene.columns, *(name for names in asked for name in names)]
+    names_of_outputs = (column.names for word, column in COLUMNS.items() if word in scene.outputs)
+    return [*scene.columns, *(name for names in names_of_outputs for name in names)]
 
 
 def _near(scene: Scene) -> JsonObject:
@@ -180,7 +180,7 @@ def frequencies(reference: Reference, digits: int = 17) -> dict[str, str | None]
     }
 
 
-def _curve(found: JsonObject) -> JsonObject:
+def _curve(curve: JsonObject) -> JsonObject:
     """The curve of a Kovalevskaya top, in time units of 2**-exponent, to 17 digits."""
     from polhode.numbers.mpmath_context import mpmath
 
@@ -193,5 +193,5 @@ def _curve(found: JsonObject) -> JsonObject:
         else value
         if value is None or isinstance(value, int)
         else text(value)
-        for name, value in found.items()
+        for name, value in curve.items()
     }

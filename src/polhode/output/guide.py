@@ -33,7 +33,7 @@ def page(topic: str) -> str:
         raise BadInput("guide", "TOPIC", topic, listed(topic, [*topics(), NOTEBOOK]))
     text = (FOLDER / f"{topic}.md").read_text(encoding="utf-8")
     text = re.sub(r"\[([^\]]+)\]\(glossary\.md[^)]*\)", r"\1", text)  # no links on a terminal
-    text = re.sub(r"<!-- keys ?([\w.]*) -->", lambda found: "\n".join(_keys(found[1])), text)
+    text = re.sub(r"<!-- keys ?([\w.]*) -->", lambda match: "\n".join(_keys(match[1])), text)
     text = re.sub(r"<!-- columns -->", lambda _: "\n".join(_columns()), text)
     text = re.sub(r"<!-- units -->", lambda _: "\n".join(_units()), text)
     return re.sub(r"<!-- api -->", lambda _: "\n".join(_names()), text)

@@ -65,17 +65,17 @@ outputs = ["angles"]
 
 
 def of_shape(
-    shape_name: str, given: Sequence[str], tilt: str, spin: str, end: str, name: str
+    shape_name: str, numbers: Sequence[str], tilt: str, spin: str, end: str, name: str
 ) -> str:
     """The commented text of a scene of a spinning solid; numbers as texts, with units or without.
 
     ``name``: of the scene, for faults.  Raises BadInput.
     """
     shape = SHAPES[shape_name]
-    if len(given) != len(shape.numbers):
-        raise BadInput("new", f"--{shape_name}", ",".join(given), ",".join(shape.numbers).upper())
+    if len(numbers) != len(shape.numbers):
+        raise BadInput("new", f"--{shape_name}", ",".join(numbers), ",".join(shape.numbers).upper())
     title = f"{shape.meaning[0].upper()}{shape.meaning[1:]}"
-    parts = shape.parts.format(*map(_quoted, given))
+    parts = shape.parts.format(*map(_quoted, numbers))
     texts = {"tilt": _quoted(tilt), "spin": _quoted(spin), "end": _quoted(end)}
     return commented(_TOP.format(title=json.dumps(title), parts=parts, **texts), name)
 

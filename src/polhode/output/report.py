@@ -19,7 +19,7 @@ from polhode.judging.reference import reference
 from polhode.judging.tables.table_file import is_table
 from polhode.numbers.number_types import MAX_DIGITS, AnyNumber, AnyVector
 from polhode.output import accuracy, report_page
-from polhode.output.accuracy import Asked, Given, Section
+from polhode.output.accuracy import Given, ReportRequest, SceneSection
 from polhode.results import places, writer
 from polhode.results.cells import TEXT
 from polhode.results.result import Result
@@ -65,7 +65,7 @@ class Report(Result, ByValue):
     (1, True)
     """
 
-    sections: Sequence[Section]
+    sections: Sequence[SceneSection]
 
     def __repr__(self) -> str:
         return f"<Report: {counted(len(self.sections), 'scene')}>"
@@ -76,7 +76,7 @@ class Report(Result, ByValue):
         order = [k for k in range(len(header)) if header[k] != "reference" and k not in ends]
         used = [k for k in (*order, *ends) if any(row[k] for row in rows)]
         lines = aligned([header[k] for k in used], [[row[k] for k in used] for row in rows])
-        files = (f"{x.name}: {x.sentence}" for one in self.sections for x in one.files)
+        files = (f"{x.name}: {x.sentence}" for section in self.sections for x in section.files)
         return "\n".join([*lines, *files])
 
     @cached_property
@@ -206,7 +206,7 @@ def report(
     >>> 15 < found.column("digits_files")[0] <= 16
     True
     """
-    asked = Asked(number, digits, max_seconds, columns, read)
+    request = ReportRequest(number, digits, max_seconds, columns, read)
     say = progress or _unsaid
     groups = _grouped(what)
     scenes = [_timed(scene, end, at) for scene, _ in groups]
@@ -218,7 +218,7 @@ def report(
     judged = []
     for scene, tables in groups:  # what cannot be read is refused before the work
         say(f"{scene.name}: {counted(len(tables), 'table')}")
-        judged.append([accuracy.of_table(x, scene, asked) for x in tables])
+        judged.append([accuracy.of_table(x, scene, request) for x in tables])
     if forecast is not None:
         forecast(_foretold(scenes, groups))
     sections = []
@@ -227,25 +227,25 @@ def report(
         def tell(text: str, which: str = f"{k} of {len(scenes)}") -> None:
             say(f"{which}: {text}")
 
-        sections.append(accuracy.section(scene, files, asked, tell))
+        sections.append(accuracy.section(scene, files, request, tell))
     return Report(tuple(sections))
 
 
-def _grouped(what: Sequence[Any]) -> list[tuple[Scene, list[Given]]]:
+def _grouped(sources: Sequence[Any]) -> list[tuple[Scene, list[Given]]]:
     """The scenes, each with the tables that are judged against it; raises BadInput."""
     groups: list[tuple[Scene, list[Given]]] = []
-    for k, one in enumerate(what, 1):
-        given = None if isinstance(one, Scene) else _given(one, k)
-        if given is None:
-            groups.append((library.load(one, takes=REQUESTS), []))
+    for k, source in enumerate(sources, 1):
+        table_given = None if isinstance(source, Scene) else _table_of(source, k)
+        if table_given is None:
+            groups.append((library.load(source, takes=REQUESTS), []))
             continue
         if not groups:
-            scene = _own_scene(given.table)
+            scene = _own_scene(table_given.table)
             if scene is None:
                 expected = "a scene before it: polhode report SCENE FILE"
-                raise BadInput(given.name, "scene", None, expected)
+                raise BadInput(table_given.name, "scene", None, expected)
             groups.append((scene, []))
-        groups[-1][1].append(given)
+        groups[-1][1].append(table_given)
     if not groups:
         expected = "scenes, and files of them"
         raise BadInput("report", "WHAT", None, expected)
@@ -258,26 +258,26 @@ def _grouped(what: Sequence[Any]) -> list[tuple[Scene, list[Given]]]:
     return groups
 
 
-def _given(one: Any, place: int) -> Given | None:
+def _table_of(source: Any, place: int) -> Given | None:
     """A table; None for what is to be read as a scene."""
-    if isinstance(one, Trajectory):
-        return Given(f"run of {one.scene.name}", one)
-    if not isinstance(one, (str, Path)):
-        return Given(f"table {place}", one)
-    told = None if Path(one).exists() else _TOLD.fullmatch(str(one))
-    name = file_of(str(one))
+    if isinstance(source, Trajectory):
+        return Given(f"run of {source.scene.name}", source)
+    if not isinstance(source, (str, Path)):
+        return Given(f"table {place}", source)
+    match = None if Path(source).exists() else _TOLD.fullmatch(str(source))
+    name = file_of(str(source))
     if not is_table(name):
         return None
-    if told is None:
+    if match is None:
         return Given(name, name)
-    cost = float(told["cost"]) * _UNITS[told["unit"]] if told["cost"] else None
-    return Given(name, name, cost, told["step"])
+    cost = float(match["cost"]) * _UNITS[match["unit"]] if match["cost"] else None
+    return Given(name, name, cost, match["step"])
 
 
 def file_of(text: str) -> str:
     """The name of a file, without what is told of it after it."""
-    told = None if Path(text).exists() else _TOLD.fullmatch(text)
-    return told["file"] if told else text
+    match = None if Path(text).exists() else _TOLD.fullmatch(text)
+    return match["file"] if match else text
 
 
 def _own_scene(table: Any) -> Scene | None:

@@ -20,7 +20,7 @@ from polhode.common.provenance import cpu, versions
 from polhode.common.texts import JsonObject
 from polhode.figures import accuracy, canvas
 from polhode.numbers.decimals import brief
-from polhode.output.accuracy import BAD, FAIR, GOOD, UNKNOWN, Section
+from polhode.output.accuracy import BAD, FAIR, GOOD, UNKNOWN, SceneSection
 from polhode.results import writer
 from polhode.results.cells import doubles, word_of
 from polhode.results.table import Table, Value
@@ -54,7 +54,7 @@ _ALTS = {
 _NO_FIGURES = "The figures need matplotlib, which is not installed: pip install 'polhode[figures]'."
 
 
-class Page:
+class ReportPage:
     """A page as Markdown and as HTML, block by block; pictures are those that were drawn."""
 
     def __init__(self, path: Path, svgs: Mapping[str, str]) -> None:
@@ -78,8 +78,8 @@ class Page:
     def verbatim(self, text: str, summary: str = "") -> None:
         """Lines as they are; ``summary``: what they are, where they are folded away."""
         fence, pre = "```" + "`" * text.count("```"), f"<pre>{_escaped(text)}</pre>"
-        told = f"{summary}:\n\n" * bool(summary)
-        self.markdown.append(f"{told}{fence}text\n{printable(text)}\n{fence}")
+        heading = f"{summary}:\n\n" * bool(summary)
+        self.markdown.append(f"{heading}{fence}text\n{printable(text)}\n{fence}")
         if summary:
             pre = f"<details open><summary>{_escaped(summary)}</summary>{pre}</details>"
         self.html.append(pre)
@@ -130,44 +130,44 @@ def write(texts: Mapping[Path, str | bytes]) -> None:
     write_whole(texts)
 
 
-def figures(sections: Sequence[Section], parts: Sequence[Tables]) -> Mapping[str, str]:
+def figures(sections: Sequence[SceneSection], parts: Sequence[Tables]) -> Mapping[str, str]:
     """All figures as SVG by the names of their files; none where matplotlib is not installed."""
     try:
         canvas.require()
     except BadInput:
         return {}
     drawn = {}
-    for k, (one, of) in enumerate(zip(sections, parts, strict=True), 1):
+    for k, (section, of) in enumerate(zip(sections, parts, strict=True), 1):
         draws = {
-            "body": partial(accuracy.body, of=one.scene.body),
-            "digits": partial(accuracy.digits, scene=one.scene, rows=_rows(of["digits"])),
+            "body": partial(accuracy.body, of=section.scene.body),
+            "digits": partial(accuracy.digits, scene=section.scene, rows=_rows(of["digits"])),
             "work": partial(accuracy.work, rows=_rows(of["work"])),
         }
         for word, draw in draws.items():
             if word == "body" or draw.keywords["rows"]:
-                title = f"{one.scene.name}: {_ALTS[word]}"
+                title = f"{section.scene.name}: {_ALTS[word]}"
                 drawn[f"{k}-{word}.svg"] = accuracy.drawn(draw, title)
     return drawn
 
 
 def page(
-    path: Path, sections: Sequence[Section], parts: Sequence[Tables], svgs: Mapping[str, str]
-) -> Page:
+    path: Path, sections: Sequence[SceneSection], parts: Sequence[Tables], svgs: Mapping[str, str]
+) -> ReportPage:
     """A row for each scene, then a section each; ``parts``: the tables of each."""
-    to = Page(path, svgs)
+    to = ReportPage(path, svgs)
     to.heading(1, TITLE)
     _first(to, sections, parts)
     if not svgs:
         to.words(_NO_FIGURES)
-    for k, (one, of) in enumerate(zip(sections, parts, strict=True), 1):
-        _scene(to, of, one, k)
+    for k, (section, of) in enumerate(zip(sections, parts, strict=True), 1):
+        _scene(to, of, section, k)
     packages = ", ".join(f"{name} {version}" for name, version in versions().items())
     to.heading(2, "Provenance")
     to.words(f"{packages}; {cpu()}. Seconds are processor seconds on this machine.")
     return to
 
 
-def _first(to: Page, sections: Sequence[Section], parts: Sequence[Tables]) -> None:
+def _first(to: ReportPage, sections: Sequence[SceneSection], parts: Sequence[Tables]) -> None:
     rows = []
     for of in parts:
         ((name, verdict, limit, _, regime, motion, *digits, _, fewest),) = _rows(of["overview"])
@@ -179,24 +179,24 @@ def _first(to: Page, sections: Sequence[Section], parts: Sequence[Tables]) -> No
     to.words(f"Digits of the runs: {', '.join(x.name for x in sections[0].lines)}. {_LEGEND}")
 
 
-def _scene(to: Page, of: Tables, one: Section, k: int) -> None:
-    scene = one.scene
+def _scene(to: ReportPage, of: Tables, section: SceneSection, k: int) -> None:
+    scene = section.scene
     title = f"{scene.name}: {one_line(scene.title)}" if scene.title else scene.name
     to.heading(2, title, f"scene-{k}")
-    described = [line.split(None, 1) for line in str(one.description).splitlines()]
+    described = [line.split(None, 1) for line in str(section.description).splitlines()]
     to.grid(["what it is", ""], [x for x in described if len(x) == 2 and x[0] in _TOLD])
     to.picture(f"{k}-body.svg", _ALTS["body"])
     to.heading(3, "Correct digits over time")
-    to.words(_measured_against(one))
+    to.words(_measured_against(section))
     to.picture(f"{k}-digits.svg", _ALTS["digits"])
     _add_digits(to, of)
-    for line in one.lines:
+    for line in section.lines:
         until = f"; beyond t = {brief(line.until)} {line.why}" if line.until is not None else ""
         to.words(f"*{line.name}*: {line.sentence}{until}.")
-    _add_limits(to, of, one)
-    _add_files(to, one)
+    _add_limits(to, of, section)
+    _add_files(to, section)
     _add_table(to, of, "drift", "Drift of the integrals", _DRIFT_MEANS)
-    _add_events(to, of, one)
+    _add_events(to, of, section)
     to.heading(3, "Speed against error")
     to.words(
         "Each row is a prepared run to the end of the scene, the least processor time of up to "
@@ -214,14 +214,14 @@ _DRIFT_MEANS = (
 )
 
 
-def _measured_against(one: Section) -> str:
-    against, times = one.reference, len(one.scene.times)
+def _measured_against(section: SceneSection) -> str:
+    against, times = section.reference, len(section.scene.times)
     how = "the closed form in balls" if against.is_closed_form else "a proven enclosure"
-    thinned = f" of the scene's {one.times}" if one.times > times else ""
+    thinned = f" of the scene's {section.times}" if section.times > times else ""
     return f"Measured against {how} ({against.kind}: {against.regime}) at {times}{thinned} times."
 
 
-def _add_digits(to: Page, of: Tables) -> None:
+def _add_digits(to: ReportPage, of: Tables) -> None:
     """Times down, runs and files across: the digits, and in brackets the band expected."""
     rows = _rows(of["digits"])
     names = [*dict.fromkeys(row[1] for row in rows)]
@@ -247,53 +247,53 @@ def _digits(x: float) -> str:
     return "" if math.isnan(x) else f"{x:.2f}"
 
 
-def _add_limits(to: Page, of: Tables, one: Section) -> None:
+def _add_limits(to: ReportPage, of: Tables, section: SceneSection) -> None:
     to.heading(3, "What limits them, and how far each number type reaches")
     header, rows = _shown(of["runs"])
-    kept = ("run", "digits", "t_of_digits", "digits_end", "limit", "half_lost_after", "lost_after")
-    places = [header.index(name) for name in kept]
+    names = ("run", "digits", "t_of_digits", "digits_end", "limit", "half_lost_after", "lost_after")
+    places = [header.index(name) for name in names]
     to.grid(
         ["run", "fewest digits", "at t", "at the end", "limit", "half lost after", "lost after"],
         [[*(row[k] for k in places[:5]), *(row[k] or NEVER for k in places[5:])] for row in rows],
     )
-    growth = one.growth
+    growth = section.growth
     kappa, amplification = growth.kappa[-1], growth.log10_amplification[-1]
-    told = "" if kappa is None else f" At the end kappa is {kappa:.3g}"
-    if told and amplification is not None:
-        told += f", and an error made on the way is multiplied by up to {10**amplification:.3g}"
+    sentence = "" if kappa is None else f" At the end kappa is {kappa:.3g}"
+    if sentence and amplification is not None:
+        sentence += f", and an error made on the way is multiplied by up to {10**amplification:.3g}"
     beyond = f"{NEVER}: not by the end of the scene. Times beyond it follow from the exponent."
-    to.words(f"The motion is {one.motion}.{told + '.' if told else ''} {beyond}")
+    to.words(f"The motion is {section.motion}.{sentence + '.' if sentence else ''} {beyond}")
 
 
-def _add_files(to: Page, one: Section) -> None:
-    for line in one.files:
-        to.heading(3, f"File {line.name}: {line.mark(one.wanted)}")
+def _add_files(to: ReportPage, section: SceneSection) -> None:
+    for line in section.files:
+        to.heading(3, f"File {line.name}: {line.mark(section.wanted)}")
         to.verbatim(line.sentence if line.judgement is None else str(line.judgement))
         words = "fewer than half of the digits are right", "none is"
-        places = zip(words, one.reach(line), strict=True)
+        places = zip(words, section.reach(line), strict=True)
         first = [f"{x} from t = {t:.6g} on" for x, t in places if t is not None]
         if first:
             to.words(f"Where it goes wrong: {'; '.join(first)}.")
-    for order in one.orders:
+    for order in section.orders:
         to.heading(3, "Order of convergence")
         to.verbatim(str(order))
 
 
-def _add_events(to: Page, of: Tables, one: Section) -> None:
+def _add_events(to: ReportPage, of: Tables, section: SceneSection) -> None:
     header, rows = _shown(of["events"])
     if not rows:
         return
-    by_run = [[row for row in rows if row[0] == line.name] for line in one.lines]
-    kept = [row for own in by_run for row in own[:EVENTS]]
+    by_run = [[row for row in rows if row[0] == line.name] for line in section.lines]
+    shown = [row for own in by_run for row in own[:EVENTS]]
     to.heading(3, "Events")
-    left = len(rows) - len(kept)
+    left = len(rows) - len(shown)
     more = f" The first {EVENTS} of each run; JSON has {left} more." if left else ""
     meaning = "Uncertainty: how far rounding can move the time; depth: how far it goes beyond zero."
     to.words(f"{meaning}{more}")
-    to.grid(header, kept)
+    to.grid(header, shown)
 
 
-def _add_table(to: Page, of: Tables, name: str, title: str = "", text: str = "") -> None:
+def _add_table(to: ReportPage, of: Tables, name: str, title: str = "", text: str = "") -> None:
     header, rows = _shown(of[name])
     if not rows:
         return
@@ -304,7 +304,7 @@ def _add_table(to: Page, of: Tables, name: str, title: str = "", text: str = "")
     to.grid(header, rows)
 
 
-def of_tests(path: Path, rows: Sequence[JsonObject]) -> Page:
+def of_tests(path: Path, rows: Sequence[JsonObject]) -> ReportPage:
     """The page of a test suite's judgements.
 
     ``rows``: of each judgement the test and whether it passed, the scene, the times, the digits,
@@ -316,7 +316,7 @@ def of_tests(path: Path, rows: Sequence[JsonObject]) -> Page:
     cells = [
         (x["test"], marks[x["passed"]], f"{x['worst']:.2f}", x["scene"], x["verdict"]) for x in rows
     ]
-    to = Page(path, svgs)
+    to = ReportPage(path, svgs)
     to.heading(1, TITLE)
     to.grid(header, cells)
     for k, scene in enumerate(dict.fromkeys(row["scene"] for row in rows), 1):

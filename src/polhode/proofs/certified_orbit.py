@@ -72,7 +72,7 @@ class Candidate(NamedTuple):
     period: Fraction
 
 
-class Proof(NamedTuple):
+class OrbitProof(NamedTuple):
     """What the checker proved, of which guesses; ``runs``: how often it was called.
 
     Of bodies within a tolerance in their principal axes, else in the scene's.
@@ -84,9 +84,9 @@ class Proof(NamedTuple):
     runs: int
 
 
-def of_closed(on: Surface, found: Closed) -> Candidate:
+def of_closed(on: Surface, orbit: Closed) -> Candidate:
     """The candidate that a search in double gives."""
-    return Candidate(on, on.scene.name, found, (), Fraction(0))
+    return Candidate(on, on.scene.name, orbit, (), Fraction(0))
 
 
 def of_scene(on: Surface, near: Scene) -> Candidate:
@@ -99,12 +99,12 @@ def of_scene(on: Surface, near: Scene) -> Candidate:
     inside = on.scene.body.axes.components
     scaled = tuple(on.unit * w for w in inside(near.omega))
     state = np.array([to_double(x) for x in (*scaled, *inside(near.gamma))])
-    found: Closed | str
+    orbit: Closed | str
     try:
-        found = closed(on, state, to_double(period / on.unit), at_level(on, state))
+        orbit = closed(on, state, to_double(period / on.unit), at_level(on, state))
     except NotClosed as why:
-        found = str(why)
-    return Candidate(on, on.scene.name, found, tuple(start), period)
+        orbit = str(why)
+    return Candidate(on, on.scene.name, orbit, tuple(start), period)
 
 
 def certified(
@@ -112,13 +112,13 @@ def certified(
     digits: int,
     progress: Message | None = None,
     tolerance: Fraction | None = None,
-) -> Proof:
+) -> OrbitProof:
     """The first certificate with so many digits that the checker proves; raises NotProved."""
-    found = _certified(candidate, digits, progress)
-    return _of_bodies(candidate, found, tolerance) if tolerance else found
+    proof = _certified(candidate, digits, progress)
+    return _of_bodies(candidate, proof, tolerance) if tolerance else proof
 
 
-def _certified(candidate: Candidate, digits: int, progress: Message | None) -> Proof:
+def _certified(candidate: Candidate, digits: int, progress: Message | None) -> OrbitProof:
     place = max(digits // 2 + _CENTRE, digits - _FEWER)
     bits = math.ceil(BITS_A_DIGIT * digits) + _SPARE
     why, have = "", 0.0
@@ -127,9 +127,9 @@ def _certified(candidate: Candidate, digits: int, progress: Message | None) -> P
             progress(f"certificate {tried + 1}, {bits} bits")
         part = _STEPS[min(tried, len(_STEPS) - 1)]
         problem, choice = _chosen(candidate, place, Choice(Fraction(1), bits, part))
-        made = orbit_certificate.guesses(problem, choice)
+        certificate = orbit_certificate.guesses(problem, choice)
         try:
-            zero = orbit_certificate.proved(made)
+            zero = orbit_certificate.proved(certificate)
         except verify.NotProved as refused:
             why = str(refused)
             if isinstance(candidate.closed, str) or _condition(candidate) > _SINGULAR:
@@ -143,8 +143,8 @@ def _certified(candidate: Candidate, digits: int, progress: Message | None) -> P
         place, bits = place + more // 2 + 1, bits + math.ceil(BITS_A_DIGIT * more)
     if why or have < digits:
         why = why or f"{have:.1f} digits are proved, not {digits}"
-        raise NotProved(f"{candidate.name}: {_told(candidate, why)}")
-    return Proof(zero, made, have, tried + 1)
+        raise NotProved(f"{candidate.name}: {_refusal(candidate, why)}")
+    return OrbitProof(zero, certificate, have, tried + 1)
 
 
 def _chosen(candidate: Candidate, place: int, choice: Choice) -> tuple[Problem, Choice]:
@@ -152,11 +152,11 @@ def _chosen(candidate: Candidate, place: int, choice: Choice) -> tuple[Problem, 
     on = candidate.on
     if isinstance(candidate.closed, str):
         return Problem(on.scene.body, on.h, on.f, candidate.start, candidate.period), _ROUGH
-    found = candidate.closed
+    orbit = candidate.closed
     try:
-        fine = high_precision.refined(on, found, [exactly(x) for x in found.state.tolist()], place)
+        fine = high_precision.refined(on, orbit, [exactly(x) for x in orbit.state.tolist()], place)
     except NotClosed as fault:
-        raise NotProved(f"{candidate.name}: {_told(candidate, str(fault))}") from None
+        raise NotProved(f"{candidate.name}: {_refusal(candidate, str(fault))}") from None
     start = [Fraction(x) for x in (*fine.omega, *fine.gamma)]
     radius = Fraction(1, 10 ** (place - _BOX))
     problem = Problem(on.scene.body, on.h, on.f, start, Fraction(fine.period))
@@ -175,14 +175,14 @@ def _digits_of(candidate: Candidate, zero: verify.Zero) -> float:
 
 def _condition(candidate: Candidate) -> float:
     """Of the ten equations, in double."""
-    on, found = candidate.on, candidate.closed
-    assert not isinstance(found, str)
-    rows = at_level(on, found.state)(found.state, found.period)[1]
-    sizes = np.linalg.svd(bordered(on, found.state, found.state, found.monodromy, rows))[1]
+    on, orbit = candidate.on, candidate.closed
+    assert not isinstance(orbit, str)
+    rows = at_level(on, orbit.state)(orbit.state, orbit.period)[1]
+    sizes = np.linalg.svd(bordered(on, orbit.state, orbit.state, orbit.monodromy, rows))[1]
     return float(sizes[0] / sizes[-1]) if sizes[-1] else math.inf
 
 
-def _told(candidate: Candidate, why: str) -> str:
+def _refusal(candidate: Candidate, why: str) -> str:
     """What the checker refused, and what may be done about it."""
     if isinstance(candidate.closed, str):
         return f"no periodic orbit is near the start, {candidate.closed}: {why}; try another start"
@@ -202,43 +202,43 @@ def _told(candidate: Candidate, why: str) -> str:
 # -- many bodies ----------------------------------------------------------------------------------
 
 
-def _of_bodies(candidate: Candidate, found: Proof, tolerance: Fraction) -> Proof:
+def _of_bodies(candidate: Candidate, proof: OrbitProof, tolerance: Fraction) -> OrbitProof:
     """The certificate of all bodies; raises NotProved, with the widest tolerance that works.
 
     The box is to hold the orbits of all of them, on the one level, and Krawczyk's test fails for a
     box that is too small as for one that is too large.
     """
     try:
-        return _of_all(candidate, found, tolerance)
+        return _of_all(candidate, proof, tolerance)
     except verify.NotProved as why:
         cause = str(why)
     for narrower in _below(tolerance):
         try:
-            _of_all(candidate, found, narrower)
+            _of_all(candidate, proof, narrower)
         except verify.NotProved:
             continue
-        known = f"the largest power of 10 that works is {brief(narrower)}"
+        widest = f"the largest power of 10 that works is {brief(narrower)}"
         break
     else:
-        known = f"none down to 1e-{_NARROWEST} works"
-    told = f"no proof for all bodies within {brief(tolerance)} ({cause}): {known}"
-    raise NotProved(f"{candidate.name}: {told}")
+        widest = f"none down to 1e-{_NARROWEST} works"
+    sentence = f"no proof for all bodies within {brief(tolerance)} ({cause}): {widest}"
+    raise NotProved(f"{candidate.name}: {sentence}")
 
 
-def _of_all(candidate: Candidate, found: Proof, tolerance: Fraction) -> Proof:
+def _of_all(candidate: Candidate, proof: OrbitProof, tolerance: Fraction) -> OrbitProof:
     """The proof in the first box that is large enough; raises the checker's NotProved."""
     on, bits = candidate.on, math.floor(-math.log2(to_double(tolerance)))
-    start = _in_principal_axes(on.scene.body, [middle(x) for x in found.zero.start])
-    period = middle(found.zero.period)
+    start = _in_principal_axes(on.scene.body, [middle(x) for x in proof.zero.start])
+    period = middle(proof.zero.period)
     problem = Problem(on.scene.body, on.h, on.f, start, period, tolerance)
     last = verify.NotProved("no box is large enough")
     for more in _BOXES:
         if more >= bits:  # a radius of 1
             break
         choice = Choice(Fraction(2) ** (more - bits), max(verify.COARSE, bits + _FINER), _SHORT)
-        made = orbit_certificate.guesses(problem, choice)
+        certificate = orbit_certificate.guesses(problem, choice)
         try:
-            zero = orbit_certificate.proved(made)
+            zero = orbit_certificate.proved(certificate)
         except verify.NotProved as why:
             last = why
             if _TOO_WIDE in str(why):
@@ -246,7 +246,7 @@ def _of_all(candidate: Candidate, found: Proof, tolerance: Fraction) -> Proof:
             continue
         # a box about a centre that is off by its own size tells of no neighbourhood
         if min(zero.alone) > 0 and not zero.repeated:
-            return Proof(zero, made, _digits_of(candidate, zero), found.runs + 1)
+            return OrbitProof(zero, certificate, _digits_of(candidate, zero), proof.runs + 1)
     raise last
 
 

@@ -48,26 +48,26 @@ class Lanes:
     torque: Doubles
 
     @classmethod
-    def of(cls, what: Motion) -> Lanes:
+    def of(cls, motion: Motion) -> Lanes:
         """Those of an exact motion's body."""
-        constants = tuple(to_double(x) for x in what.constants)
-        moments, torque = ([to_double(x) for x in row] for row in (what.moments, what.torque))
+        constants = tuple(to_double(x) for x in motion.constants)
+        moments, torque = ([to_double(x) for x in row] for row in (motion.moments, motion.torque))
         return cls(constants, np.array(moments), np.array(torque))
 
     def series(self, states: Doubles, degree: int = _DEGREE) -> Doubles:
         """Taylor coefficients by the time, (degree + 1, 6, n)."""
         of_layers = [layer.coefficients(self.constants) for layer in LAYERS]
         coefficients = [None if c is None else np.array(c)[:, None] for c in of_layers]
-        found = np.zeros((degree + 1, *states.shape))
+        series = np.zeros((degree + 1, *states.shape))
         left = np.zeros((degree + 1, len(LEFT), states.shape[1]))
         right = np.zeros_like(left)
-        found[0] = states
+        series[0] = states
         for k in range(degree):
-            left[k], right[k] = found[k][LEFT], found[k][RIGHT]
+            left[k], right[k] = series[k][LEFT], series[k][RIGHT]
             products = np.einsum("kin,kin->in", left[: k + 1], right[k::-1])
-            found[k + 1, :3], found[k + 1, 3:] = layered(products, found[k], coefficients)
-            found[k + 1] /= k + 1
-        return found
+            series[k + 1, :3], series[k + 1, 3:] = layered(products, series[k], coefficients)
+            series[k + 1] /= k + 1
+        return series
 
     def field(self, states: Doubles) -> Doubles:
         """The right-hand sides, (6, n)."""
@@ -87,9 +87,9 @@ class Lanes:
         turn = np.where(signs < 0.0, _BACK, 1.0)
         now, left = states * turn, np.abs(times)
         while np.any(left > 0.0):
-            found = self.series(now)
-            step = np.minimum(left, _step(found))
-            now = _value(found, step)
+            series = self.series(now)
+            step = np.minimum(left, _step(series))
+            now = _value(series, step)
             left = left - step
         return np.asarray(now * turn)
 
@@ -98,7 +98,7 @@ class Lanes:
         lanes = np.arange(states.shape[1])
         now, time = states.copy(), np.zeros(states.shape[1])
         counts = np.zeros(states.shape[1], dtype=np.intp)
-        found: list[tuple[Whole, Whole, Doubles, Doubles]] = []
+        crossings: list[tuple[Whole, Whole, Doubles, Doubles]] = []
         while np.any(time < span):
             series = self.series(now, _ROUGH)
             step = np.minimum(span - time, _step(series, _ROUGHLY))
@@ -115,17 +115,17 @@ class Lanes:
                     middle = (low + high) / 2
                     up = self._rise(_value(some, middle)) > 0.0
                     low, high = np.where(up, middle, low), np.where(up, high, middle)
-                found.append((lanes[met], counts[met], time[met] + low, _value(some, low)))
+                crossings.append((lanes[met], counts[met], time[met] + low, _value(some, low)))
                 counts[met] += 1
             now, time = _value(series, step), time + step
-        if not found:
+        if not crossings:
             empty = np.zeros(0, dtype=np.intp)
             return Crossings(empty, empty, np.zeros(0), np.zeros((6, 0)))
         return Crossings(
-            np.concatenate([row[0] for row in found]),
-            np.concatenate([row[1] for row in found]),
-            np.concatenate([row[2] for row in found]),
-            np.concatenate([row[3] for row in found], axis=1),
+            np.concatenate([row[0] for row in crossings]),
+            np.concatenate([row[1] for row in crossings]),
+            np.concatenate([row[2] for row in crossings]),
+            np.concatenate([row[3] for row in crossings], axis=1),
         )
 
     def derivative(self, states: Doubles, times: Doubles) -> Doubles:
@@ -157,10 +157,10 @@ def _step(series: Doubles, part: float = _SHORTER) -> Doubles:
 
 
 def _value(series: Doubles, step: Doubles) -> Doubles:
-    found = series[-1]
+    total = series[-1]
     for row in series[-2::-1]:
-        found = found * step + row
-    return np.asarray(found)
+        total = total * step + row
+    return np.asarray(total)
 
 
 # --- homoclinic -----------------------------------------------------------------------------------
@@ -214,8 +214,8 @@ class Homoclinic(NamedTuple):
 
 def saddle(lanes: Lanes, point: Doubles, period: float) -> Saddle | None:
     """The directions at a hyperbolic orbit; None where double tells none."""
-    found = lanes.derivative(point[:, None], np.array([period]))[0]
-    values, vectors = np.linalg.eig(found)
+    derivative = lanes.derivative(point[:, None], np.array([period]))[0]
+    values, vectors = np.linalg.eig(derivative)
     order = np.argsort(np.abs(values))
     first, last = order[0], order[-1]
     if abs(values[last].imag) > 1e-6 or abs(values[last]) < 1.0 + 1e-3:
@@ -235,14 +235,14 @@ def search(lanes: Lanes, at: Saddle) -> Iterator[Homoclinic]:
     """Transversal homoclinic orbits, one of each class, short ones first."""
     guesses: list[Homoclinic] = []
     for guess in sorted(_guesses(lanes, at), key=lambda x: _length(at, x)):
-        if not any(_same(at, guess, other, _CLOSE) for other in guesses):
+        if not any(_same(at, guess, earlier, _CLOSE) for earlier in guesses):
             guesses.append(guess)
-    kept: list[Homoclinic] = []
+    orbits: list[Homoclinic] = []
     for guess in guesses:
-        found = corrected(lanes, at, guess)
-        if found is not None and not any(_same(at, found, other, _SAME) for other in kept):
-            kept.append(found)
-            yield found
+        orbit = corrected(lanes, at, guess)
+        if orbit is not None and not any(_same(at, orbit, earlier, _SAME) for earlier in orbits):
+            orbits.append(orbit)
+            yield orbit
 
 
 def manifolds(lanes: Lanes, at: Saddle) -> tuple[Crossings, Crossings, Doubles]:
@@ -266,14 +266,14 @@ def _guesses(lanes: Lanes, at: Saddle) -> list[Homoclinic]:
     out, into, both = manifolds(lanes, at)
     u, s = _segments(out, both), _segments(into, both)
     s = _Segments(backward(s.begin), backward(s.end), *s[2:])
-    found = []
+    guesses = []
     for i, j, a, b, angle in _meetings(u, s):
         su = u.sizes[0, i] * (u.sizes[1, i] / u.sizes[0, i]) ** a
         ss = s.sizes[0, j] * (s.sizes[1, j] / s.sizes[0, j]) ** b
         tu = u.times[0, i] + a * (u.times[1, i] - u.times[0, i])
         ts = s.times[0, j] + b * (s.times[1, j] - s.times[0, j])
-        found.append(Homoclinic(float(su), float(ss), float(tu), float(ts), float(angle)))
-    return found
+        guesses.append(Homoclinic(float(su), float(ss), float(tu), float(ts), float(angle)))
+    return guesses
 
 
 class _Segments(NamedTuple):
@@ -283,17 +283,15 @@ class _Segments(NamedTuple):
     times: Doubles
 
 
-def _part(found: Crossings, which: npt.NDArray[np.bool_], first: int) -> Crossings:
-    return Crossings(
-        found.lane[which] - first, found.number[which], found.time[which], found.state[:, which]
-    )
+def _part(of: Crossings, which: npt.NDArray[np.bool_], first: int) -> Crossings:
+    return Crossings(of.lane[which] - first, of.number[which], of.time[which], of.state[:, which])
 
 
-def _segments(found: Crossings, sizes: Doubles) -> _Segments:
+def _segments(crossings: Crossings, sizes: Doubles) -> _Segments:
     """Of neighbouring lanes, near each other at the same count."""
-    order = np.lexsort((found.lane, found.number))
-    lane, count = found.lane[order], found.number[order]
-    time, state = found.time[order], found.state[:, order]
+    order = np.lexsort((crossings.lane, crossings.number))
+    lane, count = crossings.lane[order], crossings.number[order]
+    time, state = crossings.time[order], crossings.state[:, order]
     size = sizes[lane]
     near = (lane[1:] == lane[:-1] + 1) & (count[1:] == count[:-1]) & (size[1:] * size[:-1] > 0)
     near &= np.max(np.abs(state[:, 1:] - state[:, :-1]), axis=0) < _LONGEST
@@ -315,9 +313,9 @@ def _meetings(u: _Segments, s: _Segments) -> Iterator[tuple[int, int, float, flo
     middles = np.floor((u.begin[[0, 3]] + u.end[[0, 3]]) / (2 * cell)).astype(np.int64)
     for dx in (-1, 0, 1):
         for dy in (-1, 0, 1):
-            wanted = (middles + np.array([[dx], [dy]])).T @ base
-            low = np.searchsorted(ranked, wanted, "left")
-            high = np.searchsorted(ranked, wanted, "right")
+            places = (middles + np.array([[dx], [dy]])).T @ base
+            low = np.searchsorted(ranked, places, "left")
+            high = np.searchsorted(ranked, places, "right")
             many = high - low
             i = np.repeat(np.arange(len(many)), many)
             start = np.repeat(low - np.concatenate([[0], np.cumsum(many)[:-1]]), many)
@@ -397,24 +395,24 @@ def _length(at: Saddle, x: Homoclinic) -> float:
     return x.time + math.log(abs(x.unstable * x.stable)) / rate
 
 
-def _same(at: Saddle, one: Homoclinic, other: Homoclinic, near: float) -> bool:
+def _same(at: Saddle, first: Homoclinic, second: Homoclinic, near: float) -> bool:
     """Whether two are one orbit, begun elsewhere."""
-    if one.unstable * other.unstable < 0 < at.multiplier:
+    if first.unstable * second.unstable < 0 < at.multiplier:
         return False
-    shift = math.log(abs(one.unstable / other.unstable)) / math.log(abs(at.multiplier))
-    apart = abs(_length(at, one) - _length(at, other))
+    shift = math.log(abs(first.unstable / second.unstable)) / math.log(abs(at.multiplier))
+    apart = abs(_length(at, first) - _length(at, second))
     return apart < near * at.period and abs(shift - round(shift)) < near
 
 
-def towards(at: Saddle, found: Homoclinic, size: float) -> tuple[Homoclinic, float]:
+def towards(at: Saddle, orbit: Homoclinic, size: float) -> tuple[Homoclinic, float]:
     """The same orbit begun and ended so near that chains of that size fit; and their size."""
     factor = abs(at.multiplier)
     begin = (1.0 + min(factor, 4.0)) / 2.0
-    m = round(math.log(abs(found.unstable) / (begin * size)) / math.log(factor))
+    m = round(math.log(abs(orbit.unstable) / (begin * size)) / math.log(factor))
     m = max(0, m)
-    su = found.unstable / at.multiplier**m
+    su = orbit.unstable / at.multiplier**m
     rho = abs(su) / begin
-    n = max(0, math.ceil(math.log(abs(found.stable) / (0.6 * rho)) / math.log(factor)))
-    ss = found.stable / at.multiplier**n
-    ahead, behind = found.ahead + m * at.period, found.behind + n * at.period
-    return Homoclinic(su, ss, ahead, behind, found.angle), rho
+    n = max(0, math.ceil(math.log(abs(orbit.stable) / (0.6 * rho)) / math.log(factor)))
+    ss = orbit.stable / at.multiplier**n
+    ahead, behind = orbit.ahead + m * at.period, orbit.behind + n * at.period
+    return Homoclinic(su, ss, ahead, behind, orbit.angle), rho

@@ -20,7 +20,7 @@ from polhode.common.interrupts import Message
 from polhode.dynamics.families import orbit_search
 from polhode.dynamics.newton_shooting import Surface
 from polhode.dynamics.orbit import Orbit
-from polhode.dynamics.starts import MAXIMA, asked_of
+from polhode.dynamics.starts import MAXIMA, cut_of
 from polhode.enclosures.fixed_point_problem import Motion, motion, unit_for, upper
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import to_double
@@ -42,20 +42,20 @@ _LEAST_HEIGHT = 0.25  # of N0's: far above what the checker leaves open, which i
 
 
 def along(
-    lanes: Lanes, at: Saddle, found: Homoclinic, size: float
+    lanes: Lanes, at: Saddle, orbit: Homoclinic, size: float
 ) -> tuple[list[Chart], list[Rectangle], list[float]]:
     """Charts, the sets N0, M1, ..., Mk, and the time from each to the next one's plane.
 
     In principal axes and the lanes' unit of time; ``size``: of N0.
     """
-    count = max(2, round(found.time / at.period))
-    time = found.time / count
+    count = max(2, round(orbit.time / at.period))
+    time = orbit.time / count
     times = time * np.arange(count)
-    first = at.point + at.unstable * found.unstable
-    last = at.point + at.stable * found.stable
-    early = times <= found.ahead
+    first = at.point + at.unstable * orbit.unstable
+    last = at.point + at.stable * orbit.stable
+    early = times <= orbit.ahead
     starts = np.where(early, first[:, None], last[:, None])
-    states = lanes.after(starts, np.where(early, times, times - found.time))
+    states = lanes.after(starts, np.where(early, times, times - orbit.time))
     slopes = lanes.derivative(states, np.full(count, time))
     out, into = [at.unstable], [at.stable]
     for k in range(1, count):
@@ -73,7 +73,7 @@ def along(
     ]
     width = min(1.0, 0.3 * (min(abs(at.multiplier), 4.0) - 1.0)) * size
     sets = [Rectangle(0, 0.0, size, size)]
-    sets.append(Rectangle(0, found.unstable, width, _fitted(maps[0], sets[0], size).height))
+    sets.append(Rectangle(0, orbit.unstable, width, _fitted(maps[0], sets[0], size).height))
     for k in range(1, count):
         sets.append(_fitted(maps[k], sets[-1], size)._replace(chart=k))
     return charts, sets, [at.period, *[time] * count]
@@ -110,10 +110,10 @@ def _flat(lanes: Lanes, state: Doubles, v: Doubles) -> Doubles:
     return np.asarray(v / np.max(np.abs(v)))
 
 
-def in_scene_axes(what: Motion, chart: Chart) -> Chart:
+def in_scene_axes(of: Motion, chart: Chart) -> Chart:
     """A chart of principal axes and a motion's unit of time, in the scene's axes and unit."""
-    by = 2.0**what.unit
-    turn = np.array([[to_double(x) for x in row] for row in what.scene.body.axes.rows]).T
+    by = 2.0**of.unit
+    turn = np.array([[to_double(x) for x in row] for row in of.scene.body.axes.rows]).T
     place = np.kron(np.diag([1.0 / by, 1.0]), turn)
     back = np.kron(np.diag([by, 1.0]), turn)
     return Chart(
@@ -189,11 +189,11 @@ def prove_chaos(
     """
     scene = library.load(scene, takes=REQUESTS)
     most = whole(scene.name, "tries", tries, 1, MOST_TRIES)
-    asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
-    on = Surface(scene, asked.h, asked.f)
+    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
+    on = Surface(scene, cut.h, cut.f)
     if orbit is not None:
         near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit, takes=REQUESTS)
-        return _Search(on, most, progress).found([near_scene(on, near)])
+        return _ChaosSearch(on, most, progress).found([near_scene(on, near)])
     if progress is not None:
         progress("unstable periodic orbits of the level")
     some = orbit_search(scene, _GRID, _RETURNS, h, f)
@@ -204,10 +204,10 @@ def prove_chaos(
     if not unstable:
         raise NotProved(f"{scene.name}: no unstable periodic orbit was found on the level")
     guesses = [of_closed(some.surface, some.closed[k]) for k in unstable[:_ORBITS]]
-    return _Search(on, most, progress).found(guesses)
+    return _ChaosSearch(on, most, progress).found(guesses)
 
 
-class _Search:
+class _ChaosSearch:
     """The tries of one proof."""
 
     def __init__(self, on: Surface, most: int, progress: Message | None) -> None:
@@ -221,12 +221,12 @@ class _Search:
         each = self.most if len(guesses) == 1 else _EACH
         for guess in guesses:
             try:
-                found = self._beside(proved(guess, _DIGITS), each)
+                theorem = self._beside(proved(guess, _DIGITS), each)
             except NotProved as why:
                 self.causes.append(str(why).partition(": ")[2])
                 continue
-            if found is not None:
-                return found
+            if theorem is not None:
+                return theorem
         name = self.on.scene.name
         if not self.seen:
             causes = self.causes or ["none of the manifolds' points led to one"]
@@ -243,8 +243,8 @@ class _Search:
         p, q, r = (x.centre for x in orbit.omega)
         a, b, c = (x.centre for x in orbit.gamma)
         body = orbit.scene.body
-        what = motion(orbit.scene, unit=unit_for(body, (p, q, r)))
-        by, lanes = 2.0**what.unit, Lanes.of(what)
+        of = motion(orbit.scene, unit=unit_for(body, (p, q, r)))
+        by, lanes = 2.0**of.unit, Lanes.of(of)
         rates, vertical = (body.axes.components(v) for v in ((p, q, r), (a, b, c)))
         place = [*(by * to_double(x) for x in rates), *map(to_double, vertical)]
         at = homoclinic.saddle(lanes, np.array(place), float(orbit.period) / by)
@@ -252,7 +252,7 @@ class _Search:
             self.causes.append("the periodic orbit's multipliers are too near to 1")
             return None
         self._say(f"manifolds of the orbit of period {float(orbit.period):.6g}")
-        for k, one in enumerate(homoclinic.search(lanes, at)):
+        for k, approximate in enumerate(homoclinic.search(lanes, at)):
             if k == each:
                 break
             self.seen += 1
@@ -261,25 +261,25 @@ class _Search:
                     return None
                 self.tried += 1
                 self._say(f"chain {self.tried} of sets along homoclinic orbit {self.seen}")
-                moved, rho = homoclinic.towards(at, one, size)
-                found = homoclinic.corrected(lanes, at, moved)
-                if found is None:
+                moved, rho = homoclinic.towards(at, approximate, size)
+                connection = homoclinic.corrected(lanes, at, moved)
+                if connection is None:
                     self.causes.append("the homoclinic orbit is lost near the periodic one")
                     continue
-                guess = Guess(lanes, at, *along(lanes, at, found, rho))
+                guess = Guess(lanes, at, *along(lanes, at, connection, rho))
                 try:
-                    return self._proved(what, orbit, guess, rho)
+                    return self._proved(of, orbit, guess, rho)
                 except verify.NotProved as why:
                     self.causes.append(str(why))
         return None
 
-    def _proved(self, what: Motion, orbit: ProvedOrbit, guess: Guess, size: float) -> ProvedChaos:
+    def _proved(self, of: Motion, orbit: ProvedOrbit, guess: Guess, size: float) -> ProvedChaos:
         """The theorem by one chain of sets; raises the checker's NotProved."""
-        charts = [in_scene_axes(what, x) for x in guess.charts]
-        times = [x * 2.0**what.unit for x in guess.times]
+        charts = [in_scene_axes(of, x) for x in guess.charts]
+        times = [x * 2.0**of.unit for x in guess.times]
         scene, h, f = orbit.scene, orbit.h, orbit.f
-        made = chaos_certificate.guesses(Chain(scene.body, h, f, charts, guess.sets, times))
-        proof = chaos_certificate.proved(made)
+        certificate = chaos_certificate.guesses(Chain(scene.body, h, f, charts, guess.sets, times))
+        proof = chaos_certificate.proved(certificate)
         with ctx.workprec(orbit.bits + 64):
             start = [as_arb(x) for x in (*orbit.omega, *orbit.gamma)]
             period = as_arb(orbit.period)
@@ -287,7 +287,7 @@ class _Search:
         short, long = upper(proof.short), upper(proof.long)
         entropy = _least_entropy(short, long)
         statement: Made = {"entropy": down(entropy), "short": up(short), "long": up(long)}
-        made = chaos_certificate.stated(made, statement, proof)
+        certificate = chaos_certificate.stated(certificate, statement, proof)
         return ProvedChaos(
             scene,
             h,
@@ -304,7 +304,7 @@ class _Search:
             size,
             self.tried,
             time.process_time() - self.began,
-            json.dumps(made),
+            json.dumps(certificate),
             guess,
             tuple(proof.images),
             scene.provenance(),

@@ -15,7 +15,7 @@ from polhode.dynamics.families import OrbitSearch, orbit_search
 from polhode.dynamics.newton_shooting import Surface
 from polhode.dynamics.orbit import Orbit
 from polhode.dynamics.orbit import orbit as approximate
-from polhode.dynamics.starts import MAXIMA, asked_of
+from polhode.dynamics.starts import MAXIMA, cut_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import sign
@@ -94,64 +94,64 @@ def prove_orbit(
     6.283185307179586476925286766559
     """
     scene = library.load(scene, takes=REQUESTS)
-    wanted = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
+    digit_count = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
     bodies = tolerance_of(scene.name, tolerance)
     if orbit is None:
         orbit = approximate(scene, h=h, f=f, period=period, returns=returns, progress=progress)
     elif period is not None or returns is not None:
         raise BadInput(scene.name, "orbit", None, "no period, returns with it")
-    asked = asked_of(scene, MOMENTUM, MAXIMA, h, f)
-    on = Surface(scene, asked.h, asked.f)
+    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
+    on = Surface(scene, cut.h, cut.f)
     if isinstance(orbit, Orbit) and _alike(orbit.surface, on):
         candidate = certified_orbit.of_closed(on, orbit.closed)
     else:
         near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit, takes=REQUESTS)
         candidate = near_scene(on, near)
-    return proved(candidate, wanted, progress, bodies)
+    return proved(candidate, digit_count, progress, bodies)
 
 
-def tolerance_of(name: str, given: AnyNumber | None) -> Fraction:
+def tolerance_of(name: str, value: AnyNumber | None) -> Fraction:
     """A relative tolerance, exact; 0 where there is none; raises BadInput."""
-    if given is None:
+    if value is None:
         return Fraction(0)
     expected = "a fraction above 0 and below 1"
     try:
-        found = exact_number(given)
+        tolerance = exact_number(value)
     except (TypeError, ValueError) as fault:
-        raise BadInput(name, "tolerance", given, f"{expected} ({fault})") from None
-    if not (isinstance(found, Fraction) and 0 < found < 1):
-        raise BadInput(name, "tolerance", given, expected)
-    return found
+        raise BadInput(name, "tolerance", value, f"{expected} ({fault})") from None
+    if not (isinstance(tolerance, Fraction) and 0 < tolerance < 1):
+        raise BadInput(name, "tolerance", value, expected)
+    return tolerance
 
 
 def prove_found(
-    found: OrbitSearch,
+    search: OrbitSearch,
     k: int,
     digits: int = DIGITS,
     progress: Message | None = None,
     tolerance: Fraction = _NONE,
 ) -> ProvedOrbit:
     """The k-th orbit of a search, proved as by :func:`prove_orbit`."""
-    candidate = certified_orbit.of_closed(found.surface, found.closed[k])
+    candidate = certified_orbit.of_closed(search.surface, search.closed[k])
     return proved(candidate, digits, progress, tolerance)
 
 
 def prove_all(
-    found: OrbitSearch, digits: int = DIGITS, tolerance: Fraction = _NONE
+    search: OrbitSearch, digits: int = DIGITS, tolerance: Fraction = _NONE
 ) -> list[ProvedOrbit | NotProved]:
     """The proof of each orbit of a search, or why there is none."""
     proofs: list[ProvedOrbit | NotProved] = []
-    for k in range(len(found.orbits)):
+    for k in range(len(search.orbits)):
         try:
-            proofs.append(prove_found(found, k, digits, tolerance=tolerance))
+            proofs.append(prove_found(search, k, digits, tolerance=tolerance))
         except NotProved as why:
             proofs.append(why)
     return proofs
 
 
-def _alike(one: Surface, other: Surface) -> bool:
+def _alike(first: Surface, second: Surface) -> bool:
     """Whether states of both are of one body, one level and one unit of time."""
-    levels = [(on.scene.body, on.h, on.f, on.unit) for on in (one, other)]
+    levels = [(on.scene.body, on.h, on.f, on.unit) for on in (first, second)]
     return levels[0] == levels[1]
 
 
@@ -170,8 +170,8 @@ def proved(
 ) -> ProvedOrbit:
     """The theorem of a candidate; raises NotProved."""
     began = time.process_time()
-    found = certified_orbit.certified(candidate, digits, progress, tolerance)
-    return of_proof(candidate.on, found, tolerance, time.process_time() - began)
+    proof = certified_orbit.certified(candidate, digits, progress, tolerance)
+    return of_proof(candidate.on, proof, tolerance, time.process_time() - began)
 
 
 # --- prove orbits ---------------------------------------------------------------------------------
@@ -226,23 +226,25 @@ class ProvedOrbits(Result, ByValue):
     def facts(self) -> list[Fact]:
         """The level, and how many guesses were tried."""
         facts = [x for x in self.search.facts() if x.name != "complete"]
-        told = Fact("complete", self.complete, "whether all guesses were tried, and all is proved")
-        return [*facts[:-1], told, facts[-1]]
+        complete = Fact(
+            "complete", self.complete, "whether all guesses were tried, and all is proved"
+        )
+        return [*facts[:-1], complete, facts[-1]]
 
     def __repr__(self) -> str:
         count = sum(isinstance(x, ProvedOrbit) for x in self.proofs)
         return f"<ProvedOrbits of {self.scene.name}: {count} of {len(self.proofs)} proved>"
 
     def __str__(self) -> str:
-        rows = [[str(k), _line(one)] for k, one in enumerate(self.proofs, 1)]
+        rows = [[str(k), _line(proof)] for k, proof in enumerate(self.proofs, 1)]
         return "\n".join(aligned(["orbit", "proof"], rows))
 
 
-def _line(found: ProvedOrbit | NotProved) -> str:
-    if isinstance(found, NotProved):
-        return f"not proved: {found}"
-    period, radius = found.period.decimals
-    return f"proved: {found.kind}, least period {period} +- {radius}, residue {found.residue}"
+def _line(proof: ProvedOrbit | NotProved) -> str:
+    if isinstance(proof, NotProved):
+        return f"not proved: {proof}"
+    period, radius = proof.period.decimals
+    return f"proved: {proof.kind}, least period {period} +- {radius}, residue {proof.residue}"
 
 
 def prove_orbits(
@@ -293,5 +295,5 @@ def prove_orbits(
     """
     scene = library.load(scene, takes=REQUESTS)
     bodies = tolerance_of(scene.name, tolerance)
-    found = orbit_search(scene, grid, crossings, h, f, progress)
-    return ProvedOrbits(found, tuple(prove_all(found, digits, bodies)))
+    search = orbit_search(scene, grid, crossings, h, f, progress)
+    return ProvedOrbits(search, tuple(prove_all(search, digits, bodies)))

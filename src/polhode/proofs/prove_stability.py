@@ -118,8 +118,8 @@ def of_orbit(orbit: ProvedOrbit, prove: Prover, progress: Message | None = None)
     _refuse_unstable(orbit)
     orbit, proof, runs = _proof_of(orbit, prove, progress)
     rotation, twist = ball_of(proof.twist.rotation), ball_of(proof.twist.twist)
-    held: Made = json.loads(orbit.certificate)
-    claim = held["statement"]
+    parts: Made = json.loads(orbit.certificate)
+    claim = parts["statement"]
     assert isinstance(claim, dict)
     balls = {"rotation": [*rotation.decimals], "twist": [*twist.decimals]}
     statement = {**claim, **balls}
@@ -128,7 +128,7 @@ def of_orbit(orbit: ProvedOrbit, prove: Prover, progress: Message | None = None)
             verify.check_twist(verify.read_stability(statement)[1], proof.twist)
     except verify.NotProved:
         raise NotProved(f"{name}: the twist {proof.twist.twist.str(3)} may be 0") from None
-    text = json.dumps(held | proof.guide._asdict() | {"kind": "stability", "statement": statement})
+    text = json.dumps(parts | proof.guide._asdict() | {"kind": "stability", "statement": statement})
     seconds = orbit.seconds + time.process_time() - began
     return ProvedStability(orbit, rotation, twist, proof.guide.jet_bits, runs, seconds, text)
 

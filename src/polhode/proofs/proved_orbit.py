@@ -201,10 +201,10 @@ class ProvedOrbit(ProvedResult, ByValue):
 
 
 def of_proof(
-    on: Surface, found: certified_orbit.Proof, tolerance: Fraction, seconds: float
+    on: Surface, proof: certified_orbit.OrbitProof, tolerance: Fraction, seconds: float
 ) -> ProvedOrbit:
     """What the checker proved, stated in its certificate; raises NotProved."""
-    zero, name = found.zero, on.scene.name
+    zero, name = proof.zero, on.scene.name
     tests = verify.STABILITY.items()
     kind = next((word for word, test in tests if test(zero.residue) is True), None)
     if kind is None:
@@ -223,7 +223,7 @@ def of_proof(
         "least": True,
         "alone": [down(x) for x in within],
     }
-    made = orbit_certificate.stated(found.made, statement, zero)
+    certificate = orbit_certificate.stated(proof.made, statement, zero)
     if tolerance:
         state = [ball_of(x) for x in _in_scene_axes(on.scene.body.axes, zero.start)]
     return ProvedOrbit(
@@ -236,11 +236,11 @@ def of_proof(
         residue,
         kind,
         within,
-        found.digits,
-        int(str(made["bits"])),
-        found.runs,
+        proof.digits,
+        int(str(certificate["bits"])),
+        proof.runs,
         seconds,
-        json.dumps(made),
+        json.dumps(certificate),
         on.scene.provenance(),
         tolerance,
     )

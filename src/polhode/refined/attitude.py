@@ -23,10 +23,10 @@ from polhode.numbers.number_types import Booleans, Complexes, Doubles, GivenRow,
 from polhode.numbers.vectors import quaternion_product
 from polhode.refined.collocation_tables import Tables
 from polhode.refined.compiled_field import FIELD_SHIFT
-from polhode.refined.deferred_correction import Constants, iterated
+from polhode.refined.deferred_correction import BlockConstants, iterated
 from polhode.refined.double_run import rational
-from polhode.refined.errors import CannotRefine, TooLong
-from polhode.refined.expansions import Levels, Limbs, product
+from polhode.refined.errors import CannotRefine, IntervalsTooLong
+from polhode.refined.expansions import Limbs, LimbSums, product
 from polhode.scenes.scene import Scene
 
 QUATERNION = 4
@@ -35,7 +35,7 @@ _STAGES = 1e-11  # to which a correction is, relative
 _ENDS = 1e-12  # relative error of the ends' last correction, at most
 
 
-class Turns(NamedTuple):
+class BlockTurns(NamedTuple):
     """T of N intervals.  ``ends``: four integers times 2**-finest each; ``path``: T at the nodes,
     in double, (4, M, N)."""
 
@@ -43,7 +43,9 @@ class Turns(NamedTuple):
     path: Doubles
 
 
-def turns(constants: Constants, stages: Doubles, lengths: Doubles, largest_tail: float) -> Turns:
+def turns(
+    constants: BlockConstants, stages: Doubles, lengths: Doubles, largest_tail: float
+) -> BlockTurns:
     """T along N intervals: stages (6, L, M, N) and lengths (L, N) in limbs.
 
     Raises TooLong for intervals with too few nodes for it, or CannotRefine.
@@ -71,9 +73,9 @@ def turns(constants: Constants, stages: Doubles, lengths: Doubles, largest_tail:
         size = float(np.abs(r).max())
         if count and size * _ENDS < constants.target:
             if (tails > largest_tail).any():  # told by the last sweep, which no guess disturbs
-                raise TooLong(tails > largest_tail)
+                raise IntervalsTooLong(tails > largest_tail)
             whole = ends.transpose(2, 0, 1).tolist()
-            return Turns([[limbs.integer(x) for x in row] for row in whole], t)
+            return BlockTurns([[limbs.integer(x) for x in row] for row in whole], t)
         rest = np.zeros_like(t)
 
         def correct(r: Doubles = r, rest: Doubles = rest) -> None:
@@ -106,7 +108,7 @@ def _field(kind: Limbs, t: Doubles, omega: Doubles, lengths: Doubles) -> Doubles
     """H T ⊗ w in limbs (4, L, M, N); |T|, |w| <= 1 and H |w| <= 4, as the kernels' field has it."""
     q, w = ([list(x) for x in part] for part in (t, omega))
     minus = [-x for x in q[1]], [-x for x in q[2]], [-x for x in q[3]]
-    rates: list[Levels] = [
+    rates: list[LimbSums] = [
         product(minus[0], w[0]) + product(minus[1], w[1]) + product(minus[2], w[2]),
         product(q[0], w[0]) + product(q[2], w[2]) + product(minus[2], w[1]),
         product(q[0], w[1]) + product(q[3], w[0]) + product(minus[0], w[2]),
@@ -120,18 +122,18 @@ def _field(kind: Limbs, t: Doubles, omega: Doubles, lengths: Doubles) -> Doubles
 def spun(q: Doubles, omega: Doubles) -> Doubles:
     """q ⊗ (0, w)."""
     p, y, r = omega
-    found = np.empty_like(q)
-    found[0] = -(q[1] * p) - q[2] * y - q[3] * r
-    found[1] = q[0] * p + q[2] * r - q[3] * y
-    found[2] = q[0] * y + q[3] * p - q[1] * r
-    found[3] = q[0] * r + q[1] * y - q[2] * p
-    return found
+    spin = np.empty_like(q)
+    spin[0] = -(q[1] * p) - q[2] * y - q[3] * r
+    spin[1] = q[0] * p + q[2] * r - q[3] * y
+    spin[2] = q[0] * y + q[3] * p - q[1] * r
+    spin[3] = q[0] * r + q[1] * y - q[2] * p
+    return spin
 
 
 def times(a: GivenRow, b: GivenRow) -> Scalar:
     """The product of quaternions, of arrays of them, or of lists of integers."""
-    found = quaternion_product(a, b)
-    return np.array(found) if isinstance(a, np.ndarray) else found
+    row = quaternion_product(a, b)
+    return np.array(row) if isinstance(a, np.ndarray) else row
 
 
 def conjugate(q: Doubles) -> Doubles:
@@ -159,7 +161,7 @@ _NEAREST = 1e-12  # to a pole, where psi and phi cannot be told in double any mo
 _PARTS = 8  # of a piece of path that comes near
 
 
-class Attitude(NamedTuple):
+class RefinedAttitude(NamedTuple):
     """At an output: the quaternion, rationals, and by how much (psi + phi)/2 and (psi - phi)/2 have
     grown since the start, in double."""
 
@@ -178,33 +180,38 @@ class Following:
         self._windings = np.zeros(2)
 
     def advance(
-        self, found: Turns, chain: int, starts: Integers, nodes: Doubles, lengths: Doubles
-    ) -> list[Attitude]:
+        self,
+        block_turns: BlockTurns,
+        chain: int,
+        starts: Integers,
+        nodes: Doubles,
+        lengths: Doubles,
+    ) -> list[RefinedAttitude]:
         """Go on over a block's chain; the attitudes at its outputs.
 
         ``starts``: of the intervals, counted in edges; ``nodes``: c_j; ``lengths``: (N,).
         Raises CannotRefine where angles are wanted and the motion passes a pole too closely.
         """
         edges = [self._now]
-        for turn in found.ends[:chain]:
+        for turn in block_turns.ends[:chain]:
             edges.append(self._after(edges[-1], turn))
-        wound = np.zeros((2, len(found.ends)))
+        wound = np.zeros((2, len(block_turns.ends)))
         if self._angles:
             begin = np.array([[x * 2.0**-self._bits for x in edges[i]] for i in starts])
-            ends = np.array([[x * 2.0**-self._ends for x in row] for row in found.ends])
-            wound = windings(self._double, begin, found.path, ends, nodes, lengths)
+            ends = np.array([[x * 2.0**-self._ends for x in row] for row in block_turns.ends])
+            wound = windings(self._double, begin, block_turns.path, ends, nodes, lengths)
         before = np.concatenate([np.zeros((2, 1)), np.cumsum(wound[:, :chain], axis=1)], axis=1)
         before += self._windings[:, None]
         outputs = []
-        for i in range(chain, len(found.ends)):
-            whole = self._after(edges[starts[i]], found.ends[i])
-            one = 1 << self._bits
+        for i in range(chain, len(block_turns.ends)):
+            whole = self._after(edges[starts[i]], block_turns.ends[i])
+            unit = 1 << self._bits
             quaternion = tuple(
-                sum((x * Fraction(y, one) for x, y in zip(row, whole, strict=True)), Fraction(0))
+                sum((x * Fraction(y, unit) for x, y in zip(row, whole, strict=True)), Fraction(0))
                 for row in self._frame
             )
             sums = before[:, starts[i]] + wound[:, i]
-            outputs.append(Attitude(quaternion, (float(sums[0]), float(sums[1]))))
+            outputs.append(RefinedAttitude(quaternion, (float(sums[0]), float(sums[1]))))
         self._now, self._windings = edges[chain], before[:, chain]
         return outputs
 
@@ -246,10 +253,10 @@ def windings(
     wound = np.angle(z[:, 1:] * z[:, :-1].conj())
     near = ~_clear(z[:, :-1], z[:, 1:], np.diff(at)[:, None] * lengths)
     for c, gap, i in np.argwhere(near).tolist():
-        one = _OnePath(frames[i], at[:-1], path[:, :-1, i], float(lengths[i]), c)
-        wound[c, gap, i] = one.winding(at[gap], at[gap + 1])
-    found: Doubles = wound.sum(axis=1)
-    return found
+        piece = _OnePath(frames[i], at[:-1], path[:, :-1, i], float(lengths[i]), c)
+        wound[c, gap, i] = piece.winding(at[gap], at[gap + 1])
+    growth: Doubles = wound.sum(axis=1)
+    return growth
 
 
 class _OnePath:
@@ -288,8 +295,8 @@ class _OnePath:
         shares[hit.any(axis=1)] = 0.0
         shares[hit] = 1.0
         t = (self._path @ shares.T) / shares.sum(axis=1)
-        found: Complexes = _pair(self._matrix @ t)[self._which]
-        return found
+        points: Complexes = _pair(self._matrix @ t)[self._which]
+        return points
 
 
 def _clear(a: Complexes, b: Complexes, apart: Doubles) -> Booleans:

@@ -46,7 +46,7 @@ class Gauss:
 def gauss(count: int, bits: int) -> Gauss:
     """The table of ``count`` nodes, every entry right to its last bits."""
     fine = bits + _GUARD
-    one = 1 << fine
+    unit = 1 << fine
     upper = [_node(count, k, fine) for k in range((count + 1) // 2)]  # from 1 down to 0
     middle = [0] if count % 2 else []
     nodes = [-x for x in upper[: count // 2]] + middle + upper[: count // 2][::-1]
@@ -55,7 +55,7 @@ def gauss(count: int, bits: int) -> Gauss:
     for x, p in zip(nodes, legendre, strict=True):
         # b = (1 - x²)/(M P_{M-1})², half the weight on [-1, 1]
         scale = count * p[count - 1]
-        weights.append(((one * one - x * x) << fine) // (scale * scale))
+        weights.append(((unit * unit - x * x) << fine) // (scale * scale))
     rows = []
     for j in range((count + 1) // 2):
         p, x = legendre[j], nodes[j]
@@ -63,7 +63,7 @@ def gauss(count: int, bits: int) -> Gauss:
         row = []
         for i in range(count):
             total = sum(map(int.__mul__, legendre[i][1:count], d)) >> fine
-            row.append((weights[i] * (x + one + total)) >> (fine + 1))
+            row.append((weights[i] * (x + unit + total)) >> (fine + 1))
         rows.append(row)
     for j in range((count + 1) // 2, count):  # by symmetry: from c_j to 1 as from 0 to 1 - c_j
         mirror = rows[count - 1 - j]
@@ -90,10 +90,12 @@ def _exact_legendre(x: int, count: int, bits: int) -> list[int]:
 def _node(count: int, k: int, bits: int) -> int:
     """The k-th zero of P_count from above, by Newton's method from its asymptotic value."""
     x = int(cos(pi * (k + 0.75) / (count + 0.5)) * 2**53) << bits >> 53
-    one = 1 << bits
+    unit = 1 << bits
     for _ in range(bits.bit_length() + 2):
         p = _exact_legendre(x, count, bits)
-        slope = (count * ((x * p[count] >> bits) - p[count - 1]) << bits) // ((x * x >> bits) - one)
+        slope = (count * ((x * p[count] >> bits) - p[count - 1]) << bits) // (
+            (x * x >> bits) - unit
+        )
         step = (p[count] << bits) // slope
         x -= step
         if abs(step) < 1 << (bits // 2 - 8):  # the next one would be below the last bit
@@ -143,15 +145,15 @@ class Tables:
         alone, the tail counted; what is left out is 2**-(B count) in size.
         """
         variables, limbs, nodes, n = field.shape
-        wanted = limbs if count is None else min(count, limbs)
-        found = [
+        count_of_levels = limbs if count is None else min(count, limbs)
+        levels = [
             np.matmul(table, field[:, : i + 1].reshape(variables, (i + 1) * nodes, n))
-            for i, table in enumerate(self.levels[:wanted])
+            for i, table in enumerate(self.levels[:count_of_levels])
         ]
-        if wanted == limbs:
+        if count_of_levels == limbs:
             whole = field.reshape(variables, limbs * nodes, n)
-            found.append(np.matmul(self.tail, whole))
-        return found
+            levels.append(np.matmul(self.tail, whole))
+        return levels
 
     @staticmethod
     def last_coefficients(levels: list[Doubles]) -> Doubles:
@@ -159,8 +161,8 @@ class Tables:
         rows = levels[-1][:, -2:].copy()
         for level in reversed(levels[:-1]):
             rows += level[:, -2:]
-        found: Doubles = np.abs(rows).max(axis=(0, 1)) * 2.0**_SMALLER
-        return found
+        largest: Doubles = np.abs(rows).max(axis=(0, 1)) * 2.0**_SMALLER
+        return largest
 
 
 @cache
@@ -169,7 +171,7 @@ def tables(limbs: Limbs, count: int) -> Tables:
     """The tables for ``count`` fine nodes; raises CannotRefine where there are too many."""
     bits = limbs.finest + _TABLE_BITS
     table = gauss(count, bits)
-    one = Fraction(1, 1 << bits)
+    unit = Fraction(1, 1 << bits)
     last = [
         [
             (2 * k + 1) * (table.weights[i] * table.legendre[i][k] >> bits) >> _SMALLER
@@ -180,7 +182,7 @@ def tables(limbs: Limbs, count: int) -> Tables:
     # two bits lower than the state's, as the field's are two bits higher: levels fit together
     kind = limbs.shifted(-FIELD_SHIFT)
     split = np.array(
-        [[kind.split(x * one) for x in row] for row in (*table.integrals, *last)]
+        [[kind.split(x * unit) for x in row] for row in (*table.integrals, *last)]
     )  # (M + 3, M, L)
     _check(split, limbs)
     levels = tuple(
@@ -189,10 +191,10 @@ def tables(limbs: Limbs, count: int) -> Tables:
     )
     suffix = np.cumsum(split[:, :, ::-1], axis=2)  # smallest first
     tail = np.concatenate([suffix[:, :, i] for i in range(limbs.count)], axis=1)
-    double = np.array([[float(x * one) for x in row] for row in table.integrals])
+    double = np.array([[float(x * unit) for x in row] for row in table.integrals])
     coarse, fine, thinned = _middle(table, gauss(count // 2, bits))
     return Tables(
-        (np.array([float(x * one) for x in table.nodes]) + 1) / 2,
+        (np.array([float(x * unit) for x in table.nodes]) + 1) / 2,
         double[-1].copy(),
         double[:-1].copy(),
         levels,
@@ -248,13 +250,13 @@ def _doubles(values: Any, scale: float) -> Doubles:
 
 def _legendre(x: Doubles, count: int) -> Doubles:
     """P_0 ... P_{count-1} at points, one row per point."""
-    found = [np.ones_like(x), x]
+    polynomials = [np.ones_like(x), x]
     for k in range(1, count - 1):
-        found.append(((2 * k + 1) * x * found[k] - k * found[k - 1]) / (k + 1))
-    return np.stack(found[:count], axis=1)
+        polynomials.append(((2 * k + 1) * x * polynomials[k] - k * polynomials[k - 1]) / (k + 1))
+    return np.stack(polynomials[:count], axis=1)
 
 
 def _at_zero(count: int) -> Doubles:
     """P_0(0) ... P_count(0)."""
-    found: Doubles = _legendre(np.zeros(1), count + 1)[0]
-    return found
+    values: Doubles = _legendre(np.zeros(1), count + 1)[0]
+    return values

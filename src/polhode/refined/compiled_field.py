@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from polhode.equations.terms import NAMES, ROWS, SLOPES, Term
 from polhode.refined.errors import CannotRefine
-from polhode.refined.expansions import Levels, Limbs, product
+from polhode.refined.expansions import Limbs, LimbSums, product
 from polhode.taylor.heyoka import hy
 
 VARIABLES = len(ROWS)
@@ -67,11 +67,11 @@ def _field(kind: Limbs) -> Any:
         for term, value in zip(row[1:], others, strict=True):
             first = first + value if term.sign > 0 else first - value
         rates.append(first)
-    found = [_times(rate, length, kind) for rate in rates]
-    return hy.cfunc([e for row in found for e in row], x, compact_mode=n >= _COMPACT_FROM)
+    rows = [_times(rate, length, kind) for rate in rates]
+    return hy.cfunc([e for row in rows for e in row], x, compact_mode=n >= _COMPACT_FROM)
 
 
-def _value(term: Term, limbs: list[list[Any]], k: list[list[Any]], kind: Limbs) -> Levels:
+def _value(term: Term, limbs: list[list[Any]], k: list[list[Any]], kind: Limbs) -> LimbSums:
     """A term but for its sign."""
     x, *y = (limbs[n] for n in term.factors)
     if term.coefficient is None:
@@ -79,7 +79,7 @@ def _value(term: Term, limbs: list[list[Any]], k: list[list[Any]], kind: Limbs) 
     return product(k[term.coefficient], product(x, y[0]).limbs(kind) if y else x)
 
 
-def _times(rate: Levels, length: list[Any], kind: Limbs) -> list[Any]:
+def _times(rate: LimbSums, length: list[Any], kind: Limbs) -> list[Any]:
     return product(length, rate.limbs(kind)).limbs(kind.shifted(FIELD_SHIFT))
 
 
@@ -93,17 +93,17 @@ def _names(letter: str, count: int) -> list[str]:
 
 def _jacobian(x: Sequence[Any]) -> dict[tuple[int, int], Any]:
     """The entries of J that are not zero, without H."""
-    found: dict[tuple[int, int], Any] = {}
-    for row, column, term, other in SLOPES:
+    entries: dict[tuple[int, int], Any] = {}
+    for row, column, term, factor in SLOPES:
         if term.coefficient is None:
-            assert other is not None
-            value = x[other] if term.sign > 0 else -x[other]
+            assert factor is not None
+            value = x[factor] if term.sign > 0 else -x[factor]
         else:
             value = hy.par[term.coefficient]
-            value = value if other is None else value * x[other]
+            value = value if factor is None else value * x[factor]
         at = row, column
-        found[at] = found[at] + value if at in found else value
-    return found
+        entries[at] = entries[at] + value if at in entries else value
+    return entries
 
 
 def _pushed(x: Sequence[Any], e: Sequence[Any]) -> list[Any]:
@@ -125,20 +125,20 @@ def _costate() -> Any:
     x, y = hy.make_vars(*_names("x", VARIABLES)), hy.make_vars(*_names("y", VARIABLES**2))
     length = -hy.par[COEFFICIENTS]
     entries = {at: length * entry for at, entry in _jacobian(x).items()}
-    found = [
+    sums = [
         _added([row[i] * entry for (i, j), entry in entries.items() if j == column])
         for row in _with_one(y)
         for column in range(VARIABLES)
     ]
-    return hy.cfunc(found, [*x, *y])
+    return hy.cfunc(sums, [*x, *y])
 
 
 def _gather() -> Any:
     x, r = (hy.make_vars(*_names(letter, VARIABLES)) for letter in "xr")
     y = hy.make_vars(*_names("y", VARIABLES**2))
     pushed = _pushed(x, r)
-    found = [_added([a * b for a, b in zip(row, pushed, strict=True)]) for row in _with_one(y)]
-    return hy.cfunc(found, [*x, *r, *y])
+    sums = [_added([a * b for a, b in zip(row, pushed, strict=True)]) for row in _with_one(y)]
+    return hy.cfunc(sums, [*x, *r, *y])
 
 
 def _with_one(y: list[Any]) -> list[list[Any]]:
@@ -150,7 +150,7 @@ def _with_one(y: list[Any]) -> list[list[Any]]:
 
 
 def _added(terms: list[Any]) -> Any:
-    found = terms[0]
+    total = terms[0]
     for term in terms[1:]:
-        found = found + term
-    return found
+        total = total + term
+    return total

@@ -11,11 +11,11 @@ import numpy as np
 from polhode.numbers.number_types import Doubles, Integers
 from polhode.refined.collocation_tables import LARGEST_FIELD, Tables
 from polhode.refined.compiled_field import COEFFICIENTS, VARIABLES, Kernels
-from polhode.refined.errors import CannotRefine, Stalled, TooFarOff, TooLong
+from polhode.refined.errors import CannotRefine, IntervalsTooLong, Stalled, TooFarOff
 from polhode.refined.expansions import Limbs
 
 
-class Chain:
+class LinearChain:
     """The transition matrices of successive intervals, (K, 6, 6), cut into about sqrt(K) chunks.
 
     All chunks advance together; then their ends are joined, one after the other.
@@ -39,14 +39,14 @@ class Chain:
         n = sources.shape[1]
         delta = np.zeros((self._chunks * self._long, n, 1))
         delta[: self._count, :, 0] = sources
-        found = delta.reshape(self._chunks, self._long, n, 1)
+        errors = delta.reshape(self._chunks, self._long, n, 1)
         for i in range(1, self._long):
-            found[:, i] += self._steps[:, i] @ found[:, i - 1]
+            errors[:, i] += self._steps[:, i] @ errors[:, i - 1]
         begin = np.zeros((self._chunks, n, 1))
         for c in range(1, self._chunks):
-            begin[c] = self._products[c - 1, -1] @ begin[c - 1] + found[c - 1, -1]
-        found = found + self._products @ begin[:, None]
-        return found.reshape(-1, n)[: self._count]
+            begin[c] = self._products[c - 1, -1] @ begin[c - 1] + errors[c - 1, -1]
+        errors = errors + self._products @ begin[:, None]
+        return errors.reshape(-1, n)[: self._count]
 
 
 # --- deferred correction --------------------------------------------------------------------------
@@ -81,7 +81,7 @@ _LOOK = 3  # turns between two looks at an iteration's change
 
 
 @dataclass(frozen=True, eq=False)
-class Constants:
+class BlockConstants:
     """What all blocks of a run share: the numbers' kind, compiled functions, tables, the body's
     coefficients as limbs (9, L), the error wanted on each interval, the sweeps allowed."""
 
@@ -111,7 +111,7 @@ class Intervals:
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
+class SolvedBlock:
     """A block's final states, and what its error estimate is made of; arrays over the intervals.
 
     ``drift``: how far the guess was off, at each end (N,).  ``unfinished``: error left of the
@@ -127,7 +127,7 @@ class Solved:
     stages: Doubles | None = None
 
 
-def solve(constants: Constants, work: Intervals, with_stages: bool = False) -> Solved:
+def solve(constants: BlockConstants, work: Intervals, with_stages: bool = False) -> SolvedBlock:
     """Sweep until the error left is below the target.
 
     ``with_stages``: the last correction of the stages is made, too, and they are given back.
@@ -160,14 +160,14 @@ def solve(constants: Constants, work: Intervals, with_stages: bool = False) -> S
             if with_stages:
                 sweep.move_stages(defect, e, _STAGES)
             stages = sweep.stages if with_stages else None
-            return Solved(sweep.states, drift, unfinished, tails, sweep.transitions, stages)
+            return SolvedBlock(sweep.states, drift, unfinished, tails, sweep.transitions, stages)
         enough = _enough(largest, relative, constants.target)
         sweep.move_stages(defect, e, enough)
         before = largest
     raise Stalled("the sweeps do not converge")
 
 
-def _levels(constants: Constants, before: float, left: float) -> int:
+def _levels(constants: BlockConstants, before: float, left: float) -> int:
     """How many levels of the products this sweep can make use of, the tail counted.
 
     The defect, no larger than ``before``, can be reduced no further than its 1e-24 part; where the
@@ -199,7 +199,7 @@ def _check_drift(errors: Doubles, work: Intervals) -> None:
 class _Sweep:
     """The arrays of a block under way: states at ends and stages, and the transitions."""
 
-    def __init__(self, constants: Constants, work: Intervals) -> None:
+    def __init__(self, constants: BlockConstants, work: Intervals) -> None:
         self.constants, self.work = constants, work
         self.states = work.states.copy()
         guess = work.guess
@@ -232,20 +232,20 @@ class _Sweep:
         """Y - 1 on the coarse nodes by Picard's iteration, then everywhere."""
         tables, n = self.constants.tables, self.count
         coarse, costate = len(tables.coarse), self.constants.kernels.costate
-        given = np.zeros((VARIABLES + VARIABLES**2, coarse * n))
-        np.matmul(tables.thinned, guess, out=given[:VARIABLES].reshape(VARIABLES, coarse, n))
-        y = given[VARIABLES:].reshape(VARIABLES**2, coarse, n)
+        inputs = np.zeros((VARIABLES + VARIABLES**2, coarse * n))
+        np.matmul(tables.thinned, guess, out=inputs[:VARIABLES].reshape(VARIABLES, coarse, n))
+        y = inputs[VARIABLES:].reshape(VARIABLES**2, coarse, n)
         parameters = self._plain.reshape(COEFFICIENTS + 1, self.nodes, n)[:, :coarse]
         parameters = np.ascontiguousarray(parameters).reshape(COEFFICIENTS + 1, -1)
         pushed = np.empty((VARIABLES**2, coarse * n))
         rates = pushed.reshape(VARIABLES**2, coarse, n)
 
         def turn() -> None:
-            costate(given, pars=parameters, outputs=pushed)
+            costate(inputs, pars=parameters, outputs=pushed)
             np.matmul(tables.coarse, rates, out=y)
 
         self.change = iterated(turn, y[:, :: coarse - 1], _TRANSITIONS)
-        costate(given, pars=parameters, outputs=pushed)
+        costate(inputs, pars=parameters, outputs=pushed)
         inner = self._gather[2 * VARIABLES :].reshape(VARIABLES**2, self.nodes, n)
         np.matmul(tables.fine[: self.nodes], rates, out=inner)
         ends = np.matmul(tables.fine[self.nodes :], rates)  # (36, 2, N)
@@ -254,7 +254,7 @@ class _Sweep:
         )
         self._back = np.linalg.inv(end)
         self.transitions = self._back @ start
-        self._chain = Chain(self.transitions[: self.work.chain])
+        self._chain = LinearChain(self.transitions[: self.work.chain])
 
     def defects(self, count: int) -> tuple[Doubles, Doubles, Doubles]:
         """r at the stages (6, M, N), at the ends (6, N), and the last Legendre coefficients (N,).
@@ -289,7 +289,7 @@ class _Sweep:
         if not (largest <= LARGEST_FIELD).all():
             if not np.isfinite(largest).all():
                 raise CannotRefine("a stage became infinite")
-            raise TooLong(largest > LARGEST_FIELD)
+            raise IntervalsTooLong(largest > LARGEST_FIELD)
 
     def ends(self, defect: Doubles, end_defect: Doubles) -> Doubles:
         """e at every slot, (6, slots)."""

@@ -147,10 +147,10 @@ def base(
     with principal_engine(Equations(STATE, NAMES), Engine) as ready:
         unit = _first_guess(ready, system, state, end - origin)
         for _ in range(4):
-            found, fastest = _run(ready, system, state, origin, end, unit, m, most)
+            run, fastest = _run(ready, system, state, origin, end, unit, m, most)
             fit = system.unit(fastest * 2.0**unit)
             if unit - 1 <= fit <= unit:
-                return found
+                return run
             unit = fit
     raise CannotRefine("no unit of time suits the motion")
 
@@ -235,5 +235,5 @@ def intervals(times: Doubles, speeds: Doubles, weight: float, m: int, cut: bool)
 
 def on_grid(times: Doubles) -> Doubles:
     """Times as multiples of 2**-36, exact in double and in two limbs."""
-    found: Doubles = rounded(times, _GRID)
-    return found
+    multiples: Doubles = rounded(times, _GRID)
+    return multiples

@@ -23,7 +23,7 @@ class TooFarOff(Exception):
         self.good = good
 
 
-class TooLong(Exception):
+class IntervalsTooLong(Exception):
     """Some intervals of a block are too long; ``which``: a mask of its intervals."""
 
     def __init__(self, which: Any) -> None:

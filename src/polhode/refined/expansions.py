@@ -60,14 +60,14 @@ class Limbs:
 
     def split_integer(self, whole: int) -> list[float]:
         """The limbs of whole·2**-finest."""
-        found, finest = [], self.finest
+        limbs, finest = [], self.finest
         for i in range(1, self.count):
             place = self.place(i)
             below = finest - place
             limb = (whole + (1 << (below - 1))) >> below
-            found.append(limb * 2.0**-place)
+            limbs.append(limb * 2.0**-place)
             whole -= limb << below
-        return [*found, whole * 2.0**-finest]
+        return [*limbs, whole * 2.0**-finest]
 
     def value(self, limbs: Iterable[float]) -> Fraction:
         """The exact sum of limbs."""
@@ -84,12 +84,12 @@ class Limbs:
 
     def split_doubles(self, x: Doubles) -> Doubles:
         """The limbs of an array of doubles, exactly, along a new first axis."""
-        found, rest = [], x
+        limbs, rest = [], x
         for i in range(1, self.count):
             limb = rounded(rest, self.place(i))
             rest = rest - limb  # exact: limb is the head of rest
-            found.append(limb)
-        return np.stack([*found, rest])
+            limbs.append(limb)
+        return np.stack([*limbs, rest])
 
     def adjust(self, x: Doubles, small: Doubles) -> None:
         """Add small doubles, less than a unit of the first limb, to numbers whose limbs are the
@@ -112,7 +112,7 @@ def rounded(v: Any, place: int) -> Any:
     return (v + c) - c
 
 
-class Levels:
+class LimbSums:
     """A sum of products of limbs before it is one number: by the sum of the limbs' indices.
 
     ``exact``: the sums for index sums 2 to L, each exact.  ``tail``: what index sums L + 1 and
@@ -122,13 +122,13 @@ class Levels:
     def __init__(self, exact: list[Any], tail: Any) -> None:
         self.exact, self.tail = exact, tail
 
-    def __add__(self, other: Levels) -> Levels:
+    def __add__(self, other: LimbSums) -> LimbSums:
         pairs = zip(self.exact, other.exact, strict=True)
-        return Levels([a + b for a, b in pairs], self.tail + other.tail)
+        return LimbSums([a + b for a, b in pairs], self.tail + other.tail)
 
-    def __sub__(self, other: Levels) -> Levels:
+    def __sub__(self, other: LimbSums) -> LimbSums:
         pairs = zip(self.exact, other.exact, strict=True)
-        return Levels([a - b for a, b in pairs], self.tail - other.tail)
+        return LimbSums([a - b for a, b in pairs], self.tail - other.tail)
 
     def limbs(self, kind: Limbs) -> list[Any]:
         """The number again as limbs.
@@ -136,15 +136,15 @@ class Levels:
         Each remainder is a multiple of the next level's unit and, its head being taken away, as
         short as that level: the sums below are exact, up to the tail's.
         """
-        rest, found = self.exact[0], []
+        rest, limbs = self.exact[0], []
         for i, following in enumerate([*self.exact[1:], self.tail], start=1):
             limb = rounded(rest + following, kind.place(i))
             rest = (rest - limb) + following
-            found.append(limb)
-        return [*found, rest]
+            limbs.append(limb)
+        return [*limbs, rest]
 
 
-def product(x: Sequence[Any], y: Sequence[Any]) -> Levels:
+def product(x: Sequence[Any], y: Sequence[Any]) -> LimbSums:
     """x·y by levels.
 
     A level of index sum l is a sum of l - 1 products, each a multiple of 2**-(B l) of at most
@@ -152,7 +152,7 @@ def product(x: Sequence[Any], y: Sequence[Any]) -> Levels:
     """
     count = len(x)
     exact = [_sum(x, y, total) for total in range(2, count + 1)]
-    return Levels(exact, _sum(x, y, count + 2) + _sum(x, y, count + 1))
+    return LimbSums(exact, _sum(x, y, count + 2) + _sum(x, y, count + 1))
 
 
 def _sum(x: Sequence[Any], y: Sequence[Any], total: int) -> Any:
@@ -160,10 +160,10 @@ def _sum(x: Sequence[Any], y: Sequence[Any], total: int) -> Any:
     count = len(x)
     indices = range(max(1, total - count), min(count, total - 1) + 1)
     terms = [x[i - 1] * y[total - i - 1] for i in indices]
-    found = terms[0]
+    total_sum = terms[0]
     for term in terms[1:]:
-        found = found + term
-    return found
+        total_sum = total_sum + term
+    return total_sum
 
 
 def _nearest(top: int, bottom: int) -> int:

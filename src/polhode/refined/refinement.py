@@ -18,10 +18,10 @@ import numpy as np
 
 from polhode.common.interrupts import Progress
 from polhode.numbers.number_types import Doubles, Integers
-from polhode.refined.attitude import Attitude, Following, turns
+from polhode.refined.attitude import Following, RefinedAttitude, turns
 from polhode.refined.collocation_tables import tables
 from polhode.refined.compiled_field import kernels
-from polhode.refined.deferred_correction import Constants, Intervals, Solved, solve
+from polhode.refined.deferred_correction import BlockConstants, Intervals, SolvedBlock, solve
 from polhode.refined.double_run import (
     STEPS,
     Base,
@@ -31,7 +31,7 @@ from polhode.refined.double_run import (
     rational_system,
     with_rates,
 )
-from polhode.refined.errors import CannotRefine, TooFarOff, TooLong
+from polhode.refined.errors import CannotRefine, IntervalsTooLong, TooFarOff
 from polhode.refined.expansions import Limbs
 from polhode.scenes.scene import Scene
 from polhode.taylor.heyoka import one_blas_thread, one_thread
@@ -47,22 +47,22 @@ _MOST = 32  # outputs that have an estimate of their own
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
-    """Successive intervals: transitions (K, 6, 6) in the scene's unit of time, errors ``made``
+class ChainStretch:
+    """Successive intervals: transitions (K, 6, 6) in the scene's unit of time, ``errors``
     (K,) in the base's own, in which w is ``scale`` times smaller."""
 
     transitions: Doubles
-    made: Doubles
+    errors: Doubles
     scale: float
 
 
 @dataclass(frozen=True, eq=False)
-class Side:
+class OutputSide:
     """The interval to an output time, from the edge of that index, counted over the whole run."""
 
     edge: int
     transition: Doubles
-    made: float
+    error: float
     scale: float
 
 
@@ -76,12 +76,14 @@ class Estimate(NamedTuple):
     kappa: Doubles
 
 
-def made(unfinished: Doubles, tails: Doubles) -> Doubles:
+def errors_made(unfinished: Doubles, tails: Doubles) -> Doubles:
     """The error that an interval adds, but for rounding."""
     return unfinished + DISCRETISATION * tails * tails
 
 
-def estimate(stretches: Sequence[Stretch], sides: Sequence[Side], rounding: float) -> Estimate:
+def estimate(
+    stretches: Sequence[ChainStretch], sides: Sequence[OutputSide], rounding: float
+) -> Estimate:
     """Of at most 32 outputs; another one takes the larger of its neighbours'."""
     count = len(sides)
     chosen = sorted({round(i) for i in np.linspace(0, count - 1, min(count, _MOST))})
@@ -95,40 +97,42 @@ def estimate(stretches: Sequence[Stretch], sides: Sequence[Side], rounding: floa
     )
 
 
-def _estimate(stretches: Sequence[Stretch], sides: Sequence[Side], rounding: float) -> Estimate:
+def _estimate(
+    stretches: Sequence[ChainStretch], sides: Sequence[OutputSide], rounding: float
+) -> Estimate:
     count = len(sides)
     sums, squares = np.zeros((count, 2)), np.zeros((count, 2))
     carried = np.zeros((count, 6, 6))
     for c, side in enumerate(sides):
         own = _reach(np.eye(6), side.scale)
-        sums[c], squares[c] = own * side.made, own * own
-    first = sum(len(stretch.made) for stretch in stretches)
-    begun = count  # outputs from here on have been met
-    begun = _first_inside(sides, begun, first, carried)
+        sums[c], squares[c] = own * side.error, own * own
+    first = sum(len(stretch.errors) for stretch in stretches)
+    first_met = count  # outputs from here on have been met
+    first_met = _first_inside(sides, first_met, first, carried)
     for stretch in reversed(stretches):
-        size = len(stretch.made)
+        size = len(stretch.errors)
         first -= size
-        kept = np.zeros((size, count, 6, 6))  # Lambda at each interval's end
+        carried_to = np.zeros((size, count, 6, 6))  # Lambda at each interval's end
         for n in range(size - 1, -1, -1):
-            begun = _first_inside(sides, begun, first + n + 1, carried)
-            kept[n, begun:] = carried[begun:]
-            np.matmul(kept[n, begun:], stretch.transitions[n], out=carried[begun:])
-        reach = _reach(kept, stretch.scale)
-        sums += np.einsum("nci,n->ci", reach, stretch.made)
+            first_met = _first_inside(sides, first_met, first + n + 1, carried)
+            carried_to[n, first_met:] = carried[first_met:]
+            np.matmul(carried_to[n, first_met:], stretch.transitions[n], out=carried[first_met:])
+        reach = _reach(carried_to, stretch.scale)
+        sums += np.einsum("nci,n->ci", reach, stretch.errors)
         squares += (reach * reach).sum(axis=0)
-    _first_inside(sides, begun, 0, carried)
+    _first_inside(sides, first_met, 0, carried)
     kappa = np.abs(carried).sum(axis=-1).max(axis=-1)
     errors = sums + rounding * np.sqrt(squares)
     errors[~(kappa < LARGEST_KAPPA)] = np.inf
     return Estimate(errors, kappa)
 
 
-def _first_inside(sides: Sequence[Side], begun: int, edge: int, carried: Doubles) -> int:
+def _first_inside(sides: Sequence[OutputSide], first_met: int, edge: int, carried: Doubles) -> int:
     """Enter the outputs whose side begins at this edge or later; the first one that is in."""
-    while begun and sides[begun - 1].edge >= edge:
-        begun -= 1
-        carried[begun] = sides[begun].transition
-    return begun
+    while first_met and sides[first_met - 1].edge >= edge:
+        first_met -= 1
+        carried[first_met] = sides[first_met].transition
+    return first_met
 
 
 def _reach(carried: Doubles, scale: float) -> Doubles:
@@ -151,7 +155,7 @@ _ROOM = 2 * WIDTH  # intervals of a block, those that lead to outputs included
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class RefinedBlock:
     """A chain between ``edges``, and an interval of its own from an edge to each output time.
 
     ``clocks``: the output times by the base's clock, exact; ``parents``: the edges before them,
@@ -211,7 +215,7 @@ def cut(
     clocks: Sequence[Fraction],
     state: Doubles,
     limbs: Limbs,
-) -> Block:
+) -> RefinedBlock:
     """The block from the edge ``at``, of so many intervals or as many as the outputs leave room.
 
     ``clocks``: the output times ahead.  Behind the last edge of a final run they belong to it.
@@ -229,7 +233,7 @@ def cut(
             count = min(count, int(np.searchsorted(ahead, window[1], side="left")))
     window = window[: chain + 1]
     parents = np.maximum(np.searchsorted(window, ahead[:count], side="right") - 1, 0)
-    return Block(base, window, tuple(clocks[:count]), parents, state, limbs)
+    return RefinedBlock(base, window, tuple(clocks[:count]), parents, state, limbs)
 
 
 # --- refinement -----------------------------------------------------------------------------------
@@ -295,7 +299,7 @@ INTERRUPTED, STEP_LIMIT = "interrupted", "step limit"
 
 
 @dataclass(frozen=True)
-class Motion:
+class RefinedStates:
     """States at the times asked for, in the form's axes and the scene's own unit of time.
 
     ``states``: a row (w1 w2 w3 g1 g2 g3) a time, integers times 2**-``bits``; fewer than the times
@@ -312,7 +316,7 @@ class Motion:
     intervals: int
     reached: Fraction
     stopped: str | None
-    attitudes: list[Attitude] | None
+    attitudes: list[RefinedAttitude] | None
 
     def exactly(self, i: int) -> list[Fraction]:
         """The i-th state as rationals."""
@@ -322,12 +326,12 @@ class Motion:
 def refine(
     scene: Scene,
     times: Sequence[Fraction],
-    wanted: Accuracy = QUAD,
+    goal: Accuracy = QUAD,
     m: int = STEPS_AN_INTERVAL,
     progress: Progress | None = None,
     max_steps: int | None = None,
     following: Following | None = None,
-) -> Motion:
+) -> RefinedStates:
     """The motion of a scene at times (inside its frame), of one sign, away from 0, exact rationals.
 
     ``m``: steps of the run in double to an interval; another one gives a run to compare with.
@@ -336,26 +340,26 @@ def refine(
     for another form than the principal one.
     """
     backward = times[-1] < 0
-    exact = rational_system(scene, wanted.limbs.finest + 64, backward)
-    run = _Run(exact, [abs(t) for t in times], wanted, m, following)
+    exact = rational_system(scene, goal.limbs.finest + 64, backward)
+    run = _Run(exact, [abs(t) for t in times], goal, m, following)
     with one_thread(), one_blas_thread():
         stopped = run.to_the_end(progress, max_steps)
     reached = run.origin if stopped else abs(times[-1])
     whole = min(len(run.found), len(run.sides))  # an interrupt may have come between the two
-    return Motion(
+    return RefinedStates(
         times=tuple(times[:whole]),
-        states=[_turned(row, backward) for row in run.found[:whole]],
-        bits=wanted.limbs.finest,
-        estimate=estimate(run.stretches, run.sides[:whole], 2.0**-wanted.limbs.bits),
+        states=[_reversed(row, backward) for row in run.found[:whole]],
+        bits=goal.limbs.finest,
+        estimate=estimate(run.stretches, run.sides[:whole], 2.0**-goal.limbs.bits),
         steps=run.steps,
-        intervals=sum(len(stretch.made) for stretch in run.stretches) + whole,
+        intervals=sum(len(stretch.errors) for stretch in run.stretches) + whole,
         reached=-reached if backward else reached,
         stopped=stopped,
         attitudes=None if following is None else run.attitudes[:whole],
     )
 
 
-def _turned(row: list[int], backward: bool) -> list[int]:
+def _reversed(row: list[int], backward: bool) -> list[int]:
     """A state of the motion that runs forward as one of the scene's."""
     return [-x for x in row[:3]] + row[3:] if backward else row
 
@@ -367,22 +371,22 @@ class _Run:
         self,
         exact: RationalSystem,
         times: Sequence[Fraction],
-        wanted: Accuracy,
+        goal: Accuracy,
         m: int,
         following: Following | None = None,
     ) -> None:
-        self.following, self.attitudes = following, list[Attitude]()
-        self.system, self.wanted, self.m = exact, wanted, m
+        self.following, self.attitudes = following, list[RefinedAttitude]()
+        self.system, self.wanted, self.m = exact, goal, m
         self.times = list(times)
         self.found: list[list[int]] = []
-        self.stretches: list[Stretch] = []
-        self.sides: list[Side] = []
+        self.stretches: list[ChainStretch] = []
+        self.sides: list[OutputSide] = []
         self.steps = 0
         self.origin = Fraction(0)
         self._state = exact.state
         self._width = WIDTH
         self._edges_passed = 0
-        self._nodes = wanted.nodes(m)
+        self._nodes = goal.nodes(m)
 
     def to_the_end(self, progress: Progress | None, max_steps: int | None) -> str | None:
         """Base after base, until every output is there; else why not."""
@@ -400,10 +404,10 @@ class _Run:
             return INTERRUPTED
         return None
 
-    def _constants_in(self, unit: int) -> Constants:
+    def _constants_in(self, unit: int) -> BlockConstants:
         limbs = self.wanted.limbs
         split = np.array([limbs.split(k) for k in self.system.coefficients_in(unit)])
-        return Constants(
+        return BlockConstants(
             limbs,
             kernels(limbs),
             tables(limbs, self._nodes),
@@ -429,7 +433,7 @@ class _Run:
                 if far.good < 1:
                     raise CannotRefine("the run in double drifts within one interval") from None
                 self._width = far.good
-            except TooLong as long:
+            except IntervalsTooLong as long:
                 edges = np.insert(edges, *block.halves(long.which, at))
             except _TooFewNodes:
                 self._nodes += _MORE_NODES
@@ -458,24 +462,24 @@ class _Run:
         self._state = with_rates([limbs.value(x) for x in state], now.unit)
         self.origin = now.time(clock)
 
-    def _turn(self, work: Intervals, solved: Solved) -> None:
+    def _turn(self, work: Intervals, solved: SolvedBlock) -> None:
         """The attitude over a block, where it is asked for."""
         if self.following is None:
             return
         assert solved.stages is not None
-        found = turns(self._constants, solved.stages, work.lengths, self.wanted.tail)
+        turn = turns(self._constants, solved.stages, work.lengths, self.wanted.tail)
         nodes, lengths = self._constants.tables.nodes, work.lengths.sum(axis=0)
-        self.attitudes += self.following.advance(found, work.chain, work.starts, nodes, lengths)
+        self.attitudes += self.following.advance(turn, work.chain, work.starts, nodes, lengths)
 
-    def _check_tails(self, solved: Solved) -> None:
+    def _check_tails(self, solved: SolvedBlock) -> None:
         """Raise TooLong or _TooFewNodes where the nodes do not resolve the motion."""
         large = solved.tails > self.wanted.tail
         if large.mean() > _RARE:
             raise _TooFewNodes
         if large.any():
-            raise TooLong(large)
+            raise IntervalsTooLong(large)
 
-    def _keep(self, block: Block, solved: Solved, unit: int) -> None:
+    def _keep(self, block: RefinedBlock, solved: SolvedBlock, unit: int) -> None:
         """Outputs and error estimate of a block."""
         limbs, chain, scale = self.wanted.limbs, block.chain, 2.0**unit
         ends = solved.states[:, :, block.chain + 1 :]
@@ -484,12 +488,12 @@ class _Run:
             self.found.append([_shifted(x, unit) for x in whole[:3]] + whole[3:])
         ratio = np.array([scale] * 3 + [1.0] * 3)
         transitions = solved.transitions * (ratio[:, None] / ratio)
-        errors = made(solved.unfinished, solved.tails)
+        errors = errors_made(solved.unfinished, solved.tails)
         if chain:
-            self.stretches.append(Stretch(transitions[:chain], errors[:chain], scale))
+            self.stretches.append(ChainStretch(transitions[:chain], errors[:chain], scale))
         for i, parent in enumerate(block.parents, start=chain):
             edge = self._edges_passed + int(parent)
-            self.sides.append(Side(edge, transitions[i], float(errors[i]), scale))
+            self.sides.append(OutputSide(edge, transitions[i], float(errors[i]), scale))
         self._edges_passed += chain
 
 

@@ -17,13 +17,13 @@ from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import Doubles, NumberType, Real, Row, Rows, Scalar
-from polhode.refined.attitude import Attitude, Following
+from polhode.refined.attitude import Following, RefinedAttitude
 from polhode.refined.errors import CannotRefine, Stalled
 from polhode.refined.refinement import (
     MOST_DIGITS,
     STEPS_AN_INTERVAL,
     Accuracy,
-    Motion,
+    RefinedStates,
     accuracy,
     refine,
 )
@@ -69,31 +69,31 @@ class RefinedMotion:
         With more digits until the estimate holds those wanted, where it can.  Raises CannotRefine.
         """
         scene, number, times = self.scene, self.number, [*times]
-        wanted, digits = max(34, int(number.most_digits)), self.options.digits
+        goal, digits = max(34, int(number.most_digits)), self.options.digits
         for _ in range(_TRIES):
             try:
-                found = self._run(times, wanted, progress)
+                refinement = self._run(times, goal, progress)
             except Stalled:  # near a separatrix
-                wanted += _MORE_DIGITS
-                found = self._run(times, wanted, progress)
-            told = found.estimate.errors
-            if len(told) and not found.stopped and not math.isfinite(told.max()):
-                told = self._by_a_second_run(found, wanted, progress)
-            lacking = 0 if digits is None else _lacking(found, told, digits)
-            if not 0 < lacking <= MOST_DIGITS - wanted or found.stopped:
+                goal += _MORE_DIGITS
+                refinement = self._run(times, goal, progress)
+            errors = refinement.estimate.errors
+            if len(errors) and not refinement.stopped and not math.isfinite(errors.max()):
+                errors = self._by_a_second_run(refinement, goal, progress)
+            lacking = 0 if digits is None else _lacking(refinement, errors, digits)
+            if not 0 < lacking <= MOST_DIGITS - goal or refinement.stopped:
                 break
-            wanted += lacking
-        outcome = Outcome(found.stopped) if found.stopped else Outcome.REACHED_END
-        self._accuracy, self.steps = accuracy(wanted), found.steps
-        self.reached = self.read.frame.time_outside(found.reached)
-        rows = [found.exactly(i) for i in range(len(found.states))]
-        self.errors = _errors(self.read.frame, number, told, rows)
+            goal += lacking
+        outcome = Outcome(refinement.stopped) if refinement.stopped else Outcome.REACHED_END
+        self._accuracy, self.steps = accuracy(goal), refinement.steps
+        self.reached = self.read.frame.time_outside(refinement.reached)
+        rows = [refinement.exactly(i) for i in range(len(refinement.states))]
+        self.errors = _errors(self.read.frame, number, errors, rows)
         count = len(self.read.form.variables)
-        turned: list[list[Real]] = [[]] * len(rows)
-        if found.attitudes is not None:
-            turned = _turned(scene, number, found.attitudes)
+        quaternions: list[list[Real]] = [[]] * len(rows)
+        if refinement.attitudes is not None:
+            quaternions = _attitudes(scene, number, refinement.attitudes)
         whole: list[list[Scalar]] = [
-            [*row[:count], *more] for row, more in zip(rows, turned, strict=True)
+            [*row[:count], *more] for row, more in zip(rows, quaternions, strict=True)
         ]
         return whole, outcome
 
@@ -110,44 +110,48 @@ class RefinedMotion:
         rows: list[list[Scalar]] = [[*again.exactly(i)[:width]] for i in range(len(times))]
         return rows, Outcome.REACHED_END, self.reached
 
-    def _run(self, times: Sequence[Fraction], wanted: int, progress: Progress | None) -> Motion:
+    def _run(
+        self, times: Sequence[Fraction], goal: int, progress: Progress | None
+    ) -> RefinedStates:
         """One refinement to so many digits, with a following of its own."""
         scene = self.scene
         following = None
         if scene.modelled:
-            finest = accuracy(wanted).limbs.finest
+            finest = accuracy(goal).limbs.finest
             following = Following(scene, finest, "angles" in scene.modelled)
         return refine(
             scene,
             times,
-            accuracy(wanted),
+            accuracy(goal),
             _OTHER_INTERVALS if self.options.other else STEPS_AN_INTERVAL,
             progress=progress,
             max_steps=self.options.max_steps,
             following=following,
         )
 
-    def _by_a_second_run(self, found: Motion, wanted: int, progress: Progress | None) -> Doubles:
+    def _by_a_second_run(
+        self, first: RefinedStates, goal: int, progress: Progress | None
+    ) -> Doubles:
         """Errors as the estimates are; where infinite, twice the distance from another run.
 
         That one has other intervals and so many more digits that the distance is the first run's
         error.  Still infinite from where on the two have parted, or the second did not come.
         """
-        errors: Doubles = found.estimate.errors.copy()
-        digits = wanted + _MORE_DIGITS
+        errors: Doubles = first.estimate.errors.copy()
+        digits = goal + _MORE_DIGITS
         if digits > MOST_DIGITS:
             return errors
         most = self.options.max_steps
         steps = None if most is None else 2 * most
         wider = accuracy(digits)
         try:
-            other = refine(
-                self.scene, found.times, wider, _OTHER_INTERVALS, progress=progress, max_steps=steps
+            second = refine(
+                self.scene, first.times, wider, _OTHER_INTERVALS, progress=progress, max_steps=steps
             )
         except CannotRefine:
             return errors
-        for i in range(len(other.states)):
-            pairs = zip(found.exactly(i), other.exactly(i), strict=True)
+        for i in range(len(second.states)):
+            pairs = zip(first.exactly(i), second.exactly(i), strict=True)
             apart = [abs(float(a - b)) for a, b in pairs]
             if max(apart) > _PARTED:
                 break
@@ -156,14 +160,16 @@ class RefinedMotion:
         return errors
 
 
-def _turned(scene: Scene, number: NumberType, attitudes: list[Attitude]) -> list[list[Real]]:
+def _attitudes(
+    scene: Scene, number: NumberType, attitudes: list[RefinedAttitude]
+) -> list[list[Real]]:
     """Quaternion, psi and phi as a run's rows have them behind the state, what is asked of them.
 
     psi is the sum of the arguments of q0 + i q3 and q1 + i q2; phi only tells its branch.
     """
     from polhode.numbers.mpmath_context import mpmath, ordinary
 
-    bits, found = number.bits + _GUARD, []
+    bits, rows = number.bits + _GUARD, []
     assert scene.gamma is not None  # else a scene has no outputs
     phi_0 = to_double(kinematics.starting_phi(scene.gamma))
     with mpmath.workprec(bits):
@@ -177,28 +183,28 @@ def _turned(scene: Scene, number: NumberType, attitudes: list[Attitude]) -> list
                 psi += whole * mpmath.nint((near - psi) / whole)
                 phi = mpmath.mpf(phi_0 + sum_half - difference_half)
                 row += [number_value(exactly(psi), number), ordinary(phi)]
-            found.append(row)
-    return found
+            rows.append(row)
+    return rows
 
 
-def _lacking(found: Motion, errors: Doubles, digits: int) -> int:
+def _lacking(first: RefinedStates, errors: Doubles, digits: int) -> int:
     """How many more digits the errors ask for; 0 where they are infinite: no more would help."""
     if not len(errors) or not math.isfinite(errors.max()):
         return 0
-    fastest = max(abs(x) for row in found.states for x in row[:3]) / 2.0**found.bits
+    fastest = max(abs(x) for row in first.states for x in row[:3]) / 2.0**first.bits
     worst = max(errors[:, 0].max() / (fastest or 1.0), errors[:, 1].max())
     return max(0, math.ceil(digits + math.log10(worst)))
 
 
 def _errors(
-    frame: Frame, number: NumberType, told: Doubles, rows: list[list[Fraction]]
+    frame: Frame, number: NumberType, estimates: Doubles, rows: list[list[Fraction]]
 ) -> tuple[float | None, ...]:
     """The estimate of each row outside its frame, rounded to its type."""
-    turned = 1.0 if frame.axes.trivial else math.sqrt(3.0)  # of a vector's largest component
+    widening = 1.0 if frame.axes.trivial else math.sqrt(3.0)  # of a vector's largest component
     scale, half_eps = 2.0**-frame.exponent, float(number.eps) / 2
     errors: list[float | None] = []
-    for row, (omega, gamma) in zip(rows, told.tolist(), strict=True):
+    for row, (omega, gamma) in zip(rows, estimates.tolist(), strict=True):
         w, g = (float(max(map(abs, part))) for part in (row[:3], row[3:]))
-        error = turned * max(scale * (omega + half_eps * w), gamma + half_eps * g)
+        error = widening * max(scale * (omega + half_eps * w), gamma + half_eps * g)
         errors.append(error if math.isfinite(error) else None)
     return tuple(errors)

@@ -70,9 +70,9 @@ class Cyclic:
 
     def at_start(self) -> Cyclic:
         """One of a run's own, at the start where this one stands."""
-        found = object.__new__(Cyclic)
-        found.__dict__.update(self.__dict__)
-        return found
+        clone = object.__new__(Cyclic)
+        clone.__dict__.update(self.__dict__)
+        return clone
 
     def set_back(self, state: Array) -> None:
         """Move what the cyclic variables of a state have grown by to their offsets."""
@@ -92,13 +92,13 @@ class Cyclic:
 
     def _split(self) -> list[tuple[HeyokaNumber, HeyokaNumber]]:
         """Each offset as two numbers of the type."""
-        found = []
+        pairs = []
         for grown in self._grown:
             whole = Fraction(grown, 1 << self._fine)
             high = self.number.rounded(whole)
             low = self.number.rounded(whole - high)
-            found.append((scalar(high, self.number), scalar(low, self.number)))
-        return found
+            pairs.append((scalar(high, self.number), scalar(low, self.number)))
+        return pairs
 
     def completed(self, rows: Array) -> Array:
         """Rows of heyoka's numbers, now with the whole of the cyclic variables."""
@@ -244,17 +244,17 @@ def built(
             rates = system.field(state, numbers, EXPRESSIONS)
         return slowed(rates, equations.cyclic, number)
 
-    rates, kept = field(x, k), tuple[int, ...]()
+    rates, constant_rates = field(x, k), tuple[int, ...]()
     stepped = list(zip(x, rates, strict=True))
     if equations.tangents:
         stepped += _tangents(equations, field, x, rates)
         options["compact_mode"] = not equations.lanes or equations.tangents > 1
     else:
-        kept = tuple(i for i, rate in enumerate(rates) if rate == EXPRESSIONS.zero)
+        constant_rates = tuple(i for i, rate in enumerate(rates) if rate == EXPRESSIONS.zero)
         inside = list(x)
-        for parameter, column in enumerate(kept, first + len(pattern)):
+        for parameter, column in enumerate(constant_rates, first + len(pattern)):
             inside[column] = hy.par[parameter]
-        stepped = list(zip(x, field(inside, k) if kept else rates, strict=True))
+        stepped = list(zip(x, field(inside, k) if constant_rates else rates, strict=True))
     tolerance, scale = equations.tolerance, 0.0
     if tolerance is not None and equations.order:
         least = _tolerance_of(equations.order)
@@ -275,7 +275,7 @@ def built(
                 options["t_events"] = [terminal_event(away, number)]
         heyoka = integrator(stepped, number, equations.lanes, **options)
     count = len(pattern) * (1 + equations.driven)
-    return kind(heyoka, number, first, count, kept, desk, scale)
+    return kind(heyoka, number, first, count, constant_rates, desk, scale)
 
 
 def order_of(tolerance: float) -> int:
@@ -314,7 +314,7 @@ def _tangents(
 ) -> list[tuple[Expression, Expression]]:
     """Variables and rates of tangents, by symbolic differentiation."""
     jacobian = [[hy.diff(rate, variable) for variable in x] for rate in rates]
-    found = []
+    pairs = []
     for j in range(of.tangents):
         u = hy.make_vars(*(f"{name}_{j}" for name in of.columns))
         along = [_product(row, u) for row in jacobian]
@@ -324,8 +324,8 @@ def _tangents(
             driven = field(x, numbers)
             for i in range(len("pqr")):  # gamma' has no coefficients
                 along[i] = along[i] + driven[i]
-        found += list(zip(u, along, strict=True))
-    return found
+        pairs += list(zip(u, along, strict=True))
+    return pairs
 
 
 def _product(row: Sequence[Expression], u: Sequence[Expression]) -> Expression:
@@ -409,7 +409,7 @@ class Engine:
         number: NumberType = DOUBLE,
         first: int = 0,
         coefficients: int = 0,
-        kept: tuple[int, ...] = (),
+        constant_rates: tuple[int, ...] = (),
         desk: Desk | None = None,
         scale: float = 0.0,
     ) -> None:
@@ -419,7 +419,7 @@ class Engine:
         self._scale, self._behind = scale, heyoka.state[self.columns :]
         used = max(0, len(self.parameters) - first)  # no rate asks for those after
         self.first, self.after = first, first + min(used, coefficients)
-        self.kept = tuple(enumerate(kept[: first + used - self.after], self.after))
+        self.kept = tuple(enumerate(constant_rates[: first + used - self.after], self.after))
         self.singular = bool(heyoka.t_events) if heyoka.with_events else False
         self.key: Hashable = None  # where the pool has it, if anywhere
         self._zero = scalar(0, number)
@@ -460,12 +460,12 @@ class Engine:
 
         Between two blocks of so many steps a signal is heard.
         """
-        ended, taken, left = Outcome.STEP_LIMIT, 0, most
+        ended, steps_taken, left = Outcome.STEP_LIMIT, 0, most
         while ended is Outcome.STEP_LIMIT and left > 0:  # to heyoka 0 is no limit
             result = self.heyoka.propagate_until(end, max_steps=min(block, left))
             ended, steps = self.ended(result)
-            taken, left = taken + steps, left - block
-        return ended, taken
+            steps_taken, left = steps_taken + steps, left - block
+        return ended, steps_taken
 
     def ended(self, result: Any) -> tuple[Outcome, int]:
         """How heyoka's call ended, and the steps that it took."""
@@ -479,8 +479,8 @@ class Engine:
     @property
     def row(self) -> Array:
         """The state where it stands, a view."""
-        found: Array = self.state
-        return found
+        row: Array = self.state
+        return row
 
     def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, int, Outcome]:
         """Go on through times, the first of them now: states at the others met, steps, ending."""
@@ -514,9 +514,9 @@ def lent(key: Hashable, build: Callable[[], E], wait: bool = True) -> E:
     One thread at a time builds, since the code that heyoka has compiled serves the others; not so
     without ``wait``, for those that may hold a precision.
     """
-    found: E | None = POOL.take(key)
-    if found is None:
+    engine: E | None = POOL.take(key)
+    if engine is None:
         with COMPILING.held() if wait else nullcontext():
-            found = POOL.take(key) or build()
-        found.key = key
-    return found
+            engine = POOL.take(key) or build()
+        engine.key = key
+    return engine

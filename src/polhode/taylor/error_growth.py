@@ -102,8 +102,8 @@ class Passage:
     @cached_property
     def rate_scale(self) -> float:
         """What changes of w are relative to: the largest |w| at the outputs, as in the digits."""
-        asked = set(self.outputs)
-        speeds = (float(np.linalg.norm(s.state[:3])) for s in self.stretches if s.time in asked)
+        outputs = set(self.outputs)
+        speeds = (float(np.linalg.norm(s.state[:3])) for s in self.stretches if s.time in outputs)
         return max(speeds, default=0.0) or pendulum(self.inside)
 
 
@@ -124,25 +124,25 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
     sizes = np.array([w, w, w, 1.0, 1.0, 1.0])
     leader, tangents = Leader(plain), _Tangents(plain, sizes, np.array(coefficient_units(inside)))
     still = at_rest(inside).state
-    found: list[Stretch] = []
+    stretches: list[Stretch] = []
     whole, height, steps, note = np.eye(6), 0.0, 0.0, ""
     nearest = min((abs(t) for t in outputs if t), default=0.0)
     moments = _stops(outputs)
     ahead = [*islice(moments, _BLOCK)]
     while ahead and not note and height <= until:
         states = np.tile(state, (len(ahead), 1)) if still else leader.rows(ahead, height)
-        begun, known = np.vstack([state, states[:-1]]), len(found)
-        parts = tangents.over(begun, np.diff([time, *ahead]), max_steps - int(steps))
-        for t, reached, (carried, driven, taken) in zip(ahead, states, parts, strict=True):
+        starts, count = np.vstack([state, states[:-1]]), len(stretches)
+        parts = tangents.over(starts, np.diff([time, *ahead]), max_steps - int(steps))
+        for t, reached, (carried, driven, step_count) in zip(ahead, states, parts, strict=True):
             if steps > _TRIED and 2 * abs(time) * max_steps < nearest * steps:
-                taken = math.inf
-            if steps + taken > max_steps or not np.isfinite(carried).all():
-                more = steps + taken > max_steps
+                step_count = math.inf
+            if steps + step_count > max_steps or not np.isfinite(carried).all():
+                more = steps + step_count > max_steps
                 why = f"more than {max_steps} steps" if more else "not finite in double"
                 note = f"not followed beyond t = {time * float(frame.unit):.3g}: {why}"
                 break
-            time, state, steps = t, reached, steps + taken
-            found.append(Stretch(t, reached, taken, carried, driven))
+            time, state, steps = t, reached, steps + step_count
+            stretches.append(Stretch(t, reached, step_count, carried, driven))
             whole = carried @ whole
             largest = float(np.max(np.abs(whole / sizes[:, None] * sizes)))
             height += math.log10(largest)
@@ -152,10 +152,10 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
             if not (still or leader.holds(height)):
                 state = leader.at(t, height)
                 break
-        ahead = ahead[len(found) - known :] or [*islice(moments, _BLOCK)]
+        ahead = ahead[len(stretches) - count :] or [*islice(moments, _BLOCK)]
     leader.release()
     tangents.release()
-    return Passage(scene, outputs, tuple(_with_plain_steps(found, plain)), note)
+    return Passage(scene, outputs, tuple(_with_plain_steps(stretches, plain)), note)
 
 
 class _Tangents:
@@ -208,17 +208,17 @@ class _Tangents:
         self._ready.release()
 
 
-def _with_plain_steps(found: list[Stretch], plain: System) -> list[Stretch]:
+def _with_plain_steps(stretches: list[Stretch], plain: System) -> list[Stretch]:
     """Stretches with their share of the steps that a run without tangents and outputs takes."""
-    tangents_steps = sum(s.steps for s in found)
+    tangents_steps = sum(s.steps for s in stretches)
     if not tangents_steps:
-        return found
+        return stretches
     run, outcome = Integrator(plain), Outcome.STEP_LIMIT
     while outcome is Outcome.STEP_LIMIT:
-        _, outcome = run.chunk([Fraction(found[-1].time)], defaults.of(DOUBLE).chunk)
+        _, outcome = run.chunk([Fraction(stretches[-1].time)], defaults.of(DOUBLE).chunk)
     share = run.steps / tangents_steps
     run.release()
-    return [s._replace(steps=s.steps * share) for s in found]
+    return [s._replace(steps=s.steps * share) for s in stretches]
 
 
 def coefficient_units(scene: Scene) -> tuple[float, ...]:
@@ -226,11 +226,11 @@ def coefficient_units(scene: Scene) -> tuple[float, ...]:
 
     Of a scene inside its frame.
     """
-    found = dict.fromkeys(NAMES, 0.0)
+    units = dict.fromkeys(NAMES, 0.0)
     for by in principal.sensitivities(scene.body):
         for name, x in by.items():
-            found[name] = max(found[name], abs(to_double(x)))
-    return tuple(found.values())
+            units[name] = max(units[name], abs(to_double(x)))
+    return tuple(units.values())
 
 
 def _stops(outputs: Sequence[float]) -> Iterator[float]:
@@ -238,13 +238,13 @@ def _stops(outputs: Sequence[float]) -> Iterator[float]:
     least, most = STRIDES
     end = abs(outputs[-1]) if outputs else 0.0
     stride = min(most, max(least, end / MOST_STRETCHES))
-    done = 0
+    multiple = 0
     for t in outputs:
-        while (done + 1) * stride < abs(t):
-            done += 1
-            yield math.copysign(done * stride, t)
-        if abs(t) == (done + 1) * stride:
-            done += 1
+        while (multiple + 1) * stride < abs(t):
+            multiple += 1
+            yield math.copysign(multiple * stride, t)
+        if abs(t) == (multiple + 1) * stride:
+            multiple += 1
         yield t
 
 
@@ -298,8 +298,8 @@ class Growth(NamedTuple):
 
     def reaches(self, lost: float) -> float | None:
         """The first time at which so many digits are lost; None where they never are."""
-        found = self._reaches(lost)
-        return None if found is None else to_double(Fraction(found) * Fraction(2) ** self.unit)
+        time = self._reaches(lost)
+        return None if time is None else to_double(Fraction(time) * Fraction(2) ** self.unit)
 
     def _reaches(self, lost: float) -> float | None:
         before, height = 0.0, 0.0
@@ -378,12 +378,12 @@ def _look(flow: Variations) -> _Look:
 def _grown(looks: list[_Look], scene: Scene) -> list[float]:
     """ln of G at each look."""
     scale = _ln(max(look.speed for look in looks) or pendulum(scene))
-    least, found = math.inf, []
+    least, sizes = math.inf, []
     for look in looks:
         size = max(look.sizes[0] - scale, look.sizes[1])
         least = min(least, size)
-        found.append(size - least)
-    return found
+        sizes.append(size - least)
+    return sizes
 
 
 def _continued(looks: list[_Look], grown: list[float], end: float, unit: int, every: int) -> Growth:

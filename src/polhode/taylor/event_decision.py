@@ -67,17 +67,17 @@ class Places(NamedTuple):
         return near
 
 
-def polished(jet: Jet, met: Sequence[Marks], ends: Marks, way: int) -> tuple[Places, Places]:
+def polished(jet: Jet, met: Sequence[Marks], ends: Marks, sense: int) -> tuple[Places, Places]:
     """The places that heyoka has met: zeros of the expression, and then zeros of its rate.
 
-    And the same of the motion's ``ends``, as they are.  ``way``: -1 for a run backward in time.
+    And the same of the motion's ``ends``, as they are.  ``sense``: -1 for a run backward in time.
     """
     roots, extrema, others = (len(marks.time) for marks in (*met, ends))
     count = roots + extrema
     root = np.repeat([True, False, True], [roots, extrema, others])
     with np.errstate(all="ignore"):
         marks = _refined(jet, joined_marks(met), ~root[:count])
-        every = places(jet, joined_marks([marks, ends]), way, root)
+        every = places(jet, joined_marks([marks, ends]), sense, root)
     return every.those(slice(count)), every.those(slice(count, None))
 
 
@@ -99,9 +99,9 @@ def _refined(jet: Jet, marks: Marks, extrema: Booleans) -> Marks:
     return marks
 
 
-def places(jet: Jet, marks: Marks, way: int, root: Booleans) -> Places:
+def places(jet: Jet, marks: Marks, sense: int, root: Booleans) -> Places:
     """What rounding leaves certain at some marks; ``root``: at which of them a zero was met."""
-    ahead = marks.since_start if way > 0 else -marks.since_start
+    ahead = marks.since_start if sense > 0 else -marks.since_start
     count = len(marks.time)
     values, error = (jet.relative(marks), jet.noise(marks)) if count else _NOWHERE
     with np.errstate(all="ignore"):
@@ -130,18 +130,18 @@ def _half_width(values: Flat, height: Flat) -> Flat:
 
 def _sought(jet: Jet, marks: Marks, error: Flat) -> Flat:
     """How far from a place the expression stays within twice its noise, by looking."""
-    found = np.full(len(error), _WIDTHS[-1], dtype=error.dtype)
+    widths = np.full(len(error), _WIDTHS[-1], dtype=error.dtype)
     open_still = np.ones(len(error), dtype=bool)
     for width in _WIDTHS:
         step: Scalar = array([scalar(Fraction(width), jet.number)] * len(error), jet.number)
         for side in (step, -step):
             value = jet.relative(jet.moved(marks, side))[0]
             out = open_still & (np.abs(value) > 2 * error)
-            found[out] = width
+            widths[out] = width
             open_still &= ~out
         if not open_still.any():
             break
-    return found
+    return widths
 
 
 def joined_places(parts: Sequence[Places]) -> Places:
@@ -260,7 +260,7 @@ Search: TypeAlias = Callable[[int, int, int], "Places | None"]
 
 
 def plain_lanes(
-    places: Places, lanes: Indices, first: Flat, last: Flat, way: int
+    places: Places, lanes: Indices, first: Flat, last: Flat, sense: int
 ) -> tuple[Booleans, Flat]:
     """The motions whose places, ``lanes`` by ``lanes`` in order of time, are as they must be.
 
@@ -268,7 +268,7 @@ def plain_lanes(
     from the sides ``first`` to ``last`` of each motion; 0 where that is not certain.  And the side
     after each place.
     """
-    sides: Flat = np.sign(np.where(places.root, places.values[1] * way, places.values[0]))
+    sides: Flat = np.sign(np.where(places.root, places.values[1] * sense, places.values[0]))
     before = np.where(np.diff(lanes, prepend=-1) != 0, first[lanes], np.roll(sides, 1))
     after = first.copy()
     after[lanes] = sides
@@ -293,12 +293,12 @@ class Decision:
         places: Places,
         start: End,
         end: End,
-        way: int,
+        sense: int,
         alike: float,
         search: Search,
     ) -> None:
         self.places, self.start, self.end, self.search = places, start, end, search
-        self.way, self.alike = way, alike
+        self.way, self.alike = sense, alike
         self.side, self.since, self.starting = start.side, -1, start.near
         self._happened: list[Happening] = []
         self._crossings = self._sides = _NONE  # plain ones, behind all those
@@ -311,7 +311,7 @@ class Decision:
     def _run(self) -> None:
         places, count = self.places, len(self.places.ahead)
         near = places.near
-        known = np.isfinite(places.values[0])
+        finite = np.isfinite(places.values[0])
         signs = np.sign(places.values[:2])
         quick = True
         for i in range(count):
@@ -319,7 +319,7 @@ class Decision:
                 quick = False
                 if self._all_plain(i):
                     return
-            if not known[i]:
+            if not finite[i]:
                 continue
             if not near[i]:
                 if not places.root[i]:
@@ -333,9 +333,9 @@ class Decision:
     def _all_plain(self, i: int) -> bool:
         """Whether from a place on nothing is left to be decided; its zeros are crossings then."""
         rest = self.places.those(slice(i, None))
-        one = np.zeros(len(rest.ahead), dtype=int)
+        lane = np.zeros(len(rest.ahead), dtype=int)
         last = 0 if self.end.own else self.end.side
-        plain, sides = plain_lanes(rest, one, np.array([self.side]), np.array([last]), self.way)
+        plain, sides = plain_lanes(rest, lane, np.array([self.side]), np.array([last]), self.way)
         if plain[0]:
             roots = np.flatnonzero(rest.root)
             self._crossings, self._sides = i + roots, sides[roots].astype(int)
@@ -399,11 +399,11 @@ class Decision:
 
     def _lost(self, side: int, before: int) -> None:
         """A crossing to a side that was not noted."""
-        found = self.search(side, self.since, before)
-        if found is None:
+        crossing = self.search(side, self.since, before)
+        if crossing is None:
             self.complete = False
         else:
-            self._happens(before, side, own=found)
+            self._happens(before, side, own=crossing)
 
     def _beyond(self, i: int, side: int) -> bool:
         """Whether a zero lies behind the end, and the expression does not reach it there."""
@@ -425,12 +425,12 @@ def depths(happenings: Happenings, places: Places, start: End, end: End) -> Flat
     outside of the noise, or at the ends of the motion.
     """
     value = np.abs(places.values[0])
-    seen = np.flatnonzero(~places.root & (value > places.noise))
+    peaks = np.flatnonzero(~places.root & (value > places.noise))
     ends = [abs(e.value) for e in (start, end)]
-    heights = np.concatenate([ends[:1], value[seen], ends[1:]])
+    heights = np.concatenate([ends[:1], value[peaks], ends[1:]])
     least = np.fmin(heights[:-1], heights[1:])
     at, contact = happenings.at, happenings.signs == 0
-    crossing = least[np.searchsorted(seen, at)]
+    crossing = least[np.searchsorted(peaks, at)]
     inside = value[np.where(contact, at, 0)] if len(value) else crossing
     depth: Flat = np.where(contact, inside, crossing)
     return depth

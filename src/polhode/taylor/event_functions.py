@@ -206,8 +206,8 @@ def size(text: str, columns: Mapping[str, Size]) -> Size:
         lift = Algebra(
             lambda x: Size(abs(to_mpf(x, 53)), mpmath.mpf(0)), {**functions, "sqrt": root}
         )
-        found = expression.evaluate(text, columns, lift)
-        return found if isinstance(found, Size) else lift.lift(found)
+        bound = expression.evaluate(text, columns, lift)
+        return bound if isinstance(bound, Size) else lift.lift(bound)
 
 
 def identically_zero(text: str, names: tuple[str, ...]) -> bool:
@@ -261,12 +261,12 @@ def size_of(scene: Scene, event: Event) -> Size:
     unit = Frame.of(scene).unit
     spin2 = dot(scene.omega, scene.omega) + 4 * scene.pendulum_rate_squared
     spin = to_mpf(exact.sqrt(spin2), 53) or mpmath.mpf(1)
-    turn, one = spin * to_mpf(unit, 53), mpmath.mpf(1)
+    turn, unit_size = spin * to_mpf(unit, 53), mpmath.mpf(1)
     omega = Size(spin, spin * turn)
     if event.expression is None:
         return Size(turn, turn * turn)
     columns = dict.fromkeys(scene.columns[:3], omega)
-    columns |= dict.fromkeys(scene.columns[3:], Size(one, turn))
+    columns |= dict.fromkeys(scene.columns[3:], Size(unit_size, turn))
     columns["t"] = Size(abs(to_mpf(scene.end, 53)), to_mpf(unit, 53))
     return size(event.expression, columns)
 
@@ -387,9 +387,9 @@ class Jet(NamedTuple):
             first = plain(coefficients[:, :1], self.number)
             coefficients = np.repeat(first, len(clock), axis=1)
         parameters = np.concatenate([np.zeros((2, len(clock)), clock.dtype), coefficients])
-        known = marks_at(clock, columns, parameters)
-        states = np.concatenate([columns, _of(self.state_errors, known)])
-        error: Flat = _of(self.error, known._replace(columns=states))[0]
+        columns_known = marks_at(clock, columns, parameters)
+        states = np.concatenate([columns, _of(self.state_errors, columns_known)])
+        error: Flat = _of(self.error, columns_known._replace(columns=states))[0]
         return error
 
 
@@ -414,9 +414,9 @@ def jet_of(
 ) -> Jet:
     """The jet of formulas in variables and the time; ``like``: one of the same motion."""
     options, names = type_options(number), list(variables)
-    known = formulas.numbers(constant)
-    value = formulas.value(names, TIME, known, constant, EXPRESSIONS)
-    rates = formulas.field(names, known, EXPRESSIONS)
+    numbers = formulas.numbers(constant)
+    value = formulas.value(names, TIME, numbers, constant, EXPRESSIONS)
+    rates = formulas.field(names, numbers, EXPRESSIONS)
     values = derivatives([value], names, rates, 3)
     values = hy.subs(values, {TIME: hy.time + hy.par[1] + hy.par[0]})
     kind, unit = DOUBLE if number == DOUBLE else EXTENDED, float(band)
@@ -452,8 +452,8 @@ def jet_of(
 def plain(values: Scalar, number: NumberType) -> Flat:
     """Numbers of a run's type as numpy's own: doubles of doubles, else longdoubles."""
     if number.flat:
-        found: Flat = np.asarray(values)
-        return found
+        array: Flat = np.asarray(values)
+        return array
     several = np.array([np.longdouble(str(x)) for x in values.ravel().tolist()], np.longdouble)
     return several.reshape(values.shape)
 
@@ -514,8 +514,8 @@ def in_columns(
     """A text in t and the names of columns, with these values."""
     names = dict(zip(columns, values, strict=True), t=clock)
     functions = {"sqrt": fn.sqrt, "sin": fn.sin, "cos": fn.cos}
-    found = expression.evaluate(text, names, Algebra(constant, functions, power=fn.power))
-    return constant(found) if isinstance(found, (Fraction, Irrational)) else found
+    value = expression.evaluate(text, names, Algebra(constant, functions, power=fn.power))
+    return constant(value) if isinstance(value, (Fraction, Irrational)) else value
 
 
 def rate(
@@ -533,11 +533,11 @@ def derivatives(
     orders: int,
 ) -> list[Expression]:
     """Expressions, and behind them their derivatives along the motion up to an order."""
-    found, last = [*values], values
+    expressions, last = [*values], values
     for _ in range(orders):
         last = [rate(x, variables, rates) for x in last]
-        found += last
-    return found
+        expressions += last
+    return expressions
 
 
 def _along_the_middle_axis(

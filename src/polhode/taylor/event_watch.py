@@ -178,10 +178,10 @@ class Probe:
 
     def crossing(
         self,
-        known: Places,
+        noted: Places,
         start: Places,
         end: Places,
-        way: int,
+        sense: int,
         side: int,
         since: int,
         before: int,
@@ -192,19 +192,19 @@ class Probe:
         where the expression is nearer to zero: where steps are long for it, the motion from there
         on is the one that was seen there.
         """
-        first = start if since < 0 else known.those([since])
-        last = end if before == len(known.ahead) else known.those([before])
-        ways = [(first, last, side, way), (last, first, -side, -way)]
+        first = start if since < 0 else noted.those([since])
+        last = end if before == len(noted.ahead) else noted.those([before])
+        ways = [(first, last, side, sense), (last, first, -side, -sense)]
         if abs(last.values[0, 0]) < abs(first.values[0, 0]):
             ways.reverse()
-        for begin, stop, wanted, onwards in ways:
+        for begin, stop, target, onwards in ways:
             length = abs(stop.ahead[0] - begin.ahead[0])
-            found = self._along(begin.marks, length, wanted, onwards)
-            if found is not None:
-                return places(self.jet, found, way, np.array([True]))
+            marks = self._along(begin.marks, length, target, onwards)
+            if marks is not None:
+                return places(self.jet, marks, sense, np.array([True]))
         return None
 
-    def _along(self, begin: Marks, length: HeyokaNumber, wanted: int, way: int) -> Marks | None:
+    def _along(self, begin: Marks, length: HeyokaNumber, target: int, sense: int) -> Marks | None:
         """Where the expression comes to a side along steps from a place, within some length."""
         probe, parameters = copy.deepcopy(self.heyoka), begin.parameters[:, 0].copy()
         if self.jet.timed:
@@ -217,9 +217,9 @@ class Probe:
             left = length - abs(probe.time - start)
             if not left > 0:
                 break
-            probe.step(way * min(longest, left), write_tc=True)
-            if self._beyond(mark(probe, parameters, self.width), wanted):
-                return self._bisected(probe, parameters, wanted)
+            probe.step(sense * min(longest, left), write_tc=True)
+            if self._beyond(mark(probe, parameters, self.width), target):
+                return self._bisected(probe, parameters, target)
         return None
 
     def _bisected(self, probe: HeyokaIntegrator, parameters: Array, side: int) -> Marks:
@@ -391,13 +391,13 @@ class Watch:
             value = formulas.value(variables, TIME, numbers, constant, heyoka_numbers.EXPRESSIONS)
             if text not in jets:
                 like = next(iter(jets.values()), None)
-                given = formulas, variables, self.number, self.rules.band, constant, like
-                jets[text] = jet_of(*given)
+                arguments = formulas, variables, self.number, self.rules.band, constant, like
+                jets[text] = jet_of(*arguments)
             desk.jets.append(jets[text])
             for order, f in enumerate((value, rate(value, variables, rates))):
                 if hy.get_variables([f]):  # a constant has no zeros
-                    seen = hy.subs(f, clock) * hy.par[CLOCK + k] + hy.par[TINY]
-                    events.append(hy.nt_event(seen, Callback(desk, k, order), **kind))
+                    shifted = hy.subs(f, clock) * hy.par[CLOCK + k] + hy.par[TINY]
+                    events.append(hy.nt_event(shifted, Callback(desk, k, order), **kind))
         return events, desk
 
     def _formulas(self, event: Event, pattern: Mapping[str, Expression]) -> Formulas:
@@ -467,16 +467,16 @@ class Watch:
             value = self.jets[k].value(self._state, ta.time, self._parameters)
             if not value * record.side < 0:  # nothing can have happened
                 return
-        known, start, end = self._polished(k, self._here(ta))
+        noted, start, end = self._polished(k, self._here(ta))
         record.open = end.near
         if end.near:
             return
-        decision = self._decided(k, known, start, end)
+        decision = self._decided(k, noted, start, end)
         record.side = end.side
         happenings = decision.happenings
         counted = self._counted(k, happenings) & (happenings.signs != 0)
         for n in np.flatnonzero(counted)[:1].tolist():
-            at = happenings.those(np.array([n])).located(known)
+            at = happenings.those(np.array([n])).located(noted)
             if self._stop is None or at.ahead[0] < self._stop.marks.since_start[0] * self.way:
                 before = happenings.those(np.arange(n + 1))
                 self._stop = Stop(k, before, decision.complete, at.marks)
@@ -529,18 +529,18 @@ class Watch:
 
     def _found(self, k: int, last: Marks, read: Readout) -> EventTimes:
         event, unit = self.scene.events[k], float(read.frame.unit)
-        known, start, end = self._polished(k, last)
+        noted, start, end = self._polished(k, last)
         if self._stop is not None:
-            known = known.those(known.ahead <= end.place.ahead)
+            noted = noted.those(noted.ahead <= end.place.ahead)
         if self._stop is not None and self._stop.event == k:
             _, happenings, complete, _ = self._stop
         else:
-            decision = self._decided(k, known, start, end)
+            decision = self._decided(k, noted, start, end)
             happenings, complete = decision.happenings, decision.complete
         counted = np.flatnonzero(self._counted(k, happenings))
-        deep = depths(happenings, known, start, end)[counted]
+        deep = depths(happenings, noted, start, end)[counted]
         happenings = happenings.those(counted)
-        where = happenings.located(known)
+        where = happenings.located(noted)
         times = where.marks.since_start
         rows = where.marks.columns.T
         if self.number.flat:
@@ -566,15 +566,15 @@ class Watch:
         met = [self._of[k].joined(order, self.width) for order in range(2)]
         places, ends = polished(self.jets[k], met, joined_marks([self._first, last]), self.way)
         start, end = ends.those(slice(1)), ends.those(slice(1, 2))
-        known = places.those(places.order)
+        noted = places.those(places.order)
         side = 0 if start.own[0] else self.rules.start[k]
-        return known, End(side, start), at_the_end(end)
+        return noted, End(side, start), at_the_end(end)
 
-    def _decided(self, k: int, known: Places, start: End, end: End) -> Decision:
+    def _decided(self, k: int, noted: Places, start: End, end: End) -> Decision:
         """What happened of an event up to an end."""
         probe = Probe(self.jets[k], self._stepping, self.width)
-        search = partial(probe.crossing, known, start.place, end.place, self.way)
-        return Decision(known, start, end, self.way, float(self.number.eps), search)
+        search = partial(probe.crossing, noted, start.place, end.place, self.way)
+        return Decision(noted, start, end, self.way, float(self.number.eps), search)
 
     def _here(self, ta: HeyokaIntegrator) -> Marks:
         return mark(ta, self._parameters, self.width)

@@ -51,9 +51,9 @@ class NoHeyoka(ModuleNotFoundError):
     """Something has to be integrated, and heyoka is not installed."""
 
     def __init__(self) -> None:
-        told = "heyoka: expected to be installed, since integration needs it: "
-        told += "conda install -c conda-forge heyoka.py, or on Linux pip install heyoka"
-        super().__init__(told, name="heyoka")
+        sentence = "heyoka: expected to be installed, since integration needs it: "
+        sentence += "conda install -c conda-forge heyoka.py, or on Linux pip install heyoka"
+        super().__init__(sentence, name="heyoka")
 
 
 class Missing:
@@ -239,11 +239,11 @@ def scalar(x: Number, number: NumberType) -> HeyokaNumber:
 def scalars(values: Sequence[Number], number: NumberType) -> list[HeyokaNumber]:
     """The numbers of heyoka's type nearest to each; raises OutOfRange."""
     if number.name == "double":
-        found = [*map(to_double, values)]
-        for k, value in enumerate(found):
+        doubles = [*map(to_double, values)]
+        for k, value in enumerate(doubles):
             if not _SMALLEST_DOUBLE <= abs(value) < math.inf:  # 0, or out of range
-                found[k] = scalar(values[k], number)
-        return found
+                doubles[k] = scalar(values[k], number)
+        return doubles
     return [scalar(x, number) for x in values]
 
 
@@ -316,15 +316,15 @@ def _bound_cache() -> None:
     heyoka keeps a limit in the cache's file, for all who come after: one of 0 would make every
     later process compile anew.  So 0 switches the cache off, in this process alone.
     """
-    told = os.environ.get(CACHE_LIMIT)
-    if told is None:
+    limit = os.environ.get(CACHE_LIMIT)
+    if limit is None:
         return
-    if not (told.isascii() and told.isdigit() and len(told) < 10):
-        raise BadInput("environment", CACHE_LIMIT, told, "a whole number of megabytes, 0 for none")
-    if int(told) == 0:
+    if not (limit.isascii() and limit.isdigit() and len(limit) < 10):
+        raise BadInput("environment", CACHE_LIMIT, limit, "a whole number of megabytes, 0 for none")
+    if int(limit) == 0:
         hy.llvm_state.set_diskcache_enabled(False)
     else:
-        hy.llvm_state.set_diskcache_limit(1_000_000 * int(told))
+        hy.llvm_state.set_diskcache_limit(1_000_000 * int(limit))
 
 
 _bound_cache()
@@ -367,9 +367,9 @@ _WORDS = constant(
 )
 
 
-def ending(found: HeyokaOutcome) -> Outcome:
+def ending(outcome: HeyokaOutcome) -> Outcome:
     """The outcome of heyoka's call; STEP_LIMIT where the steps allowed were taken."""
-    return _WORDS.get(int(found), Outcome.STEP_LIMIT)
+    return _WORDS.get(int(outcome), Outcome.STEP_LIMIT)
 
 
 # --- wider type -----------------------------------------------------------------------------------

@@ -86,23 +86,23 @@ class Target:
     @cached_property
     def step(self) -> CompiledFunction:
         """The correction, compiled: of a state and :attr:`constants`."""
-        known, held = self.integrals, frozenset(self.held)
+        integrals, fixed = self.integrals, frozenset(self.held)
         return _newton_step(
-            self.scene.columns, known.onto, known.order, self._names, held, self.number
+            self.scene.columns, integrals.onto, integrals.order, self._names, fixed, self.number
         )
 
     @cached_property
     def constants(self) -> Sequence[HeyokaNumber]:
         """The integrals' coefficients and this scene's values of them, in the wider type."""
-        known = self.integrals
-        found = [known.coefficients[name] for name in self._names]
-        return [*(heyoka.scalar(x, wider(self.number)) for x in found), *self.values]
+        integrals = self.integrals
+        coefficients = [integrals.coefficients[name] for name in self._names]
+        return [*(heyoka.scalar(x, wider(self.number)) for x in coefficients), *self.values]
 
     @cached_property
     def values(self) -> Sequence[HeyokaNumber]:
         """This scene's values of the integrals, in the wider type."""
-        found = exact_values(self.scene, self.integrals)
-        return [heyoka.scalar(x, wider(self.number)) for x in found]
+        values = exact_values(self.scene, self.integrals)
+        return [heyoka.scalar(x, wider(self.number)) for x in values]
 
     @cached_property
     def held(self) -> set[int]:
@@ -152,16 +152,16 @@ class StartTarget(Target):
     @cached_property
     def integrals(self) -> FirstIntegrals:
         """The first integrals that every motion of the body has."""
-        found = self.own.integrals
-        return replace(found, onto=tuple(x for x in found.onto if x != CHAPLYGIN))
+        integrals = self.own.integrals
+        return replace(integrals, onto=tuple(x for x in integrals.onto if x != CHAPLYGIN))
 
     @cached_property
     def values(self) -> Sequence[HeyokaNumber]:
         """The values at the start, in the wider type."""
-        wide, known = wider(self.number), self.integrals
-        k = {name: heyoka.scalar(x, wide) for name, x in known.coefficients.items()}
+        wide, integrals = wider(self.number), self.integrals
+        k = {name: heyoka.scalar(x, wide) for name, x in integrals.coefficients.items()}
         row = [self.conversions[2](x) for x in self.start]
-        return known.values(row, k, self._zero)
+        return integrals.values(row, k, self._zero)
 
     @cached_property
     def held(self) -> set[int]:
@@ -220,13 +220,13 @@ class Projector:
 
     def _begin(self) -> CompiledFunction:
         began, target = time.perf_counter(), self.target
-        self._step = found = target.step
+        self._step = step = target.step
         self._load, self._rounded, self._widened = target.conversions
         self._before, self._after = target.inputs(), target.outputs()
         self._entry, self._moved = self._before[: target.columns], self._after[:-1]
         self._rests = dict(target.unrested)
         self.seconds += time.perf_counter() - began
-        return found
+        return step
 
 
 @lru_cache(maxsize=64)
@@ -235,7 +235,7 @@ def _newton_step(
     onto: tuple[str, ...],
     order: tuple[int, int, int],
     names: tuple[str, ...],
-    held: frozenset[int],
+    fixed: frozenset[int],
     number: NumberType,
 ) -> CompiledFunction:
     """The state after a correction and the size of that, compiled.
@@ -246,17 +246,19 @@ def _newton_step(
     """
     wide = wider(number)
     variables = hy.make_vars(*columns)
-    known = [hy.expression(f"k{i}") for i in range(len(names) + len(onto))]
-    k = dict(zip(names, known, strict=False))
+    numbers = [hy.expression(f"k{i}") for i in range(len(names) + len(onto))]
+    k = dict(zip(names, numbers, strict=False))
     values = FirstIntegrals(onto, order, {}).values(variables, k, heyoka.EXPRESSIONS.zero)
-    residuals = [target - value for target, value in zip(known[len(names) :], values, strict=True)]
+    residuals = [
+        target - value for target, value in zip(numbers[len(names) :], values, strict=True)
+    ]
 
     def constant(x: Number) -> Expression:
         return hy.expression(heyoka.scalar(x, wide))
 
     none = constant(ZERO)
     jacobian = [
-        [none if i in held else hy.diff(value, x) for i, x in enumerate(variables)]
+        [none if i in fixed else hy.diff(value, x) for i, x in enumerate(variables)]
         for value in values
     ]
     damping = constant(1 + Fraction(2) ** (-2 * (wide.bits - number.bits - 2)))
@@ -265,7 +267,7 @@ def _newton_step(
     size = hy.sqrt(sum((d * d for d in step[1:]), step[0] * step[0]))
     moved = [x + d for x, d in zip(variables, step, strict=True)]
     with heyoka.disk_cache(wide):
-        return hy.cfunc([*moved, size], vars=[*variables, *known], **heyoka.type_options(wide))
+        return hy.cfunc([*moved, size], vars=[*variables, *numbers], **heyoka.type_options(wide))
 
 
 def least_norm(
@@ -314,17 +316,17 @@ def staying_zero(body: Body, state: Sequence[Exact]) -> set[int]:
     ``state``: in principal axes.  Of the coordinate planes through the start that the motion never
     leaves, the smallest.
     """
-    held = {i for i, x in enumerate(state) if sign(x) == 0}
+    zeros = {i for i, x in enumerate(state) if sign(x) == 0}
     names = [*principal.coefficients(body)]
     numbers = [Fraction(n) for n in _primes(len(names) + len(state))]  # generic ones
     k, others = dict(zip(names, numbers, strict=False)), numbers[len(names) :]
-    while held:
-        point = [ZERO if i in held else x for i, x in enumerate(others)]
+    while zeros:
+        point = [ZERO if i in zeros else x for i, x in enumerate(others)]
         rates = principal.field(point, k, EXACT)
-        if not (leaving := {i for i in held if rates[i] != 0}):
+        if not (leaving := {i for i in zeros if rates[i] != 0}):
             break
-        held -= leaving
-    return held
+        zeros -= leaving
+    return zeros
 
 
 def _primes(count: int) -> list[int]:
@@ -397,9 +399,9 @@ class Put:
 
     def of(self, orbits: Indices) -> Put:
         """The same for these orbits, one a column."""
-        found = copy.copy(self)
-        found.targets, found.scales = self.targets[:, orbits], self.scales[:, orbits]
-        return found
+        part = copy.copy(self)
+        part.targets, part.scales = self.targets[:, orbits], self.scales[:, orbits]
+        return part
 
     def back(self, state: Doubles) -> Doubles:
         """The states put back; as they are where the step is no rounding."""
@@ -419,8 +421,8 @@ class Put:
 
     def _residuals(self, state: Doubles) -> Doubles:
         values = self._values(state.astype(np.longdouble))
-        found: Doubles = (self.targets - np.array(values)).astype(float)
-        return found
+        residuals: Doubles = (self.targets - np.array(values)).astype(float)
+        return residuals
 
     def _gradients(self, moved: Complexes) -> list[Doubles]:
         """Of the integrals, from complex steps along each component."""

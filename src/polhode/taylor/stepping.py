@@ -60,30 +60,30 @@ class Integrator:
 
     def __init__(
         self,
-        what: System,
+        equations: System,
         origin: Fraction = Fraction(0),
         watcher: Watcher | None = None,
         corrector: Corrector | None = None,
         engine: Engine | None = None,
         anchored: int = 0,
     ) -> None:
-        self.number, self.anchored = what.number, anchored
+        self.number, self.anchored = equations.number, anchored
         self.watcher, self.corrector = watcher, corrector
         self.offset = origin
         self.steps = 0
         self._due = 0 if corrector is None else corrector.every
         self._reach = math.inf
-        self._cyclic = None if what.cyclic is None else what.cyclic.at_start()
+        self._cyclic = None if equations.cyclic is None else equations.cyclic.at_start()
         #: heyoka's options of all steps
         self._options: dict[str, Any] = {}
         if watcher is not None and not watcher.any_step:
-            self._options["max_delta_t"] = scalar(_LONGEST, what.number)
+            self._options["max_delta_t"] = scalar(_LONGEST, equations.number)
         self.anchors: list[Anchor] = []
-        self.engine = engine or what.engine(watcher)
+        self.engine = engine or equations.engine(watcher)
         self.heyoka, self.state = self.engine.heyoka, self.engine.state
         if watcher is not None and self.engine.desk is not None:
-            count = len(what.equations.pattern)
-            watcher.sit_down(self.engine.desk, what.parameters[:count])
+            count = len(equations.equations.pattern)
+            watcher.sit_down(self.engine.desk, equations.parameters[:count])
             watcher.counts_from(origin, self.heyoka)
 
     def release(self) -> None:
@@ -107,20 +107,20 @@ class Integrator:
 
         ``limit``: of all steps.  Ctrl-C ends it with INTERRUPTED.
         """
-        end, parts, done = times[-1], [rows], len(rows)
+        end, parts, count = times[-1], [rows], len(rows)
         most = defaults.of(self.number).chunk
         try:
-            while done < len(times):
+            while count < len(times):
                 steps = min(most, limit - self.steps)
                 if steps <= 0:
                     outcome = Outcome.STEP_LIMIT
                     break
-                more, outcome = self.chunk(times[done:] if done else times, steps)
+                more, outcome = self.chunk(times[count:] if count else times, steps)
                 if outcome is Outcome.NON_FINITE:
                     finite = [k for k, row in enumerate(more) if all(x - x == 0 for x in row)]
                     more = [more[k] for k in finite] if isinstance(more, list) else more[finite]
                 parts.append(more)
-                done += len(more)
+                count += len(more)
                 if outcome is not Outcome.STEP_LIMIT:
                     break
                 passed = abs(self.time - self.offset)
@@ -205,40 +205,40 @@ class Integrator:
         return row, self.time
 
     def _correct(self, corrector: Corrector) -> bool:
-        done = corrector.correct(self.state)
+        corrected = corrector.correct(self.state)
         self.engine.tell_kept()
-        return done
+        return corrected
 
-    def _to_pause(self, ahead: Numbers, done: int, steps: int) -> tuple[Array, Outcome]:
+    def _to_pause(self, ahead: Numbers, reached: int, steps: int) -> tuple[Array, Outcome]:
         """Up to ``steps`` steps; before a pause no output times are looked at that it comes before.
 
-        ``ahead``: the chunk's times, after one place to spare; ``done`` of them are passed.  Reach
-        is some times the longest advance so far: heyoka takes longer for a grid, the more times it
-        has.  Should an output time be passed all the same, the advance is taken back and made again
-        with an eye on all of them.
+        ``ahead``: the chunk's times, after one place to spare; ``reached`` of them are passed.
+        Reach is some times the longest advance so far: heyoka takes longer for a grid, the more
+        times it has.  Should an output time be passed all the same, the advance is taken back and
+        made again with an eye on all of them.
         """
         ta, count = self.heyoka, len(ahead) - 1
         take = self._steps
         if self.watcher is not None and not self.heyoka.time and not self.offset:
             take = self._first_step
-        if done == count - 1 or (self.corrector is None and self._cyclic is None):
-            return take(ahead[done:], steps)
-        begun, kept, before = ta.dtime, self.state.copy(), self.steps
+        if reached == count - 1 or (self.corrector is None and self._cyclic is None):
+            return take(ahead[reached:], steps)
+        start_time, start_state, before = ta.dtime, self.state.copy(), self.steps
         marks = None if self.watcher is None else self.watcher.marks()
-        reach = abs(float(begun[0])) + self._reach
-        beyond = bisect_right(ahead, reach, lo=done + 1, key=abs)  # its place
+        reach = abs(float(start_time[0])) + self._reach
+        beyond = bisect_right(ahead, reach, lo=reached + 1, key=abs)  # its place
         short = beyond < count
         if short:
-            near, last = ahead[done:beyond], ahead[-1:]
+            near, last = ahead[reached:beyond], ahead[-1:]
             parts = [*near, *last] if isinstance(ahead, list) else np.concatenate([near, last])
             rows, ended = take(parts, steps)
         if short and abs(ta.time) > abs(ahead[beyond]):
-            self.state[:], ta.dtime, self.steps, short = kept, begun, before, False
+            self.state[:], ta.dtime, self.steps, short = start_state, start_time, before, False
             if self.watcher is not None and marks is not None:
                 self.watcher.take_back(marks)
         if not short:
-            rows, ended = take(ahead[done:], steps)
-        advance = _REACH * float(abs(ta.time) - abs(begun[0]))
+            rows, ended = take(ahead[reached:], steps)
+        advance = _REACH * float(abs(ta.time) - abs(start_time[0]))
         if advance > self._reach or self._reach == math.inf:
             self._reach = advance
         return rows, ended
@@ -249,7 +249,7 @@ class Integrator:
         ``ahead``: a place for the time at which it begins, then the times.
         """
         ta = self.heyoka
-        begun, now = ta.dtime, ta.time
+        start_time, now = ta.dtime, ta.time
         if ahead[1] == now:  # a step ended there: heyoka has not given that row
             here = self.state.copy()[None]
             if len(ahead) == 2:
@@ -277,7 +277,7 @@ class Integrator:
             rows, ended = result[-1][1:], ending(result[0])
         self.steps += int(result[3])
         if ended is Outcome.NON_FINITE and not math.isfinite(float(ta.time)):
-            ta.dtime = begun  # a step of no length: nothing is known after it began
+            ta.dtime = start_time  # a step of no length: nothing is known after it began
         return rows, ended
 
     def _first_step(self, ahead: Numbers, steps: int) -> tuple[Array, Outcome]:
@@ -300,14 +300,14 @@ class Integrator:
     ) -> tuple[HeyokaOutcome, HeyokaNumber, HeyokaNumber, int]:
         """The same steps, with an anchor before every so many of them."""
         ta, grown = self.heyoka, () if self._cyclic is None else self._cyclic.grown
-        taken, ended = 0, Outcome.STEP_LIMIT
-        while ended is Outcome.STEP_LIMIT and taken < max_steps:
+        steps, ended = 0, Outcome.STEP_LIMIT
+        while ended is Outcome.STEP_LIMIT and steps < max_steps:
             state = tuple(self.state.tolist())
             self.anchors.append(Anchor(self.time, self.offset, ta.dtime, state, grown))
-            most = min(self.anchored, max_steps - taken)
+            most = min(self.anchored, max_steps - steps)
             result = ta.propagate_until(end, max_steps=most, **options)
-            ended, taken = ending(result[0]), taken + int(result[3])
-        return (*result[:3], taken)
+            ended, steps = ending(result[0]), steps + int(result[3])
+        return (*result[:3], steps)
 
     def _rows(self, parts: Sequence[Array]) -> Rows:
         if self.number.flat:

@@ -217,8 +217,8 @@ def system(
     if inputs is not None:
         k = {name: inputs.rounded(x) for name, x in k.items()}
         start = [inputs.rounded(x) for x in start]
-    what = scene, form, tuple(names), tuple(outputs), k, tuple(start)
-    return System(*what, number, tolerance, inputs)
+    parts = scene, form, tuple(names), tuple(outputs), k, tuple(start)
+    return System(*parts, number, tolerance, inputs)
 
 
 def principal_system(scene: Scene) -> System:

@@ -35,10 +35,10 @@ class Times(Sequence[Fraction]):
     @classmethod
     def of_grid(cls, grid: Numbers, number: NumberType) -> Times:
         """The times of an array of heyoka's numbers; exact ones are made where they are asked."""
-        found = cls.__new__(cls)
-        found.number = number
-        found.__dict__["grid"] = grid
-        return found
+        times = cls.__new__(cls)
+        times.number = number
+        times.__dict__["grid"] = grid
+        return times
 
     @classmethod
     def inside(cls, times: ExactNumbers[Fraction], frame: Frame, number: NumberType) -> Times:
@@ -73,8 +73,8 @@ class Times(Sequence[Fraction]):
     def __getitem__(self, k: slice) -> Times: ...
     def __getitem__(self, k: int | slice) -> Fraction | Times:
         if not isinstance(k, slice):
-            known = "_exact" in self.__dict__ or len(self) < _FEW
-            return self._exact[k] if known else exactly(self.grid[k])
+            exact = "_exact" in self.__dict__ or len(self) < _FEW
+            return self._exact[k] if exact else exactly(self.grid[k])
         if k == slice(0, None):
             return self
         if "_exact" not in self.__dict__:
@@ -88,8 +88,8 @@ class Times(Sequence[Fraction]):
         """The times as heyoka's numbers: an array, or a list above extended."""
         from polhode.taylor.heyoka import array, scalars
 
-        found = scalars(self._exact, self.number)
-        return array(found, self.number) if self.number.flat else found
+        numbers = scalars(self._exact, self.number)
+        return array(numbers, self.number) if self.number.flat else numbers
 
     def ahead(self, offset: Fraction) -> Numbers:
         """A place to spare, and what has passed at each time since ``offset``, as heyoka's numbers.
@@ -165,6 +165,6 @@ def exact_sum(a: Scalar, b: Scalar) -> tuple[Scalar, Scalar]:
 
     Knuth, The Art of Computer Programming, vol. 2, 4.2.2.
     """
-    found = a + b
-    of_b = found - a
-    return found, (a - (found - of_b)) + (b - of_b)
+    total = a + b
+    of_b = total - a
+    return total, (a - (total - of_b)) + (b - of_b)

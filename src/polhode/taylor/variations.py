@@ -81,8 +81,8 @@ class Variations:
     @property
     def state(self) -> Doubles:
         """The six components of the state."""
-        found: Doubles = self._ready.state[:6]
-        return found
+        state: Doubles = self._ready.state[:6]
+        return state
 
     @state.setter
     def state(self, values: Doubles) -> None:
@@ -100,13 +100,13 @@ class Variations:
 
     @property
     def _tangents(self) -> Doubles:
-        found: Doubles = self._ready.state[6:].reshape(-1, 6)
-        return found
+        tangents: Doubles = self._ready.state[6:].reshape(-1, 6)
+        return tangents
 
     def to(self, time: float, steps: int) -> bool:
         """March to a time in at most so many steps; whether it was reached with finite numbers."""
-        ended, taken = self._ready.until(time, steps, _BLOCK)
-        self.steps += taken
+        ended, steps_taken = self._ready.until(time, steps, _BLOCK)
+        self.steps += steps_taken
         return ended is Outcome.REACHED_END
 
     def rescale(self) -> None:
@@ -236,21 +236,21 @@ class Leader:
             wide = number_types.mp(2 * (log10_growth + _SPARE_DIGITS))
             self._number = next(enough, wide)
             self._run = Integrator(replace(self._plain, number=self._number))
-        found, done, ended = np.full((len(times), 6), np.nan), 0, Outcome.STEP_LIMIT
+        rows_found, count, ended = np.full((len(times), 6), np.nan), 0, Outcome.STEP_LIMIT
         ahead = [Fraction(t) for t in times]
-        while ended is Outcome.STEP_LIMIT and done < len(times):
-            rows, ended = self._run.chunk(ahead[done:], defaults.of(self._number).chunk)
+        while ended is Outcome.STEP_LIMIT and count < len(times):
+            rows, ended = self._run.chunk(ahead[count:], defaults.of(self._number).chunk)
             if len(rows):
-                there = found[done : done + len(rows)]
+                there = rows_found[count : count + len(rows)]
                 there[:] = 0.0  # gamma, where there is none
                 there[:, : len(self._plain.start)] = doubles(rows)
-                done += len(rows)
-        return found
+                count += len(rows)
+        return rows_found
 
     def at(self, time: float, log10_growth: float) -> Doubles:
         """The same at one time."""
-        found: Doubles = self.rows([time], log10_growth)[0]
-        return found
+        state: Doubles = self.rows([time], log10_growth)[0]
+        return state
 
     def release(self) -> None:
         """Leave the compiled code to the next motion; the last call of all."""
@@ -320,10 +320,10 @@ def path(
     ends = np.array(output.times).astype(float)
     # heyoka's step is this part of the radius of convergence
     part = math.exp(-2.0 - 0.7 / (order - 1))
-    taken = np.diff(ends)
-    if len(taken) > 1:
-        taken[-1] = max(taken[-1], taken[-2])  # the last step is cut at the end
-    return Path(ends, taken / part, output, kind)
+    steps = np.diff(ends)
+    if len(steps) > 1:
+        steps[-1] = max(steps[-1], steps[-2])  # the last step is cut at the end
+    return Path(ends, steps / part, output, kind)
 
 
 def _built(number: NumberType) -> Engine:
@@ -337,8 +337,8 @@ def _built(number: NumberType) -> Engine:
             if term.coefficient is not None:
                 factors.insert(0, hy.par[term.coefficient])
             values[term.sign < 0].append(reduce(mul, factors))
-        added, taken = values
-        system.append((variable, hy.sum(added) - hy.sum(taken) if taken else hy.sum(added)))
+        added, minus = values
+        system.append((variable, hy.sum(added) - hy.sum(minus) if minus else hy.sum(added)))
     return Engine(integrator(system, number), number, coefficients=len(NAMES))
 
 

@@ -67,9 +67,9 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
     }
     inputs = [library.path_of(x) for x in _sources(arguments)]
     home = verb.home
-    for name, other in verb.other_kinds.items():
+    for name, kind in verb.other_kinds.items():
         if name in arguments:
-            verb = VERBS.get(other) or verb._replace(kind=other)
+            verb = VERBS.get(kind) or verb._replace(kind=kind)
     places = Places(verb, [*map(Path, namespace.places or ())], namespace.json, inputs)
     places.check()
     places.check_figure(vars(namespace))
@@ -78,11 +78,11 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
         from polhode.scenes.start_box import StartBox
 
         first = function.parameters[0].name
-        given = arguments[first]
-        if isinstance(given, list):
-            arguments[first] = scene_options.applied_to_all(namespace, given, verb.scene)
+        source = arguments[first]
+        if isinstance(source, list):
+            arguments[first] = scene_options.applied_to_all(namespace, source, verb.scene)
         else:
-            box = start_box.read(given) if verb.is_box else StartBox(library.load(given))
+            box = start_box.read(source) if verb.is_box else StartBox(library.load(source))
             scene = scene_options.applied(namespace, box.scene, verb.scene)
             arguments[first] = StartBox(scene, box.radii) if verb.is_box else scene
     with ProgressLine(verb.name) as line:
@@ -112,9 +112,9 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
     return code_of(result)
 
 
-def _sources(given: Mapping[str, object]) -> Iterable[str]:
+def _sources(values: Mapping[str, object]) -> Iterable[str]:
     """What may be a file that is read."""
-    for value in given.values():
+    for value in values.values():
         yield from (x for x in (value if isinstance(value, list) else [value]) if type(x) is str)
 
 

@@ -17,12 +17,12 @@ _TILT, _SPIN, _END = "30 deg", "3000 rpm", "1 s"
 def add_new(parser: ArgumentParser) -> None:
     """The verb's own options."""
     parser.add_argument("file", type=word, metavar="FILE", help="the new scene: .toml")
-    way = parser.add_mutually_exclusive_group()
-    way.add_argument("--like", type=word, metavar="SCENE", help="a case that ships, or a path")
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument("--like", type=word, metavar="SCENE", help="a case that ships, or a path")
     for name, shape in new_scene.SHAPES.items():
         listed = ",".join(shape.numbers).upper()
         text = f'{shape.meaning}; numbers in SI or with units, as "3 cm"'
-        way.add_argument(f"--{name}", metavar=listed, help=text)
+        group.add_argument(f"--{name}", metavar=listed, help=text)
     parser.add_argument(
         "--tilt", metavar="ANGLE", help=f"angle of the axis to the vertical ({_TILT})"
     )
@@ -70,9 +70,9 @@ def _of_case(options: Namespace) -> str:
 def _of_shape(options: Namespace) -> str:
     chosen = [name for name in new_scene.SHAPES if getattr(options, name) is not None]
     name = chosen[0] if chosen else "cone"
-    given = getattr(options, name).split(",") if chosen else ["3 cm", "5 cm", "50 g"]
+    numbers = getattr(options, name).split(",") if chosen else ["3 cm", "5 cm", "50 g"]
     tilt, spin, end = (
         usual if (value := getattr(options, key)) is None else value
         for key, usual in (("tilt", _TILT), ("spin", _SPIN), ("end", _END))
     )
-    return new_scene.of_shape(name, given, tilt, spin, end, options.file)
+    return new_scene.of_shape(name, numbers, tilt, spin, end, options.file)

@@ -41,8 +41,8 @@ def of(
     yield from globals()[verb.notes](result, namespace)
     proofs: list[Path] = []
     if ".json" in verb.own:
-        asked = [x for x in map(Path, namespace.places or ()) if x in written]
-        proofs = [x for x in asked if x.suffix.lower() == ".json" or is_stdout(x)][:1]
+        places = [x for x in map(Path, namespace.places or ()) if x in written]
+        proofs = [x for x in places if x.suffix.lower() == ".json" or is_stdout(x)][:1]
     if files := [str(x) for x in written if x not in proofs and not is_stdout(x)]:
         yield f"written: {', '.join(files)}"
     yield from (_certificate(result.scene.name, x) for x in proofs)
@@ -217,8 +217,8 @@ def certified(result: Enclosure, namespace: Namespace) -> Iterator[str]:
             f"{name}: every digit is proven, {least}; {counted(result.steps, 'step')} at a "
             f"noise level of 2**-{result.noise}, {result.seconds_in_all:.1f} s"
         )
-    for what in result.assumed:
-        yield f"{name}: assumed by the rule for equal numbers, not proven: {what}"
+    for assumption in result.assumed:
+        yield f"{name}: assumed by the rule for equal numbers, not proven: {assumption}"
     for since in result.lost:
         yield (
             f"{name}: psi and phi are not given beyond t = {since:.6g}: the third axis is, "

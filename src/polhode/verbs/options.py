@@ -53,20 +53,20 @@ def _first_sentence(text: str) -> str:
 def front(home: str, name: str) -> Front:
     """The function of this name in a module of polhode; of overloads the one with a body."""
     source = PACKAGE.joinpath(*home.split(".")[1:]).with_suffix(".py").read_text("utf-8")
-    *_, found = (
+    *_, function = (
         x for x in ast.parse(source).body if isinstance(x, ast.FunctionDef) and x.name == name
     )
-    given = found.args
-    positional = [*given.posonlyargs, *given.args]
-    lacking = len(positional) - len(given.defaults)
-    defaults = [*[None] * lacking, *given.defaults, *given.kw_defaults]
+    arguments = function.args
+    positional = [*arguments.posonlyargs, *arguments.args]
+    lacking = len(positional) - len(arguments.defaults)
+    defaults = [*[None] * lacking, *arguments.defaults, *arguments.kw_defaults]
     return Front(
         name,
         [
             _parameter(x, default)
-            for x, default in zip([*positional, *given.kwonlyargs], defaults, strict=True)
+            for x, default in zip([*positional, *arguments.kwonlyargs], defaults, strict=True)
         ],
-        inspect.cleandoc(ast.get_docstring(found) or ""),
+        inspect.cleandoc(ast.get_docstring(function) or ""),
     )
 
 
@@ -249,5 +249,5 @@ def _option(
         parser.add_argument(option, metavar=kind.metavar, required=required, **common)
 
 
-def _escaped(told: str | None) -> str | None:
-    return None if told is None else told.replace("%", "%%")
+def _escaped(text: str | None) -> str | None:
+    return None if text is None else text.replace("%", "%%")

@@ -28,12 +28,12 @@ PAGE, FILM, PRINTED = ".html", ".gif", (".svg", ".png", ".pdf")
 
 def add_plot(parser: ArgumentParser) -> None:
     """The options of plot."""
-    what = (
+    help_text = (
         "of a motion angles (default), omega, momentum, attitude, hodographs, sphere, integrals, "
         "error, or motion: a film; of a map fli (default), megno, exponent, verdict"
     )
     _add_source(parser, "source")
-    parser.add_argument("--what", type=word, metavar="WORD", help=what)
+    parser.add_argument("--what", type=word, metavar="WORD", help=help_text)
     endings = f"the figure: {', '.join(PRINTED)}; of a motion that moves {FILM}"
     parser.add_argument("-o", dest="file", type=word, required=True, metavar="FILE", help=endings)
     parser.add_argument("--title", metavar="TEXT", help="in place of the figure's own")
@@ -93,8 +93,8 @@ def view(options: Namespace) -> int:
     """Make one page."""
     suffix = Path(options.file).suffix.lower()
     if suffix in (FILM, *PRINTED):
-        what = "motion" if suffix == FILM else "W"
-        meant = f"polhode plot {options.sources[0]} --what {what} -o {options.file}"
+        figure = "motion" if suffix == FILM else "W"
+        meant = f"polhode plot {options.sources[0]} --what {figure} -o {options.file}"
         raise BadInput(options.file, "-o", None, f"a name that ends in .html, or {meant}")
     return _written(options, (PAGE,))
 
@@ -133,7 +133,7 @@ def _written(options: Namespace, endings: tuple[str, ...]) -> int:
             data = _page(every, " ".join(command), options).encode()
         elif suffix == FILM:
             filmed = film.filmed(
-                samples_of(drawing), lambda done: progress.say(f"{100 * done:.0f} %")
+                samples_of(drawing), lambda share: progress.say(f"{100 * share:.0f} %")
             )
             data = filmed.data
             if filmed.closed:
@@ -158,7 +158,7 @@ def _page(every: Sequence[Drawing], command: str, options: Namespace) -> str:
     from polhode.common.texts import Page, together
     from polhode.figures.drawing import page_of
 
-    pages = [Page(one.name, page_of(one, command)) for one in every]
+    pages = [Page(drawing.name, page_of(drawing, command)) for drawing in every]
     return together(pages, options.title or "", options.text or "").text
 
 

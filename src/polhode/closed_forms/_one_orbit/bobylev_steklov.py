@@ -83,14 +83,14 @@ class Asymptotic(Motion):
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """The turn since t = 0."""
         del state
-        c, two, three, one = quaternion_product(
+        c, y, z, x = quaternion_product(
             self._first, self._place(self._v0 + self._nu * t, self._p * t / 2)
         )
-        return c, one, two, three
+        return c, x, y, z
 
-    def _place(self, v: arb, turned: arb) -> Turn:
+    def _place(self, v: arb, half_angle: arb) -> Turn:
         """A quaternion of axes 2, 3, 1 that solves the equations, the turns about axis 1 apart."""
-        phase = acb(0, turned).exp() / (self._p * self._p + self._nu * self._nu).sqrt()
+        phase = acb(0, half_angle).exp() / (self._p * self._p + self._nu * self._nu).sqrt()
         return quaternion(
             acb(self._p, self._nu * v.tanh()) * phase, self._side * self._nu * v.sech() * phase
         )
@@ -123,10 +123,10 @@ class BobylevSteklov(OrbitPlacement):
         i, j, k = with_last(axis)
         if sign(torque[i]) and sign(torque[j]):
             frame = Frame.equatorial((i, j, k), torque[i], torque[j])
-            seen = moments[i], moments[j], moments[k]
+            permuted = moments[i], moments[j], moments[k]
             yield (
                 frame,
-                PrincipalScene(seen, frame.into(torque), frame.into(omega), frame.into(gamma)),
+                PrincipalScene(permuted, frame.into(torque), frame.into(omega), frame.into(gamma)),
             )
 
     def _regime(self) -> Regime:

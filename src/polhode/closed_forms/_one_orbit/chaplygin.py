@@ -39,7 +39,7 @@ from polhode.numbers.number_types import Scalar
 
 
 @dataclass(frozen=True)
-class Coefficients:
+class ChaplyginCoefficients:
     """Of a body that fits; ``cube`` is B1^3, ``ratio`` C1/B1."""
 
     b2: Exact
@@ -59,12 +59,12 @@ def ratio_of(scene: NormalScene) -> Exact:
     return -(3 * A - 2 * B) * (A - 2 * B) / ((3 * A - 2 * C) * (A - 2 * C))
 
 
-def coefficients(scene: NormalScene) -> Coefficients:
+def coefficients(scene: NormalScene) -> ChaplyginCoefficients:
     """Of a body that fits."""
     (A, B, C), c = scene.moments, scene.torque[0]
     ratio = ratio_of(scene)
     K = ratio * (B - C) ** 2 * (C * C * ratio + B * B) / (9 * A * A)
-    return Coefficients(
+    return ChaplyginCoefficients(
         b2=A * (A - C) / ((A - 2 * B) * (B - C)),
         c2=-A * (A - B) / ((A - 2 * C) * (B - C)),
         ratio=ratio,
@@ -75,13 +75,13 @@ def coefficients(scene: NormalScene) -> Coefficients:
 def state_of(
     moments: Sequence[Scalar],
     c: Scalar,
-    known: Sequence[Scalar],
+    numbers: Sequence[Scalar],
     z: Scalar,
     Y: Scalar,
     Z: Scalar,
 ) -> Sequence[Scalar]:
-    """p, q, r, gamma1, gamma2, gamma3 for any scalars; ``known``: b2, c2, B1 and C1."""
-    (A, B, C), (b2, c2, B1, C1) = moments, known
+    """p, q, r, gamma1, gamma2, gamma3 for any scalars; ``numbers``: b2, c2, B1 and C1."""
+    (A, B, C), (b2, c2, B1, C1) = moments, numbers
     p, q, r = z * z * z, z * Y, z * Z
     two = (A - B) * p * q - C * (B - C) * (c2 * p * q + C1 * Y / 3) / A
     three = (A - C) * p * r + B * (B - C) * (b2 * p * r + B1 * Z / 3) / A
@@ -109,18 +109,18 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
         yield from _at_rest(scene, x)
         return
     # C1 Y and B1 Z, Y = q/p^(1/3), Z = r/p^(1/3), without roots: B1 p^(2/3) = q^2 - b2 p^2.
-    one, two = x.ratio * q * rest / p, r * rest / p
+    first, second = x.ratio * q * rest / p, r * rest / p
     yield from matching(
         scene,
         (
             -(A * p * p + B * q * q + C * r * r) / (2 * c),
-            ((A - B) * p * q - C * (B - C) * (x.c2 * p * q + one / 3) / A) / c,
-            ((A - C) * p * r + B * (B - C) * (x.b2 * p * r + two / 3) / A) / c,
+            ((A - B) * p * q - C * (B - C) * (x.c2 * p * q + first / 3) / A) / c,
+            ((A - C) * p * r + B * (B - C) * (x.b2 * p * r + second / 3) / A) / c,
         ),
     )
 
 
-def _at_rest(scene: NormalScene, x: Coefficients) -> Iterator[Condition]:
+def _at_rest(scene: NormalScene, x: ChaplyginCoefficients) -> Iterator[Condition]:
     """Where the orbit passes w = 0: gamma1 = 0, and Y^2 = B1 there."""
     (A, B, C), c = scene.moments, scene.torque[0]
     yield equal("gamma1 = 0", scene.gamma[0], ZERO, ONE)
@@ -135,7 +135,7 @@ class Chaplygin(OrbitPlacement):
     name = "Chaplygin 1904"
     conditions = staticmethod(conditions)
 
-    def _begin(self, x: Coefficients) -> tuple[Exact, Exact, Exact]:
+    def _begin(self, x: ChaplyginCoefficients) -> tuple[Exact, Exact, Exact]:
         """z, Y, Z at t = 0."""
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega
         if sign(p):
@@ -153,11 +153,11 @@ class Chaplygin(OrbitPlacement):
         A, B, C = (ball(y) for y in self.normal.moments)
         c, k = ball(self.normal.torque[0]), (B - C) / (3 * A)
         b2, c2, B1, ratio, size = (ball(y) for y in (x.b2, x.c2, x.B1, x.ratio, scale))
-        known = b2, c2, B1, ratio * B1
+        numbers = b2, c2, B1, ratio * B1
         width = size.sqrt()
 
         def state(z: acb, Y: acb, Z: acb) -> Sequence[acb]:
-            return state_of((A, B, C), c, known, width * z, size * Y, size * Z)
+            return state_of((A, B, C), c, numbers, width * z, size * Y, size * Z)
 
         quartics = (ONE, ZERO, ZERO, ZERO, x.b2), (x.ratio, ZERO, ZERO, ZERO, x.c2)
         start = z / sqrt(scale), Y / scale, Z / scale

@@ -45,14 +45,14 @@ def coefficients(scene: NormalScene) -> dict[str, Exact]:
     """Of a body that fits."""
     (_, B, C), c = scene.moments, scene.torque[0]
     D = 9 * B - 8 * C
-    one, two, three = B - 2 * C, 3 * B - 2 * C, 3 * B - 4 * C
-    b0 = 4 * B * C * c / (one * two * three)
+    first, second, third = B - 2 * C, 3 * B - 2 * C, 3 * B - 4 * C
+    b0 = 4 * B * C * c / (first * second * third)
     return {
         "b0": b0,
         "b2": -16 * C * C / (D * D),
-        "c0": 2 * b0 * one * two / (B * C),
-        "c2": 16 * three * (9 * B * B - 28 * B * C + 16 * C * C) / (B * D * D),
-        "c4": -256 * C * C * three * three * (5 * B - 4 * C) / (B * b0 * D**4),
+        "c0": 2 * b0 * first * second / (B * C),
+        "c2": 16 * third * (9 * B * B - 28 * B * C + 16 * C * C) / (B * D * D),
+        "c4": -256 * C * C * third * third * (5 * B - 4 * C) / (B * b0 * D**4),
         "h": b0 * (9 * B * B - 22 * B * C + 12 * C * C) / (4 * C),
     }
 

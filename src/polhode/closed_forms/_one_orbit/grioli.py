@@ -53,9 +53,9 @@ def directions(
 ) -> tuple[Sequence[Scalar], Sequence[Scalar]]:
     """w/n and P gamma/n^2 at an angle ph, for any scalars; ``axes``: e1 and e2."""
     (x1, _, z1), (x2, _, z2) = axes
-    one, two = -J * cos, I11 * cos - J * sin * sin
+    along1, along2 = -J * cos, I11 * cos - J * sin * sin
     w = x1 + cos * x2, sin, z1 + cos * z2
-    return w, (one * x1 + two * x2, sin * (I11 + J * cos), one * z1 + two * z2)
+    return w, (along1 * x1 + along2 * x2, sin * (I11 + J * cos), along1 * z1 + along2 * z2)
 
 
 def spin_frame(scene: NormalScene) -> SpinFrame:

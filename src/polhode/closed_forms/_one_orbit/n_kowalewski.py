@@ -36,7 +36,7 @@ from polhode.closed_forms.membership import (
 from polhode.numbers.exact import ONE, Exact, sqrt
 
 
-class Coefficients(NamedTuple):
+class KowalewskiPolynomials(NamedTuple):
     """h, Q and R of a body that fits, for C = c3 = 1, and c3^4."""
 
     h: Exact
@@ -50,7 +50,7 @@ class Coefficients(NamedTuple):
         return sqrt(sqrt(self.fourth))
 
 
-def coefficients(scene: NormalScene) -> Coefficients:
+def coefficients(scene: NormalScene) -> KowalewskiPolynomials:
     """Of a body that fits; |gamma| = 1 gives c3^4."""
     (A, B, C), c = scene.moments, scene.torque[0]
     x = B / C
@@ -66,12 +66,12 @@ def coefficients(scene: NormalScene) -> Coefficients:
     h = 1458 * three**2 * two**3 * cubic / (x * x * D**6)
     level, lever = h - (x * b0 + c0) / 2, (x - 1) * C / (2 * A)
     K = level**2 + b0 * (lever * c1) ** 2 + c0 * (x * lever * b1) ** 2
-    return Coefficients(h, (b0, b1, b2), (c0, c1, c2, ONE), K * C * C / (c * c))
+    return KowalewskiPolynomials(h, (b0, b1, b2), (c0, c1, c2, ONE), K * C * C / (c * c))
 
 
-def gamma_of(scene: NormalScene, known: Coefficients) -> GammaOfOmega:
+def gamma_of(scene: NormalScene, polynomials: KowalewskiPolynomials) -> GammaOfOmega:
     """gamma, q^2 and r^2 as polynomials in p."""
-    (h, Q, R, _), c3 = known, known.c3
+    (h, Q, R, _), c3 = polynomials, polynomials.c3
     Q, R = (
         [x * s for x, s in zip(row, (1 / c3**2, 1 / c3, ONE, c3), strict=False)] for row in (Q, R)
     )
@@ -95,9 +95,9 @@ class NKowalewski(OrbitPlacement):
     conditions = staticmethod(conditions)
 
     def solve(self) -> Motion:
-        (A, B, C), known = self.normal.moments, coefficients(self.normal)
-        c3 = known.c3
-        gamma, over = gamma_of(self.normal, known).mapped(ball).gamma, 1 / ball(c3)
+        (A, B, C), polynomials = self.normal.moments, coefficients(self.normal)
+        c3 = polynomials.c3
+        gamma, over = gamma_of(self.normal, polynomials).mapped(ball).gamma, 1 / ball(c3)
         p, q, r = (c3 * x for x in self.normal.omega)
 
         def state(p: acb, q: acb, r: acb) -> Sequence[acb]:
@@ -105,4 +105,4 @@ class NKowalewski(OrbitPlacement):
             return p, q, r, *gamma(p, q, r)
 
         k = ball((B - C) / A) * over
-        return self._on(FlowOrbit((known.Q, known.R), k, (p, q, r), state))
+        return self._on(FlowOrbit((polynomials.Q, polynomials.R), k, (p, q, r), state))

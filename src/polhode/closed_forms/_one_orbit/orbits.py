@@ -22,7 +22,7 @@ from polhode.closed_forms.balls.core import TooFewBits, ball, root, square
 from polhode.closed_forms.balls.frames import Frame, Motion, StateAndTurning
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.balls.periodic_attitude import (
-    Equations,
+    BallEquations,
     PeriodicAttitude,
     PeriodicOrbit,
     Strip,
@@ -50,9 +50,9 @@ def orbit_family(name: str, placement: type[OrbitPlacement]) -> Family:
 
     def place(scene: PrincipalScene) -> OrbitPlacement | None:
         usual, unit = in_usual_units(scene)
-        for frame, seen in placement.views(usual):
+        for frame, permuted in placement.views(usual):
             with noted():  # what is decided of other axes does not matter
-                normal = placed_in(placement.conditions, seen)
+                normal = placed_in(placement.conditions, permuted)
             if normal is not None:
                 return placement(*normal, unit, frame)
         return None
@@ -127,10 +127,10 @@ class OrbitPlacement(Placement):
         self._strip = attitude.strip
         return attitude
 
-    def _equations(self) -> Equations | None:
+    def _equations(self) -> BallEquations | None:
         """The body's, at the precision in force."""
         moments, torque = ([ball(x) for x in v] for v in (self.normal.moments, self.normal.torque))
-        return Equations(moments, torque)
+        return BallEquations(moments, torque)
 
 
 # --- gamma ----------------------------------------------------------------------------------------
@@ -187,15 +187,15 @@ def gamma_of_omega(
 ) -> GammaOfOmega:
     """The polynomials, exact; the degree of R is not below that of Q, nor below 2."""
     A, B, C = moments
-    one = [-C * x / (2 * c) for x in R]
+    first = [-C * x / (2 * c) for x in R]
     for n, x in enumerate(Q):
-        one[n] = one[n] - B * x / (2 * c)
-    one[0], one[2] = one[0] + h / c, one[2] - A / (2 * c)
-    two = [-C * (B - C) * x / (2 * A * c) for x in slope(R)]
-    three = [B * (B - C) * x / (2 * A * c) for x in slope(Q)]
-    two[1] = two[1] + (A - B) / c
-    three[1] = three[1] + (A - C) / c
-    return GammaOfOmega(one, two, three, Q, R)
+        first[n] = first[n] - B * x / (2 * c)
+    first[0], first[2] = first[0] + h / c, first[2] - A / (2 * c)
+    second = [-C * (B - C) * x / (2 * A * c) for x in slope(R)]
+    third = [B * (B - C) * x / (2 * A * c) for x in slope(Q)]
+    second[1] = second[1] + (A - B) / c
+    third[1] = third[1] + (A - C) / c
+    return GammaOfOmega(first, second, third, Q, R)
 
 
 # --- orbits ---------------------------------------------------------------------------------------
@@ -286,18 +286,18 @@ class FlowOrbit(PeriodicOrbit):
     ) -> None:
         self._formula, self._pace = formula, 1 / abs(k)
         z0, (y0, w0) = ball(start[0]), (sign(x) for x in start[1:])
-        known = [zeros(polynomial) for polynomial in polynomials]
-        low, high = _ends(known, polynomials, z0, (y0, w0))
+        roots = [zeros(polynomial) for polynomial in polynomials]
+        low, high = _ends(roots, polynomials, z0, (y0, w0))
         self._low, self._wide = low.place, high.place - low.place
         self._ends = [(low.which == n, high.which == n) for n in (0, 1)]
         leads = [ball(polynomial[-1]) for polynomial in polynomials]
         self._factors = []
-        for row, lead in zip(known, leads, strict=True):
+        for row, lead in zip(roots, leads, strict=True):
             rest = [z for z in row if z is not low.zero and z is not high.zero]
             self._factors.append(_Factor(rest, lead, low.place, high.place))
-        one, other = self._factors
+        of_q, of_r = self._factors
         scale = self._pace * abs(leads[0] * leads[1]).rsqrt()
-        factors = Factors((*one.roots, *other.roots), (*one.pairs, *other.pairs), scale)
+        factors = Factors((*of_q.roots, *of_r.roots), (*of_q.pairs, *of_r.pairs), scale)
         self._clock = Oscillating(low.place, high.place, factors)
         sense = 1 if k > 0 else -1
         side = sense * y0 * w0 or 1  # of sin(x/2); cos(x/2) is not negative
@@ -317,8 +317,8 @@ class FlowOrbit(PeriodicOrbit):
     def pace(self, s: acb) -> acb:
         """dt/dx."""
         sine = (s / 2).sin()
-        one, other = (factor.root(sine * sine) for factor in self._factors)
-        return self._pace / (one * other)
+        of_q, of_r = (factor.root(sine * sine) for factor in self._factors)
+        return self._pace / (of_q * of_r)
 
     def _state(self, s: acb) -> Sequence[acb]:
         """p, q, r, gamma1, gamma2, gamma3."""
@@ -341,7 +341,7 @@ class _End(NamedTuple):
 
 
 def _ends(
-    known: Sequence[Sequence[acb]],
+    roots: Sequence[Sequence[acb]],
     polynomials: Sequence[Sequence[Exact]],
     z0: arb,
     sides: Sequence[int],
@@ -349,7 +349,7 @@ def _ends(
     """The zeros next to z0, below and above; z0 itself where its root is exactly 0 there."""
     below: list[_End] = []
     above: list[_End] = []
-    for which, row in enumerate(known):
+    for which, row in enumerate(roots):
         for zero in row:
             end = _End(zero.real, which, zero)
             if not zero.imag.is_zero():
@@ -371,9 +371,9 @@ def _ends(
 
 def _last(ends: Sequence[_End], side: int) -> _End:
     """The one that is proven to be farthest on a side."""
-    for one in ends:
-        if all(one is other or side * (one.place - other.place) > 0 for other in ends):
-            return one
+    for candidate in ends:
+        if all(candidate is rival or side * (candidate.place - rival.place) > 0 for rival in ends):
+            return candidate
     raise TooFewBits
 
 
@@ -382,16 +382,16 @@ def zeros(polynomial: Sequence[Exact]) -> list[acb]:
     bits = ctx.prec
     with ctx.workprec(2 * bits + 64):
         try:
-            found = acb_poly([ball(x) for x in polynomial]).roots(tol=arb(2) ** -(bits + _SPARE))
+            roots = acb_poly([ball(x) for x in polynomial]).roots(tol=arb(2) ** -(bits + _SPARE))
         except ValueError:
             raise TooFewBits from None
-    return [_real_or_not(z, found) for z in found]
+    return [_real_or_not(z, roots) for z in roots]
 
 
 def _real_or_not(z: acb, zeros: Sequence[acb]) -> acb:
     """The conjugate of a zero is one: where no other ball holds it, it is the zero itself."""
     if not z.imag.contains(0):
         return z
-    if sum(z.conjugate().overlaps(other) for other in zeros) > 1:
+    if sum(z.conjugate().overlaps(zero) for zero in zeros) > 1:
         raise TooFewBits
     return acb(z.real)

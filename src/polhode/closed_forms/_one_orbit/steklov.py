@@ -79,15 +79,15 @@ class Steklov(OrbitPlacement):
         x, c = coefficients(self.normal), self.normal.torque[0]
         sine, s = sign(A - B) > 0, sign(r)
         p2, q2 = -x["b0"] / x["b2"], x["b0"]
-        one, other = (sign(p) * (s if sine else -s), p * p / p2), (sign(q), q * q / q2)
+        first, second = (sign(p) * (s if sine else -s), p * p / p2), (sign(q), q * q / q2)
         if sine:
             r2, nu2 = x["c0"], c / (A - B)
             m, m1 = (A - B) / (A - C), (B - C) / (A - C)
         else:
-            one, other = other, one
+            first, second = second, first
             r2, nu2 = x["c0"] * (B - C) / (A - C), c * (B - C) / ((B - A) * (A - C))
             m, m1 = (B - A) / (B - C), (A - C) / (B - C)
-        squares = one[1], other[1], r * r / r2
+        squares = first[1], second[1], r * r / r2
         P, Q, R = root(p2) * (s if sine else -s), root(q2), s * root(r2)
         e, M, N, G = (ball(x[name]) for name in ("e", "M", "N", "G"))
 
@@ -95,4 +95,4 @@ class Steklov(OrbitPlacement):
             p, q, r = P * (sn if sine else cn), Q * (cn if sine else sn), R * dn
             return p, q, r, e + G * p * p, M * p * q, N * p * r
 
-        return self._on(EllipticTime(m, m1, (one[0], other[0]), squares, nu2).orbit(state))
+        return self._on(EllipticTime(m, m1, (first[0], second[0]), squares, nu2).orbit(state))

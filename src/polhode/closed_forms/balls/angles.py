@@ -73,7 +73,7 @@ def counted(
         raise Refused(_TOO_FAR)
     now, here = begin, _parameters(at(begin))
     total = (arb(0), arb(0))
-    found: list[Grown] = []
+    growths: list[Grown] = []
     steps, step = 0, abs(begin)
     for last in times:
         while now is not last:
@@ -89,21 +89,21 @@ def counted(
                     raise Refused(_TOO_FAR)
                 new = last if abs(last - now) <= reach else _moved(now, last, reach)
                 there = _parameters(at(new))
-                way = speed * abs(new - now) / 2
-                if not way > 0:  # the step is below the last bit of the time
+                arc = speed * abs(new - now) / 2
+                if not arc > 0:  # the step is below the last bit of the time
                     raise TooFewBits
-                ways = [way, way]
+                ways = [arc, arc]
                 if leaving is not None:
-                    two, one = (leaving.way(t, speed) for t in (new, now))
-                    ways[leaving.which] = way.min(two - one)
+                    far, near = (leaving.way(t, speed) for t in (new, now))
+                    ways[leaving.which] = arc.min(far - near)
                 if all(abs(a) + abs(b) > x for a, b, x in zip(here, there, ways, strict=True)):
                     break
                 reach = reach / 2
             grown = [(b / a).arg() for a, b in zip(here, there, strict=True)]
             total = total[0] + grown[0], total[1] + grown[1]
             step, now, here = abs(new - now).mid(), new, there
-        found.append(total)
-    return found
+        growths.append(total)
+    return growths
 
 
 def _moved(now: arb, last: arb, reach: arb) -> arb:
@@ -269,7 +269,7 @@ def _counts(motion: Turning, start: _Start, times: Sequence[Exact]) -> list[_Cou
     """The growth of both arguments at each time, where the motion does not tell it."""
     if motion.knows_turns:
         return [None] * len(times)
-    found: list[_Count | None] = [None] * len(times)
+    by_time: list[_Count | None] = [None] * len(times)
     for sense in (1, -1):
         order = [n for n, t in enumerate(times) if sign(t) == sense]
         order.sort(key=lambda n: abs(times[n]))
@@ -277,8 +277,8 @@ def _counts(motion: Turning, start: _Start, times: Sequence[Exact]) -> list[_Cou
         counts = _counted(motion, start, [times[some[0]] for some in alike], sense) if order else []
         for some, count in zip(alike, counts, strict=True):
             for n in some:
-                found[n] = count
-    return found
+                by_time[n] = count
+    return by_time
 
 
 def _counted(motion: Turning, start: _Start, times: Sequence[Exact], sense: int) -> list[_Count]:
@@ -313,11 +313,11 @@ def _growths(motion: Turning, start: _Start, times: Sequence[arb], sense: int) -
     slope = motion.slope_bound() if start.pole else None
     leaving = None if slope is None else Leaving(1 if start.pole > 0 else 0, slope)
     grown = counted(at, motion.speed_bound(), begin, [ends[k] for k in order], leaving)
-    known = dict(zip(order, grown, strict=True))
-    one, two = known.get(len(times), (arb(0), arb(0)))
+    by_index = dict(zip(order, grown, strict=True))
+    alpha, beta = by_index.get(len(times), (arb(0), arb(0)))
     return [
         _Count(
-            (known[k][0] + n * one, known[k][1] + n * two),
+            (by_index[k][0] + n * alpha, by_index[k][1] + n * beta),
             None if n else attitudes[id(ends[k])],
             ctx.prec,
         )
@@ -346,12 +346,12 @@ def _row(start: _Start, t: Exact, count: _Count | None, digits: int) -> list[mpf
             z = start.signed(count.attitude)
         else:
             z = start.parameters(moment)
-        one, two = start.motion.arguments_at(moment) if count is None else count.growth
-        if one is None or two is None:
+        alpha, beta = start.motion.arguments_at(moment) if count is None else count.growth
+        if alpha is None or beta is None:
             raise _AlwaysAPole
         args = [
             _branch(x, begin + more)
-            for x, begin, more in zip(z, start.arguments(sign(t)), (one, two), strict=True)
+            for x, begin, more in zip(z, start.arguments(sign(t)), (alpha, beta), strict=True)
         ]
         return [args[0] + args[1], _theta(z), args[0] - args[1]], [arb(1)] * 3
 

@@ -215,8 +215,8 @@ class InverseRoots:
         for first, slope in self._real:
             product *= first + slope * y
         value = acb(product.rsqrt())
-        for base, way in self._complex:
-            value *= (base + way * y).rsqrt()
+        for base, direction in self._complex:
+            value *= (base + direction * y).rsqrt()
         return value
 
     def moduli(self, y: arb) -> list[tuple[arb, arb]]:
@@ -254,9 +254,9 @@ def circle(factors: Sequence[Linear]) -> Pair:
     From each end to the middle: cos phi = 1 - x^2 and dphi = 2 dx/sqrt(2 - x^2), and mirrored.
     """
     root = Linear(acb(2), acb(1), acb(-1))
-    one, first = unit([*(factor.half for factor in factors), root])
-    two, second = unit([*(factor.reversed().half for factor in factors), root])
-    return 2 * (one + two), 2 * (one - first) - 2 * (two - second)
+    constant, first = unit([*(factor.half for factor in factors), root])
+    mirrored, second = unit([*(factor.reversed().half for factor in factors), root])
+    return 2 * (constant + mirrored), 2 * (constant - first) - 2 * (mirrored - second)
 
 
 # --- clocks ---------------------------------------------------------------------------------------
@@ -304,10 +304,10 @@ class Factors:
 
     def moduli(self, z: arb) -> list[tuple[arb, arb]]:
         """The moduli of z - root, each of a pair, with the slope 1; and that of the scale."""
-        found = [z - root if side > 0 else root - z for side, root in self.roots]
+        moduli = [z - root if side > 0 else root - z for side, root in self.roots]
         for middle, height in self.pairs:
-            found += [(square(z - middle) + height).sqrt()] * 2
-        return [(arb(1) / square(arb(self.scale)), arb(0)), *((x, arb(1)) for x in found)]
+            moduli += [(square(z - middle) + height).sqrt()] * 2
+        return [(arb(1) / square(arb(self.scale)), arb(0)), *((x, arb(1)) for x in moduli)]
 
 
 class Place(NamedTuple):
@@ -407,8 +407,8 @@ class Clock(Panels):
         """S, U, f and z at the panels' ends."""
         slopes = [self.slope(x) for x in (*self._starts, self.end)]
         rows = self.S, self.U, [f for f, _ in slopes], [z for _, z in slopes]
-        one, two, three, four = ([float(x.mid()) for x in row] for row in rows)
-        return one, two, three, four
+        row1, row2, row3, row4 = ([float(x.mid()) for x in row] for row in rows)
+        return row1, row2, row3, row4
 
     def _between(self, rest: float) -> tuple[float, float, arb]:
         """U, z and the phase at an S from 0 to that of ``end``, by Hermite's cubics in S."""
@@ -416,11 +416,11 @@ class Clock(Panels):
         n = min(max(0, bisect_right(S, rest) - 1), len(self._starts) - 1)
         width = S[n + 1] - S[n]
         t = (rest - S[n]) / width
-        one, two = t * (1 - t) ** 2 * width, t * t * (t - 1) * width
+        left, right = t * (1 - t) ** 2 * width, t * t * (t - 1) * width
         share = t * t * (3 - 2 * t)
-        u = U[n] + share * (U[n + 1] - U[n]) + one * z[n] + two * z[n + 1]
+        u = U[n] + share * (U[n + 1] - U[n]) + left * z[n] + right * z[n + 1]
         whole = float((self._ends[n] - self._starts[n]).mid())
-        x = share * whole + one / f[n] + two / f[n + 1]
+        x = share * whole + left / f[n] + right / f[n + 1]
         return u, z[n] + t * (z[n + 1] - z[n]), self._starts[n] + x
 
 
@@ -433,8 +433,8 @@ class Oscillating(Clock):
         self.low, self.width = low, high - low
         super().__init__(factors)
         fastest = arb(1)  # 1/f: each modulus is largest at an end
-        for (one, _), (other, _) in zip(factors.moduli(low), factors.moduli(high), strict=True):
-            fastest *= one.max(other).sqrt()
+        for (lower, _), (upper, _) in zip(factors.moduli(low), factors.moduli(high), strict=True):
+            fastest *= lower.max(upper).sqrt()
         self._fastest = fastest
 
     def variable(self, x: arb) -> arb:
@@ -479,8 +479,8 @@ class Oscillating(Clock):
             step = (miss / place.f).mid()
             if not rough and abs(step) < small:
                 wide = x + around(self._fastest * abs(miss)).real
-                found: arb = x - miss / self.slope(wide)[0]
-                return found
+                phase: arb = x - miss / self.slope(wide)[0]
+                return phase
             rough = rough and abs(step) > _ROUGH
             x = (x - step).mid()
         raise TooFewBits
@@ -541,8 +541,8 @@ class Tending(Clock):
         if not radius < 1.5:
             return arb.pos_inf()
         inner = square((x - radius).max(arb(0)).sinh()) + square(radius.cos())
-        way = radius.sinh() * (2 * x + radius).sinh()
-        return abs(self.width) * way / (inner * square(x.cosh()))
+        difference = radius.sinh() * (2 * x + radius).sinh()
+        return abs(self.width) * difference / (inner * square(x.cosh()))
 
     def at(self, x: arb, *, rough: bool = False) -> Place:
         """S, U, f and z; beyond the panels both grow evenly, but for a rest that is bounded."""

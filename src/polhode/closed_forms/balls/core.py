@@ -124,7 +124,7 @@ def sure_rows(
     only rises from one time to the next: times in order cost least.
     """
     cap = most or _MOST_BITS + 4 * digits
-    bits, known = min(int(3.33 * digits) + GUARD, cap), 0
+    bits, sure_digits = min(int(3.33 * digits) + GUARD, cap), 0
     rows: list[Sequence[arb]] = []
     sizes: Sequence[arb] | None = None
     while True:
@@ -146,9 +146,9 @@ def sure_rows(
             except TooFewBits:
                 lost = math.inf
         if lost < math.inf:
-            known = max(known, math.floor(digits - lost * math.log10(2)))
+            sure_digits = max(sure_digits, math.floor(digits - lost * math.log10(2)))
         if bits >= cap:
-            raise Refused(f"{bits} bits give {known} of {digits} digits")
+            raise Refused(f"{bits} bits give {sure_digits} of {digits} digits")
         bits = min(cap, 2 * bits if lost == math.inf else bits + int(min(lost, 3 * bits)) + _SLACK)
 
 

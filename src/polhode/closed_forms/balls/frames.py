@@ -123,8 +123,8 @@ class Frame:
         if self._within is not None or any(x != 1 for x in self._lengths):
             return None
         columns = list(zip(*self._directions, strict=True))
-        found = [[(i, int(x)) for i, x in enumerate(c) if x in (1, -1)] for c in columns]
-        return [one for (one,) in found] if all(len(one) == 1 for one in found) else None
+        units = [[(i, int(x)) for i, x in enumerate(c) if x in (1, -1)] for c in columns]
+        return [row for (row,) in units] if all(len(row) == 1 for row in units) else None
 
     def _made(self) -> list[list[arb]]:
         """The matrix that takes components back, at the precision in force."""

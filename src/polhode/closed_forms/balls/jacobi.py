@@ -72,11 +72,11 @@ class ThetaSeries:
         first, second = ((2 * n + 1) * weight(n, least, most) for n in (count, count + 1))
         if not 2 * second < first:  # the ratios fall from one to the next
             raise TooFewBits
-        found = [weight(n, self._s, y) for n in range(count)]
+        weights = [weight(n, self._s, y) for n in range(count)]
         if not odd:
-            found[0] = arb(1)
-        found[0] += arb(0, (2 * first).abs_upper())
-        return found
+            weights[0] = arb(1)
+        weights[0] += arb(0, (2 * first).abs_upper())
+        return weights
 
 
 def _alternating(weights: Sequence[arb]) -> list[arb]:

@@ -107,18 +107,18 @@ def _present(g: Vector) -> tuple[bool, bool]:
     return tilted or side > 0, tilted or side < 0
 
 
-def _grown(one: acb | None, other: acb | None, sense: int, x: arb) -> arb | None:
+def _grown(cosine: acb | None, sine: acb | None, sense: int, x: arb) -> arb | None:
     """The growth of the argument of one cos x + other sin x from 0; None where it is always 0."""
-    if one is None and other is None:
+    if cosine is None and sine is None:
         return None
-    if sense and one is not None:
+    if sense and cosine is not None:
         n = nearest_integer(x / arb.pi())
         rest = x - n * arb.pi()
-        z = one if other is None else one * rest.cos() + other * rest.sin()
-        return sense * n * arb.pi() + (z / one).arg()
-    if one is None:
+        z = cosine if sine is None else cosine * rest.cos() + sine * rest.sin()
+        return sense * n * arb.pi() + (z / cosine).arg()
+    if cosine is None:
         return _whole(abs(x) / arb.pi()) * arb.pi()
-    beta = arb(0) if other is None else (other / one).real.atan()
+    beta = arb(0) if sine is None else (sine / cosine).real.atan()
     return abs(_whole((x - beta) / arb.pi() + arb(1) / 2)) * arb.pi()
 
 

@@ -118,7 +118,7 @@ class PeriodicOrbit:
 
 
 @dataclass(frozen=True)
-class Equations:
+class BallEquations:
     """Euler's and Poisson's equations of a body, I w' + w x I w = g x T, g' = g x w."""
 
     moments: Sequence[Scalar]
@@ -172,7 +172,7 @@ class PeriodicAttitude:
         orbit: PeriodicOrbit,
         size: arb,
         speed: arb,
-        equations: Equations | None,
+        equations: BallEquations | None,
         strip: Strip | None = None,
     ) -> None:
         self._orbit, self._size, self._equations = orbit, size, equations
@@ -301,11 +301,11 @@ class PeriodicAttitude:
         count = max(4, math.ceil(1 / eta))
         width = length / (2 * count)
         boxes = [(width * (2 * k + 1), high / 2, width, high / 2) for k in range(count)]
-        worst, asked = 0.0, 0
+        worst, box_count = 0.0, 0
         while boxes:
             x, y, dx, dy = boxes.pop()
-            asked += 1
-            if asked > _MOST_BOXES:
+            box_count += 1
+            if box_count > _MOST_BOXES:
                 return None
             middle = acb(x, y)
             state = self._orbit.state(middle)
@@ -346,9 +346,9 @@ class PeriodicAttitude:
         along = dot(self._axis, g)
         flat = [x - along * y for x, y in zip(self._axis, g, strict=True)]
         size = dot(flat, flat).sqrt()
-        one = [x / size for x in flat]
+        unit = [x / size for x in flat]
         sin, cos = (self._azimuth(s) / 2).sin_cos()
-        return quaternion_product((cos, arb(0), arb(0), sin), of_matrix([one, cross(g, one), g]))
+        return quaternion_product((cos, arb(0), arb(0), sin), of_matrix([unit, cross(g, unit), g]))
 
     def _within(self, t: arb) -> Turn:
         """The attitude at 0 <= t <= T from s = 0 on, up to a turn about the vertical."""

@@ -69,13 +69,13 @@ class Lattice:
         """x and y, real, of z = x + tau y."""
         t11, t12, t22 = self.tau
         det = t11.imag * t22.imag - t12.imag * t12.imag
-        one = (t22.imag * z[0].imag - t12.imag * z[1].imag) / det
-        two = (t11.imag * z[1].imag - t12.imag * z[0].imag) / det
+        y1 = (t22.imag * z[0].imag - t12.imag * z[1].imag) / det
+        y2 = (t11.imag * z[1].imag - t12.imag * z[0].imag) / det
         x = (
-            z[0].real - t11.real * one - t12.real * two,
-            z[1].real - t12.real * one - t22.real * two,
+            z[0].real - t11.real * y1 - t12.real * y2,
+            z[1].real - t12.real * y1 - t22.real * y2,
         )
-        return x, (one, two)
+        return x, (y1, y2)
 
     def times(self, k: Sequence[int]) -> Pair:
         """tau k."""
@@ -102,7 +102,7 @@ class Jets:
 
     def along(self, v: Pair) -> list[Pair]:
         """Values and derivatives along a direction, over exp(log)."""
-        return [(value, one * v[0] + two * v[1]) for value, one, two in self.values]
+        return [(value, d1 * v[0] + d2 * v[1]) for value, d1, d2 in self.values]
 
 
 class Theta2:
@@ -139,7 +139,7 @@ class Theta2:
         tables = {}
         for a1, a2 in {(c[0], c[1]) for c in self._wanted}:
             columns = [n for half in self._ranges[1][a2] for n in half]
-            one, other = (
+            even, odd = (
                 acb_mat(
                     [
                         [squares[0][abs(m)] * squares[1][abs(n)] * crossed[m * n] for n in columns]
@@ -148,7 +148,7 @@ class Theta2:
                 )
                 for rows in self._ranges[0][a1]
             )
-            tables[a1, a2] = one, other
+            tables[a1, a2] = even, odd
         return tables
 
     def at(self, z: Pair) -> Jets:
@@ -172,13 +172,13 @@ class Theta2:
             even, odd = parts[a1, a2]
             side = -1 if (a1 * l[0] + a2 * l[1] + b1 * k[0] + b2 * k[1]) % 2 else 1
             turns = (a1 * b1 + a2 * b2) % 4
-            value, one, two = (
-                _turned(side * _mixed(even, odd, (b1, b2), i, j), turns)
+            value, d1, d2 = (
+                _rotated(side * _mixed(even, odd, (b1, b2), i, j), turns)
                 for i, j in ((0, 0), (1, 0), (0, 1))
             )
             value += self._errors[0]
-            one, two = i_pi * one + self._errors[1], i_pi * two + self._errors[2]
-            values.append((value, one + shift[0] * value, two + shift[1] * value))
+            d1, d2 = i_pi * d1 + self._errors[1], i_pi * d2 + self._errors[2]
+            values.append((value, d1 + shift[0] * value, d2 + shift[1] * value))
         log = -i_pi * (k[0] * (along[0] + 2 * rest[0]) + k[1] * (along[1] + 2 * rest[1]))
         return Jets(values, log)
 
@@ -223,8 +223,8 @@ class Theta2:
             slopes[0] * wholes[1] + tails[1] * steep[0],
             slopes[1] * wholes[0] + tails[0] * steep[1],
         )
-        value, one, two = (around(lift * x) for x in radii)
-        return value, one, two
+        value, d1, d2 = (around(lift * x) for x in radii)
+        return value, d1, d2
 
 
 def _halves(size: int, a: int) -> tuple[list[int], list[int]]:
@@ -252,12 +252,12 @@ def _powers(base: acb, most: int) -> dict[int, acb]:
 
 def _mixed(even: acb_mat, odd: acb_mat, b: tuple[int, int], i: int, j: int) -> acb:
     """The sum with the signs (-1)^(n.b); rows i and columns j are derivatives where they are 1."""
-    one = even[i, j] + (-even[i, j + 2] if b[1] else even[i, j + 2])
-    two = odd[i, j] + (-odd[i, j + 2] if b[1] else odd[i, j + 2])
-    return one - two if b[0] else one + two
+    first = even[i, j] + (-even[i, j + 2] if b[1] else even[i, j + 2])
+    second = odd[i, j] + (-odd[i, j + 2] if b[1] else odd[i, j + 2])
+    return first - second if b[0] else first + second
 
 
-def _turned(x: acb, turns: int) -> acb:
+def _rotated(x: acb, turns: int) -> acb:
     """i^turns x."""
     if turns % 2:
         x = acb(-x.imag, x.real)

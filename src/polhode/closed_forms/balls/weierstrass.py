@@ -36,20 +36,20 @@ class RealLattice:
             self.period, across = arb.pi() / a.agm(b), arb.pi() / a.agm(c)
             self._tau = acb(0, across / self.period)
         else:
-            one, other = (x0 - x1).sqrt(), (x1 - x0).sqrt()
-            self.period, across = (arb.pi() / z.real.agm(abs(z)) for z in (one, other))
+            first, mirrored = (x0 - x1).sqrt(), (x1 - x0).sqrt()
+            self.period, across = (arb.pi() / z.real.agm(abs(z)) for z in (first, mirrored))
             self._tau = acb(0.5, across / (2 * self.period))
-        one, two = acb(self.period) / 2, self._tau * self.period / 2
-        both = one + two
+        first, second = acb(self.period) / 2, self._tau * self.period / 2
+        both = first + second
         #: The growth of zeta over the period.
-        self.eta = 2 * self.zeta(one)
+        self.eta = 2 * self.zeta(first)
         if x1.imag.is_zero():
-            self.halves = one, both, two
+            self.halves = first, both, second
             return
-        height = self.P(two).imag * x1.imag
+        height = self.P(second).imag * x1.imag
         if not (height > 0 or height < 0):
             raise TooFewBits
-        self.halves = (one, two, both) if height > 0 else (one, both, two)
+        self.halves = (first, second, both) if height > 0 else (first, both, second)
 
     def P(self, v: acb) -> acb:  # noqa: N802
         """P(v)."""
@@ -80,8 +80,8 @@ class RealLattice:
         else:
             # P(v + half) = x_i + (x_i - x_j)(x_i - x_k)/(P(v) - x_i)
             i, j, k = (0, 1, 2) if above == 1 else (2, 0, 1)
-            one, two, over = roots[i] - roots[j], roots[i] - roots[k], 1 / gaps[i]
-            gaps = [one * two * over, one * gaps[k] * over, two * gaps[j] * over]
+            first, second, over = roots[i] - roots[j], roots[i] - roots[k], 1 / gaps[i]
+            gaps = [first * second * over, first * gaps[k] * over, second * gaps[j] * over]
             start = self.halves[i]
         if above % 2 == 0:
             return start + acb.elliptic_rf(*gaps)
@@ -200,8 +200,8 @@ class Weierstrass:
     def _three_real_roots(self, g3: arb, disc: arb) -> None:
         """Gaps of the roots by sines: no differences."""
         size, third = (self.g2 / 3).sqrt(), (disc / 27).sqrt()
-        angle, other = arb.atan2(third, g3) / 3, arb.atan2(third, -g3) / 3
-        lower, upper = angle.sin(), other.sin()
+        angle, mirrored = arb.atan2(third, g3) / 3, arb.atan2(third, -g3) / 3
+        lower, upper = angle.sin(), mirrored.sin()
         width = arb(3).sqrt() * size * (lower + upper)
         self.base = size * (angle + 2 * arb.pi() / 3).cos()
         self.size, self.rate = width, width.sqrt()

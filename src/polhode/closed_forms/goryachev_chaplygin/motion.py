@@ -29,7 +29,12 @@ from polhode.closed_forms.goryachev_chaplygin.place import (
     Regime,
     Start,
 )
-from polhode.closed_forms.goryachev_chaplygin.separated import Point, Separated, positive, sines
+from polhode.closed_forms.goryachev_chaplygin.separated import (
+    Separated,
+    SeparatedPoint,
+    positive,
+    sines,
+)
 from polhode.numbers.exact import Exact
 from polhode.numbers.vectors import is_zero
 
@@ -48,16 +53,16 @@ class GoryachevState:
 
     def at(self, t: arb) -> Sequence[arb]:
         """p, q, r, g1, g2, g3."""
-        point: Point = self.path.at(t)
+        point: SeparatedPoint = self.path.at(t)
         (sx, cx), (se, ce) = point.xi, point.et
-        one, two, both = point.shares
+        u_share, v_share, both = point.shares
         half = self._side * point.root / 2
         return [
             half * (se * cx - ce * sx),
             half * (cx * ce + sx * se),
             point.u - point.v,
-            one * (square(sx) - square(cx)) + two * (square(se) - square(ce)),
-            2 * (two * se * ce - one * sx * cx),
+            u_share * (square(sx) - square(cx)) + v_share * (square(se) - square(ce)),
+            2 * (v_share * se * ce - u_share * sx * cx),
             2 * self._side * both * (sx * ce + cx * se),
         ]
 
@@ -148,7 +153,7 @@ class Libration(Swinging):
         self._l, self._across = ((fu - fv) / 2).sin() / mean, (fu.sin() * fv.sin()).sqrt() / mean
         self._begin(fu, fv)
 
-    def at(self, t: arb) -> Point:
+    def at(self, t: arb) -> SeparatedPoint:
         """The point at a time."""
         m, m1, l, across = self._m, self._m1, self._l, self._across
         sn, cn, dn = self._functions(t)
@@ -160,13 +165,13 @@ class Libration(Swinging):
         su, cu, sv, cv = _sums(SF, CF, SP, CP)
         Du, Dv = self._depth(cu).sqrt(), self._depth(cv).sqrt()
         size = 2 * (self._a * m * m1).sqrt()
-        one, two, both = (CP + l * CF) / Du, (CP - l * CF) / Dv, across / (Du * Dv).sqrt()
-        total = one + two
-        return Point(
+        u_part, v_part, both = (CP + l * CF) / Du, (CP - l * CF) / Dv, across / (Du * Dv).sqrt()
+        total = u_part + v_part
+        return SeparatedPoint(
             size * su / Du,
             size * sv / Dv,
             size * SF * both,
-            (one / total, two / total, both / total),
+            (u_part / total, v_part / total, both / total),
             (m.sqrt() * cu / Du, m1.sqrt() / Du),
             (m.sqrt() * cv / Dv, m1.sqrt() / Dv),
         )
@@ -192,7 +197,7 @@ class Rotation(Swinging):
         self._sin, self._cos = ((fu - fv) / 2).sin_cos()
         self._begin(fu, fv)
 
-    def at(self, t: arb) -> Point:
+    def at(self, t: arb) -> SeparatedPoint:
         """The point at a time."""
         m, m1, SP, CP = self._m, self._m1, self._sin, self._cos
         sn, cn, dn = self._functions(t)
@@ -212,11 +217,11 @@ class Separatrix:
     def __init__(self, start: Start) -> None:
         self._a, self._rate = ball(start.a), root(start.a) / 2
         # cos^2(xi/2) = u^2/4a, and -tan(xi/2) is sinh of y0 + b0; with v, of y0 - b0
-        one, other = (-2 * self._a * sin / (z * z) for z, sin in sines(start))
-        self._y0 = (one.asinh() + other.asinh()) / 2
-        self._apart = (one - other) / 2
+        first, second = (-2 * self._a * sin / (z * z) for z, sin in sines(start))
+        self._y0 = (first.asinh() + second.asinh()) / 2
+        self._apart = (first - second) / 2
 
-    def at(self, t: arb) -> Point:
+    def at(self, t: arb) -> SeparatedPoint:
         """The point at a time: sinh b = apart/cosh y."""
         sinh, cosh = (self._y0 + self._rate * t).sinh_cosh()
         sb = self._apart / cosh

@@ -39,7 +39,7 @@ _HALVINGS = 80
 _NEAR, _ROUGH = 1e-12, 1e-8  # steps that end the rough searches, over the size
 
 
-class Point(NamedTuple):
+class SeparatedPoint(NamedTuple):
     """Everything that the state is made of, at one time; u, v and root may be negative together."""
 
     u: arb
@@ -50,10 +50,10 @@ class Point(NamedTuple):
     et: tuple[arb, arb]
 
 
-def positive(u: arb, v: arb, xi: tuple[arb, arb], et: tuple[arb, arb]) -> Point:
+def positive(u: arb, v: arb, xi: tuple[arb, arb], et: tuple[arb, arb]) -> SeparatedPoint:
     """A point with u, v > 0."""
     root, total = (u * v).sqrt(), u + v
-    return Point(u, v, root, (u / total, v / total, root / total), xi, et)
+    return SeparatedPoint(u, v, root, (u / total, v / total, root / total), xi, et)
 
 
 @dataclass(frozen=True)
@@ -74,13 +74,13 @@ def cubic_roots(c: Exact, G: Exact, discriminant: Exact) -> CubicRoots:
         size, angle = 2 * (ball(c) / 3).sqrt(), arb.atan2(twice, area) / 3
         low, high, top = (size * x.sin() for x in (angle, third - angle, third + angle))
         return CubicRoots(top, low, low if kind == 0 else high)
-    one = (twice + area).root(3)
-    other = ball(c) / (3 * one)
+    u = (twice + area).root(3)
+    v = ball(c) / (3 * u)
     if sign(c) > 0:
-        top = one + other
-        gap = 2 * area / (one * one + one * other + other * other)
+        top = u + v
+        gap = 2 * area / (u * u + u * v + v * v)
     else:
-        top, gap = 2 * twice / (one * one - one * other + other * other), one - other
+        top, gap = (2 * twice / (u * u - u * v + v * v), u - v)
     return CubicRoots(top, arb.nan(), arb.nan(), [(top / 2, 3 * gap * gap / 4)])
 
 
@@ -115,10 +115,10 @@ def _between(
     clock, root = Oscillating(low, high, both), (high - low).sqrt()
 
     def shares(x: arb) -> tuple[arb, arb]:
-        found = [arb(1), arb(1)]
+        products = [arb(1), arb(1)]
         for inside, share in zip(ends, (x / 2).sin_cos(), strict=True):
-            found[0 if inside else 1] *= root * share
-        return found[0], found[1]
+            products[0 if inside else 1] *= root * share
+        return products[0], products[1]
 
     return Variable(clock, shares, sine, cosine)
 
@@ -140,14 +140,14 @@ class Separated:
     def __init__(self, start: Start, regime: Regime) -> None:
         a, H, G = start.a, start.H, start.G
         plus, minus = discriminants(start)
-        one = cubic_roots(H + 2 * a, G, plus)
-        other = cubic_roots(H - 2 * a, G, minus)
+        of_plus = cubic_roots(H + 2 * a, G, plus)
+        of_minus = cubic_roots(H - 2 * a, G, minus)
         self._a = ball(a)
-        sine = Factors(((1, -one.low), (1, -one.high)))
-        real = () if other.pairs else ((1, -other.low), (1, -other.high))
-        cosine = Factors(real, [(-middle, height) for middle, height in other.pairs])
-        self._u = _between(other.positive, one.positive, sine, cosine, (False, True))
-        self._v = _second(regime, one, other, self._a)
+        sine = Factors(((1, -of_plus.low), (1, -of_plus.high)))
+        real = () if of_minus.pairs else ((1, -of_minus.low), (1, -of_minus.high))
+        cosine = Factors(real, [(-middle, height) for middle, height in of_minus.pairs])
+        self._u = _between(of_minus.positive, of_plus.positive, sine, cosine, (False, True))
+        self._v = _second(regime, of_plus, of_minus, self._a)
         first, second = (
             variable.clock.at(_phase(variable.clock, z, 2 * self._a * z * sin))
             for variable, (z, sin) in zip((self._u, self._v), sines(start), strict=True)
@@ -171,7 +171,7 @@ class Separated:
             return None
         return 4 * (u.U[-1] + v.z * u.S[-1])
 
-    def at(self, t: arb) -> Point:
+    def at(self, t: arb) -> SeparatedPoint:
         """The point at a time."""
         x, y = self._phases(t)
         u, xi = self._u.halves(x, self._a)
@@ -182,15 +182,15 @@ class Separated:
         """The phases of u and v at a time."""
         c, now = self._constants[0], self._constants[1] + t
         x, y = self._guess(c, now)
-        one, other = self._u.clock, self._v.clock
+        u_clock, v_clock = self._u.clock, self._v.clock
         small, rough = arb(2) ** -(ctx.prec // 2), True
         for _ in range(_STEPS):
-            first, second = one.at(x, rough=rough), other.at(y, rough=rough)
+            first, second = u_clock.at(x, rough=rough), v_clock.at(y, rough=rough)
             miss, late = first.S - second.S - c, first.U + second.U - now
             dx, dy = _step(first, second, miss, late)
             (along, size), (across, other_size) = (
                 _moved(clock, z, place.f, step)
-                for clock, z, place, step in ((one, x, first, dx), (other, y, second, dy))
+                for clock, z, place, step in ((u_clock, x, first, dx), (v_clock, y, second, dy))
             )
             size = max(size, other_size)
             if not size.is_finite():
@@ -216,24 +216,24 @@ class Separated:
         ]
         wide = [Place(point.S, point.U, f, z) for point, (f, z) in zip(points, slopes, strict=True)]
         moved = _step(wide[0], wide[1], *misses)
-        found = [x - step for x, step in zip(place, moved, strict=True)]
-        for box, x in zip(boxes, found, strict=True):
+        phases = [x - step for x, step in zip(place, moved, strict=True)]
+        for box, x in zip(boxes, phases, strict=True):
             if not (x.is_finite() and box.contains_interior(x)):
                 raise TooFewBits
-        return found[0], found[1]
+        return phases[0], phases[1]
 
     def _guess(self, c: arb, now: arb) -> tuple[arb, arb]:
         """The phases by doubles, from tables of both variables."""
         clocks = self._u.clock, self._v.clock
         sigma = (now / (clocks[0].mean + clocks[1].mean)).mid()
         parts = clocks[0].split(sigma), clocks[1].split((sigma - c).mid())
-        wanted = float((now - parts[0].U - parts[1].U).mid())
+        target = float((now - parts[0].U - parts[1].U).mid())
 
         def at(moved: float) -> tuple[float, float, tuple[arb, arb]]:
             (u, z, x), (v, w, y) = (
                 clock.near(part.rest + moved) for clock, part in zip(clocks, parts, strict=True)
             )
-            return u + v - wanted, z + w, (parts[0].phase + x, parts[1].phase + y)
+            return u + v - target, z + w, (parts[0].phase + x, parts[1].phase + y)
 
         high = float((1 / self._a).mid())
         while at(high)[0] < 0 < high or at(-high)[0] > 0:
@@ -264,10 +264,10 @@ def _moved(clock: Clock, x: arb, f: arb, step: arb) -> tuple[arb, arb]:
     return part.phase + rest, size if part.phase.is_zero() else size.max(arb(1))
 
 
-def _step(one: Place, other: Place, miss: arb, late: arb) -> tuple[arb, arb]:
+def _step(u: Place, v: Place, miss: arb, late: arb) -> tuple[arb, arb]:
     """Newton's step of both phases: the inverse of [[f, -g], [z f, w g]] on what is missed."""
-    f, g = one.f, other.f
-    zf, wg = one.z * f, other.z * g
+    f, g = u.f, v.f
+    zf, wg = u.z * f, v.z * g
     across = f * wg + g * zf
     return (wg * miss + g * late) / across, (f * late - zf * miss) / across
 
@@ -283,16 +283,16 @@ def sines(start: Start) -> tuple[tuple[arb, arb], tuple[arb, arb]]:
     return (u, across / u - level), (v, across / v + level)
 
 
-def _second(regime: Regime, one: CubicRoots, other: CubicRoots, a: arb) -> Variable:
+def _second(regime: Regime, of_plus: CubicRoots, of_minus: CubicRoots, a: arb) -> Variable:
     """v of a kind of motion, from the roots of P+ and P-."""
-    v1, v2, w1, w2 = one.low, one.high, other.low, other.high
-    plus, minus = (1, -one.positive), (1, -other.positive)
+    v1, v2, w1, w2 = of_plus.low, of_plus.high, of_minus.low, of_minus.high
+    plus, minus = (1, -of_plus.positive), (1, -of_minus.positive)
     if regime == Regime.CONSTANT_ZERO:
         return _standing(v1, a, sine=False)
     if regime == Regime.CONSTANT_PI:
         return _standing(w1, a, sine=True)
     if regime == Regime.GENERIC_WHOLE:
-        return _between(v1, v2, Factors((plus,)), Factors((minus,), other.pairs), (True, True))
+        return _between(v1, v2, Factors((plus,)), Factors((minus,), of_minus.pairs), (True, True))
     if regime == Regime.GENERIC_LOW:
         return _between(
             v1, w1, Factors(((-1, v2), plus)), Factors(((-1, w2), minus)), (True, False)
@@ -306,8 +306,8 @@ def _second(regime: Regime, one: CubicRoots, other: CubicRoots, a: arb) -> Varia
 
 def _standing(z: arb, a: arb, *, sine: bool) -> Variable:
     """Of v constant, where the sine or the cosine of et/2 is 1."""
-    nothing, one = Factors(()), (4 * a * z).sqrt()
-    halves = (one, arb(0)) if sine else (arb(0), one)
+    nothing, root = Factors(()), (4 * a * z).sqrt()
+    halves = (root, arb(0)) if sine else (arb(0), root)
     return Variable(Standing(z), lambda _: halves, nothing, nothing)
 
 

@@ -31,7 +31,7 @@ from polhode.closed_forms.hess.period_map import PeriodMap
 from polhode.closed_forms.hess.place import HessPlacement, Regime, cone
 from polhode.closed_forms.lagrange.motion import Nutating, Parameters, Steady, own_start
 from polhode.closed_forms.lagrange.place import Constants
-from polhode.closed_forms.pendulum import Numbers, Swing, axis_of
+from polhode.closed_forms.pendulum import Swing, SwingNumbers, axis_of
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.vectors import Vector, quaternion_product
 
@@ -54,7 +54,7 @@ class HessMotion(Motion):
         self.sphere: Swing | Steady | Nutating
         self.spin: Spin
         exact = place.sphere
-        if isinstance(exact, Numbers):
+        if isinstance(exact, SwingNumbers):
             n = axis_of((ZERO, ZERO, place.weight), place.omega, place.gamma)
             self.sphere = swing = Swing(exact, n, [ball(x) for x in place.gamma])
             self.spin = PlaneSpin(swing, n, self._a12)
@@ -141,10 +141,10 @@ class PlaneSpin:
         """A positive multiple of y."""
         grown = self._a12 * self._swing.swung(t)
         if grown.mid() > 0:
-            one, two = arb(1), (-2 * grown).exp()
+            growing, decaying = arb(1), (-2 * grown).exp()
         else:
-            one, two = (2 * grown).exp(), arb(1)
-        return self._unit * acb(one * self._unit.real, -two * self._unit.imag)
+            growing, decaying = (2 * grown).exp(), arb(1)
+        return self._unit * acb(growing * self._unit.real, -decaying * self._unit.imag)
 
 
 class ConeSpin:
@@ -166,5 +166,5 @@ class ConeSpin:
             s, c = (self.rate * t).tanh() / self.rate, arb(1)
         else:
             s, c = t, arb(1)
-        turned = acb(0, self._om / 2)
-        return (turned * t).exp() * (c + s * (self._pull - turned))
+        rate = acb(0, self._om / 2)
+        return (rate * t).exp() * (c + s * (self._pull - rate))

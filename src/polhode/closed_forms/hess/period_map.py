@@ -131,13 +131,13 @@ class PeriodMap:
         """U and V, from 1 and 0 at the centre, but for their tails; half a step is the unit."""
         z, g, u0 = self._start(centre)
         p, q, g1, g2, u = [z.real], [z.imag], [g.real], [g.imag], [u0]
-        w, other, U, V = [z], [z.conjugate()], [acb(1)], [acb(0)]
+        w, conjugate, U, V = [z], [z.conjugate()], [acb(1)], [acb(0)]
         for k in range(self._terms - 1):
             share = self._half / (k + 1)
             x, y = p[::-1], q[::-1]
-            turned = share * self._pull * _I * _product(V, w[::-1])
-            V.append(share * self._pull * -_I * _product(U, other[::-1]))
-            U.append(turned)
+            term = share * self._pull * _I * _product(V, w[::-1])
+            V.append(share * self._pull * -_I * _product(U, conjugate[::-1]))
+            U.append(term)
             p.append(share * self._P * g2[k])
             q.append(-share * self._P * g1[k])
             lift = share * (_product(g1, y) - _product(g2, x))
@@ -145,7 +145,7 @@ class PeriodMap:
             g2.append(share * _product(u, x))
             u.append(lift)
             w.append(acb(p[-1], q[-1]))
-            other.append(acb(p[-1], -q[-1]))
+            conjugate.append(acb(p[-1], -q[-1]))
         return acb_poly(U), acb_poly(V)
 
 

@@ -50,7 +50,7 @@ class Regime(StrEnum):
 
 
 #: The exact numbers of the sphere's motion.
-Sphere: TypeAlias = pendulum.Numbers | Constants
+Sphere: TypeAlias = pendulum.SwingNumbers | Constants
 
 _HELD = ("r0 at right angles to the middle axis", "(B/C - 1) T1^2 = (1 - B/A) T3^2", "Iw.r0 = 0")
 
@@ -100,8 +100,8 @@ def place(scene: PrincipalScene) -> HessPlacement | None:
     if normal is None:
         return None
     order, (moments, torque) = normal[0].order, (scene.moments, scene.torque)
-    one, two, three = (-ONE if n == order[1] else ZERO for n in range(3))
-    e3: Vector = (one, two, three)
+    x, y, z = (-ONE if n == order[1] else ZERO for n in range(3))
+    e3: Vector = (x, y, z)
     e2, square = cross(e3, torque), dot(torque, torque)
     frame = Frame((e2, e3, torque), (square, ONE, square))
     assert scene.gamma is not None
@@ -132,7 +132,7 @@ def place(scene: PrincipalScene) -> HessPlacement | None:
 
 def regime(sphere: Sphere, a12: Exact) -> Regime:
     """The kind of motion, decided by exact arithmetic."""
-    if isinstance(sphere, pendulum.Numbers):
+    if isinstance(sphere, pendulum.SwingNumbers):
         if sphere.librates:
             return Regime.LIBRATION
         return Regime.ROTATION if sign(sphere.kc2) else Regime.SEPARATRIX

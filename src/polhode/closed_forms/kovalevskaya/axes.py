@@ -21,7 +21,7 @@ from flint import arb
 
 from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Frame
-from polhode.closed_forms.balls.periodic_attitude import Equations
+from polhode.closed_forms.balls.periodic_attitude import BallEquations
 from polhode.closed_forms.membership import PrincipalScene, log2
 from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
@@ -97,7 +97,7 @@ class State(NamedTuple):
 
 
 #: In the top's axes and units.
-EQUATIONS = Equations((arb(2), arb(2), arb(1)), (arb(1), arb(0), arb(0)))
+EQUATIONS = BallEquations((arb(2), arb(2), arb(1)), (arb(1), arb(0), arb(0)))
 
 
 @dataclass(frozen=True)
@@ -183,7 +183,7 @@ def top_start(scene: PrincipalScene) -> tuple[Frame, KovalevskayaStart] | None:
 # The line y = mu s + nu through (s1, y1) and (s2, y2) meets this curve once more, in (third, -y).
 
 
-class Line(NamedTuple):
+class StateLine(NamedTuple):
     """The line of a state: y = mu s + nu, and where it meets the curve once more."""
 
     mu: Scalar
@@ -208,13 +208,13 @@ class Node(NamedTuple):
         """e1 + e2 + k."""
         return -2 * self.half - self.K
 
-    def line(self, state: State) -> Line:
+    def line(self, state: State) -> StateLine:
         """The line, where q is not 0 and no s is K."""
         K, A, (B, C) = self.K, state.q * state.q, state.halves()
         T1, N1 = state.rates()
         # w_i = T' s_i - N' = (s_i - K) y_i, modulo s^2 - T s + N
         mu = (N1 - T1 * K) * A / (A * K * K + B * K + C)
-        return Line(mu, T1 + mu * (B / A + K), self.total - mu * mu / 2 + B / A)
+        return StateLine(mu, T1 + mu * (B / A + K), self.total - mu * mu / 2 + B / A)
 
 
 def node_of(start: KovalevskayaStart) -> Node:

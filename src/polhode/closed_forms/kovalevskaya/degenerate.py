@@ -154,10 +154,10 @@ class DegenerateState:
         T = self._node.total - mu * mu / 2 - third
         N = self._node.product - K * (e[0] + e[1]) + mu * nu - T * third
         T1, N1 = mu * (T - K) + nu, mu * N + K * nu
-        one, two, last = self._constants
+        c1, c2, last = self._constants
         P = [
-            one * (mu * e[0] + nu) / roots[1],
-            two * (mu * e[1] + nu) / roots[2],
+            c1 * (mu * e[0] + nu) / roots[1],
+            c2 * (mu * e[1] + nu) / roots[2],
             last / ((1 - ro) * down),
         ]
         values, slopes = [], []
@@ -189,14 +189,14 @@ def _after(row: Sequence[arb], t: arb) -> list[arb]:
     count = ctx.prec // _WIDER + 1
     for k in range(count):
         p, q, r = (x[::-1] for x in series[:3])
-        one, two, three = series[3:]
+        G1, G2, G3 = series[3:]
         rates = (
             _product(series[1], r) / 2,
-            (three[k] - _product(series[0], r)) / 2,
-            -two[k],
-            _product(two, r) - _product(three, q),
-            _product(three, p) - _product(one, r),
-            _product(one, q) - _product(two, p),
+            (G3[k] - _product(series[0], r)) / 2,
+            -G2[k],
+            _product(G2, r) - _product(G3, q),
+            _product(G3, p) - _product(G1, r),
+            _product(G1, q) - _product(G2, p),
         )
         for terms, rate in zip(series, rates, strict=True):
             terms.append(rate / (k + 1))

@@ -90,8 +90,8 @@ def _whole(x: float) -> int:
     return round(x) if abs(x) > 0.5 + _LEAST else 0
 
 
-def _plus(one: Pair, other: Pair, n: int) -> Pair:
-    return one[0] + n * other[0], one[1] + n * other[1]
+def _plus(pair: Pair, addend: Pair, n: int) -> Pair:
+    return pair[0] + n * addend[0], pair[1] + n * addend[1]
 
 
 # --- jacobian -------------------------------------------------------------------------------------
@@ -113,11 +113,11 @@ class Jacobian:
         self.points = list(points)
         self._order = numbered(self.points)
         segments = [self._segment(j) for j in range(4)]
-        one, two, three, four = ((2 * x, 2 * y) for x, y in segments)
-        first = one, three
-        second = (two[0] + four[0], two[1] + four[1]), four
-        self.columns, other = reduced_basis(first, second)
-        self.lattice = Lattice(self._period_matrix(other))
+        loop1, loop2, loop3, loop4 = ((2 * x, 2 * y) for x, y in segments)
+        first = loop1, loop3
+        second = (loop2[0] + loop4[0], loop2[1] + loop4[1]), loop4
+        self.columns, columns_b = reduced_basis(first, second)
+        self.lattice = Lattice(self._period_matrix(columns_b))
         now = segments[0][0] + segments[2][0], segments[0][1] + segments[2][1]
         images = {self._order[4]: now}
         for j in (3, 2, 1, 0):
@@ -158,21 +158,21 @@ class Jacobian:
         whole = acb(1)
         for c in rest:
             whole *= s - c
-        way = s - a
-        factors = [Linear((a - c) / (s - c), acb(1), way / (s - c)) for c in rest]
-        one, two = unit(factors)
+        step = s - a
+        factors = [Linear((a - c) / (s - c), acb(1), step / (s - c)) for c in rest]
+        first, second = unit(factors)
         over = w / whole
         A0, A1 = self.images[j]
-        return A0 - over * one, A1 - over * (a * one + way * two)
+        return A0 - over * first, A1 - over * (a * first + step * second)
 
     def _from_infinity(self, s: acb, w: acb) -> Pair:
         factors = []
         for a in self.points:
             gap = s - a
             factors.append(Linear(s / gap, acb(1), -a / gap))
-        one, two = unit(factors)
+        first, second = unit(factors)
         over = -2 * s / w
-        return over * two, over * s * one
+        return over * second, over * s * first
 
     def _segment(self, j: int) -> Pair:
         along = [self.points[i] for i in self._order]
@@ -203,14 +203,14 @@ def segment(a: acb, b: acb, below: Sequence[acb], above: Sequence[acb]) -> Pair:
 
     s = (a + b)/2 - (b - a)/2 cos phi; ``below`` and ``above``: the other branch points.
     """
-    way = b - a
-    factors = [Linear(a - c, b - c, way) for c in below]
-    factors += [Linear(c - a, c - b, -way) for c in above]
-    one, two = circle(factors)
+    step = b - a
+    factors = [Linear(a - c, b - c, step) for c in below]
+    factors += [Linear(c - a, c - b, -step) for c in above]
+    constant, slope = circle(factors)
     over = -1 / arb(2).sqrt()
     for _ in above:
-        one, two = -_I * one, -_I * two
-    return over * one, over * ((a + b) / 2 * one - way / 2 * two)
+        constant, slope = -_I * constant, -_I * slope
+    return over * constant, over * ((a + b) / 2 * constant - step / 2 * slope)
 
 
 # --- cycles ---------------------------------------------------------------------------------------
@@ -246,7 +246,7 @@ def _unbounded(a: arb, points: Sequence[acb]) -> tuple[arb, arb]:
     for gap in gaps:
         size = size.max(abs(gap))
     size = size.mid()
-    one, two = circle([Linear(acb(2 * size), 2 * gap, 2 * (gap - size)) for gap in gaps])
-    below, above = one.real - two.real, one.real + two.real
+    constant, slope = circle([Linear(acb(2 * size), 2 * gap, 2 * (gap - size)) for gap in gaps])
+    below, above = constant.real - slope.real, constant.real + slope.real
     root = 2 * (2 * size).sqrt()
     return root * below, root * (a * below - size * above)

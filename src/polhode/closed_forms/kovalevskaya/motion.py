@@ -54,14 +54,14 @@ def solve(place: KovalevskayaPlacement) -> Motion:
     """The motion in the top's axes and units, at the precision in force."""
     start = place.start
     if place.regime in DEGENERATE:
-        return TopMotion(place, DegenerateState(start), no_attitude)
+        return KovalevskayaMotion(place, DegenerateState(start), no_attitude)
     if place.regime in ONE_FREQUENCY:
         return _periodic(place)
     state = ThetaState(start, place.disc)
-    return TopMotion(place, state, lambda: ThetaAttitude(state, first_turn(place)))
+    return KovalevskayaMotion(place, state, lambda: ThetaAttitude(state, first_turn(place)))
 
 
-class TopMotion(StateAndTurning):
+class KovalevskayaMotion(StateAndTurning):
     """A motion of the top."""
 
     def __init__(
@@ -133,7 +133,7 @@ def _periodic(place: KovalevskayaPlacement) -> Motion:
     function = Weierstrass(quartic(start, kind))
     state = make(start, function)
     if function.period is None:
-        return TopMotion(place, _OneFrequency(state), no_attitude)
+        return KovalevskayaMotion(place, _OneFrequency(state), no_attitude)
     orbit = PeriodicOrbit(state, function.period)
 
     def turning() -> PeriodicAttitude:
@@ -142,7 +142,7 @@ def _periodic(place: KovalevskayaPlacement) -> Motion:
         place.strip = attitude.strip
         return attitude
 
-    return TopMotion(place, orbit, turning, function.period)
+    return KovalevskayaMotion(place, orbit, turning, function.period)
 
 
 def _balls(start: KovalevskayaStart) -> list[arb]:

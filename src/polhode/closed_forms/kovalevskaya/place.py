@@ -65,7 +65,7 @@ class KovalevskayaPlacement(Placement):
         """Ever more bits would take minutes: near some motions no number of them is enough."""
         return 20 * digits + 3_000
 
-    def curve_of(self, known: Mapping[str, mpf]) -> dict[str, object]:
+    def curve_of(self, numbers: Mapping[str, mpf]) -> dict[str, object]:
         """H, K^2 = k^2, the points e1, e2, e3 and the period matrix tau, in time units of 1/n.
 
         n is rounded to a power of two, 2^exponent.  tau is None on a degenerate curve.
@@ -73,23 +73,23 @@ class KovalevskayaPlacement(Placement):
         pair = sign(self.disc) < 0
 
         def row(name: str) -> list[Scalar] | None:
-            if f"{name}0 real" not in known:
+            if f"{name}0 real" not in numbers:
                 return None
-            both = [(known[f"{name}{n} real"], known[f"{name}{n} imag"]) for n in range(3)]
+            both = [(numbers[f"{name}{n} real"], numbers[f"{name}{n} imag"]) for n in range(3)]
             real = [name == "e" and not (pair and n) for n in range(3)]
             return [x if plain else mpc(x, y) for (x, y), plain in zip(both, real, strict=True)]
 
         shown: dict[str, object] = {"exponent": self.start.exponent}
-        shown |= {"H": known["H"], "K2": known["K2"], "e": row("e"), "tau": row("tau")}
+        shown |= {"H": numbers["H"], "K2": numbers["K2"], "e": row("e"), "tau": row("tau")}
         return shown
 
 
 def place(scene: PrincipalScene) -> KovalevskayaPlacement | None:
     """A Kovalevskaya top's motion that has a formula."""
-    known = top_start(scene)
-    if known is None:
+    top = top_start(scene)
+    if top is None:
         return None
-    frame, start = known
+    frame, start = top
     if is_simpler(start):
         return None
     kind = regime(start)
@@ -125,8 +125,8 @@ def misfit(scene: PrincipalScene) -> Misfit | None:
         return shortfall(conditions, scene)
     if place(scene) is not None:
         return None
-    known = top_start(scene)
-    if known is not None and is_simpler(known[1]):
+    top = top_start(scene)
+    if top is not None and is_simpler(top[1]):
         return Misfit("a motion that is not one of other bodies too")
     return Misfit("a motion that has a formula on its degenerate curve")
 

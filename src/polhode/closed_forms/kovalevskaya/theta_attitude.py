@@ -56,7 +56,7 @@ class Moment:
 
 
 @dataclass(frozen=True)
-class Choice:
+class EigenspaceChoice:
     """A, A' and B, B' of one choice of eigenspaces."""
 
     tops: Sequence[Vector]
@@ -97,8 +97,8 @@ class ThetaAttitude:
         moment = self._moment(t, state)
         turns = [_turn(choice.at(moment)) for choice in self.choices]
         q = turns[0]
-        for other in turns[1:]:
-            a, b, c, d = (x.union(y) for x, y in zip(q, other, strict=True))
+        for turn in turns[1:]:
+            a, b, c, d = (x.union(y) for x, y in zip(q, turn, strict=True))
             q = a, b, c, d
         if not all(x.is_finite() for x in q):
             raise TooFewBits
@@ -109,10 +109,10 @@ class ThetaAttitude:
         """|q| = 1 and gamma against the state, which knows nothing of the attitude."""
         a, b, c, d = q
         size = self.motion.weight
-        known = (2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - b * b - c * c)
-        one = a * a + b * b + c * c + d * d
-        gamma = zip(known, state[3:], strict=True)
-        if not (one.overlaps(arb(1)) and all(x.overlaps(y / size) for x, y in gamma)):
+        vertical = (2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - b * b - c * c)
+        norm = a * a + b * b + c * c + d * d
+        gamma = zip(vertical, state[3:], strict=True)
+        if not (norm.overlaps(arb(1)) and all(x.overlaps(y / size) for x, y in gamma)):
             raise ArithmeticError("the attitude has not the gamma of the state: a fault")
 
     def _third_kind(self) -> tuple[Pair, acb]:
@@ -121,8 +121,8 @@ class ThetaAttitude:
         w = 2 * _I * motion.m * motion.weight
         root = either_root(acb(-motion.b))
         ends = [jacobian.reduced(jacobian.image(s, w)) for s in (root, -root)]
-        wanted = [added(jacobian.delta, eta) for eta in jacobian.characteristics]
-        functions = Theta2(jacobian.lattice.tau, wanted)
+        characteristics = [added(jacobian.delta, eta) for eta in jacobian.characteristics]
+        functions = Theta2(jacobian.lattice.tau, characteristics)
         rows = [functions.at(z).along(motion.velocity) for z in ends]
         sizes = [abs(rows[0][i][0]).min(abs(rows[1][i][0])).mid() for i in range(5)]
         i = max(range(5), key=lambda n: sizes[n])
@@ -147,7 +147,9 @@ class ThetaAttitude:
         log = self.rate * t - moved + above.log - below.log
         return Moment(state, below.along(V), above.along(V), log)
 
-    def _fitting(self, k: tuple[int, int], l: tuple[int, int], first: Turn) -> list[Choice]:
+    def _fitting(
+        self, k: tuple[int, int], l: tuple[int, int], first: Turn
+    ) -> list[EigenspaceChoice]:
         """The choices that are not proven wrong."""
         motion = self.motion
         unit = _I if (k[0] * l[0] + k[1] * l[1]) % 2 else acb(1)
@@ -161,7 +163,7 @@ class ThetaAttitude:
             tops = self._numerators((spaces[m], spaces[-m]), bottoms, moments, begin)
             if tops is None:
                 continue
-            choice = Choice(tops, bottoms)
+            choice = EigenspaceChoice(tops, bottoms)
             if not any(self._misses(choice, moment) for moment in moments[1:]):
                 choices.append(choice)
         if not choices:
@@ -170,7 +172,7 @@ class ThetaAttitude:
             raise TooFewBits
         return choices
 
-    def _misses(self, choice: Choice, moment: Moment) -> bool:
+    def _misses(self, choice: EigenspaceChoice, moment: Moment) -> bool:
         """Whether |xi|^2 or |eta|^2 is proven to be another than gamma3 says."""
         height = moment.state[5] / self.motion.weight
         for value, side in zip(choice.at(moment), (-1, 1), strict=True):
@@ -238,8 +240,8 @@ class ThetaAttitude:
                 d[1 - j] * (factor * dot(v, moment.above, 0) + d[j] * dot(v, moment.above, 1))
                 for v in spaces[j]
             ]
-            other = [-_I / 2 * x * d[j] * d[j] * dot(v, moment.above, 0) for v in spaces[1 - j]]
-            rows.append([*other, *own] if j else [*own, *other])
+            across = [-_I / 2 * x * d[j] * d[j] * dot(v, moment.above, 0) for v in spaces[1 - j]]
+            rows.append([*across, *own] if j else [*own, *across])
         return rows
 
 
@@ -265,13 +267,13 @@ def _eigenspace(k: tuple[int, int], l: tuple[int, int], factor: acb) -> list[lis
     for i, half in enumerate(_HALVES):
         if i not in rest:
             continue
-        other = _HALVES.index(((half[0] + k[0]) % 2, (half[1] + k[1]) % 2))
+        partner = _HALVES.index(((half[0] + k[0]) % 2, (half[1] + k[1]) % 2))
         side = -1 if (half[0] * l[0] + half[1] * l[1]) % 2 else 1
-        rest -= {i, other}
+        rest -= {i, partner}
         row = [acb(0)] * 4
         row[i] = acb(1)
-        if other != i:
-            row[other] = side / factor
+        if partner != i:
+            row[partner] = side / factor
         elif not (factor - side).contains(0):
             continue
         basis.append(row)
@@ -283,8 +285,8 @@ def _denominator(space: Space, moments: Sequence[Moment], side: int) -> list[acb
     rows = []
     for moment in moments[1:]:
         x = acb(moment.state[0], side * moment.state[1])
-        one, two = (dot(v, moment.below, 0) for v in space)
-        rows.append([x * one, x * two, -one, -two])
+        first, second = (dot(v, moment.below, 0) for v in space)
+        rows.append([x * first, x * second, -first, -second])
     minors = [
         (-1) ** j * acb_mat([[row[i] for i in range(4) if i != j] for row in rows]).det()
         for j in range(4)

@@ -101,9 +101,9 @@ class ThetaState:
         self.H, self.m, self.b = ball(start.H), ball(start.m), ball(start.b)
         self.velocity = self.jacobian.reduced((acb(0), acb(1)))
         delta, etas = self.jacobian.delta, self.jacobian.characteristics
-        wanted = [delta, *(added(delta, etas[j]) for j in range(3))]
-        wanted += [added(delta, etas[j], etas[l]) for j, l in PAIRS]
-        self._thetas = Theta2(self.jacobian.lattice.tau, wanted)
+        characteristics = [delta, *(added(delta, etas[j]) for j in range(3))]
+        characteristics += [added(delta, etas[j], etas[l]) for j, l in PAIRS]
+        self._thetas = Theta2(self.jacobian.lattice.tau, characteristics)
         #: z at t = 0.
         self.z0 = self.jacobian.reduced(self._first_place())
         self.choices = self._fitting()
@@ -122,8 +122,8 @@ class ThetaState:
         """p, q, r, G1, G2, G3."""
         values = self.values_at(self.place(t)[0])
         first, *others = ([x.real for x in c.state(self.H, values)] for c in self.choices)
-        for other in others:
-            first = [x.union(y) for x, y in zip(first, other, strict=True)]
+        for state in others:
+            first = [x.union(y) for x, y in zip(first, state, strict=True)]
         return first
 
     def place(self, t: arb) -> tuple[Pair, tuple[int, int]]:
@@ -149,8 +149,8 @@ class ThetaState:
         (R, R1), (T1, N1), q2 = state.polars(), state.rates(), state.q * state.q
         root = (R * R / 4 - q2 * R1).sqrt()
         larger = -(R / 2 + (root if R.mid() >= 0 else -root)) / 2  # q^2 s1, no difference
-        one, two = (image(acb(s), acb(T1 * s - N1)) for s in (larger / q2, R1 / (4 * larger)))
-        return one[0] + two[0], one[1] + two[1]
+        first, second = (image(acb(s), acb(T1 * s - N1)) for s in (larger / q2, R1 / (4 * larger)))
+        return first[0] + second[0], first[1] + second[1]
 
     def _fitting(self) -> list[Quotients]:
         """The choices that are not proven wrong."""
@@ -186,16 +186,16 @@ class ThetaState:
 
     def _constants(self) -> tuple[list[acb], list[acb]]:
         """c_j up to signs, and K_jl from the place with the largest denominator."""
-        e, known = self.jacobian.points, {}
+        e, by_key = self.jacobian.points, {}
 
         def at(j: int, n: int) -> Values:
             key = min(j, n), max(j, n)
-            if key not in known:
-                one, other = (self.jacobian.images[i] for i in key)
-                known[key] = self.values_at(
-                    self.jacobian.reduced((one[0] + other[0], one[1] + other[1]))
+            if key not in by_key:
+                first, second = (self.jacobian.images[i] for i in key)
+                by_key[key] = self.values_at(
+                    self.jacobian.reduced((first[0] + second[0], first[1] + second[1]))
                 )
-            return known[key]
+            return by_key[key]
 
         c, K = [], []
         for j in range(3):

@@ -85,18 +85,18 @@ def gaps(c: Constants) -> Gaps:
         return _homoclinic(c)
     mean, d, s = ball(c.mean), ball(c.d), root(c.s2)
     area, third = root(c.discriminant), arb.pi() / 3
-    angle, other = arb.atan2(area, d) / 3, arb.atan2(area, -d) / 3
+    angle, mirrored = arb.atan2(area, d) / 3, arb.atan2(area, -d) / 3
     wide = 2 * arb(3).sqrt() * s
-    u21, u32, u31 = (wide * x.sin() for x in (angle, other, third + angle))
-    roots = [mean + 2 * s * x for x in (-other.cos(), -(third + angle).cos(), angle.cos())]
+    u21, u32, u31 = (wide * x.sin() for x in (angle, mirrored, third + angle))
+    roots = [mean + 2 * s * x for x in (-mirrored.cos(), -(third + angle).cos(), angle.cos())]
     zero, above = arb(0), c.b > 1  # of 1 and b the lesser is not above u2, the other not below u3
     apart = (zero, u21, u31), (u21, zero, u32), (u31, u32, zero)
 
     def distances(x: Exact, meets: int | None) -> Distances:
         if meets is not None:
             return apart[meets]
-        one, two, three = (abs(ball(x) - u) for u in roots)
-        return one, two, three
+        from_u1, from_u2, from_u3 = (abs(ball(x) - u) for u in roots)
+        return from_u1, from_u2, from_u3
 
     return Gaps(
         u21,
@@ -142,7 +142,7 @@ def _slopes(c: Constants, now: Parameters) -> Parameters:
     )
 
 
-class TopMotion(Motion):
+class LagrangeMotion(Motion):
     """A motion from al, bt and xi; ``start``: those at t = 0, psi = 0.
 
     ``regime`` and ``side``, of the axis along its principal axis, are asked for periods alone.
@@ -204,16 +204,16 @@ class TopMotion(Motion):
         """
         c, side = self._c, self._side
         rates = {} if self.nutation is None else {"nutation": 2 * arb.pi() / self.nutation}
-        one, other = self.means
+        alpha, beta = self.means
         if c.steady and c.level:
             rates["proper rotation"] = side * ball(c.r)
         elif self._regime not in PLANE:
-            rates["precession"] = one + other
-            rates["proper rotation"] = side * (one - other)
+            rates["precession"] = alpha + beta
+            rates["proper rotation"] = side * (alpha - beta)
         return rates
 
 
-class Steady(TopMotion):
+class Steady(LagrangeMotion):
     """theta constant: al, bt and xi turn uniformly."""
 
     def __init__(
@@ -239,11 +239,11 @@ class Steady(TopMotion):
 
     def arguments(self, t: arb) -> tuple[arb | None, arb | None]:
         """The growth of arg al and of arg bt from 0; None of one that is 0."""
-        one, other = (
+        alpha, beta = (
             None if z.real.is_zero() and z.imag.is_zero() else mean * t
             for z, mean in zip(self.start, self.means, strict=False)
         )
-        return one, other
+        return alpha, beta
 
 
 class Quotient:
@@ -279,7 +279,7 @@ class Quotient:
         return z.arg() + self.turn * t
 
 
-class Nutating(TopMotion):
+class Nutating(LagrangeMotion):
     """The general motion; k = 0 excluded (:class:`Steady`), k' = 0 included."""
 
     def __init__(
@@ -300,7 +300,7 @@ class Nutating(TopMotion):
                 return arb(0), arb(1), arb(1)
             return x[2] / g.u32, x[1] / g.u32, x[0] / g.u31
 
-        one, two, three = g.bottom
+        alpha, two, three = g.bottom
         s1, s2, s3 = (1 if sign(x) >= 0 else -1 for x in (c.below, c.above, c.looping))
         spin = r * (1 - ratio) / 2
 
@@ -310,7 +310,7 @@ class Nutating(TopMotion):
             shift = s * self.elliptic.shift(*squares)
             return Quotient(self.elliptic, self.rate, shift, half, even, passes)
 
-        low = g.u31 / three, one / three, two / three
+        low = g.u31 / three, alpha / three, two / three
         self._parts = (
             part(s1, low, False, spin, sign(c.below) == 0),
             part(s2, sides(g.top), True, -spin, sign(c.above) == 0 and c.b > 1),
@@ -321,13 +321,13 @@ class Nutating(TopMotion):
             z.begin(begin, value, slope)
         if not self.elliptic.limit:
             self.nutation = 2 * self.elliptic.K / self.rate
-        one, other = (
+        alpha, beta = (
             z.turn - arb.pi() * self.rate / (2 * self.elliptic.K)
             if z.passes and not self.elliptic.limit
             else z.turn
             for z in self._parts[:2]
         )
-        self.means = one, other  # jumps at a pole are not counted
+        self.means = alpha, beta  # jumps at a pole are not counted
 
     def parameters(self, t: arb) -> Parameters:
         """al, bt and xi at a time."""

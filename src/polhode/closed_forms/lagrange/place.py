@@ -218,12 +218,12 @@ def place(scene: PrincipalScene) -> LagrangePlacement | None:
         squares = [dot(v, v) for v in directions]
         frame, weight = Frame(directions, squares), sqrt(squares[2])
     w, up = frame.into(omega), frame.into(gamma)
-    known = constants(moments[i], moments[k], weight, w, up)
+    numbers = constants(moments[i], moments[k], weight, w, up)
     axis = "the axis of symmetry through the centre of mass"
     return LagrangePlacement(
-        regime=regime(known),
+        regime=regime(numbers),
         frame=frame,
-        constants=known,
+        constants=numbers,
         omega=w,
         gamma=up,
         side=side,

@@ -64,8 +64,8 @@ def _start_of(subject: Table) -> Mapping[str, float]:
     }
     row = {name: to_double(exactly(x)) for name, x in cells.items() if x is not None}
     if {*ATTITUDE} <= row.keys():
-        (turned,) = matrices(np.array([[row[name] for name in ATTITUDE]]))
-        row = dict(zip(STATE[3:], turned[2].tolist(), strict=True)) | row
+        (matrix,) = matrices(np.array([[row[name] for name in ATTITUDE]]))
+        row = dict(zip(STATE[3:], matrix[2].tolist(), strict=True)) | row
     return {name: x for name, x in row.items() if name in STATE}
 
 
@@ -186,11 +186,11 @@ class Fit:
             scene, moved = candidate.change(Fraction(x))
         except ValueError:  # moments of no body
             return None
-        other = integrated(scene, [moved.of(t) for t in self.times[:count]], attitude=False)
-        if other is None:
+        motion = integrated(scene, [moved.of(t) for t in self.times[:count]], attitude=False)
+        if motion is None:
             return None
         with np.errstate(over="ignore", invalid="ignore"):
-            off = other.states[:, self.columns] - self.table[:count]
+            off = motion.states[:, self.columns] - self.table[:count]
             error: Doubles = (off / self.scale).ravel()
             return error if math.isfinite(error @ error) else None
 
@@ -340,8 +340,8 @@ def _other_inertia(
 
 
 def _other_weight(scene: Scene, x: Fraction) -> tuple[Scene, TimeChange]:
-    other = scene.body.replaced(weight=scene.body.weight * (1 + x))
-    return replace(scene, body=other), TimeChange()
+    scene_of_weight = scene.body.replaced(weight=scene.body.weight * (1 + x))
+    return replace(scene, body=scene_of_weight), TimeChange()
 
 
 def _other_centre(scene: Scene, place: int, x: Fraction) -> tuple[Scene, TimeChange]:

@@ -242,7 +242,7 @@ def are_attitude(headers: Sequence[str]) -> list[bool]:
     return [column.name in forms for column in columns(headers)]
 
 
-class Column(NamedTuple):
+class NamedColumn(NamedTuple):
     """The column that a header names, None where it is unknown; whether it is in degrees.
 
     ``factor``: what its numbers are multiplied by, of another unit.
@@ -253,7 +253,7 @@ class Column(NamedTuple):
     factor: Fraction = Fraction(1)
 
 
-UNKNOWN = Column(None)
+UNKNOWN = NamedColumn(None)
 
 
 class _Unit(NamedTuple):
@@ -264,7 +264,7 @@ class _Unit(NamedTuple):
     factor: Fraction = Fraction(1)
 
 
-class _Part(NamedTuple):
+class _Component(NamedTuple):
     """A header as a component: of what, by which stem, along which axis or axes."""
 
     kind: str
@@ -273,7 +273,7 @@ class _Part(NamedTuple):
     unit: _Unit
 
 
-def columns(headers: Sequence[str]) -> list[Column]:
+def columns(headers: Sequence[str]) -> list[NamedColumn]:
     """What the headers of a table mean, all together.
 
     >>> [found.name for found in columns(["t", "gx", "gy", "gz"])]
@@ -294,7 +294,7 @@ Column(name='psi', degrees=True, factor=Fraction(1, 1))]
     if "xyz_derivative[0]" in headers:  # else PX4's xyz may be accelerations as well
         headers = [re.sub(r"^xyz\[", "gyro[", header) for header in headers]
     alone = [_alone(header) for header in headers]
-    parts = [column if isinstance(column, _Part) else None for column in alone]
+    parts = [column if isinstance(column, _Component) else None for column in alone]
     there = [part for part in parts if part is not None]
     first = {
         (part.kind, part.stem): "0"
@@ -304,7 +304,7 @@ Column(name='psi', degrees=True, factor=Fraction(1, 1))]
     }
     meant = [
         column
-        if isinstance(column, Column)
+        if isinstance(column, NamedColumn)
         else _component(column, first[column.kind, column.stem])
         for column in alone
     ]
@@ -322,8 +322,8 @@ Column(name='psi', degrees=True, factor=Fraction(1, 1))]
 
 
 def by_clock(
-    headers: Sequence[str], named: Sequence[Column]
-) -> tuple[list[Column], tuple[str, ...]]:
+    headers: Sequence[str], named: Sequence[NamedColumn]
+) -> tuple[list[NamedColumn], tuple[str, ...]]:
     """Columns whose ``timestamp`` of whole numbers counts what its neighbours tell, and that it
     does: nanoseconds in EuRoC's data sets, microseconds in PX4's logs.
 
@@ -333,7 +333,7 @@ def by_clock(
     """
     clock = next(k for k, column in enumerate(named) if column.name == "t")
     there = {*headers}
-    if headers[clock].lower() != "timestamp" or named[clock] != Column("t"):
+    if headers[clock].lower() != "timestamp" or named[clock] != NamedColumn("t"):
         return [*named], ()
     if any("_RS_" in header for header in headers):
         factor, words = _NANO, "nanoseconds, as in EuRoC's data sets"
@@ -341,11 +341,11 @@ def by_clock(
         factor, words = _MICRO, "microseconds, as in PX4's logs"
     else:
         return [*named], ()
-    counted = [Column("t", False, factor) if k == clock else x for k, x in enumerate(named)]
+    counted = [NamedColumn("t", False, factor) if k == clock else x for k, x in enumerate(named)]
     return counted, (f"read as: {headers[clock]} in {words}",)
 
 
-def _g_is_a_rate(parts: Sequence[_Part | None], meant: Sequence[Column]) -> bool:
+def _g_is_a_rate(parts: Sequence[_Component | None], meant: Sequence[NamedColumn]) -> bool:
     """Whether ``gx gy gz`` are rates, where no others are there: beside accelerations or gamma."""
     others = {
         column.name
@@ -356,7 +356,7 @@ def _g_is_a_rate(parts: Sequence[_Part | None], meant: Sequence[Column]) -> bool
     return (accelerated or bool({*STATE[3:]} & others)) and not {*STATE[:3]} & others
 
 
-def column(header: str) -> Column:
+def column(header: str) -> NamedColumn:
     """What the header of a single column means.
 
     >>> column("qw").name, column("wx [deg/s]")[:2], column("psi_deg")[:2], column("note").name
@@ -367,18 +367,18 @@ def column(header: str) -> Column:
     return columns([header])[0]
 
 
-def twice(named: Iterable[Column]) -> str | None:
+def twice(named: Iterable[NamedColumn]) -> str | None:
     """A name that two columns have; None where there is none."""
     names = [column.name for column in named]
     return next((name for name in readable() if names.count(name) > 1), None)
 
 
-def _alone(header: str) -> Column | _Part:
+def _alone(header: str) -> NamedColumn | _Component:
     """What a header means by itself, or the component that it is."""
     if header in known() and header not in (*MATRIX, *RODRIGUES):  # of which all are needed
-        return Column(header)
+        return NamedColumn(header)
     if header == "%time":
-        return Column("t", False, _TIMES["ns"])
+        return NamedColumn("t", False, _TIMES["ns"])
     plain = _NOTHING.sub("", header.translate(_GREEK).strip())
     split = _UNIT.search(plain)
     for name, unit in ((plain, None), (plain[: split.start()] if split else "", split)):
@@ -391,7 +391,7 @@ def _alone(header: str) -> Column | _Part:
         for kind, pattern in _NAMES.items():
             for text in dict.fromkeys((word, name.lower())):
                 if part := pattern.match(text):
-                    return _Part(kind, part[1], part[2], units)
+                    return _Component(kind, part[1], part[2], units)
     return UNKNOWN
 
 
@@ -413,16 +413,16 @@ def _unit(match: re.Match[str] | None) -> _Unit:
     return _Unit("rate" if per else "angle", "deg" in angle, factor)
 
 
-def _in_unit(name: str, unit: _Unit) -> Column:
+def _in_unit(name: str, unit: _Unit) -> NamedColumn:
     """A column in a unit; unknown where it has no such unit."""
     kinds = ("time",) if name == "t" else ("angle", "rate") if name in STATE[:3] else ()
     kinds = ("angle",) if name in (*ANGLES, *ROTATION_VECTOR) else kinds
     if unit.kind and unit.kind not in kinds:
         return UNKNOWN
-    return Column(name, unit.degrees, unit.factor)
+    return NamedColumn(name, unit.degrees, unit.factor)
 
 
-def _component(part: _Part, first: str) -> Column:
+def _component(part: _Component, first: str) -> NamedColumn:
     """The column of a component whose axes are counted from ``first``."""
     names, axis = _COMPONENTS.get(part.kind, ()), part.axis
     if part.kind == "matrix":
@@ -449,9 +449,9 @@ class Naming:
     """
 
     header: tuple[str, ...] = ()
-    meant: Mapping[str, Column] = field(default_factory=dict)
+    meant: Mapping[str, NamedColumn] = field(default_factory=dict)
 
-    def columns(self, header: Sequence[str]) -> list[Column]:
+    def columns(self, header: Sequence[str]) -> list[NamedColumn]:
         """What the names of a header mean; a column that was told is no other one of the header."""
         names = {column.name for column in self.meant.values()}
         others = [UNKNOWN if column.name in names else column for column in columns(header)]
@@ -496,5 +496,5 @@ def naming(text: str) -> Naming:
             factor = sign * (expression.decimal(by) if by else Fraction(1))
         except ExpressionError as fault:
             raise BadInput("compare", "--columns", item, f"NAME=COLUMN*NUMBER ({fault})") from None
-        meant[name] = Column(ours, False, factor)
+        meant[name] = NamedColumn(ours, False, factor)
     return Naming((), meant)

@@ -79,17 +79,17 @@ def course(digits: Doubles, fitted: bool = False) -> Doubles:
 
     ``fitted``: to the first row, which therefore says nothing.
     """
-    held = np.clip(digits, 0.0, MOST)
+    digits_held = np.clip(digits, 0.0, MOST)
     if fitted:
-        held = np.concatenate([held[1:2], held[1:]])
-    return np.minimum.accumulate(held)
+        digits_held = np.concatenate([digits_held[1:2], digits_held[1:]])
+    return np.minimum.accumulate(digits_held)
 
 
-def is_better(mine: Doubles, other: Doubles, gain: float) -> bool:
+def is_better(mine: Doubles, rival: Doubles, gain: float) -> bool:
     """Whether a course has so many more digits somewhere, and fewer nowhere before."""
-    more = mine - other
+    more = mine - rival
     rows = np.flatnonzero(more >= gain)
-    return bool(len(rows)) and not np.any(more[: rows[0]] < -_slack(other[: rows[0]]))
+    return bool(len(rows)) and not np.any(more[: rows[0]] < -_slack(rival[: rows[0]]))
 
 
 def is_alike(mine: Doubles, best: Doubles) -> bool:
@@ -161,8 +161,8 @@ def other_worlds(
 ) -> Iterator[World]:
     """The motion at other times, and those of other scenes that may be meant."""
     yield from at_times(other_times(all_times), times, scene)
-    for words, other in other_scenes(scene):
-        right = integrated(other, times)
+    for words, candidate in other_scenes(scene):
+        right = integrated(candidate, times)
         if right is not None:
             yield World(words, right)
 
@@ -205,8 +205,8 @@ def other_scenes(scene: Scene) -> Iterator[tuple[str, Scene]]:
         start = integrated(scene, [Fraction(0)])
         if start is not None and start.attitude is not None:
             a, b, c, d = start.attitude[0]
-            turned = _with_attitude(scene, (d, a, b, c))
-            yield "the scene's quaternion taken as scalar-last", turned
+            rotated = _with_attitude(scene, (d, a, b, c))
+            yield "the scene's quaternion taken as scalar-last", rotated
 
 
 def with_body(scene: Scene, inertia: Matrix, weight: Exact | None = None) -> Scene:
@@ -217,11 +217,11 @@ def with_body(scene: Scene, inertia: Matrix, weight: Exact | None = None) -> Sce
 
 def _with_attitude(scene: Scene, quaternion: Sequence[float]) -> Scene:
     """The scene from another attitude, a quaternion, scalar first."""
-    (turned,) = matrices(np.array([quaternion]))
-    x, y = turned[0, 2], -turned[1, 2]  # the sine of theta times those of psi
+    (matrix,) = matrices(np.array([quaternion]))
+    x, y = matrix[0, 2], -matrix[1, 2]  # the sine of theta times those of psi
     if math.hypot(x, y) < _POLE:
-        x, y = turned[1, 0], turned[0, 0]
-    gamma = exact_vector([float(z) for z in turned[2]])
+        x, y = matrix[1, 0], matrix[0, 0]
+    gamma = exact_vector([float(z) for z in matrix[2]])
     return replace(scene, gamma=gamma, psi=Fraction(math.atan2(x, y)), normalise=True)
 
 
@@ -325,16 +325,16 @@ def _motion(reference: AnyReference, times: Sequence[Fraction]) -> Right | None:
     return Right(states, attitude, None if attitude is None else matrices(attitude))
 
 
-def other_world(seen: View, subject: Table, scene: Scene) -> World | None:
+def other_world(seen_table: View, subject: Table, scene: Scene) -> World | None:
     """The world in which a table that is wrong is right in its first rows; None where none is.
 
     The one that explains most, the first of those that are alike.
     """
-    world_found, best = None, seen.parts
+    world_found, best = None, seen_table.parts
     if all(part.way.digits >= WRONG for part in best.values()):
         return None
-    for world in other_worlds(seen.times, subject.times, scene):
-        parts = _parts(seen.values, world.right, world.words)
+    for world in other_worlds(seen_table.times, subject.times, scene):
+        parts = _parts(seen_table.values, world.right, world.words)
         if _is_better_world(parts, best):
             world_found, best = world, parts
             if all(part.goes and part.way.digits >= SURE for part in parts.values()):
@@ -357,7 +357,7 @@ def _parts(values: Mapping[str, Doubles], right: Right | None, words: str = "") 
     """
     if right is None:
         nothing = {k: Way("", np.zeros(len(rows))) for k, rows in values.items()}
-        return {k: _Part(way, way, False, False) for k, way in nothing.items()}
+        return {k: _Part(plain_way, plain_way, False, False) for k, plain_way in nothing.items()}
     count = len(right.states)
     parts = {k: _part(k, rows[:count], right, bool(words)) for k, rows in values.items()}
     return _with_same_axes({k: part for k, part in parts.items() if part is not None})
@@ -375,9 +375,9 @@ def _part(part: str, values: Doubles, right: Right, must_move: bool) -> _Part | 
         return _Part(plain, plain, False, goes)
     all_ways = [plain, *tried]
     own = course(plain.rows)
-    seen: list[_Part] = []
+    parts: list[_Part] = []
     for fitted in (False, True):
-        courses = [(way, course(way.rows, fitted)) for way in all_ways if way.fitted == fitted]
+        courses = [(x, course(x.rows, fitted)) for x in all_ways if x.fitted == fitted]
         if not courses:
             continue
         most = max((digits for _, digits in courses), key=lambda digits: float(np.sum(digits)))
@@ -387,36 +387,36 @@ def _part(part: str, values: Doubles, right: Right, must_move: bool) -> _Part | 
         sure = is_told and not (fitted or best.words.startswith(SCALAR_FIRST))
         goes = follows(mine, moved, best.fitted, must_move, sure)
         is_told = goes and is_better(mine, own, least_gain(best.tries, FREEDOM[part]))
-        seen.append(_Part(best, plain, is_told, goes))
-    named = seen[0]
-    if seen[-1].is_told and is_better(seen[-1].course, named.way_course, LEAST_GAIN):
-        named = seen[-1]
+        parts.append(_Part(best, plain, is_told, goes))
+    named = parts[0]
+    if parts[-1].is_told and is_better(parts[-1].course, named.way_course, LEAST_GAIN):
+        named = parts[-1]
     return named
 
 
 def _with_same_axes(parts: dict[str, _Part]) -> dict[str, _Part]:
     """Parts of which gamma or omega, in axes that the other one tells, needs to tell less."""
-    for name, other in (("gamma", "omega"), ("omega", "gamma")):
-        mine, its = parts.get(name), parts.get(other)
+    for name, partner in (("gamma", "omega"), ("omega", "gamma")):
+        mine, its = parts.get(name), parts.get(partner)
         if mine is None or its is None or mine.is_told or not its.is_told or not mine.goes:
             continue
-        own, known = mine.best.change, its.best.change
-        if own is None or known is None or own.order != known.order:
+        own, theirs = mine.best.change, its.best.change
+        if own is None or theirs is None or own.order != theirs.order:
             continue
-        same = own.signs in (known.signs, tuple(-s for s in known.signs))  # omega: a pseudovector
+        same = own.signs in (theirs.signs, tuple(-s for s in theirs.signs))  # omega: a pseudovector
         if same and is_better(mine.course, course(mine.plain.rows), LEAST_GAIN):
             parts[name] = mine._replace(is_told=True)
     return parts
 
 
-def _is_better_world(parts: Mapping[str, _Part], other: Mapping[str, _Part]) -> bool:
+def _is_better_world(parts: Mapping[str, _Part], rival: Mapping[str, _Part]) -> bool:
     """Whether all parts begin right, all together have more digits, and some have far more."""
-    if parts.keys() != other.keys():
+    if parts.keys() != rival.keys():
         return False
     both = {}
     for k, part in parts.items():
-        count = min(len(part.course), len(other[k].course))
-        both[k] = part.course[:count], other[k].course[:count]
+        count = min(len(part.course), len(rival[k].course))
+        both[k] = part.course[:count], rival[k].course[:count]
     far = [k for k, pair in both.items() if is_better(*pair, FAR_GAIN)]
     return (
         bool(far)
@@ -427,21 +427,22 @@ def _is_better_world(parts: Mapping[str, _Part], other: Mapping[str, _Part]) -> 
 
 
 def _reading(
-    part: str, plain: Way, way: Way, times: Sequence[Fraction], world: str = ""
+    part: str, plain: Way, convention: Way, times: Sequence[Fraction], world: str = ""
 ) -> Reading:
     """A part as it is read; ``plain``: as it stands.  ``world``: the words of another scene, if
-    ``way`` is one of that scene's motion."""
-    words = ", ".join(filter(None, (world, way.words)))
-    change, how = (None, "right with") if world else (way.change, "read as")
-    rows = shown_rows(way, times)
-    return Reading(part, plain.digits, words, way.digits, change, rows, how)
+    ``convention`` is one of that scene's motion."""
+    words = ", ".join(filter(None, (world, convention.words)))
+    change, how = (None, "right with") if world else (convention.change, "read as")
+    rows = shown_rows(convention, times)
+    return Reading(part, plain.digits, words, convention.digits, change, rows, how)
 
 
-def shown_rows(way: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, float], ...]:
+def shown_rows(convention: Way, times: Sequence[Fraction]) -> tuple[tuple[Fraction, float], ...]:
     """Times with the digits of a way there: the first row, one on the way, the last one."""
-    first, last = int(way.fitted), len(times) - 1  # a row that is fitted is right for nothing
+    # a row that is fitted is right for nothing
+    first, last = int(convention.fitted), len(times) - 1
     middle = min(range(first, last + 1), key=lambda k: abs(abs(times[k]) - abs(times[last]) / 4))
-    return tuple((times[k], float(way.rows[k])) for k in sorted({first, middle, last}))
+    return tuple((times[k], float(convention.rows[k])) for k in sorted({first, middle, last}))
 
 
 def whole_parts(subject: Table) -> tuple[dict[str, Doubles], list[Fraction]]:

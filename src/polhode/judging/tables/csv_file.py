@@ -29,7 +29,7 @@ from polhode.common.files import STDIN, called, read_stdin, read_whole
 from polhode.judging.tables.column_aliases import (
     PLAIN,
     Cells,
-    Column,
+    NamedColumn,
     Naming,
     by_clock,
     columns,
@@ -111,7 +111,7 @@ def printed_type(columns: Iterable[Sequence[str]], printed: int) -> NumberType |
             return None
         evidence = 0.0
         for cell in (cell for column in some for cell in column if cell):
-            type_of_cell = _told(cell, kind)
+            type_of_cell = _type_of(cell, kind)
             if type_of_cell is None:
                 break
             evidence += type_of_cell
@@ -126,7 +126,7 @@ def _telling(kind: NumberType) -> int:
     return kind.printed_digits + (kind.bits <= DOUBLE.bits)
 
 
-def _told(cell: str, kind: NumberType) -> float | None:
+def _type_of(cell: str, kind: NumberType) -> float | None:
     """How much a decimal tells for a type, as a power of ten; None where it is not of the type."""
     try:
         _, digits, places = Decimal(cell).as_tuple()
@@ -235,13 +235,13 @@ def table_of_columns(
             raise BadInput(source, "columns", type(data).__name__, expected)
         if names.columns([str(data.index.name)])[0].name == "t":
             data = data.reset_index()
-        held = {str(name): data[name].to_numpy() for name in data.columns}
+        arrays = {str(name): data[name].to_numpy() for name in data.columns}
     else:
         present = [*getattr(data, "coords", ()), *data.keys()]
-        held = {str(name): getattr(data[name], "values", data[name]) for name in present}
-    if (places := names.stamp([*held])) is not None:
-        held = _columns_with_whole_stamps(source, held, *([*held][k] for k in places))
-    header = [*held]
+        arrays = {str(name): getattr(data[name], "values", data[name]) for name in present}
+    if (places := names.stamp([*arrays])) is not None:
+        arrays = _columns_with_whole_stamps(source, arrays, *([*arrays][k] for k in places))
+    header = [*arrays]
     named = names.columns(header)
     clock = next((k for k, column in enumerate(named) if column.name == "t"), None)
     if clock is None:
@@ -250,31 +250,31 @@ def table_of_columns(
     refuse_names(source, "columns", header, named)
     if number is None:
         judged = zip(header, named, strict=True)
-        number = type_of(held[name] for name, column in judged if column.name not in (None, "t"))
+        number = type_of(arrays[name] for name, column in judged if column.name not in (None, "t"))
     cells = [
         None
         if column.name is None
-        else each(source, name, held[name], _cell, "a column of numbers")
+        else each(source, name, arrays[name], _cell, "a column of numbers")
         for name, column in zip(header, named, strict=True)
     ]
     whole = all(isinstance(t, Fraction) and t.denominator == 1 for t in cells[clock] or ())
     named, remarks = by_clock(header, named) if whole else (named, ())
     printed = number.printed_digits if number else MOST_PRINTED
     table = table_of_cells(source, header, named, cells, printed, number)
-    errors = _errors(table.times, held[header[clock]], named[clock].factor)
+    errors = _errors(table.times, arrays[header[clock]], named[clock].factor)
     name = "columns" if source == "compare" else source
     return replace(table, name=name, remarks=(*remarks, *table.remarks), time_errors=errors)
 
 
 def _columns_with_whole_stamps(
-    source: str, held: Mapping[str, Any], seconds: str, rest: str
+    source: str, arrays: Mapping[str, Any], seconds: str, rest: str
 ) -> dict[str, Any]:
     """Columns whose time is in two of them, seconds and nanoseconds, as one of them."""
-    parts = [each(source, name, held[name], _whole, "whole numbers") for name in (seconds, rest)]
+    parts = [each(source, name, arrays[name], _whole, "whole numbers") for name in (seconds, rest)]
     if not all(0 <= part < 10**9 for part in parts[1]) or len(parts[0]) != len(parts[1]):
         raise BadInput(source, rest, None, "whole nanoseconds below 1e9, one for each second")
     times = [Fraction(whole * 10**9 + part, 10**9) for whole, part in zip(*parts, strict=True)]
-    joined = {"t" if name == seconds else name: x for name, x in held.items() if name != rest}
+    joined = {"t" if name == seconds else name: x for name, x in arrays.items() if name != rest}
     return joined | {"t": times}
 
 
@@ -288,7 +288,7 @@ def _whole(value: Any) -> int:
 def table_of_cells(
     source: str,
     header: Sequence[str],
-    named: Sequence[Column],
+    named: Sequence[NamedColumn],
     cells: Sequence[Cells | None],
     printed: int,
     number: NumberType | None,
@@ -310,18 +310,20 @@ def table_of_cells(
     if not times or any(len(column) != len(times) for column in cells_by_name.values()):
         expected = "columns as long as t, with a time in each row"
         raise BadInput(source, "columns", ",".join(header), expected)
-    ignored = tuple(name for name, one in zip(header, named, strict=True) if one.name is None)
+    ignored = tuple(
+        name for name, column_named in zip(header, named, strict=True) if column_named.name is None
+    )
     cells_by_name = with_quaternions(cells_by_name, bits_for(printed))
     yardstick = number or (DOUBLE if printed <= DOUBLE.printed_digits else mp(printed))
     most = number.most_digits if number else min(printed + 2.0, MOST_DIGITS)
-    held = min(most, yardstick.most_digits)
+    digits = min(most, yardstick.most_digits)
     cells_by_name, remarks = _with_rates(cells_by_name, header)
     return Table(
         source,
         tuple(times),
         cells_by_name,
         yardstick,
-        held,
+        digits,
         printed,
         ignored=ignored,
         remarks=remarks,
@@ -349,7 +351,9 @@ def _with_rates(
     return rates, ("gx gy gz were read as rates, for they are no unit vector",)
 
 
-def refuse_names(source: str, key: str, header: Sequence[str], named: Sequence[Column]) -> None:
+def refuse_names(
+    source: str, key: str, header: Sequence[str], named: Sequence[NamedColumn]
+) -> None:
     """Raise BadInput for a column that is there twice, or a header with no column to judge."""
     if (name := twice(named)) is not None:
         both = [f"{of!r}" for of, meant in zip(header, named, strict=True) if meant.name == name]
@@ -468,12 +472,12 @@ def read_csv(path: Path, number: NumberType | None, names: Naming) -> Table:
     """
     piped = str(path) == "-"
     path = Path(STDIN) if piped else path
-    what = "a readable CSV file"
-    content = read_stdin(MAX_BYTES, what) if piped else read_whole(path, MAX_BYTES, what)
+    readable = "a readable CSV file"
+    content = read_stdin(MAX_BYTES, readable) if piped else read_whole(path, MAX_BYTES, readable)
     try:
         sheet = _sheet([*io.StringIO(_text(content), newline="")], names)
     except (ValueError, csv.Error) as fault:
-        raise BadInput(str(path), "file", None, f"{what} ({fault})") from None
+        raise BadInput(str(path), "file", None, f"{readable} ({fault})") from None
     if not sheet.header:
         raise BadInput(str(path), "file", None, "a header line that names the columns")
     places = names.stamp(sheet.header)
@@ -609,7 +613,7 @@ def _commented(lines: Sequence[str], count: int, names: Naming) -> Sequence[str]
     return ()
 
 
-def _table(path: Path, sheet: _Sheet, named: list[Column], number: NumberType | None) -> Table:
+def _table(path: Path, sheet: _Sheet, named: list[NamedColumn], number: NumberType | None) -> Table:
     texts = [*zip(*(row for _, row in sheet.rows), strict=True)]
     clock = next(k for k, meant in enumerate(named) if meant.name == "t")
     whole = all(cell.isdecimal() for cell in texts[clock])
@@ -664,7 +668,7 @@ def _numbers(
 
 def _time_errors(
     times: Sequence[Fraction],
-    clock: Column,
+    clock: NamedColumn,
     texts: Sequence[str],
     number: NumberType | None,
     digits: int,

@@ -77,7 +77,7 @@ def integrated(
     turning = attitude and bool(scene.columns[3:])
     plain = replace(scene, outputs=("attitude",) if turning else (), events=())
     parts = by_sign(times)
-    states, turned = [], []
+    states, attitudes = [], []
     try:
         for part in parts:
             run = solve(plain.at(part), number, interruptible=False)
@@ -85,7 +85,7 @@ def integrated(
                 return None
             states.append(np.asarray(run.states, dtype=float))
             if turning:
-                turned.append(np.asarray(run.attitude, dtype=float))
+                attitudes.append(np.asarray(run.attitude, dtype=float))
     except (BadInput, ImportError, ValueError, OverflowError):
         return None
     places = {t: k for k, t in enumerate(chain(*parts))}
@@ -93,5 +93,5 @@ def integrated(
     rows = np.concatenate(states)[order]
     if not turning:
         return Right(rows)
-    quaternions = np.concatenate(turned)[order]
+    quaternions = np.concatenate(attitudes)[order]
     return Right(rows, quaternions, matrices(quaternions))

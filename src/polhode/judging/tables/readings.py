@@ -52,20 +52,20 @@ def read_as_told(subject: Table, reference: AnyReference, told: str) -> Table:
 
 def at_times_told(
     subject: Table,
-    seen: View,
+    current: View,
     reference: AnyReference,
     words: str,
     change: TimeChange,
 ) -> tuple[Table, View]:
     """A table at changed times, with the reading that says so, and how it is seen there.
 
-    ``seen``: the table before.
+    ``current``: the table before.
     """
     moved = subject.at_other_times(change)
     there = view(moved, reference)
-    before = min((part.plain.digits for part in seen.parts.values()), default=None)
-    way = min((part.way for part in there.parts.values()), key=lambda way: way.digits, default=None)
-    digits, rows = (way.digits, shown_rows(way, there.times)) if way else (None, ())
+    before = min((part.plain.digits for part in current.parts.values()), default=None)
+    best = min((part.way for part in there.parts.values()), key=lambda x: x.digits, default=None)
+    digits, rows = (best.digits, shown_rows(best, there.times)) if best else (None, ())
     reading = Reading("t", before, words, digits, rows=rows)
     return replace(moved, readings=(*moved.readings, reading)), there
 
@@ -81,31 +81,35 @@ def _readings(subject: Table, reference: AnyReference, phrases: Sequence[str]) -
     sample = view(subject, reference)
     if sample.right is None and sample.parts:
         raise BadInput(subject.name, "read", phrases[0], "numbers that can be followed in double")
-    known: dict[str, tuple[str, Way]] = {}
+    by_phrase: dict[str, tuple[str, Way]] = {}
     digits: dict[str, float] = dict.fromkeys(sample.parts, 0.0)
     for part, values in sample.values.items():
-        for way in ways(part, values, sample.right) if sample.right else ():
-            if way.words:
-                known.setdefault(f"{part} {way.words}", (part, way))
+        for convention in ways(part, values, sample.right) if sample.right else ():
+            if convention.words:
+                by_phrase.setdefault(f"{part} {convention.words}", (part, convention))
             else:
-                digits[part] = way.digits
+                digits[part] = convention.digits
     readings: dict[str, Reading] = {}
     for phrase in phrases:
-        if phrase not in known:
-            raise BadInput(subject.name, "read", phrase, _possible(phrase, known, subject))
-        part, way = known[phrase]
-        if way.change is None or part in readings:
-            expected = f"no second reading of {part}" if way.change else _APPLIED
+        if phrase not in by_phrase:
+            raise BadInput(subject.name, "read", phrase, _possible(phrase, by_phrase, subject))
+        part, convention = by_phrase[phrase]
+        if convention.change is None or part in readings:
+            expected = f"no second reading of {part}" if convention.change else _APPLIED
             raise BadInput(subject.name, "read", phrase, expected)
         words = phrase.removeprefix(f"{part} ")
-        rows = shown_rows(way, sample.times)
-        readings[part] = Reading(part, digits[part], words, way.digits, way.change, rows=rows)
+        rows = shown_rows(convention, sample.times)
+        readings[part] = Reading(
+            part, digits[part], words, convention.digits, convention.change, rows=rows
+        )
     return [*readings.values()]
 
 
-def _possible(phrase: str, known: Mapping[str, tuple[str, Way]], subject: Table) -> str:
+def _possible(phrase: str, by_phrase: Mapping[str, tuple[str, Way]], subject: Table) -> str:
     """Readings that a table may have, of those that rename axes only the nearest ones."""
-    applied = [words for words, (_, way) in known.items() if way.change is not None]
+    applied = [
+        words for words, (_, convention) in by_phrase.items() if convention.change is not None
+    ]
     near = get_close_matches(phrase, applied)
     plain = [words for words in applied if "=" not in words and words not in near]
     times = [f"t {words}" for words in other_times(subject.times)]
@@ -115,25 +119,25 @@ def _possible(phrase: str, known: Mapping[str, tuple[str, Way]], subject: Table)
 def as_meant(subject: Table, against: AnyReference) -> tuple[Table, tuple[Reading, ...]]:
     """A table in the conventions in which its wrong parts begin right, where some do; and the
     readings that are told and not applied."""
-    seen = view(subject, against)
-    if seen.is_right:
-        return with_unit_quaternions(subject, seen), ()
-    world = other_world(seen, subject, against.scene)
+    current = view(subject, against)
+    if current.is_right:
+        return with_unit_quaternions(subject, current), ()
+    world = other_world(current, subject, against.scene)
     if world is not None and world.change is None:
-        return with_unit_quaternions(subject, seen), tuple(seen.readings_in(world))
+        return with_unit_quaternions(subject, current), tuple(current.readings_in(world))
     if world is not None and world.change is not None:
-        subject, seen = at_times_told(subject, seen, against, world.words, world.change)
-    elif not is_explained(seen.parts):
+        subject, current = at_times_told(subject, current, against, world.words, world.change)
+    elif not is_explained(current.parts):
         remarks = (*subject.remarks, *clock_remark(subject, against.scene))
         subject = replace(subject, remarks=remarks)
-    subject = with_unit_quaternions(subject, seen)
-    applied = [reading for reading in seen.readings if reading.change is not None]
+    subject = with_unit_quaternions(subject, current)
+    applied = [reading for reading in current.readings if reading.change is not None]
     return subject.read_as(applied), tuple(
-        reading for reading in seen.readings if reading.change is None
+        reading for reading in current.readings if reading.change is None
     )
 
 
-def with_unit_quaternions(subject: Table, seen: View) -> Table:
+def with_unit_quaternions(subject: Table, current: View) -> Table:
     """A table whose quaternions are of length 1, if they have another one."""
     attitude = subject.rows(ATTITUDE)
     sizes = None if attitude is None else lengths(attitude)
@@ -141,7 +145,7 @@ def with_unit_quaternions(subject: Table, seen: View) -> Table:
         return subject
     unit = [of_length_one(row, subject.number.bits) for row in attitude]
     before = max(0.0, -math.log10(max(abs(x - 1) for x in sizes)))
-    now = seen.parts["attitude"].plain.digits if "attitude" in seen.parts else 0.0
+    now = current.parts["attitude"].plain.digits if "attitude" in current.parts else 0.0
     reading = Reading("attitude", before, LENGTH, now)
     subject = subject.with_rows(ATTITUDE, unit)
     return replace(subject, readings=(*subject.readings, reading))

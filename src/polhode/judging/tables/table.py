@@ -56,16 +56,17 @@ class Change(NamedTuple):
         if not self.order:
             return [None if x is None else exactly(x) for x in row]
         cells = [None if (x := row[k]) is None else exactly(x) for k in self.order]
-        turned = [None if x is None else s * x for s, x in zip(self.signs, cells, strict=True)]
-        held = [x for x in turned if x is not None]
+        signed = [None if x is None else s * x for s, x in zip(self.signs, cells, strict=True)]
+        numbers = [x for x in signed if x is not None]
         if {self.space, self.body} != {(1, 0, 0, 0)}:
-            if len(held) < len(turned):
-                return [None] * len(turned)
+            if len(numbers) < len(signed):
+                return [None] * len(signed)
             by = 1 / (_quaternion_length(self.space) * _quaternion_length(self.body))
             return [
-                by * x for x in quaternion_product(quaternion_product(self.space, held), self.body)
+                by * x
+                for x in quaternion_product(quaternion_product(self.space, numbers), self.body)
             ]
-        return [x * self.degrees * degree() if x and self.degrees else x for x in turned]
+        return [x * self.degrees * degree() if x and self.degrees else x for x in signed]
 
 
 class TimeChange(NamedTuple):

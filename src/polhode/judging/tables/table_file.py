@@ -95,16 +95,16 @@ def _arrays(path: Path, names: Naming) -> Arrays:
 
     try:
         if zipfile.is_zipfile(io.BytesIO(data)):
-            held: Any = read_npz(data, most=MAX_BYTES)
+            content: Any = read_npz(data, most=MAX_BYTES)
         else:
-            held = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
+            content = np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
     except _FAULTS as fault:
         expected = f"arrays of numbers that NumPy wrote ({fault})"
         raise BadInput(str(path), "file", None, expected) from None
-    if not isinstance(held, dict):
-        return _of_one(path, held, names)
+    if not isinstance(content, dict):
+        return _of_one(path, content, names)
     flat: dict[str, object] = {}
-    for name, array in held.items():
+    for name, array in content.items():
         parts = _flat(path, name, array)
         if again := [part for part in parts if part in flat]:
             expected = f"each column once ({name!r} has it again)"

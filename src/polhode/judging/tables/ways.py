@@ -60,8 +60,8 @@ def nearest_renaming(matrix: Doubles) -> Doubles | None:
 def in_words(matrix: Doubles) -> str:
     """A renaming as ``x y z = x -z y``; empty where the axes stay."""
     order, signs = np.argmax(np.abs(matrix), axis=1), matrix.sum(axis=1)
-    held = ["-" * bool(s < 0) + "xyz"[k] for s, k in zip(signs, order, strict=True)]
-    return "" if held == ["x", "y", "z"] else f"x y z = {' '.join(held)}"
+    signed_axes = ["-" * bool(s < 0) + "xyz"[k] for s, k in zip(signs, order, strict=True)]
+    return "" if signed_axes == ["x", "y", "z"] else f"x y z = {' '.join(signed_axes)}"
 
 
 def rotation_in_words(matrix: Doubles) -> str:
@@ -127,11 +127,11 @@ def other_times(times: Sequence[Fraction]) -> dict[str, TimeChange]:
     """
     first, *later = sorted({*times})
     last = max(times)
-    begun, back = {}, {"of the other sense": TimeChange(sign=-1)}
+    shifts, back = {}, {"of the other sense": TimeChange(sign=-1)}
     units = {name: TimeChange(unit=length) for name, length in UNITS.items()}
     if first:
         words = f"from its first row on ({brief(first)})"
-        begun[words] = TimeChange(shift=first)
+        shifts[words] = TimeChange(shift=first)
         back[f"of the other sense, {words}"] = TimeChange(-1, shift=-first)
         for name, length in UNITS.items():
             units[f"{name}, {words}"] = TimeChange(unit=length, shift=length * first)
@@ -143,7 +143,7 @@ def other_times(times: Sequence[Fraction]) -> dict[str, TimeChange]:
         for second in later[:1]
         for sign, word in ((1, "late"), (-1, "early"))
     }
-    return begun | steps | back | units
+    return shifts | steps | back | units
 
 
 def clock_remark(subject: Table, scene: Scene) -> tuple[str, ...]:
@@ -232,9 +232,9 @@ def _of_omega(values: Doubles, right: Right) -> Iterator[Way]:
             yield from _of_vector(STATE[:3], values, true, True, degrees, unit)
         if right.matrices is not None:
             along = np.einsum("nij,nj->ni", right.matrices, true)
-            for way in _of_vector(("x", "y", "z"), factor * values, along, True):
-                words = filter(None, ("along the axes of space", way.words, unit))
-                yield Way(" ".join(words), way.rows, tries=way.tries)
+            for convention in _of_vector(("x", "y", "z"), factor * values, along, True):
+                words = filter(None, ("along the axes of space", convention.words, unit))
+                yield Way(" ".join(words), convention.rows, tries=convention.tries)
 
 
 def _of_vector(
@@ -246,8 +246,8 @@ def _of_vector(
     unit: str = "",
 ) -> Iterator[Way]:
     """Axes in another order or of another sense, left-handed frames among them."""
-    held = values * (degrees * _DEGREE or 1.0)
-    renamed = held[:, _ORDERS_OF_AXES] * _SIGNS_OF_AXES
+    scaled = values * (degrees * _DEGREE or 1.0)
+    renamed = scaled[:, _ORDERS_OF_AXES] * _SIGNS_OF_AXES
     off = np.abs(renamed - true[:, None, :]).max(axis=2) / size_of_motion(true, relative)
     digits = _digits(off)
     for k, (order, signs) in enumerate(AXES):
@@ -270,10 +270,10 @@ def _of_attitude(values: Doubles, right: Right) -> Iterator[Way]:
     yield Way("", _against(matrices(values), true), Change())
     forms: list[_Form] = []
     for order, place in _ORDERS:
-        turned = matrices(values[:, order])
+        rotations = matrices(values[:, order])
         back = ", ".join(filter(None, (place, "body from space")))
-        forms.append((place, turned, Change(order, (1, 1, 1, 1))))
-        forms.append((back, turned.transpose(0, 2, 1), Change(order, (1, -1, -1, -1))))
+        forms.append((place, rotations, Change(order, (1, 1, 1, 1))))
+        forms.append((back, rotations.transpose(0, 2, 1), Change(order, (1, -1, -1, -1))))
     yield from _in_frames(forms, true)
 
 
@@ -286,17 +286,17 @@ def _in_frames(forms: Sequence[_Form], true: Any) -> list[Way]:
     """Rotations in all frames, by those that they rename: a change of scalar or sense may be one of
     frames."""
     conventions = []
-    for form, held, change in forms:
-        for frames in _frames(held, true):
+    for form, rotations, change in forms:
+        for frames in _frames(rotations, true):
             words = ", ".join(filter(None, (form, frames.words)))
             tries = len(forms) * frames.tries
             whole = None
             if change is not None and not frames.is_fitted:
                 space, body = quaternion(frames.space.T), quaternion(frames.body)
                 whole = change._replace(space=space, body=body)
-            way = Way(words, frames.rows, whole, tries, frames.is_fitted, frames.renamed)
-            conventions += [way] if words else []
-    return sorted(conventions, key=lambda way: way.renamed)
+            convention = Way(words, frames.rows, whole, tries, frames.is_fitted, frames.renamed)
+            conventions += [convention] if words else []
+    return sorted(conventions, key=lambda convention: convention.renamed)
 
 
 class _Frames(NamedTuple):
@@ -311,7 +311,7 @@ class _Frames(NamedTuple):
     def words(self) -> str:
         """What the frames are called."""
         if not self.is_fitted:
-            return _told(self.space, self.body)
+            return _words_of(self.space, self.body)
         if np.array_equal(self.body, np.eye(3)):
             return f"{TURN}{rotation_in_words(self.space.T)} in space axes"
         return f"{TURN}{rotation_in_words(self.body)} in body axes"
@@ -329,25 +329,25 @@ class _Frames(NamedTuple):
         return 3 if self.is_fitted else self.words.count("=")
 
 
-def _frames(held: Doubles, true: Any) -> Iterator[_Frames]:
+def _frames(rotations: Doubles, true: Any) -> Iterator[_Frames]:
     """Frames in which matrices are the true ones, nearly in the first row.
 
     Axes may have other names, or the first row tells by which rotation all differ.  Two left-handed
     frames turn a matrix as two right-handed ones do, their opposites.
     """
-    few, same = len(held) < LEAST_ROWS, np.eye(3)
+    few, same = len(rotations) < LEAST_ROWS, np.eye(3)
     for body in TURNED[:1] if few else TURNED:
-        space = nearest_renaming(held[0] @ body @ true[0].T)
+        space = nearest_renaming(rotations[0] @ body @ true[0].T)
         if space is not None and (np.array_equal(space, same) or not few):
-            yield _Frames(space, body, _against(space.T @ held @ body, true))
-    if few or not np.all(np.isfinite(held[0])):
+            yield _Frames(space, body, _against(space.T @ rotations @ body, true))
+    if few or not np.all(np.isfinite(rotations[0])):
         return
-    space, body = held[0] @ true[0].T, held[0].T @ true[0]
-    yield _Frames(space, same, _against(space.T @ held, true), True)
-    yield _Frames(same, body, _against(held @ body, true), True)
+    space, body = rotations[0] @ true[0].T, rotations[0].T @ true[0]
+    yield _Frames(space, same, _against(space.T @ rotations, true), True)
+    yield _Frames(same, body, _against(rotations @ body, true), True)
 
 
-def _told(space: Doubles, body: Doubles) -> str:
+def _words_of(space: Doubles, body: Doubles) -> str:
     """What frames are called; a world by its vertical where the body's axes are the scene's."""
     words = []
     if in_words(space):
@@ -362,15 +362,15 @@ def _told(space: Doubles, body: Doubles) -> str:
 def _of_angles(values: Doubles, right: Right) -> Iterator[Way]:
     true = right.matrices
     yield Way("", _against(turns("zxz", values), true), Change())
-    held = turns("zxz", _DEGREE * values)
-    yield Way("in degrees", _against(held, true), Change(SAME, (1, 1, 1), 1))
+    rotations_by_zxz = turns("zxz", _DEGREE * values)
+    yield Way("in degrees", _against(rotations_by_zxz, true), Change(SAME, (1, 1, 1), 1))
     forms: list[_Form] = []
     for sequence in _SEQUENCES:
         for factor, unit in ((1.0, ""), (_DEGREE, " in degrees")):
-            turned = turns("".join(sequence), factor * values)
+            rotations = turns("".join(sequence), factor * values)
             name = f"turns about {'-'.join(sequence)}{unit}"
-            forms.append((name, turned, None))
-            forms.append((f"{name} body from space", turned.transpose(0, 2, 1), None))
+            forms.append((name, rotations, None))
+            forms.append((f"{name} body from space", rotations.transpose(0, 2, 1), None))
     yield from _in_frames(forms, true)
 
 
