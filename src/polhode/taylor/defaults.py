@@ -122,8 +122,9 @@ class LongStepChoice(NamedTuple):
 _LONG_ORDERS = ((3e-4, 14, 12), (3e-6, 16, 14), (3e-8, 20, 14), (3e-10, 24, 14), (1e-12, 28, 16))
 LONG_MANY = 1000
 #: Of a first attempt: radians of the bound of the rate in a step, over tolerance**(1 / order).
-#: Of 48 starts of six kinds heyoka granted as much to all, and 4.3 to 5.2 in the median.
-LONG_REACH = 2.6
+#: Of 48 starts of six kinds heyoka granted as much to all, and 4.3 to 5.2 in the median; so the
+#: second is tried where it takes LONG_FEW steps at most, for which a refusal costs little.
+LONG_REACH, LONG_TRIED, LONG_FEW = 2.6, 4.8, 4
 #: Above this tolerance the order is heyoka's own and so much, where a propagator's way is longer
 #: than so many radians of the bound, and than those of its outputs.
 ABOVE, MORE, FAR, FAR_OUTPUTS = 5e-7, 2, 20.0, 5.0
@@ -133,7 +134,7 @@ def long_steps(tolerance: float) -> tuple[LongStepChoice, ...]:
     """The long steps for a tolerance, with few outputs and with many; none where there are none."""
     for least, few, many in _LONG_ORDERS:
         if tolerance > least:
-            return LongStepChoice(few, 50), LongStepChoice(many, 100)
+            return LongStepChoice(few, 25), LongStepChoice(many, 100)
     return ()
 
 

@@ -9,8 +9,8 @@ and, by the proven bound of the motion's rate, enough outputs fall into a step.
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
-from typing import Any
+from collections.abc import Callable
+from typing import Any, cast
 from weakref import finalize
 
 import numpy as np
@@ -32,21 +32,27 @@ class Powers:
 
     A polynomial holds on both sides of where it begins: of more than one step that of every second
     one is used, back to the beginning of the one before.  ``parts``: for each step the powers and
-    which rows they are of, in blocks.
+    which rows they are of, in blocks.  ``product``: of the powers with anything, where the only
+    ones are those of the last step, in one block.
     """
 
     def __init__(self, grid: Grid, count: int, order: int) -> None:
-        self.step = grid.ahead[-1] / count
+        self.step = grid.end / count
         self.parts: list[list[tuple[Doubles, slice]]] = [[] for _ in range(count)]
-        spare, first = len(grid.ahead) - grid.size, 0
+        times = cast(Doubles, grid.times)
+        ahead, first = np.abs(times) if count > 2 else times, 0
         for k in range(1, count, 2) if count > 1 else (0,):
             last = grid.size
             if k + 1 < count:
-                last = bisect_left(grid.ahead, abs((k + 1) * self.step), key=abs) - spare
+                last = int(ahead.searchsorted(abs((k + 1) * self.step)))
             for i in range(first, last, _BLOCK):
                 block = slice(i, min(i + _BLOCK, last))
-                self.parts[k].append((_powers(grid.times[block] - k * self.step, order), block))
+                since = times[block] - k * self.step if k else times[block]
+                self.parts[k].append((_powers(since, order), block))
             first = last
+        self.product: Callable[[Doubles], Doubles] | None = None
+        if count <= 2 and grid.size <= _BLOCK:
+            self.product = self.parts[-1][0][0].dot
 
 
 def _powers(times: Doubles, order: int) -> Doubles:
@@ -73,48 +79,63 @@ class LongSteps:
     ) -> None:
         self._system, self._backs = system, backs
         self._order, self._outputs = choice
-        radians = defaults.LONG_REACH * float(system.tolerance or 0) ** (1 / self._order)
-        self._reach = radians * radians  # of a step of the first attempt
+        radians = float(system.tolerance or 0) ** (1 / self._order)
+        self._sure = defaults.LONG_REACH * radians  # of a step of the first attempt
+        self._tried = defaults.LONG_TRIED * radians  # of one of few
         self._grid: Grid | None = None
         self._kept: dict[int, Powers] = {}
+        self._most, self._farthest = 0, 0.0  # steps that pay, and what these reach
 
-    def rows(self, start: Doubles, grid: Grid, square: float) -> tuple[Doubles, int] | None:
+    def rows(self, start: memoryview, grid: Grid, square: float) -> tuple[Doubles, int] | None:
         """States at the times of a grid, and the number of steps; None where others do better.
 
         ``square``: of a bound of the radians to the last time.  By it the first attempt is made;
         heyoka alone decides how long a step may be, so that its error is the tolerance's.  Where it
         grants less the whole is done again with shorter steps, as long as these pay.
         """
-        most, end = grid.size // self._outputs, grid.ahead[-1]
-        if not square <= self._reach * most * most:
+        if grid is not self._grid:
+            self._keep(grid)
+        if not square <= self._farthest:
             return None
-        if grid.size * self._order > _NUMBERS or abs(end) > _LONGEST:
-            return None
-        state, step, (terms, factors, scaled), coefficients = self._prepared
-        count, engine = math.ceil(math.sqrt(square / self._reach)) or 1, self._engine
-        while (count := count + (count > 1 and count % 2)) <= most:
-            powers = self._powers(grid, count)
-            length = powers.step
+        radians = math.sqrt(square)
+        count = math.ceil(radians / self._tried) or 1
+        if count > defaults.LONG_FEW:
+            count = math.ceil(radians / self._sure)
+        state, step, terms, factors, scaled, coefficients, kept = self._prepared
+        while (count := count + (count > 1 and count % 2)) <= self._most:
+            powers = self._kept.get(count) or self._powers(grid, count)
+            length, product = powers.step, powers.product
             state[:] = start
-            engine.heyoka.time = 0.0
-            if engine.kept:
-                engine.tell_kept()
-            rows = np.empty((grid.size, len(start)))
+            if kept:
+                self._engine.tell_kept()
+            if product is None:
+                rows = np.empty((grid.size, len(start)))
             for blocks in powers.parts:
                 granted = step(length, len(blocks) > 0)[1]
                 if granted != length:
                     break
                 if factors is not None and blocks:
                     np.multiply(terms, factors, scaled)
-                for matrix, block in blocks:
-                    np.dot(matrix, coefficients, rows[block])
+                if product is None:
+                    for matrix, block in blocks:
+                        np.dot(matrix, coefficients, rows[block])
             else:
-                return rows, count
+                return (rows if product is None else product(coefficients)), count
             if not granted / length > 0:  # not a number
-                engine.tell_scale()
+                self._engine.tell_scale()
+                self._engine.heyoka.time = 0.0
                 return None
-            count = max(count + 1, math.ceil(end / granted))
+            count = max(count + 1, math.ceil(grid.end / granted))
         return None
+
+    def _keep(self, grid: Grid) -> None:
+        """Be about a grid, until another one comes."""
+        self._grid, self._kept = grid, {}
+        self._most = grid.size // self._outputs
+        if grid.size * self._order > _NUMBERS or abs(grid.end) > _LONGEST:
+            self._most = 0
+        few = min(self._most, defaults.LONG_FEW)
+        self._farthest = max(self._sure * self._most, self._tried * few) ** 2 if few else -1.0
 
     @cached_property
     def _engine(self) -> Engine:
@@ -124,28 +145,23 @@ class LongSteps:
         return engine
 
     @cached_property
-    def _prepared(self) -> tuple[Any, Any, tuple[Doubles, Doubles | None, Doubles], Doubles]:
-        """The state's memory, heyoka's step, its terms and what scales them, and coefficients."""
-        heyoka, columns = self._engine.heyoka, self._engine.columns
+    def _prepared(self) -> tuple[Any, ...]:
+        """The state's memory, heyoka's step, terms, what scales them, coefficients, any kept."""
+        engine = self._engine
+        heyoka, columns = engine.heyoka, engine.columns
         terms: Doubles = heyoka.tc  # a view: those of the last step
         factors, scaled = None, terms
         if self._backs is not None:
             factors, scaled = np.ones_like(terms), np.empty_like(terms)
             factors[:columns] = self._backs[:, None]
-        return (
-            memoryview(self._engine.state),
-            heyoka.step,
-            (terms, factors, scaled),
-            scaled[:columns].T,
-        )
+        heyoka.time = 0.0
+        coefficients = scaled[:columns].T
+        state = memoryview(engine.state)
+        return state, heyoka.step, terms, factors, scaled, coefficients, bool(engine.kept)
 
     def _powers(self, grid: Grid, count: int) -> Powers:
-        """Those of so many steps, kept until another grid comes."""
-        if grid is not self._grid:
-            self._grid, self._kept = grid, {}
-        powers = self._kept.get(count)
-        if powers is None:
-            if (len(self._kept) + 1) * grid.size * self._order > _NUMBERS:
-                self._kept.clear()
-            powers = self._kept[count] = Powers(grid, count, self._order)
+        """Those of so many steps, kept with the grid."""
+        if (len(self._kept) + 1) * grid.size * self._order > _NUMBERS:
+            self._kept.clear()
+        powers = self._kept[count] = Powers(grid, count, self._order)
         return powers
