@@ -244,7 +244,9 @@ class Propagator:
                         self.outcome = _REACHED_END
                         if self._turn is not None:
                             return self._read(engine.state)
-                        state: Flat = engine.state * self._back
+                        state: Flat = (
+                            engine.state.copy() if self._plain else engine.state * self._back
+                        )
                         return state
             elif (grid := self._grid(t)) is not None and (
                 square := grid.square * rate

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, cast
+from typing import Any
 from weakref import finalize
 
 import numpy as np
@@ -30,42 +30,62 @@ _BLOCK = 1500  # outputs of a product: what they take stays in the caches
 class Powers:
     """Powers of the times of a grid since some of ``count`` equal steps began; how long these are.
 
-    A polynomial holds on both sides of where it begins: of more than one step that of every second
-    one is used, back to the beginning of the one before.  ``parts``: for each step the powers and
-    which rows they are of, in blocks.  ``product``: of the powers with anything, where the only
+    A polynomial holds on both sides of where it begins: that of every second step is used, back to
+    the beginning of the one before, and that of the last one.  ``parts``: for each step the powers
+    and which rows they are of, in blocks.  ``product``: of the powers with anything, where the only
     ones are those of the last step, in one block.
     """
 
+    product: Callable[[Doubles], Doubles] | None = None
+
     def __init__(self, grid: Grid, count: int, order: int) -> None:
-        self.step = grid.end / count
+        self.count, self.step = count, grid.end / count
         self.parts: list[list[tuple[Doubles, slice]]] = [[] for _ in range(count)]
-        times = cast(Doubles, grid.times)
-        ahead, first = np.abs(times) if count > 2 else times, 0
-        for k in range(1, count, 2) if count > 1 else (0,):
+        times: Any = grid.times
+        if count <= 2 and grid.size <= _BLOCK:
+            self._only = _Table(grid.size, order)
+            self.parts[-1].append((self._only.matrix, slice(None)))
+            self.product = self._only.matrix.dot
+            self.be_about(grid)
+            return
+        ahead, first = np.abs(times), 0
+        for k in sorted({*range(1, count, 2), count - 1}):
             last = grid.size
             if k + 1 < count:
                 last = int(ahead.searchsorted(abs((k + 1) * self.step)))
             for i in range(first, last, _BLOCK):
                 block = slice(i, min(i + _BLOCK, last))
-                since = times[block] - k * self.step if k else times[block]
-                self.parts[k].append((_powers(since, order), block))
+                table = _Table(block.stop - i, order)
+                table.fill(times[block] - k * self.step)
+                self.parts[k].append((table.matrix, block))
             first = last
-        self.product: Callable[[Doubles], Doubles] | None = None
-        if count <= 2 and grid.size <= _BLOCK:
-            self.product = self.parts[-1][0][0].dot
+
+    def be_about(self, grid: Grid) -> None:
+        """Hold the powers of another grid of as many times, where there is a ``product``."""
+        self.step = grid.end / self.count
+        self._only.fill(grid.times - self.step if self.count == 2 else grid.times)
 
 
-def _powers(times: Doubles, order: int) -> Doubles:
+class _Table:
     """(n, order + 1): the powers of so many times, twice as many after each product."""
-    powers = np.empty((order + 1, len(times)))
-    powers[0], powers[1] = 1.0, times
-    highest = 1
-    while highest < order:
-        more = min(highest, order - highest)
-        product = powers[highest + 1 : highest + more + 1]
-        np.multiply(powers[1 : more + 1], powers[highest], product)
-        highest += more
-    return powers.T
+
+    def __init__(self, size: int, order: int) -> None:
+        powers = np.empty((order + 1, size))
+        powers[0] = 1.0
+        self.matrix, self._times = powers.T, powers[1]
+        self._products = [(powers[1], powers[1], powers[2])]
+        highest = 2
+        while highest < order:
+            more = min(highest, order - highest)
+            product = powers[highest + 1 : highest + more + 1]
+            self._products.append((powers[1 : more + 1], powers[highest], product))
+            highest += more
+
+    def fill(self, times: Any) -> None:
+        """Make the powers of these times."""
+        self._times[:] = times
+        for lower, highest, product in self._products:
+            np.multiply(lower, highest, product)
 
 
 class LongSteps:
@@ -84,6 +104,7 @@ class LongSteps:
         self._tried = defaults.LONG_TRIED * radians  # of one of few
         self._grid: Grid | None = None
         self._kept: dict[int, Powers] = {}
+        self._spare: dict[int, Powers] = {}  # of the grid before, whose memory is used again
         self._most, self._farthest = 0, 0.0  # steps that pay, and what these reach
 
     def rows(self, start: memoryview, grid: Grid, square: float) -> tuple[Doubles, int] | None:
@@ -102,7 +123,7 @@ class LongSteps:
         if count > defaults.LONG_FEW:
             count = math.ceil(radians / self._sure)
         state, step, terms, factors, scaled, coefficients, kept = self._prepared
-        while (count := count + (count > 1 and count % 2)) <= self._most:
+        while count <= self._most:
             powers = self._kept.get(count) or self._powers(grid, count)
             length, product = powers.step, powers.product
             state[:] = start
@@ -130,6 +151,8 @@ class LongSteps:
 
     def _keep(self, grid: Grid) -> None:
         """Be about a grid, until another one comes."""
+        same = self._grid is not None and self._grid.size == grid.size
+        self._spare = {k: x for k, x in self._kept.items() if x.product} if same else {}
         self._grid, self._kept = grid, {}
         self._most = grid.size // self._outputs
         if grid.size * self._order > _NUMBERS or abs(grid.end) > _LONGEST:
@@ -163,5 +186,10 @@ class LongSteps:
         """Those of so many steps, kept with the grid."""
         if (len(self._kept) + 1) * grid.size * self._order > _NUMBERS:
             self._kept.clear()
-        powers = self._kept[count] = Powers(grid, count, self._order)
+        powers = self._spare.pop(count, None)
+        if powers is None:
+            powers = Powers(grid, count, self._order)
+        else:
+            powers.be_about(grid)
+        self._kept[count] = powers
         return powers
