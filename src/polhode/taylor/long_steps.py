@@ -36,34 +36,36 @@ class Powers:
     ones are those of the last step, in one block.
     """
 
-    product: Callable[[Doubles], Doubles] | None = None
-
     def __init__(self, grid: Grid, count: int, order: int) -> None:
-        self.count, self.step = count, grid.end / count
+        self._count, self._order = count, order
+        self._tables: list[_Table] = []
+        self.be_about(grid)
+
+    def be_about(self, grid: Grid) -> None:
+        """Hold the powers of a grid, in the memory of those before as far as it fits."""
+        count, before = self._count, self._tables
+        self.step, self._tables = grid.end / count, []
         self.parts: list[list[tuple[Doubles, slice]]] = [[] for _ in range(count)]
         times: Any = grid.times
-        if count <= 2 and grid.size <= _BLOCK:
-            self._only = _Table(grid.size, order)
-            self.parts[-1].append((self._only.matrix, slice(None)))
-            self.product = self._only.matrix.dot
-            self.be_about(grid)
-            return
-        ahead, first = np.abs(times), 0
-        for k in sorted({*range(1, count, 2), count - 1}):
+        first, ahead = 0, np.abs(times) if count > 2 else times
+        for k in range(count):
             last = grid.size
             if k + 1 < count:
+                if k % 2 == 0:
+                    continue
                 last = int(ahead.searchsorted(abs((k + 1) * self.step)))
             for i in range(first, last, _BLOCK):
                 block = slice(i, min(i + _BLOCK, last))
-                table = _Table(block.stop - i, order)
+                table = before.pop(0) if before else None
+                if table is None or table.matrix.shape[0] != block.stop - i:
+                    table = _Table(block.stop - i, self._order)
                 table.fill(times[block] - k * self.step)
+                self._tables.append(table)
                 self.parts[k].append((table.matrix, block))
             first = last
-
-    def be_about(self, grid: Grid) -> None:
-        """Hold the powers of another grid of as many times, where there is a ``product``."""
-        self.step = grid.end / self.count
-        self._only.fill(grid.times - self.step if self.count == 2 else grid.times)
+        self.product: Callable[[Doubles], Doubles] | None = None
+        if count <= 2 and len(self._tables) == 1:
+            self.product = self._tables[0].matrix.dot
 
 
 class _Table:
@@ -152,7 +154,7 @@ class LongSteps:
     def _keep(self, grid: Grid) -> None:
         """Be about a grid, until another one comes."""
         same = self._grid is not None and self._grid.size == grid.size
-        self._spare = {k: x for k, x in self._kept.items() if x.product} if same else {}
+        self._spare = self._kept if same else {}
         self._grid, self._kept = grid, {}
         self._most = grid.size // self._outputs
         if grid.size * self._order > _NUMBERS or abs(grid.end) > _LONGEST:
