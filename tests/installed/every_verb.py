@@ -3,7 +3,7 @@
 Makes a wheel of this checkout, which has to have every file of the package, and an environment of
 its own, in a folder that is removed at the end; installs the wheel with what the first command of
 the README installs, and runs the examples of all verbs and the commands below from an empty
-folder, as a user who never ran polhode; then installs what figures need, and runs
+folder, as a user who never ran polhode; then installs what figures and the report need, and runs
 those that draw.  A command fails by another exit code than the one beside it, by a traceback or a
 warning.  Exit code 0 if all passed.
 
@@ -76,7 +76,7 @@ def main() -> int:
         rows = [*BARE, *examples(python, user, environment), *AFTER]
         faults = [*missing(wheel)]
         faults += [f for row in rows for f in told(python, *row, user, environment)]
-        run([*pip, "install", "--no-compile", f"{wheel}[figures]"])
+        run([*pip, "install", "--no-compile", f"{wheel}[report]"])
         faults += [f for row in WITH_FIGURES for f in told(python, *row, user, environment)]
     count = len(rows) + len(WITH_FIGURES)
     print("\n".join(faults) or f"installed: {count} commands passed")

@@ -75,10 +75,10 @@ class Frequencies(Result, ByValue):
 
     ``known``: frequencies by name that the lines are combinations of: a closed form's where
     ``closed_form``, else lines that are no combination of those before.  ``rates_of``:
-    which axis turns, and about which, where a rate's name leaves it open.  The mean of a real
-    signal is taken away.  ``step``: the time between two samples, and ``step_error`` what it may
-    be off where the times are rounded, which the errors of the lines include.  ``scene``: with the
-    times of the samples; None of a table or of listed times.
+    which axis turns, and about which, where a rate's name leaves it open.  The mean of a real signal is
+    taken away.  ``step``: the time between two samples, and ``step_error`` what it may be off
+    where the times are rounded, which the errors of the lines include.  ``scene``: with the times
+    of the samples; None of a table or of listed times.
 
     >>> import polhode
     >>> found = polhode.frequencies("lagrange/nutation", of=["gamma3"], end=200)
