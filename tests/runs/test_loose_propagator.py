@@ -101,6 +101,7 @@ def test_of_a_start_faster_than_the_scene_gamma_is_off_by_that_many_tolerances(f
 def test_heyoka_decides_how_long_a_step_may_be(tol, monkeypatch):
     """However much longer steps are tried."""
     monkeypatch.setattr(defaults, "LONG_REACH", 40.0)
+    monkeypatch.setattr(defaults, "LONG_TRIED", 40.0)
     for name in ("chaotic", "symmetric", "turned", "unit"):
         scene = top(name)
         go = polhode.propagator(scene, tol=tol)

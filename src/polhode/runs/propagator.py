@@ -119,6 +119,7 @@ class Propagator:
         frame = system.frame
         self._turn = None if frame.axes.trivial else frame.matrix(EXTENDED)
         unit = np.ldexp(self._kind.type(1), frame.exponent)
+        self._back_unit = unit.item()
         self._scale = np.ones(self._shape, self._kind)
         self._scale[:3] = unit
         self._back = 1 / self._scale
@@ -227,8 +228,11 @@ class Propagator:
                 rate += of_p * p * p + of_q * q * q + of_r * r * r + of_a * a + of_b * b + of_c * c
                 if self._turn is not None:
                     self._state[...] = self._inside(start)
-                elif not self._plain:
+                elif self._long:
                     np.multiply(start, self._scale, self._state)
+                elif not self._plain:
+                    memory, unit = self._memory, self._back_unit
+                    memory[0], memory[1], memory[2] = p * unit, q * unit, r * unit
             engine = self._engine
             if type(t) is float:
                 if (square := t * t * rate) < self._sure:  # not where any of them is not finite
@@ -240,14 +244,16 @@ class Propagator:
                         self.outcome = _REACHED_END
                         if self._turn is not None:
                             return self._read(engine.state)
-                        state: Flat = engine.state * self._back
+                        state: Flat = (
+                            engine.state.copy() if self._plain else engine.state * self._back
+                        )
                         return state
             elif (grid := self._grid(t)) is not None and (
                 square := grid.square * rate
             ) < self._sure:
                 if self._long_steps:
                     long_steps = self._long_steps[grid.size >= defaults.LONG_MANY]
-                    if (attempt := long_steps.rows(self._state, grid, square)) is not None:
+                    if (attempt := long_steps.rows(self._memory, grid, square)) is not None:
                         outputs, self.steps = attempt
                         self.outcome = _REACHED_END
                         return outputs if self._turn is None else self._read(outputs)

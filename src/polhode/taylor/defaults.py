@@ -98,17 +98,19 @@ def of(number: NumberType) -> Policy:
 # body each of four or five kinds, the median (least-most).
 #
 #   long steps, tol    101, t = 0.3      101, t = 1        10 001, t = 1    10 001, t = 10
-#   1e-5                                 1.09 (0.97-1.69)  3.7 (3.1-6.3)    2.9 (2.2-5.8)
-#   1e-7               1.32 (1.26-1.47)  1.07 (0.91-1.25)  6.7 (3.1-8.2)    2.7 (1.7-5.1)
-#   1e-9                                 1.02 (0.91-1.43)  5.9 (4.8-7.4)    3.3 (1.4-4.1)
+#   1e-5                                 1.64 (from 0.80)  3.7 (3.1-6.3)    2.9 (2.2-5.8)
+#   1e-7               1.32 (1.26-1.47)  1.52 (from 0.75)  6.7 (3.1-8.2)    2.7 (1.7-5.1)
+#   1e-9                                 1.54 (from 0.94)  5.9 (4.8-7.4)    3.3 (1.4-4.1)
 #
 #   higher order, tol  the end, t = 1    the end, t = 10   101, t = 10      101, t = 100
 #   1e-5               0.96 (0.92-1.29)  1.13 (0.97-1.72)  1.04 (1.0-1.6)   1.35 (1.2-2.0)
 #   1e-6               1.02 (1.00-1.23)  1.04 (0.97-1.38)  0.99 (0.9-1.3)   1.18 (1.1-1.6)
 #
-# With 51 outputs two long steps cost what heyoka's grid does (0.97), with 1001 some 20 do (1.0);
-# times that are asked for once cost more, since their powers are made first (0.8 with 101).  Higher
-# orders of tolerances below 5e-7 are faster only for what they lose in digits.
+# With 101 outputs three or four long steps gain 1.1 to 1.5 where the times are known.  With times
+# that are asked for once they take about twice what heyoka's grid does, one or two 1.0 to 1.4 times
+# that: the powers of new times are made first.  With 1001 outputs some 20 steps pay (1.0).
+#
+# Higher orders of tolerances below 5e-7 are faster only for what they lose in digits.
 
 
 class LongStepChoice(NamedTuple):
@@ -119,11 +121,12 @@ class LongStepChoice(NamedTuple):
 
 
 #: Orders of long steps for few outputs and for many, for tolerances above these; none for others.
-_LONG_ORDERS = ((3e-4, 14, 12), (3e-6, 16, 14), (3e-8, 20, 14), (3e-10, 24, 14), (1e-12, 28, 16))
+_LONG_ORDERS = ((3e-4, 14, 12), (3e-6, 16, 14), (3e-8, 18, 14), (3e-10, 22, 14), (1e-12, 26, 16))
 LONG_MANY = 1000
 #: Of a first attempt: radians of the bound of the rate in a step, over tolerance**(1 / order).
-#: Of 48 starts of six kinds heyoka granted as much to all, and 4.3 to 5.2 in the median.
-LONG_REACH = 2.6
+#: Of 48 starts of six kinds heyoka granted as much to all, and 4.3 to 5.2 in the median; so the
+#: second is tried where it takes LONG_FEW steps at most, for which a refusal costs little.
+LONG_REACH, LONG_TRIED, LONG_FEW = 2.6, 4.8, 4
 #: Above this tolerance the order is heyoka's own and so much, where a propagator's way is longer
 #: than so many radians of the bound, and than those of its outputs.
 ABOVE, MORE, FAR, FAR_OUTPUTS = 5e-7, 2, 20.0, 5.0

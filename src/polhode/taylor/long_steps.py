@@ -9,7 +9,7 @@ and, by the proven bound of the motion's rate, enough outputs fall into a step.
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
+from collections.abc import Callable
 from typing import Any
 from weakref import finalize
 
@@ -30,36 +30,64 @@ _BLOCK = 1500  # outputs of a product: what they take stays in the caches
 class Powers:
     """Powers of the times of a grid since some of ``count`` equal steps began; how long these are.
 
-    A polynomial holds on both sides of where it begins: of more than one step that of every second
-    one is used, back to the beginning of the one before.  ``parts``: for each step the powers and
-    which rows they are of, in blocks.
+    A polynomial holds on both sides of where it begins: that of every second step is used, back to
+    the beginning of the one before, and that of the last one.  ``parts``: for each step the powers
+    and which rows they are of, in blocks.  ``product``: of the powers with anything, where the only
+    ones are those of the last step, in one block.
     """
 
     def __init__(self, grid: Grid, count: int, order: int) -> None:
-        self.step = grid.ahead[-1] / count
+        self._count, self._order = count, order
+        self._tables: list[_Table] = []
+        self.be_about(grid)
+
+    def be_about(self, grid: Grid) -> None:
+        """Hold the powers of a grid, in the memory of those before as far as it fits."""
+        count, before = self._count, self._tables
+        self.step, self._tables = grid.end / count, []
         self.parts: list[list[tuple[Doubles, slice]]] = [[] for _ in range(count)]
-        spare, first = len(grid.ahead) - grid.size, 0
-        for k in range(1, count, 2) if count > 1 else (0,):
+        times: Any = grid.times
+        first, ahead = 0, np.abs(times) if count > 2 else times
+        for k in range(count):
             last = grid.size
             if k + 1 < count:
-                last = bisect_left(grid.ahead, abs((k + 1) * self.step), key=abs) - spare
+                if k % 2 == 0:
+                    continue
+                last = int(ahead.searchsorted(abs((k + 1) * self.step)))
             for i in range(first, last, _BLOCK):
                 block = slice(i, min(i + _BLOCK, last))
-                self.parts[k].append((_powers(grid.times[block] - k * self.step, order), block))
+                table = before.pop(0) if before else None
+                if table is None or table.matrix.shape[0] != block.stop - i:
+                    table = _Table(block.stop - i, self._order)
+                table.fill(times[block] - k * self.step)
+                self._tables.append(table)
+                self.parts[k].append((table.matrix, block))
             first = last
+        self.product: Callable[[Doubles], Doubles] | None = None
+        if count <= 2 and len(self._tables) == 1:
+            self.product = self._tables[0].matrix.dot
 
 
-def _powers(times: Doubles, order: int) -> Doubles:
+class _Table:
     """(n, order + 1): the powers of so many times, twice as many after each product."""
-    powers = np.empty((order + 1, len(times)))
-    powers[0], powers[1] = 1.0, times
-    highest = 1
-    while highest < order:
-        more = min(highest, order - highest)
-        product = powers[highest + 1 : highest + more + 1]
-        np.multiply(powers[1 : more + 1], powers[highest], product)
-        highest += more
-    return powers.T
+
+    def __init__(self, size: int, order: int) -> None:
+        powers = np.empty((order + 1, size))
+        powers[0] = 1.0
+        self.matrix, self._times = powers.T, powers[1]
+        self._products = [(powers[1], powers[1], powers[2])]
+        highest = 2
+        while highest < order:
+            more = min(highest, order - highest)
+            product = powers[highest + 1 : highest + more + 1]
+            self._products.append((powers[1 : more + 1], powers[highest], product))
+            highest += more
+
+    def fill(self, times: Any) -> None:
+        """Make the powers of these times."""
+        self._times[:] = times
+        for lower, highest, product in self._products:
+            np.multiply(lower, highest, product)
 
 
 class LongSteps:
@@ -73,50 +101,70 @@ class LongSteps:
     ) -> None:
         self._system, self._backs = system, backs
         self._order, self._outputs = choice
-        radians = defaults.LONG_REACH * float(system.tolerance or 0) ** (1 / self._order)
-        self._reach = radians * radians  # of a step of the first attempt
+        radians = float(system.tolerance or 0) ** (1 / self._order)
+        self._sure = defaults.LONG_REACH * radians  # of a step of the first attempt
+        self._tried = defaults.LONG_TRIED * radians  # of one of few
         self._grid: Grid | None = None
         self._kept: dict[int, Powers] = {}
+        self._spare: dict[int, Powers] = {}  # of the grid before, whose memory is used again
+        self._most, self._farthest = 0, 0.0  # steps that pay, and what these reach
 
-    def rows(self, start: Doubles, grid: Grid, square: float) -> tuple[Doubles, int] | None:
+    def rows(self, start: memoryview, grid: Grid, square: float) -> tuple[Doubles, int] | None:
         """States at the times of a grid, and the number of steps; None where others do better.
 
         ``square``: of a bound of the radians to the last time.  By it the first attempt is made;
         heyoka alone decides how long a step may be, so that its error is the tolerance's.  Where it
         grants less the whole is done again with shorter steps, as long as these pay.
         """
-        most, end = grid.size // self._outputs, grid.ahead[-1]
-        if not square <= self._reach * most * most:
+        if grid is not self._grid:
+            self._keep(grid)
+        if not square <= self._farthest:
             return None
-        if grid.size * self._order > _NUMBERS or abs(end) > _LONGEST:
-            return None
-        state, step, (terms, factors, scaled), coefficients = self._prepared
-        count, engine = math.ceil(math.sqrt(square / self._reach)) or 1, self._engine
-        while (count := count + (count > 1 and count % 2)) <= most:
-            powers = self._powers(grid, count)
-            length = powers.step
+        radians = math.sqrt(square)
+        count = math.ceil(radians / self._tried) or 1
+        if count > defaults.LONG_FEW:
+            count = math.ceil(radians / self._sure)
+        state, step, terms, factors, scaled, coefficients, kept = self._prepared
+        while count <= self._most:
+            powers = self._kept.get(count) or self._powers(grid, count)
+            length, product = powers.step, powers.product
             state[:] = start
-            engine.heyoka.time = 0.0
-            if engine.kept:
-                engine.tell_kept()
-            rows = np.empty((grid.size, len(start)))
+            if kept:
+                self._engine.tell_kept()
+            if product is None:
+                rows = np.empty((grid.size, len(start)))
             for blocks in powers.parts:
                 granted = step(length, len(blocks) > 0)[1]
                 if granted != length:
                     break
                 if factors is not None and blocks:
                     np.multiply(terms, factors, scaled)
-                for matrix, block in blocks:
-                    np.dot(matrix, coefficients, rows[block])
+                if product is None:
+                    for matrix, block in blocks:
+                        np.dot(matrix, coefficients, rows[block])
             else:
-                if not grid.ahead[-grid.size]:
-                    rows[0] = start if self._backs is None else start * self._backs
+                if product is not None:
+                    rows = product(coefficients)
+                if count > 1 and not grid.times.item(0):  # the start itself, no polynomial's
+                    rows[0] = start if self._backs is None else np.multiply(start, self._backs)
                 return rows, count
             if not granted / length > 0:  # not a number
-                engine.tell_scale()
+                self._engine.tell_scale()
+                self._engine.heyoka.time = 0.0
                 return None
-            count = max(count + 1, math.ceil(end / granted))
+            count = max(count + 1, math.ceil(grid.end / granted))
         return None
+
+    def _keep(self, grid: Grid) -> None:
+        """Be about a grid, until another one comes."""
+        same = self._grid is not None and self._grid.size == grid.size
+        self._spare = self._kept if same else {}
+        self._grid, self._kept = grid, {}
+        self._most = grid.size // self._outputs
+        if grid.size * self._order > _NUMBERS or abs(grid.end) > _LONGEST:
+            self._most = 0
+        few = min(self._most, defaults.LONG_FEW)
+        self._farthest = max(self._sure * self._most, self._tried * few) ** 2 if few else -1.0
 
     @cached_property
     def _engine(self) -> Engine:
@@ -126,28 +174,28 @@ class LongSteps:
         return engine
 
     @cached_property
-    def _prepared(self) -> tuple[Any, Any, tuple[Doubles, Doubles | None, Doubles], Doubles]:
-        """The state's memory, heyoka's step, its terms and what scales them, and coefficients."""
-        heyoka, columns = self._engine.heyoka, self._engine.columns
+    def _prepared(self) -> tuple[Any, ...]:
+        """The state's memory, heyoka's step, terms, what scales them, coefficients, any kept."""
+        engine = self._engine
+        heyoka, columns = engine.heyoka, engine.columns
         terms: Doubles = heyoka.tc  # a view: those of the last step
         factors, scaled = None, terms
         if self._backs is not None:
             factors, scaled = np.ones_like(terms), np.empty_like(terms)
             factors[:columns] = self._backs[:, None]
-        return (
-            memoryview(self._engine.state),
-            heyoka.step,
-            (terms, factors, scaled),
-            scaled[:columns].T,
-        )
+        heyoka.time = 0.0
+        coefficients = scaled[:columns].T
+        state = memoryview(engine.state)
+        return state, heyoka.step, terms, factors, scaled, coefficients, bool(engine.kept)
 
     def _powers(self, grid: Grid, count: int) -> Powers:
-        """Those of so many steps, kept until another grid comes."""
-        if grid is not self._grid:
-            self._grid, self._kept = grid, {}
-        powers = self._kept.get(count)
+        """Those of so many steps, kept with the grid."""
+        if (len(self._kept) + 1) * grid.size * self._order > _NUMBERS:
+            self._kept.clear()
+        powers = self._spare.pop(count, None)
         if powers is None:
-            if (len(self._kept) + 1) * grid.size * self._order > _NUMBERS:
-                self._kept.clear()
-            powers = self._kept[count] = Powers(grid, count, self._order)
+            powers = Powers(grid, count, self._order)
+        else:
+            powers.be_about(grid)
+        self._kept[count] = powers
         return powers

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from math import isfinite
-from typing import NamedTuple, overload
+from typing import overload
 
 from polhode.common.errors import BadInput
 from polhode.common.values import cached_property
@@ -114,18 +114,23 @@ class Times(Sequence[Fraction]):
         return ahead
 
 
-class Grid(NamedTuple):
-    """Times that lead away from 0, in the form in which heyoka reads them fastest; immutable.
+class Grid:
+    """Times that lead away from 0; immutable.
 
-    ``times``: inside a run's frame, and how many they are.  ``ahead``: the same from 0 on, in a
-    list: heyoka reads an array one number after the other, which takes longer.  ``square``: of the
-    last one in the scene's unit.
+    ``times``: inside a run's frame, how many they are and the ``end``, the last one.  ``square``:
+    of the last one in the scene's unit.
     """
 
-    times: Flat
-    size: int
-    ahead: list[HeyokaNumber]
-    square: float
+    def __init__(self, times: Flat, square: float) -> None:
+        self.times, self.square = times, square
+        self.size, self.end = len(times), times.item(-1)
+
+    @cached_property
+    def ahead(self) -> list[HeyokaNumber]:
+        """The times from 0 on in a list: heyoka reads an array one number after the other, which
+        takes longer."""
+        times = self.times.tolist()
+        return times if times[0] == 0 else [times[0] - times[0], *times]
 
     @classmethod
     def of(cls, outside: Flat, unit: float) -> Grid | None:
@@ -134,18 +139,18 @@ class Grid(NamedTuple):
         None where they do not lead away from 0, or are not inside what they are outside: too large
         for the type, or too small.
         """
-        import numpy as np
-
-        last = outside.item(-1)
-        if not isfinite(last * unit):
+        last, first = outside.item(-1), int(outside.item(0) == 0)
+        if not isfinite(last * unit) or first == len(outside):
             return None
         times: Flat = outside * unit
-        first = int(outside[0] == 0)
-        ahead = times if first else np.concatenate([np.zeros(1, times.dtype), times])
-        ways = np.diff(ahead if last > 0 else -ahead)
-        if len(ways) == 0 or not (ways > 0).all() or ahead[1] / unit != outside[first]:
+        if times.item(first) / unit != outside.item(first):
             return None
-        return cls(times, len(times), ahead.tolist(), float(last) * float(last))
+        start, later, earlier = times.item(0), times[1:], times[:-1]
+        leads = start >= 0 if last > 0 else start <= 0
+        ways = later > earlier if last > 0 else later < earlier
+        if not leads or False in ways.tobytes():  # of few that is faster than ways.all()
+            return None
+        return cls(times, float(last) * float(last))
 
 
 def rounded_times(scene: Scene, number: NumberType) -> ExactNumbers[Fraction]:
