@@ -84,7 +84,7 @@ def _turn(scene: Scene, problem: Any, last: int, solution: Any) -> tuple[list[An
     """The midpoint of the turn since the start, in principal axes, and its claimed error."""
     motion = fixed_point_problem.motion(replace(scene, outputs=("attitude",)))
     times = [fixed_point_problem.ball(Fraction(last), 400)]
-    watch = attitude.Watch(motion, problem, times, solution, False)
+    watch = attitude.AttitudeWatch(motion, problem, times, solution, False)
     task.run(problem, times, integral_contraction.prepared(motion, 400), watchers=[watch])
     centre = [Fraction(int(x), 1 << problem.fine) for x in watch._turned.centre]
     return centre, watch._turned.radius * 2.0**-problem.noise
@@ -231,7 +231,7 @@ def test_no_fault_in_the_approximated_turn_makes_a_wrong_attitude() -> None:
             return found
 
         problem = fixed_point_problem.problem(motion, rng.choice((60, 90, 126)))
-        watch = attitude.Watch(motion, problem, times, faulty, True)
+        watch = attitude.AttitudeWatch(motion, problem, times, faulty, True)
         task.run(problem, times, watchers=[watch])
         pose = watch.poses[0]
         ratios = trials.ratios([pose.quaternion], [true])
@@ -365,7 +365,7 @@ def test_a_chord_says_nothing_where_the_motion_may_pass_0_on_its_other_side(beyo
 def test_a_departure_is_followed_until_its_direction_may_be_30_degrees_off(order: int) -> None:
     """By sup t/((order + 1) size), the sine of the angle, sup of the next derivative."""
     pace, rate = attitude.Pace(1.3, 0.4, 0.7), 0.3
-    leaving = attitude.Leaving(np.array([1.0, 1.0]), order, 0.2, rate)
+    leaving = attitude.PoleDirections(np.array([1.0, 1.0]), order, 0.2, rate)
     time = leaving.until(pace)
     sup = pace.bend if order == 1 else leaving._third(pace, time)
     off = sup * time / ((order + 1) * leaving.size)
@@ -378,7 +378,7 @@ def test_a_departure_is_followed_until_its_direction_may_be_30_degrees_off(order
 def test_the_bound_of_the_third_derivative_is_that_of_the_derivation() -> None:
     """Term by term as at the head of the module; infinite where |w'| is not bounded so."""
     pace, rate = attitude.Pace(1.3, 0.4, 0.7), 0.3
-    leaving = attitude.Leaving(np.array([1.0, 1.0]), 2, 0.2, rate)
+    leaving = attitude.PoleDirections(np.array([1.0, 1.0]), 2, 0.2, rate)
     for time in (0.05, 0.4):
         grown = 1 + 1.3 * time * math.exp(1.3 * time) / 2
         least = 1 - math.sqrt(2) * 0.4 * 1.3 * time - 0.7 * time**2 * grown

@@ -60,7 +60,7 @@ def test_what_approximates_makes_no_value_that_a_proof_believes():
     tree = ast.parse((TOP / "enclosures/approximation.py").read_text())
     calls = {ast.unparse(n.func).split(".")[-1] for n in ast.walk(tree) if isinstance(n, ast.Call)}
     assert calls
-    assert not calls & {"Bounds", "Step", "State", "Proof", "Enclosure", "Turns", "Crossing"}
+    assert not calls & {"Bounds", "Step", "State", "Proof", "Enclosure", "TurnBounds", "Crossing"}
 
 
 def test_the_statement_tells_how_many_lines_that_is():
