@@ -56,7 +56,6 @@ from polhode.motion.outcomes import Outcome as Outcome
 from polhode.motion.outcomes import Projection as Projection
 from polhode.output.report import Report as Report
 from polhode.output.report import report as report
-from polhode.proofs.certified_orbit import NotProved as NotProved
 from polhode.proofs.prove_chaos import prove_chaos as prove_chaos
 from polhode.proofs.prove_orbit import ProvedOrbits as ProvedOrbits
 from polhode.proofs.prove_orbit import prove_orbit as prove_orbit
@@ -64,6 +63,7 @@ from polhode.proofs.prove_orbit import prove_orbits as prove_orbits
 from polhode.proofs.prove_stability import prove_stability as prove_stability
 from polhode.proofs.proved_orbit import ProvedOrbit as ProvedOrbit
 from polhode.proofs.proved_stability import ProvedStability as ProvedStability
+from polhode.proofs.refusals import NotProved as NotProved
 from polhode.results.result import Result as Result
 from polhode.runs.ensemble import Ensemble as Ensemble
 from polhode.runs.integrate_many import integrate_many as integrate_many

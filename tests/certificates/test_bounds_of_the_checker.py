@@ -18,7 +18,7 @@ import pytest
 from flint import arb, arb_mat, arb_poly, ctx, fmpq, fmpq_mat
 
 from polhode.certificates import verify
-from polhode.numbers.vectors import middle as exactly
+from polhode.numbers.polynomials import middle as exactly
 
 FEW = 10  # bits
 

@@ -63,7 +63,7 @@ def test_every_closed_form_that_is_certified_has_a_certificate(name, tmp_path):
     scene = replace(library.load(name), outputs=())
     if not scene.times:
         pytest.skip("no times")
-    found = polhode.certify(scene, accuracy.proven_times(scene), digits=accuracy.DIGITS)
+    found = polhode.certify(scene, accuracy.proven_times(scene), digits=accuracy.PROVEN_DIGITS)
     path = tmp_path / "row.json"
     if scene.gamma is None or not all(isinstance(t, Fraction) for t in found.times):
         with pytest.raises(BadInput, match="for a certificate"):  # the only ones that have none
@@ -83,5 +83,5 @@ def test_every_closed_form_that_is_certified_has_a_certificate(name, tmp_path):
 )
 def test_a_motion_that_is_certified_far_has_a_certificate(name, tmp_path):
     path = tmp_path / "row.json"
-    polhode.certify(name, [1, 10, 100, 500], digits=accuracy.DIGITS).save(path)
+    polhode.certify(name, [1, 10, 100, 500], digits=accuracy.PROVEN_DIGITS).save(path)
     assert polhode.verify(path)

@@ -12,7 +12,7 @@ import polhode
 from polhode.dynamics import regions
 from polhode.dynamics.permanent_rotations import RationalBody, families
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.vectors import middle
+from polhode.numbers.polynomials import middle
 from polhode.scenes.body import Body
 
 START = {"omega": ("0.3", "0.2", "1.1"), "gamma": ("3/5", 0, "4/5")}

@@ -11,7 +11,7 @@ import polhode
 from polhode.dynamics.levels import fourth_integral
 from polhode.dynamics.permanent_rotations import BODY_BITS, RationalBody
 from polhode.numbers.conversion import to_double
-from polhode.numbers.vectors import fraction_near
+from polhode.numbers.polynomials import fraction_near
 from polhode.scenes import scene_file
 
 

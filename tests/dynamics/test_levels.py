@@ -16,7 +16,7 @@ from polhode.cli import main
 from polhode.dynamics.permanent_rotations import RationalBody, between, families
 from polhode.dynamics.regions import region, regions_between
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.vectors import rational
+from polhode.numbers.polynomials import rational
 from polhode.scenes.body import Body
 
 BODIES = {

@@ -207,7 +207,7 @@ ALONE: dict[str, tuple[Callable[[], float], float, tuple[Any, str, str, str]]] =
     "what the doubles of a defect are off": (
         _rounded_defects,
         0.1,
-        (step_bound, "_delta", "gamma(2 + known.roundings)", "gamma(2)"),
+        (step_bound, "_delta", "gamma(2 + defects.roundings)", "gamma(2)"),
     ),
     "a time that is a ball": (
         _at_a_time_not_known,

@@ -91,7 +91,7 @@ def _missed_by_a_box() -> float:
 
 def test_a_box_has_the_s_of_its_own_r() -> None:
     assert 0.999 < _missed_by_a_box() <= 1.0
-    half = "float(known.sizes[n]) * eps", "0.5 * float(known.sizes[n]) * eps"
+    half = "float(bounds.sizes[n]) * eps", "0.5 * float(bounds.sizes[n]) * eps"
     with without(zonotope, "_accepted", *half):
         assert _missed_by_a_box() > 1.0
 
@@ -175,7 +175,7 @@ def _with(v: Callable[[Any], Any]) -> tuple[Any, ...]:
 #: The number, what it is made of, and where its term is dropped.
 NUMBERS: list[tuple[str, tuple[Any, ...], tuple[Any, ...]]] = [
     ("matrix residual", _with(_bent), (step_bound, "bounds", "growth * (miss", "(miss")),
-    ("matrix residual", _with(_bent), (step_bound, "_matrix_residual", "(found +", "(0.0 +")),
+    ("matrix residual", _with(_bent), (step_bound, "_matrix_residual", "(total +", "(0.0 +")),
     (
         "matrix residual",
         _with(lambda a: 0.5 * _V(a)),
@@ -193,7 +193,7 @@ NUMBERS: list[tuple[str, tuple[Any, ...], tuple[Any, ...]]] = [
     ),
     ("delta", MOVED, (step_bound, "_delta", "a_gap * sigma", "0.0")),
     ("alpha", MOVED, (step_bound, "bounds", "(a_norms + a_gaps)", "a_norms")),
-    ("alpha", MOVED, (step_bound, "_jacobian_gaps", "found * lengths[:, None]", "0.0 * found")),
+    ("alpha", MOVED, (step_bound, "_jacobian_gaps", "gaps * lengths[:, None]", "0.0 * gaps")),
     (
         "alpha",
         MOVED,
@@ -203,7 +203,7 @@ NUMBERS: list[tuple[str, tuple[Any, ...], tuple[Any, ...]]] = [
     (
         "alpha",
         (_wrong_factors, _V),
-        (step_bound, "_jacobian_gaps", "found[:, 0] += _CONSTANT * slack", "pass"),
+        (step_bound, "_jacobian_gaps", "gaps[:, 0] += _CONSTANT * slack", "pass"),
     ),
     (
         "alpha",

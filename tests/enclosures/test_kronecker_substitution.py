@@ -73,10 +73,10 @@ FAULTS = [
     ("slope", " - self._signs_slope", ""),
     ("slope", "risen >> self.bits", "risen"),
     ("_times_powers", " << bit", ""),
-    ("doubles", "found = np.ldexp(negative.astype(float), powers[:, None])", "found = 0.0"),
+    ("doubles", "numbers = np.ldexp(negative.astype(float), powers[:, None])", "numbers = 0.0"),
     ("doubles", "~np.uint64(0)", "np.uint64(0)"),
     ("doubles", "word = word ^ _HALF", "pass"),
-    ("doubles", "-found, found", "found, found"),
+    ("doubles", "-numbers, numbers", "numbers, numbers"),
 ]
 
 

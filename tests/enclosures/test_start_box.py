@@ -85,10 +85,12 @@ def test_every_start_of_the_box_is_in_the_balls_and_corners_come_near_their_edge
 
 def test_what_forgets_the_box_is_noticed():
     scene = SCENES["kovalevskaya/generic"]
-    middles = "[x.mid() for x in what.starts(400)]"
-    with without(fixed_point_problem, "problem", "what.starts(2 * fine + 100)", middles):
+    middles = "[x.mid() for x in of.starts(400)]"
+    with without(fixed_point_problem, "problem", "of.starts(2 * fine + 100)", middles):
         assert farthest(scene, [1])[0] > 1
-    with without(integral_contraction, "prepared", "what.starts(bits)", middles):
+    with without(
+        integral_contraction, "prepared", "motion.starts(bits)", middles.replace("of", "motion")
+    ):
         # one energy for all starts: no set can have it, or too small a one does
         try:
             found = farthest(scene, [3])[0]
@@ -132,7 +134,7 @@ def test_an_event_at_the_start_s_middle_is_not_decided_for_a_box(monkeypatch):
     assert alone.proven
     (found,) = polhode.certify_events(scene, 1, omega_radius="1e-6")
     assert found.undecided[0][0] == 0
-    with without(zeros, "first_derivative", "what.radii or ", ""):
+    with without(zeros, "first_derivative", "motion.radii or ", ""):
         monkeypatch.setattr(events, "first_derivative", zeros.first_derivative)
         (wrong,) = polhode.certify_events(scene, 1, omega_radius="1e-6")
     assert wrong.proven  # which it is not
@@ -248,5 +250,5 @@ def test_a_box_around_rest_has_no_size_to_compare_with():
     still = polhode.top(moments=[1, 2, 3], omega=[0, 0, 0], weight=0)
     found = polhode.certify(still, [1], omega_radius="1e-9")
     assert found.digits == (0.0,)
-    with without(certify, "_at_rest", "what.radii or ", ""):
+    with without(certify, "_at_rest", "motion.radii or ", ""):
         assert polhode.certify(still, [1], omega_radius="1e-9").digits[0] > 8

@@ -64,7 +64,7 @@ def test_no_number_of_a_step_is_below_its_exact_value(kinds: Any, levels: Any) -
 @pytest.mark.parametrize(
     ("name", "change"),
     [
-        ("majorant", ("exponential", "np.where(usable, found * (1.0 + 1e-7), math.inf)", "usable")),
+        ("majorant", ("exponential", "np.where(usable, power * (1.0 + 1e-7), math.inf)", "usable")),
         ("alpha", ("bounds", "(a_norms + a_gaps) * weights[:count]", "0.5 * a_norms")),
         ("growth", ("bounds", "UP * kappa * exponential(m)", "exponential(m)")),
         ("flow", ("bounds", "UP * kappa * exponential(m)", "1.0 + 0.0 * m")),

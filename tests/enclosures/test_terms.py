@@ -14,7 +14,7 @@ from shared.mutation import without
 
 #: The term, the motion that shows it, and how the term is dropped: module, function, old, new.
 DROPPED: list[tuple[str, Callable[[], list[float]], tuple[Any, str, str, str]]] = [
-    ("residual", terms.residual, (step_bound, "_delta", "UP * (found +", "UP * (0.0 * found +")),
+    ("residual", terms.residual, (step_bound, "_delta", "UP * (total +", "UP * (0.0 * total +")),
     ("jump", terms.jumps, (zonotope, "_Carried.step", "(jump + gamma(7) * hull)", "hull * 1e-16")),
     ("start", terms.start_box, (zonotope, "beginning", "np.diag(problem.spread)", "np.eye(6)")),
     (

@@ -86,6 +86,7 @@ def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
 ):
     monkeypatch.chdir(tmp_path)
     prepare(command)
+    capsys.readouterr()  # what that printed
     certified = command.startswith(CERTIFICATES)
     endings = [x for x in ENDINGS if not (certified and x == ".json")]
     if find_spec("pyarrow") is None:
@@ -119,6 +120,7 @@ def test_a_command_draws_its_result_and_prints_what_the_figure_has_not(
     pytest.importorskip("matplotlib")
     monkeypatch.chdir(tmp_path)
     prepare(command)
+    capsys.readouterr()  # what that printed
     words = shlex.split(command)
     assert main(words) == 0
     assert Path("x.svg").read_text().startswith("<?xml")

@@ -20,7 +20,7 @@ from polhode.common.interrupts import Progress
 from polhode.numbers import exact
 from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.vectors import middle
+from polhode.numbers.polynomials import middle
 from polhode.scenes.body import Body
 
 # --- certificate file -----------------------------------------------------------------------------

@@ -34,7 +34,7 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, EXACT, EXTENDED, QUAD, Doubles, NumberType
-from polhode.numbers.vectors import rational
+from polhode.numbers.polynomials import rational
 from polhode.taylor.variations import Flow, NotFollowed
 
 SPARE_DIGITS = 2  # written beside those asked for

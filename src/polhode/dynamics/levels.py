@@ -36,7 +36,14 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
 from polhode.numbers.number_types import AnyNumber, Doubles
-from polhode.numbers.vectors import Polynomial, fraction_near, middle, nearest, rational, real_roots
+from polhode.numbers.polynomials import (
+    Polynomial,
+    fraction_near,
+    middle,
+    nearest,
+    rational,
+    real_roots,
+)
 from polhode.results import table as told
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table

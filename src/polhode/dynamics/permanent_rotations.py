@@ -19,7 +19,8 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Doubles
-from polhode.numbers.vectors import Polynomial, dot, fraction_near, middle, rational, real_roots
+from polhode.numbers.polynomials import Polynomial, fraction_near, middle, rational, real_roots
+from polhode.numbers.vectors import dot
 from polhode.scenes.body import Body
 
 BITS = 320  # of balls around what is irrational

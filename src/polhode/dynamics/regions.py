@@ -35,7 +35,8 @@ from flint import arb, arb_poly, fmpq_poly
 from polhode.dynamics.permanent_rotations import BITS, RationalBody, RotationFamily
 from polhode.numbers.exact import EQUAL_BITS
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.vectors import dot, middle, rational, real_roots
+from polhode.numbers.polynomials import middle, rational, real_roots
+from polhode.numbers.vectors import dot
 
 #: Edges of each part of U, ascending; () where the level does not exist.
 Region: TypeAlias = tuple[int, ...]

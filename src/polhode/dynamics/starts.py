@@ -23,7 +23,7 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import AnyNumber, AnyVector, Doubles
-from polhode.numbers.vectors import fraction_near
+from polhode.numbers.polynomials import fraction_near
 from polhode.scenes.given_numbers import AREA, ENERGY, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE, check

@@ -34,7 +34,7 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import AnyNumber, AnyVector
-from polhode.numbers.vectors import middle
+from polhode.numbers.polynomials import middle
 from polhode.scenes import start_box
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene

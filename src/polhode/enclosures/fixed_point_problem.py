@@ -26,7 +26,8 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.vectors import Matrix, Vector, dot, middle
+from polhode.numbers.polynomials import middle
+from polhode.numbers.vectors import Matrix, Vector, dot
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 

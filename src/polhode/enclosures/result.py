@@ -22,8 +22,8 @@ from polhode.numbers.mpmath_context import ordinary
 from polhode.numbers.number_types import DOUBLE, Real
 from polhode.results.cells import EXACT, INTEGER, TEXT
 from polhode.results.result import Result
+from polhode.results.shown import lines
 from polhode.results.table import Column, Fact, Table
-from polhode.results.writer import lines
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
 from polhode.scenes.vocabulary import COLUMNS, STATE

@@ -57,7 +57,7 @@ TRUSTED = (
         for name in (
             *("exact", "expression", "conversion", "decimals", "flint_context"),
             *("number_types", "row_formulas", "mpmath_context", "lossless_mpf"),
-            *("vectors", "exact_sequences"),
+            *("vectors", "polynomials", "exact_sequences"),
         )
     ),
     *(

@@ -264,12 +264,14 @@ def expectation(score: Score, conditions: Conditioning | None = None) -> Expecta
     every = 0 if table.run is None or table.run.projection is None else table.run.projection.every
 
     def at_all_times(question: Callable[[Conditioning], Sequence[Any]]) -> tuple[Any, ...]:
+        if not parts:
+            return (None,) * len(times)
+        if conditions is not None:  # at the same times, though the table's are rounded
+            return between(dict(zip(rows, question(conditions), strict=False)), times)
         answers: dict[Exact, Any] = {}
         for part in parts:
             answers |= dict(zip(part.times, question(part), strict=True))
-        return (
-            between({k: answers[times[k]] for k in rows}, times) if parts else (None,) * len(times)
-        )
+        return between({k: answers[times[k]] for k in rows}, times)
 
     after = [part.lost_after for part in parts if part.lost_after is not None]
     return Expectation(

@@ -20,7 +20,7 @@ from polhode.judging.tables.table_file import is_table
 from polhode.numbers.number_types import MAX_DIGITS, AnyNumber, AnyVector
 from polhode.output import accuracy, report_page
 from polhode.output.accuracy import Given, ReportRequest, SceneSection
-from polhode.results import places, writer
+from polhode.results import places, shown, writer
 from polhode.results.cells import TEXT
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table, table_of_rows
@@ -71,7 +71,7 @@ class Report(Result, ByValue):
         return f"<Report: {counted(len(self.sections), 'scene')}>"
 
     def __str__(self) -> str:
-        header, rows = writer.cells(self.table())
+        header, rows = shown.cells(self.table())
         ends = [header.index(name) for name in ("limit", "regime")]  # long ones, which come last
         order = [k for k in range(len(header)) if header[k] != "reference" and k not in ends]
         used = [k for k in (*order, *ends) if any(row[k] for row in rows)]

@@ -21,8 +21,8 @@ from polhode.common.texts import JsonObject
 from polhode.figures import accuracy, canvas
 from polhode.numbers.decimals import brief
 from polhode.output.accuracy import BAD, FAIR, GOOD, UNKNOWN, SceneSection
-from polhode.results import writer
 from polhode.results.cells import doubles, word_of
+from polhode.results.shown import cells
 from polhode.results.table import Table, Value
 from polhode.scenes.scene_facts import scene_facts
 
@@ -350,7 +350,7 @@ def _shown(table: Table) -> tuple[list[str], list[list[str]]]:
     """Header and rows as people read them, without the scene's name."""
     if not table.rows:
         return [], []
-    header, rows = writer.cells(table)
+    header, rows = cells(table)
     return header[1:], [row[1:] for row in rows]
 
 

@@ -1,4 +1,4 @@
-"""Why a proof was refused."""
+"""The search for a certificate of a periodic orbit: an approximate one, its digits, box, grid."""
 
 from __future__ import annotations
 
@@ -18,21 +18,10 @@ from polhode.dynamics.newton_shooting import Closed, NotClosed, Surface, at_leve
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief
-from polhode.numbers.vectors import middle
+from polhode.numbers.polynomials import middle
+from polhode.proofs.refusals import NotProved
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-
-
-class NotProved(ArithmeticError):
-    """A claim that polhode did not prove: the first inequality that does not hold, what to try.
-
-    >>> import polhode
-    >>> polhode.prove_orbit("euler/largest-axis")  # doctest: +ELLIPSIS
-    Traceback (most recent call last):
-    ...
-    polhode.proofs.certified_orbit.NotProved: euler/largest-axis: the orbit is not isolated, ...
-    """
-
 
 # --- certified orbit ------------------------------------------------------------------------------
 #

@@ -27,11 +27,12 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import AnyNumber, Doubles
 from polhode.proofs import homoclinic
-from polhode.proofs.certified_orbit import Candidate, NotProved, of_closed
+from polhode.proofs.certified_orbit import Candidate, of_closed
 from polhode.proofs.homoclinic import Homoclinic, Lanes, Saddle
 from polhode.proofs.prove_orbit import near_scene, proved
 from polhode.proofs.proved_chaos import Guess, ProvedChaos
 from polhode.proofs.proved_orbit import ProvedOrbit, as_arb, down, up
+from polhode.proofs.refusals import NotProved
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import REQUESTS
@@ -185,7 +186,7 @@ def prove_chaos(
     >>> polhode.prove_chaos("lagrange/backward")  # doctest: +ELLIPSIS
     Traceback (most recent call last):
     ...
-    polhode.proofs.certified_orbit.NotProved: lagrange/backward: no transversal homoclinic orbit ...
+    polhode.proofs.refusals.NotProved: lagrange/backward: no transversal homoclinic orbit ...
     """
     scene = library.load(scene, takes=REQUESTS)
     most = whole(scene.name, "tries", tries, 1, MOST_TRIES)

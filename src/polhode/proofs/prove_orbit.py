@@ -21,8 +21,9 @@ from polhode.numbers.conversion import exact_number
 from polhode.numbers.exact import sign
 from polhode.numbers.number_types import AnyNumber
 from polhode.proofs import certified_orbit
-from polhode.proofs.certified_orbit import Candidate, NotProved
+from polhode.proofs.certified_orbit import Candidate
 from polhode.proofs.proved_orbit import ProvedOrbit, of_proof
+from polhode.proofs.refusals import NotProved
 from polhode.results.cells import DOUBLE, TEXT, TRUTH
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table

@@ -18,10 +18,11 @@ from polhode.common.interrupts import Message
 from polhode.dynamics.orbit import Orbit
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import AnyNumber
-from polhode.proofs.certified_orbit import BITS_A_DIGIT, NotProved
+from polhode.proofs.certified_orbit import BITS_A_DIGIT
 from polhode.proofs.prove_orbit import DIGITS, MOST_DIGITS, prove_orbit
 from polhode.proofs.proved_orbit import ProvedOrbit, ball_of
 from polhode.proofs.proved_stability import ProvedStability
+from polhode.proofs.refusals import NotProved
 from polhode.scenes.scene import Scene
 
 _GUIDE = verify.Guide(jet_bits=96, weight_bits=10)

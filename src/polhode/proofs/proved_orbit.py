@@ -22,10 +22,10 @@ from polhode.numbers.decimals import Ball, brief, shown
 from polhode.numbers.exact import Exact, as_ball
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import DOUBLE
-from polhode.numbers.vectors import middle
+from polhode.numbers.polynomials import middle
 from polhode.proofs import certified_orbit
-from polhode.proofs.certified_orbit import NotProved
 from polhode.proofs.proved_result import ProvedResult
+from polhode.proofs.refusals import NotProved
 from polhode.results.cells import EXACT
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes.body import PrincipalAxes

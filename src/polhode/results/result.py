@@ -106,9 +106,9 @@ class Storable:
         return frames.to_xarray(self.content())
 
     def _repr_html_(self) -> str:
-        from polhode.results import writer
+        from polhode.results import shown
 
-        return writer.to_html(repr(self), str(self))
+        return shown.to_html(repr(self), str(self))
 
 
 class Result(Storable):
@@ -142,9 +142,9 @@ class Result(Storable):
         return Content(kind, __version__, repr(self), written_table(self.table()), facts)
 
     def _repr_html_(self) -> str:
-        from polhode.results import writer
+        from polhode.results import shown
 
-        return writer.to_html(repr(self), str(self), self.table)
+        return shown.to_html(repr(self), str(self), self.table)
 
     def column(self, name: str) -> Values:
         """The values of a column of the table; raises BadInput for another name.

@@ -36,8 +36,8 @@ from polhode.numbers.number_types import Doubles, Flat, NumberType, Rows, Stack,
 from polhode.numbers.row_formulas import Rationals
 from polhode.results.cells import DOUBLE, EXACT
 from polhode.results.result import Result
+from polhode.results.shown import lines
 from polhode.results.table import Column, Fact, Table
-from polhode.results.writer import lines
 from polhode.runs.trajectory import ERROR, Trajectory
 from polhode.scenes import vary
 from polhode.scenes.members import Blocks, Members

@@ -509,7 +509,7 @@ class Scene:
         return f"<Scene {self.name}: moments {moments}{until}>"
 
     def _repr_html_(self) -> str:
-        from polhode.results import writer
+        from polhode.results.shown import to_html
 
         facts = {
             "": self.title or self.name,
@@ -517,7 +517,7 @@ class Scene:
             **{key: ", ".join(map(shown, row)) for key, row in self._vectors()},
             "times": f"{len(self.times)}, to t = {shown(self.end)}" if self.times else "none",
         }
-        return writer.to_html(repr(self), "\n".join(f"{k:<9}{v}".strip() for k, v in facts.items()))
+        return to_html(repr(self), "\n".join(f"{k:<9}{v}".strip() for k, v in facts.items()))
 
     def _vectors(self) -> list[tuple[str, Sequence[Exact]]]:
         body, gamma = self.body, [] if self.gamma is None else [("gamma", self.gamma)]

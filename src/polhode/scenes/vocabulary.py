@@ -14,8 +14,6 @@ from polhode.numbers import expression
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import Algebra
-from polhode.scenes import vocabulary
-from polhode.scenes.shapes import AXES, SHAPES
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -186,7 +184,9 @@ class Key(NamedTuple):
 
 def _listed(words: re.Match[str]) -> str:
     """What a name in the table stands for."""
-    namespace = vars(vocabulary) | {"SHAPES": SHAPES, "AXES": AXES}
+    from polhode.scenes.shapes import AXES, SHAPES  # which no list of cases needs
+
+    namespace = globals() | {"SHAPES": SHAPES, "AXES": AXES}
     values = namespace[words[1]]
     return values if isinstance(values, str) else ", ".join(f"`{word}`" for word in values)
 

@@ -56,7 +56,7 @@ def _endings(verb: Verb) -> Sequence[str]:
 
 def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
     """Carry out a verb that is a function; the exit code."""
-    from polhode.proofs.certified_orbit import NotProved
+    from polhode.proofs.refusals import NotProved
     from polhode.scenes import library
     from polhode.verbs import notes
 
@@ -280,7 +280,7 @@ def shown(result: Any, details: bool = False) -> str:
     ``details``: whether all that is known is asked for.
     """
     from polhode.results.result import Result as Base
-    from polhode.results.writer import lines
+    from polhode.results.shown import lines
 
     if details:
         return str(result.details())

@@ -26,7 +26,7 @@ from mpmath import libmp
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
-from polhode.numbers.vectors import middle
+from polhode.numbers.polynomials import middle
 
 T = TypeVar("T")
 
