@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from importlib.util import find_spec
 from pathlib import Path
@@ -37,7 +38,10 @@ SAME: dict[str, Callable[[], Any]] = {
     "reference": lambda: polhode.reference_table("euler/separatrix", at=[1], digits=40),
     "certify": lambda: polhode.certify(polhode.load(GENERAL).at([1]), digits=20),
     "check": lambda: check_cases(["euler/rest"]),
-    "compare": lambda: polhode.compare(Path("top.csv"), "top.toml"),
+    "compare": lambda: replace(
+        polhode.compare(Path("top.csv"), "top.toml", details=True),
+        motion=polhode.lyapunov("top.toml", max_steps=100_000),
+    ),
     "order": lambda: order_between(
         [polhode.compare(Path(name), TOP) for name in ("coarse.csv", "fine.csv")], ["0.02", "0.01"]
     ),
