@@ -9,8 +9,8 @@ import pytest
 
 from polhode.numbers.decimals import Ball
 from polhode.numbers.exact import sqrt
+from polhode.results.shown import cells, lines
 from polhode.results.table import Column, Table
-from polhode.results.writer import cells, lines
 
 THIRD = Fraction(1, 3)
 
