@@ -1,8 +1,4 @@
-"""The library's regression: every case against its reference, digits inside a band.
-
-A band has a lower and an upper edge: fewer digits than expected are a loss, more mean that the
-yardstick is slack.  Published figures are held against the reference as well.
-"""
+"""The checks of many cases as a result: what ``polhode check`` shows."""
 
 from __future__ import annotations
 
@@ -37,6 +33,14 @@ from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import FORMS
+
+# --- regression -----------------------------------------------------------------------------------
+#
+# The library's regression: every case against its reference, digits inside a band.
+#
+# A band has a lower and an upper edge: fewer digits than expected are a loss, more mean that the
+# yardstick is slack.  Published figures are held against the reference as well.
+
 
 SPREAD = 1.0  # digits by which a run of another machine or version may have more or fewer
 #: The number types for which bands are proposed.
@@ -259,8 +263,6 @@ def _checked(form: str, trusted: Trajectory) -> CrossCheck:
 
 
 # --- check report ---------------------------------------------------------------------------------
-#
-# The checks of many cases as a result: what ``polhode check`` shows.
 
 
 _MANY = 8  # cases: for fewer, processes of their own take longer to start than they save

@@ -1,8 +1,9 @@
-"""Printed figures that are off because they hold at another time than their label says.
+"""Figures that somebody printed, beside ours.
 
-The figures of one source at one time differ from ours by d_i, and ours change at the rates r_i.
-Where one shift s of the time explains them, s = sum d_i r_i / sum r_i² leaves next to nothing of
-all the differences at once, which one number cannot do by chance for two figures or more.
+Ours comes from the scene's reference (the closed form where there is one), never from a table.
+A printed figure stands when it is ours rounded to its last digit, or cut off there; where only
+``right`` of its significant digits are known to be right, when at least so many are: so many
+that it differs by at most half a unit of the last of them.
 """
 
 from __future__ import annotations
@@ -22,6 +23,15 @@ from polhode.numbers.expression import decimal
 from polhode.numbers.number_types import Real, bits_for
 from polhode.scenes.scene import Published, Scene
 from polhode.scenes.vocabulary import COLUMNS, value
+
+# --- time labels ----------------------------------------------------------------------------------
+#
+# Printed figures that are off because they hold at another time than their label says.
+#
+# The figures of one source at one time differ from ours by d_i, and ours change at the rates r_i.
+# Where one shift s of the time explains them, s = sum d_i r_i / sum r_i² leaves next to nothing of
+# all the differences at once, which one number cannot do by chance for two figures or more.
+
 
 EXPLAINS = 100  # times smaller: what is left of the differences at the shifted time
 _STEP = Fraction(1, 10**9)  # of the time for the rates, relative
@@ -79,13 +89,6 @@ def time_labels(
 
 
 # --- published figures ----------------------------------------------------------------------------
-#
-# Figures that somebody printed, beside ours.
-#
-# Ours comes from the scene's reference (the closed form where there is one), never from a table.
-# A printed figure stands when it is ours rounded to its last digit, or cut off there; where only
-# ``right`` of its significant digits are known to be right, when at least so many are: so many
-# that it differs by at most half a unit of the last of them.
 
 
 SPARE_DIGITS = 8

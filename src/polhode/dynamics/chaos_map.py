@@ -1,4 +1,17 @@
-"""The motions of a chaos map: of a section's grid, or of scenes in which numbers vary."""
+"""Chaos maps: which motions of a level, of a family of scenes, or of own starts, are chaotic.
+
+One tangent u a motion, followed to the time T:
+
+    growth = ln|u(T)| - ln|u(T/2)|,      FLI = max ln|u|,
+    MEGNO = (1/T) int Y dt,              Y(t) = 2 ln|u(t)| - (2/t) int_0^t ln|u|
+
+(the mean exponential growth of nearby orbits of P. Cincotta and C. Simo, A&AS 147 (2000) 205).
+A motion is *chaotic* where growth > 6, or *unstable* where it is known: all motions of its body
+are, or it is a fixed point or has a closed form (the definition and the bound are those of
+:mod:`polhode.dynamics.lyapunov`); *regular* (up to T) where growth < 2.5 and
+MEGNO < 2.2 and T is 1000 units or more; else *undecided*. Orbits that stick to islands for
+longer than T are called regular.
+"""
 
 from __future__ import annotations
 
@@ -40,6 +53,11 @@ from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column, unit_of
 from polhode.scenes.vocabulary import REQUESTS
+
+# --- map motions ----------------------------------------------------------------------------------
+#
+# The motions of a chaos map: of a section's grid, or of scenes in which numbers vary.
+
 
 GRID = 50, 50  # cells
 MOST_MOTIONS = 1_000_000
@@ -166,20 +184,6 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
 
 
 # --- chaos map ------------------------------------------------------------------------------------
-#
-# Chaos maps: which motions of a level, of a family of scenes, or of own starts, are chaotic.
-#
-# One tangent u a motion, followed to the time T:
-#
-#     growth = ln|u(T)| - ln|u(T/2)|,      FLI = max ln|u|,
-#     MEGNO = (1/T) int Y dt,              Y(t) = 2 ln|u(t)| - (2/t) int_0^t ln|u|
-#
-# (the mean exponential growth of nearby orbits of P. Cincotta and C. Simo, A&AS 147 (2000) 205).
-# A motion is *chaotic* where growth > 6, or *unstable* where it is known: all motions of its body
-# are, or it is a fixed point or has a closed form (the definition and the bound are those of
-# :mod:`polhode.dynamics.lyapunov`); *regular* (up to T) where growth < 2.5 and
-# MEGNO < 2.2 and T is 1000 units or more; else *undecided*. Orbits that stick to islands for
-# longer than T are called regular.
 
 
 END = 1000  # units of the inner time

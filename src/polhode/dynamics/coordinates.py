@@ -1,4 +1,19 @@
-"""The tangents that a growth is followed from, one a motion."""
+"""States on a section of a level, from the section's own coordinates, and the way back.
+
+*momentum*: extrema of |G| where r0, G and the vertical lie in one plane. With e3 = r0/|r0|, G =
+(sqrt(G^2 - L^2) sin l, sqrt(G^2 - L^2) cos l, L); l and L are canonical there: dl dL is
+preserved. For l and sig = L/G, e = G/|G|, kappa = e.I^-1 e, n = (e3 - sig e)/sqrt(1 - sig^2):
+
+    kappa (f^2 + y^2)/2 + Mg|r0| (f sig + y sqrt(1 - sig^2))/R = h,    R = |G| = sqrt(f^2 + y^2)
+    gamma = (f/R) e + (y/R) n
+
+has 0, 2 or 4 roots y (0, 1 or 2 for f = 0). R is a root of a polynomial of degree 6.
+
+*height*: extrema of r0.gamma, states of the start form (polhode.scenes.body_and_start). Its
+coordinates are the azimuth of gamma about e3 and u = gamma.e3.
+
+Without weight e3 is the third principal axis, and y = ±sqrt(2h/kappa - f^2).
+"""
 
 from __future__ import annotations
 
@@ -17,6 +32,11 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, Doubles, Indices
 from polhode.numbers.vectors import dot
 from polhode.scenes.scene import Scene
+
+# --- initial tangents -----------------------------------------------------------------------------
+#
+# The tangents that a growth is followed from, one a motion.
+
 
 SEED = 18
 
@@ -57,22 +77,6 @@ def tangents_of(
 
 
 # --- coordinates ----------------------------------------------------------------------------------
-#
-# States on a section of a level, from the section's own coordinates, and the way back.
-#
-# *momentum*: extrema of |G| where r0, G and the vertical lie in one plane. With e3 = r0/|r0|, G =
-# (sqrt(G^2 - L^2) sin l, sqrt(G^2 - L^2) cos l, L); l and L are canonical there: dl dL is
-# preserved. For l and sig = L/G, e = G/|G|, kappa = e.I^-1 e, n = (e3 - sig e)/sqrt(1 - sig^2):
-#
-#     kappa (f^2 + y^2)/2 + Mg|r0| (f sig + y sqrt(1 - sig^2))/R = h,    R = |G| = sqrt(f^2 + y^2)
-#     gamma = (f/R) e + (y/R) n
-#
-# has 0, 2 or 4 roots y (0, 1 or 2 for f = 0). R is a root of a polynomial of degree 6.
-#
-# *height*: extrema of r0.gamma, states of the start form (polhode.scenes.body_and_start). Its
-# coordinates are the azimuth of gamma about e3 and u = gamma.e3.
-#
-# Without weight e3 is the third principal axis, and y = ±sqrt(2h/kappa - f^2).
 
 
 _BLOCK = 5000  # points whose roots numpy is asked for at once: a tenth of a second

@@ -1,4 +1,4 @@
-"""The levels of a body for people: special points, branches, and where the scene lies."""
+"""The levels (h, f) of a body in closed form: permanent rotations, regions, where a scene lies."""
 
 from __future__ import annotations
 
@@ -53,6 +53,10 @@ from polhode.scenes.given_numbers import AREA, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column
 from polhode.scenes.vocabulary import REQUESTS
+
+# --- report ---------------------------------------------------------------------------------------
+#
+# The levels of a body for people: special points, branches, and where the scene lies.
 
 
 def report(levels: Any, topology: str) -> str:
@@ -234,8 +238,6 @@ def _value(polynomial: Polynomial, at: arb) -> arb:
 
 
 # --- levels ---------------------------------------------------------------------------------------
-#
-# The levels (h, f) of a body in closed form: permanent rotations, regions, where a scene lies.
 
 
 DIGIT_BITS = 128  # of what is isolated exactly: 38 digits

@@ -1,11 +1,19 @@
-"""How far a line shifts the maximum that another makes, under the window (1 + cos)^n.
+"""The lines of a quasi-periodic signal, by J. Laskar's method (Icarus 88 (1990) 266).
 
-The window's transform at x bins of 2 pi/T is
+With the window chi_n(t) = c_n (1 + cos pi tau)^n, tau from -1 to 1 over the samples and mean 1,
 
-    W(x) = sin(pi x)/(pi x) prod_{k=1..n} k^2/(k^2 - x^2),   W''(0) = -2 sum_{k > n} 1/k^2,
+    F(om) = mean of z(t) chi_n(t) exp(-i om t)
 
-so the maximum of a line of amplitude 1 shifts by up to |b W'(x)/W''(0)| bins for another one of
-amplitude b at x bins; here an upper envelope of that over all that lie as far or farther.
+has its largest modulus next to the strongest line: the nearest point of a fast Fourier
+transform, padded, is refined by Newton's method on |F|^2. The line is subtracted, then the next
+is looked for. A line at a distance d leaks by (d T)^-(2n + 1).
+
+A real signal is m + sum of 2 Re a exp(i om t), om > 0: +om and -om are one line, looked for
+among om > 0 and subtracted together with its mirror image; the constant m is no line. A
+constant part of a complex signal is a line at 0.
+
+The error of a frequency is judged by what did not make it (:func:`_errors`): a second window,
+and what the lines leave of the signal.
 """
 
 from __future__ import annotations
@@ -17,6 +25,18 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from polhode.numbers.number_types import Complexes, Doubles
+
+# --- leakage --------------------------------------------------------------------------------------
+#
+# How far a line shifts the maximum that another makes, under the window (1 + cos)^n.
+#
+# The window's transform at x bins of 2 pi/T is
+#
+#     W(x) = sin(pi x)/(pi x) prod_{k=1..n} k^2/(k^2 - x^2),   W''(0) = -2 sum_{k > n} 1/k^2,
+#
+# so the maximum of a line of amplitude 1 shifts by up to |b W'(x)/W''(0)| bins for another one of
+# amplitude b at x bins; here an upper envelope of that over all that lie as far or farther.
+
 
 _FINE, _PAST = 100, 2  # points a bin; bins past the main lobe from which on the tail's law holds
 
@@ -48,23 +68,6 @@ def _table(power: int) -> tuple[Doubles, Doubles]:
 
 
 # --- naff -----------------------------------------------------------------------------------------
-#
-# The lines of a quasi-periodic signal, by J. Laskar's method (Icarus 88 (1990) 266).
-#
-# With the window chi_n(t) = c_n (1 + cos pi tau)^n, tau from -1 to 1 over the samples and mean 1,
-#
-#     F(om) = mean of z(t) chi_n(t) exp(-i om t)
-#
-# has its largest modulus next to the strongest line: the nearest point of a fast Fourier
-# transform, padded, is refined by Newton's method on |F|^2. The line is subtracted, then the next
-# is looked for. A line at a distance d leaks by (d T)^-(2n + 1).
-#
-# A real signal is m + sum of 2 Re a exp(i om t), om > 0: +om and -om are one line, looked for
-# among om > 0 and subtracted together with its mirror image; the constant m is no line. A
-# constant part of a complex signal is a line at 0.
-#
-# The error of a frequency is judged by what did not make it (:func:`_errors`): a second window,
-# and what the lines leave of the signal.
 
 
 POWER = 5  # of the window

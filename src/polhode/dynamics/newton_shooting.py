@@ -1,10 +1,16 @@
-"""The surface of one level on which orbits close: h, f and |gamma|^2, their gradients, the rates.
+"""Newton's method for an orbit that closes, in double: a bordered system of ten equations.
 
-In principal axes and the run's unit of time, moments and Mg r0 divided by the largest moment, so
-that everything is of order one:
+The end of a motion keeps h, f and n = |gamma|^2, so of the six equations x(T) = x only three
+are independent: at a closed orbit the gradients of the integrals are left null vectors of [M -
+1, x'], M the monodromy matrix. With one multiplier for each of them,
 
-    h = ½ w·I w + Mg r0·gamma,  f = I w·gamma,  n = |gamma|²
-    grad h = (I w, Mg r0),  grad f = (I gamma, I w),  grad n = (0, 2 gamma)
+    x(T) - x + a1 grad h + a2 grad f + a3 grad n = 0,   and four conditions on x and T,
+
+is square in (x, T, a); at its solutions a = 0. Held at a level the conditions are h, f, n and
+(x - x0)·x' = 0: the matrix is then regular unless M has a further multiplier 1. Along a family
+(:mod:`polhode.dynamics.newton_shooting`) one of h and f gives way to a length of
+arc, and it stays regular through folds. (Borders as in W. Govaerts, Numerical Methods for
+Bifurcations of Dynamical Equilibria, SIAM 2000, chapter 3.)
 """
 
 from __future__ import annotations
@@ -26,6 +32,16 @@ from polhode.numbers.vectors import dot
 from polhode.scenes.scene import Scene
 from polhode.taylor.heyoka import OutOfRange
 from polhode.taylor.variations import Flow, NotFollowed
+
+# --- level set ------------------------------------------------------------------------------------
+#
+# The surface of one level on which orbits close: h, f and |gamma|^2, their gradients, the rates.
+#
+# In principal axes and the run's unit of time, moments and Mg r0 divided by the largest moment, so
+# that everything is of order one:
+#
+#     h = ½ w·I w + Mg r0·gamma,  f = I w·gamma,  n = |gamma|²
+#     grad h = (I w, Mg r0),  grad f = (I gamma, I w),  grad n = (0, 2 gamma)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,20 +175,6 @@ def gradients(moments: GivenRow, torque: GivenRow, state: GivenRow) -> list[list
 
 
 # --- newton shooting ------------------------------------------------------------------------------
-#
-# Newton's method for an orbit that closes, in double: a bordered system of ten equations.
-#
-# The end of a motion keeps h, f and n = |gamma|^2, so of the six equations x(T) = x only three
-# are independent: at a closed orbit the gradients of the integrals are left null vectors of [M -
-# 1, x'], M the monodromy matrix. With one multiplier for each of them,
-#
-#     x(T) - x + a1 grad h + a2 grad f + a3 grad n = 0,   and four conditions on x and T,
-#
-# is square in (x, T, a); at its solutions a = 0. Held at a level the conditions are h, f, n and
-# (x - x0)·x' = 0: the matrix is then regular unless M has a further multiplier 1. Along a family
-# (:mod:`polhode.dynamics.newton_shooting`) one of h and f gives way to a length of
-# arc, and it stays regular through folds. (Borders as in W. Govaerts, Numerical Methods for
-# Bifurcations of Dynamical Equilibria, SIAM 2000, chapter 3.)
 
 
 MOST_CORRECTIONS = 25

@@ -1,9 +1,4 @@
-"""How far psi advances while omega and gamma come round: whether the motion in space closes.
-
-After a period gamma is what it was, so the attitude has turned about the vertical alone:
-R(T) = Rz(D) R(0).  The attitude tells D up to whole turns at any motion; psi itself tells those,
-too, where the third axis does not pass through the vertical.
-"""
+"""Periodic orbits of omega and gamma to any number of digits, and what tells their stability."""
 
 from __future__ import annotations
 
@@ -55,6 +50,14 @@ from polhode.scenes.scene_file import tables_of
 from polhode.scenes.scene_text import as_toml, written
 from polhode.scenes.vocabulary import REQUESTS, STATE
 from polhode.taylor.variations import NotFollowed
+
+# --- azimuth advance ------------------------------------------------------------------------------
+#
+# How far psi advances while omega and gamma come round: whether the motion in space closes.
+#
+# After a period gamma is what it was, so the attitude has turned about the vertical alone:
+# R(T) = Rz(D) R(0).  The attitude tells D up to whole turns at any motion; psi itself tells those,
+# too, where the third axis does not pass through the vertical.
 
 
 class Advance(NamedTuple):
@@ -220,8 +223,6 @@ def _sure_digits(x: Fraction, error: float, most: int) -> str:
 
 
 # --- orbit ----------------------------------------------------------------------------------------
-#
-# Periodic orbits of omega and gamma to any number of digits, and what tells their stability.
 
 
 DIGITS = 15

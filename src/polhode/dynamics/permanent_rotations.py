@@ -1,4 +1,21 @@
-"""A body in rational numbers, and how far from it exact arithmetic reaches."""
+"""Permanent rotations of a body as curves in the plane of area f and energy h, their types exact.
+
+The critical points of h at fixed f are Staude's rotations: w = om gamma with om^2 (I - s) gamma
+= T, T = Mg r0 (O. Staude, J. reine angew. Math. 113 (1894) 318). They form a *first family*, by
+s, between poles at the moments A_i with T_i != 0, and a *second* one for each axis with T_i =
+0, which has s = A_i and leaves the first where gamma_i = 0. In both gamma is along a vector g
+of polynomials in one number x, and om^2 = |g|/|k|:
+
+    first    x = s                      g_j = k T_j/(A_j - x)          k = product of the A_j - x
+    second   om^2 = (x^2 + c)/(2 x)     g_j = 2 x d_j, g_i = x^2 - c   k = 2 x
+             c = sum d_j^2, x > sqrt(c)     d_j = T_j/(A_j - A_i)
+
+    gamma = g/(sign(k) |g|),   f = om gamma.I gamma,   h = om f/2 + T.gamma
+
+On every curve dh = om df. The type is that of the spectrum lam^2 (lam^4 + b lam^2 + d); b, d
+and the derivative of f are polynomials in x times something positive: their roots are isolated
+exactly. om and -om mirror f; here om > 0, f > 0.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +39,11 @@ from polhode.numbers.number_types import Doubles
 from polhode.numbers.polynomials import Polynomial, fraction_near, middle, rational, real_roots
 from polhode.numbers.vectors import dot
 from polhode.scenes.body import Body
+
+# --- rational body --------------------------------------------------------------------------------
+#
+# A body in rational numbers, and how far from it exact arithmetic reaches.
+
 
 BITS = 320  # of balls around what is irrational
 
@@ -145,24 +167,6 @@ def _power(x: float) -> float:
 
 
 # --- permanent rotations --------------------------------------------------------------------------
-#
-# Permanent rotations of a body as curves in the plane of area f and energy h, their types exact.
-#
-# The critical points of h at fixed f are Staude's rotations: w = om gamma with om^2 (I - s) gamma
-# = T, T = Mg r0 (O. Staude, J. reine angew. Math. 113 (1894) 318). They form a *first family*, by
-# s, between poles at the moments A_i with T_i != 0, and a *second* one for each axis with T_i =
-# 0, which has s = A_i and leaves the first where gamma_i = 0. In both gamma is along a vector g
-# of polynomials in one number x, and om^2 = |g|/|k|:
-#
-#     first    x = s                      g_j = k T_j/(A_j - x)          k = product of the A_j - x
-#     second   om^2 = (x^2 + c)/(2 x)     g_j = 2 x d_j, g_i = x^2 - c   k = 2 x
-#              c = sum d_j^2, x > sqrt(c)     d_j = T_j/(A_j - A_i)
-#
-#     gamma = g/(sign(k) |g|),   f = om gamma.I gamma,   h = om f/2 + T.gamma
-#
-# On every curve dh = om df. The type is that of the spectrum lam^2 (lam^4 + b lam^2 + d); b, d
-# and the derivative of f are polynomials in x times something positive: their roots are isolated
-# exactly. om and -om mirror f; here om > 0, f > 0.
 
 
 CENTRE, MIXED, SADDLE = "centre-centre", "centre-saddle", "saddle-saddle"

@@ -1,4 +1,4 @@
-"""The jobs of a section: orbits and the level they keep to, plain data to be sent anywhere."""
+"""Sections of a level: where many orbits of one body cross it, and in which coordinates."""
 
 from __future__ import annotations
 
@@ -55,6 +55,11 @@ from polhode.scenes.vocabulary import REQUESTS, STATE
 if TYPE_CHECKING:
     from polhode.taylor.event_batches import Crossed, SearchJob
     from polhode.taylor.projection import Level
+
+
+# --- jobs -----------------------------------------------------------------------------------------
+#
+# The jobs of a section: orbits and the level they keep to, plain data to be sent anywhere.
 
 
 LANES = 64  # orbits of a job: where one is over the next takes its lane
@@ -283,8 +288,6 @@ def none_left_from(digits: Doubles) -> Integers:
 
 
 # --- section --------------------------------------------------------------------------------------
-#
-# Sections of a level: where many orbits of one body cross it, and in which coordinates.
 
 
 MOST_CROSSINGS = 1_000_000

@@ -1,27 +1,12 @@
-"""How often psi and phi have gone round: complex numbers followed about 0, interval by interval.
+"""The attitude and the angles along the exact motion, as balls.
 
-Trusted.  sin(theta) exp(i phi) = gamma2 + i gamma1 and sin(theta) exp(i psi) = i n1 - n2, n the
-body's third axis in space, are the numbers c; |c'| <= |w| and |c''| <= |w|**2 + |w'|.  Over an
-interval of length l the argument of c grows by the principal difference of the ends
+Trusted. In the scene's body axes, with U the turn since the start (``quaternion``) and A the
+principal axes, rows of the matrix from the scene's axes to them,
 
-    if an end is farther from 0 than l |w|: c stays in a disc without 0;
-    if the chord of the ends is farther from 0 than l**2/8 sup |c''|, by which c leaves the chord.
+    q(t) = q(0) (U_0, A^T U_v),    q(0) = Rz(psi) Rx(theta) Rz(phi) at the start,
 
-Where neither can be said the interval is halved, until it is no longer than what the ends are known
-to: the motion then passes a pole, and the angles are lost from there on.
-
-A number c that is 0 at t = 0 and leaves with c' differs from t c' by at most t**2/2 sup |c''|, so
-up to t = |c'|/sup |c''| it stays within 30 degrees of c'.  One that leaves with c'' differs from
-t**2/2 c'' by at most t**3/6 sup |c'''|, and stays within 30 degrees of c'' up to
-t = 3/2 |c''|/sup |c'''|.  For both numbers |c'| = |w x axis|, and then |c''| = |w' x axis|.
-
-In the second case w is along the third axis at t = 0.  With W >= |w|, v its part across the axis,
-Y >= |w'| up to t, and K = 1 + W t exp(W t)/2,
-
-    |c'| <= v + W |c|,    v <= t Y,    hence    |c|, |gamma x w| <= v + W |c| <= t K Y;
-    |w''| <= sqrt(2) b W |w'| + pull |gamma x w|,    hence
-    Y <= |w'(0)|/(1 - sqrt(2) b W t - pull t**2 K)    while that is positive;
-    |c'''| <= W**2 t K Y + 2 W Y + 2 t K Y**2 + |w''|.
+both factors unit quaternions, so that the distance of U from its midpoint is that of q. theta
+and phi come from gamma, psi from the third axis in space; their turns from ``winding_number``.
 """
 
 from __future__ import annotations
@@ -47,6 +32,34 @@ from polhode.numbers.exact import arctan2
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Complexes, Doubles
 from polhode.numbers.vectors import quaternion_product
+
+# --- winding number -------------------------------------------------------------------------------
+#
+# How often psi and phi have gone round: complex numbers followed about 0, interval by interval.
+#
+# Trusted.  sin(theta) exp(i phi) = gamma2 + i gamma1 and sin(theta) exp(i psi) = i n1 - n2, n the
+# body's third axis in space, are the numbers c; |c'| <= |w| and |c''| <= |w|**2 + |w'|.  Over an
+# interval of length l the argument of c grows by the principal difference of the ends
+#
+#     if an end is farther from 0 than l |w|: c stays in a disc without 0;
+#     if the chord of the ends is farther from 0 than l**2/8 sup |c''|, by which c leaves the chord.
+#
+# Where neither can be said the interval is halved, until it is no longer than what the ends are
+# known to: the motion then passes a pole, and the angles are lost from there on.
+#
+# A number c that is 0 at t = 0 and leaves with c' differs from t c' by at most t**2/2 sup |c''|, so
+# up to t = |c'|/sup |c''| it stays within 30 degrees of c'.  One that leaves with c'' differs from
+# t**2/2 c'' by at most t**3/6 sup |c'''|, and stays within 30 degrees of c'' up to
+# t = 3/2 |c''|/sup |c'''|.  For both numbers |c'| = |w x axis|, and then |c''| = |w' x axis|.
+#
+# In the second case w is along the third axis at t = 0.  With W >= |w|, v its part across the axis,
+# Y >= |w'| up to t, and K = 1 + W t exp(W t)/2,
+#
+#     |c'| <= v + W |c|,    v <= t Y,    hence    |c|, |gamma x w| <= v + W |c| <= t K Y;
+#     |w''| <= sqrt(2) b W |w'| + pull |gamma x w|,    hence
+#     Y <= |w'(0)|/(1 - sqrt(2) b W t - pull t**2 K)    while that is positive;
+#     |c'''| <= W**2 t K Y + 2 W Y + 2 t K Y**2 + |w''|.
+
 
 MOST = 100_000  # points of a step
 _FIRST = 8
@@ -175,16 +188,6 @@ def _chords(values: Any) -> Any:
 
 
 # --- attitude -------------------------------------------------------------------------------------
-#
-# The attitude and the angles along the exact motion, as balls.
-#
-# Trusted. In the scene's body axes, with U the turn since the start (``quaternion``) and A the
-# principal axes, rows of the matrix from the scene's axes to them,
-#
-#     q(t) = q(0) (U_0, A^T U_v),    q(0) = Rz(psi) Rx(theta) Rz(phi) at the start,
-#
-# both factors unit quaternions, so that the distance of U from its midpoint is that of q. theta
-# and phi come from gamma, psi from the third axis in space; their turns from ``winding_number``.
 
 
 #: Terms of gamma in a row of w.

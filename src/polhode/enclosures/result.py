@@ -1,4 +1,4 @@
-"""Proven events of a scene: what is known of each, as a result, and of all as facts of another."""
+"""A proven enclosure of a motion: balls at the times asked for, and what they cost."""
 
 from __future__ import annotations
 
@@ -27,6 +27,10 @@ from polhode.results.table import Column, Fact, Table
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
 from polhode.scenes.vocabulary import COLUMNS, STATE
+
+# --- certified events -----------------------------------------------------------------------------
+#
+# Proven events of a scene: what is known of each, as a result, and of all as facts of another.
 
 
 class EventTime(NamedTuple):
@@ -122,8 +126,6 @@ def _columns(times: Sequence[EventTime]) -> list[Column]:
 
 
 # --- result ---------------------------------------------------------------------------------------
-#
-# A proven enclosure of a motion: balls at the times asked for, and what they cost.
 
 
 class Part(NamedTuple):

@@ -1,7 +1,4 @@
-"""One run of a proof: windows of steps are approximated, corrected, bounded, and carried on.
-
-Nothing here is believed: a state and balls come only out of ``zonotope.advance``.
-"""
+"""What a proof is asked for: a scene or a box of starts, times and digits, and what they take."""
 
 from __future__ import annotations
 
@@ -47,6 +44,13 @@ from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
 from polhode.scenes.scene import Scene
 from polhode.scenes.start_box import StartBox
+
+# --- proof loop -----------------------------------------------------------------------------------
+#
+# One run of a proof: windows of steps are approximated, corrected, bounded, and carried on.
+#
+# Nothing here is believed: a state and balls come only out of ``zonotope.advance``.
+
 
 _LOST = -34  # a correction above 2**_LOST: the approximation has lost the motion
 _FEWEST, _FIRST, _WIDEST = 4, 32, 128
@@ -204,8 +208,6 @@ def _last_tick(times: Sequence[arb]) -> int:
 
 
 # --- task -----------------------------------------------------------------------------------------
-#
-# What a proof is asked for: a scene or a box of starts, times and digits, and what they take.
 
 
 MOST_DIGITS = 250

@@ -1,10 +1,9 @@
-"""Integer polynomials as single integers, their values at a power of two, and back to doubles.
+"""The polynomials of a window of steps: integers, and doubles known to be near them.
 
-Trusted.  Sums and products of polynomials are those of their values at 2**B; if the result's
-coefficients are below 2**(B - 1) in size, its value tells them: 2**(B - 1) added to each makes them
-the digits to the base 2**B, in [0, 2**B), of one number.  B is a multiple of 64, the words of a
-digit: sums and products then cost what those of single integers do, half of FLINT's polynomials,
-and the coefficients come back as doubles in a seventh of the time.
+Trusted in one thing: ``near`` and ``gap``. On step n, with tau = (t - t_n)/h_n in [0, 1], the
+exact polynomial is X(tau)·2**-level, X integer polynomials (six of a state, four of a turn),
+kept as a sum of parts of 64 bits; ``near`` holds its coefficients as doubles, none of them
+further from the exact ones than ``gap``.
 """
 
 from __future__ import annotations
@@ -22,6 +21,17 @@ from flint import fmpz, fmpz_poly
 from polhode.common.values import cached_property
 from polhode.enclosures.fixed_point_problem import CLOCK, UP, Problem, Refused
 from polhode.equations.terms import ROWS, Term, product
+
+# --- kronecker substitution -----------------------------------------------------------------------
+#
+# Integer polynomials as single integers, their values at a power of two, and back to doubles.
+#
+# Trusted.  Sums and products of polynomials are those of their values at 2**B; if the result's
+# coefficients are below 2**(B - 1) in size, its value tells them: 2**(B - 1) added to each makes
+# them the digits to the base 2**B, in [0, 2**B), of one number.  B is a multiple of 64, the words
+# of a digit: sums and products then cost what those of single integers do, half of FLINT's
+# polynomials, and the coefficients come back as doubles in a seventh of the time.
+
 
 UNPACKED = 4  # roundings of a coefficient in ``Packing.doubles``
 _HALF = np.uint64(1 << 63)
@@ -110,13 +120,6 @@ def words_of(largest: int) -> int:
 
 
 # --- taylor polynomials ---------------------------------------------------------------------------
-#
-# The polynomials of a window of steps: integers, and doubles known to be near them.
-#
-# Trusted in one thing: ``near`` and ``gap``. On step n, with tau = (t - t_n)/h_n in [0, 1], the
-# exact polynomial is X(tau)·2**-level, X integer polynomials (six of a state, four of a turn),
-# kept as a sum of parts of 64 bits; ``near`` holds its coefficients as doubles, none of them
-# further from the exact ones than ``gap``.
 
 
 FIRST_LEVEL = 60

@@ -1,8 +1,4 @@
-"""Whether a polynomial of the state is 0 at t = 0, how often, and whether it is 0 all along.
-
-Trusted in one thing: ``first_derivative``.  For rational data the derivatives of g along the exact
-motion at t = 0 are fractions: what is 0 of them is 0.
-"""
+"""Zeros of polynomials along the exact motion: at its start, and later, proven or undecided."""
 
 from __future__ import annotations
 
@@ -22,6 +18,14 @@ from polhode.enclosures.polynomial import BallPolynomial, Polynomial, ball, rate
 from polhode.enclosures.step_bound import Bounds
 from polhode.enclosures.zonotope import Step, approximation, widened
 from polhode.numbers.flint_context import ctx
+
+# --- zero at start --------------------------------------------------------------------------------
+#
+# Whether a polynomial of the state is 0 at t = 0, how often, and whether it is 0 all along.
+#
+# Trusted in one thing: ``first_derivative``.  For rational data the derivatives of g along the
+# exact motion at t = 0 are fractions: what is 0 of them is 0.
+
 
 _ORDERS = 24  # Taylor coefficients that are looked at
 _MOST_ORDER, _MOST_TERMS = 4, 2000  # of a derivative as a polynomial

@@ -1,9 +1,4 @@
-"""Relative equilibria: the motions in which the state stands still.
-
-All derivatives of (3.29) vanish exactly at the start: rest, hanging or upright, and permanent
-rotation: w along gamma (Staude), or, of a free body without gamma, along a principal axis.  The
-body then turns uniformly about w, which is fixed in body and space.
-"""
+"""From the integrator's rows to what is asked: omega and gamma in scene axes, attitude, angles."""
 
 from __future__ import annotations
 
@@ -49,6 +44,15 @@ from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
     import numpy as np
+
+
+# --- equilibrium ----------------------------------------------------------------------------------
+#
+# Relative equilibria: the motions in which the state stands still.
+#
+# All derivatives of (3.29) vanish exactly at the start: rest, hanging or upright, and permanent
+# rotation: w along gamma (Staude), or, of a free body without gamma, along a principal axis.  The
+# body then turns uniformly about w, which is fixed in body and space.
 
 
 class Rest(NamedTuple):
@@ -104,8 +108,6 @@ def _after_turn(quaternion: tuple[Exact, ...], omega: Vector, t: Fraction) -> tu
 
 
 # --- readout --------------------------------------------------------------------------------------
-#
-# From the integrator's rows to what is asked: omega and gamma in scene axes, attitude, angles.
 
 
 GUARD_BITS = 16

@@ -1,7 +1,4 @@
-"""Errors and departures of the integrals over time, as the figures draw them: decimal logarithms.
-
-nan stands for a departure of exactly 0, and where nothing was judged.
-"""
+"""What is drawn of a scene, a result or a file: a result, or a motion in columns."""
 
 from __future__ import annotations
 
@@ -44,6 +41,13 @@ from polhode.scenes.given_numbers import TIME
 from polhode.scenes.given_numbers import reader as read_times
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, REQUESTS, SPACE, STATE
+
+# --- departures -----------------------------------------------------------------------------------
+#
+# Errors and departures of the integrals over time, as the figures draw them: decimal logarithms.
+#
+# nan stands for a departure of exactly 0, and where nothing was judged.
+
 
 SAMPLES = 501  # noise, not a curve
 SPARE_DIGITS = 6
@@ -110,8 +114,6 @@ def _log10(values: list[Scalar]) -> Any:
 
 
 # --- source ---------------------------------------------------------------------------------------
-#
-# What is drawn of a scene, a result or a file: a result, or a motion in columns.
 
 
 #: The outputs that a run for a figure of a motion needs; of the others none.

@@ -1,8 +1,4 @@
-"""Spheres and ellipsoids seen from afar: orthographic projection, what is behind drawn lighter.
-
-A point x of the ellipsoid of semi-axes a is a∘u with |u| = 1; it faces the viewer in direction d
-where its normal u/a does.
-"""
+"""Figure of unit vectors: gamma in the body, and the path in space of the apex."""
 
 from __future__ import annotations
 
@@ -22,6 +18,14 @@ from polhode.numbers.number_types import Doubles
 from polhode.numbers.vectors import dot
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, STATE
+
+# --- globe ----------------------------------------------------------------------------------------
+#
+# Spheres and ellipsoids seen from afar: orthographic projection, what is behind drawn lighter.
+#
+# A point x of the ellipsoid of semi-axes a is a∘u with |u| = 1; it faces the viewer in direction d
+# where its normal u/a does.
+
 
 FRONT, BACK, RIM = "#c4c4c4", "#ececec", "#8a8a8a"
 ELEVATIONS = (20, 35, -20)  # degrees, the preferred one first
@@ -142,8 +146,6 @@ def facing_most(points: Doubles, semi_axes: tuple[float, float, float] = (1.0, 1
 
 
 # --- sphere ---------------------------------------------------------------------------------------
-#
-# Figure of unit vectors: gamma in the body, and the path in space of the apex.
 
 
 IN_BODY, IN_SPACE = ("x", "y", "z"), ("X", "Y", "Z")

@@ -1,33 +1,22 @@
-"""What rounding does to a motion: the inputs', and that of the steps.
+"""How much a motion multiplies errors: what rounding costs, what is expected of a run.
 
-All from one quantity, Phi(t, s): what a change of the state at s has become at t, which
-:mod:`polhode.taylor.error_growth` gives stretch by stretch.
+Three quantities, and a bound:
 
-**Inputs.**  The scene's numbers are rounded to the type once.  The differences are known, and so
-is what they cause, to first order: v(t) = Phi(t, 0) dx(0) + U(t) dk.  Where a run is projected onto
-the exact scene's first integrals, the part of v across their level is taken away as often, as far
-as a constant component of w can take a number between those of the type: on average alone.
+*inputs(t)*: the error that rounding this scene's numbers to the type causes; known differences,
+to first order (:mod:`polhode.judging.conditioning`); of projected runs, what
+projection leaves of it.
 
-**Steps.**  A step x + d, d = h (x' + higher terms), rounds the state once and its increment four
-times, independent from step to step and from component to component; rounding to numbers so far
-apart has the squared spacing over 12 as its variance:
+*amplification(t)* = max over s <= t of |Phi(t, s)|: what a change of the state on the way is
+multiplied by, w relative to the largest |w| at the output times, gamma as it is.
 
-    R = (ulp(x)² + 4 ulp(h x')²)/12,    C(t) = sum over the steps s of Phi(t, s) R(s) Phi(t, s)^T,
+*expected(t)*: the error of a method that rounds the state once a Taylor step, and what the step
+adds while it is computed, beside that of the inputs, as the band in which nine in ten such runs
+end; of projected runs, what projection leaves.
 
-taken half at the start and half at the end of each stretch.  The four stand for where products are
-summed to x', where x' and the higher terms are, where h multiplies, and for the products
-themselves: a count of the roundings of each product gives the same C(t), to 0.013 digits at 98 in
-100 times of the library's cases; near permanent rotations, whose rates are small sums of large
-products, up to 0.35 digits more, of which runs show half.  Of C, too, projection takes the part
-across the level away, and rounds the state once more.
-
-**Together.**  The error of such a run is v(t) plus a normal deviate of covariance C(t), and its
-size has a distribution: half of such runs have less than its median, nine in ten lie between its
-5 % and 95 % quantiles.
-
-Sizes are those of *correct digits*: the larger of the largest component of w over the largest |w|
-at the outputs, and of gamma, in scene axes.  They are kept in eps of the type, as a number times a
-power of two, for a motion may multiply them beyond any double.
+*bound(t)* = kappa(t)·eps, kappa(t) = max over i of the sum over j of |d x_i/d ln u_j|, x the
+state, u every input that is not zero: p q r gamma1 gamma2 gamma3 at the start, A, B, C and the
+components of Mg r0, in principal axes, each changed by one unit of itself at once. Rounding the
+inputs can cost so much, and costs less nearly always.
 """
 
 from __future__ import annotations
@@ -67,6 +56,40 @@ from polhode.taylor.error_growth import Growth, Passage, passage
 from polhode.taylor.heyoka import OutOfRange
 from polhode.taylor.projection import constant_columns, kept_at_zero
 from polhode.taylor.variations import six
+
+# --- rounding errors ------------------------------------------------------------------------------
+#
+# What rounding does to a motion: the inputs', and that of the steps.
+#
+# All from one quantity, Phi(t, s): what a change of the state at s has become at t, which
+# :mod:`polhode.taylor.error_growth` gives stretch by stretch.
+#
+# **Inputs.**  The scene's numbers are rounded to the type once.  The differences are known, and so
+# is what they cause, to first order: v(t) = Phi(t, 0) dx(0) + U(t) dk.  Where a run is projected
+# onto the exact scene's first integrals, the part of v across their level is taken away as often,
+# as far as a constant component of w can take a number between those of the type: on average alone.
+#
+# **Steps.**  A step x + d, d = h (x' + higher terms), rounds the state once and its increment four
+# times, independent from step to step and from component to component; rounding to numbers so far
+# apart has the squared spacing over 12 as its variance:
+#
+#     R = (ulp(x)² + 4 ulp(h x')²)/12,    C(t) = sum over the steps s of Phi(t, s) R(s) Phi(t, s)^T,
+#
+# taken half at the start and half at the end of each stretch.  The four stand for where products
+# are summed to x', where x' and the higher terms are, where h multiplies, and for the products
+# themselves: a count of the roundings of each product gives the same C(t), to 0.013 digits at 98 in
+# 100 times of the library's cases; near permanent rotations, whose rates are small sums of large
+# products, up to 0.35 digits more, of which runs show half.  Of C, too, projection takes the part
+# across the level away, and rounds the state once more.
+#
+# **Together.**  The error of such a run is v(t) plus a normal deviate of covariance C(t), and its
+# size has a distribution: half of such runs have less than its median, nine in ten lie between its
+# 5 % and 95 % quantiles.
+#
+# Sizes are those of *correct digits*: the larger of the largest component of w over the largest |w|
+# at the outputs, and of gamma, in scene axes.  They are kept in eps of the type, as a number times
+# a power of two, for a motion may multiply them beyond any double.
+
 
 VARIANCE = 1 / 12  # of a rounding, in squared spacings
 INCREMENT = 4  # roundings of the whole increment
@@ -332,26 +355,6 @@ def _log10(x: float) -> float:
 
 
 # --- conditioning ---------------------------------------------------------------------------------
-#
-# How much a motion multiplies errors: what rounding costs, what is expected of a run.
-#
-# Three quantities, and a bound:
-#
-# *inputs(t)*: the error that rounding this scene's numbers to the type causes; known differences,
-# to first order (:mod:`polhode.judging.conditioning`); of projected runs, what
-# projection leaves of it.
-#
-# *amplification(t)* = max over s <= t of |Phi(t, s)|: what a change of the state on the way is
-# multiplied by, w relative to the largest |w| at the output times, gamma as it is.
-#
-# *expected(t)*: the error of a method that rounds the state once a Taylor step, and what the step
-# adds while it is computed, beside that of the inputs, as the band in which nine in ten such runs
-# end; of projected runs, what projection leaves.
-#
-# *bound(t)* = kappa(t)·eps, kappa(t) = max over i of the sum over j of |d x_i/d ln u_j|, x the
-# state, u every input that is not zero: p q r gamma1 gamma2 gamma3 at the start, A, B, C and the
-# components of Mg r0, in principal axes, each changed by one unit of itself at once. Rounding the
-# inputs can cost so much, and costs less nearly always.
 
 
 T = TypeVar("T")

@@ -1,4 +1,7 @@
-"""Columns of a reference, those that are derived too."""
+"""The reference of a scene: its closed form, or a proven enclosure.
+
+Both answer the same questions; ``kind`` says which it is, and nothing else is called exact.
+"""
 
 from __future__ import annotations
 
@@ -32,6 +35,11 @@ from polhode.scenes.vocabulary import COLUMNS, REQUESTS
 if TYPE_CHECKING:
     from polhode.judging.textbook import Textbook
     from polhode.numbers.double_double import Pairs
+
+
+# --- derived --------------------------------------------------------------------------------------
+#
+# Columns of a reference, those that are derived too.
 
 
 #: A reference's answer to a question by its name: rows at times, to so many digits.
@@ -120,10 +128,6 @@ def reference_table(
 
 
 # --- reference ------------------------------------------------------------------------------------
-#
-# The reference of a scene: its closed form, or a proven enclosure.
-#
-# Both answer the same questions; ``kind`` says which it is, and nothing else is called exact.
 
 
 BACKENDS = ("flint", "mpmath")

@@ -1,4 +1,4 @@
-"""Correct digits of one part of a table, row by row: of a quaternion, of angles, of columns."""
+"""A subject held against a reference: how many of its digits are right, of each part."""
 
 from __future__ import annotations
 
@@ -36,6 +36,11 @@ from polhode.numbers.double_double import Pairs
 from polhode.numbers.number_types import DOUBLE, EXTENDED, Doubles, Given, Scalar
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE
+
+# --- part digits ----------------------------------------------------------------------------------
+#
+# Correct digits of one part of a table, row by row: of a quaternion, of angles, of columns.
+
 
 #: Digits at each time, None where no cell of the part is there or could be judged.
 RowDigits: TypeAlias = tuple[float | None, ...]
@@ -277,8 +282,6 @@ def _is_held(answer: Answer | ValueError) -> bool:
 
 
 # --- score ----------------------------------------------------------------------------------------
-#
-# A subject held against a reference: how many of its digits are right, of each part.
 
 
 FIRST_ASKED = 100  # digits of a reference, before it is known that more of them are needed

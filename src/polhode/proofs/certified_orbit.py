@@ -1,4 +1,10 @@
-"""The search for a certificate of a periodic orbit: an approximate one, its digits, box, grid."""
+"""The search for a certificate of a periodic orbit: an approximate one, its digits, box and grid.
+
+Not trusted, as nothing of a certificate is: what ``certificates/verify.py`` proves of it holds.
+Krawczyk's test on a box of radius r knows the orbit to about r^2, or to r times the error of
+the flow's derivative, if that is more: so a centre that is right to half of the digits wanted
+is enough, or to a few less than these.
+"""
 
 from __future__ import annotations
 
@@ -24,13 +30,11 @@ from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
 # --- certified orbit ------------------------------------------------------------------------------
+
+
+# --- refusals -------------------------------------------------------------------------------------
 #
-# The search for a certificate of a periodic orbit: an approximate one, its digits, box and grid.
-#
-# Not trusted, as nothing of a certificate is: what ``certificates/verify.py`` proves of it holds.
-# Krawczyk's test on a box of radius r knows the orbit to about r^2, or to r times the error of
-# the flow's derivative, if that is more: so a centre that is right to half of the digits wanted
-# is enough, or to a few less than these.
+# The search for a certificate of a periodic orbit: an approximate one, its digits, box, grid.
 
 
 BITS_A_DIGIT = math.log2(10)

@@ -1,7 +1,10 @@
-"""Many motions at once in double, by Taylor series: guesses for the search.
+"""Search of homoclinic orbits of a hyperbolic periodic orbit.
 
-Not trusted.  States are (6, n); where a motion is wanted backward, w has its sign changed, which
-turns the time round.
+Not trusted. Starts on both manifolds, x* + s v with |s| over one factor of the multiplier, are
+followed to the maxima of the height of the centre of mass; neighbours on one manifold make
+segments there, and two segments of different manifolds that pass through each other
+transversally are a guess. It is corrected by Newton's method in log |s_u|, log |s_s| and the
+time, and moved towards the orbit by powers of the multiplier.
 """
 
 from __future__ import annotations
@@ -19,6 +22,14 @@ from polhode.equations.terms import LAYERS, LEFT, RIGHT, layered
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import Doubles
 from polhode.numbers.vectors import cross
+
+# --- lanes ----------------------------------------------------------------------------------------
+#
+# Many motions at once in double, by Taylor series: guesses for the search.
+#
+# Not trusted.  States are (6, n); where a motion is wanted backward, w has its sign changed, which
+# turns the time round.
+
 
 Whole = npt.NDArray[np.intp]
 
@@ -164,14 +175,6 @@ def _value(series: Doubles, step: Doubles) -> Doubles:
 
 
 # --- homoclinic -----------------------------------------------------------------------------------
-#
-# Search of homoclinic orbits of a hyperbolic periodic orbit.
-#
-# Not trusted. Starts on both manifolds, x* + s v with |s| over one factor of the multiplier, are
-# followed to the maxima of the height of the centre of mass; neighbours on one manifold make
-# segments there, and two segments of different manifolds that pass through each other
-# transversally are a guess. It is corrected by Newton's method in log |s_u|, log |s_s| and the
-# time, and moved towards the orbit by powers of the multiplier.
 
 
 LANES = 300  # a branch

@@ -1,7 +1,4 @@
-"""Charts and sets along a homoclinic orbit, in double: of what derivatives of the flow foretell.
-
-Not trusted: the checker of certificates decides.
-"""
+"""``polhode.prove_chaos``: a scene to a theorem about its level."""
 
 from __future__ import annotations
 
@@ -36,6 +33,13 @@ from polhode.proofs.refusals import NotProved
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import REQUESTS
+
+# --- chain ----------------------------------------------------------------------------------------
+#
+# Charts and sets along a homoclinic orbit, in double: of what derivatives of the flow foretell.
+#
+# Not trusted: the checker of certificates decides.
+
 
 ETA = 1e-4
 _WIDER, _HIGHER = 0.7, 1.5  # of the image: a next set's width, its height
@@ -127,8 +131,6 @@ def in_scene_axes(of: Motion, chart: Chart) -> Chart:
 
 
 # --- prove chaos ----------------------------------------------------------------------------------
-#
-# ``polhode.prove_chaos``: a scene to a theorem about its level.
 
 
 TRIES = 12

@@ -1,14 +1,13 @@
-"""How the body turns over each interval: the attitude quaternion's equation, solved as the state's.
+"""The attitude along a refined run: the turns of its intervals, one after the other.
 
-Along an interval T' = ½ T ⊗ (0, w), T = 1 at its start, w the refined stages: a linear equation,
-whose collocation solution is found as that of the state is
-(:mod:`polhode.refined.deferred_correction`), from exact defects
+In principal axes Q(t) is the product of the turns; with q(0) the attitude at the start and the
+turn from principal axes to the scene's, the attitude of these is a linear function of it, exact
+as the scene is. For psi and phi, which are continuous, the windings of
 
-    r = 1 + ½ A H (T ⊗ w) - T
+    q0 + i q3 = cos(theta/2) exp(i (psi + phi)/2),   q1 + i q2 = sin(theta/2) exp(i (psi - phi)/2)
 
-and corrections in double.  All intervals are independent.  The ends are good to the square of what
-the stages neglect, and Gauss collocation keeps |T| = 1.  With a correction E of the stages that is
-not made any more, the end's is r_end + ½ sum_j b_j H (r_j ⊗ w_j) ⊗ T_j^-1 ⊗ T_end.
+about zero are counted in double, from node to node, with more points where the path comes near
+it.
 """
 
 from __future__ import annotations
@@ -28,6 +27,21 @@ from polhode.refined.double_run import rational
 from polhode.refined.errors import CannotRefine, IntervalsTooLong
 from polhode.refined.expansions import Limbs, LimbSums, product
 from polhode.scenes.scene import Scene
+
+# --- attitude correction --------------------------------------------------------------------------
+#
+# How the body turns over each interval: the attitude quaternion's equation, solved as the state's.
+#
+# Along an interval T' = ½ T ⊗ (0, w), T = 1 at its start, w the refined stages: a linear equation,
+# whose collocation solution is found as that of the state is
+# (:mod:`polhode.refined.deferred_correction`), from exact defects
+#
+#     r = 1 + ½ A H (T ⊗ w) - T
+#
+# and corrections in double.  All intervals are independent.  The ends are good to the square of
+# what the stages neglect, and Gauss collocation keeps |T| = 1.  With a correction E of the stages
+# that is not made any more, the end's is r_end + ½ sum_j b_j H (r_j ⊗ w_j) ⊗ T_j^-1 ⊗ T_end.
+
 
 QUATERNION = 4
 _GUESS = 1e-14  # to which the first T is iterated
@@ -142,17 +156,6 @@ def conjugate(q: Doubles) -> Doubles:
 
 
 # --- attitude -------------------------------------------------------------------------------------
-#
-# The attitude along a refined run: the turns of its intervals, one after the other.
-#
-# In principal axes Q(t) is the product of the turns; with q(0) the attitude at the start and the
-# turn from principal axes to the scene's, the attitude of these is a linear function of it, exact
-# as the scene is. For psi and phi, which are continuous, the windings of
-#
-#     q0 + i q3 = cos(theta/2) exp(i (psi + phi)/2),   q1 + i q2 = sin(theta/2) exp(i (psi - phi)/2)
-#
-# about zero are counted in double, from node to node, with more points where the path comes near
-# it.
 
 
 _GUARD = 40  # bits of Q beyond the turns'

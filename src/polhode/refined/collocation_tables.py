@@ -1,13 +1,4 @@
-"""Gauss–Legendre nodes and the integrals of their Lagrange polynomials, to any number of bits.
-
-x_i the nodes on [-1, 1], P_k the Legendre polynomials, c = (x + 1)/2, b_i the weights on [0, 1].
-With D_k = P_{k+1} - P_{k-1}, (2k + 1) times the integral of P_k from -1,
-
-    A_ji = integral of l_i from 0 to c_j = b_i/2 [x_j + 1 + sum_{k=1}^{M-1} P_k(x_i) D_k(x_j)].
-
-All in integers, so many bits behind the point; Hairer, Wanner, Solving ODEs II, IV.5, has the
-collocation method that A and b make.
-"""
+"""The Gauss tables as the sweeps use them: as limbs, level by level, and in double."""
 
 from __future__ import annotations
 
@@ -23,6 +14,19 @@ from polhode.numbers.number_types import Doubles
 from polhode.refined.compiled_field import FIELD_SHIFT
 from polhode.refined.errors import CannotRefine
 from polhode.refined.expansions import Limbs
+
+# --- gauss legendre -------------------------------------------------------------------------------
+#
+# Gauss–Legendre nodes and the integrals of their Lagrange polynomials, to any number of bits.
+#
+# x_i the nodes on [-1, 1], P_k the Legendre polynomials, c = (x + 1)/2, b_i the weights on [0, 1].
+# With D_k = P_{k+1} - P_{k-1}, (2k + 1) times the integral of P_k from -1,
+#
+#     A_ji = integral of l_i from 0 to c_j = b_i/2 [x_j + 1 + sum_{k=1}^{M-1} P_k(x_i) D_k(x_j)].
+#
+# All in integers, so many bits behind the point; Hairer, Wanner, Solving ODEs II, IV.5, has the
+# collocation method that A and b make.
+
 
 _GUARD = 24  # bits: products are cut, and M² of them enter a sum
 
@@ -104,8 +108,6 @@ def _node(count: int, k: int, bits: int) -> int:
 
 
 # --- collocation tables ---------------------------------------------------------------------------
-#
-# The Gauss tables as the sweeps use them: as limbs, level by level, and in double.
 
 
 LARGEST_FIELD = 4.0  # of |H f|, for which the products below are exact

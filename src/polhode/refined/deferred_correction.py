@@ -1,4 +1,19 @@
-"""The recursion e_{n+1} = Phi_n e_n + delta_n over a block: the one thing in sequence."""
+"""The sweeps over a block of intervals: exact defects, corrections in double.
+
+On every interval, S the state at its start, the stages X_j and the end X satisfy
+
+    X_j = S + sum_i A_ji H f(X_i),    X = S + sum_i b_i H f(X_i),
+
+Gauss collocation, whose ends are good to the square of what the stages neglect. Of the present
+x, the defect r = S + A H f(x) - x is computed in limbs; the correction E of x, e of S then
+solves
+
+    E = e + r + A (H J E),    e' = e + r_end + b (H J E),
+
+in double, to first order. The transition of an interval follows from Y(t), the inverse of the
+state's derivative by the state at the middle, Y' = -Y J: with it e' = Phi e + delta without any
+iteration, Phi = Y(1)^-1 Y(0), delta = r_end + Y(1)^-1 sum_j b_j Y_j H J r_j.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +28,10 @@ from polhode.refined.collocation_tables import LARGEST_FIELD, Tables
 from polhode.refined.compiled_field import COEFFICIENTS, VARIABLES, Kernels
 from polhode.refined.errors import CannotRefine, IntervalsTooLong, Stalled, TooFarOff
 from polhode.refined.expansions import Limbs
+
+# --- linear recursion -----------------------------------------------------------------------------
+#
+# The recursion e_{n+1} = Phi_n e_n + delta_n over a block: the one thing in sequence.
 
 
 class LinearChain:
@@ -50,22 +69,6 @@ class LinearChain:
 
 
 # --- deferred correction --------------------------------------------------------------------------
-#
-# The sweeps over a block of intervals: exact defects, corrections in double.
-#
-# On every interval, S the state at its start, the stages X_j and the end X satisfy
-#
-#     X_j = S + sum_i A_ji H f(X_i),    X = S + sum_i b_i H f(X_i),
-#
-# Gauss collocation, whose ends are good to the square of what the stages neglect. Of the present
-# x, the defect r = S + A H f(x) - x is computed in limbs; the correction E of x, e of S then
-# solves
-#
-#     E = e + r + A (H J E),    e' = e + r_end + b (H J E),
-#
-# in double, to first order. The transition of an interval follows from Y(t), the inverse of the
-# state's derivative by the state at the middle, Y' = -Y J: with it e' = Phi e + delta without any
-# iteration, Phi = Y(1)^-1 Y(0), delta = r_end + Y(1)^-1 sum_j b_j Y_j H J r_j.
 
 
 _TURNS = 60  # of an iteration

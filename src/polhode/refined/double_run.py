@@ -1,4 +1,4 @@
-"""The exact system: coefficients, start, and the unit of time in which all of it is small."""
+"""The run in double that is to be refined, and the intervals into which its steps are grouped."""
 
 from __future__ import annotations
 
@@ -23,6 +23,11 @@ from polhode.refined.expansions import rounded
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.engine import Engine, Equations, principal_engine
+
+# --- scaled problem -------------------------------------------------------------------------------
+#
+# The exact system: coefficients, start, and the unit of time in which all of it is small.
+
 
 _SLACK = 1.1  # |w| times this is below 1 in the unit of time chosen
 _LEAST = -64  # of units; the scene's own is near 1 but for bodies almost at rest
@@ -88,8 +93,6 @@ def rational(x: Exact, bits: int) -> Fraction:
 
 
 # --- double run -----------------------------------------------------------------------------------
-#
-# The run in double that is to be refined, and the intervals into which its steps are grouped.
 
 
 STEPS = 8000  # of a base; its polynomials take a kilobyte a step

@@ -1,9 +1,9 @@
-"""How far off a refined run is: what each interval adds, carried to the output times.
+"""The front: a scene's states at exact times, to any number of digits, with their errors.
 
-An error made in interval n reaches the time t times Lambda_{n+1}, the derivative of the state at t
-by the state at the interval's end; Lambda_n = Lambda_{n+1} Phi_n, so one pass backwards tells them
-all.  Three parts are added: what the last correction left, what collocation neglects, and rounding,
-of which only the squares add up.  kappa(t) = |Lambda_0|, largest row sum.
+A run in double goes ahead, block by block its intervals are refined, and each block starts from
+the exact state in which the one before ended. The cost is linear in time, and what is held at a
+time is one run in double of some thousand steps, one block, and 300 bytes an interval for the
+error estimate.
 """
 
 from __future__ import annotations
@@ -35,6 +35,16 @@ from polhode.refined.errors import CannotRefine, IntervalsTooLong, TooFarOff
 from polhode.refined.expansions import Limbs
 from polhode.scenes.scene import Scene
 from polhode.taylor.heyoka import one_blas_thread, one_thread
+
+# --- error estimate -------------------------------------------------------------------------------
+#
+# How far off a refined run is: what each interval adds, carried to the output times.
+#
+# An error made in interval n reaches the time t times Lambda_{n+1}, the derivative of the state at
+# t by the state at the interval's end; Lambda_n = Lambda_{n+1} Phi_n, so one pass backwards tells
+# them all.  Three parts are added: what the last correction left, what collocation neglects, and
+# rounding, of which only the squares add up.  kappa(t) = |Lambda_0|, largest row sum.
+
 
 #: Of the ends' error to the square of the stages' last Legendre coefficients: measured 1e-6 to
 #: 1e-5 over all the motions of the tests.
@@ -237,13 +247,6 @@ def cut(
 
 
 # --- refinement -----------------------------------------------------------------------------------
-#
-# The front: a scene's states at exact times, to any number of digits, with their errors.
-#
-# A run in double goes ahead, block by block its intervals are refined, and each block starts from
-# the exact state in which the one before ended. The cost is linear in time, and what is held at a
-# time is one run in double of some thousand steps, one block, and 300 bytes an interval for the
-# error estimate.
 
 
 STEPS_AN_INTERVAL = 6

@@ -1,4 +1,4 @@
-"""Packages that not everybody has."""
+"""Results as tables of other packages: pandas DataFrames and xarray Datasets."""
 
 from __future__ import annotations
 
@@ -23,6 +23,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+# --- packages -------------------------------------------------------------------------------------
+#
+# Packages that not everybody has.
+
+
 def needed(package: str, source: str = "tables") -> ModuleType:
     """A package by its name; raises BadInput, for ``source``, where it is missing."""
     try:
@@ -36,8 +41,6 @@ def needed(package: str, source: str = "tables") -> ModuleType:
 
 
 # --- frames ---------------------------------------------------------------------------------------
-#
-# Results as tables of other packages: pandas DataFrames and xarray Datasets.
 
 
 def to_pandas(content: Content) -> pd.DataFrame:

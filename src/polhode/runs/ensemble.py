@@ -1,4 +1,4 @@
-"""How the members of a sweep ended, all together."""
+"""The members of a sweep, integrated: their states, and how each ended."""
 
 from __future__ import annotations
 
@@ -55,6 +55,11 @@ from polhode.scenes.vocabulary import ATTITUDE, COLUMNS
 if TYPE_CHECKING:
     from polhode.scenes.members import Block, Vector
     from polhode.scenes.members import Column as Numbers
+
+
+# --- endings --------------------------------------------------------------------------------------
+#
+# How the members of a sweep ended, all together.
 
 
 class SweepResult(Result, ByValue):
@@ -248,8 +253,6 @@ def _measures(
 
 
 # --- ensemble -------------------------------------------------------------------------------------
-#
-# The members of a sweep, integrated: their states, and how each ended.
 
 
 _SHOWN = 20  # members at either end of a long sweep, in text

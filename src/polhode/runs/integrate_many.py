@@ -1,4 +1,4 @@
-"""Starts of many members in one array: what is varied, in the keys of a scene file."""
+"""Many tops at once: initial conditions or body parameters of one scene varied."""
 
 from __future__ import annotations
 
@@ -41,6 +41,11 @@ from polhode.taylor import defaults
 
 if TYPE_CHECKING:
     from polhode.taylor.batches import Solved
+
+
+# --- array starts ---------------------------------------------------------------------------------
+#
+# Starts of many members in one array: what is varied, in the keys of a scene file.
 
 
 def varied_of(
@@ -158,8 +163,6 @@ def _lost(cell: str, rounded: Any) -> bool:
 
 
 # --- integrate many -------------------------------------------------------------------------------
-#
-# Many tops at once: initial conditions or body parameters of one scene varied.
 
 
 _JOBS = 16, 1024  # so many at least and at most

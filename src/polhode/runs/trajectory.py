@@ -1,4 +1,4 @@
-"""How many digits of a run are to be expected, at a small part of the run's own cost."""
+"""What a run gives back: times, states, outcome. Immutable."""
 
 from __future__ import annotations
 
@@ -40,6 +40,11 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, time_column
 from polhode.scenes.vocabulary import COLUMNS, Several, Single
 from polhode.taylor import defaults
+
+# --- error estimate -------------------------------------------------------------------------------
+#
+# How many digits of a run are to be expected, at a small part of the run's own cost.
+
 
 _SHARE = 0.05  # of the run's time, for the tangent
 _TANGENT = 4e-6  # seconds that a step of it takes
@@ -117,8 +122,6 @@ def by_errors(
 
 
 # --- trajectory -----------------------------------------------------------------------------------
-#
-# What a run gives back: times, states, outcome. Immutable.
 
 
 if TYPE_CHECKING:

@@ -1,30 +1,4 @@
-"""States on a level of energy and area, exactly: the start form ``gamma, h, f, sign``.
-
-Of all w with the area f = Iw·gamma at a given gamma, w = f gamma/(gamma·I gamma) has the least
-energy, the reduced potential
-
-    W_f(gamma) = f²/(2 gamma·I gamma) + Mg r0·gamma,
-
-and what is added to it is at right angles to I gamma.  With v = I gamma × (gamma × r0)
-
-    w = f gamma/(gamma·I gamma) ± sqrt(2(h − W_f)/(v·Iv)) v
-
-is the one whose rate of Mg r0·gamma vanishes: r0 is at an extremum of its height.  Without a moment
-of the weight r0 stands for the body's third principal axis.
-
-With p_phi = G3 as well, the momentum conjugate to phi as f = G·gamma is that to psi, omega has one
-number left: with N = (gamma2, -gamma1, 0), along the line of nodes and of length sin(theta),
-
-    G = (f - p_phi gamma3)/sin²(theta) (gamma1, gamma2, 0) + p_phi (0, 0, 1) + x N,
-
-and, G0 being G at x = 0, the energy is a quadratic in x whose two roots have the same theta' =
-omega·N/sin(theta) but for its sign.  Of a top, A = B and r0 = z e3, all three are constant, and
-theta' = 0 at the roots u = cos(theta) of the cubic
-
-    (1 - u²) 2A(h - p_phi²/(2C) - Mg z u) - (f - p_phi u)²
-
-(Goldstein, *Classical Mechanics*, section 5.7; his phi is psi here, his psi phi).
-"""
+"""A scene's body and start from its tables: every way in which a scene may give them."""
 
 from __future__ import annotations
 
@@ -57,6 +31,35 @@ from polhode.scenes.given_numbers import in_units
 from polhode.scenes.scene import SceneTables, is_expression
 from polhode.scenes.shapes import Part
 from polhode.scenes.vocabulary import CENTRE, FIXED_POINT, SIGNS
+
+# --- level start ----------------------------------------------------------------------------------
+#
+# States on a level of energy and area, exactly: the start form ``gamma, h, f, sign``.
+#
+# Of all w with the area f = Iw·gamma at a given gamma, w = f gamma/(gamma·I gamma) has the least
+# energy, the reduced potential
+#
+#     W_f(gamma) = f²/(2 gamma·I gamma) + Mg r0·gamma,
+#
+# and what is added to it is at right angles to I gamma.  With v = I gamma × (gamma × r0)
+#
+#     w = f gamma/(gamma·I gamma) ± sqrt(2(h − W_f)/(v·Iv)) v
+#
+# is the one whose rate of Mg r0·gamma vanishes: r0 is at an extremum of its height.  Without a
+# moment of the weight r0 stands for the body's third principal axis.
+#
+# With p_phi = G3 as well, the momentum conjugate to phi as f = G·gamma is that to psi, omega has
+# one number left: with N = (gamma2, -gamma1, 0), along the line of nodes and of length sin(theta),
+#
+#     G = (f - p_phi gamma3)/sin²(theta) (gamma1, gamma2, 0) + p_phi (0, 0, 1) + x N,
+#
+# and, G0 being G at x = 0, the energy is a quadratic in x whose two roots have the same theta' =
+# omega·N/sin(theta) but for its sign.  Of a top, A = B and r0 = z e3, all three are constant, and
+# theta' = 0 at the roots u = cos(theta) of the cubic
+#
+#     (1 - u²) 2A(h - p_phi²/(2C) - Mg z u) - (f - p_phi u)²
+#
+# (Goldstein, *Classical Mechanics*, section 5.7; his phi is psi here, his psi phi).
 
 
 def reduced_potential(body: Body, gamma: Vector, f: Exact) -> Exact:
@@ -168,8 +171,6 @@ def _roots(a: Exact, b: Exact, c: Exact, d: Exact) -> list[Exact]:
 
 
 # --- body and start -------------------------------------------------------------------------------
-#
-# A scene's body and start from its tables: every way in which a scene may give them.
 
 
 THETA = "start.angles[2]"

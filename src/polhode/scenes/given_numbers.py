@@ -1,9 +1,7 @@
-"""Numbers with units: ``"600 rpm"``, ``"5 cm"``, ``"9.81 m/s**2"``, exact, in SI.
+"""Numbers given beside a scene, in options and arguments: exact, and with units where it has them.
 
-A unit is a name in an expression.  It may follow a number or another unit without a sign and is
-then multiplied from left to right: ``"1/2 deg"`` is half a degree, ``"2 rev/s"`` is two turns a
-second, and so are ``"2 Hz"``.  An angle counts as a dimension of its own, so that a length of
-``"30 deg"`` is refused.
+A scene in SI takes ``"100 ms"`` for a time as a scene file does. Where a scene's numbers have
+any consistent units, a number with a unit means nothing, but for an angle.
 """
 
 from __future__ import annotations
@@ -25,6 +23,16 @@ from polhode.numbers.expression import (
     exact_power,
     in_ascii,
 )
+
+# --- quantity -------------------------------------------------------------------------------------
+#
+# Numbers with units: ``"600 rpm"``, ``"5 cm"``, ``"9.81 m/s**2"``, exact, in SI.
+#
+# A unit is a name in an expression.  It may follow a number or another unit without a sign and is
+# then multiplied from left to right: ``"1/2 deg"`` is half a degree, ``"2 rev/s"`` is two turns a
+# second, and so are ``"2 Hz"``.  An angle counts as a dimension of its own, so that a length of
+# ``"30 deg"`` is refused.
+
 
 #: Exponents of kilogram, metre, second and radian.
 Dimension: TypeAlias = tuple[Fraction, ...]
@@ -210,11 +218,6 @@ def _raised(name: str, power: Fraction) -> str:
 
 
 # --- given numbers --------------------------------------------------------------------------------
-#
-# Numbers given beside a scene, in options and arguments: exact, and with units where it has them.
-#
-# A scene in SI takes ``"100 ms"`` for a time as a scene file does. Where a scene's numbers have
-# any consistent units, a number with a unit means nothing, but for an angle.
 
 
 TIME, ENERGY, AREA = "s", "J", "kg*m**2/s"

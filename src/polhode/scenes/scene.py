@@ -1,4 +1,9 @@
-"""An event of a scene: what vanishes, in which direction, and whether the run ends there."""
+"""A scene: one body, one start, the output times. Exact, immutable, checked once.
+
+Body axes O xyz, O the fixed point; omega = (p, q, r) and gamma, the upward vertical, in body
+axes, as in Yehia, *Rigid Body Dynamics: A Lagrangian Approach*, chapter 3. The first integrals
+are its (3.30): h = ½ w·I w + Mg r0·gamma, f = I w·gamma, |gamma|² = 1.
+"""
 
 from __future__ import annotations
 
@@ -34,6 +39,10 @@ from polhode.scenes.vocabulary import (
     UNITS,
     check,
 )
+
+# --- event ----------------------------------------------------------------------------------------
+#
+# An event of a scene: what vanishes, in which direction, and whether the run ends there.
 
 
 class Event(NamedTuple):
@@ -332,12 +341,6 @@ def _shown(item: object, depth: int) -> str:
 
 
 # --- scene ----------------------------------------------------------------------------------------
-#
-# A scene: one body, one start, the output times. Exact, immutable, checked once.
-#
-# Body axes O xyz, O the fixed point; omega = (p, q, r) and gamma, the upward vertical, in body
-# axes, as in Yehia, *Rigid Body Dynamics: A Lagrangian Approach*, chapter 3. The first integrals
-# are its (3.30): h = ½ w·I w + Mg r0·gamma, f = I w·gamma, |gamma|² = 1.
 
 
 class Published(NamedTuple):

@@ -1,4 +1,4 @@
-"""Which motion is in which lane of a batch: where one is over the next takes its place."""
+"""Many motions at once, in the lanes of heyoka's batches: each has the bits that it has alone."""
 
 from __future__ import annotations
 
@@ -31,6 +31,10 @@ from polhode.taylor import defaults
 from polhode.taylor.engine import Engine, Equations, principal_engine
 from polhode.taylor.heyoka import ending
 from polhode.taylor.types import HeyokaIntegrator, HeyokaNumber
+
+# --- lane queue -----------------------------------------------------------------------------------
+#
+# Which motion is in which lane of a batch: where one is over the next takes its place.
 
 
 class LaneQueue:

@@ -1,8 +1,9 @@
-"""Variables that grow without bounds and on which no rate depends: angles.
+"""heyoka's integrator with views of its memory: it stands wherever it is put, one user at a time.
 
-heyoka's steps are as accurate as its largest variable asks, and neglect the others.  So cyclic
-variables are kept as time is: an offset of more than twice the bits, plus heyoka's own part, which
-is divided by a power of two and set back to zero so often that it stays below about one.
+Building one takes milliseconds even when its code is found on the disk, and so does freeing it:
+as long as a short run itself. So whoever needs one takes one that is idle, and leaves it to the
+next user. That may be of another body: whoever takes one tells it all coefficients, and the
+state.
 """
 
 from __future__ import annotations
@@ -45,6 +46,14 @@ from polhode.taylor.types import (
     Rates,
     Watcher,
 )
+
+# --- angle variables ------------------------------------------------------------------------------
+#
+# Variables that grow without bounds and on which no rate depends: angles.
+#
+# heyoka's steps are as accurate as its largest variable asks, and neglect the others.  So cyclic
+# variables are kept as time is: an offset of more than twice the bits, plus heyoka's own part,
+# which is divided by a power of two and set back to zero so often that it stays below about one.
 
 
 def slowed(rates: list[Expression], cyclic: int, number: NumberType) -> list[Expression]:
@@ -380,13 +389,6 @@ POOL = Pool()
 
 
 # --- engine ---------------------------------------------------------------------------------------
-#
-# heyoka's integrator with views of its memory: it stands wherever it is put, one user at a time.
-#
-# Building one takes milliseconds even when its code is found on the disk, and so does freeing it:
-# as long as a short run itself. So whoever needs one takes one that is idle, and leaves it to the
-# next user. That may be of another body: whoever takes one tells it all coefficients, and the
-# state.
 
 
 COMPILING = Lock(Place.COMPILING)

@@ -1,4 +1,4 @@
-"""What a batch search watches: an expression on motions of many bodies, and heyoka's batch."""
+"""Events of many motions at once: zeros of an expression in a batch, and the search for them."""
 
 from __future__ import annotations
 
@@ -58,6 +58,11 @@ from polhode.taylor.event_watch import Callback, Probe
 from polhode.taylor.heyoka import EXPRESSIONS, compact_beyond, hy
 from polhode.taylor.projection import Level, Put
 from polhode.taylor.types import Desk, HeyokaIntegrator
+
+# --- batch zeros ----------------------------------------------------------------------------------
+#
+# What a batch search watches: an expression on motions of many bodies, and heyoka's batch.
+
 
 #: The parameters of a batch, and of its jet: when the stretch began, what the first step adds to
 #: the expression (a jet's other part of the time), and the numbers of :meth:`Watched.numbers`.

@@ -1,9 +1,4 @@
-"""Zeros of an expression and of its rate, all of a run at once, taken to their last digits.
-
-heyoka finds a zero to about the last digit of the time, a multiple one to a root of that.  From the
-state there Newton's method takes the rest, along the motion's own Taylor polynomial of third order;
-at extrema in the form that converges at multiple zeros, too.
-"""
+"""Whether what a run noted is an event: zeros taken to their last digits, and the rule."""
 
 from __future__ import annotations
 
@@ -17,6 +12,15 @@ from polhode.motion.frame import Frame
 from polhode.numbers.number_types import Booleans, Flat, Indices, NumberType, Scalar
 from polhode.taylor.event_functions import BAND, OWN, Jet, Marks, joined_marks
 from polhode.taylor.heyoka import array, as_fraction, scalar
+
+# --- polishing ------------------------------------------------------------------------------------
+#
+# Zeros of an expression and of its rate, all of a run at once, taken to their last digits.
+#
+# heyoka finds a zero to about the last digit of the time, a multiple one to a root of that.  From
+# the state there Newton's method takes the rest, along the motion's own Taylor polynomial of third
+# order; at extrema in the form that converges at multiple zeros, too.
+
 
 #: How far a zero may be from where heyoka met it, in the run's unit.
 _NEAR = Fraction(1, 1000)

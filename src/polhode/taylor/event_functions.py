@@ -1,11 +1,4 @@
-"""How far rounding can carry an expression at some states: running error bounds, compiled.
-
-Beside each value goes a bound of its rounding error, in units of half the last bit of 1.  A
-component of the state counts with its own size and with what rounding its rate adds up over half a
-unit of time, so that a component that small terms make has a small error, and one that large terms
-cancel has a large one.  Values and bounds are heyoka's expressions, compiled for plain numbers of
-numpy.
-"""
+"""Expressions of events as compiled functions: values, jets, magnitudes, and what rounding does."""
 
 from __future__ import annotations
 
@@ -41,6 +34,17 @@ from polhode.taylor import heyoka
 from polhode.taylor.heyoka import EXPRESSIONS, constant, hy, scalar, type_options
 from polhode.taylor.time_grid import exact_sum
 from polhode.taylor.types import CompiledFunction, Expression, HeyokaNumber
+
+# --- roundoff -------------------------------------------------------------------------------------
+#
+# How far rounding can carry an expression at some states: running error bounds, compiled.
+#
+# Beside each value goes a bound of its rounding error, in units of half the last bit of 1.  A
+# component of the state counts with its own size and with what rounding its rate adds up over half
+# a unit of time, so that a component that small terms make has a small error, and one that large
+# terms cancel has a large one.  Values and bounds are heyoka's expressions, compiled for plain
+# numbers of numpy.
+
 
 #: An expression is zero within so many times its error: a motion carries the rounding of many
 #: steps, and an exact tangency is to stay one.

@@ -1,4 +1,4 @@
-"""What heyoka calls in a run with events: where one is met, and after each step, to go on?"""
+"""Watching a run for events: what heyoka calls, what is noted, and when the run has to stop."""
 
 from __future__ import annotations
 
@@ -51,6 +51,11 @@ from polhode.taylor.event_functions import (
 )
 from polhode.taylor.heyoka import array, hy, scalar
 from polhode.taylor.types import Desk, Expression, HeyokaEvent, HeyokaIntegrator, HeyokaNumber
+
+# --- callbacks ------------------------------------------------------------------------------------
+#
+# What heyoka calls in a run with events: where one is met, and after each step, to go on?
+
 
 _PATIENCE = 8  # steps in a row that do not change the time; the last one before an end may be such
 

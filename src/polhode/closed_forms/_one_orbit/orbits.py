@@ -1,10 +1,4 @@
-"""What the families with one orbit per body share: their axes, their orbits, their gamma.
-
-    I w' + w x I w = Mg gamma x r0,    gamma' = gamma x w        (Yehia 3.13-3.17)
-
-A family says in which axes it has its normal form (:mod:`..membership`) and gives w, gamma and the
-turn of the body there.
-"""
+"""Orbits in balls whose time is an elliptic argument, or an integral over an angle."""
 
 from __future__ import annotations
 
@@ -43,6 +37,15 @@ from polhode.numbers.exact import ONE, Exact, noted, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import Vector
+
+# --- gamma from omega -----------------------------------------------------------------------------
+#
+# What the families with one orbit per body share: their axes, their orbits, their gamma.
+#
+#     I w' + w x I w = Mg gamma x r0,    gamma' = gamma x w        (Yehia 3.13-3.17)
+#
+# A family says in which axes it has its normal form (:mod:`..membership`) and gives w, gamma and
+# the turn of the body there.
 
 
 def orbit_family(name: str, placement: type[OrbitPlacement]) -> Family:
@@ -199,8 +202,6 @@ def gamma_of_omega(
 
 
 # --- orbits ---------------------------------------------------------------------------------------
-#
-# Orbits in balls whose time is an elliptic argument, or an integral over an angle.
 
 
 #: p, q, r, gamma1, gamma2, gamma3 of sn, cn, dn, or of the three numbers of a flow.

@@ -1,13 +1,10 @@
-"""How far the arguments of q0 + i q3 and q1 + i q2 grow, counted along the motion and proven.
+"""psi, theta and phi of a motion in balls, psi and phi continuous in time.
 
-Either number moves at most as fast as the quaternion, |q'| = |w|/2.  Between times t and t + h it
-therefore stays within the ellipse of the points z with |z - z0| + |z - z1| <= bound(|w|) h/2.  If
-|z0| + |z1| is larger than that, 0 is outside; an ellipse is convex, so it lies in a half plane and
-the argument grows by the principal argument of z1/z0.
-
-From a pole whose axis w is along at t = 0, one of the two, z, starts as slowly as t^2.  With
-xi = p + i q and bounds s and a of |w| and |w'|, |xi| <= a t, |z|' <= |xi|/2 and
-|z'| <= (s |z| + |xi|)/2: the way of z to t is at most a t^2/4 + a s t^3/24 (:class:`Leaving`).
+With al = q0 + i q3 and bt = q1 + i q2, psi and phi are the sum and the difference of arg al and
+arg bt, and theta = 2 atan2(|bt|, |al|). The arguments are known modulo 2 pi from the numbers at
+the time; how often they went round is known from a growth that is right to less than half a
+turn. After a period of w and gamma the body has turned about the vertical, and both arguments
+have grown by the same as in any other period: what is counted through one is known of all.
 """
 
 from __future__ import annotations
@@ -33,6 +30,20 @@ from polhode.closed_forms.balls.frames import Turn
 from polhode.numbers.exact import EQUAL_BITS, Exact, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
+
+# --- winding --------------------------------------------------------------------------------------
+#
+# How far the arguments of q0 + i q3 and q1 + i q2 grow, counted along the motion and proven.
+#
+# Either number moves at most as fast as the quaternion, |q'| = |w|/2.  Between times t and t + h it
+# therefore stays within the ellipse of the points z with |z - z0| + |z - z1| <= bound(|w|) h/2.  If
+# |z0| + |z1| is larger than that, 0 is outside; an ellipse is convex, so it lies in a half plane
+# and the argument grows by the principal argument of z1/z0.
+#
+# From a pole whose axis w is along at t = 0, one of the two, z, starts as slowly as t^2.  With
+# xi = p + i q and bounds s and a of |w| and |w'|, |xi| <= a t, |z|' <= |xi|/2 and
+# |z'| <= (s |z| + |xi|)/2: the way of z to t is at most a t^2/4 + a s t^3/24 (:class:`Leaving`).
+
 
 #: The two arguments' growth.
 Grown = tuple[arb, arb]
@@ -115,14 +126,6 @@ def _parameters(q: Turn) -> tuple[acb, acb]:
 
 
 # --- angles ---------------------------------------------------------------------------------------
-#
-# psi, theta and phi of a motion in balls, psi and phi continuous in time.
-#
-# With al = q0 + i q3 and bt = q1 + i q2, psi and phi are the sum and the difference of arg al and
-# arg bt, and theta = 2 atan2(|bt|, |al|). The arguments are known modulo 2 pi from the numbers at
-# the time; how often they went round is known from a growth that is right to less than half a
-# turn. After a period of w and gamma the body has turned about the vertical, and both arguments
-# have grown by the same as in any other period: what is counted through one is known of all.
 
 
 #: The growth of the two arguments; None of one whose number is always 0.

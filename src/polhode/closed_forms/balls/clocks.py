@@ -1,17 +1,13 @@
-"""Integrals of one over square roots of products of linear functions, in balls, errors proven.
+"""The phases of variables that move between two roots or tend to one, and their inverses, in
+balls.
 
-A variable z is a function of a phase x, and what is integrated over x is
+A variable z grows with the parameter s of the motion, and its phase x as ds = f dx, where f is
+one over the square root of the product of its distances from roots (:mod:`.panels`). Three
+kinds:
 
-    f = scale/sqrt(product of linear functions of z),    and z f: S and U.
-
-The way from 0 to ``end`` is cut into panels.  On the disc of RATIO times a panel's half, z stays
-within ``reach`` of its value in the middle, and there no linear function vanishes: that is proven,
-and bounds f by M.  The disc holds the ellipse of the sum e^eta of half axes, cosh eta = RATIO, and
-Gauss's rule of n points is off by at most
-
-    64/15 M half exp(-2 n eta)/(1 - exp(-2 eta))      (Rabinowitz 1969).
-
-Towards a zero the panels shrink with the distance from it: a gap of 1e-40 costs a hundred more.
+    Oscillating   z = low + (high - low) sin^2(x/2), to and fro between two roots;
+    Tending       z = limit + (end - limit) sech^2 x, from a double root to ``end`` and back;
+    Standing      z constant; its phase is S itself.
 """
 
 from __future__ import annotations
@@ -30,6 +26,24 @@ from polhode.closed_forms.balls.core import TooFewBits, around, nearest_integer,
 from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Scalar
+
+# --- panels ---------------------------------------------------------------------------------------
+#
+# Integrals of one over square roots of products of linear functions, in balls, errors proven.
+#
+# A variable z is a function of a phase x, and what is integrated over x is
+#
+#     f = scale/sqrt(product of linear functions of z),    and z f: S and U.
+#
+# The way from 0 to ``end`` is cut into panels.  On the disc of RATIO times a panel's half, z stays
+# within ``reach`` of its value in the middle, and there no linear function vanishes: that is
+# proven, and bounds f by M.  The disc holds the ellipse of the sum e^eta of half axes, cosh eta =
+# RATIO, and Gauss's rule of n points is off by at most
+#
+#     64/15 M half exp(-2 n eta)/(1 - exp(-2 eta))      (Rabinowitz 1969).
+#
+# Towards a zero the panels shrink with the distance from it: a gap of 1e-40 costs a hundred more.
+
 
 RATIO = 3
 _DISC = RATIO + 0.01  # of which f is bounded
@@ -260,17 +274,6 @@ def circle(factors: Sequence[Linear]) -> Pair:
 
 
 # --- clocks ---------------------------------------------------------------------------------------
-#
-# The phases of variables that move between two roots or tend to one, and their inverses, in
-# balls.
-#
-# A variable z grows with the parameter s of the motion, and its phase x as ds = f dx, where f is
-# one over the square root of the product of its distances from roots (:mod:`.panels`). Three
-# kinds:
-#
-#     Oscillating   z = low + (high - low) sin^2(x/2), to and fro between two roots;
-#     Tending       z = limit + (end - limit) sech^2 x, from a double root to ``end`` and back;
-#     Standing      z constant; its phase is S itself.
 
 
 _PART = 2 * RATIO - 1  # RATIO of a part of a panel that is not longer than its half

@@ -1,19 +1,41 @@
-"""Theta functions of a real variable as polynomials, in balls: the same ones at many rows.
+"""Jacobi's functions and quotients of theta functions, in balls.
 
-With q = e^(-pi s), c = cos 2 pi z and Chebyshev's polynomials T, U (DLMF 18.5, 20.2)
+With the modulus k, its complement k', the quarter periods K and K', tau = i K'/K and z = v/2K,
+the theta functions th1(z), ..., th4(z) have pi in their argument as those of FLINT have, and
 
-    th3(z), th4(z) = 1 + sum a_n cos 2 pi n z,    a_n = 2 (+-1)^n q^(n^2),  cos 2 pi n z = T_n(c),
-    th1(z) = sin pi z sum b_n (-1)^n W_n(c),      W_n = sin (2n + 1) pi z/sin pi z,
-    th2(z) = cos pi z sum b_n V_n(c),             V_n = cos (2n + 1) pi z/cos pi z,
+    sn v = th3(0) th1(z)/(th2(0) th4(z)),    cn v = th4(0) th2(z)/(th2(0) th4(z)),
+    dn v = th4(0) th3(z)/(th3(0) th4(z))     (DLMF 22.2).
 
-with b_n = 2 q^((n + 1/2)^2), and at a fixed distance above the real line
+The circle k = 0 and the separatrix k' = 0 are told by the exact 0. Every direction cosine and
+Cayley-Klein parameter of Euler's and Lagrange's tops is a factor times
 
-    Re th3, th4(z + i y) = 1 + sum a_n cosh(2 pi n y) T_n(c),
-    Im th3, th4(z + i y) = -sin 2 pi z sum a_n sinh(2 pi n y) U_(n-1)(c).
+    F(v) = Th(v + i a)/Th(v) e^(i L v),    Th(v) = th4(z),    or Th(v + K + i a)/Th(v) e^(i L v).
 
-All four kinds of polynomials have the recurrence p_(n+1) = 2c p_n - p_(n-1), and for real z they
-are at most 2n + 1.  What is left out is bounded by twice its first term, once the terms are proven
-to fall by half.
+What a is and what L is follows from the motion. For real v, with sn(i a, k) = i sc(a, k') and
+sn(K + i a, k) = 1/dn(a, k') (DLMF 22.6(iv), 22.4),
+
+    |F|^2 ~ 1 - k^2 sn^2(i a) sn^2 v       = 1 + k^2 sc^2(a, k') sn^2 v,
+    |F|^2 ~ 1 - k^2 sn^2(K + i a) sn^2 v   = 1 - (k/dn(a, k'))^2 sn^2 v    of the other quotient:
+
+both sides have the same periods, zeros and double poles. A modulus that is known as a multiple
+of 1 + al sn^2 v therefore tells a by its functions to the modulus k'. The argument of F grows by
+L + Im(Z(v + i a) - Z(v)), Z = Th'/Th; where v = i K', w is infinite, and Z(i K' + x) = -i pi/2K +
+th1'/th1(x) makes that imaginary part, continued from real v, -i th1'/th1(i a). What is left of
+the argument's rate there is what the motion adds for itself: so L = i th1'/th1(i a), or
+i th2'/th2(i a) of the other quotient, the derivatives being those in v.
+
+The quotient without its phase has the period 2K, so that v is reduced in it and not in the
+phase.
+
+*Its real part is positive* for |a| < K', which makes its principal root and argument
+continuous: for 0 < x < pi/2 the function f(s) = arg(1 - s e^(-2ix)) rises from 0 to pi/2 - x on
+0 <= s <= 1, and by the product for th4, with y the imaginary part of pi z and q the nome,
+
+    arg th4(x + iy) = sum over n >= 1 of f(q^(2n-1) e^(2y)) - f(q^(2n-1) e^(-2y)),
+
+where q^(2n-1) e^(2y) < q^(2n-2) and q^(2n-1) e^(-2y) > q^(2n) as |a| < K'. The sum telescopes:
+it is between 0 and f(1) - f(0) = pi/2 - x. By symmetry so for x < 0, and for th3 by a quarter
+period.
 """
 
 from __future__ import annotations
@@ -26,6 +48,26 @@ from flint import acb, arb, arb_poly, fmpz_poly
 from polhode.closed_forms.balls.core import TooFewBits, nearest_integer
 from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
+
+# --- theta series ---------------------------------------------------------------------------------
+#
+# Theta functions of a real variable as polynomials, in balls: the same ones at many rows.
+#
+# With q = e^(-pi s), c = cos 2 pi z and Chebyshev's polynomials T, U (DLMF 18.5, 20.2)
+#
+#     th3(z), th4(z) = 1 + sum a_n cos 2 pi n z,    a_n = 2 (+-1)^n q^(n^2),  cos 2 pi n z = T_n(c),
+#     th1(z) = sin pi z sum b_n (-1)^n W_n(c),      W_n = sin (2n + 1) pi z/sin pi z,
+#     th2(z) = cos pi z sum b_n V_n(c),             V_n = cos (2n + 1) pi z/cos pi z,
+#
+# with b_n = 2 q^((n + 1/2)^2), and at a fixed distance above the real line
+#
+#     Re th3, th4(z + i y) = 1 + sum a_n cosh(2 pi n y) T_n(c),
+#     Im th3, th4(z + i y) = -sin 2 pi z sum a_n sinh(2 pi n y) U_(n-1)(c).
+#
+# All four kinds of polynomials have the recurrence p_(n+1) = 2c p_n - p_(n-1), and for real z they
+# are at most 2n + 1.  What is left out is bounded by twice its first term, once the terms are
+# proven to fall by half.
+
 
 #: Below this s the series are long and cancel; FLINT's own functions turn it into 1/s.
 LEAST = 1 / 16
@@ -93,45 +135,6 @@ def _sum(weights: Sequence[arb], before: fmpz_poly) -> arb_poly:
 
 
 # --- jacobi ---------------------------------------------------------------------------------------
-#
-# Jacobi's functions and quotients of theta functions, in balls.
-#
-# With the modulus k, its complement k', the quarter periods K and K', tau = i K'/K and z = v/2K,
-# the theta functions th1(z), ..., th4(z) have pi in their argument as those of FLINT have, and
-#
-#     sn v = th3(0) th1(z)/(th2(0) th4(z)),    cn v = th4(0) th2(z)/(th2(0) th4(z)),
-#     dn v = th4(0) th3(z)/(th3(0) th4(z))     (DLMF 22.2).
-#
-# The circle k = 0 and the separatrix k' = 0 are told by the exact 0. Every direction cosine and
-# Cayley-Klein parameter of Euler's and Lagrange's tops is a factor times
-#
-#     F(v) = Th(v + i a)/Th(v) e^(i L v),    Th(v) = th4(z),    or Th(v + K + i a)/Th(v) e^(i L v).
-#
-# What a is and what L is follows from the motion. For real v, with sn(i a, k) = i sc(a, k') and
-# sn(K + i a, k) = 1/dn(a, k') (DLMF 22.6(iv), 22.4),
-#
-#     |F|^2 ~ 1 - k^2 sn^2(i a) sn^2 v       = 1 + k^2 sc^2(a, k') sn^2 v,
-#     |F|^2 ~ 1 - k^2 sn^2(K + i a) sn^2 v   = 1 - (k/dn(a, k'))^2 sn^2 v    of the other quotient:
-#
-# both sides have the same periods, zeros and double poles. A modulus that is known as a multiple
-# of 1 + al sn^2 v therefore tells a by its functions to the modulus k'. The argument of F grows by
-# L + Im(Z(v + i a) - Z(v)), Z = Th'/Th; where v = i K', w is infinite, and Z(i K' + x) = -i pi/2K +
-# th1'/th1(x) makes that imaginary part, continued from real v, -i th1'/th1(i a). What is left of
-# the argument's rate there is what the motion adds for itself: so L = i th1'/th1(i a), or
-# i th2'/th2(i a) of the other quotient, the derivatives being those in v.
-#
-# The quotient without its phase has the period 2K, so that v is reduced in it and not in the
-# phase.
-#
-# *Its real part is positive* for |a| < K', which makes its principal root and argument
-# continuous: for 0 < x < pi/2 the function f(s) = arg(1 - s e^(-2ix)) rises from 0 to pi/2 - x on
-# 0 <= s <= 1, and by the product for th4, with y the imaginary part of pi z and q the nome,
-#
-#     arg th4(x + iy) = sum over n >= 1 of f(q^(2n-1) e^(2y)) - f(q^(2n-1) e^(-2y)),
-#
-# where q^(2n-1) e^(2y) < q^(2n-2) and q^(2n-1) e^(-2y) > q^(2n) as |a| < K'. The sum telescopes:
-# it is between 0 and f(1) - f(0) = pi/2 - x. By symmetry so for x < 0, and for th3 by a quarter
-# period.
 
 
 _I = acb(0, 1)

@@ -1,8 +1,25 @@
-"""A polynomial at places on the unit circle, in balls: the sums of Fourier series.
+"""The attitude of a motion whose w and gamma repeat after T, in balls, at any time.
 
-In n = m l terms: the m l products of coefficients with powers below m by one product of matrices,
-and l more with powers of w^m.  Powers are products of halves: a chain of single factors would
-widen the balls by sqrt 2 each.
+The motion is given as a function of a phase s, which is time or grows by S in T. u is an axis
+of the body that is never vertical. Its azimuth about the vertical grows with s by
+
+    F = dt/ds (w.g - (w.u)(u.g))/(1 - (u.g)^2),    of period S.
+
+F is analytic where |Im s| <= eta S, and |F| <= M there: both proven on discs that cover a
+period of the strip, on each from the state in its middle and a bound of how far the equations
+let it move. With its 2n samples and their Fourier sums below n, the integral of F is off by at
+most
+
+    4 M S exp(-2 pi eta n)/(1 - exp(-2 pi eta))    for 0 <= s <= S
+
+(what the samples cannot tell from lower frequencies, and what is left out). The horizontal part
+of u, its cross product and g make a matrix, and that a quaternion up to its sign. The sign is
+that of the nearest of some moments so close that |w| h <= 1: between two of them the quaternion
+moves by less than 1/2. After a whole period it has been multiplied by z = q(T)/q(0), a turn
+about the vertical, and after n of them by z^n: not by its angle, which may be pi.
+
+Of a motion that is known at real times only nothing is proven: samples are doubled until their
+last Fourier sums vanish.
 """
 
 from __future__ import annotations
@@ -21,6 +38,14 @@ from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import cross, dot, quaternion_product
+
+# --- power sum ------------------------------------------------------------------------------------
+#
+# A polynomial at places on the unit circle, in balls: the sums of Fourier series.
+#
+# In n = m l terms: the m l products of coefficients with powers below m by one product of matrices,
+# and l more with powers of w^m.  Powers are products of halves: a chain of single factors would
+# widen the balls by sqrt 2 each.
 
 
 class PowerSum:
@@ -52,29 +77,6 @@ def _powers(w: acb, count: int) -> list[acb]:
 
 
 # --- periodic attitude ----------------------------------------------------------------------------
-#
-# The attitude of a motion whose w and gamma repeat after T, in balls, at any time.
-#
-# The motion is given as a function of a phase s, which is time or grows by S in T. u is an axis
-# of the body that is never vertical. Its azimuth about the vertical grows with s by
-#
-#     F = dt/ds (w.g - (w.u)(u.g))/(1 - (u.g)^2),    of period S.
-#
-# F is analytic where |Im s| <= eta S, and |F| <= M there: both proven on discs that cover a
-# period of the strip, on each from the state in its middle and a bound of how far the equations
-# let it move. With its 2n samples and their Fourier sums below n, the integral of F is off by at
-# most
-#
-#     4 M S exp(-2 pi eta n)/(1 - exp(-2 pi eta))    for 0 <= s <= S
-#
-# (what the samples cannot tell from lower frequencies, and what is left out). The horizontal part
-# of u, its cross product and g make a matrix, and that a quaternion up to its sign. The sign is
-# that of the nearest of some moments so close that |w| h <= 1: between two of them the quaternion
-# moves by less than 1/2. After a whole period it has been multiplied by z = q(T)/q(0), a turn
-# about the vertical, and after n of them by z^n: not by its angle, which may be pi.
-#
-# Of a motion that is known at real times only nothing is proven: samples are doubled until their
-# last Fourier sums vanish.
 
 
 _AXES = tuple(v for v in itertools.product((1, 0, -1), repeat=3) if v > (0, 0, 0))

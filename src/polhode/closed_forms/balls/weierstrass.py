@@ -1,11 +1,17 @@
-"""Weierstrass' functions of a real lattice, in balls.
+"""Solutions of y'^2 = f(y), f a quartic, from a start (y0, y0'), by Weierstrass' function in
+balls.
 
-    y^2 = 4 (x - x0)(x - x1)(x - x2),    x = P(v),    y = P'(v),    x0 + x1 + x2 = 0,
+    y = y0 + [-y0' P' + f'(P - f''/24)/2 + f f'''/24] / [2 (P - f''/24)^2 - f f''''/48],
 
-with x0 > x1 > x2, or x0 real and a conjugate pair.  The real period T and the imaginary one i T'
-are pi over arithmetic-geometric means of real numbers.  The lattice is spanned by T and i T' in the
-first case, by T and (T + i T')/2 in the second (DLMF 23.22(ii); Cohen, A Course in Computational
-Algebraic Number Theory, 7.4).
+f and its derivatives at y0, P = P(t; g2, g3) of the invariants of f (Biermann 1865; Whittaker &
+Watson, A Course of Modern Analysis, 20.6). No sign of a root is chosen; y0 and t may be complex
+while g2 and g3 are real. P comes from Jacobi's functions (DLMF 23.6):
+
+    P = e3 + (e1 - e3)/sn^2,    or P = e + size (1 + cn)/(1 - cn) if only e is real.
+
+With s = sn, the numbers P s^2 and P' s^3 are polynomials in sn, cn, dn, and so are numerator
+and denominator times s^4 (with 1 - cn for s^2 in the other case): the poles of P are no
+exceptions.
 """
 
 from __future__ import annotations
@@ -19,6 +25,18 @@ from flint import acb, arb
 from polhode.closed_forms.balls.core import TooFewBits, ball, nearest_integer
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.numbers.exact import Exact, sign
+
+# --- sigma ----------------------------------------------------------------------------------------
+#
+# Weierstrass' functions of a real lattice, in balls.
+#
+#     y^2 = 4 (x - x0)(x - x1)(x - x2),    x = P(v),    y = P'(v),    x0 + x1 + x2 = 0,
+#
+# with x0 > x1 > x2, or x0 real and a conjugate pair.  The real period T and the imaginary one i T'
+# are pi over arithmetic-geometric means of real numbers.  The lattice is spanned by T and i T' in
+# the first case, by T and (T + i T')/2 in the second (DLMF 23.22(ii); Cohen, A Course in
+# Computational Algebraic Number Theory, 7.4).
+
 
 _I = acb(0, 1)
 
@@ -103,21 +121,6 @@ class Shifted:
 
 
 # --- weierstrass ----------------------------------------------------------------------------------
-#
-# Solutions of y'^2 = f(y), f a quartic, from a start (y0, y0'), by Weierstrass' function in
-# balls.
-#
-#     y = y0 + [-y0' P' + f'(P - f''/24)/2 + f f'''/24] / [2 (P - f''/24)^2 - f f''''/48],
-#
-# f and its derivatives at y0, P = P(t; g2, g3) of the invariants of f (Biermann 1865; Whittaker &
-# Watson, A Course of Modern Analysis, 20.6). No sign of a root is chosen; y0 and t may be complex
-# while g2 and g3 are real. P comes from Jacobi's functions (DLMF 23.6):
-#
-#     P = e3 + (e1 - e3)/sn^2,    or P = e + size (1 + cn)/(1 - cn) if only e is real.
-#
-# With s = sn, the numbers P s^2 and P' s^3 are polynomials in sn, cn, dn, and so are numerator
-# and denominator times s^4 (with 1 - cn for s^2 in the other case): the poles of P are no
-# exceptions.
 
 
 #: sn, cn, dn.

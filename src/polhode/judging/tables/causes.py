@@ -1,4 +1,4 @@
-"""That a table begins with another state than the scene, and with which case's, in words."""
+"""What may be wrong with a table's motion: another start, another number, other equations."""
 
 from __future__ import annotations
 
@@ -24,6 +24,11 @@ from polhode.scenes import library
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, STATE
+
+# --- other start ----------------------------------------------------------------------------------
+#
+# That a table begins with another state than the scene, and with which case's, in words.
+
 
 _SAME_START = 6.0  # digits of a start that is a case's
 _SHOWN = 2  # cases

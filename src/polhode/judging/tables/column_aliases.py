@@ -1,14 +1,8 @@
-"""Other forms of an attitude as quaternions: rotation matrices, Rodrigues parameters, vectors.
+"""Names that other programs give to the columns of a trajectory, and those that somebody tells.
 
-All of them belong to the rotation R from the body's axes to those of space, v_space = R v_body:
-the matrix ``R11 ... R33``, row by row; the vector theta n of ROTATION_VECTOR, n the axis and theta
-the angle in radians; and the modified Rodrigues parameters n tan(theta/4).  The quaternion is
-(cos(theta/2), n sin(theta/2)).  Where a file's are those of the rotation from space to body, a
-judgement's readings say so.
-
-None of these forms tells the sign of the quaternion, and parameters may leap to those of the same
-rotation by 2 pi - theta: each row has the sign that is nearer to the row before, so that curves of
-them have no leaps.
+A name is a stem and an axis, ``gyro`` and ``x``, after a path and before a unit: ``imu/gyro_x
+[deg/s]``. What it means may depend on the others: whether axes are counted from 0 or from 1,
+and whether ``gx`` is a component of gamma or a rate.
 """
 
 from __future__ import annotations
@@ -38,6 +32,21 @@ from polhode.scenes.vocabulary import (
     STATE,
     column_names,
 )
+
+# --- attitude forms -------------------------------------------------------------------------------
+#
+# Other forms of an attitude as quaternions: rotation matrices, Rodrigues parameters, vectors.
+#
+# All of them belong to the rotation R from the body's axes to those of space, v_space = R v_body:
+# the matrix ``R11 ... R33``, row by row; the vector theta n of ROTATION_VECTOR, n the axis and
+# theta the angle in radians; and the modified Rodrigues parameters n tan(theta/4).  The quaternion
+# is (cos(theta/2), n sin(theta/2)).  Where a file's are those of the rotation from space to body, a
+# judgement's readings say so.
+#
+# None of these forms tells the sign of the quaternion, and parameters may leap to those of the same
+# rotation by 2 pi - theta: each row has the sign that is nearer to the row before, so that curves
+# of them have no leaps.
+
 
 GUARD = 64  # bits beyond those of the cells
 _OFF = 1e-3  # of 1: a length that is another, and no error of a method
@@ -135,12 +144,6 @@ def root(square: Fraction, bits: int) -> Fraction:
 
 
 # --- column aliases -------------------------------------------------------------------------------
-#
-# Names that other programs give to the columns of a trajectory, and those that somebody tells.
-#
-# A name is a stem and an axis, ``gyro`` and ``x``, after a path and before a unit: ``imu/gyro_x
-# [deg/s]``. What it means may depend on the others: whether axes are counted from 0 or from 1,
-# and whether ``gx`` is a component of gamma or a rate.
 
 
 #: Another form of the attitude, which becomes a quaternion: see

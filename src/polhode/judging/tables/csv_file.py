@@ -1,9 +1,12 @@
-"""Of which number type the cells of a table are, and by how much its times may be off.
+"""Tables in CSV files of other programs.
 
-Arrays and lists of floats say their type themselves; decimals may be numbers of a type, printed
-with more digits than the type has.  A row of a right program holds at a time that the table has
-only in a number type, or in decimals of so many places: late in a clock's time that costs digits
-that the program did not lose.
+Separators are comma, semicolon, tab, or blanks, as the first line of the table has them, or as
+Excel's ``sep=;`` before it says. Between semicolons or tabs the numbers may have decimal
+commas, if none has a point. A header may stand in a comment (``# t p q r``, as NumPy writes
+it), or be given. Numbers may be spelt as other languages write them: see :func:`plain_cell`.
+
+A decimal that stands for a double is the double nearest to it, which Python's ``float`` gives;
+all others are read exactly and rounded once.
 """
 
 from __future__ import annotations
@@ -55,6 +58,16 @@ from polhode.numbers.number_types import (
     mp,
 )
 from polhode.scenes.vocabulary import ATTITUDE, STATE
+
+# --- type inference -------------------------------------------------------------------------------
+#
+# Of which number type the cells of a table are, and by how much its times may be off.
+#
+# Arrays and lists of floats say their type themselves; decimals may be numbers of a type, printed
+# with more digits than the type has.  A row of a right program holds at a time that the table has
+# only in a number type, or in decimals of so many places: late in a clock's time that costs digits
+# that the program did not lose.
+
 
 _WIDER = (SINGLE, DOUBLE, EXTENDED)
 _KINDS = {"float32": 0, "float": 1, "float64": 1, "longdouble": 2}
@@ -389,16 +402,6 @@ def _exactly(value: Any) -> Fraction:
 
 
 # --- csv file -------------------------------------------------------------------------------------
-#
-# Tables in CSV files of other programs.
-#
-# Separators are comma, semicolon, tab, or blanks, as the first line of the table has them, or as
-# Excel's ``sep=;`` before it says. Between semicolons or tabs the numbers may have decimal
-# commas, if none has a point. A header may stand in a comment (``# t p q r``, as NumPy writes
-# it), or be given. Numbers may be spelt as other languages write them: see :func:`plain_cell`.
-#
-# A decimal that stands for a double is the double nearest to it, which Python's ``float`` gives;
-# all others are read exactly and rounded once.
 
 
 MAX_BYTES = 1 << 30

@@ -1,4 +1,4 @@
-"""A reading: another convention in which a part of a table would be right."""
+"""A table: the trajectory that is judged, of whatever origin, with any subset of the columns."""
 
 from __future__ import annotations
 
@@ -26,6 +26,11 @@ from polhode.numbers.vectors import quaternion_product
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, COLUMNS, STATE, column_names
+
+# --- reading --------------------------------------------------------------------------------------
+#
+# A reading: another convention in which a part of a table would be right.
+
 
 #: Digits: below the first a part is wrong as it stands, the second is what a reading must add.
 WRONG, GAIN = 3.0, 3.0
@@ -130,8 +135,6 @@ def degree() -> Fraction:
 
 
 # --- table ----------------------------------------------------------------------------------------
-#
-# A table: the trajectory that is judged, of whatever origin, with any subset of the columns.
 
 
 _AGAIN = "was not judged: the quaternion is"  # of the same attitude, in another form
