@@ -398,7 +398,10 @@ class Propagator:
             return flat(self._system.read.states(several)).reshape(rows.shape)
         if self._plain:
             return rows
-        flat_rows, backs = rows.reshape(-1, rows.shape[-1]), self._backs
+        backs = self._backs
+        if rows.ndim == 2 and len(rows) <= _BLOCK:  # most calls: the views below cost as much again
+            return np.multiply(rows, backs[: len(rows)], rows)
+        flat_rows = rows.reshape(-1, rows.shape[-1])
         for k in range(0, len(flat_rows), _BLOCK):
             part = flat_rows[k : k + _BLOCK]
             np.multiply(part, backs[: len(part)], part)  # by powers of two
