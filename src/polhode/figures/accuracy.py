@@ -61,7 +61,8 @@ def work(plt: Any, rows: Sequence[Row]) -> Any:
 
 def body(plt: Any, of: Body) -> Any:
     """The ellipsoid of inertia by its three principal sections, and where the centre of mass is."""
-    figure, panel = plt.subplots(figsize=(2.6, 2.2), layout="constrained")
+    # wide enough for the moments beside the axes, which no layout makes room for
+    figure, panel = plt.subplots(figsize=(4.2, 2.2), layout="constrained")
     panel.set_aspect("equal")
     panel.axis("off")
     moments = [to_double(x) for x in of.moments]
