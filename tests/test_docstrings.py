@@ -30,8 +30,7 @@ LONG = (
     *("dynamics.periodic_orbits.families", "dynamics.periodic_orbits.search"),
     *("dynamics.periodic_orbits.orbit", "dynamics.chaos.chaos_map", "dynamics.sections.section"),
     *("dynamics.frequencies.frequencies", "dynamics.lyapunov", "dynamics.rolling_cones"),
-    *("proofs.chaos.prove_chaos", "proofs.prove_orbit", "proofs.prove_orbits", "proofs.refusals"),
-    *("proofs.prove_stability", "proofs.proved_stability"),
+    *("proofs.proved_chaos", "proofs.proved_orbit", "proofs.proved_stability", "proofs.theorem"),
 )
 
 

@@ -13,8 +13,9 @@ from fractions import Fraction
 
 import pytest
 
-from polhode.certificates import chaos_certificate, orbit_certificate, verify
-from polhode.certificates.orbit_certificate import Choice, Problem
+from polhode.certificates import verify
+from polhode.proofs import chaos_certificate, orbit_certificate
+from polhode.proofs.orbit_certificate import Choice, Problem
 from shared import chaos_chains as chains
 from shared import orbit_proofs as proofs
 from shared.mutation import without
@@ -24,17 +25,14 @@ from shared.mutation import without
 
 def several(point, times, off=Fraction(0), radius=Fraction(1, 10**22)):
     """What is proved of several times an orbit; the centre off by a part of the box."""
-    found = proofs.proved(point)
-    start = [x.centre for x in (*found.omega, *found.gamma)]
+    orbit = proofs.proved(point)
+    start = [x.centre for x in (*orbit.omega, *orbit.gamma)]
     if off:
         rows = chains.guess()[1].saddle.unstable.tolist()
         start = [x + off * radius * Fraction(y) for x, y in zip(start, rows, strict=True)]
-    period = times * found.period.centre
-    body = found.scene.body
-    made = orbit_certificate.guesses(
-        Problem(body, found.h, found.f, start, period), Choice(radius, 140, 0.2)
-    )
-    return orbit_certificate.proved(made).repeated
+    problem = Problem(orbit.scene.body, orbit.h, orbit.f, start, times * orbit.period.centre)
+    guesses = orbit_certificate.guesses(problem, Choice(radius, 140, 0.2))
+    return orbit_certificate.proved(guesses).repeated
 
 
 TWICE = "the period may be 2 times the least one"
@@ -57,26 +55,25 @@ def test_primes_up_to_the_steepness_times_the_period_are_tried():
 # -- chaos ----------------------------------------------------------------------------------------
 
 
-def told(change=lambda x: x):
+def refusal(change=lambda x: x):
     """What is said of the example's chain, changed; empty where it is proved."""
-    what = chains.example().chain
     try:
-        chaos_certificate.proved(chaos_certificate.guesses(change(what)))
+        chaos_certificate.proved(chaos_certificate.guesses(change(chains.example().chain)))
     except verify.NotProved as why:
         return str(why)
     return ""
 
 
-def meeting(what):
-    first = what.sets[1]._replace(middle=0.5 * what.sets[0].width)
-    return what._replace(sets=[what.sets[0], first, *what.sets[2:]])
+def meeting(chain):
+    first = chain.sets[1]._replace(middle=0.5 * chain.sets[0].width)
+    return chain._replace(sets=[chain.sets[0], first, *chain.sets[2:]])
 
 
-def of_two_maps(what):
+def of_two_maps(chain):
     """M1 in a chart of its own, though it is the same one."""
-    first = what.sets[1]._replace(chart=len(what.charts))
-    sets = [what.sets[0], first, *what.sets[2:]]
-    return what._replace(charts=[*what.charts, what.charts[0]], sets=sets)
+    first = chain.sets[1]._replace(chart=len(chain.charts))
+    sets = [chain.sets[0], first, *chain.sets[2:]]
+    return chain._replace(charts=[*chain.charts, chain.charts[0]], sets=sets)
 
 
 #: A line of the checker that is left out, a chain that is false, what is said of it.
@@ -98,17 +95,17 @@ CHAINS = {
 @pytest.mark.parametrize("name", CHAINS)
 def test_a_hypothesis_of_the_theorem_is_needed(name):
     line, change, said = CHAINS[name]
-    assert said in told(change)
+    assert said in refusal(change)
     with without(verify, "horseshoe", line, "pass"):
-        assert said not in told(change)
+        assert said not in refusal(change)
 
 
 def claimed(**changes):
     """What is said of a statement about the example."""
-    what = chains.example()
+    example = chains.example()
     statement = {"entropy": "0.028", "short": "4.26577", "long": "77.71"} | changes
     try:
-        chaos_certificate.stated(what.made, statement, what.proof)
+        chaos_certificate.stated(example.guesses, statement, example.proof)
     except verify.NotProved as why:
         return str(why)
     return ""

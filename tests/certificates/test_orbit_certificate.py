@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import pathlib
 import random
 from fractions import Fraction
 
@@ -11,9 +12,10 @@ import pytest
 from flint import arb, ctx
 
 import polhode
-from polhode.certificates import certificate_file, orbit_certificate, verify
-from polhode.certificates.orbit_certificate import Choice, Problem
+from polhode.certificates import certificate_file, verify
 from polhode.cli import main
+from polhode.proofs import orbit_certificate
+from polhode.proofs.orbit_certificate import Choice, Problem
 from shared.mutation import altered, without
 
 BODY = {"moments": [2, "3/2", 1], "centre": ["3/10", "1/5", "1/2"], "weight": 1}
@@ -60,11 +62,11 @@ def small(few):
     return json.loads(few.certificate)
 
 
-def told(given):
+def answer(certificate):
     """What is proved, or why nothing is."""
     before = ctx.prec
     try:
-        return "\n".join(verify.orbit(given))
+        return "\n".join(verify.orbit(certificate))
     except (verify.NotProved, verify.Damaged) as fault:
         return f"refused: {fault}"
     finally:
@@ -75,11 +77,41 @@ def told(given):
 def test_what_is_proved_is_proved_by_the_file_alone(kind, orbits, tmp_path):
     path = tmp_path / "orbit.json"
     orbits[kind].save(path)
-    found = polhode.verify(path)
-    assert found.proved
-    assert f"it is {kind} on its level" in found.text
-    assert "least period lies within" in found.text
-    assert NEAR[kind][2][:20] in found.text
+    verdict = polhode.verify(path)
+    assert verdict.proved
+    assert f"it is {kind} on its level" in verdict.text
+    assert "least period lies within" in verdict.text
+    assert NEAR[kind][2][:20] in verdict.text
+
+
+BODIES = pathlib.Path(__file__).parents[1] / "data/orbit-of-bodies.json"
+CORNER = [1, 1, 1, 1, 1, 1]
+
+
+def test_a_certificate_of_all_bodies_within_a_tolerance_is_one_of_every_body_in_its_balls():
+    """As 0.3 wrote it, of those within 1e-9; the orbit of one at a corner lies in its balls."""
+    verdict = polhode.verify(BODIES)
+    assert verdict.proved
+    certificate = json.loads(BODIES.read_text())
+    balls = [*certificate["scene"]["moments"], *certificate["scene"]["centre"]]
+    assert all(f"[{', '.join(map(json.dumps, ball))}]" in verdict.text for ball in balls)
+    numbers = [Fraction(x) + side * Fraction(r) for (x, r), side in zip(balls, CORNER, strict=True)]
+    body = {"moments": numbers[:3], "centre": numbers[3:], "weight": 1}
+    omega, gamma, period = NEAR["elliptic"]
+    scene = polhode.top(**body, omega=omega, gamma=gamma, normalise=True, end=period)
+    orbit = polhode.prove_orbit(scene, scene, digits=12, **LEVEL)
+    offs = []
+    for name in ("period", "residue"):
+        middle, radius = map(Fraction, certificate["statement"][name])
+        offs.append(abs(getattr(orbit, name).centre - middle) / radius)
+    assert 0.001 < max(offs) <= 1
+
+
+@pytest.mark.parametrize("place", ["statement period", "statement residue", "statement start 1"])
+def test_what_is_false_of_such_bodies_is_refused(place):
+    certificate = json.loads(BODIES.read_text())
+    assert MOVED in answer(altered(certificate, place, off))
+    assert "nothing else" in answer(certificate | {"tolerance": "1e-9"})
 
 
 @pytest.mark.slow
@@ -135,9 +167,9 @@ FALSE = [
 @pytest.mark.sample(8)
 @pytest.mark.parametrize(("place", "value", "said"), FALSE)
 def test_what_is_false_is_refused_and_why(place, value, said, small):
-    answer = told(altered(small, place, value))
-    assert answer.startswith("refused")
-    assert said in answer
+    text = answer(altered(small, place, value))
+    assert text.startswith("refused")
+    assert said in text
 
 
 @pytest.mark.parametrize("column", [1, 7])
@@ -151,13 +183,13 @@ def test_an_end_that_is_not_known_well_proves_nothing(small, monkeypatch, column
         return closed(run, rows, *rest)
 
     monkeypatch.setattr(verify, "_closed", wide)
-    assert told(small).startswith("refused")
+    assert answer(small).startswith("refused")
 
 
 def test_half_a_period_is_refused(small):
     half = len(small["grid"]) // 2
-    given = small | {"grid": small["grid"][: half + 1], "centres": small["centres"][:half]}
-    assert "Krawczyk's test" in told(given)
+    certificate = small | {"grid": small["grid"][: half + 1], "centres": small["centres"][:half]}
+    assert "Krawczyk's test" in answer(certificate)
 
 
 @pytest.mark.slow
@@ -166,31 +198,31 @@ def test_guesses_prove_nothing_false(small):
     chance = random.Random(7)
     count = 0
     for key in ("radius_bits", "bits", "centres"):
-        given = copy.deepcopy(small)
+        changed = copy.deepcopy(small)
         if key == "centres":
-            row = chance.choice(given["centres"])
-            row[chance.randrange(6)] += chance.choice([1, 2**30, -(2 ** given["state_bits"])])
+            row = chance.choice(changed["centres"])
+            row[chance.randrange(6)] += chance.choice([1, 2**30, -(2 ** changed["state_bits"])])
         else:
-            given[key] += chance.choice([-30, 20])
-        count += told(given).startswith("proved")
-        ball = given["statement"]["start"][chance.randrange(6)]
+            changed[key] += chance.choice([-30, 20])
+        count += answer(changed).startswith("proved")
+        ball = changed["statement"]["start"][chance.randrange(6)]
         ball[0] = str(Fraction(ball[0]) - 3 * Fraction(ball[1]))
-        assert told(given).startswith("refused")
+        assert answer(changed).startswith("refused")
     assert count > 0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "times"), [("hyperbolic", 2), ("elliptic", 3)])
 def test_several_periods_are_not_the_least_one(orbits, kind, times):
-    found = orbits[kind]
-    start = [x.centre for x in (*found.omega, *found.gamma)]
-    period = times * found.period.centre
-    problem = Problem(found.scene.body, found.h, found.f, start, period)
+    orbit = orbits[kind]
+    start = [x.centre for x in (*orbit.omega, *orbit.gamma)]
+    period = times * orbit.period.centre
+    problem = Problem(orbit.scene.body, orbit.h, orbit.f, start, period)
     zero = orbit_certificate.proved(
         orbit_certificate.guesses(problem, Choice(Fraction(1, 10**22), 140, 0.2))
     )
     assert zero.repeated == f"the period may be {times} times the least one"
-    statement = json.loads(found.certificate)["statement"]
+    statement = json.loads(orbit.certificate)["statement"]
     claim = verify.read_orbit(statement)._replace(
         period=(period, Fraction(1, 10**20)), residue=(Fraction(0), Fraction(10**9)), alone=[0] * 3
     )
@@ -208,31 +240,30 @@ def kind_of(zero):
 SHIFT = 1  # the checker's unit of time is 2^-SHIFT
 
 
-def made_of(small, bits, monkeypatch, corner=None, later=0, point=False):
+def derivative_of(small, bits, monkeypatch, corner=None, later=0, point=False):
     """DF(Y) for a box of radius 2^-bits; of a start at a corner of it, and a later end.
 
     ``point``: one start, though the end is not known but for 4 2^-bits.
     """
-    given = copy.deepcopy(small) | {"radius_bits": bits if corner is None else 100, "bits": 200}
+    changed = copy.deepcopy(small) | {"radius_bits": bits if corner is None else 100, "bits": 200}
     if corner is not None:
-        body = {key: x for key, x in given["scene"].items() if key != "level"}
+        body = {key: x for key, x in changed["scene"].items() if key != "level"}
         sizes = [2.0 ** (SHIFT - bits)] * 3 + [2.0**-bits] * 3
-        power = Fraction(2) ** -given["state_bits"]
-        start = zip(given["centres"][0], corner, map(Fraction, sizes), strict=True)
-        period, fine = given["grid"][-1] * Fraction(2) ** -given["time_bits"], given["time_bits"]
+        power, fine = Fraction(2) ** -changed["state_bits"], changed["time_bits"]
+        start = zip(changed["centres"][0], corner, map(Fraction, sizes), strict=True)
+        period = changed["grid"][-1] * Fraction(2) ** -fine
         ctx.prec = 200
         at = [verify.ball((x * power + sign * size, Fraction(0))) for x, sign, size in start]
-        given |= certificate_file.steps(body, at, period, 200, fine, 0.15)
+        changed |= certificate_file.steps(body, at, period, 200, fine, 0.15)
         ctx.prec = 53
     if later:
-        given["grid"][-1] += later * (1 << (given["time_bits"] + 2 - bits - SHIFT))
-    held = []
-    found = verify.derivative_of_f
+        changed["grid"][-1] += later * (1 << (changed["time_bits"] + 2 - bits - SHIFT))
+    matrices, honest = [], verify.derivative_of_f
 
-    def kept(run, *arguments):
+    def derivative_of_f(run, *arguments):
         assert run.shift == SHIFT
-        df, reached = found(run, *arguments)
-        held.append(df)
+        df, reached = honest(run, *arguments)
+        matrices.append(df)
         return df, reached
 
     begin, first = verify.Set.__init__, [point]
@@ -243,10 +274,10 @@ def made_of(small, bits, monkeypatch, corner=None, later=0, point=False):
         begin(self, m, small, states)
 
     with monkeypatch.context() as patch:
-        patch.setattr(verify, "derivative_of_f", kept)
+        patch.setattr(verify, "derivative_of_f", derivative_of_f)
         patch.setattr(verify.Set, "__init__", started)
-        told(given)
-    return held[0]
+        answer(changed)
+    return matrices[0]
 
 
 def at_one_time(patch):
@@ -278,10 +309,10 @@ def test_the_derivative_holds_those_of_the_corners(term, small, monkeypatch):
     """DF(Y) of a fat box beside DF at its corners; a term that is dropped is noticed."""
     hiding, drop, point, later = DROPPED[term]
     corner = (0,) * 6 if point else (1, -1, 1, 1, -1, 1)
-    truth = made_of(small, 20, monkeypatch, corner, later)
+    truth = derivative_of(small, 20, monkeypatch, corner, later)
 
     def outside():
-        claimed = made_of(small, 20, monkeypatch, point=point)
+        claimed = derivative_of(small, 20, monkeypatch, point=point)
         return [
             (i, j)
             for i in range(10)
@@ -299,17 +330,17 @@ def test_the_derivative_holds_those_of_the_corners(term, small, monkeypatch):
 @pytest.mark.slow
 def test_a_transition_that_is_bent_is_contained(small, monkeypatch):
     """D by another V: the same but for a wider ball; without rho another."""
-    exact = made_of(small, 100, monkeypatch)
+    exact = derivative_of(small, 100, monkeypatch)
     honest = verify.next_of_v
 
     def bent(total, k):
         return (honest(total, k) * arb("1.0001" if k == 0 else 1)).mid()
 
     monkeypatch.setattr(verify, "next_of_v", bent)
-    wider = made_of(small, 100, monkeypatch)
+    wider = derivative_of(small, 100, monkeypatch)
     assert all(wider[i, j].overlaps(exact[i, j]) for i in range(6) for j in range(6))
     monkeypatch.setattr(verify.Step, "noise_of_derivative", lambda self, r: arb(0))
-    false = made_of(small, 100, monkeypatch)
+    false = derivative_of(small, 100, monkeypatch)
     assert not all(false[i, j].overlaps(exact[i, j]) for i in range(6) for j in range(6))
 
 
@@ -324,33 +355,33 @@ def test_dependent_gradients_are_refused(small, monkeypatch):
 
     small_r = 2.0 ** -small["radius_bits"] * 4
     monkeypatch.setattr(verify, "gradients", dependent)
-    assert "may be dependent" in told(small)
+    assert "may be dependent" in answer(small)
     hull = "4 * r * summed(upper(column[i]) for column in w)"
     with without(verify, "_closed", hull, "arb(0)"):
-        assert told(small).startswith("proved")
+        assert answer(small).startswith("proved")
 
 
 def test_a_guess_of_the_inverse_that_is_none_proves_nothing(small):
     inverse = "c = df.mid().inv().mid()"
     for by in (0, 2):
         with without(verify, "_closed", inverse, f"{inverse} * arb({by})"):
-            assert "Krawczyk's test fails" in told(small)
+            assert "Krawczyk's test fails" in answer(small)
 
 
 @pytest.fixture
 def closing(small, monkeypatch):
     """What the theorem at the period's end is given: the run, columns, period, r, the level."""
-    held, closed = [], verify._closed
+    calls, honest = [], verify._closed
 
-    def kept(*arguments):
-        held.append(arguments)
-        return closed(*arguments)
+    def closed(*arguments):
+        calls.append(arguments)
+        return honest(*arguments)
 
     with monkeypatch.context() as patch:
-        patch.setattr(verify, "_closed", kept)
-        assert told(small).startswith("proved")
+        patch.setattr(verify, "_closed", closed)
+        assert answer(small).startswith("proved")
     with ctx.workprec(200):
-        yield held[0]
+        yield calls[0]
 
 
 def test_a_period_within_its_box_of_0_proves_nothing(closing):
@@ -364,12 +395,11 @@ def test_a_plane_that_may_touch_the_motion_proves_nothing(closing, monkeypatch):
     *_, r, _ = closing
     rates, least = verify.rates, float(r) / 4
 
-    def turned(body, box):
-        found = rates(body, box)
+    def wider(body, box):
         is_box = least < float(box[0].rad()) < 1.5 * float(r)
-        return [y + arb(0, 100) for y in found] if is_box else found
+        return [y + arb(0, 100 * is_box) for y in rates(body, box)]
 
-    monkeypatch.setattr(verify, "rates", turned)
+    monkeypatch.setattr(verify, "rates", wider)
     with pytest.raises(verify.NotProved, match="the plane of the start may touch"):
         verify._closed(*closing)
 

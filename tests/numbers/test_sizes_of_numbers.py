@@ -58,7 +58,6 @@ DOORS = {
     "rows": lambda x: polhode.compare([[1, 1, 1, 0, 0, x]], SCENE, at=[1]),
     "section": lambda x: polhode.section(SCENE, h=x, f=1),
     "period": lambda x: polhode.orbit(SCENE, period=x),
-    "tolerance": lambda x: polhode.prove_orbit(SCENE, tolerance=x),
 }
 
 

@@ -12,13 +12,12 @@ import pytest
 from flint import ctx
 
 from polhode import ProvedOrbit
-from polhode.certificates import chaos_certificate, verify
-from polhode.certificates.chaos_certificate import Chain, Chart, Rectangle
-from polhode.enclosures.fixed_point_problem import motion
-from polhode.numbers.number_types import Doubles
-from polhode.proofs import homoclinic, prove_chaos
-from polhode.proofs.homoclinic import Homoclinic, Lanes
-from polhode.proofs.proved_chaos import Guess
+from polhode.certificates import verify
+from polhode.dynamics.newton_shooting import Surface
+from polhode.numbers.number_types import Doubles, double_array
+from polhode.proofs import chaos_certificate, homoclinic
+from polhode.proofs.chaos_certificate import Chain, Chart, Guess, Rectangle
+from polhode.proofs.homoclinic import Homoclinic
 from shared import orbit_proofs as proofs
 
 #: As the search finds it.
@@ -31,7 +30,7 @@ class Example(NamedTuple):
     orbit: ProvedOrbit
     guess: Guess
     chain: Chain
-    made: dict[str, Any]
+    guesses: dict[str, Any]
     proof: verify.Horseshoe
 
 
@@ -39,20 +38,23 @@ class Example(NamedTuple):
 def guess() -> tuple[ProvedOrbit, Guess]:
     """The chain at h = 261/200, f = 31/25, time in the scene's unit."""
     orbit = proofs.proved(proofs.HYPERBOLIC)
-    lanes = Lanes.of(motion(proofs.BODY, unit=0))
-    at = homoclinic.saddle(lanes, np.array(start_of(orbit)), float(orbit.period))
-    moved, size = homoclinic.towards(at, NEAR, 1e-6)
-    found = homoclinic.corrected(lanes, at, moved)
-    return orbit, Guess(lanes, at, *prove_chaos.along(lanes, at, found, size))
+    surface = Surface(orbit.near, proofs.H, proofs.F)
+    assert surface.unit == 1
+    saddle = homoclinic.saddle(surface, np.array(start_of(orbit)), float(orbit.period))
+    assert saddle is not None
+    moved, size = homoclinic.towards(saddle, NEAR, 1e-6)
+    connection = homoclinic.corrected(surface, saddle, moved)
+    assert connection is not None
+    return orbit, chaos_certificate.along(surface, saddle, connection, size)
 
 
 @cache
 def example() -> Example:
     """The proof of it."""
-    orbit, begun = guess()
-    what = Chain(proofs.BODY.body, proofs.H, proofs.F, begun.charts, begun.sets, begun.times)
-    made = chaos_certificate.guesses(what)
-    return Example(orbit, begun, what, made, chaos_certificate.proved(made))
+    orbit, first_guess = guess()
+    chain = first_guess.chain
+    guesses = chaos_certificate.guesses(chain)
+    return Example(orbit, first_guess, chain, guesses, chaos_certificate.proved(guesses))
 
 
 def start_of(orbit: ProvedOrbit) -> Sequence[float]:
@@ -79,9 +81,9 @@ def integrals(x: Doubles) -> tuple[Doubles, Doubles]:
     return np.array(values), np.array(rows)
 
 
-def point_of(what: Rectangle, chart: Chart, xi: float, eta: float) -> tuple[Doubles, Doubles]:
+def point_of(source: Rectangle, chart: Chart, xi: float, eta: float) -> tuple[Doubles, Doubles]:
     """A point of a set in double, its four equations solved by Newton's method; and n."""
-    flat = chart.wide @ [what.middle + xi * what.width, eta * what.height]
+    flat = chart.wide @ [source.middle + xi * source.width, eta * source.height]
     n = np.zeros(4)
     for _ in range(5):
         off = flat + chart.deep @ n
@@ -93,13 +95,12 @@ def point_of(what: Rectangle, chart: Chart, xi: float, eta: float) -> tuple[Doub
 
 def crossed(chart: Chart, x: Doubles, time: float) -> tuple[Doubles, float]:
     """Where a motion meets the plane of a chart, in its coordinates, in double; and when."""
-    lanes = guess()[1].lanes
+    surface = guess()[1].surface
     for _ in range(5):
-        end = lanes.after(x[:, None], np.array([time]))
-        rate = chart.plane @ lanes.field(end)[:, 0]
-        time -= float(chart.plane @ (end[:, 0] - chart.centre) / rate)
+        end = double_array(surface.plain_flow.after(x, time).state)
+        time -= float(chart.plane @ (end - chart.centre) / (chart.plane @ surface.rates(end)))
     frame = np.hstack([chart.wide, chart.deep])
-    return np.linalg.solve(frame, end[:, 0] - chart.centre), time
+    return np.linalg.solve(frame, end - chart.centre), time
 
 
 def tilted(
@@ -109,33 +110,32 @@ def tilted(
 
     ``above``: the level, along the gradient of the energy, lies the chart's centre.
     """
-    what = example()
-    chart = what.chain.charts[0]
+    chain = example().chain
+    chart = chain.charts[0]
     centre = chart.centre + above * chart.deep[:, 0]
     chart = chart._replace(centre=centre, wide=chart.wide + by * chart.deep[:, :2])
-    times = [what.chain.times[0] + late, *what.chain.times[1:]]
-    later = what.chain._replace(charts=[chart, *what.chain.charts[1:]], times=times)
+    times = [chain.times[0] + late, *chain.times[1:]]
+    later = chain._replace(charts=[chart, *chain.charts[1:]], times=times)
     image = first_image(chaos_certificate.guesses(later))
-    return image, what.chain.sets[0], chart, chart, times[0]
+    return image, chain.sets[0], chart, chart, times[0]
 
 
 def stepped(time: float) -> tuple[verify.Image, Rectangle, Chart, Chart, float]:
     """N0 one step further, its directions carried on: as of misses."""
-    what, lanes = example().chain, guess()[1].lanes
-    chart, source = what.charts[0], what.sets[0]
-    start, times = chart.centre[:, None], np.array([time])
-    place, slope = lanes.after(start, times)[:, 0], lanes.derivative(start, times)[0]
-    target = prove_chaos._chart(lanes, place, *(slope @ chart.wide).T)
-    after = Chain(what.body, what.h, what.f, [chart, target], [source], [time])
-    made: Any = chaos_certificate.guesses(after)
-    with ctx.workprec(made["bits"] + 2 * verify.COARSE):
-        transit = verify._transit(made["transits"][0], made["bits"], "")
-        scene = verify.read_body(made["scene"], ("level",))
+    chain, surface = example().chain, guess()[1].surface
+    chart, source = chain.charts[0], chain.sets[0]
+    place, slope = homoclinic.carried(surface, chart.centre, time)
+    target = chaos_certificate.chart_at(surface, place, *(slope @ chart.wide).T)
+    after = chain._replace(charts=[chart, target], sets=[source], times=[time])
+    guesses: Any = chaos_certificate.guesses(after)
+    with ctx.workprec(guesses["bits"] + 2 * verify.COARSE):
+        transit = verify._transit(guesses["transits"][0], guesses["bits"], "")
+        scene = verify.read_body(guesses["scene"], ("level",))
         run = verify.Run(transit, *verify.balls_of(scene)[:2])
         assert len(run.grid) == 2
-        charts = [verify._chart_numbers(x, "") for x in made["charts"]]
-        places = [verify._chart(x, made["scale"], run) for x in charts]
-        rectangle = verify._rectangle(made["sets"][0], made["scale"], 2, "")
+        charts = [verify._chart_numbers(x, "") for x in guesses["charts"]]
+        places = [verify._chart(x, guesses["scale"], run) for x in charts]
+        rectangle = verify._rectangle(guesses["sets"][0], guesses["scale"], 2, "")
         image = verify._image(run, scene[2], rectangle, places[0], places[1], None)
     return image, source, chart, target, time
 
@@ -144,18 +144,18 @@ class Enough(Exception):
     """The first image is there."""
 
 
-def first_image(made: dict[str, Any]) -> verify.Image:
+def first_image(guesses: dict[str, Any]) -> verify.Image:
     """The image of N0, whatever it covers."""
-    held: list[verify.Image] = []
+    images: list[verify.Image] = []
 
-    def kept(image: verify.Image, *_: object) -> verify.Margins:
-        held.append(image)
+    def covers(image: verify.Image, *_: object) -> verify.Margins:
+        images.append(image)
         raise Enough
 
     with pytest.MonkeyPatch.context() as patch, contextlib.suppress(Enough):
-        patch.setattr(verify, "covers", kept)
-        chaos_certificate.proved(made)
-    return held[0]
+        patch.setattr(verify, "covers", covers)
+        chaos_certificate.proved(guesses)
+    return images[0]
 
 
 def misses(image: verify.Image, source: Rectangle, chart: Chart, target: Chart, time: float) -> int:

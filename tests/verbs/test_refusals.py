@@ -141,7 +141,6 @@ REFUSED = {
     f"{PROVE} --period 1e400": "period",
     f"{PROVE} --h x": "h",
     f"{PROVE} --tries 3": "--tries",
-    **{f"{PROVE} --tolerance={x}": "tolerance = " for x in ("0", "1", "-1e-9", "x", "nan")},
     # -- reports
     "report": "expected scenes, and files of them",
     "report table.csv -o x.html": "polhode: table.csv: scene: expected a scene before it",

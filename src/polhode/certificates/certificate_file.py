@@ -112,42 +112,28 @@ _STEP = 0.3  # of the radius of convergence, if nothing else is asked
 _ORDER = 24  # of the polynomials that tell it
 _LONGEST = 1.0  # step, in the unit of time that the body suggests
 _FINE = 12  # bits of a step, in that unit
-_NONE = Fraction(0)
 
 
-def body_numbers(body: Body, bits: int, tolerance: Fraction = _NONE) -> dict[str, object]:
-    """A body's exact numbers as texts, irrational ones as balls.
-
-    ``tolerance``: in principal axes, balls that hold those of every body whose moments and
-    components of the centre there differ by such a part of themselves at most.
-    """
-    if tolerance:
-        lists = body.moments, body.axes.components(body.centre)
-        moments, points = ([number(x, bits, abs(x) * tolerance) for x in row] for row in lists)
-        form: dict[str, object] = {"moments": moments}
-    else:
-        rows = [[number(x, bits) for x in row] for row in body.inertia]
-        points = [number(x, bits) for x in body.centre]
-        oblique = any(body.inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j)
-        form = {"inertia": rows} if oblique else {"moments": [rows[i][i] for i in range(3)]}
-    return {**form, "centre": points, "weight": number(body.weight, bits)}
+def body_numbers(body: Body, bits: int) -> Made:
+    """A body's exact numbers as texts, irrational ones as balls."""
+    rows = [[number(x, bits) for x in row] for row in body.inertia]
+    oblique = any(body.inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j)
+    form = {"inertia": rows} if oblique else {"moments": [rows[i][i] for i in range(3)]}
+    centre = [number(x, bits) for x in body.centre]
+    return {**form, "centre": centre, "weight": number(body.weight, bits)}
 
 
-def number(x: Exact, bits: int, radius: Exact = _NONE) -> str | list[str]:
+def number(x: Exact, bits: int) -> str | list[str]:
     """A number as the checker reads it: a text, or middle and radius."""
-    if not isinstance(x, Irrational) and not radius:
+    if not isinstance(x, Irrational):
         return str(x)
     mantissa, exponent = exact.rounded(x, bits) if x else (0, -bits)
     unit = Fraction(2) ** exponent  # more than the rounding
-    if not radius:
-        return [str(mantissa * unit), str(unit)]
-    mantissa_of_radius, below = exact.rounded(radius, 24)
-    wide = (mantissa_of_radius + 1) * Fraction(2) ** below + unit
-    return [str(mantissa * unit), str(wide)]
+    return [str(mantissa * unit), str(unit)]
 
 
 def steps(
-    numbers: dict[str, object],
+    numbers: Made,
     start: Sequence[arb],
     end: Fraction,
     bits: int,
@@ -155,7 +141,7 @@ def steps(
     part: float = _STEP,
     progress: Progress | None = None,
     growth: float = 0.0,
-) -> dict[str, object]:
+) -> Made:
     """A grid of steps beyond ``end``, and numbers near the motion at its times.
 
     ``time_bits``: the last time is ``end`` rounded to so many bits.  ``part``: of the radius of

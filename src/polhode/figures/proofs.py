@@ -18,7 +18,6 @@ from polhode.figures.results import told
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import Doubles
 from polhode.proofs import homoclinic
-from polhode.proofs.homoclinic import backward
 from polhode.proofs.proved_chaos import ProvedChaos
 from polhode.results.result import Storable
 from polhode.runs.saved import Saved
@@ -63,13 +62,13 @@ class SectionCrossings(NamedTuple):
 
 def crossings(proof: ProvedChaos) -> SectionCrossings:
     """Where the proof's guess of both manifolds crosses the section, and the sets of the proof."""
-    lanes, saddle, charts, sets, _ = proof.guess
-    out, into, _ = homoclinic.manifolds(lanes, saddle)
+    surface, saddle, charts, sets, _ = proof.guess
+    out, into, _ = homoclinic.manifolds(surface, saddle)
     on = geometry.ground(proof.scene, proof.h, proof.f)
     centres = [charts[x.chart].centre + charts[x.chart].wide[:, 0] * x.middle for x in sets]
     return SectionCrossings(
         geometry.height_coordinates(on, out.state.T),
-        geometry.height_coordinates(on, backward(into.state).T),
+        geometry.height_coordinates(on, into.state.T),
         geometry.height_coordinates(on, np.array(centres)),
     )
 

@@ -4,182 +4,32 @@ Not trusted. Starts on both manifolds, x* + s v with |s| over one factor of the 
 followed to the maxima of the height of the centre of mass; neighbours on one manifold make
 segments there, and two segments of different manifolds that pass through each other
 transversally are a guess. It is corrected by Newton's method in log |s_u|, log |s_s| and the
-time, and moved towards the orbit by powers of the multiplier.
+time, and moved towards the orbit by powers of the multiplier. All in principal axes and the unit of
+time of a :class:`~polhode.dynamics.newton_shooting.Surface`, whose flow the engine gives.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from polhode.enclosures.fixed_point_problem import Motion
-from polhode.equations.terms import LAYERS, LEFT, RIGHT, layered
+from polhode.dynamics.newton_shooting import Surface
+from polhode.equations.section_functions import HEIGHT, SectionZero
 from polhode.numbers.conversion import to_double
-from polhode.numbers.number_types import Doubles
-from polhode.numbers.vectors import cross
-
-# --- lanes ----------------------------------------------------------------------------------------
-#
-# Many motions at once in double, by Taylor series: guesses for the search.
-#
-# Not trusted.  States are (6, n); where a motion is wanted backward, w has its sign changed, which
-# turns the time round.
-
-
-Whole = npt.NDArray[np.intp]
-
-_DEGREE = 20
-_SHORTER = 0.15  # of the radius of convergence that the last coefficients tell
-_ROUGH, _ROUGHLY = 12, 0.22  # degree and step where guesses are looked for: right to 1e-8
-_LONGEST_STEP = 1.0
-_HALVED = 24  # times, of half a step in which a maximum lies
-_BACK = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0])[:, None]
-
-
-class Crossings(NamedTuple):
-    """Where lanes met the section: lane, count on it, time, state (6, m)."""
-
-    lane: Whole
-    number: Whole
-    time: Doubles
-    state: Doubles
-
-
-@dataclass(frozen=True)
-class Lanes:
-    """A body's motions in the proof's unit of time."""
-
-    constants: tuple[float, ...]
-    moments: Doubles
-    torque: Doubles
-
-    @classmethod
-    def of(cls, motion: Motion) -> Lanes:
-        """Those of an exact motion's body."""
-        constants = tuple(to_double(x) for x in motion.constants)
-        moments, torque = ([to_double(x) for x in row] for row in (motion.moments, motion.torque))
-        return cls(constants, np.array(moments), np.array(torque))
-
-    def series(self, states: Doubles, degree: int = _DEGREE) -> Doubles:
-        """Taylor coefficients by the time, (degree + 1, 6, n)."""
-        of_layers = [layer.coefficients(self.constants) for layer in LAYERS]
-        coefficients = [None if c is None else np.array(c)[:, None] for c in of_layers]
-        series = np.zeros((degree + 1, *states.shape))
-        left = np.zeros((degree + 1, len(LEFT), states.shape[1]))
-        right = np.zeros_like(left)
-        series[0] = states
-        for k in range(degree):
-            left[k], right[k] = series[k][LEFT], series[k][RIGHT]
-            products = np.einsum("kin,kin->in", left[: k + 1], right[k::-1])
-            series[k + 1, :3], series[k + 1, 3:] = layered(products, series[k], coefficients)
-            series[k + 1] /= k + 1
-        return series
-
-    def field(self, states: Doubles) -> Doubles:
-        """The right-hand sides, (6, n)."""
-        return np.asarray(self.series(states, 1)[1])
-
-    def gradients(self, state: Doubles) -> Doubles:
-        """Those of energy, vertical momentum and |gamma|^2, each a constant times it: (3, 6)."""
-        w, gamma = state[:3], state[3:]
-        momentum, scale = self.moments * w, max(self.moments)
-        energy = np.concatenate([momentum, self.torque]) / scale
-        area = np.concatenate([self.moments * gamma, momentum]) / scale
-        return np.array([energy, area, [*np.zeros(3), *gamma]])
-
-    def after(self, states: Doubles, times: Doubles) -> Doubles:
-        """The states after times of their own, of any sign."""
-        signs = np.where(times < 0.0, -1.0, 1.0)
-        turn = np.where(signs < 0.0, _BACK, 1.0)
-        now, left = states * turn, np.abs(times)
-        while np.any(left > 0.0):
-            series = self.series(now)
-            step = np.minimum(left, _step(series))
-            now = _value(series, step)
-            left = left - step
-        return np.asarray(now * turn)
-
-    def crossings(self, states: Doubles, span: float) -> Crossings:
-        """Maxima of the height of the centre of mass within a time."""
-        lanes = np.arange(states.shape[1])
-        now, time = states.copy(), np.zeros(states.shape[1])
-        counts = np.zeros(states.shape[1], dtype=np.intp)
-        crossings: list[tuple[Whole, Whole, Doubles, Doubles]] = []
-        while np.any(time < span):
-            series = self.series(now, _ROUGH)
-            step = np.minimum(span - time, _step(series, _ROUGHLY))
-            begin = self._rise(now)
-            for part in (0.5, 1.0):
-                end = self._rise(_value(series, part * step))
-                met = np.nonzero((begin > 0.0) & (end <= 0.0))[0]
-                begin = end
-                if not met.size:
-                    continue
-                low, high = (part - 0.5) * step[met], part * step[met]
-                some = series[:, :, met]
-                for _ in range(_HALVED):
-                    middle = (low + high) / 2
-                    up = self._rise(_value(some, middle)) > 0.0
-                    low, high = np.where(up, middle, low), np.where(up, high, middle)
-                crossings.append((lanes[met], counts[met], time[met] + low, _value(some, low)))
-                counts[met] += 1
-            now, time = _value(series, step), time + step
-        if not crossings:
-            empty = np.zeros(0, dtype=np.intp)
-            return Crossings(empty, empty, np.zeros(0), np.zeros((6, 0)))
-        return Crossings(
-            np.concatenate([row[0] for row in crossings]),
-            np.concatenate([row[1] for row in crossings]),
-            np.concatenate([row[2] for row in crossings]),
-            np.concatenate([row[3] for row in crossings], axis=1),
-        )
-
-    def derivative(self, states: Doubles, times: Doubles) -> Doubles:
-        """The derivatives of the flow, (n, 6, 6), by central differences."""
-        count, off = states.shape[1], 1e-6
-        steps = off * np.hstack([np.eye(6), -np.eye(6)])
-        many = (states[:, :, None] + steps[:, None, :]).reshape(6, -1)
-        ends = self.after(many, np.repeat(times, 12)).reshape(6, count, 12)
-        return np.asarray((ends[..., :6] - ends[..., 6:]).transpose(1, 0, 2) / (2 * off))
-
-    def _rise(self, states: Doubles) -> Doubles:
-        """The rate of the height."""
-        rates = cross(states[3:], states[:3])
-        return np.asarray(sum(k * rate for k, rate in zip(self.torque, rates, strict=True)))
-
-
-def backward(states: Doubles) -> Doubles:
-    """The states whose motions are these run backward."""
-    return np.asarray(states * _BACK)
-
-
-def _step(series: Doubles, part: float = _SHORTER) -> Doubles:
-    """Lengths of steps, a part of the radius of convergence."""
-    last = np.maximum(np.max(np.abs(series[-1]), axis=0), 1e-300)
-    before = np.maximum(np.max(np.abs(series[-2]), axis=0), 1e-300)
-    degree = series.shape[0] - 1
-    radius = np.minimum(last ** (-1.0 / degree), before ** (-1.0 / (degree - 1)))
-    return np.asarray(np.minimum(_LONGEST_STEP, part * radius))
-
-
-def _value(series: Doubles, step: Doubles) -> Doubles:
-    total = series[-1]
-    for row in series[-2::-1]:
-        total = total * step + row
-    return np.asarray(total)
-
-
-# --- homoclinic -----------------------------------------------------------------------------------
-
+from polhode.numbers.number_types import Doubles, Indices, double_array
+from polhode.scenes.vocabulary import STATE
+from polhode.taylor import event_batches
+from polhode.taylor.event_batches import SearchJob, Watched
+from polhode.taylor.variations import NotFollowed
 
 LANES = 300  # a branch
 _SIZE = 1e-4  # of the manifolds' first starts
 _MORE = 3.0  # periods beyond those in which they have grown to 1
+_MOST = 1000  # crossings of a lane
+_STRETCH = 100.0  # of time between two looks at the lanes
 _LONGEST = 0.15  # a segment
 _SINE = 0.03  # between segments, at least
 _CLOSE = 0.05  # guesses that differ by less, in periods and in powers, are one
@@ -187,6 +37,15 @@ _APART = 0.15  # points of two segments that meet
 _NEWTON = 12
 _SINGULAR = 1e-4
 _SAME = 1e-3
+
+
+class Crossings(NamedTuple):
+    """Where lanes met the section: lane, count on it, time without its sign, state (6, m)."""
+
+    lane: Indices
+    number: Indices
+    time: Doubles
+    state: Doubles
 
 
 class Saddle(NamedTuple):
@@ -215,15 +74,21 @@ class Homoclinic(NamedTuple):
         return self.ahead + self.behind
 
 
-def saddle(lanes: Lanes, point: Doubles, period: float) -> Saddle | None:
+def carried(on: Surface, start: Doubles, time: float) -> tuple[Doubles, Doubles]:
+    """Where the flow leads in a time of any sign, and its derivative; raises NotFollowed."""
+    reached = on.flow.after(start, time)
+    assert reached.derivative is not None
+    return double_array(reached.state), double_array(reached.derivative)
+
+
+def saddle(on: Surface, point: Doubles, period: float) -> Saddle | None:
     """The directions at a hyperbolic orbit; None where double tells none."""
-    derivative = lanes.derivative(point[:, None], np.array([period]))[0]
-    values, vectors = np.linalg.eig(derivative)
+    values, vectors = np.linalg.eig(carried(on, point, period)[1])
     order = np.argsort(np.abs(values))
     first, last = order[0], order[-1]
     if abs(values[last].imag) > 1e-6 or abs(values[last]) < 1.0 + 1e-3:
         return None
-    rates = lanes.field(point[:, None])[:, 0]
+    rates = on.rates(point)
     pair = []
     for i in (last, first):
         v = vectors[:, i].real
@@ -234,41 +99,48 @@ def saddle(lanes: Lanes, point: Doubles, period: float) -> Saddle | None:
     return Saddle(point, period, multiplier, pair[0], pair[1], rates)
 
 
-def search(lanes: Lanes, at: Saddle) -> Iterator[Homoclinic]:
+def search(on: Surface, at: Saddle) -> Iterator[Homoclinic]:
     """Transversal homoclinic orbits, one of each class, short ones first."""
     guesses: list[Homoclinic] = []
-    for guess in sorted(_guesses(lanes, at), key=lambda x: _length(at, x)):
+    for guess in sorted(_guesses(on, at), key=lambda x: _length(at, x)):
         if not any(_same(at, guess, earlier, _CLOSE) for earlier in guesses):
             guesses.append(guess)
     orbits: list[Homoclinic] = []
     for guess in guesses:
-        orbit = corrected(lanes, at, guess)
+        orbit = corrected(on, at, guess)
         if orbit is not None and not any(_same(at, orbit, earlier, _SAME) for earlier in orbits):
             orbits.append(orbit)
             yield orbit
 
 
-def manifolds(lanes: Lanes, at: Saddle) -> tuple[Crossings, Crossings, Doubles]:
-    """Where the unstable and the stable manifold meet the section; the lanes' s.
-
-    States of the stable one are those of the motion run backward.
-    """
+def manifolds(on: Surface, at: Saddle) -> tuple[Crossings, Crossings, Doubles]:
+    """Where the unstable and the stable manifold meet the section; the lanes' s."""
     factor = abs(at.multiplier)
     grown = at.period * (math.log(1.0 / _SIZE) / math.log(factor) - 1.0)  # to a size of 1
     span = grown + at.period * (2.0 + _MORE)
     sizes = _SIZE * factor ** (np.arange(LANES + 1) / LANES)
     both = np.concatenate([sizes, -sizes])
-    out = at.point[:, None] + at.unstable[:, None] * both
-    into = backward(at.point[:, None] + at.stable[:, None] * both)
-    ahead = lanes.crossings(np.hstack([out, into]), span)
-    first, late = ahead.lane < len(both), ahead.time > grown
-    return _part(ahead, first & late, 0), _part(ahead, ~first & late, len(both)), both
+    out = _crossings(on, at.point + np.outer(both, at.unstable), span, grown)
+    into = _crossings(on, at.point + np.outer(both, at.stable), -span, grown)
+    return out, into, both
 
 
-def _guesses(lanes: Lanes, at: Saddle) -> list[Homoclinic]:
-    out, into, both = manifolds(lanes, at)
+def _crossings(on: Surface, starts: Doubles, end: float, late: float) -> Crossings:
+    """Maxima of the height of the centre of mass, later than some time, to the end."""
+    constants = tuple(map(to_double, on.coefficients.values()))
+    (a, b, c), (x, y, z) = on.moments.tolist(), on.torque.tolist()
+    zero = SectionZero(HEIGHT, (a, b, c), (x, y, z))
+    watched = Watched((*on.coefficients,), STATE, zero, constants=constants)
+    numbers = np.tile(constants, (len(starts), 1))
+    crossed = event_batches.solve(SearchJob(watched, -1, _MOST, end, _STRETCH, numbers, starts))
+    times = np.abs(crossed.times)
+    lane, number = np.nonzero(times > late)  # nan is not
+    return Crossings(lane, number, times[lane, number], crossed.states[lane, number].T)
+
+
+def _guesses(on: Surface, at: Saddle) -> list[Homoclinic]:
+    out, into, both = manifolds(on, at)
     u, s = _segments(out, both), _segments(into, both)
-    s = _Segments(backward(s.begin), backward(s.end), *s[2:])
     guesses = []
     for i, j, a, b, angle in _meetings(u, s):
         su = u.sizes[0, i] * (u.sizes[1, i] / u.sizes[0, i]) ** a
@@ -284,10 +156,6 @@ class _Segments(NamedTuple):
     end: Doubles
     sizes: Doubles
     times: Doubles
-
-
-def _part(of: Crossings, which: npt.NDArray[np.bool_], first: int) -> Crossings:
-    return Crossings(of.lane[which] - first, of.number[which], of.time[which], of.state[:, which])
 
 
 def _segments(crossings: Crossings, sizes: Doubles) -> _Segments:
@@ -327,7 +195,7 @@ def _meetings(u: _Segments, s: _Segments) -> Iterator[tuple[int, int, float, flo
                 yield from _through(u, s, *_near(u, s, i[k : k + 500_000], j[k : k + 500_000]))
 
 
-def _near(u: _Segments, s: _Segments, i: Whole, j: Whole) -> tuple[Whole, Whole]:
+def _near(u: _Segments, s: _Segments, i: Indices, j: Indices) -> tuple[Indices, Indices]:
     """Those pairs whose other components are near as well."""
     for row in (1, 2, 4, 5):
         near = np.abs(u.begin[row, i] - s.begin[row, j]) < 2 * _APART
@@ -336,7 +204,7 @@ def _near(u: _Segments, s: _Segments, i: Whole, j: Whole) -> tuple[Whole, Whole]
 
 
 def _through(
-    u: _Segments, s: _Segments, i: Whole, j: Whole
+    u: _Segments, s: _Segments, i: Indices, j: Indices
 ) -> Iterator[tuple[int, int, float, float, float]]:
     p, q = u.end[:, i] - u.begin[:, i], s.end[:, j] - s.begin[:, j]
     gap = s.begin[:, j] - u.begin[:, i]
@@ -354,30 +222,18 @@ def _through(
         yield int(i[n]), int(j[n]), float(a[n]), float(b[n]), float(sine[n])
 
 
-def corrected(lanes: Lanes, at: Saddle, near: Homoclinic) -> Homoclinic | None:
+def corrected(on: Surface, at: Saddle, near: Homoclinic) -> Homoclinic | None:
     """Newton's method; None where it does not converge to a transversal one."""
     su, ss, tu = near.unstable, near.stable, near.ahead
-    off = 1e-5
     last, angle = math.inf, 0.0
     for _ in range(_NEWTON):
-        factors = np.array([1.0, 1.0 + off, 1.0 - off])
-        starts = np.hstack(
-            [
-                at.point[:, None] + at.unstable[:, None] * su * factors,
-                at.point[:, None] + at.stable[:, None] * ss * factors,
-            ]
-        )
-        ends = lanes.after(starts, np.array([tu] * 3 + [-near.behind] * 3))
-        miss = ends[:, 0] - ends[:, 3]
-        slope = np.column_stack(
-            [
-                (ends[:, 1] - ends[:, 2]) / (2 * off),
-                -(ends[:, 4] - ends[:, 5]) / (2 * off),
-                lanes.field(ends[:, :1])[:, 0],
-            ]
-        )
-        if not np.all(np.isfinite(slope)):
+        try:
+            end, ahead = carried(on, at.point + at.unstable * su, tu)
+            met, behind = carried(on, at.point + at.stable * ss, -near.behind)
+        except NotFollowed:
             return None
+        miss = end - met
+        slope = np.column_stack([su * ahead @ at.unstable, -ss * behind @ at.stable, on.rates(end)])
         sizes = np.linalg.norm(slope, axis=0)
         angle = float(np.linalg.svd(slope / np.maximum(sizes, 1e-300))[1][-1])
         step = np.linalg.lstsq(slope, -miss, rcond=None)[0]

@@ -1,41 +1,53 @@
-"""A proved periodic orbit: the theorem in the scene's axes and units."""
+"""Proved periodic orbits: of a scene, or of an approximate orbit, a theorem in its axes."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from fractions import Fraction
+from pathlib import Path
 from typing import NamedTuple
 
 from flint import arb
 
-from polhode.certificates import orbit_certificate, verify
+from polhode.certificates import verify
 from polhode.certificates.certificate_file import Made
+from polhode.common.arguments import whole
+from polhode.common.errors import BadInput, aligned
+from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
+from polhode.dynamics.families import OrbitSearch, orbit_search
 from polhode.dynamics.newton_shooting import Surface
+from polhode.dynamics.orbit import Orbit
+from polhode.dynamics.orbit import orbit as approximate
+from polhode.dynamics.starts import MAXIMA, cut_of
 from polhode.enclosures.fixed_point_problem import upper
-from polhode.enclosures.polynomial import ball
-from polhode.numbers.decimals import Ball, brief, shown
+from polhode.equations.section_functions import MOMENTUM
+from polhode.numbers.decimals import Ball, shown
 from polhode.numbers.exact import Exact, as_ball
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.number_types import DOUBLE
+from polhode.numbers.number_types import DOUBLE, AnyNumber
 from polhode.numbers.polynomials import middle
-from polhode.proofs import certified_orbit
-from polhode.proofs.proved_result import ProvedResult
-from polhode.proofs.refusals import NotProved
-from polhode.results.cells import EXACT
+from polhode.proofs import orbit_certificate
+from polhode.proofs.orbit_certificate import Candidate, OrbitProof
+from polhode.proofs.theorem import NotProved, Theorem
+from polhode.results import cells
+from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
-from polhode.scenes.body import PrincipalAxes
+from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
-from polhode.scenes.vocabulary import STATE
+from polhode.scenes.vocabulary import REQUESTS, STATE
+
+# --- theorem --------------------------------------------------------------------------------------
+
 
 _FLOOR = Context(prec=2, rounding=ROUND_FLOOR)
 _CEILING = Context(prec=6, rounding=ROUND_CEILING)
-_TURN_BITS = 256  # of a state of many bodies, which has few digits
 
 
 class Within(NamedTuple):
@@ -47,7 +59,7 @@ class Within(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ProvedOrbit(ProvedResult, ByValue):
+class ProvedOrbit(Theorem, ByValue):
     """A periodic orbit of (omega, gamma) that exists: a theorem about the exact level.
 
     ``scene``, ``h``, ``f``: the body and the level, exact.  ``period``: the least one; ``omega``,
@@ -58,9 +70,7 @@ class ProvedOrbit(ProvedResult, ByValue):
     and whose period is within this distance of ``period`` is this orbit.  ``digits``: proven ones
     of start and period.  ``bits``: of the certificate's polynomials; ``runs``: of the checker,
     until it proved a certificate with the digits wanted; ``seconds``: CPU time.  ``certificate``:
-    the JSON text that ``polhode verify`` checks.  ``tolerance``: relative, of every moment and
-    every component of Mg r0 in principal axes; the theorem then holds for each body within it, and
-    the balls for all of them.
+    the JSON text that ``polhode verify`` checks.
 
     >>> import polhode
     >>> found = polhode.prove_orbit("grioli/precession")
@@ -85,7 +95,6 @@ class ProvedOrbit(ProvedResult, ByValue):
     seconds: float = field(compare=False)
     certificate: str
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
-    tolerance: Fraction = Fraction(0)
 
     @property
     def multipliers(self) -> tuple[tuple[Ball, Ball], tuple[Ball, Ball]]:
@@ -102,6 +111,14 @@ class ProvedOrbit(ProvedResult, ByValue):
             first = half + root if self.kind == "hyperbolic" else half - root
             return (ball_of(first), zero), (ball_of(1 / first), zero)
 
+    @property
+    def near(self) -> Scene:
+        """A scene that starts in the middle of the balls and ends after about one period."""
+        p, q, r = (x.centre for x in self.omega)
+        a, b, c = (x.centre for x in self.gamma)
+        scene = replace(self.scene, omega=(p, q, r), gamma=(a, b, c), normalise=True)
+        return scene.at([self.period.centre])
+
     def table(self) -> Table:
         """One row: period, residue and a point of the orbit, as balls."""
         state = [*self.omega, *self.gamma]
@@ -112,7 +129,7 @@ class ProvedOrbit(ProvedResult, ByValue):
                 Column("period", [self.period], "the least", unit_of(self.scene, "t")),
                 Column("residue", [self.residue], "Greene's"),
                 *(
-                    column._replace(type=EXACT)
+                    column._replace(type=cells.EXACT)
                     for column in row_columns(self.scene, STATE, [state], DOUBLE)
                 ),
             ]
@@ -129,7 +146,6 @@ class ProvedOrbit(ProvedResult, ByValue):
             Fact("theorem", self.theorem),
             Fact("h", self.h, "energy"),
             Fact("f", self.f, "vertical momentum"),
-            Fact("tolerance", self.tolerance, "of the body's numbers, relative"),
             Fact("period", self.period, "the least", unit_of(self.scene, "t")),
             Fact("kind", self.kind, "of its stability"),
             Fact("residue", self.residue, "Greene's"),
@@ -156,7 +172,6 @@ class ProvedOrbit(ProvedResult, ByValue):
             f"omega       {', '.join(map(str, self.omega))}",
             f"gamma       {', '.join(map(str, self.gamma))}",
             f"level       {self.level}",
-            *([f"bodies      {self.bodies.rstrip(', ')}"] if self.tolerance else []),
             f"residue     {self.residue}, {self.kind}",
             *(f"multiplier  {text}" for text in multipliers),
             f"alone       within {down(near.omega)} of omega and {down(near.gamma)} of gamma, "
@@ -175,20 +190,10 @@ class ProvedOrbit(ProvedResult, ByValue):
         mu = self.multipliers[0]
         side = f" + {mu[1]} i" if self.kind == "elliptic" else ""
         return (
-            f"proved: {self.bodies}on the level {self.level} exactly one periodic orbit with a "
+            f"proved: on the level {self.level} exactly one periodic orbit with a "
             f"period within {down(near.period)} of {self.period} passes within "
             f"{down(near.omega)} and {down(near.gamma)} of {point}; its least period is {middle} "
             f"+- {radius}; {self.kind}, multiplier {mu[0]}{side}"
-        )
-
-    @property
-    def bodies(self) -> str:
-        """Of which bodies, in words; empty for the scene's alone."""
-        if not self.tolerance:
-            return ""
-        return (
-            "for every body whose moments and components of Mg r0, in principal axes, are within "
-            f"{brief(self.tolerance)} (relative) of the scene's, "
         )
 
     @property
@@ -200,9 +205,7 @@ class ProvedOrbit(ProvedResult, ByValue):
         )
 
 
-def of_proof(
-    on: Surface, proof: certified_orbit.OrbitProof, tolerance: Fraction, seconds: float
-) -> ProvedOrbit:
+def of_proof(on: Surface, proof: OrbitProof, seconds: float) -> ProvedOrbit:
     """What the checker proved, stated in its certificate; raises NotProved."""
     zero, name = proof.zero, on.scene.name
     tests = verify.STABILITY.items()
@@ -224,8 +227,6 @@ def of_proof(
         "alone": [down(x) for x in within],
     }
     certificate = orbit_certificate.stated(proof.made, statement, zero)
-    if tolerance:
-        state = [ball_of(x) for x in _in_scene_axes(on.scene.body.axes, zero.start)]
     return ProvedOrbit(
         on.scene,
         on.h,
@@ -242,21 +243,7 @@ def of_proof(
         seconds,
         json.dumps(certificate),
         on.scene.provenance(),
-        tolerance,
     )
-
-
-def _in_scene_axes(axes: PrincipalAxes, start: Sequence[arb]) -> list[arb]:
-    """A state of principal axes."""
-    if axes.trivial:
-        return [*start]
-    turn = [[ball(x, _TURN_BITS) for x in unit] for unit in axes.rows]
-    with ctx.workprec(_TURN_BITS):
-        return [
-            turn[0][i] * x + turn[1][i] * y + turn[2][i] * z
-            for x, y, z in (start[:3], start[3:])
-            for i in range(3)
-        ]
 
 
 def _below(x: arb) -> float:
@@ -283,3 +270,218 @@ def down(value: float) -> str:
 def up(value: float) -> str:
     """A bound as a decimal of six digits that is not below it."""
     return f"{float(_CEILING.create_decimal(value)):.6g}"
+
+
+# --- prove orbit ----------------------------------------------------------------------------------
+
+
+DIGITS = 30
+MOST_DIGITS = 200
+
+
+def prove_orbit(
+    scene: Scene | str | Path,
+    orbit: Orbit | Scene | str | Path | None = None,
+    digits: int = DIGITS,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
+    period: AnyNumber | None = None,
+    returns: int | None = None,
+    progress: Message | None = None,
+) -> ProvedOrbit:
+    """Prove that a periodic orbit exists, and where: start, period, residue, multipliers, kind.
+
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case: its body, and the level unless that is given.
+    orbit : Orbit, Scene, str or Path, optional
+        A guess: an orbit of the scene's body, as :func:`polhode.orbit` gives it, or a scene that
+        ends after one period.  Without one, an orbit near the scene's start is searched for.
+    digits : int
+        The digits wanted of start and period (30, at most 200).
+    h, f : number, optional
+        The level's energy h or vertical momentum f, exact, if not the scene's.
+    period, returns : number and int, optional
+        A guess of the period, or the number of near returns to try, as in :func:`polhode.orbit`.
+    progress : callable, optional
+        Called with a line of text now and then.
+
+    Returns
+    -------
+    ProvedOrbit
+        What is proved, as balls in the scene's body axes and units.
+
+    Raises
+    ------
+    NotProved
+        Which condition failed, and by how much.
+    BadInput
+        A level that does not exist, a period that cannot be.
+
+    Notes
+    -----
+    The theorem and where each step is in the code: ``polhode guide proofs``.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> found = polhode.prove_orbit("grioli/precession")
+    >>> found
+    <ProvedOrbit of grioli/precession: period 6.28319, elliptic>
+    >>> print(str(found.period)[:32])  # 2 pi
+    6.283185307179586476925286766559
+    """
+    scene = library.load(scene, takes=REQUESTS)
+    digit_count = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
+    if orbit is None:
+        orbit = approximate(scene, h=h, f=f, period=period, returns=returns, progress=progress)
+    elif period is not None or returns is not None:
+        raise BadInput(scene.name, "orbit", None, "no period, returns with it")
+    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
+    on = Surface(scene, cut.h, cut.f)
+    if isinstance(orbit, Orbit) and _alike(orbit.surface, on):
+        candidate = orbit_certificate.of_closed(on, orbit.closed)
+    else:
+        near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit, takes=REQUESTS)
+        candidate = orbit_certificate.of_scene(on, near)
+    return proved(candidate, digit_count, progress)
+
+
+def _alike(first: Surface, second: Surface) -> bool:
+    """Whether states of both are of one body, one level and one unit of time."""
+    levels = [(on.scene.body, on.h, on.f, on.unit) for on in (first, second)]
+    return levels[0] == levels[1]
+
+
+def proved(candidate: Candidate, digits: int, progress: Message | None = None) -> ProvedOrbit:
+    """The theorem of a candidate; raises NotProved."""
+    began = time.process_time()
+    proof = orbit_certificate.certified(candidate, digits, progress)
+    return of_proof(candidate.on, proof, time.process_time() - began)
+
+
+# --- prove orbits ---------------------------------------------------------------------------------
+#
+# ``polhode.prove_orbits``: the periodic orbits that a search of a level finds, each proved.
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class ProvedOrbits(Result, ByValue):
+    """The orbits of a search, and of each its proof, or why there is none.
+
+    ``search``: what was found, by increasing period.  ``proofs``: a :class:`ProvedOrbit` or a
+    :class:`NotProved` for each.
+
+    >>> import polhode
+    >>> polhode.prove_orbits("general/asymmetric-regular", (4, 4), crossings=1)
+    <ProvedOrbits of general/asymmetric-regular: 1 of 1 proved>
+    """
+
+    search: OrbitSearch
+    proofs: tuple[ProvedOrbit | NotProved, ...]
+
+    @property
+    def scene(self) -> Scene:
+        """The scene on whose level they are."""
+        return self.search.scene
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C ended the search."""
+        return self.search.interrupted
+
+    @property
+    def complete(self) -> bool:
+        """Whether all guesses were tried, and nothing was refused."""
+        return not self.interrupted and all(isinstance(x, ProvedOrbit) for x in self.proofs)
+
+    def table(self) -> Table:
+        """One row per orbit: what the search found of it, and whether it is proved."""
+        proved = [isinstance(x, ProvedOrbit) for x in self.proofs]
+        digits = [x.digits if isinstance(x, ProvedOrbit) else None for x in self.proofs]
+        causes = ["" if isinstance(x, ProvedOrbit) else str(x) for x in self.proofs]
+        return Table(
+            [
+                *self.search.table().columns,
+                Column("proven", proved, type=cells.TRUTH),
+                Column("digits_proven", digits, "of start and period", type=cells.DOUBLE),
+                Column("cause", causes, "why it is not proved", type=cells.TEXT),
+            ]
+        )
+
+    def facts(self) -> list[Fact]:
+        """The level, and how many guesses were tried."""
+        facts = [x for x in self.search.facts() if x.name != "complete"]
+        complete = Fact(
+            "complete", self.complete, "whether all guesses were tried, and all is proved"
+        )
+        return [*facts[:-1], complete, facts[-1]]
+
+    def __repr__(self) -> str:
+        count = sum(isinstance(x, ProvedOrbit) for x in self.proofs)
+        return f"<ProvedOrbits of {self.scene.name}: {count} of {len(self.proofs)} proved>"
+
+    def __str__(self) -> str:
+        rows = [[str(k), _line(proof)] for k, proof in enumerate(self.proofs, 1)]
+        return "\n".join(aligned(["orbit", "proof"], rows))
+
+
+def _line(proof: ProvedOrbit | NotProved) -> str:
+    if isinstance(proof, NotProved):
+        return f"not proved: {proof}"
+    period, radius = proof.period.decimals
+    return f"proved: {proof.kind}, least period {period} +- {radius}, residue {proof.residue}"
+
+
+def prove_orbits(
+    scene: Scene | str | Path,
+    grid: tuple[int, int] | None = None,
+    crossings: int | None = None,
+    h: AnyNumber | None = None,
+    f: AnyNumber | None = None,
+    digits: int = DIGITS,
+    progress: Message | None = None,
+) -> ProvedOrbits:
+    """Prove the periodic orbits that a search of a level finds; others may be missed.
+
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        A scene, a path, or the name of a case.
+    grid : tuple of int, optional
+        The cells of the section's coordinates l and L/G (20x20 unless given).
+    crossings : int, optional
+        The largest number of crossings in a period (3 unless given).
+    h, f : number, optional
+        The level's energy h or vertical momentum f, exact, if not the scene's.
+    digits : int
+        The digits wanted of start and period (30, at most 200).
+    progress : callable, optional
+        Called with a line of text now and then.
+
+    Returns
+    -------
+    ProvedOrbits
+        The orbits, and of each its proof or why there is none.
+
+    Raises
+    ------
+    BadInput
+        A level that does not exist.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> found = polhode.prove_orbits("general/asymmetric-regular", (4, 4), crossings=1)
+    >>> found.column("proven"), found.proofs[0].kind
+    ([True], 'elliptic')
+    """
+    search = orbit_search(library.load(scene, takes=REQUESTS), grid, crossings, h, f, progress)
+    proofs: list[ProvedOrbit | NotProved] = []
+    for orbit in search.closed:
+        try:
+            proofs.append(proved(orbit_certificate.of_closed(search.surface, orbit), digits))
+        except NotProved as why:
+            proofs.append(why)
+    return ProvedOrbits(search, tuple(proofs))

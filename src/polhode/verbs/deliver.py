@@ -56,7 +56,7 @@ def _endings(verb: Verb) -> Sequence[str]:
 
 def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
     """Carry out a verb that is a function; the exit code."""
-    from polhode.proofs.refusals import NotProved
+    from polhode.proofs.theorem import NotProved
     from polhode.scenes import library
     from polhode.verbs import notes
 

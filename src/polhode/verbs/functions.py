@@ -176,7 +176,7 @@ def _judged(
     """The judgement of a file; ``options``: others of :func:`polhode.compare`."""
     from polhode.judging.certified import ProofTooLong
     from polhode.judging.compare import compare
-    from polhode.proofs.refusals import NotProved
+    from polhode.proofs.theorem import NotProved
 
     def foretold(seconds: float) -> None:
         if seconds > LONG:

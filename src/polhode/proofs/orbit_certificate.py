@@ -1,40 +1,117 @@
 """The search for a certificate of a periodic orbit: an approximate one, its digits, box and grid.
 
-Not trusted, as nothing of a certificate is: what ``certificates/verify.py`` proves of it holds.
-Krawczyk's test on a box of radius r knows the orbit to about r^2, or to r times the error of
-the flow's derivative, if that is more: so a centre that is right to half of the digits wanted
-is enough, or to a few less than these.
+Not trusted, as nothing of a certificate is but the body's and the level's numbers: what
+``certificates/verify.py`` proves of it holds.  Krawczyk's test on a box of radius r knows the orbit
+to about r^2, or to r times the error of the flow's derivative, if that is more: so a centre that is
+right to half of the digits wanted is enough, or to a few less than these.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
 
-from polhode.certificates import orbit_certificate, verify
-from polhode.certificates.certificate_file import Made
-from polhode.certificates.orbit_certificate import Choice, Problem
+from polhode.certificates import certificate_file, verify
+from polhode.certificates.certificate_file import Made, by_checker
+from polhode.common.errors import BadInput
 from polhode.common.interrupts import Message
 from polhode.dynamics import high_precision
 from polhode.dynamics.newton_shooting import Closed, NotClosed, Surface, at_level, bordered, closed
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double
-from polhode.numbers.decimals import brief
-from polhode.numbers.polynomials import middle
-from polhode.proofs.refusals import NotProved
+from polhode.numbers.exact import ONE, Exact, sign
+from polhode.numbers.flint_context import ctx
+from polhode.proofs.theorem import NotProved
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
-# --- certified orbit ------------------------------------------------------------------------------
+# --- certificate --------------------------------------------------------------------------------
 
 
-# --- refusals -------------------------------------------------------------------------------------
-#
-# The search for a certificate of a periodic orbit: an approximate one, its digits, box, grid.
+_DIVISORS = 2  # times as many as the steepness at the start asks: primes to divide the period by
+
+
+class Problem(NamedTuple):
+    """A body, the level, T* and x*.
+
+    ``start``, ``period``: near an orbit, in the scene's axes and units.
+    """
+
+    body: Body
+    h: Exact
+    f: Exact
+    start: Sequence[Fraction]
+    period: Fraction
+
+
+class Choice(NamedTuple):
+    """``radius``: of the box, states being about 1; ``bits``; ``part``: of the radius of
+    convergence that a step is."""
+
+    radius: Fraction
+    bits: int
+    part: float
+
+
+def guesses(problem: Problem, choice: Choice) -> Made:
+    """A certificate but for its statement."""
+    wide = choice.bits + verify.COARSE
+    numbers = certificate_file.body_numbers(problem.body, wide)
+    level = [certificate_file.number(x, wide) for x in (problem.h, problem.f, ONE)]
+    with ctx.workprec(choice.bits + 2 * verify.COARSE):
+        steps = _steps(numbers, problem, choice)
+    return {
+        "format": verify.FORMAT,
+        "kind": "orbit",
+        "scene": {**numbers, "level": level},
+        **steps,
+        "bits": choice.bits,
+    }
+
+
+def proved(certificate: Made) -> verify.Zero:
+    """What the checker proves of guesses; raises its NotProved."""
+    return by_checker(verify.zero_near, certificate)
+
+
+def stated(certificate: Made, statement: Made, zero: verify.Zero) -> Made:
+    """The certificate with its statement, which the checker compares with what it proved."""
+    with ctx.workprec(int(str(certificate["bits"])) + verify.COARSE):
+        verify.check_orbit(verify.read_orbit(statement), zero)
+    return {**certificate, "statement": statement}
+
+
+def _steps(numbers: Made, problem: Problem, choice: Choice) -> Made:
+    """Steps of one period, the box's radius, and by how much the period is divided."""
+    bits, part = choice.bits, choice.part
+    x = [verify.ball((x, Fraction(0))) for x in problem.start]
+    steps = certificate_file.steps(numbers, x, problem.period, bits, bits, part)
+    state_bits = bits + 8  # the first centre is x* itself
+    centres = steps["centres"]
+    assert isinstance(centres, list)
+    more = state_bits - int(str(steps["state_bits"]))
+    centres = [[x << more for x in row] for row in centres]
+    centres[0] = [round(x * (1 << state_bits)) for x in problem.start]
+    inertia, torque, _ = verify.balls_of(verify.read_body(numbers, ()))
+    certificate = {**steps, "state_bits": state_bits, "centres": centres, "bits": bits}
+    grid = verify.read_guesses([certificate[name] for name in verify.Guesses._fields])
+    run = verify.Run(grid, inertia, torque)
+    steep = max(float(verify.steepness(verify.slope(run.body, x)).mid()) for x in run.centres)
+    steep *= float(problem.period * Fraction(2) ** run.shift)
+    return {
+        **steps,
+        "state_bits": state_bits,
+        "centres": centres,
+        "radius_bits": math.floor(-math.log2(choice.radius)),
+        "divided_to": math.ceil(_DIVISORS * steep / (2 * math.pi)),
+    }
+
+
+# --- search ---------------------------------------------------------------------------------------
 
 
 BITS_A_DIGIT = math.log2(10)
@@ -48,28 +125,18 @@ _SINGULAR = 1e11  # condition of the ten equations
 _ROUGH = Choice(Fraction(1, 1 << 40), 96, 0.25)  # of a guess that Newton's method cannot better
 _BINARY = 200  # bits of such a guess
 
-_FINER = 40  # bits beyond a tolerance
-_BOXES = range(4, 22, 2)  # bits by which a box of many bodies' orbits is wider than the tolerance
-_TOO_WIDE = "the condition of the step"  # which fails for a larger box, too
-_SHORT = 0.05  # steps, of these
-_NARROWEST = 16  # decimals of the last tolerance that is looked at
-
 
 class Candidate(NamedTuple):
     """An approximate orbit; ``closed``: in double, or the reason why there is none."""
 
     on: Surface
-    name: str
     closed: Closed | str
     start: tuple[Fraction, ...]
     period: Fraction
 
 
 class OrbitProof(NamedTuple):
-    """What the checker proved, of which guesses; ``runs``: how often it was called.
-
-    Of bodies within a tolerance in their principal axes, else in the scene's.
-    """
+    """What the checker proved, of which guesses; ``runs``: how often it was called."""
 
     zero: verify.Zero
     made: Made
@@ -79,13 +146,13 @@ class OrbitProof(NamedTuple):
 
 def of_closed(on: Surface, orbit: Closed) -> Candidate:
     """The candidate that a search in double gives."""
-    return Candidate(on, on.scene.name, orbit, (), Fraction(0))
+    return Candidate(on, orbit, (), Fraction(0))
 
 
 def of_scene(on: Surface, near: Scene) -> Candidate:
-    """The candidate near a scene's start whose period is about the scene's time."""
-    assert near.gamma is not None
-    assert near.end is not None
+    """The candidate near a scene's start whose period is about its end; raises BadInput."""
+    if near.gamma is None or near.end is None or sign(near.end) <= 0:
+        raise BadInput(near.name, "orbit", None, "a start with gamma, and run.end, its period")
     exact_start = (*near.omega, *near.gamma)
     start = [exact.binary(*exact.rounded(x, _BINARY)) if x else Fraction(0) for x in exact_start]
     period = exact.binary(*exact.rounded(near.end, _BINARY))
@@ -97,21 +164,11 @@ def of_scene(on: Surface, near: Scene) -> Candidate:
         orbit = closed(on, state, to_double(period / on.unit), at_level(on, state))
     except NotClosed as why:
         orbit = str(why)
-    return Candidate(on, on.scene.name, orbit, tuple(start), period)
+    return Candidate(on, orbit, tuple(start), period)
 
 
-def certified(
-    candidate: Candidate,
-    digits: int,
-    progress: Message | None = None,
-    tolerance: Fraction | None = None,
-) -> OrbitProof:
+def certified(candidate: Candidate, digits: int, progress: Message | None = None) -> OrbitProof:
     """The first certificate with so many digits that the checker proves; raises NotProved."""
-    proof = _certified(candidate, digits, progress)
-    return _of_bodies(candidate, proof, tolerance) if tolerance else proof
-
-
-def _certified(candidate: Candidate, digits: int, progress: Message | None) -> OrbitProof:
     place = max(digits // 2 + _CENTRE, digits - _FEWER)
     bits = math.ceil(BITS_A_DIGIT * digits) + _SPARE
     why, have = "", 0.0
@@ -120,9 +177,9 @@ def _certified(candidate: Candidate, digits: int, progress: Message | None) -> O
             progress(f"certificate {tried + 1}, {bits} bits")
         part = _STEPS[min(tried, len(_STEPS) - 1)]
         problem, choice = _chosen(candidate, place, Choice(Fraction(1), bits, part))
-        certificate = orbit_certificate.guesses(problem, choice)
+        certificate = guesses(problem, choice)
         try:
-            zero = orbit_certificate.proved(certificate)
+            zero = proved(certificate)
         except verify.NotProved as refused:
             why = str(refused)
             if isinstance(candidate.closed, str) or _condition(candidate) > _SINGULAR:
@@ -136,7 +193,7 @@ def _certified(candidate: Candidate, digits: int, progress: Message | None) -> O
         place, bits = place + more // 2 + 1, bits + math.ceil(BITS_A_DIGIT * more)
     if why or have < digits:
         why = why or f"{have:.1f} digits are proved, not {digits}"
-        raise NotProved(f"{candidate.name}: {_refusal(candidate, why)}")
+        raise NotProved(f"{candidate.on.scene.name}: {_refusal(candidate, why)}")
     return OrbitProof(zero, certificate, have, tried + 1)
 
 
@@ -149,7 +206,7 @@ def _chosen(candidate: Candidate, place: int, choice: Choice) -> tuple[Problem, 
     try:
         fine = high_precision.refined(on, orbit, [exactly(x) for x in orbit.state.tolist()], place)
     except NotClosed as fault:
-        raise NotProved(f"{candidate.name}: {_refusal(candidate, str(fault))}") from None
+        raise NotProved(f"{candidate.on.scene.name}: {_refusal(candidate, str(fault))}") from None
     start = [Fraction(x) for x in (*fine.omega, *fine.gamma)]
     radius = Fraction(1, 10 ** (place - _BOX))
     problem = Problem(on.scene.body, on.h, on.f, start, Fraction(fine.period))
@@ -190,66 +247,3 @@ def _refusal(candidate: Candidate, why: str) -> str:
         shorter = candidate.closed.period * float(candidate.on.unit) / int(times)
         return f"{why}; try the period {shorter:.10g}"
     return f"{why}; try more digits, or another orbit"
-
-
-# -- many bodies ----------------------------------------------------------------------------------
-
-
-def _of_bodies(candidate: Candidate, proof: OrbitProof, tolerance: Fraction) -> OrbitProof:
-    """The certificate of all bodies; raises NotProved, with the widest tolerance that works.
-
-    The box is to hold the orbits of all of them, on the one level, and Krawczyk's test fails for a
-    box that is too small as for one that is too large.
-    """
-    try:
-        return _of_all(candidate, proof, tolerance)
-    except verify.NotProved as why:
-        cause = str(why)
-    for narrower in _below(tolerance):
-        try:
-            _of_all(candidate, proof, narrower)
-        except verify.NotProved:
-            continue
-        widest = f"the largest power of 10 that works is {brief(narrower)}"
-        break
-    else:
-        widest = f"none down to 1e-{_NARROWEST} works"
-    sentence = f"no proof for all bodies within {brief(tolerance)} ({cause}): {widest}"
-    raise NotProved(f"{candidate.name}: {sentence}")
-
-
-def _of_all(candidate: Candidate, proof: OrbitProof, tolerance: Fraction) -> OrbitProof:
-    """The proof in the first box that is large enough; raises the checker's NotProved."""
-    on, bits = candidate.on, math.floor(-math.log2(to_double(tolerance)))
-    start = _in_principal_axes(on.scene.body, [middle(x) for x in proof.zero.start])
-    period = middle(proof.zero.period)
-    problem = Problem(on.scene.body, on.h, on.f, start, period, tolerance)
-    last = verify.NotProved("no box is large enough")
-    for more in _BOXES:
-        if more >= bits:  # a radius of 1
-            break
-        choice = Choice(Fraction(2) ** (more - bits), max(verify.COARSE, bits + _FINER), _SHORT)
-        certificate = orbit_certificate.guesses(problem, choice)
-        try:
-            zero = orbit_certificate.proved(certificate)
-        except verify.NotProved as why:
-            last = why
-            if _TOO_WIDE in str(why):
-                break
-            continue
-        # a box about a centre that is off by its own size tells of no neighbourhood
-        if min(zero.alone) > 0 and not zero.repeated:
-            return OrbitProof(zero, certificate, _digits_of(candidate, zero), proof.runs + 1)
-    raise last
-
-
-def _in_principal_axes(body: Body, start: Sequence[Fraction]) -> list[Fraction]:
-    """A state near the same one, as any guess is."""
-    w, gamma = (body.axes.components((x, y, z)) for x, y, z in (start[:3], start[3:]))
-    return [exact.binary(*exact.rounded(x, _BINARY)) if x else Fraction(0) for x in (*w, *gamma)]
-
-
-def _below(tolerance: Fraction) -> Iterator[Fraction]:
-    """Powers of 10 below a tolerance, downwards."""
-    powers = (Fraction(1, 10**k) for k in range(1, _NARROWEST + 1))
-    return (narrower for narrower in powers if narrower < tolerance)

@@ -1,15 +1,25 @@
-"""What every proof with a certificate does: it is saved as a result, or as its certificate."""
+"""What every proof is: a theorem with its certificate, or the reason why there is none."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from polhode.certificates import certificate_file
 from polhode.results.result import Result
 
 
-class ProvedResult(Result):
-    """A theorem with ``certificate``, the JSON text that ``polhode verify`` checks."""
+class NotProved(ArithmeticError):
+    """A claim that polhode did not prove: the first inequality that does not hold, what to try.
+
+    >>> import polhode
+    >>> polhode.prove_orbit("euler/largest-axis")  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    polhode.proofs.theorem.NotProved: euler/largest-axis: the orbit is not isolated, ...
+    """
+
+
+class Theorem(Result):
+    """A result with ``certificate``, the JSON text that ``polhode verify`` checks."""
 
     certificate: str
 
@@ -30,4 +40,6 @@ class ProvedResult(Result):
         if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
             super().save(path)
             return
+        from polhode.certificates import certificate_file
+
         certificate_file.write(path, self.certificate)
