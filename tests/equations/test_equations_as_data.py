@@ -99,8 +99,7 @@ def test_times_turn_the_equations_round() -> None:
 
 
 def test_proofs_are_made_of_the_same_terms() -> None:
-    scene = polhode.load("general/asymmetric-regular")
-    motion = fixed_point_problem.motion(scene, unit=0)
+    motion = fixed_point_problem.motion(polhode.load("general/asymmetric-regular"))
     numbers = [*motion.moments, *motion.torque]
     state = drawn(random.Random(2), 6)
     rates = [row.at(state) if row.terms else 0 for row in motion.field]

@@ -8,18 +8,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.common.interrupts import NONE, Deadline
 from polhode.enclosures.fixed_point_problem import CLOCK, Motion, Problem, Refused
 from polhode.enclosures.step_bound import jacobian
 from polhode.enclosures.zonotope import State
 from polhode.equations.terms import LAYERS, LEFT, RIGHT, layered
-from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import Doubles
 from polhode.taylor import variations
-from polhode.taylor.system import principal_system
-from polhode.taylor.variations import Variations
+from polhode.taylor.error_growth import growth
 
 # --- newton correction ----------------------------------------------------------------------------
 #
@@ -106,8 +103,6 @@ MOST_TURN = 5.0  # h |f'(x)| of a step: the majorant alpha is then about twice t
 _COARSE, _LESS = 64, 0.35  # less below this noise level, where exp(2 alpha) soon is too much
 _LEAST_DEGREE = 40
 _DOUBLE = 84  # up to this noise level one correction mends a run in double
-_LOOKS = 256
-_MOST_STEPS = 3_000_000
 
 
 class Window(NamedTuple):
@@ -204,49 +199,12 @@ def _series(problem: Problem, states: Any, lengths: Any, count: int) -> Any:
     return series
 
 
-def tangents(
-    motion: Motion, last: float, deadline: Deadline = NONE
-) -> tuple[list[float], float, float]:
-    """log2 of a tangent's length along the motion, at even times, the largest |w|, and the steps.
-
-    The list is short where double fails, or at the deadline; |w| is in the proof's unit of time;
-    the steps are those of double to the last time, if it goes on as it went.
-    """
-    scene = motion.scene
-    plain = principal_system(scene)
-    values = [to_double(x) for x in plain.start]
-    start = np.array(values + [0.0] * (6 - len(values)))
-    tangent = np.linspace(0.6, 1.4, 6)[:, None]
-    if scene.gamma is None:
-        tangent[3:] = 0.0
-    flow = Variations(plain.coefficients, start, tangent)
-    frame = Frame.of(scene)
-    end = last / float(frame.unit)
-    logs = [math.log2(float(np.max(np.abs(tangent))))]
-    fastest = float(np.linalg.norm(start[:3]))
-    for k in range(1, _LOOKS + 1):
-        if deadline.passed or not (
-            flow.to(end * k / _LOOKS, _MOST_STEPS - flow.steps) and flow.finite
-        ):
-            break
-        flow.rescale()
-        logs.append(flow.exponent + math.log2(float(np.max(np.abs(flow.tangents)))))
-        fastest = max(fastest, float(np.linalg.norm(flow.state[:3])))
-    flow.release()
-    steps = flow.steps * _LOOKS / max(1, len(logs) - 1)
-    if steps < 2 * _LOOKS:  # looks cut them short
-        straight = Variations(plain.coefficients, start, tangent)
-        straight.to(end, _MOST_STEPS)
-        steps = max(1, straight.steps)
-        straight.release()
-    return logs, fastest * 2.0 ** (motion.unit - frame.exponent), steps
-
-
 # --- precision choice -----------------------------------------------------------------------------
 #
 # What a motion does to a small error, told roughly before the proof: the choice of precision.
 #
-# Not trusted, and nothing depends on it but cost: one run in double with one tangent vector.
+# Not trusted, and nothing depends on it but cost: one run in double with one tangent vector.  An
+# error of each step grows by its G at most (:mod:`polhode.taylor.error_growth`), in any direction.
 
 
 BITS_A_DIGIT = math.log2(10)
@@ -254,7 +212,6 @@ _STEPS_A_UNIT = 3.0  # of the proof, in its unit of time
 _OF_DOUBLES_STEPS = 0.55  # so many the proof takes, of those of a run in double with a tangent
 _OF_ALL_STEPS = 0.1  # of those of a unit of time, at least: where a run in double takes hardly any
 _SECONDS_A_STEP = 4e-4, 2.6e-8, 5.9e-13  # and over the noise level's square and fourth power
-_MARGIN = 1.0  # bits
 _FAR = 0.1  # of the way: from there on the growth tells of the rest
 _AHEAD, _SURE = 1.25, 8  # times the growth that is left, and bits: less than a try more
 _OF_OUTPUTS = {"attitude": 6.0, "angles": 9.0}  # the same of a turn, and of angles near a pole
@@ -278,15 +235,19 @@ class Forecast(NamedTuple):
         return (2.0 if outputs else 1.0) * step * self.steps
 
 
-def forecast(motion: Motion, last: Exact, digits: float, deadline: Deadline = NONE) -> Forecast:
-    """What the digits need at the time ``last``; at the deadline from what is known then."""
-    grown, fastest, steps_taken = growth(motion, last, deadline)
+def forecast(motion: Motion, last: Exact, digits: float) -> Forecast:
+    """What the digits need at the time ``last``."""
+    scene, count = motion.scene, max(1.0, steps(motion, last))
+    errors = growth(scene.at((last,)), in_all=True)
+    fastest = math.ldexp(errors.fastest, motion.unit - errors.unit)
     slow = max(0.0, -math.log2(fastest)) if fastest > 0.0 else 0.0  # digits of w are relative
-    bits = digits * BITS_A_DIGIT + _MARGIN + slow
-    more = max((_OF_OUTPUTS.get(name, 0.0) for name in motion.scene.modelled), default=0.0)
+    bits = digits * BITS_A_DIGIT + slow
+    more = max((_OF_OUTPUTS.get(name, 0.0) for name in scene.modelled), default=0.0)
     if more:  # they add up what the state is off on the way
-        bits += more + math.log2(1.0 + steps(motion, last))
-    return Forecast(bits, max(0.0, grown), steps_taken)
+        bits += more + math.log2(1.0 + count)
+    grown = BITS_A_DIGIT * max(errors.lost) + 0.5 * math.log2(count)  # all steps, not their root
+    steps_taken = max(_OF_ALL_STEPS * count, _OF_DOUBLES_STEPS * errors.steps)
+    return Forecast(bits, grown, min(count, steps_taken))
 
 
 def raised(noise: int, bits: float, why: Refused) -> int:
@@ -305,23 +266,3 @@ def raised(noise: int, bits: float, why: Refused) -> int:
 def steps(motion: Motion, last: Exact) -> float:
     """About how many steps lead to a time; infinite beyond the range of double."""
     return _STEPS_A_UNIT * abs(to_double(last / Fraction(2) ** motion.unit))
-
-
-def growth(motion: Motion, last: Exact, deadline: Deadline = NONE) -> tuple[float, float, float]:
-    """log2 of the sum over the steps of what an error made there is at the end; |w|; the steps.
-
-    |w| at its largest, in the proof's unit of time.
-    """
-    count = max(1.0, steps(motion, last))
-    logs, fastest, steps_taken = tangents(motion, to_double(last), deadline)
-    if len(logs) < 2:
-        return 2.0 * math.log2(1.0 + count), fastest, count
-    ahead = max(logs)  # an error is no smaller later than where the tangent is short by chance
-    exponents = np.maximum(ahead - np.array(logs), 0.0)
-    largest = float(np.max(exponents))
-    mean = float(np.mean(np.exp2(exponents - largest)))
-    return (
-        largest + math.log2(mean) + math.log2(count),
-        fastest,
-        min(count, max(_OF_ALL_STEPS * count, _OF_DOUBLES_STEPS * steps_taken)),
-    )

@@ -172,8 +172,8 @@ def _enclosure(job: Task, noise: int) -> Enclosure:
     steps, outcome, until = 0, Outcome.REACHED_END, 0.0
     for side, watches, proof in job.proofs(noise, watch):
         steps, outcome = steps + proof.steps, proof.outcome
-        sense, unit = -1.0 if side.motion.backward else 1.0, side.motion.unit
-        until = sense * math.ldexp(proof.end.time, unit - CLOCK)
+        unit = float(side.motion.unit_outside)
+        until = unit * math.ldexp(proof.end.time, -CLOCK)
         had = min([len(proof.rows), *(len(watcher.poses) for watcher in watches)])
         states = [in_scene_axes(side.motion, row, bits) for row in proof.rows[:had]]
         reached = {n: place for n, place in side.places.items() if place < had}
@@ -181,7 +181,7 @@ def _enclosure(job: Task, noise: int) -> Enclosure:
         for watcher in watches:
             poses |= {n: watcher.poses[place] for n, place in reached.items()}
             if angles and watcher.lost is not None:
-                lost.append(sense * math.ldexp(watcher.lost, unit))
+                lost.append(unit * watcher.lost)
     order = sorted(rows)
     balls_by_word: dict[str, Sequence[Sequence[Any]]] = {"state": [rows[n] for n in order]}
     if "attitude" in scene.modelled:

@@ -158,14 +158,9 @@ def _events(
     return tuple(rows)
 
 
-def _unit(motion: Motion) -> Fraction:
-    """The proof's unit of time in the scene's, with its sign."""
-    return Fraction(2) ** motion.unit * (-1 if motion.backward else 1)
-
-
 def _named(motion: Motion, event: Event, search: Search, end: arb, noise: int) -> CertifiedEvents:
     """What one search found up to the end, in the scene's unit and direction of time."""
-    by = _unit(motion)
+    by = motion.unit_outside
     times, undecided = [], []
     with ctx.workprec(noise + 200):
         for crossing in search.crossings:
@@ -186,7 +181,7 @@ def _named(motion: Motion, event: Event, search: Search, end: arb, noise: int) -
 
 def _interval(motion: Motion, begin: arb, end: arb, last: arb) -> tuple[float, float]:
     """Doubles of the scene around all times of two balls, of those from 0 to ``last``."""
-    by = _unit(motion)
+    by = motion.unit_outside
     with ctx.workprec(TIME_BITS):
         low, high = (middle(x) for x in (begin.lower(), end.upper()))
         most = middle(last.upper())
@@ -212,7 +207,7 @@ def of_event(motion: Motion, n: int, event: Event) -> Polynomial:
     if text is None:  # w along the middle principal axis
         return variable(sorted(range(3), key=lambda i: motion.moments[i])[1])
     rows = scene.body.axes.rows
-    unit = Fraction(2) ** -motion.unit * (-1 if motion.backward else 1)
+    unit = 1 / motion.unit_outside
     columns = {}
     for k, name in enumerate(STATE):
         part, i = divmod(k, 3)

@@ -22,13 +22,13 @@ from flint import arb
 
 from polhode.enclosures.polynomial import Polynomial, ball, total, variable
 from polhode.equations.terms import PRODUCTS, ROWS, coefficients_of, numbers_of, product
+from polhode.motion.frame import Frame
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
-from polhode.numbers.exact import Exact, sign
+from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle
-from polhode.numbers.vectors import Matrix, Vector, dot
-from polhode.scenes.body import Body
+from polhode.numbers.vectors import Vector
 from polhode.scenes.scene import Scene
 
 CLOCK = 14  # times of the grid are integers times 2**-CLOCK
@@ -94,18 +94,28 @@ class Motion:
 
     ``constants``: the coefficients, exact, in the order of ``terms.NAMES``; ``start``: the six,
     exact, gamma zero where there is none.
-    ``unit``: time is measured in 2**unit of the scene's; ``backward``: t and w changed sign.
+    ``frame``: these axes and that unit; ``backward``: t and w changed sign.
     ``radii``: of the start, six numbers from 0 on, empty where it is one point.
     """
 
     scene: Scene
-    unit: int
+    frame: Frame
     backward: bool
     constants: tuple[Exact, ...]
     start: tuple[Exact, ...]
     moments: tuple[Exact, ...]
     torque: tuple[Exact, ...]
     radii: tuple[Exact, ...] = ()
+
+    @property
+    def unit(self) -> int:
+        """Time is measured in 2**unit of the scene's."""
+        return self.frame.exponent
+
+    @property
+    def unit_outside(self) -> Fraction:
+        """The unit of time in the scene's, negative for a motion backward."""
+        return -self.frame.unit if self.backward else self.frame.unit
 
     def starts(self, bits: int) -> list[arb]:
         """Balls that hold every start, their middles that of the scene."""
@@ -129,52 +139,31 @@ class Motion:
         ]
 
 
-def motion(
-    scene: Scene, backward: bool = False, unit: int | None = None, radii: Vector | None = None
-) -> Motion:
+def motion(scene: Scene, backward: bool = False, radii: Vector | None = None) -> Motion:
     """The exact motion of a scene, to positive or to negative times.
 
-    ``unit``: of time, the one of the module unless given.  ``radii``: how far each component of
-    omega may be from the scene's, in its axes; a box in the principal axes then holds them all.
+    ``radii``: how far each component of omega may be from the scene's, in its axes; a box in the
+    principal axes then holds them all.
     """
-    axes = scene.body.axes
-    if unit is None:
-        unit = unit_for(scene.body, scene.omega)
-    by = Fraction(2) ** unit
-    forward = -by if backward else by
-    numbers = numbers_of(scene.body, forward)
-    omega = [forward * w for w in axes.components(scene.omega)]
-    gamma = [exact.ZERO] * 3 if scene.gamma is None else [*axes.components(scene.gamma)]
+    frame = Frame.of(scene).slower(-1)  # in whose unit rates are at most about 1
+    inside, unit, rows = frame.inside(scene), frame.unit, frame.axes.rows
+    numbers = numbers_of(inside.body)
+    omega = [-w for w in inside.omega] if backward else [*inside.omega]
+    gamma = [exact.ZERO] * 3 if inside.gamma is None else [*inside.gamma]
+    box: list[Exact] = []
+    if radii is not None:
+        around = [[unit * r * abs(x) for x, r in zip(row, radii, strict=True)] for row in rows]
+        box = [*(a + b + c for a, b, c in around), *[exact.ZERO] * 3]
     return Motion(
         scene,
-        unit,
+        frame,
         backward,
         tuple(coefficients_of(numbers)),
         (*omega, *gamma),
         tuple(numbers[:3]),
-        tuple(numbers[3:6]),
-        radii=() if radii is None else (*_principal(axes.rows, radii, by), *[exact.ZERO] * 3),
+        tuple(numbers[3:]),
+        tuple(box),
     )
-
-
-def _principal(rows: Matrix, radii: Vector, by: Fraction) -> list[Exact]:
-    """Radii along the principal axes of a box that holds that of the scene's axes."""
-    radii_along: list[Exact] = []
-    for row in rows:
-        a, b, c = (by * r * abs(x) for x, r in zip(row, radii, strict=True))
-        radii_along.append(a + b + c)
-    return radii_along
-
-
-def unit_for(body: Body, omega: Vector) -> int:
-    """The power of two that brings the fastest rate to about 1."""
-    square, smallest = dot(omega, omega), min(body.moments)
-    torque = body.torque
-    fourth = max(square * square, dot(torque, torque) / (smallest * smallest))
-    if sign(fourth) == 0:
-        return 0
-    mantissa, exponent = exact.rounded(fourth, 8)
-    return -((exponent + mantissa.bit_length() + 3) // 4)
 
 
 def problem(of: Motion, noise: int, constant_bits: int | None = None) -> Problem:
@@ -283,8 +272,7 @@ def _nearest(value: Any, bits: int) -> tuple[int, Any]:
 
 def times(of: Motion, instants: Sequence[Exact], bits: int = TIME_BITS) -> list[Any]:
     """Balls around times of the scene, in the proof's unit and forward."""
-    by = Fraction(2) ** -of.unit * (-1 if of.backward else 1)
-    return [ball(exact.multiply(by, t), bits) for t in instants]
+    return [ball(t / of.unit_outside, bits) for t in instants]
 
 
 def in_scene_axes(of: Motion, row: Sequence[arb], bits: int) -> list[arb]:
@@ -295,10 +283,9 @@ def in_scene_axes(of: Motion, row: Sequence[arb], bits: int) -> list[arb]:
         vectors = [[by * x for x in row[:3]]]
         if scene.gamma is not None:
             vectors.append(list(row[3:]))
-        axes = scene.body.axes
-        if axes.trivial:
+        if of.frame.axes.trivial:
             return [x for vector in vectors for x in vector]
-        turn = [[ball(x, bits) for x in unit] for unit in axes.rows]
+        turn = [[ball(x, bits) for x in unit] for unit in of.frame.axes.rows]
         return [
             turn[0][i] * v[0] + turn[1][i] * v[1] + turn[2][i] * v[2]
             for v in vectors

@@ -264,10 +264,7 @@ class Task:
     @cached_property
     def forecasts(self) -> list[Forecast]:
         """What each side takes, roughly."""
-        return [
-            approximation.forecast(side.motion, side.last, self.digits, self.deadline)
-            for side in self.sides
-        ]
+        return [approximation.forecast(side.motion, side.last, self.digits) for side in self.sides]
 
     @property
     def noise(self) -> int:

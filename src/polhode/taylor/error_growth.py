@@ -282,7 +282,8 @@ class Growth(NamedTuple):
 
     ``times``: in the scene's own unit 2**unit, |t| increasing.  ``lost``: see the module; at least
     0.  ``followed``: the last time to which the tangent was followed; later values continue its
-    law.  ``steps``: Taylor steps in double to the end, about.
+    law.  ``steps``: Taylor steps in double to the end, about.  ``fastest``: the largest |w| seen,
+    in that unit.
     """
 
     times: tuple[float, ...]
@@ -290,6 +291,7 @@ class Growth(NamedTuple):
     followed: float
     steps: int
     unit: int
+    fastest: float = 0.0
 
     def at(self, t: Exact) -> float:
         """The digits lost at a time."""
@@ -318,6 +320,7 @@ def growth(
     led: bool = False,
     trusted: float = TRUSTED,
     every: int = 0,
+    in_all: bool = False,
 ) -> Growth:
     """The digits lost from 0 to the scene's end, followed until ``limit`` of them are.
 
@@ -326,10 +329,11 @@ def growth(
     wider type, which may cost as much as the run itself, keeps the motion the scene's own once G
     has passed 1e10.  Unled, the law is continued from where G passes 10**trusted; up to there, or
     everywhere with inf, the tangent may be that of a neighbour's motion.  ``every``: the steps
-    between two projections of an integrable top onto all its integrals, 0 without.
+    between two projections of an integrable top onto all its integrals, 0 without.  ``in_all``:
+    errors of all components, also of those that the equations keep at zero.
     """
     frame = Frame.of(scene)
-    inside, principal = frame.inside(scene), scene.form == "principal"
+    inside, principal = frame.inside(scene), scene.form == "principal" and not in_all
     end = max(-_LATEST, min(_LATEST, to_double(frame.time(scene.end))))
     if end == 0 or (principal and at_rest(inside).state):  # nothing is rounded on the way
         return Growth((0.0,), (0.0,), end, 0, frame.exponent)
@@ -404,7 +408,8 @@ def _continued(looks: list[_Look], grown: list[float], end: float, unit: int, ev
             added.append(added[len(looks) - 1] + 0.5 * math.log(ratio))
     lost = [_lost(g, n, every) / math.log(10) for g, n in zip(whole, added, strict=True)]
     steps = math.ceil(looks[-1].steps * abs(end / last)) if last else looks[-1].steps
-    return Growth(tuple(times), tuple(lost), last, steps, unit)
+    fastest = max(look.speed for look in looks)
+    return Growth(tuple(times), tuple(lost), last, steps, unit, fastest)
 
 
 def _lost(grown: float, root: float, every: int) -> float:
