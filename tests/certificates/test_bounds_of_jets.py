@@ -90,8 +90,8 @@ def farthest(body, norm, state, h, eps):
     """|z(1)| of a z(0) with |z(0)| = eps that is stretched most, of those without xi."""
     q = arb_mat(norm.q)
     flow = (arb_mat(verify.slope(body, [arb(x) for x in state])) * arb(h)).exp()
-    turned = np.array([[float(x) for x in row] for row in (q * flow * norm.inverse).table()])
-    direction = np.linalg.svd(turned)[2][0]
+    in_frame = np.array([[float(x) for x in row] for row in (q * flow * norm.inverse).table()])
+    direction = np.linalg.svd(in_frame)[2][0]
     z = (norm.inverse * arb_mat([[arb(x * eps)] for x in direction])).entries()
     begin = still([arb(x) + y.mid() for x, y in zip(state, z, strict=True)])
     return size_of(norm, difference(moved(body, begin, h), moved(body, still(state), h)))
@@ -198,9 +198,9 @@ def test_all_jets_within_a_distance_are_held_with_their_weights():
             columns[m][i] = 1.0
             unit = jets_of(*columns)
             far = 1 / size_of(norm, unit)
-            held = norm.around(still([0] * 6), arb(1))[i].parts[m]
-            assert far <= float(held.rad()) < 6 * far
-            assert held.contains(arb(0.999 * far))
+            around = norm.around(still([0] * 6), arb(1))[i].parts[m]
+            assert far <= float(around.rad()) < 6 * far
+            assert around.contains(arb(0.999 * far))
     with without(verify, "Norm.around", "by * eps / weight", "by * eps"):
         narrow = norm.around(still([0] * 6), arb(1))
     assert float(narrow[0].parts[-1].rad()) * 2 ** (RHO * verify.DEGREE - 1) < float(
@@ -231,9 +231,9 @@ def test_growth_and_defect_are_not_much_above_their_integrals(seed):
     for k in range(count):
         tau = arb((k + 0.5) / count)
         matrices = [matrix_of(body, [row.parts[m](tau) for row in p], m) * h for m in parts]
-        turned = [q @ a @ back for a in matrices]
-        s = (turned[0] + turned[0].T) / 2
-        rest = sum(w * np.linalg.norm(a, 2) for w, a in zip(weights[1:], turned[1:], strict=True))
+        in_frame = [q @ a @ back for a in matrices]
+        s = (in_frame[0] + in_frame[0].T) / 2
+        rest = sum(w * np.linalg.norm(a, 2) for w, a in zip(weights[1:], in_frame[1:], strict=True))
         grown += (np.linalg.norm(s) + rest) / count
         there = [verify.Jet(x(tau) for x in row.parts) for row in p]
         rates = body.field(there, lambda i, j, there=there: there[i] * there[j])

@@ -138,10 +138,10 @@ def test_norms_of_matrices():
     for (i, j), row in entries.items():
         for k, x in enumerate(row):
             a[k][i, j] = x
-    for bound, one in zip(verify.norms_of(entries), a, strict=True):
-        truth = max(sum(abs(float(x.mid())) for x in row) for row in one.table())
+    for bound, matrix in zip(verify.norms_of(entries), a, strict=True):
+        truth = max(sum(abs(float(x.mid())) for x in row) for row in matrix.table())
         assert float(bound) == pytest.approx(truth, rel=1e-12)
-        assert truth <= verify.rough(one) * (1 + arb("1e-15"))
+        assert truth <= verify.rough(matrix) * (1 + arb("1e-15"))
     ones = arb_mat([[arb(int(i == 2))] * 6 for i in range(6)])
     assert float(verify.rough(ones)) == pytest.approx(6, rel=1e-12)  # no smaller factor will do
     rows = ones.table()
@@ -177,9 +177,9 @@ def wholes(rows: verify.Table) -> Any:
     return np.array([[int(exactly(x) * 2**SCALE) for x in row] for row in rows], dtype=object)
 
 
-def reach(held: verify.Set) -> Callable[[int, Any], int]:
+def reach(points: verify.Set) -> Callable[[int, Any], int]:
     """The largest u.z of a set, by column and u, times 2^(2 SCALE)."""
-    m, s, w = wholes(held.m), wholes(held.s), wholes(held.w)
+    m, s, w = wholes(points.m), wholes(points.s), wholes(points.w)
     return lambda column, u: (u @ m[:, column] << SCALE) + np.abs(u @ s) @ w[:, column]
 
 
@@ -200,7 +200,7 @@ def test_a_set_of_few_bits_loses_no_point_from_step_to_step(monkeypatch, quiet):
     monkeypatch.setattr(verify, "COARSE", FEW)
     monkeypatch.setattr(verify, "GROUP", 1)
     chance = random.Random(2)
-    held = verify.Set(numbers(chance, 6, 3), sizes_of(numbers(chance, 6, 3)), 2)
+    points = verify.Set(numbers(chance, 6, 3), sizes_of(numbers(chance, 6, 3)), 2)
     axes = [np.array([int(i == j) for j in range(6)], dtype=object) for i in range(6)]
     some = [[chance.randrange(-9, 10) for _ in range(6)] for _ in range(4)]
     for _ in range(3):
@@ -213,16 +213,16 @@ def test_a_set_of_few_bits_loses_no_point_from_step_to_step(monkeypatch, quiet):
             return middle, arb_mat(v)
 
         step: Any = SimpleNamespace(bits=FEW, at=at)
-        here = wholes([held.sizes()])[0]
-        inside = held.within(step, noise, Fraction(1))
-        after = held.next(step, noise, centre)
+        here = wholes([points.sizes()])[0]
+        inside = points.within(step, noise, Fraction(1))
+        after = points.next(step, noise, centre)
         ctx.prec = 300
         ends = [[wholes([[x.lower(), x.upper()]])[0] for x in row] for row in inside]
-        before, later = reach(held), reach(after)
+        before, later = reach(points), reach(after)
         turn, off = wholes(v), wholes([noise])[0]
         there, from_there = wholes([middle])[0], wholes([centre])[0]
         for k in range(3):
-            moved = int(k < held.states)  # a column of D has no centre
+            moved = int(k < points.states)  # a column of D has no centre
             for u in (*axes, *(-x for x in axes), *(np.array(x, dtype=object) for x in some)):
                 by = u @ turn  # times 2^SCALE
                 truth = before(k, by) + (sum(abs(u)) * off[k] << 2 * SCALE)
@@ -234,7 +234,7 @@ def test_a_set_of_few_bits_loses_no_point_from_step_to_step(monkeypatch, quiet):
                     edge = max(sign * ends[i][k]) - moved * sign * there[i]
                     assert truth <= edge << 2 * SCALE
                     assert before(k, sign * u) <= here[k] << SCALE
-        ctx.prec, held = FEW, after
+        ctx.prec, points = FEW, after
 
 
 @pytest.mark.parametrize("seed", [3, 4, 5])
@@ -243,22 +243,22 @@ def test_rates_of_few_bits_are_off_by_their_bound_at_most(monkeypatch, wide, noi
     """What the polynomials near w miss: by rounding alone, by the directions, by the noise."""
     monkeypatch.setattr(verify, "COARSE", FEW)
     chance = random.Random(seed)
-    held = verify.Set(numbers(chance, 6, 1), sizes_of(numbers(chance, 6, 1, wide)), 1)
-    held.s = numbers(chance, 6, 6)
+    points = verify.Set(numbers(chance, 6, 1), sizes_of(numbers(chance, 6, 1, wide)), 1)
+    points.s = numbers(chance, 6, 6)
     p, v = numbers(chance, 6, 4), [numbers(chance, 6, 6) for _ in range(3)]
     if wide:  # by far the most of the first component
-        v = [[[x * arb((1, -3 * i)) for x in row] for i, row in enumerate(one)] for one in v]
+        v = [[[x * arb((1, -3 * i)) for x in row] for i, row in enumerate(entry)] for entry in v]
     step: Any = SimpleNamespace(bits=FEW, p=[arb_poly(row) for row in p], v=[arb_mat(x) for x in v])
     ctx.prec = FEW
-    y, off = verify.Stage(0, 1, step, arb(0), [arb(noise)], held).rates()
+    y, off = verify.Stage(0, 1, step, arb(0), [arb(noise)], points).rates()
     ctx.prec = 300
-    most, m, s, w = Fraction(0), *(numbers_of(x) for x in (held.m, held.s, held.w))
+    most, m, s, w = Fraction(0), *(numbers_of(x) for x in (points.m, points.s, points.w))
     for tau in (Fraction(0), Fraction(1, 3), Fraction(1)):
         turn: Any = sum(numbers_of(x) * tau**k for k, x in enumerate(v))
         for i in range(3):
-            told = sum(exactly(x) * tau**k for k, x in enumerate(y[i].coeffs()))
+            value = sum(exactly(x) * tau**k for k, x in enumerate(y[i].coeffs()))
             there = sum(exactly(x) * tau**k for k, x in enumerate(p[i])) + turn[i] @ m[:, 0]
-            most = max(most, abs(there - told) + np.abs(turn[i] @ s) @ w[:, 0] + noise)
+            most = max(most, abs(there - value) + np.abs(turn[i] @ s) @ w[:, 0] + noise)
     assert 0 < most <= exactly(off) < 8 * most + Fraction(1, 8)
 
 
@@ -285,9 +285,9 @@ def test_the_inverse_of_a_frame_of_few_bits_holds_the_exact_one():
     wide, deep = arb_mat([row[:2] for row in rows]), arb_mat([row[2:] for row in rows])
     exact = fmpq_mat([[rational(x) for x in row] for row in rows]).inv()
     ctx.prec = FEW
-    found = verify._frame(verify.Chart([], wide, deep, [], arb(1)))
-    assert all(found[i, j].contains(exact[i, j]) for i in range(6) for j in range(6))
-    assert float(found[0, 0].rad()) < 0.1
+    inverse = verify._frame(verify.Chart([], wide, deep, [], arb(1)))
+    assert all(inverse[i, j].contains(exact[i, j]) for i in range(6) for j in range(6))
+    assert float(inverse[0, 0].rad()) < 0.1
 
 
 def rational(x: arb) -> fmpq:
@@ -308,16 +308,16 @@ def test_starts_of_few_bits_hold_every_point_of_a_set(monkeypatch, long):
 
     centre, here = ([row[0] for row in some(1, middle)] for _ in range(2))
     wide, deep = (arb_mat(some(n, not middle)) for n in (2, 4))
-    what = verify.Rectangle(0, arb((3 * middle, -2)), arb((1, -1)), arb((1, -3)))
+    rectangle = verify.Rectangle(0, arb((3 * middle, -2)), arb((1, -1)), arb((1, -3)))
     depth = [arb((k * middle, -3)) + arb(0, arb((k, -5))) for k in range(1, 5)]
     run: Any = SimpleNamespace(bits=FEW, centres=[here])
-    found = verify._starts(run, what, verify.Chart(centre, wide, deep, [], arb(1)), depth)
+    starts = verify._starts(run, rectangle, verify.Chart(centre, wide, deep, [], arb(1)), depth)
     ctx.prec = 300
     e, k = numbers_of(wide.table()), numbers_of(deep.table())
-    (c, x), (m, *sizes) = numbers_of([centre, here]), [exactly(y) for y in what[1:]]
+    (c, x), (m, *sizes) = numbers_of([centre, here]), [exactly(y) for y in rectangle[1:]]
     off = c - x + e[:, 0] * m + k @ np.array([exactly(y.mid()) for y in depth])
     sizes += [exactly(y.rad()) for y in depth]
-    reached, frame = reach(found), np.hstack([e, k])
+    reached, frame = reach(starts), np.hstack([e, k])
     axes = np.array([[int(i == j) for j in range(6)] for i in range(6)], dtype=object)
     for u in (*axes, *-axes):
         truth = u @ off + np.abs(u @ frame) @ np.array(sizes)
@@ -357,16 +357,16 @@ def test_a_turn_of_few_bits_is_off_by_its_rounding_too():
     v = [row[0] for row in numbers(chance, 4, 1)]
     after = turn.next([arb_poly([x]) for x in v], arb((1, -10)), FEW)
     ctx.prec = 300
-    q, by, found = ([exactly(x) for x in row] for row in (turn.q, v, after.q))
+    q, by, product = ([exactly(x) for x in row] for row in (turn.q, v, after.q))
     a, b, c, d = q
     e, f, g, h = by
     exact = [a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g]
     exact += [a * g + c * e + d * f - b * h, a * h + d * e + b * g - c * f]
-    lost = math.sqrt(sum((x - y) ** 2 for x, y in zip(exact, found, strict=True)))
+    lost = math.sqrt(sum((x - y) ** 2 for x, y in zip(exact, product, strict=True)))
     assert lost > 1e-5
     assert lost + 2.0**-10 <= float(after.off) < 2.0**-9 + 16 * 2.0**-FEW
-    told = turn.at([arb_poly([x]) for x in v], arb((1, -3)), Fraction(0), 64)
-    assert all(float(x.rad()) >= 0.125 for x in told)
+    value = turn.at([arb_poly([x]) for x in v], arb((1, -3)), Fraction(0), 64)
+    assert all(float(x.rad()) >= 0.125 for x in value)
 
 
 # -- motions through a box ------------------------------------------------------------------------
@@ -390,8 +390,8 @@ def test_all_that_motions_through_a_box_reach_is_around_it():
 def test_a_derivative_near_a_time_drifts_by_its_columns_sizes():
     """D(t) = Phi D: an entry that is 0 is moved by the others of its column."""
     d = [[arb(0), arb(1)], [arb(3), arb(0)]]
-    found = verify.around_in_time(d, arb("0.5"))
-    assert [[float(x.rad()) for x in row] for row in found] == [
+    rows = verify.around_in_time(d, arb("0.5"))
+    assert [[float(x.rad()) for x in row] for row in rows] == [
         [pytest.approx(1.5), pytest.approx(0.5)]
     ] * 2
 
@@ -400,9 +400,9 @@ def test_a_derivative_near_a_time_drifts_by_its_columns_sizes():
 
 
 def test_an_interval_is_a_ball_around_all_of_it():
-    found = verify.ball((Fraction(1, 3), Fraction(1, 7)))
-    assert found.contains(fmpq(1, 3) + fmpq(1, 7))
-    assert found.contains(fmpq(1, 3) - fmpq(1, 7))
+    ball = verify.ball((Fraction(1, 3), Fraction(1, 7)))
+    assert ball.contains(fmpq(1, 3) + fmpq(1, 7))
+    assert ball.contains(fmpq(1, 3) - fmpq(1, 7))
 
 
 @pytest.mark.parametrize(

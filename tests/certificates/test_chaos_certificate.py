@@ -25,7 +25,7 @@ WIDTH, NEXT = (HELD["sets"][k]["width"] for k in range(2))
 
 
 @pytest.fixture
-def held() -> Held:
+def certificate() -> Held:
     return copy.deepcopy(HELD)
 
 
@@ -66,18 +66,20 @@ FALSE: list[tuple[dict[str, Any], str]] = [
 
 @pytest.mark.sample(7)
 @pytest.mark.parametrize(("changes", "said"), FALSE, ids=range(len(FALSE)))
-def test_a_false_certificate_is_not_proved(held, changes, said):
+def test_a_false_certificate_is_not_proved(certificate, changes, said):
     for place, value in changes.items():
-        held = altered(held, place, value)
+        certificate = altered(certificate, place, value)
     with pytest.raises((verify.NotProved, verify.Damaged), match=said):
-        verify.verify(json.dumps(held).encode())
+        verify.verify(json.dumps(certificate).encode())
 
 
 @pytest.mark.slow
-def test_what_ships_is_proved_and_a_statement_of_more_is_not(held, monkeypatch):
+def test_what_ships_is_proved_and_a_statement_of_more_is_not(certificate, monkeypatch):
     """The sets' images are those of the proof each time: no statement changes them."""
-    found, images = verify._image, []
-    monkeypatch.setattr(verify, "_image", lambda *given: images.append(found(*given)) or images[-1])
+    honest, images = verify._image, []
+    monkeypatch.setattr(
+        verify, "_image", lambda *arguments: images.append(honest(*arguments)) or images[-1]
+    )
     proved = verify.verify(FILE.read_bytes())
     assert "the topological entropy of the motion on the level is at least" in proved[1]
     more = {
@@ -88,9 +90,9 @@ def test_what_ships_is_proved_and_a_statement_of_more_is_not(held, monkeypatch):
     for (name, value), said in more.items():
         again = iter(images)
         monkeypatch.setattr(verify, "_image", lambda *_, again=again: next(again))
-        given = altered(held, f"statement {name}", value)
+        arguments = altered(certificate, f"statement {name}", value)
         with pytest.raises(verify.NotProved, match=said):
-            verify.verify(json.dumps(given).encode())
+            verify.verify(json.dumps(arguments).encode())
 
 
 #: A place, what stands there, and what is said.
@@ -111,20 +113,20 @@ DAMAGED = [
 
 
 @pytest.mark.parametrize(("place", "value", "said"), DAMAGED, ids=range(len(DAMAGED)))
-def test_a_damaged_certificate_is_none(held, place, value, said):
+def test_a_damaged_certificate_is_none(certificate, place, value, said):
     with pytest.raises(verify.Damaged, match=said):
-        verify.verify(json.dumps(altered(held, place, value)).encode())
+        verify.verify(json.dumps(altered(certificate, place, value)).encode())
 
 
 # -- one covering ---------------------------------------------------------------------------------
 
 
 def covers(
-    size=(1.0, 1.0), middle=0.0, slope=None, source=(1.0, 1.0), **given: float
+    size=(1.0, 1.0), middle=0.0, slope=None, source=(1.0, 1.0), **more: float
 ) -> verify.Margins:
     """An affine image, made up, of a set of the sizes ``source``, over a set with these."""
     x = {"stretch": 2.0, "height": 0.5, "depth": 0.1, "shift": 0.0, "up": 0.0, "last": 0.0}
-    x |= {"bend": 0.0, "turn": 0.0} | given
+    x |= {"bend": 0.0, "turn": 0.0} | more
     columns = [
         [arb(x["stretch"]), arb(x["turn"]), *[arb(0)] * 4],
         [arb(x["bend"]), arb(x["height"]), *[arb(0)] * 4],
@@ -134,28 +136,28 @@ def covers(
     slope = slope or [[x["stretch"], x["bend"]], [x["turn"], x["height"]]]
     derivative = arb_mat([[arb(y) for y in row] for row in slope])
     with ctx.workprec(64):
-        one = verify.Rectangle(0, arb(0), arb(source[0]), arb(source[1]))
-        other = verify.Rectangle(0, arb(middle), arb(size[0]), arb(size[1]))
-        what = verify.Image(off, columns, derivative, arb(1), arb(2))
-        return verify.covers(what, one, other, arb(1), "one over another")
+        home = verify.Rectangle(0, arb(0), arb(source[0]), arb(source[1]))
+        target = verify.Rectangle(0, arb(middle), arb(size[0]), arb(size[1]))
+        image = verify.Image(off, columns, derivative, arb(1), arb(2))
+        return verify.covers(image, home, target, arb(1), "one over another")
 
 
 def test_an_affine_covering_is_one_either_way_round():
-    for given in (
+    for options in (
         {},
         {"stretch": -2.0},  # which exchanges the edges
         {"turn": 0.2, "bend": 0.3},
         {"slope": [[2.0, 0.5], [0.0, 0.9]]},
         {"size": (1.4, 0.6), "middle": 0.5},
     ):
-        covers(**given)
+        covers(**options)
 
 
 def test_the_margins_of_a_covering():
-    found = covers(size=(1.4, 0.6), middle=0.5, stretch=-2.0, depth=0.0)
-    assert float(found.stretch) == pytest.approx(1.5 / 1.4)
-    assert float(found.height) == pytest.approx(0.5 / 0.6)
-    assert float(found.cone) == pytest.approx(((2 / 1.4) ** 2 - 1) * (1 - (0.5 / 0.6) ** 2))
+    margins = covers(size=(1.4, 0.6), middle=0.5, stretch=-2.0, depth=0.0)
+    assert float(margins.stretch) == pytest.approx(1.5 / 1.4)
+    assert float(margins.height) == pytest.approx(0.5 / 0.6)
+    assert float(margins.cone) == pytest.approx(((2 / 1.4) ** 2 - 1) * (1 - (0.5 / 0.6) ** 2))
     assert float(covers().cone) == (4.0 - 1.0) * (1.0 - 0.25)
     assert float(covers(source=(0.75, 0.5)).cone) == (2.25 - 1.0) * (1.0 - 0.0625)
 
@@ -165,7 +167,7 @@ HIGH, SHORT, SHEET = "too high", "ends in the set", "another sheet"
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("options", "said"),
     [
         *(({"height": x}, HIGH) for x in (1.0, NAN)),
         ({"up": 0.5}, HIGH),
@@ -194,9 +196,9 @@ HIGH, SHORT, SHEET = "too high", "ends in the set", "another sheet"
         ),
     ],
 )
-def test_what_is_no_covering_is_refused(given, said):
+def test_what_is_no_covering_is_refused(options, said):
     with pytest.raises(verify.NotProved, match=said):
-        covers(**given)
+        covers(**options)
 
 
 def test_a_plane_that_is_too_far_for_the_span_is_missed():
@@ -222,10 +224,10 @@ def test_the_command_writes_a_certificate_that_another_program_proves(tmp_path, 
     path = tmp_path / "chaos.json"
     scene = "general/asymmetric-chaotic"
     assert main(["prove", "chaos", scene, "--json", "-o", str(path)]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["proven"]
-    assert found["coverings"] == found["sets"] + 1
-    assert found["kind"] == "hyperbolic"
+    document = json.loads(capsys.readouterr().out)
+    assert document["proven"]
+    assert document["coverings"] == document["sets"] + 1
+    assert document["kind"] == "hyperbolic"
     assert main(["verify", str(path)]) == 0
     out = capsys.readouterr().out
     assert "has a transversal homoclinic orbit" in out

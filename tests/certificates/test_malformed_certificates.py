@@ -64,24 +64,24 @@ def places(value, at=()):
             yield from places(value[key], (*at, key))
 
 
-def samples(given):
+def samples(certificate):
     """The first and the last path of each form: elements of one list are alike."""
     forms = {}
-    for at in places(given):
+    for at in places(certificate):
         forms.setdefault(tuple("" if isinstance(key, int) else key for key in at), []).append(at)
     return [at for paths in forms.values() for at in sorted({paths[0], paths[-1]}, key=repr)]
 
 
-def changed(given, at, text):
+def changed(certificate, at, text):
     """The certificate's bytes with another text at a place."""
-    parent = given
+    parent = certificate
     for key in at[:-1]:
         parent = parent[key]
-    kept, parent[at[-1]] = parent[at[-1]], "\0"
+    value, parent[at[-1]] = parent[at[-1]], "\0"
     try:
-        return json.dumps(given).replace(json.dumps("\0"), text).encode()
+        return json.dumps(certificate).replace(json.dumps("\0"), text).encode()
     finally:
-        parent[at[-1]] = kept
+        parent[at[-1]] = value
 
 
 def named(at):
@@ -98,9 +98,9 @@ def named(at):
     ],
 )
 def test_a_wrong_value_at_any_place_is_told_with_its_place(word, certificates):
-    given = certificates[word]
+    certificate = certificates[word]
     tried = 0
-    for at in samples(given):
+    for at in samples(certificate):
         if at == ("format",):
             continue
         few = ("nothing", "an empty list")
@@ -109,7 +109,7 @@ def test_a_wrong_value_at_any_place_is_told_with_its_place(word, certificates):
             if (at[-1], text) == ("least", "true"):  # which is what may stand there
                 continue
             with pytest.raises(verify.Damaged) as fault:
-                verify.verify(changed(given, at, text))
+                verify.verify(changed(certificate, at, text))
             line = str(fault.value)
             assert "\n" not in line
             assert len(line) < 150
@@ -122,16 +122,16 @@ def test_a_wrong_value_at_any_place_is_told_with_its_place(word, certificates):
 @pytest.mark.parametrize("word", ["turned-axes", "elliptic", "attitude"])
 def test_a_number_of_thousands_of_digits_is_judged(word, certificates, monkeypatch):
     """By its value: it reaches the proof, which is no part of this test, or fails before."""
-    given = certificates[word]
+    certificate = certificates[word]
 
-    def stages(run, found, fine, tell):
+    def stages(run, points, fine, tell):
         raise verify.NotProved("the proof")
 
     monkeypatch.setattr(verify.Run, "stages", stages)
-    for at in samples(given):
+    for at in samples(certificate):
         for text in LONG:
             with pytest.raises((verify.NotProved, verify.Damaged)) as fault:
-                verify.verify(changed(given, at, text))
+                verify.verify(changed(certificate, at, text))
             assert len(str(fault.value)) < 150
 
 
@@ -139,16 +139,16 @@ def test_a_number_of_thousands_of_digits_is_judged(word, certificates, monkeypat
 def test_the_file_alone_says_so_with_exit_code_2(text, certificates, tmp_path):
     path = tmp_path / "x.json"
     path.write_bytes(changed(certificates["turned-axes"], ("grid", 0), text))
-    told = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-I", verify.__file__, str(path)], capture_output=True, text=True
     )
-    assert (told.returncode, told.stdout) == (2, "")
+    assert (process.returncode, process.stdout) == (2, "")
     expected = f"grid[0]: expected a whole number of at most {verify.FARTHEST} bits"
-    assert told.stderr == f"{path}: no certificate: {expected}\n"
+    assert process.stderr == f"{path}: no certificate: {expected}\n"
 
 
 def test_a_level_of_thousands_of_digits_is_printed(certificates, monkeypatch):
     """Python's limit would stop it; the proof itself is no part of this test."""
-    monkeypatch.setattr(verify, "KINDS", {"orbit": lambda given, tell: []})
+    monkeypatch.setattr(verify, "KINDS", {"orbit": lambda arguments, tell: []})
     said = verify.verify(changed(certificates["elliptic"], ("scene", "weight"), LONG[0]))
     assert f"weight {LONG[0]}" in said[0]

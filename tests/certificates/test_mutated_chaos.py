@@ -50,25 +50,25 @@ def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
 def changed(number: int | str, how: str) -> int | str:
     """A number by 1e-9 of itself larger, of the other sign, 2 or 0, as it was written."""
     x = Fraction(number)
-    found = {"1e-9": x * (1 + Fraction(1, 10**9)), "sign": -x, "2": Fraction(2), "0": Fraction(0)}
-    return round(found[how]) if isinstance(number, int) else str(found[how])
+    values = {"1e-9": x * (1 + Fraction(1, 10**9)), "sign": -x, "2": Fraction(2), "0": Fraction(0)}
+    return round(values[how]) if isinstance(number, int) else str(values[how])
 
 
-def mutated(seed: int, kind: str, held: dict[str, Any]) -> tuple[tuple[Any, ...], str]:
+def mutated(seed: int, kind: str, certificate: dict[str, Any]) -> tuple[tuple[Any, ...], str]:
     """A certificate with one change; where, and how."""
     chance = random.Random(f"{kind} {seed}")
     if kind == "chain":
         part = chance.choice(KINDS[kind])
-        i, j = chance.sample(range(len(held[part])), 2)
-        held[part][i], held[part][j] = held[part][j], held[part][i]
+        i, j = chance.sample(range(len(certificate[part])), 2)
+        certificate[part][i], certificate[part][j] = certificate[part][j], certificate[part][i]
         return (part, i, j), "exchanged"
     part = KINDS[kind][0]
-    found = [path for path in places(held[part]) if path[-1] != "chart"]
+    paths = [path for path in places(certificate[part]) if path[-1] != "chart"]
     if kind == "times":
-        found = [path for path in found if path[1] == "grid"]
-    path = found[chance.randrange(len(found))]
+        paths = [path for path in paths if path[1] == "grid"]
+    path = paths[chance.randrange(len(paths))]
     how = CHANGES[seed % len(CHANGES)]
-    parent = held[part]
+    parent = certificate[part]
     for key in path[:-1]:
         parent = parent[key]
     parent[path[-1]] = changed(parent[path[-1]], how)
@@ -78,13 +78,13 @@ def mutated(seed: int, kind: str, held: dict[str, Any]) -> tuple[tuple[Any, ...]
 IMAGES: dict[Any, verify.Image] = {}
 
 
-def told(value: Any) -> Any:
+def text_of(value: Any) -> Any:
     """All that a value of the checker's says, exactly."""
     if isinstance(value, arb):
         return value.mid().man_exp(), value.rad().man_exp()
     if isinstance(value, arb_mat):
-        return told(value.table())
-    return tuple(map(told, value)) if isinstance(value, (list, tuple)) else value
+        return text_of(value.table())
+    return tuple(map(text_of, value)) if isinstance(value, (list, tuple)) else value
 
 
 @pytest.fixture
@@ -92,39 +92,39 @@ def remembered(monkeypatch: pytest.MonkeyPatch) -> None:
     """Images that were made before are not made again."""
     image_of = verify._image
 
-    def image(run: verify.Run, *given: Any) -> verify.Image:
+    def image(run: verify.Run, *arguments: Any) -> verify.Image:
         guesses = (run.bits, run.time_bits, run.grid, run.centres, run.inertia, run.torque)
-        asked = told((*guesses, *given[:-1]))
-        if asked not in IMAGES:
-            IMAGES[asked] = image_of(run, *given)
+        key = text_of((*guesses, *arguments[:-1]))
+        if key not in IMAGES:
+            IMAGES[key] = image_of(run, *arguments)
         ctx.prec = run.bits
-        return IMAGES[asked]
+        return IMAGES[key]
 
     monkeypatch.setattr(verify, "_image", image)
 
 
 def check(seed: int, kind: str) -> bool:
     """Whether a changed certificate is proved; asserts that what is, is true."""
-    given = json.loads(FILE.read_text())
-    held = copy.deepcopy(given)
-    where, how = mutated(seed, kind, held)
+    certificate = json.loads(FILE.read_text())
+    changed_one = copy.deepcopy(certificate)
+    where, how = mutated(seed, kind, changed_one)
     try:
-        verify.verify(json.dumps(held).encode())
+        verify.verify(json.dumps(changed_one).encode())
     except (verify.NotProved, verify.Damaged):
         return False
-    if held == given:
+    if changed_one == certificate:
         return True
     if kind == "claims":
         name = where[1]
-        more = Fraction(held["statement"][name]) - Fraction(given["statement"][name])
+        more = Fraction(changed_one["statement"][name]) - Fraction(certificate["statement"][name])
         # what is stated is rounded to two or six digits; less than 1e-9 is left above it
-        room = Fraction(given["statement"][name]) * Fraction(1, 10**4)
+        room = Fraction(certificate["statement"][name]) * Fraction(1, 10**4)
         assert BOUNDS[name] * more <= room, (where, how)
     elif kind == "scene":
         assert how == "1e-9", (where, how)
     else:
-        assert held["statement"] == given["statement"]
-        assert held["scene"] == given["scene"]
+        assert changed_one["statement"] == certificate["statement"]
+        assert changed_one["scene"] == certificate["scene"]
     return True
 
 

@@ -20,15 +20,15 @@ STORED = Path(__file__).parents[2] / "cases" / "certificates"
 
 
 @pytest.fixture(scope="module")
-def given():
+def stored():
     return certificate()
 
 
-def answer(held):
+def answer(document):
     """What is proved, or why nothing is."""
     with ctx.workprec(64):
         try:
-            return "\n".join(verify.verify(json.dumps(held).encode()))
+            return "\n".join(verify.verify(json.dumps(document).encode()))
         except (verify.NotProved, verify.Damaged) as fault:
             return f"refused: {fault}"
 
@@ -95,22 +95,22 @@ FALSE = [
 
 
 @pytest.mark.parametrize(("place", "value", "said"), FALSE)
-def test_what_is_false_is_refused_and_why(place, value, said, given, computed):
-    text = answer(altered(given, place, value))
+def test_what_is_false_is_refused_and_why(place, value, said, stored, computed):
+    text = answer(altered(stored, place, value))
     assert text.startswith("refused")
     assert said in text
 
 
-def test_keys_are_those_of_the_statement_and_no_others(given):
+def test_keys_are_those_of_the_statement_and_no_others(stored):
     said = (
         "statement: expected the keys kind, start, period, residue, least, alone, rotation, twist"
     )
-    more, less = (altered(given, "statement", dict) for _ in range(2))
+    more, less = (altered(stored, "statement", dict) for _ in range(2))
     more["statement"]["stable"] = True
     del less["statement"]["twist"]
     assert said in answer(more)
     assert said in answer(less)
-    assert "the certificate: expected the keys" in answer({**given, "stable": True})
+    assert "the certificate: expected the keys" in answer({**stored, "stable": True})
 
 
 #: Guesses, and what is said with them: anything true, or nothing.
@@ -124,23 +124,23 @@ GUESSES = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("change", "said"), GUESSES)
-def test_guesses_prove_nothing_false(change, said, given):
-    assert said in answer(given | change)
+def test_guesses_prove_nothing_false(change, said, stored):
+    assert said in answer(stored | change)
 
 
 def test_a_hyperbolic_orbit_is_refused_before_any_jet(monkeypatch):
     monkeypatch.setattr(verify, "twist_of", None)
-    held = json.loads((STORED / "hyperbolic.json").read_text())
-    held |= {"kind": "stability", "jet_bits": 96, "weight_bits": 10}
-    held["statement"] |= {"kind": "elliptic", "rotation": [".1", "1"], "twist": ["1", ".5"]}
-    assert "that the orbit is elliptic" in answer(held)
+    document = json.loads((STORED / "hyperbolic.json").read_text())
+    document |= {"kind": "stability", "jet_bits": 96, "weight_bits": 10}
+    document["statement"] |= {"kind": "elliptic", "rotation": [".1", "1"], "twist": ["1", ".5"]}
+    assert "that the orbit is elliptic" in answer(document)
 
 
-def test_a_long_computation_is_refused_before_it_begins(given):
+def test_a_long_computation_is_refused_before_it_begins(stored):
     steps = 200_000
-    held = given | {"jet_bits": 3000, "grid": [*range(steps + 1)]}
-    assert "steps and states at 3000 bits are too many" in answer(held)
-    assert "steps and states at 4000 bits are too many" in answer(given | {"jet_bits": 4000})
+    document = stored | {"jet_bits": 3000, "grid": [*range(steps + 1)]}
+    assert "steps and states at 3000 bits are too many" in answer(document)
+    assert "steps and states at 4000 bits are too many" in answer(stored | {"jet_bits": 4000})
 
 
 def numbers(value, at=()):
@@ -164,12 +164,12 @@ CHANGES = {
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_another_scene_is_not_proved_by_these_guesses(change, given):
+def test_another_scene_is_not_proved_by_these_guesses(change, stored):
     """None of them is refused late, either: a periodic orbit has to be near all the same."""
-    for place in numbers(given["scene"], ("scene",)):
-        held = altered(given, place, lambda x: CHANGES[change](x))
-        if Fraction(held_at(held, place)) != Fraction(held_at(given, place)):
-            assert answer(held).startswith("refused"), place
+    for place in numbers(stored["scene"], ("scene",)):
+        document = altered(stored, place, lambda x: CHANGES[change](x))
+        if Fraction(held_at(document, place)) != Fraction(held_at(stored, place)):
+            assert answer(document).startswith("refused"), place
 
 
 def held_at(value, place):
@@ -182,19 +182,19 @@ def held_at(value, place):
     "count",
     [pytest.param(60, marks=pytest.mark.slow), pytest.param(500, marks=pytest.mark.campaign)],
 )
-def test_drawn_changes_of_a_certificate_prove_nothing_false(given, count):
+def test_drawn_changes_of_a_certificate_prove_nothing_false(stored, count):
     """Numbers changed as chance has it: refused, or the statement is true."""
     chance = random.Random(65)
-    places = [place for place in numbers(given) if place.split()[0] not in ("format", "kind")]
+    places = [place for place in numbers(stored) if place.split()[0] not in ("format", "kind")]
     truth = stability()
     for _ in range(count):
         place = chance.choice(places)
-        held = altered(given, place, lambda x: drawn(x, chance))
-        text = answer(held)
+        document = altered(stored, place, lambda x: drawn(x, chance))
+        text = answer(document)
         if not text.startswith("refused"):
-            assert held["scene"] == given["scene"], place
+            assert document["scene"] == stored["scene"], place
             for name in ("rotation", "twist"):
-                middle, radius = map(Fraction, held["statement"][name])
+                middle, radius = map(Fraction, document["statement"][name])
                 assert abs(middle - getattr(truth, name).centre) <= radius + Fraction(1, 10**9)
 
 
@@ -234,17 +234,17 @@ LATER = [
 
 
 @pytest.mark.parametrize(("function", "old", "new"), LATER)
-def test_a_fault_after_the_flow_is_noticed(function, old, new, given, computed):
-    assert "it is stable" in answer(given)
+def test_a_fault_after_the_flow_is_noticed(function, old, new, stored, computed):
+    assert "it is stable" in answer(stored)
     with without(verify, function, old, new):
-        assert answer(given).startswith("refused")
+        assert answer(stored).startswith("refused")
 
 
-def test_a_product_of_jets_that_lacks_a_term_is_noticed(given, computed, monkeypatch):
+def test_a_product_of_jets_that_lacks_a_term_is_noticed(stored, computed, monkeypatch):
     factors = [[*pairs] for pairs in verify.FACTORS]
     factors[verify.MONOMIALS.index((2, 1))].remove((1, verify.MONOMIALS.index((1, 1))))
     monkeypatch.setattr(verify, "FACTORS", factors)
-    assert "preserves no area" in answer(given)
+    assert "preserves no area" in answer(stored)
 
 
 #: Of the chart, from which the flow begins.
@@ -257,24 +257,24 @@ EARLIER = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("function", "old", "new"), EARLIER)
-def test_a_fault_of_the_chart_is_noticed(function, old, new, given):
+def test_a_fault_of_the_chart_is_noticed(function, old, new, stored):
     with without(verify, function, old, new):
-        assert "preserves no area" in answer(given)
+        assert "preserves no area" in answer(stored)
 
 
-def test_the_unit_of_time_is_that_of_the_scene(given, computed):
+def test_the_unit_of_time_is_that_of_the_scene(stored, computed):
     """The run's unit is another one here, so a twist in it is noticed."""
     with without(verify, "twist_of", ".imag) / run.rates[0]", ".imag)"):
-        assert "the twist is not shown" in answer(given)
+        assert "the twist is not shown" in answer(stored)
 
 
 # -- a start and a period that are known badly ----------------------------------------------------
 
 
 @pytest.fixture(scope="module")
-def zero(given):
+def zero(stored):
     with ctx.workprec(64):
-        return verify.zero_near(given)
+        return verify.zero_near(stored)
 
 
 def twist_of(zero, bits=96):
@@ -304,7 +304,7 @@ def test_a_start_that_is_known_badly_is_followed_whole(zero, monkeypatch):
     with ctx.workprec(200):
         wide = zero._replace(start=[x + arb(0, "1e-18") for x in zero.start])
 
-    def begun(body, centre, eps, time, norm, bits):
+    def first_step(body, centre, eps, time, norm, bits):
         raise Begun(norm.around(centre, eps))
 
     def is_held():
@@ -315,7 +315,7 @@ def test_a_start_that_is_known_badly_is_followed_whole(zero, monkeypatch):
         with ctx.workprec(200):
             return all(row.parts[0].contains(x * rate) for x, rate, row in pairs)
 
-    monkeypatch.setattr(verify, "jet_step", begun)
+    monkeypatch.setattr(verify, "jet_step", first_step)
     assert is_held()
     line = "    eps = norm.of([[upper(x.rad()) for x in row.parts] for row in begin])"
     with without(verify, "twist_of", line, "    eps = arb(0)"):
@@ -385,14 +385,14 @@ def test_each_term_of_that_resonance_is_needed(old, new):
     """Of a map that is bent: without one the answer is another for one of the two."""
 
     def answers():
-        told = []
+        lines = []
         for beta, delta in ((1, 0.98), (1, 1.02)):
             try:
                 verify.normal_form(map_of(beta, delta, bend=1))
-                told.append("small")
+                lines.append("small")
             except verify.NotProved:
-                told.append("large")
-        return told
+                lines.append("large")
+        return lines
 
     assert answers() == ["small", "large"]
     with without(verify, "normal_form", old, new):
@@ -423,5 +423,5 @@ def test_the_twist_of_henon_s_map_is_the_known_one(angle):
         assert verify.MONOMIALS[1:4] == [(1, 0), (0, 1), (2, 0)]
         _, q, beta = verify.normal_form(rows)
         twist = beta / (2 * abs((q[0] * q[1].conjugate()).imag))
-        known = -(3 * (arb(angle) / 2).cot() + (3 * arb(angle) / 2).cot()) / 8
-        assert abs(twist - known) < arb(10) ** -50
+        closed_form = -(3 * (arb(angle) / 2).cot() + (3 * arb(angle) / 2).cot()) / 8
+        assert abs(twist - closed_form) < arb(10) ** -50

@@ -50,11 +50,13 @@ def test_what_ships_is_proved_and_of_the_scene_that_ships(path):
         [sys.executable, "-I", verify.__file__, str(path)], capture_output=True, text=True
     )
     assert alone.returncode == 0, alone.stdout + alone.stderr
-    held = json.loads(path.read_text())
+    certificate = json.loads(path.read_text())
     body = library.load(SCENES[path.stem]).body
-    for key, value in certificate_file.body_numbers(body, held["bits"] + verify.COARSE).items():
+    for key, value in certificate_file.body_numbers(
+        body, certificate["bits"] + verify.COARSE
+    ).items():
         if isinstance(value, str) or not any(isinstance(x, list) for x in value):
-            assert held["scene"][key] == value
+            assert certificate["scene"][key] == value
 
 
 @pytest.mark.sample(0, slow=2)
@@ -63,13 +65,13 @@ def test_every_closed_form_that_is_certified_has_a_certificate(name, tmp_path):
     scene = replace(library.load(name), outputs=())
     if not scene.times:
         pytest.skip("no times")
-    found = polhode.certify(scene, accuracy.proven_times(scene), digits=accuracy.PROVEN_DIGITS)
+    enclosure = polhode.certify(scene, accuracy.proven_times(scene), digits=accuracy.PROVEN_DIGITS)
     path = tmp_path / "row.json"
-    if scene.gamma is None or not all(isinstance(t, Fraction) for t in found.times):
+    if scene.gamma is None or not all(isinstance(t, Fraction) for t in enclosure.times):
         with pytest.raises(BadInput, match="for a certificate"):  # the only ones that have none
-            found.save(path)
+            enclosure.save(path)
         return
-    found.save(path)
+    enclosure.save(path)
     assert polhode.verify(path)
 
 

@@ -31,31 +31,31 @@ REGULAR = "general/asymmetric-regular"
 NAMES = {"balls": verify.NAMES, "attitude": verify.TURN}
 
 
-def scene_of(name, turned=True):
-    return replace(polhode.load(name), outputs=("attitude",) if turned else ())
+def scene_of(name, with_attitude=True):
+    return replace(polhode.load(name), outputs=("attitude",) if with_attitude else ())
 
 
 @pytest.fixture(scope="module")
 def small():
     """The states of an asymmetric body to t = 3, 20 digits."""
-    found = polhode.certify(REGULAR, at=[1, 3], digits=20)
-    return certificate(found.scene, found.times, found.decimals())
+    enclosure = polhode.certify(REGULAR, at=[1, 3], digits=20)
+    return certificate(enclosure.scene, enclosure.times, enclosure.decimals())
 
 
 @pytest.fixture(scope="module")
-def turned():
+def with_turns():
     """The same with its attitude."""
     scene = scene_of(REGULAR)
-    found = polhode.certify(scene, at=[1, 3], digits=20)
-    attitude = Attitude(starting_attitude(scene.gamma, scene.psi), found.attitude.decimals())
-    return certificate(scene, found.times, found.decimals(), attitude=attitude)
+    enclosure = polhode.certify(scene, at=[1, 3], digits=20)
+    attitude = Attitude(starting_attitude(scene.gamma, scene.psi), enclosure.attitude.decimals())
+    return certificate(scene, enclosure.times, enclosure.decimals(), attitude=attitude)
 
 
-def holds(given):
+def holds(certificate):
     """Whether a certificate is proved; it may be damaged, too."""
     with ctx.workprec(53):
         try:
-            verify.state(given)
+            verify.state(certificate)
         except (verify.NotProved, verify.Damaged):
             return False
     return True
@@ -106,10 +106,10 @@ def test_irrational_data_and_units_far_from_one(tmp_path):
         assert polhode.verify(path).proved
 
 
-def test_it_is_the_attitude_of_a_run(turned):
+def test_it_is_the_attitude_of_a_run(with_turns):
     run = polhode.integrate(scene_of(REGULAR), "quad", at=[1, 3])
-    for row, told in zip(run.attitude, turned["statement"], strict=True):
-        for x, (middle, radius) in zip(row, told["attitude"], strict=True):
+    for row, claim in zip(run.attitude, with_turns["statement"], strict=True):
+        for x, (middle, radius) in zip(row, claim["attitude"], strict=True):
             off = abs(Fraction(str(x)) - Fraction(middle))
             assert off <= Fraction(radius) + Fraction(1, 10**30)
 
@@ -145,34 +145,34 @@ def test_a_certificate_from_the_standard_input(small):
 # -- what is false --------------------------------------------------------------------------------
 
 
-def moved_off(given, row, key, column, by=2):
+def moved_off(certificate, row, key, column, by=2):
     """The certificate with one ball moved by some of its radii."""
 
     def moved(ball):
         return [str(Fraction(ball[0]) + by * Fraction(ball[1])), ball[1]]
 
-    row %= len(given["statement"])
-    return altered(given, f"statement {row} {key} {column}", moved)
+    row %= len(certificate["statement"])
+    return altered(certificate, f"statement {row} {key} {column}", moved)
 
 
 @pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("row", [0, 1])
 @pytest.mark.parametrize(("key", "count"), [("balls", 6), ("attitude", 4)])
-def test_a_ball_that_is_moved_off_is_not_proved(turned, row, key, count):
-    assert holds(turned)
+def test_a_ball_that_is_moved_off_is_not_proved(with_turns, row, key, count):
+    assert holds(with_turns)
     for column in range(count):
-        assert not holds(moved_off(turned, row, key, column, 2 if key == "balls" else 3))
+        assert not holds(moved_off(with_turns, row, key, column, 2 if key == "balls" else 3))
 
 
 def test_a_ball_at_the_start_holds_the_start_or_is_refused(small):
     start = [*small["scene"]["omega"], *small["scene"]["gamma"]]
     first = {"t": "0", "balls": [[x, "1e-30"] for x in start]}
-    given = small | {"statement": [first, *small["statement"]]}
-    assert holds(given)
+    certificate = small | {"statement": [first, *small["statement"]]}
+    assert holds(certificate)
     for k in range(6):
-        assert not holds(moved_off(given, 0, "balls", k))
+        assert not holds(moved_off(certificate, 0, "balls", k))
     for radius, inside in (("5e-31", True), ("2e-30", False)):  # of the start itself
-        wide = altered(given, "scene omega 0", lambda x, r=radius: [x, r])
+        wide = altered(certificate, "scene omega 0", lambda x, r=radius: [x, r])
         assert holds(wide) == inside
     assert not holds(altered(small, "scene omega 0", lambda x: [x, "1e-9"]))
 
@@ -203,63 +203,65 @@ OTHERS = {
 
 
 @pytest.mark.parametrize("place", OTHERS)
-def test_another_scene_is_not_proved(turned, place):
-    assert not holds(altered(turned, f"scene {place}", OTHERS[place]))
+def test_another_scene_is_not_proved(with_turns, place):
+    assert not holds(altered(with_turns, f"scene {place}", OTHERS[place]))
 
 
-def test_a_start_that_turns_the_vertical_elsewhere_is_told(turned):
-    given = altered(turned, "scene attitude", ["0.6", "0", "0.8", "0"])
+def test_a_start_that_turns_the_vertical_elsewhere_is_told(with_turns):
+    certificate = altered(with_turns, "scene attitude", ["0.6", "0", "0.8", "0"])
     with ctx.workprec(53), pytest.raises(verify.NotProved, match="another gamma"):
-        verify.state(given)
+        verify.state(certificate)
 
 
 @pytest.mark.slow
-def test_guesses_prove_nothing_false(turned):
+def test_guesses_prove_nothing_false(with_turns):
     """Whatever they are: the same true statement, or nothing."""
     chance = random.Random(5)
     proved = 0
     for _ in range(3):
-        given = copy.deepcopy(turned)
-        what = chance.choice(["centre", "centres", "grid", "bits"])
-        if what == "centre":
-            row = chance.choice(given["centres"])
-            far = chance.choice([1, -(2**20), 2**60, 2 ** given["state_bits"]])
+        certificate = copy.deepcopy(with_turns)
+        part = chance.choice(["centre", "centres", "grid", "bits"])
+        if part == "centre":
+            row = chance.choice(certificate["centres"])
+            far = chance.choice([1, -(2**20), 2**60, 2 ** certificate["state_bits"]])
             row[chance.randrange(6)] += far
-        elif what == "centres":
-            for row in given["centres"]:
+        elif part == "centres":
+            for row in certificate["centres"]:
                 row[chance.randrange(6)] += chance.randrange(-(2 ** chance.randrange(60)), 2**40)
-        elif what == "grid":
-            k = chance.randrange(1, len(given["grid"]) - 1)
-            del given["grid"][k], given["centres"][k]
+        elif part == "grid":
+            k = chance.randrange(1, len(certificate["grid"]) - 1)
+            del certificate["grid"][k], certificate["centres"][k]
         else:
-            given["bits"] = chance.choice([64, given["bits"] - 30, given["bits"] + 100])
-        proved += holds(given)
-        assert not holds(moved_off(given, -1, "balls", 0, 3))
-        assert not holds(moved_off(given, -1, "attitude", 2, 3))
+            certificate["bits"] = chance.choice(
+                [64, certificate["bits"] - 30, certificate["bits"] + 100]
+            )
+        proved += holds(certificate)
+        assert not holds(moved_off(certificate, -1, "balls", 0, 3))
+        assert not holds(moved_off(certificate, -1, "attitude", 2, 3))
     assert proved > 0
 
 
-def test_errors_of_the_start_are_carried_on(turned, monkeypatch):
-    given = copy.deepcopy(turned)
-    first = [Fraction(x[0] if isinstance(x, list) else x) for x in given["scene"]["attitude"]]
+def test_errors_of_the_start_are_carried_on(with_turns, monkeypatch):
+    certificate = copy.deepcopy(with_turns)
+    first = [Fraction(x[0] if isinstance(x, list) else x) for x in certificate["scene"]["attitude"]]
     angle = Fraction(1, 10**9)  # the same gamma within the balls, turned about the vertical
-    other = [first[0] - angle * first[3], first[1] - angle * first[2]]
-    other += [first[2] + angle * first[1], first[3] + angle * first[0]]
-    given["scene"]["attitude"] = [[str(x), "2e-9"] for x in other]
-    assert 1e-3 < worst(given, monkeypatch, "attitude") < 1
+    quaternion = [first[0] - angle * first[3], first[1] - angle * first[2]]
+    quaternion += [first[2] + angle * first[1], first[3] + angle * first[0]]
+    certificate["scene"]["attitude"] = [[str(x), "2e-9"] for x in quaternion]
+    assert 1e-3 < worst(certificate, monkeypatch, "attitude") < 1
 
 
-def worst(given, monkeypatch, key):
+def worst(certificate, monkeypatch, key):
     """How far the truth lies from the middle of the checker's balls at the last time, in radii."""
-    found = {}
+    ratios = {}
     with monkeypatch.context() as patch, ctx.workprec(64):
-        patch.setattr(verify, "_check", lambda names, _, there: found.update({names: there}))
-        verify.state(given)
-    truth = [Fraction(middle) for middle, _ in given["statement"][-1][key]]
+        patch.setattr(verify, "_check", lambda names, _, there: ratios.update({names: there}))
+        verify.state(certificate)
+    truth = [Fraction(middle) for middle, _ in certificate["statement"][-1][key]]
     with ctx.workprec(300):
         return max(
             float(abs(x.mid() - arb(fmpq(y.numerator, y.denominator))).mid() / x.rad())
-            for x, y in zip(found[NAMES[key]], truth, strict=True)
+            for x, y in zip(ratios[NAMES[key]], truth, strict=True)
         )
 
 
@@ -274,7 +276,7 @@ FAULTS = {
 }
 
 
-def faulty(fault, given, patch):
+def faulty(fault, certificate, patch):
     """A certificate or a checker with such guesses."""
     function = fault.removeprefix("no ")
     if not fault.startswith("rough"):
@@ -292,11 +294,11 @@ def faulty(fault, given, patch):
         patch.setattr(verify, function, wrong)
     if function == "next_of_v":
         off = 2**40 if fault == function else 2**8
-        given["centres"] = [[x + off for x in row] for row in given["centres"]]
+        certificate["centres"] = [[x + off for x in row] for row in certificate["centres"]]
     elif fault.startswith("rough"):
-        cut = given["state_bits"] - 18
-        given["centres"] = [[x >> cut for x in row] for row in given["centres"]]
-        given["state_bits"] = 18
+        cut = certificate["state_bits"] - 18
+        certificate["centres"] = [[x >> cut for x in row] for row in certificate["centres"]]
+        certificate["state_bits"] = 18
 
 
 def drop(term, patch):
@@ -320,14 +322,16 @@ def drop(term, patch):
 @pytest.mark.parametrize("fault", FAULTS)
 def test_faulty_guesses_are_contained_and_not_without_their_term(fault, request, monkeypatch):
     key, term = FAULTS[fault]
-    given = copy.deepcopy(request.getfixturevalue("small" if key == "balls" else "turned"))
-    faulty(fault, given, monkeypatch)
-    ratio = worst(given | {"statement": given["statement"][:1]}, monkeypatch, key)
+    certificate = copy.deepcopy(
+        request.getfixturevalue("small" if key == "balls" else "with_turns")
+    )
+    faulty(fault, certificate, monkeypatch)
+    ratio = worst(certificate | {"statement": certificate["statement"][:1]}, monkeypatch, key)
     assert ratio < 1
     if term is not None:
         assert ratio > 1e-7  # a bound that is far too wide would tell nothing
         drop(term, monkeypatch)
-        assert worst(given, monkeypatch, key) > 1
+        assert worst(certificate, monkeypatch, key) > 1
 
 
 def body_of(*moments):
@@ -349,28 +353,28 @@ def test_the_quadratic_part_of_the_rates_is_bounded_sharply(moments):
 
 
 def test_what_v_misses_is_bounded_beyond_its_last_coefficient_too(monkeypatch):
-    transition, kept = verify.transition, []
+    transition, matrices = verify.transition, []
     monkeypatch.setattr(verify, "MOST_TERMS", 3)
     monkeypatch.setattr(
         verify,
         "transition",
-        lambda entries, *rest: kept.append(entries) or transition(entries, *rest),
+        lambda entries, *rest: matrices.append(entries) or transition(entries, *rest),
     )
     with ctx.workprec(64):
         start = [arb(x) for x in ("0.5", "-0.25", "1", "0", "0.75", "0.5")]
         step = verify.Step(body_of(3, 2, 1), start, arb("0.125"), 64, verify.STATES)
-        (entries,), v, norms = kept, step.v, []
+        (entries,), v, norms = matrices, step.v, []
         a = [arb_mat(6, 6) for _ in range(max(map(len, entries.values())))]
         for (i, j), x in entries.items():
             for k, y in enumerate(x):
                 a[k][i, j] = y
         for k in range(len(a) + len(v)):
             total = v[k + 1] * arb(-(k + 1)) if k + 1 < len(v) else arb_mat(6, 6)
-            for j, one in enumerate(a):
-                total += one * v[k - j] if 0 <= k - j < len(v) else arb_mat(6, 6)
+            for j, matrix in enumerate(a):
+                total += matrix * v[k - j] if 0 <= k - j < len(v) else arb_mat(6, 6)
             norms.append(verify.row_sum(total.table()))
-        missed, told = float(verify.integral(norms)), float(step.rho / step.growth)
-    assert missed <= told < 6 * missed
+        missed, bound = float(verify.integral(norms)), float(step.rho / step.growth)
+    assert missed <= bound < 6 * missed
 
 
 def test_what_v_misses_is_bounded_where_a_begins_late():
@@ -398,9 +402,9 @@ def test_a_body_at_rest_without_weight_and_vertical_stays_where_it_is():
     scene = {"moments": [1, 2, 3], "centre": [0] * 3, "weight": 0, "omega": [0] * 3}
     claim = {"t": "1/2", "balls": [[0, "1e-9"]] * 6}
     guesses = (10, [0, 512], 10, [[0] * 6], 64)
-    given = dict(zip(verify.Guesses._fields, guesses, strict=True))
-    given |= {"format": verify.FORMAT, "kind": "state", "scene": scene | {"gamma": [0] * 3}}
-    assert holds(given | {"statement": [claim]})
+    certificate = dict(zip(verify.Guesses._fields, guesses, strict=True))
+    certificate |= {"format": verify.FORMAT, "kind": "state", "scene": scene | {"gamma": [0] * 3}}
+    assert holds(certificate | {"statement": [claim]})
 
 
 def test_a_turn_about_the_diagonal_reaches_the_bound_of_what_w_misses():
@@ -438,9 +442,9 @@ def test_what_is_no_certificate_is_one_line(small, key, value, tmp_path, capsys)
     path = tmp_path / "x.json"
     path.write_text(json.dumps(small | {key: value}))
     assert main(["verify", str(path)]) in (1, 2)
-    told = capsys.readouterr()
-    assert len((told.out + told.err).splitlines()) == 1
-    assert "proved: at" not in told.out
+    output = capsys.readouterr()
+    assert len((output.out + output.err).splitlines()) == 1
+    assert "proved: at" not in output.out
 
 
 def lopsided(scene):
@@ -467,11 +471,11 @@ def lopsided(scene):
         ),
     ],
 )
-def test_what_is_damaged_is_told(turned, change, said):
-    given = copy.deepcopy(turned)
-    change(given)
+def test_what_is_damaged_is_told(with_turns, change, said):
+    certificate = copy.deepcopy(with_turns)
+    change(certificate)
     with pytest.raises(verify.Damaged, match=said):
-        verify.state(given)
+        verify.state(certificate)
 
 
 @pytest.mark.parametrize(
@@ -529,9 +533,9 @@ def test_the_command_line(digits, outputs, tmp_path, capsys):
     answer = json.loads(out)
     assert answer["proven"] is True
     assert ("at 1 its attitude" in out) == bool(outputs)
-    given = json.loads(path.read_text())
-    given["statement"][0]["balls"][0][0] = "0.5"
-    path.write_text(json.dumps(given))
+    certificate = json.loads(path.read_text())
+    certificate["statement"][0]["balls"][0][0] = "0.5"
+    path.write_text(json.dumps(certificate))
     assert main(["verify", str(path)]) == 1
     assert "p at t = 2 is not shown to lie in its ball" in capsys.readouterr().out
 
@@ -539,30 +543,30 @@ def test_the_command_line(digits, outputs, tmp_path, capsys):
 def test_a_certificate_on_stdout_is_alone(capsys):
     command = ["certify", "lagrange/nutation", "--at", "1", "--digits", "10"]
     assert main([*command, "-o", "-"]) == 0
-    told = capsys.readouterr()
-    assert json.loads(told.out)["kind"] == "state"
-    assert "every digit is proven" in told.err
+    output = capsys.readouterr()
+    assert json.loads(output.out)["kind"] == "state"
+    assert "every digit is proven" in output.err
 
 
 def test_the_progress_of_a_certificate_is_that_of_guesses_and_check_together(tmp_path):
     """The check counted from 0 again: forecasts were too short during the one, too long after."""
-    seen = []
-    found = polhode.certify("lagrange/nutation", at=[5], digits=15)
-    found.save(tmp_path / "x.json", lambda fraction, steps: seen.append((fraction, steps)))
-    fractions = [fraction for fraction, _ in seen]
+    parts = []
+    enclosure = polhode.certify("lagrange/nutation", at=[5], digits=15)
+    enclosure.save(tmp_path / "x.json", lambda fraction, steps: parts.append((fraction, steps)))
+    fractions = [fraction for fraction, _ in parts]
     assert fractions == sorted(fractions)
-    begin = [steps for _, steps in seen].index(0, 1)  # of the check
+    begin = [steps for _, steps in parts].index(0, 1)  # of the check
     assert fractions[0] == 0
     assert fractions[begin - 1] < MAKING <= fractions[begin] < MAKING + 0.1
     assert 0.9 < fractions[-1] <= 1
 
 
 def test_progress_is_told(small):
-    seen = []
-    verify.verify(json.dumps(small).encode(), lambda part, steps: seen.append((part, steps)))
-    assert seen[0] == (0.0, 0)
-    assert [steps for _, steps in seen] == list(range(len(small["centres"])))
-    assert all(0 <= part < 1 for part, _ in seen)
+    fractions = []
+    verify.verify(json.dumps(small).encode(), lambda part, steps: fractions.append((part, steps)))
+    assert fractions[0] == (0.0, 0)
+    assert [steps for _, steps in fractions] == list(range(len(small["centres"])))
+    assert all(0 <= part < 1 for part, _ in fractions)
 
 
 @pytest.mark.parametrize(

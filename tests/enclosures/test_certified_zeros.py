@@ -39,9 +39,9 @@ def wheel(zero: str, end: Any = 20) -> Scene:
 def test_the_events_are_those_that_heyoka_finds() -> None:
     # counts: those of an earlier program and of heyoka, which agree
     scene, counts = top("1.1", Event("nutation"), Event("equator")), (34, 29)
-    found = certify_events(scene)
-    seen = polhode.integrate(scene, number="extended").events
-    for mine, theirs, count in zip(found, seen, counts, strict=True):
+    certified = certify_events(scene)
+    of_run = polhode.integrate(scene, number="extended").events
+    for mine, theirs, count in zip(certified, of_run, counts, strict=True):
         assert mine.proven
         assert len(mine.times) == len(theirs.times) == count
         for event, time in zip(mine.times, theirs.times, strict=True):
@@ -53,8 +53,8 @@ def test_the_events_are_those_that_heyoka_finds() -> None:
 
 def test_times_lie_within_their_radii_and_more_digits_shrink_them() -> None:
     for digits, least in ((10, 1e-9), (30, 1e-29)):
-        (found,) = certify_events(wheel("gamma3 - 1/3"), digits=digits)
-        assert found.proven
+        (events,) = certify_events(wheel("gamma3 - 1/3"), digits=digits)
+        assert events.proven
         with mpmath.workdps(60):
             first = mpmath.acos(mpmath.mpf(1) / 3)
             turn = 2 * mpmath.pi
@@ -62,8 +62,8 @@ def test_times_lie_within_their_radii_and_more_digits_shrink_them() -> None:
                 [first + k * turn for k in range(4)] + [k * turn - first for k in (1, 2, 3)]
             )
             true = sorted(t for t in true if 0 < t < 20)
-            assert len(found.times) == len(true)
-            for event, t in zip(found.times, true, strict=True):
+            assert len(events.times) == len(true)
+            for event, t in zip(events.times, true, strict=True):
                 assert abs(event.time - exactly(t)) <= Fraction(event.radius)
                 assert event.radius < least
 
@@ -72,9 +72,9 @@ def test_times_lie_within_their_radii_and_more_digits_shrink_them() -> None:
 def test_zeros_near_a_tangency_are_told_apart(power: int) -> None:
     for sign, count in ((1, 2), (-1, 0)):
         zero = f"gamma3 + 1 - {sign}/10**{power}"  # around t = pi
-        (found,) = certify_events(wheel(zero, 6), digits=24)
-        assert found.proven
-        assert len(found.times) == count
+        (events,) = certify_events(wheel(zero, 6), digits=24)
+        assert events.proven
+        assert len(events.times) == count
     (touching,) = certify_events(wheel("gamma3 + 1", 6))
     assert not touching.proven
     assert touching.times == ()
@@ -95,9 +95,9 @@ def test_zeros_near_a_tangency_are_told_apart(power: int) -> None:
 def test_a_zero_at_the_start_that_is_known_exactly_is_decided(
     zero: str, later: list[float]
 ) -> None:
-    (found,) = certify_events(wheel(zero, 4))
-    assert found.proven
-    assert [round(float(event.time), 6) for event in found.times] == later
+    (events,) = certify_events(wheel(zero, 4))
+    assert events.proven
+    assert [round(float(event.time), 6) for event in events.times] == later
 
 
 @pytest.mark.slow
@@ -108,9 +108,9 @@ def test_a_zero_at_the_start_is_undecided_where_it_may_be_after_it() -> None:
         ("(gamma3 - 1)**3", 2, 2.0),
         ("(gamma3 - 1)**3*(gamma3 - 1)**10", "1/8", 0.125),
     ):
-        (found,) = certify_events(wheel(zero, exact_number(last)))
-        assert found.times == ()
-        ((begin, end),) = found.undecided
+        (events,) = certify_events(wheel(zero, exact_number(last)))
+        assert events.times == ()
+        ((begin, end),) = events.undecided
         assert begin == 0.0 < end <= most
 
 
@@ -118,9 +118,9 @@ def test_a_zero_at_the_start_is_undecided_where_it_may_be_after_it() -> None:
 def test_a_zero_at_the_end_is_undecided_and_the_interval_holds_it(end: str) -> None:
     last = exact_number(end)
     zero = f"gamma3 - cos({end})"
-    (found,) = certify_events(replace(wheel(zero), times=(last,)))
-    assert found.times == ()
-    ((low, high),) = found.undecided
+    (events,) = certify_events(replace(wheel(zero), times=(last,)))
+    assert events.times == ()
+    ((low, high),) = events.undecided
     assert exact_number(low) <= last <= exact_number(high)
     assert high - low < 1e-9
 
@@ -132,10 +132,10 @@ TANGENT = "gamma1**2 + gamma1**2 + gamma2**2 + gamma3**2 - 1"
 @pytest.mark.parametrize("digits", [4, 10, 15])
 def test_contacts_below_the_radius_are_one_interval_each(digits: int) -> None:
     (whole,) = certify_events(top("3", Event("e", "gamma1")), end=3, digits=20)
-    (found,) = certify_events(top("3", Event("e", TANGENT)), end=3, digits=digits)
-    assert found.times == ()
-    assert len(found.undecided) == len(whole.times) == 3
-    for (begin, end), event in zip(found.undecided, whole.times, strict=True):
+    (events,) = certify_events(top("3", Event("e", TANGENT)), end=3, digits=digits)
+    assert events.times == ()
+    assert len(events.undecided) == len(whole.times) == 3
+    for (begin, end), event in zip(events.undecided, whole.times, strict=True):
         assert Fraction(begin) <= event.time <= Fraction(end)
         assert end - begin < 10 ** (-digits / 3)
 
@@ -176,11 +176,11 @@ def test_a_group_of_intervals_holds_a_zero_between_opposite_signs_if_it_is_steep
     assert (len(search.crossings), len(search.contacts)) == (count, contacts)
 
 
-def _of(g: Any, noise: int, **given: Any) -> zeros.Search:
+def _of(g: Any, noise: int, **options: Any) -> zeros.Search:
     """What a search finds of a polynomial on the wheel to t = 12."""
     motion = fixed_point_problem.motion(wheel("gamma3"))
     problem = fixed_point_problem.problem(motion, noise)
-    search = zeros.Search(g.balls(400), rate(g, motion.field).balls(400), **given)
+    search = zeros.Search(g.balls(400), rate(g, motion.field).balls(400), **options)
     task.run(problem, fixed_point_problem.times(motion, [Fraction(12)]), watchers=[search])
     search.finish()
     return search
@@ -202,12 +202,12 @@ def test_what_is_left_of_a_step_after_so_many_intervals_is_undecided(
     g = variable(5) - constant(Fraction(1, 3))
     whole = _of(g, 90)
     monkeypatch.setattr(zeros, "MOST_PIECES", 2)
-    found = _of(g, 90)
-    assert found.contacts
-    times = [other.at.time for other in found.crossings]
+    search = _of(g, 90)
+    assert search.contacts
+    times = [certain.at.time for certain in search.crossings]
     for time in (crossing.at.time for crossing in whole.crossings):
-        known = any(time.overlaps(other) for other in times)
-        assert known or any(x.begin < time < x.end for x in found.contacts)
+        is_crossing = any(time.overlaps(certain) for certain in times)
+        assert is_crossing or any(x.begin < time < x.end for x in search.contacts)
 
 
 def _searched(
@@ -220,11 +220,11 @@ def _searched(
     g = g * g if twice else g
     search = zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
     grid: list[int] = []
-    kept = search.window
+    honest = search.window
 
-    def window(known: Any, steps: Any) -> None:
-        grid.extend(known.pieces.times[:-1])
-        kept(known, steps)
+    def window(bounds: Any, steps: Any) -> None:
+        grid.extend(bounds.pieces.times[:-1])
+        honest(bounds, steps)
 
     search.window = window  # type: ignore[method-assign]
     end = fixed_point_problem.times(motion, [Fraction(12)], 300)
@@ -310,20 +310,20 @@ def _coarse_holds_fine() -> bool:
     motion = fixed_point_problem.motion(top("3"))
     problem = fixed_point_problem.problem(motion, 120)
     state, end = zonotope.beginning(problem), 5 << fixed_point_problem.CLOCK
-    known = task._window(problem, state, end, 8, 0.3, task.HONEST)
-    _, _, steps = zonotope.advance(state, known, [])  # type: ignore[arg-type]
+    bounds = task._window(problem, state, end, 8, 0.3, task.HONEST)
+    _, _, steps = zonotope.advance(state, bounds, [])  # type: ignore[arg-type]
     g = variable(5)
     search = zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
-    held = True
+    contained = True
     for n, step in enumerate(steps):
-        on = zeros._OnStep(search, known, n, step)
+        on = zeros._OnStep(search, bounds, n, step)
         for tau in (arb((k, -4)) for k in range(17)):
             with ctx.workprec(64):
                 wide = on.coarse(tau)
             with ctx.workprec(on.bits):
                 fine = on.fine(tau)
-            held = held and all(x.contains(y) for x, y in zip(wide, fine, strict=True))
-    return held
+            contained = contained and all(x.contains(y) for x, y in zip(wide, fine, strict=True))
+    return contained
 
 
 def test_coarse_states_hold_the_fine_ones() -> None:
@@ -339,14 +339,14 @@ def test_backward_events_rise_as_time_grows() -> None:
     for mine, theirs in zip(back.times, there.times, strict=True):
         assert abs(mine.time + theirs.time) <= Fraction(mine.radius) + Fraction(theirs.radius)
     rising = replace(wheel("gamma3 - 1/3"), events=(Event("e", "gamma3 - 1/3", "rising"),))
-    (found,) = certify_events(rising)
-    assert {event.slope for event in found.times} == {1}
+    (events,) = certify_events(rising)
+    assert {event.slope for event in events.times} == {1}
 
 
 def _against_heyoka(seed: int, rounds: int) -> tuple[int, int]:
     """Zeros found and undecided in random scenes; each is one of heyoka's and none is missing."""
     rng = random.Random(seed)
-    found = undecided = 0
+    count = undecided = 0
     for n in range(rounds):
         kind = trials.KINDS[n % len(trials.KINDS)]
         level = f"gamma3 - {rng.uniform(-1, 1):.2f}"
@@ -355,11 +355,11 @@ def _against_heyoka(seed: int, rounds: int) -> tuple[int, int]:
         scene = trials.random_scene(rng, kind)
         scene = replace(scene, times=(rng.choice((2, 8)),), events=events)
         try:
-            seen = polhode.integrate(scene, number="extended").events
+            of_run = polhode.integrate(scene, number="extended").events
         except polhode.BadInput:  # zero all along the motion
             continue
-        for mine, theirs in zip(certify_events(scene), seen, strict=True):
-            found, undecided = found + len(mine.times), undecided + len(mine.undecided)
+        for mine, theirs in zip(certify_events(scene), of_run, strict=True):
+            count, undecided = count + len(mine.times), undecided + len(mine.undecided)
             near = Fraction(1, 10**8)
             true = [exactly(t) for t in theirs.times]
             for event in mine.times:
@@ -368,7 +368,7 @@ def _against_heyoka(seed: int, rounds: int) -> tuple[int, int]:
                 hit = [event for event in mine.times if abs(event.time - t) < near]
                 grazed = [x for x in mine.undecided if x[0] - 1e-6 <= t <= x[1] + 1e-6]
                 assert len(hit) == 1 or grazed
-    return found, undecided
+    return count, undecided
 
 
 @pytest.mark.parametrize(
@@ -376,9 +376,9 @@ def _against_heyoka(seed: int, rounds: int) -> tuple[int, int]:
     [pytest.param(3, marks=pytest.mark.slow), pytest.param(330, marks=pytest.mark.campaign)],
 )
 def test_random_events_are_heyokas(rounds: int) -> None:
-    found, undecided = _against_heyoka(3, rounds)
-    assert found > 4 * rounds
-    assert undecided < max(7, found / 10)
+    count, undecided = _against_heyoka(3, rounds)
+    assert count > 4 * rounds
+    assert undecided < max(7, count / 10)
 
 
 def test_a_window_taken_for_another_is_noticed() -> None:

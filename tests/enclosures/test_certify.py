@@ -26,10 +26,10 @@ def top(body: Body = ASYMMETRIC, omega: Any = ("0.3", "0.2", 3), gamma: Any = No
     return Scene(body, omega, gamma or ("0.6", 0, "0.8"))
 
 
-def _inside(found: Any, rows: Any) -> bool:
+def _inside(enclosure: Any, rows: Any) -> bool:
     return all(
         abs(exactly(x) - centre) <= Fraction(radius)
-        for row, centres, radii in zip(rows, found.centres, found.radii, strict=True)
+        for row, centres, radii in zip(rows, enclosure.centres, enclosure.radii, strict=True)
         for x, centre, radius in zip(row, centres, radii, strict=True)
     )
 
@@ -38,29 +38,31 @@ def _inside(found: Any, rows: Any) -> bool:
 @pytest.mark.parametrize("digits", [8, 15, 30, 60])
 def test_the_digits_asked_for_are_proven_and_not_many_more(digits: int) -> None:
     scene = top()
-    found = polhode.certify(scene, at=[1, "1/3", 20], digits=digits)
-    assert found.complete
-    assert found.proven == min(found.digits)
+    enclosure = polhode.certify(scene, at=[1, "1/3", 20], digits=digits)
+    assert enclosure.complete
+    assert enclosure.proven == min(enclosure.digits)
     # at few digits the 60 bits of the first polynomials prove more than the noise level asks
-    assert digits <= found.digits[2] <= max(digits + 8, 18)
-    assert _inside(found, [trials.truth(scene, [t], 320)[0] for t in found.times])
+    assert digits <= enclosure.digits[2] <= max(digits + 8, 18)
+    assert _inside(enclosure, [trials.truth(scene, [t], 320)[0] for t in enclosure.times])
 
 
 def test_times_of_both_signs_in_any_order_some_twice_and_irrational() -> None:
     scene = top()
-    asked = [3, "-sqrt(2)", 0, "1/3", 3, "sqrt(2)", -5]
-    found = polhode.certify(scene, at=asked, digits=20)
-    assert found.centres[0] == found.centres[4]
-    assert [exact_number(t) == s for t, s in zip(asked, found.times, strict=True)] == [True] * 7
-    for n, t in enumerate(found.times):
+    times = [3, "-sqrt(2)", 0, "1/3", 3, "sqrt(2)", -5]
+    enclosure = polhode.certify(scene, at=times, digits=20)
+    assert enclosure.centres[0] == enclosure.centres[4]
+    assert [exact_number(t) == s for t, s in zip(times, enclosure.times, strict=True)] == [True] * 7
+    for n, t in enumerate(enclosure.times):
         true = scene.start if n == 2 else None
         if not isinstance(t, Irrational):
-            one = replace(found, centres=found.centres[n : n + 1], radii=found.radii[n : n + 1])
-            assert _inside(one, [true] if true else trials.truth(scene, [t], 200))
+            row = replace(
+                enclosure, centres=enclosure.centres[n : n + 1], radii=enclosure.radii[n : n + 1]
+            )
+            assert _inside(row, [true] if true else trials.truth(scene, [t], 200))
     # a time beside sqrt(2) by 1e-40 has the same 20 digits
     near = Fraction(14142135623730950488016887242096980785697, 10**40)
     beside = polhode.certify(scene, at=[near])
-    for x, y, r in zip(beside.centres[0], found.centres[5], found.radii[5], strict=True):
+    for x, y, r in zip(beside.centres[0], enclosure.centres[5], enclosure.radii[5], strict=True):
         assert abs(x - y) <= Fraction(r) + Fraction(max(beside.radii[0]))
 
 
@@ -87,11 +89,11 @@ KINDS = {
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_truth_is_inside_in_the_scenes_own_axes(kind: str) -> None:
     scene, t = KINDS[kind]
-    found = polhode.certify(scene, at=[t], digits=20)
-    assert found.complete
-    assert found.tries == 1
-    assert len(found.centres[0]) == len(found.midpoints[0]) == (6 if scene.gamma else 3)
-    assert _inside(found, trials.truth(scene, [t], 260))
+    enclosure = polhode.certify(scene, at=[t], digits=20)
+    assert enclosure.complete
+    assert enclosure.tries == 1
+    assert len(enclosure.centres[0]) == len(enclosure.midpoints[0]) == (6 if scene.gamma else 3)
+    assert _inside(enclosure, trials.truth(scene, [t], 260))
 
 
 def test_irrational_data_lie_inside_and_their_rational_neighbours_do_not() -> None:
@@ -100,30 +102,30 @@ def test_irrational_data_lie_inside_and_their_rational_neighbours_do_not() -> No
         return Scene(body, ("0.2", "0.1", "pi/3"), ("sqrt(3)/2", 0, "1/2"))
 
     exactly_root = scene("sqrt(5)/1.6")
-    found = polhode.certify(exactly_root, at=[10], digits=30)
-    assert found.complete
-    assert _inside(found, trials.truth(exactly_root, [10], 240))
+    enclosure = polhode.certify(exactly_root, at=[10], digits=30)
+    assert enclosure.complete
+    assert _inside(enclosure, trials.truth(exactly_root, [10], 240))
     beside = scene(exact_number("sqrt(5)/1.6 + 1/10**28"))
-    assert not _inside(found, trials.truth(beside, [10], 240))
+    assert not _inside(enclosure, trials.truth(beside, [10], 240))
 
 
 @pytest.mark.parametrize("gamma", [(0, 0, 1), (0, 0, -1)])
 def test_a_body_at_rest_stays_and_its_digits_are_of_the_pendulums_rate(gamma: Any) -> None:
     scene = Scene(Body.of_moments((2, 3, 1), (0, 0, 1), 1), (0, 0, 0), gamma)
-    found = polhode.certify(scene, at=[5], digits=12)
-    assert found.complete
-    assert _inside(found, [scene.start])
+    enclosure = polhode.certify(scene, at=[5], digits=12)
+    assert enclosure.complete
+    assert _inside(enclosure, [scene.start])
 
 
 @pytest.mark.parametrize("power", [-100, 100])
 def test_units_of_any_size_cost_no_digit(power: int) -> None:
     scale = Fraction(10) ** power
     scene = asymmetric(rate=scale)
-    found = polhode.certify(scene, at=[10 / scale], digits=15)
+    enclosure = polhode.certify(scene, at=[10 / scale], digits=15)
     plain = polhode.certify(top(), at=[10], digits=15)
     # the proof's unit is a power of two, so that its steps are others, up to twice as long
-    assert found.proven == pytest.approx(plain.proven, abs=2.0)
-    assert found.noise == pytest.approx(plain.noise, abs=2)
+    assert enclosure.proven == pytest.approx(plain.proven, abs=2.0)
+    assert enclosure.noise == pytest.approx(plain.noise, abs=2)
 
 
 def test_steps_are_as_long_as_the_norm_in_which_a_motion_hardly_stretches_allows() -> None:
@@ -137,8 +139,8 @@ def test_the_integrals_make_the_radii_smaller_and_keep_the_truth() -> None:
     motion = fixed_point_problem.motion(scene)
     problem = fixed_point_problem.problem(motion, 90)
     times = [fixed_point_problem.ball(Fraction(1200), 300)]  # t = 300
-    known = integral_contraction.prepared(motion, 400)
-    with_them = task.run(problem, times, known).rows[0]
+    integrals = integral_contraction.prepared(motion, 400)
+    with_them = task.run(problem, times, integrals).rows[0]
     without = task.run(problem, times).rows[0]
     gain = max(float(x.rad()) for x in without) / max(float(x.rad()) for x in with_them)
     assert 2.0 < gain < 1000.0
@@ -228,13 +230,13 @@ BODIES: list[tuple[dict[str, Any], list[str]]] = [
 ]
 
 
-@pytest.mark.parametrize(("body", "told"), BODIES)
-def test_what_the_rule_decides_of_a_body_is_told(body: dict[str, Any], told: list[str]) -> None:
-    found = polhode.certify(polhode.top(**body), at=[1], digits=12)
-    assert [x.startswith(y) for x, y in zip(found.assumed, told, strict=False)] == [True] * len(
-        told
-    )
-    assert bool(found.assumed) == bool(told)
+@pytest.mark.parametrize(("body", "assumed"), BODIES)
+def test_what_the_rule_decides_of_a_body_is_told(body: dict[str, Any], assumed: list[str]) -> None:
+    enclosure = polhode.certify(polhode.top(**body), at=[1], digits=12)
+    assert [x.startswith(y) for x, y in zip(enclosure.assumed, assumed, strict=False)] == [
+        True
+    ] * len(assumed)
+    assert bool(enclosure.assumed) == bool(assumed)
 
 
 #: The start, the times, the outputs, and what of them the rule for "equal" decides.
@@ -255,12 +257,14 @@ BY_THE_RULE: list[tuple[Any, list[Any], tuple[str, ...], list[str]]] = [
 ]
 
 
-@pytest.mark.parametrize(("gamma", "at", "outputs", "told"), BY_THE_RULE)
+@pytest.mark.parametrize(("gamma", "at", "outputs", "assumed"), BY_THE_RULE)
 def test_what_the_rule_for_equal_decides_is_told(
-    gamma: Any, at: list[Any], outputs: tuple[str, ...], told: list[str]
+    gamma: Any, at: list[Any], outputs: tuple[str, ...], assumed: list[str]
 ) -> None:
-    found = polhode.certify(replace(top(gamma=gamma), outputs=outputs), at=at, digits=12)
-    assert [x.startswith(y) for x, y in zip(found.assumed, told, strict=True)] == [True] * len(told)
+    enclosure = polhode.certify(replace(top(gamma=gamma), outputs=outputs), at=at, digits=12)
+    assert [x.startswith(y) for x, y in zip(enclosure.assumed, assumed, strict=True)] == [
+        True
+    ] * len(assumed)
 
 
 WHOLE = "expected a whole number, 1 to 250"
@@ -281,18 +285,18 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
 ]
 
 
-@pytest.mark.parametrize(("given", "told"), REFUSED)
-def test_bad_questions_are_refused_in_one_line(given: dict[str, Any], told: str) -> None:
+@pytest.mark.parametrize(("options", "line"), REFUSED)
+def test_bad_questions_are_refused_in_one_line(options: dict[str, Any], line: str) -> None:
     scene = replace(top(), events=(polhode.Event("equator"),))
-    doors: dict[Any, dict[str, Any]] = {polhode.certify: {"at": [1]} | given}
-    if "at" not in given:
-        doors[polhode.certify_events] = {"end": 1} | given
-    elif isinstance(given["at"], (int, str, set)) or "number" in told:
-        doors[polhode.integrate] = given
-    for door, asked in doors.items():
+    doors: dict[Any, dict[str, Any]] = {polhode.certify: {"at": [1]} | options}
+    if "at" not in options:
+        doors[polhode.certify_events] = {"end": 1} | options
+    elif isinstance(options["at"], (int, str, set)) or "number" in line:
+        doors[polhode.integrate] = options
+    for door, question in doors.items():
         with pytest.raises(polhode.BadInput) as refused:
-            door(scene, **asked)
-        assert told in str(refused.value)
+            door(scene, **question)
+        assert line in str(refused.value)
         assert "\n" not in str(refused.value)
 
 
@@ -311,8 +315,8 @@ def test_an_end_is_read_as_everywhere(end: Any) -> None:
 
 def test_times_beside_a_point_of_the_grid_are_on_their_sides() -> None:
     near = Fraction(1, 2**600)
-    found = polhode.certify(top(), at=[1 + near, 1, 1 - near], digits=20)
-    for x, y, z, r in zip(*found.centres, found.radii[1], strict=True):
+    enclosure = polhode.certify(top(), at=[1 + near, 1, 1 - near], digits=20)
+    for x, y, z, r in zip(*enclosure.centres, enclosure.radii[1], strict=True):
         assert abs(x - y) <= 2 * Fraction(r)
         assert abs(z - y) <= 2 * Fraction(r)
 
@@ -326,10 +330,10 @@ def test_a_constant_that_does_not_sharpen_is_refused() -> None:
 
 @pytest.mark.slow
 def test_a_long_chaotic_motion_takes_one_try_more_at_most() -> None:
-    found = polhode.certify("general/asymmetric-chaotic", at=[250], digits=16)
-    assert found.complete
-    assert found.tries <= 2
-    assert found.proven < 20
+    enclosure = polhode.certify("general/asymmetric-chaotic", at=[250], digits=16)
+    assert enclosure.complete
+    assert enclosure.tries <= 2
+    assert enclosure.proven < 20
 
 
 @pytest.mark.slow
@@ -339,8 +343,8 @@ def test_first_tries_suffice() -> None:
     for n in range(11):
         scene = trials.random_scene(rng, trials.KINDS[n % len(trials.KINDS)])
         digits = rng.choice((12, 16, 24))
-        found = polhode.certify(scene, at=[rng.choice((1, 5, 20))], digits=digits)
-        tries.append(found.tries)
-        spare.append(found.proven - digits)
+        enclosure = polhode.certify(scene, at=[rng.choice((1, 5, 20))], digits=digits)
+        tries.append(enclosure.tries)
+        spare.append(enclosure.proven - digits)
     assert sum(t == 1 for t in tries) >= 10
     assert sorted(spare)[5] < 4.0

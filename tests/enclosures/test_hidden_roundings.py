@@ -27,10 +27,10 @@ def _cancelling(rng: random.Random) -> tuple[Any, Any, Fraction]:
     row = [rng.uniform(-64, 64) for _ in range(4)]
     column = [rng.uniform(-1, 1) for _ in range(4)]
     column[3] = -sum(x * y for x, y in zip(row[:3], column, strict=False)) / row[3]
-    a, found = np.zeros((1, 1, 6, 6)), np.zeros(6)
-    a[0, 0, 0, :4], found[:4] = row, column
+    a, differences = np.zeros((1, 1, 6, 6)), np.zeros(6)
+    a[0, 0, 0, :4], differences[:4] = row, column
     true = sum(Fraction(x) * Fraction(y) for x, y in zip(row, column, strict=True))
-    return a, found, abs(Fraction(true))
+    return a, differences, abs(Fraction(true))
 
 
 def _rounded_matrices() -> float:
@@ -57,12 +57,12 @@ def _rounded_residual() -> float:
         shape = SimpleNamespace(
             near=np.zeros((1, 2, 6)), gap=np.zeros((1, 2)), count=1, lengths=np.ones(1)
         )
-        known: Any = SimpleNamespace(pieces=shape, values=np.zeros((1, 3, 6)), roundings=0)
+        defects: Any = SimpleNamespace(pieces=shape, values=np.zeros((1, 3, 6)), roundings=0)
         problem: Any = SimpleNamespace(slack=(0.0,) * 9)
         a_sum = np.sum(step_bound._norms(a), axis=1)
         sigma = np.sum(np.max(np.abs(e), axis=2), axis=1)
         weights = 1.0 / np.arange(1, 4)
-        claimed = step_bound._delta(problem, known, e, a, a_sum, np.zeros(1), sigma, weights)
+        claimed = step_bound._delta(problem, defects, e, a, a_sum, np.zeros(1), sigma, weights)
         worst = max(worst, float(true / Fraction(float(claimed[0]))))
     return worst
 
@@ -76,12 +76,12 @@ def _rounded_defects() -> float:
     shape = SimpleNamespace(
         near=np.zeros((1, 13, 6)), gap=np.zeros((1, 13)), count=1, lengths=np.ones(1)
     )
-    known: Any = SimpleNamespace(pieces=shape, values=values, roundings=off)
+    defects: Any = SimpleNamespace(pieces=shape, values=values, roundings=off)
     problem: Any = SimpleNamespace(slack=(0.0,) * 9)
     sigma = np.sum(np.max(np.abs(e), axis=2), axis=1)
     weights, none = 1.0 / np.arange(1, 26), np.zeros(1)
     a = np.zeros((1, 13, 6, 6))
-    claimed = step_bound._delta(problem, known, e, a, none, none, sigma, weights)
+    claimed = step_bound._delta(problem, defects, e, a, none, none, sigma, weights)
     true = off * 2.0**-53 * float(np.sum(np.max(np.abs(values), axis=2) * weights))
     return true / float(claimed[0])
 
@@ -92,13 +92,13 @@ def _rounded_defects() -> float:
 def _at_rest(noise: int) -> tuple[Any, Any]:
     """A sphere that stands still, its third axis upright; and |gamma|**2, an integral of it."""
     motion = fixed_point_problem.motion(Scene(Body.of_moments((1, 1, 1)), (0, 0, 0), (0, 0, 1)))
-    (known,) = [i for i in integral_contraction.prepared(motion, 400) if i.name == "|gamma|^2"]
-    return fixed_point_problem.problem(motion, noise), known
+    (integral,) = [i for i in integral_contraction.prepared(motion, 400) if i.name == "|gamma|^2"]
+    return fixed_point_problem.problem(motion, noise), integral
 
 
-def _outside(problem: Any, state: Any, known: Any, truth: Fraction, bits: int) -> float:
+def _outside(problem: Any, state: Any, integral: Any, truth: Fraction, bits: int) -> float:
     """How far gamma3 lies from the middle of what an integral leaves of a set, in its radii."""
-    after = integral_contraction.shrunk(problem, state, [known])
+    after = integral_contraction.shrunk(problem, state, [integral])
     assert after is not state
     off = abs(truth - Fraction(after.centre[5], 1 << bits)) * 2**problem.noise
     return float(off / Fraction(float(after.radii[5])))
@@ -116,34 +116,34 @@ def _at_a_time_not_known() -> float:
 
 def _by_an_integral_known_roughly() -> float:
     """|gamma|**2 known to a ball, the truth at its edge."""
-    problem, known = _at_rest(96)
+    problem, integral = _at_rest(96)
     off = arb((1, -40))
     radius = 2.0 ** (problem.noise - 30)
     state = zonotope.State(0, problem.start, np.diag([1.0] * 3 + [radius] * 3))
     with fixed_point_problem.ctx.workprec(400):
-        value = known.value + 2 * off + arb(0, 2.0**-39)
-        known = known._replace(value=value)
-        return _outside(problem, state, known, Fraction(1), problem.fine)
+        value = integral.value + 2 * off + arb(0, 2.0**-39)
+        integral = integral._replace(value=value)
+        return _outside(problem, state, integral, Fraction(1), problem.fine)
 
 
 def _by_an_integral_of_a_rough_slope() -> float:
     """|gamma|**2, its gradient known to one part in ten, the truth half way out in the set."""
-    problem, known = _at_rest(96)
+    problem, integral = _at_rest(96)
     with fixed_point_problem.ctx.workprec(400):
         rough = [
             BallPolynomial(tuple((key, value * arb(0.95, 0.06)) for key, value in row.terms))
-            for row in known.gradient
+            for row in integral.gradient
         ]
     radius = 2.0**30
     start = (*problem.start[:5], problem.start[5] + (1 << (problem.fine - problem.noise + 29)))
     state = zonotope.State(0, start, np.diag([1.0] * 5 + [radius]))
-    known = known._replace(gradient=tuple(rough))
-    return _outside(problem, state, known, Fraction(1), problem.fine)
+    integral = integral._replace(gradient=tuple(rough))
+    return _outside(problem, state, integral, Fraction(1), problem.fine)
 
 
 def _on_a_coarse_grid() -> float:
     """|gamma|**2, states rounded to a grid far coarser than the set that is left."""
-    problem, known = _at_rest(96)
+    problem, integral = _at_rest(96)
     coarse, ticks = problem.noise - 20, 41
     problem = replace(problem, fine=coarse)
     worst = 0.0
@@ -155,8 +155,8 @@ def _on_a_coarse_grid() -> float:
         with fixed_point_problem.ctx.workprec(400):
             value = arb(fmpq(truth.numerator, truth.denominator)) ** 2
         state = zonotope.State(0, start, np.diag([1.0] * 5 + [radius]))
-        known = known._replace(value=value)
-        worst = max(worst, _outside(problem, state, known, truth, coarse))
+        integral = integral._replace(value=value)
+        worst = max(worst, _outside(problem, state, integral, truth, coarse))
     return worst
 
 
@@ -175,7 +175,7 @@ def _by_a_matrix_that_cancels() -> float:
         settled[0, 0] = 1e12
         carried = zonotope._Carried(settled)
         shape = SimpleNamespace(polynomials=lambda _: [fmpz_poly([])] * 6, level=60)
-        known: Any = SimpleNamespace(
+        bounds: Any = SimpleNamespace(
             problem=SimpleNamespace(noise=60),
             pieces=shape,
             correction=np.zeros((1, 1, 6)),
@@ -185,7 +185,7 @@ def _by_a_matrix_that_cancels() -> float:
         hull = carried.hull()
         step = zonotope.Step(0.0, 0.0)
         ((ball, *_),) = zonotope._balls(
-            known, 0, [arb(near)], carried, np.zeros(6), hull, float(np.max(hull)), step
+            bounds, 0, [arb(near)], carried, np.zeros(6), hull, float(np.max(hull)), step
         )
         true = abs(sum(Fraction(c) * Fraction(near) ** k for k, c in enumerate(line))) * 10**12
         worst = max(worst, float(true / Fraction(float(ball.rad()) * 2.0**60)))
@@ -237,9 +237,9 @@ ALONE: dict[str, tuple[Callable[[], float], float, tuple[Any, str, str, str]]] =
 }
 
 
-@pytest.mark.parametrize("what", ALONE)
-def test_a_term_alone_is_enough_not_slack_and_noticed_when_dropped(what: str) -> None:
-    ratio, least, change = ALONE[what]
+@pytest.mark.parametrize("term", ALONE)
+def test_a_term_alone_is_enough_not_slack_and_noticed_when_dropped(term: str) -> None:
+    ratio, least, change = ALONE[term]
     assert least < ratio() <= 1.0
     with without(*change):
         assert ratio() > 1.0

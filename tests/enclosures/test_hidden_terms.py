@@ -45,12 +45,12 @@ HB = 1e-15
 
 
 def _claimed(n: dict[str, float], size: float, is_box: bool = False) -> zonotope.Step:
-    known: Any = SimpleNamespace(
+    bounds: Any = SimpleNamespace(
         **{name: np.array([n[name]]) for name in ("growth", "delta", "sigma", "rho")},
         sizes=np.array([size]),
         problem=SimpleNamespace(is_box=is_box),
     )
-    return zonotope._accepted(known, 0, n["eps"], HB)
+    return zonotope._accepted(bounds, 0, n["eps"], HB)
 
 
 def _missed(numbers: dict[str, float]) -> float:
@@ -115,23 +115,23 @@ def _window(
     motion = fixed_point_problem.motion(scene or asymmetric("0.9"))
     problem = change(fixed_point_problem.problem(motion, 60))
     state = zonotope.beginning(problem)
-    found = task.HONEST.window(problem, state, 1 << (CLOCK - 1), 1, 1.0)
-    shape = taylor_polynomials.of_doubles(found.times, found.series)
+    window = task.HONEST.window(problem, state, 1 << (CLOCK - 1), 1, 1.0)
+    shape = taylor_polynomials.of_doubles(window.times, window.series)
     if moved:
         off = np.zeros(shape.near.shape)
         off[:, 0] = np.sign(shape.near[:, 0]) * np.ldexp(moved, problem.noise)
         shape = taylor_polynomials.improved(shape, off, problem.noise, shape.level)
     a = step_bound.jacobian(problem, shape.near, shape.lengths)
     matrices = v(a)
-    known = taylor_polynomials.defects(problem, shape)
+    defects = taylor_polynomials.defects(problem, shape)
     gaps = taylor_polynomials.gaps(problem, shape, state.centre)
-    e = approximation.correction(a, known.values, approximation.matrices(a), gaps)
-    return motion, step_bound.bounds(problem, known, e, matrices)
+    e = approximation.correction(a, defects.values, approximation.matrices(a), gaps)
+    return motion, step_bound.bounds(problem, defects, e, matrices)
 
 
-def _ratio(name: str, *given: Any) -> float:
-    motion, known = _window(*given)
-    true, claimed = checker.checked(known, 0, motion.constants)[name]
+def _ratio(name: str, *arguments: Any) -> float:
+    motion, bounds = _window(*arguments)
+    true, claimed = checker.checked(bounds, 0, motion.constants)[name]
     return float((true / float(claimed)).upper())
 
 
@@ -144,9 +144,9 @@ def _wrong_factors(problem: Any) -> Any:
 
 
 def _bent(a: Any) -> Any:
-    found = approximation.matrices(a)
-    found[:, 1:] *= 0.99
-    return found
+    matrices = approximation.matrices(a)
+    matrices[:, 1:] *= 0.99
+    return matrices
 
 
 def _steep(problem: Any) -> Any:
@@ -214,13 +214,13 @@ NUMBERS: list[tuple[str, tuple[Any, ...], tuple[Any, ...]]] = [
 
 
 @pytest.mark.sample(4, slow=4)
-@pytest.mark.parametrize(("name", "given", "change"), NUMBERS)
+@pytest.mark.parametrize(("name", "arguments", "change"), NUMBERS)
 def test_a_number_of_a_step_holds_alone_and_not_without_its_term(
-    name: str, given: Any, change: Any
+    name: str, arguments: Any, change: Any
 ) -> None:
-    assert 1e-3 < _ratio(name, *given) <= 1.0
+    assert 1e-3 < _ratio(name, *arguments) <= 1.0
     with without(*change):
-        assert _ratio(name, *given) > 1.0
+        assert _ratio(name, *arguments) > 1.0
 
 
 def test_beta_holds_for_the_exact_constants() -> None:

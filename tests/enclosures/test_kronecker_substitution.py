@@ -58,8 +58,8 @@ def test_unpacked_is_right_relatively() -> None:
         row = [rng.choice((-1, 1)) * rng.choice((most, rng.randrange(1 << n))) for n in sizes]
         power = rng.randrange(-900, 100)
         value = fmpz_poly(row)(fmpz(1) << (64 * words))
-        (found,) = Packing(count, words).doubles([value], np.array([power]))
-        for x, y in zip(row, found, strict=True):
+        (unpacked,) = Packing(count, words).doubles([value], np.array([power]))
+        for x, y in zip(row, unpacked, strict=True):
             true, near = Fraction(x) * Fraction(2) ** power, Fraction(float(y))
             assert abs(near - true) <= allowed * abs(true)
             worst = max(worst, float(abs(near / true - 1) / allowed) if x else 0.0)
@@ -105,12 +105,12 @@ def test_numbers_beyond_the_doubles_are_refused() -> None:
 def _shapes(kind: str, bits: int | None, monkeypatch: pytest.MonkeyPatch) -> Any:
     """Polynomials of a window at all levels that its corrections go through."""
     motion = fixed_point_problem.motion(trials.random_scene(random.Random(5), kind))
-    problem, found = fixed_point_problem.problem(motion, 200, bits), list[Any]()
+    problem, shapes = fixed_point_problem.problem(motion, 200, bits), list[Any]()
     defects = taylor_polynomials.defects
     with monkeypatch.context() as patch:
-        patch.setattr(taylor_polynomials, "defects", lambda *x: found.append(x[1]) or defects(*x))
+        patch.setattr(taylor_polynomials, "defects", lambda *x: shapes.append(x[1]) or defects(*x))
         task._window(problem, zonotope.beginning(problem), 9 << 14, 3, 0.3, task.HONEST)
-    return problem, found
+    return problem, shapes
 
 
 @pytest.mark.parametrize(("kind", "bits"), [("generic", None), ("generic", 212), ("needle", None)])
@@ -121,7 +121,7 @@ def test_defects_are_those_of_exact_polynomials(
     assert len(shapes) >= 3
     assert [len(shape.parts) for shape in shapes] == [*range(1, len(shapes) + 1)]
     for shape in shapes:
-        known = taylor_polynomials.defects(problem, shape)
+        defects = taylor_polynomials.defects(problem, shape)
         unit = Fraction(2) ** (problem.noise - 2 * shape.level)
         for n in range(shape.count):
             row = shape.polynomials(n)
@@ -132,13 +132,13 @@ def test_defects_are_those_of_exact_polynomials(
                 bend, pull, push = (problem.constants[n] for n in (i, 3 + 2 * i, 4 + 2 * i))
                 rate = row[a] * row[b] * bend
                 rate += (row[3 + a] * pull + row[3 + b] * push) * (fmpz(1) << shape.level)
-                turned = row[3 + a] * row[b] - row[3 + b] * row[a]
-                for k, part, below in ((i, rate, problem.denominators[i]), (3 + i, turned, 1)):
+                turning = row[3 + a] * row[b] - row[3 + b] * row[a]
+                for k, part, below in ((i, rate, problem.denominators[i]), (3 + i, turning, 1)):
                     steep = row[k].derivative() * (fmpz(1) << shape.level)
-                    for j in range(known.values.shape[1]):
+                    for j in range(defects.values.shape[1]):
                         true = (int(steep[j]) - h * int(part[j]) / below) * unit
-                        off = abs(true - Fraction(float(known.values[n, j, k])))
-                        assert off <= Fraction(step_bound.gamma(known.roundings)) * abs(true)
+                        off = abs(true - Fraction(float(defects.values[n, j, k])))
+                        assert off <= Fraction(step_bound.gamma(defects.roundings)) * abs(true)
 
 
 def test_words_hold_the_largest_coefficient_and_no_word_is_spare(
@@ -176,15 +176,15 @@ def _turn_is_exact(size: float) -> bool:
     near, values, _ = quaternion.defects(w, v, 90)
     unit = Fraction(2) ** (90 - w.level - v.level)
     x, y = v.polynomials(0), w.polynomials(0)
-    known, allowed = [], Fraction(step_bound.gamma(taylor_polynomials.UNPACKED))
+    pairs, allowed = [], Fraction(step_bound.gamma(taylor_polynomials.UNPACKED))
     for i, terms in enumerate(quaternion.PRODUCT):
-        turned = sum((x[a] * y[b] * sign for sign, a, b in terms), fmpz_poly([]))
+        turning = sum((x[a] * y[b] * sign for sign, a, b in terms), fmpz_poly([]))
         steep = x[i].derivative() * (fmpz(1) << w.level)
         for k in range(5):
-            true = (int(steep[k]) - Fraction(3, 2) * int(turned[k])) * unit
-            known.append((true, Fraction(values[0, k, i])))
-        known += [(Fraction(int(x[i][k]), 1 << v.level), Fraction(near[0, k, i])) for k in range(3)]
-    return all(abs(one - other) <= allowed * abs(one) for one, other in known)
+            true = (int(steep[k]) - Fraction(3, 2) * int(turning[k])) * unit
+            pairs.append((true, Fraction(values[0, k, i])))
+        pairs += [(Fraction(int(x[i][k]), 1 << v.level), Fraction(near[0, k, i])) for k in range(3)]
+    return all(abs(exactly - near_it) <= allowed * abs(exactly) for exactly, near_it in pairs)
 
 
 def test_the_defect_of_a_turn_is_that_of_exact_polynomials() -> None:
@@ -192,11 +192,11 @@ def test_the_defect_of_a_turn_is_that_of_exact_polynomials() -> None:
     assert all(map(_turn_is_exact, sizes))
     for old, new in ((" * w.most", ""), (" * v.most", ""), (" + v.level)", ")")):
         with without(quaternion, "defects", old, new):
-            found = []
+            answers = []
             for size in sizes:
                 with suppress(OverflowError):
-                    found.append(_turn_is_exact(size))
-            assert len(found) < len(sizes) or not all(found)
+                    answers.append(_turn_is_exact(size))
+            assert len(answers) < len(sizes) or not all(answers)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -47,12 +47,12 @@ def _stop(fraction: float, _: int) -> None:
 
 def test_what_was_proven_until_an_interruption_is_kept() -> None:
     whole = polhode.certify(SCENE, at=[1, 5, 60], digits=15)
-    found = polhode.certify(SCENE, at=[60, 1, 5], digits=15, progress=_stop)
-    assert found.outcome is Outcome.INTERRUPTED
-    assert not found.complete
-    assert found.times == (1, 5)
-    assert found.centres == whole.centres[:2]
-    assert "interrupted" in repr(found)
+    enclosure = polhode.certify(SCENE, at=[60, 1, 5], digits=15, progress=_stop)
+    assert enclosure.outcome is Outcome.INTERRUPTED
+    assert not enclosure.complete
+    assert enclosure.times == (1, 5)
+    assert enclosure.centres == whole.centres[:2]
+    assert "interrupted" in repr(enclosure)
 
 
 @pytest.mark.slow
@@ -61,13 +61,13 @@ def test_what_was_proven_until_a_limit_on_the_time_is_kept(
 ) -> None:
     whole = polhode.certify(SCENE, at=[1, 300], digits=15)
     _stand(monkeypatch, _PILOT + 10)
-    found = polhode.certify(SCENE, at=[1, 300], digits=15, max_seconds=3)
-    assert found.outcome is Outcome.TIME_LIMIT
-    assert found.times == (1,)
-    assert found.centres[0] == whole.centres[0]
+    enclosure = polhode.certify(SCENE, at=[1, 300], digits=15, max_seconds=3)
+    assert enclosure.outcome is Outcome.TIME_LIMIT
+    assert enclosure.times == (1,)
+    assert enclosure.centres[0] == whole.centres[0]
     _stand(monkeypatch, _PILOT + 10)
-    asked = ("certify", SCENE, "--digits", "15", "--at", "1,300", "--json")
-    assert cli.main((*asked, "--max-seconds", "3")) == 3
+    words = ("certify", SCENE, "--digits", "15", "--at", "1,300", "--json")
+    assert cli.main((*words, "--max-seconds", "3")) == 3
     out, err = capsys.readouterr()
     assert json.loads(out)["outcome"] == "time limit"
     assert json.loads(out)["columns"]["t"] == ["1"]
@@ -76,32 +76,32 @@ def test_what_was_proven_until_a_limit_on_the_time_is_kept(
 
 def test_a_proof_stopped_before_the_first_time_has_no_rows(monkeypatch: pytest.MonkeyPatch) -> None:
     _stand(monkeypatch, 5)  # at the fifth look of the pilot run
-    found = polhode.certify(SCENE, at=[300], digits=15, max_seconds=2)
-    assert found.times == found.centres == found.digits == ()
-    assert repr(found) == f"<Enclosure of {SCENE}: 0 times, time limit>"
+    enclosure = polhode.certify(SCENE, at=[300], digits=15, max_seconds=2)
+    assert enclosure.times == enclosure.centres == enclosure.digits == ()
+    assert repr(enclosure) == f"<Enclosure of {SCENE}: 0 times, time limit>"
 
 
 def test_the_cost_is_foretold_once_and_grows_with_time_and_digits() -> None:
-    told: list[float] = []
-    polhode.certify(SCENE, at=[1], digits=15, forecast=told.append)
-    polhode.certify(SCENE, at=[2], digits=15, forecast=told.append)
-    polhode.certify(SCENE, at=[2], digits=30, forecast=told.append)
-    assert len(told) == 3
-    assert 0 < told[0] < 0.7 * told[1] < 0.5 * told[2]
+    seconds: list[float] = []
+    polhode.certify(SCENE, at=[1], digits=15, forecast=seconds.append)
+    polhode.certify(SCENE, at=[2], digits=15, forecast=seconds.append)
+    polhode.certify(SCENE, at=[2], digits=30, forecast=seconds.append)
+    assert len(seconds) == 3
+    assert 0 < seconds[0] < 0.7 * seconds[1] < 0.5 * seconds[2]
 
 
 def test_events_after_an_interruption_are_undecided() -> None:
     scene = replace(polhode.load(SCENE), events=(polhode.Event("level", "gamma3 - 9/10"),))
     (whole,) = polhode.certify_events(scene, end=60)
-    (found,) = polhode.certify_events(scene, end=60, progress=_stop)
+    (events,) = polhode.certify_events(scene, end=60, progress=_stop)
     assert whole.proven
-    assert not found.proven
-    begin, end = found.undecided[-1]
+    assert not events.proven
+    begin, end = events.undecided[-1]
     assert 0 < begin < 60 == end
-    assert 0 < len(found.times) < len(whole.times)
-    assert all(t.time + Fraction(t.radius) <= begin + 1e-9 for t in found.times)
+    assert 0 < len(events.times) < len(whole.times)
+    assert all(t.time + Fraction(t.radius) <= begin + 1e-9 for t in events.times)
     before = [t for t in whole.times if float(t.time) < begin - 1e-6]
-    assert [round(float(t.time), 12) for t in found.times] == [
+    assert [round(float(t.time), 12) for t in events.times] == [
         round(float(t.time), 12) for t in before
     ]
 

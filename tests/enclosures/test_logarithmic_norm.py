@@ -27,17 +27,17 @@ def grown(a: Any) -> float:
     def rate(tau: float, z: Any) -> Any:
         return sum(x * tau**k for k, x in enumerate(a[0])) @ z
 
-    found = 1.0
+    largest = 1.0
     for begin in (0, STEPS // 2):
         z = np.eye(6)
         for n in range(begin, STEPS):
             t = n * h
-            one = rate(t, z)
-            two = rate(t + h / 2, z + h / 2 * one)
+            k1 = rate(t, z)
+            two = rate(t + h / 2, z + h / 2 * k1)
             three = rate(t + h / 2, z + h / 2 * two)
-            z = z + h / 6 * (one + 2 * two + 2 * three + rate(t + h, z + h * three))
-            found = max(found, float(np.abs(z).sum(axis=1).max()))
-    return found
+            z = z + h / 6 * (k1 + 2 * two + 2 * three + rate(t + h, z + h * three))
+            largest = max(largest, float(np.abs(z).sum(axis=1).max()))
+    return largest
 
 
 def uneven(size: float = 3.0) -> tuple[Any, Any]:

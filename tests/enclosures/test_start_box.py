@@ -60,10 +60,10 @@ def reach(centres, radii, truth):
 def farthest(scene, times, outputs=(), radii=RADII):
     """Of the state and of an output: how far single starts come in their balls."""
     scene = replace(scene, outputs=outputs, events=())
-    found = polhode.certify(scene, times, omega_radius=radii)
-    assert found.outcome.done
-    parts = [(found.centres, found.radii, "states")]
-    parts += [(*getattr(found, word), word) for word in outputs]
+    enclosure = polhode.certify(scene, times, omega_radius=radii)
+    assert enclosure.outcome.done
+    parts = [(enclosure.centres, enclosure.radii, "states")]
+    parts += [(*getattr(enclosure, word), word) for word in outputs]
     ratios = []
     for side in SIDES:
         run = polhode.integrate(moved(scene, side), "quad", at=times)
@@ -74,8 +74,8 @@ def farthest(scene, times, outputs=(), radii=RADII):
 @pytest.mark.sample(1, first=3, slow=1)
 @pytest.mark.parametrize("name", SCENES)
 def test_every_start_of_the_box_is_in_the_balls_and_corners_come_near_their_edges(name):
-    for found in farthest(SCENES[name], [Fraction(1, 2), 3], ("attitude", "angles")):
-        assert 0.01 < found <= 1
+    for ratio in farthest(SCENES[name], [Fraction(1, 2), 3], ("attitude", "angles")):
+        assert 0.01 < ratio <= 1
     assert 0.5 < farthest(SCENES[name], [Fraction(1, 1000)])[0] <= 1
     assert 0.01 < farthest(SCENES[name], [-2])[0] <= 1
     start = polhode.certify(SCENES[name], [0], omega_radius=RADII)
@@ -93,10 +93,10 @@ def test_what_forgets_the_box_is_noticed():
     ):
         # one energy for all starts: no set can have it, or too small a one does
         try:
-            found = farthest(scene, [3])[0]
+            ratio = farthest(scene, [3])[0]
         except AssertionError:
-            found = 2
-        assert found > 1
+            ratio = 2
+        assert ratio > 1
 
 
 # -- events -----------------------------------------------------------------------------------
@@ -113,14 +113,14 @@ def test_an_event_is_one_of_every_start_and_the_state_then_is_in_its_balls(name,
     """Of one start, nearly as sharply as the motion."""
     scene = watched(SCENES[name], "gamma1 - gamma2/3")
     proven, number, digits = (15, "quad", None) if radii else (25, "mp", 40)
-    (found,) = polhode.certify_events(scene, 6, digits=proven, omega_radius=radii)
-    assert found.proven
-    assert len(found.times) >= 2
+    (events,) = polhode.certify_events(scene, 6, digits=proven, omega_radius=radii)
+    assert events.proven
+    assert len(events.times) >= 2
     most = 0.0
     for side in SIDES if radii else [(0, 0, 0)]:
         (event,) = polhode.integrate(moved(scene, side), number, digits=digits, at=[6]).events
-        assert len(event.times) == len(found.times)
-        for t, row, ball in zip(event.times, event.states, found.times, strict=True):
+        assert len(event.times) == len(events.times)
+        for t, row, ball in zip(event.times, event.states, events.times, strict=True):
             assert abs(exactly(t) - ball.time) <= Fraction(ball.radius)
             most = max(most, reach([ball.state], [ball.radii], [row]))
             assert radii or max(ball.radii) < 1e-22
@@ -132,8 +132,8 @@ def test_an_event_at_the_start_s_middle_is_not_decided_for_a_box(monkeypatch):
     scene = watched(scene, f"p - {scene.omega[0]}")
     (alone,) = polhode.certify_events(scene, 1)
     assert alone.proven
-    (found,) = polhode.certify_events(scene, 1, omega_radius="1e-6")
-    assert found.undecided[0][0] == 0
+    (certified,) = polhode.certify_events(scene, 1, omega_radius="1e-6")
+    assert certified.undecided[0][0] == 0
     with without(zeros, "first_derivative", "motion.radii or ", ""):
         monkeypatch.setattr(events, "first_derivative", zeros.first_derivative)
         (wrong,) = polhode.certify_events(scene, 1, omega_radius="1e-6")
@@ -146,24 +146,24 @@ def test_an_event_at_the_start_s_middle_is_not_decided_for_a_box(monkeypatch):
 @pytest.mark.slow
 def test_a_wide_box_is_followed_as_far_as_it_goes(tmp_path, capsys):
     scene = SCENES["general/asymmetric-chaotic"]
-    found = polhode.certify(scene, [1, 2, 500], omega_radius="1e-5")
-    assert found.outcome is Outcome.TOO_WIDE
-    assert [*found.times] == [1, 2]
-    assert 8 < found.until < 100
-    assert not found.complete
+    enclosure = polhode.certify(scene, [1, 2, 500], omega_radius="1e-5")
+    assert enclosure.outcome is Outcome.TOO_WIDE
+    assert [*enclosure.times] == [1, 2]
+    assert 8 < enclosure.until < 100
+    assert not enclosure.complete
     path = tmp_path / "wide.toml"
     path.write_text(FILE.replace("1e-8", "1e-5").replace("end = 5", "at = [1, 500]"))
     assert main(["certify", str(path)]) == 3
-    told = capsys.readouterr()
-    assert "1 of 2 times: followed to t = " in told.err
-    assert len(told.out.splitlines()) == 2
+    output = capsys.readouterr()
+    assert "1 of 2 times: followed to t = " in output.err
+    assert len(output.out.splitlines()) == 2
 
 
 def test_times_before_0_are_not_reached_where_those_after_it_are_not():
-    found = polhode.certify("general/asymmetric-chaotic", at=[-1, 1, 60], omega_radius="1e-5")
-    assert found.outcome is Outcome.TOO_WIDE
-    assert found.times == (1,)
-    assert 1 < found.until < 60
+    enclosure = polhode.certify("general/asymmetric-chaotic", at=[-1, 1, 60], omega_radius="1e-5")
+    assert enclosure.outcome is Outcome.TOO_WIDE
+    assert enclosure.times == (1,)
+    assert 1 < enclosure.until < 60
 
 
 def test_a_narrow_box_costs_no_more_digits_than_it_leaves():
@@ -180,17 +180,17 @@ def test_a_narrow_box_costs_no_more_digits_than_it_leaves():
 def test_intervals_in_a_file_are_the_radii(tmp_path, capsys):
     path = tmp_path / "box.toml"
     path.write_text(FILE, encoding="utf-8")
-    found = polhode.certify(path, [1])
+    enclosure = polhode.certify(path, [1])
     radii = Fraction(2, 10**9), Fraction(1, 10**8), 0
-    assert found.omega_radius == radii
+    assert enclosure.omega_radius == radii
     same = polhode.certify(scene_file.parse(TILTED), [1], omega_radius=radii)
-    assert found.centres == same.centres
-    assert found.radii == same.radii
-    assert "(1/500000000, 1/100000000, 0) at most" in found.statement[1]
+    assert enclosure.centres == same.centres
+    assert enclosure.radii == same.radii
+    assert "(1/500000000, 1/100000000, 0) at most" in enclosure.statement[1]
     assert main(["certify", str(path), "--json", "--at", "1"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["omega_radius"] == ["0.000000002", "0.00000001", "0"]
-    assert "every motion through a state" in told["statement"][1]
+    document = json.loads(capsys.readouterr().out)
+    assert document["omega_radius"] == ["0.000000002", "0.00000001", "0"]
+    assert "every motion through a state" in document["statement"][1]
 
 
 @pytest.mark.parametrize("written", ["1/3 \u00b1 -1e-8", "1/3 \u00b1", "1/3 \u00b1 1 \u00b1 2"])
@@ -211,7 +211,7 @@ def test_what_takes_one_motion_refuses_intervals(tmp_path, refusal, verb):
 
 
 @pytest.mark.parametrize(
-    ("radius", "told"),
+    ("radius", "line"),
     [
         *((x, "omega_radius") for x in (-1, (1, 2), ("1e-9", "1e-9", "x"), [1e-9] * 4)),
         # too wide for any time, and huge
@@ -219,17 +219,17 @@ def test_what_takes_one_motion_refuses_intervals(tmp_path, refusal, verb):
         ("1e300", "narrower intervals, to be followed to t = 3"),
     ],
 )
-def test_radii_that_are_none_or_too_wide_are_refused(radius, told):
-    with pytest.raises(BadInput, match=told):
+def test_radii_that_are_none_or_too_wide_are_refused(radius, line):
+    with pytest.raises(BadInput, match=line):
         polhode.certify(SCENES["tilted"], [3], omega_radius=radius)
 
 
 def test_a_radius_in_other_units_is_rounded_up(tmp_path):
     path = tmp_path / "box.toml"
     path.write_text(TILTED.replace('"1/3"', '"20 deg/s +/- 1e-6 deg/s"'), encoding="utf-8")
-    found = polhode.certify(path, [1])
-    assert found.omega_radius == (0, Fraction(1746, 10**11), 0)
-    assert abs(float(found.scene.omega[1]) - math.radians(20)) < 1e-15
+    enclosure = polhode.certify(path, [1])
+    assert enclosure.omega_radius == (0, Fraction(1746, 10**11), 0)
+    assert abs(float(enclosure.scene.omega[1]) - math.radians(20)) < 1e-15
 
 
 def test_what_a_box_cannot_have_is_refused(tmp_path):
@@ -248,7 +248,7 @@ def test_what_a_box_cannot_have_is_refused(tmp_path):
 
 def test_a_box_around_rest_has_no_size_to_compare_with():
     still = polhode.top(moments=[1, 2, 3], omega=[0, 0, 0], weight=0)
-    found = polhode.certify(still, [1], omega_radius="1e-9")
-    assert found.digits == (0.0,)
+    enclosure = polhode.certify(still, [1], omega_radius="1e-9")
+    assert enclosure.digits == (0.0,)
     with without(certify, "_at_rest", "motion.radii or ", ""):
         assert polhode.certify(still, [1], omega_radius="1e-9").digits[0] > 8

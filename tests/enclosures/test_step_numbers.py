@@ -26,22 +26,22 @@ def _windows(rng: random.Random, kinds: Any, levels: Any, steps: int = 12) -> An
             state = zonotope.beginning(problem)
             for _ in range(2):  # a second window starts from rounded states
                 end = state.time + (20 << CLOCK)
-                known = task._window(problem, state, end, steps, 0.3, task.HONEST)
-                assert known is not None
-                yield motion, state, known
-                state, _, _ = zonotope.advance(state, known, [])
+                bounds = task._window(problem, state, end, steps, 0.3, task.HONEST)
+                assert bounds is not None
+                yield motion, state, bounds
+                state, _, _ = zonotope.advance(state, bounds, [])
 
 
 def _worst(windows: Any, rng: random.Random, each: int) -> dict[str, float]:
     """The largest of exact/claimed over some steps, by name."""
     worst: dict[str, float] = {}
-    for motion, state, known in windows:
-        jumps = zonotope._jumps(state, known)
-        for n in range(known.pieces.count):
-            for true, claimed in zip(checker.jump(known, n, state.centre), jumps[n], strict=True):
+    for motion, state, bounds in windows:
+        jumps = zonotope._jumps(state, bounds)
+        for n in range(bounds.pieces.count):
+            for true, claimed in zip(checker.jump(bounds, n, state.centre), jumps[n], strict=True):
                 worst["jump"] = max(worst.get("jump", 0.0), abs(true) / Fraction(float(claimed)))
-        for n in rng.sample(range(known.pieces.count), min(each, known.pieces.count)):
-            for name, (true, claimed) in checker.checked(known, n, motion.constants).items():
+        for n in rng.sample(range(bounds.pieces.count), min(each, bounds.pieces.count)):
+            for name, (true, claimed) in checker.checked(bounds, n, motion.constants).items():
                 ratio = float((true / float(claimed)).upper())
                 worst[name] = max(worst.get(name, 0.0), ratio)
     return worst
@@ -79,18 +79,18 @@ def test_the_checker_sees_a_dropped_factor(name: str, change: tuple[str, str, st
     problem = fixed_point_problem.problem(motion, 60, 44)
     state = zonotope.beginning(problem)
 
-    def known() -> Any:
+    def largest_ratio() -> Any:
         return task._window(problem, state, 3 << CLOCK, 4, 0.3, task.HONEST)
 
-    assert max(_ratios(motion, known(), name)) <= 1.0
+    assert max(_ratios(motion, largest_ratio(), name)) <= 1.0
     with without(step_bound, *change):
-        wrong = known()
+        wrong = largest_ratio()
     assert max(_ratios(motion, wrong, name)) > 1.0
 
 
-def _ratios(motion: Any, known: Any, name: str) -> list[float]:
-    found = []
-    for n in range(known.pieces.count):
-        true, claimed = checker.checked(known, n, motion.constants)[name]
-        found.append(float((true / float(claimed)).upper()))
-    return found
+def _ratios(motion: Any, bounds: Any, name: str) -> list[float]:
+    ratios = []
+    for n in range(bounds.pieces.count):
+        true, claimed = checker.checked(bounds, n, motion.constants)[name]
+        ratios.append(float((true / float(claimed)).upper()))
+    return ratios

@@ -61,10 +61,10 @@ DROPPED: list[tuple[str, Callable[[], list[float]], tuple[Any, str, str, str]]] 
 @pytest.mark.sample(4)
 @pytest.mark.parametrize("motion", sorted({row[1].__name__ for row in DROPPED}))
 def test_one_term_alone_is_enough_and_not_slack(motion: str) -> None:
-    found = getattr(terms, motion)()
-    assert max(found) <= 1.0
-    assert max(found) >= 1e-3
-    assert statistics.median(found) >= (0.3 if motion == "start_box" else 0.0)
+    ratio = getattr(terms, motion)()
+    assert max(ratio) <= 1.0
+    assert max(ratio) >= 1e-3
+    assert statistics.median(ratio) >= (0.3 if motion == "start_box" else 0.0)
 
 
 @pytest.mark.slow
@@ -73,7 +73,7 @@ def test_a_dropped_term_is_noticed(term: str) -> None:
     _, motion, change = next(row for row in DROPPED if row[0] == term)
     with without(*change):
         try:
-            found = motion()
+            ratio = motion()
         except integral_contraction.Contradiction:
             return
-    assert max(found) > 1.0
+    assert max(ratio) > 1.0

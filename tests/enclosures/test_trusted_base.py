@@ -23,11 +23,11 @@ def graph() -> grimp.ImportGraph:
 def imported(name: str) -> set[str]:
     """The files that a file imports, by their places in the package, as it is named itself."""
     module = f"polhode.{name.replace('/', '.')}".removesuffix(".__init__")
-    found = {
+    names = {
         x.removeprefix("polhode.").replace(".", "/")
         for x in graph().find_modules_directly_imported_by(module)
     }
-    return {f"{x}/__init__" if (TOP / x).is_dir() else x for x in found}
+    return {f"{x}/__init__" if (TOP / x).is_dir() else x for x in names}
 
 
 def is_beside(name: str) -> bool:
@@ -40,9 +40,9 @@ def test_a_trusted_file_imports_what_is_trusted_or_said_to_be_beside(name):
 
 
 def test_what_is_beside_is_imported_by_a_trusted_file_and_is_not_trusted():
-    found = {x for name in TRUSTED for x in imported(name)}
+    names = {x for name in TRUSTED for x in imported(name)}
     for part, why in BESIDE.items():
-        assert any(x == part or x.startswith(f"{part}/") for x in found), part
+        assert any(x == part or x.startswith(f"{part}/") for x in names), part
         assert why
     assert [name for name in TRUSTED if is_beside(name)] == []
 
@@ -64,6 +64,6 @@ def test_what_approximates_makes_no_value_that_a_proof_believes():
 
 
 def test_the_statement_tells_how_many_lines_that_is():
-    told = polhode.certify("euler/sphere", at=[1]).statement[4]
-    assert f"{trusted_lines()} lines of polhode in {len(TRUSTED)} files" in told
+    sentence = polhode.certify("euler/sphere", at=[1]).statement[4]
+    assert f"{trusted_lines()} lines of polhode in {len(TRUSTED)} files" in sentence
     assert 8000 < trusted_lines() < 11_000

@@ -146,10 +146,10 @@ def test_the_twist_is_one_over_the_unit_of_an_action():
 @pytest.mark.slow
 def test_axes_that_are_not_principal_ones():
     """One orbit from two starts, in two frames: one twist."""
-    turned, plain = (polhode.prove_stability(f"grioli/{x}") for x in ("turned-axes", "precession"))
-    off = abs(turned.twist.centre - plain.twist.centre)
-    assert off <= Fraction(turned.twist.radius) + Fraction(plain.twist.radius)
-    assert '"inertia"' in turned.certificate
+    oblique, plain = (polhode.prove_stability(f"grioli/{x}") for x in ("turned-axes", "precession"))
+    off = abs(oblique.twist.centre - plain.twist.centre)
+    assert off <= Fraction(oblique.twist.radius) + Fraction(plain.twist.radius)
+    assert '"inertia"' in oblique.certificate
 
 
 @pytest.mark.slow

@@ -29,17 +29,17 @@ def run():
 
 def test_an_output_between_those_with_an_estimate_takes_the_larger_of_its_neighbours():
     stretches, sides = run()
-    found = estimate(stretches, sides, ROUNDING)
+    estimates = estimate(stretches, sides, ROUNDING)
     alone = [estimate(stretches, [side], ROUNDING) for side in sides]
-    own = np.array([one.errors[0] for one in alone])
-    kappas = np.array([one.kappa[0] for one in alone])
-    chosen = [k for k in range(OUTPUTS) if np.allclose(found.errors[k], own[k], rtol=1e-12)]
+    own = np.array([stretch.errors[0] for stretch in alone])
+    kappas = np.array([stretch.kappa[0] for stretch in alone])
+    chosen = [k for k in range(OUTPUTS) if np.allclose(estimates.errors[k], own[k], rtol=1e-12)]
     assert len(chosen) == 32
     assert (chosen[0], chosen[-1]) == (0, OUTPUTS - 1)
     for k in range(OUTPUTS):
         both = [max(c for c in chosen if c <= k), min(c for c in chosen if c >= k)]
-        assert found.errors[k] == pytest.approx(own[both].max(axis=0), rel=1e-12)
-        assert found.kappa[k] == pytest.approx(kappas[both].max(), rel=1e-12)
+        assert estimates.errors[k] == pytest.approx(own[both].max(axis=0), rel=1e-12)
+        assert estimates.kappa[k] == pytest.approx(kappas[both].max(), rel=1e-12)
 
 
 def test_what_each_interval_adds_is_carried_to_the_output_by_the_transitions_after_it():
@@ -53,9 +53,9 @@ def test_what_each_interval_adds_is_carried_to_the_output_by_the_transitions_aft
             reach = reached(carried, stretch.scale)
             sums, squares = sums + reach * stretch.errors[k], squares + reach**2
             carried = carried @ stretch.transitions[k]
-        found = estimate(stretches, [side], ROUNDING)
-        assert found.errors[0] == pytest.approx(sums + ROUNDING * np.sqrt(squares), rel=1e-12)
-        assert found.kappa[0] == pytest.approx(np.abs(carried).sum(axis=1).max(), rel=1e-12)
+        estimates = estimate(stretches, [side], ROUNDING)
+        assert estimates.errors[0] == pytest.approx(sums + ROUNDING * np.sqrt(squares), rel=1e-12)
+        assert estimates.kappa[0] == pytest.approx(np.abs(carried).sum(axis=1).max(), rel=1e-12)
 
 
 def reached(carried, scale):
@@ -67,7 +67,7 @@ def reached(carried, scale):
 def test_collocation_neglects_what_grows_as_the_square_of_the_last_coefficients():
     left, tails = np.array([1e-30, 2e-30]), np.array([1e-10, 3e-12])
     assert errors_made(left, 0 * tails).tolist() == left.tolist()
-    one, two = errors_made(0 * left, tails), errors_made(0 * left, 2 * tails)
-    assert (one > 0).all()
-    assert two == pytest.approx(4 * one, rel=1e-15)
-    assert (errors_made(left, tails) == left + one).all()
+    single, two = errors_made(0 * left, tails), errors_made(0 * left, 2 * tails)
+    assert (single > 0).all()
+    assert two == pytest.approx(4 * single, rel=1e-15)
+    assert (errors_made(left, tails) == left + single).all()

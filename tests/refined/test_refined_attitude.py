@@ -27,8 +27,8 @@ def apart(rows, others):
     """The largest difference of two tables."""
     return max(
         abs(float(exactly(a) - exactly(b)))
-        for row, other in zip(rows, others, strict=True)
-        for a, b in zip(row, other, strict=True)
+        for row, second in zip(rows, others, strict=True)
+        for a, b in zip(row, second, strict=True)
     )
 
 

@@ -23,28 +23,28 @@ from shared import exact_field
 from shared.motions import ASYMMETRIC, asymmetric
 
 
-def run(scene, *times, wanted=QUAD, **options):
+def run(scene, *times, target=QUAD, **options):
     """A refinement at times in the scene's units."""
     unit = Fraction(2) ** scene.time_unit
-    return refine(scene, [Fraction(t) / unit for t in times], wanted, **options)
+    return refine(scene, [Fraction(t) / unit for t in times], target, **options)
 
 
-def distance(found, other, i=-1):
+def distance(first, second, i=-1):
     """Largest differences of w and of gamma."""
-    pairs = list(zip(found.exactly(i), other.exactly(i), strict=True))
+    pairs = list(zip(first.exactly(i), second.exactly(i), strict=True))
     return [max(abs(float(a - b)) for a, b in pairs[k : k + 3]) for k in (0, 3)]
 
 
-def error(found, scene, t, i=-1, digits=45):
+def error(motion, scene, t, i=-1, digits=45):
     """Largest errors of w and gamma, w in the scene's own unit, by the closed form."""
     exact = [exactly(x) for x in polhode.reference(scene).at([t], digits)[0]]
     exact[:3] = [x * Fraction(2) ** scene.time_unit for x in exact[:3]]
-    pairs = list(zip(found.exactly(i), exact, strict=False))
+    pairs = list(zip(motion.exactly(i), exact, strict=False))
     return [max([abs(float(a - b)) for a, b in pairs[k : k + 3]] or [0.0]) for k in (0, 3)]
 
 
-def within(errors, found, i=-1):
-    return bool((np.array(errors) <= found.estimate.errors[i]).all())
+def within(errors, motion, i=-1):
+    return bool((np.array(errors) <= motion.estimate.errors[i]).all())
 
 
 CLOSED = [  # case, end, least and most correct digits of w and gamma
@@ -65,13 +65,13 @@ CLOSED = [  # case, end, least and most correct digits of w and gamma
 def test_closed_forms_and_the_estimate(name, end, least, most):
     scene = library.load(name)
     times = [Fraction(end, 7), Fraction(end)]
-    found = run(scene, *times)
+    motion = run(scene, *times)
     for i, t in enumerate(times):
-        errors = error(found, scene, t, i)
-        assert within(errors, found, i)
+        errors = error(motion, scene, t, i)
+        assert within(errors, motion, i)
     digits = -np.log10(max(errors))
     assert least <= digits <= most
-    assert max(found.estimate.errors[-1]) < 1e6 * max(errors)  # an estimate that says something
+    assert max(motion.estimate.errors[-1]) < 1e6 * max(errors)  # an estimate that says something
 
 
 def random_tops():
@@ -120,9 +120,9 @@ def test_the_ends_are_good_to_the_square_of_the_stages():
     """Two more nodes take away what two more Legendre coefficients are, squared: 5² to the 4th
     power at best; measured 60 to 80 a node."""
     scene, end = asymmetric(), 100
-    true = run(scene, end, wanted=accuracy(40))
+    true = run(scene, end, target=accuracy(40))
     errors = [
-        max(distance(run(scene, end, wanted=FewNodes(1e-34, QUAD.limbs, 8, n), m=4), true))
+        max(distance(run(scene, end, target=FewNodes(1e-34, QUAD.limbs, 8, n), m=4), true))
         for n in (15, 17, 19, 21)
     ]
     assert 1e-23 < errors[0] < 1e-20
@@ -141,13 +141,13 @@ def test_what_few_nodes_neglect_is_within_the_estimate_and_not_far_below():
         library.load("euler/dzhanibekov"),
     ):
         ends = [Fraction(k, 4) for k in range(1, 9)]
-        true = run(scene, *ends, wanted=accuracy(40))
+        true = run(scene, *ends, target=accuracy(40))
         for count in (9, 11, 13):
-            found = run(scene, *ends, wanted=FewNodes(1e-34, QUAD.limbs, 8, count))
+            motion = run(scene, *ends, target=FewNodes(1e-34, QUAD.limbs, 8, count))
             for i in range(len(ends)):
-                off = distance(found, true, i)
-                assert within(off, found, i)
-                worst.append(max(found.estimate.errors[i]) / max(off))
+                off = distance(motion, true, i)
+                assert within(off, motion, i)
+                worst.append(max(motion.estimate.errors[i]) / max(off))
     assert 2 < min(worst) < 20
 
 
@@ -159,12 +159,12 @@ def astray(size):
 
 def test_guesses_that_are_off_change_less_than_the_estimate_or_are_refused(monkeypatch):
     scene = asymmetric()
-    found = run(scene, 30)
+    honest = run(scene, 30)
     monkeypatch.setattr(double_run.Base, "states", astray(1e-12))
-    other = run(scene, 30)
-    assert other.states != found.states
-    assert within(distance(found, other), found)
-    assert within(distance(found, other), other)
+    bent = run(scene, 30)
+    assert bent.states != honest.states
+    assert within(distance(honest, bent), honest)
+    assert within(distance(honest, bent), bent)
     monkeypatch.undo()
     monkeypatch.setattr(double_run.Base, "states", astray(1e-5))
     with pytest.raises(CannotRefine, match="drifts within one interval"):
@@ -178,10 +178,10 @@ def test_outputs_do_not_change_the_motion_and_agree_with_a_run_that_ends_there()
         ([Fraction(k, 7) for k in range(1, 71)], (1, 45)),
         ([*(1 + Fraction(k, 10**6) for k in range(700)), 10], (651,)),
     ):
-        many, one = run(scene, 0, *ends), run(scene, 10)
+        many, last = run(scene, 0, *ends), run(scene, 10)
         assert len(many.states) == len(ends) + 1
         assert (
-            max(distance(many, one)) < 2e-36
+            max(distance(many, last)) < 2e-36
         )  # the sums in double, not the levels, know of others
         start = [*(x * Fraction(2) ** scene.time_unit for x in scene.omega), *scene.gamma]
         assert off(many.exactly(0), start) < 1e-37
@@ -189,14 +189,14 @@ def test_outputs_do_not_change_the_motion_and_agree_with_a_run_that_ends_there()
             assert off(many.exactly(i), run(scene, ends[i - 1]).exactly(0)) < 1e-35
 
 
-def off(state, other):
-    return max(abs(float(a - b)) for a, b in zip(state, other, strict=True))
+def off(state, second):
+    return max(abs(float(a - b)) for a, b in zip(state, second, strict=True))
 
 
 def test_backward_is_forward_with_the_rates_turned_about():
     scene = asymmetric()
-    turned = replace(scene, omega=tuple(-w for w in scene.omega))
-    back, forward = run(scene, -5, -20), run(turned, 5, 20)
+    reversed_scene = replace(scene, omega=tuple(-w for w in scene.omega))
+    back, forward = run(scene, -5, -20), run(reversed_scene, 5, 20)
     for a, b in zip(back.states, forward.states, strict=True):
         assert a == [-x for x in b[:3]] + b[3:]
 
@@ -212,16 +212,16 @@ def test_a_body_that_hangs_at_rest_or_has_nothing_to_move_it():
     hanging = Scene(Body.of_moments([2, "1.5", 1], [0, 0, 1], 1), (0, 0, 0), (0, 0, -1))
     still = Scene(Body.of_moments([2, "1.5", 1]), (0, 0, 0), (0, 0, 1))
     for scene in (hanging, still):
-        found = run(scene, 100)
-        assert off(found.exactly(0), [*scene.omega, *scene.gamma]) < 1e-35
-        assert np.isfinite(found.estimate.errors).all()
+        motion = run(scene, 100)
+        assert off(motion.exactly(0), [*scene.omega, *scene.gamma]) < 1e-35
+        assert np.isfinite(motion.estimate.errors).all()
 
 
 def test_no_estimate_where_the_motion_multiplies_errors_too_much():
-    found = run(library.load("hard/chaotic-long"), 30, 330)
-    assert np.isfinite(found.estimate.errors[0]).all()
-    assert found.estimate.kappa[1] > 1e14
-    assert np.isinf(found.estimate.errors[1]).all()
+    motion = run(library.load("hard/chaotic-long"), 30, 330)
+    assert np.isfinite(motion.estimate.errors[0]).all()
+    assert motion.estimate.kappa[1] > 1e14
+    assert np.isinf(motion.estimate.errors[1]).all()
 
 
 @pytest.mark.parametrize(
@@ -234,18 +234,18 @@ def test_no_estimate_where_the_motion_multiplies_errors_too_much():
 )
 def test_more_digits_by_the_closed_form(name, digits, end):
     scene = library.load(name)
-    found = run(scene, end, wanted=accuracy(digits))
-    errors = error(found, scene, Fraction(end), digits=digits + 12)
-    assert within(errors, found)
+    motion = run(scene, end, target=accuracy(digits))
+    errors = error(motion, scene, Fraction(end), digits=digits + 12)
+    assert within(errors, motion)
     assert 10.0 ** -(digits + 10) < max(errors) < 10.0**-digits
-    assert max(found.estimate.errors[0]) < 10.0 ** (3 - digits)
+    assert max(motion.estimate.errors[0]) < 10.0 ** (3 - digits)
 
 
 def test_a_compiler_that_reassociates_is_found_out(monkeypatch):
     import heyoka
 
-    def careless(out, given, **options):
-        return compiled(out, given, fast_math=True, **options)
+    def careless(out, values, **options):
+        return compiled(out, values, fast_math=True, **options)
 
     compiled = heyoka.cfunc
     monkeypatch.setattr("polhode.refined.compiled_field.hy.cfunc", careless)
@@ -255,12 +255,12 @@ def test_a_compiler_that_reassociates_is_found_out(monkeypatch):
 
 @pytest.mark.parametrize("digits", [34, 50, 90])
 def test_products_by_levels_are_those_of_integers(digits):
-    wanted = accuracy(digits)
+    target = accuracy(digits)
     for steps in (5, 6):
-        table = tables(wanted.limbs, wanted.nodes(steps))
-        assert exact_field.products_are_exact(table, wanted.limbs)
+        table = tables(target.limbs, target.nodes(steps))
+        assert exact_field.products_are_exact(table, target.limbs)
     spoilt = replace(table, levels=tuple(level * (1 + 2.0**-52) for level in table.levels))
-    assert not exact_field.products_are_exact(spoilt, wanted.limbs)
+    assert not exact_field.products_are_exact(spoilt, target.limbs)
 
 
 @pytest.mark.parametrize("digits", [34, 50, 90])
@@ -273,8 +273,8 @@ def test_the_compiled_field_is_that_of_integers(digits):
 def test_a_fault_in_any_limb_of_the_field_is_found_out(output):
     good = kernels(QUAD.limbs)
 
-    def off(given, pars, outputs):
-        good.field(given, pars=pars, outputs=outputs)
+    def off(arguments, pars, outputs):
+        good.field(arguments, pars=pars, outputs=outputs)
         outputs[output] *= 1 + (2.0**-20 if output % 4 == 3 else 2.0**-52)
 
     limbs = QUAD.limbs
@@ -307,10 +307,10 @@ def test_a_block_of_one_interval_is_one(monkeypatch):
         return solve(*arguments)
 
     monkeypatch.setattr(refinement, "solve", astray)
-    found = run(scene, 9)
+    motion = run(scene, 9)
     assert not good
-    assert found.estimate.errors[-1].max() < 1e-32
-    assert max(distance(found, whole)) < 1e-32
+    assert motion.estimate.errors[-1].max() < 1e-32
+    assert max(distance(motion, whole)) < 1e-32
     good.append(0)
     with pytest.raises(CannotRefine, match="within one interval"):
         run(scene, 9)

@@ -173,7 +173,7 @@ def along(on: Surface, at: Saddle, orbit: Homoclinic, size: float) -> Guess:
     for k in range(1, count):
         out.append(_flat(on, states[k], slopes[k - 1] @ out[-1]))
     for k in range(count - 1, 0, -1):
-        into.append(_flat(on, states[k], np.linalg.solve(slopes[k], into[-1])))
+        into.append(_flat(on, states[k], double_array(np.linalg.solve(slopes[k], into[-1]))))
     charts = [chart_at(on, at.point, at.unstable, at.stable)]
     for k in range(1, count):
         charts.append(chart_at(on, states[k], out[k], into[-k]))
