@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+from flint import arb
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
 from polhode.enclosures import approximation, attitude
-from polhode.enclosures.derived import derived_balls
 from polhode.enclosures.fixed_point_problem import (
     CLOCK,
     MOST_NOISE,
@@ -23,17 +24,18 @@ from polhode.enclosures.fixed_point_problem import (
     in_scene_axes,
     upper,
 )
+from polhode.enclosures.polynomial import ball
 from polhode.enclosures.result import Enclosure, Part, digits_of
 from polhode.enclosures.statement import assumed
 from polhode.enclosures.task import MAX_STEPS, Side, Task, task
-from polhode.equations.columns import derived_words
+from polhode.equations.columns import FORMULAS, derived_words
 from polhode.equations.terms import LINEAR, ROWS
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.number_types import AnyNumber, AnyVector
+from polhode.numbers.number_types import AnyNumber, AnyVector, Functions
 from polhode.numbers.polynomials import middle
 from polhode.scenes import start_box
 from polhode.scenes.given_numbers import TIME, reader
@@ -214,6 +216,27 @@ def _enclosure(job: Task, noise: int) -> Enclosure:
         job.box.radii,
         until,
     )
+
+
+def derived_balls(
+    word: str, scene: Scene, balls_by_word: Mapping[str, Sequence[Sequence[Any]]], bits: int
+) -> list[list[Any]]:
+    """Rows of balls that contain the column, by a run's formula: of rows of balls by name.
+
+    A row is None throughout where a number that it needs is, or where no ball is finite.
+    """
+    width = len(COLUMNS[word].names)
+    rows = []
+    with ctx.workprec(bits):
+        formula, coefficients = FORMULAS[word].of(scene)
+        k = {name: ball(x, bits) for name, x in coefficients.items()}
+        fn = Functions(arb(0), arb.sin, arb.cos, arb.sqrt)
+        for parts in zip(*(balls_by_word[need] for need in COLUMNS[word].needs), strict=True):
+            row = [x for part in parts for x in part]
+            balls = [] if any(x is None for x in row) else [arb(x) for x in formula(row, k, fn)]
+            finite = balls if all(x.is_finite() for x in balls) else []
+            rows.append([*finite, *[None] * (width - len(finite))])
+    return rows
 
 
 def balls(rows: Sequence[Sequence[Any]], bits: int) -> tuple[Any, Any]:

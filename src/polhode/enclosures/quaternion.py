@@ -49,7 +49,7 @@ PRODUCT = (
     ((1, 0, 2), (1, 1, 1), (-1, 2, 0)),
 )
 
-#: e' = A e - d from A, d and e(0), as ``newton_correction.forced``; may be wrong in any way.
+#: e' = A e - d from A, d and e(0), as ``approximation.forced``; may be wrong in any way.
 Solution = Callable[[Doubles, Doubles, Doubles], Doubles]
 
 

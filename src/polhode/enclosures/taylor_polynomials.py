@@ -29,8 +29,8 @@ from polhode.equations.terms import ROWS, Term, product
 # Trusted.  Sums and products of polynomials are those of their values at 2**B; if the result's
 # coefficients are below 2**(B - 1) in size, its value tells them: 2**(B - 1) added to each makes
 # them the digits to the base 2**B, in [0, 2**B), of one number.  B is a multiple of 64, the words
-# of a digit: sums and products then cost what those of single integers do, half of FLINT's
-# polynomials, and the coefficients come back as doubles in a seventh of the time.
+# of a digit: sums and products then cost what those of single integers do.  A whole proof of 15 to
+# 120 digits takes 1.1 to 1.9 times as long with FLINT's polynomials instead.
 
 
 UNPACKED = 4  # roundings of a coefficient in ``Packing.doubles``
