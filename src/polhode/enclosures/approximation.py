@@ -238,7 +238,7 @@ class Forecast(NamedTuple):
 def forecast(motion: Motion, last: Exact, digits: float) -> Forecast:
     """What the digits need at the time ``last``."""
     scene, count = motion.scene, max(1.0, steps(motion, last))
-    errors = growth(scene.at((last,)), in_all=True)
+    errors = growth(scene, in_all=True, end=last)
     fastest = math.ldexp(errors.fastest, motion.unit - errors.unit)
     slow = max(0.0, -math.log2(fastest)) if fastest > 0.0 else 0.0  # digits of w are relative
     bits = digits * BITS_A_DIGIT + slow

@@ -321,8 +321,9 @@ def growth(
     trusted: float = TRUSTED,
     every: int = 0,
     in_all: bool = False,
+    end: Exact | None = None,
 ) -> Growth:
-    """The digits lost from 0 to the scene's end, followed until ``limit`` of them are.
+    """The digits lost from 0 to the scene's end or another, followed until ``limit`` of them are.
 
     ``max_steps``: of the tangent; beyond them its law is continued: exponential where it was so in
     the second half of the time, else in proportion to time.  ``led``: whether an integration of
@@ -334,9 +335,10 @@ def growth(
     """
     frame = Frame.of(scene)
     inside, principal = frame.inside(scene), scene.form == "principal" and not in_all
-    end = max(-_LATEST, min(_LATEST, to_double(frame.time(scene.end))))
-    if end == 0 or (principal and at_rest(inside).state):  # nothing is rounded on the way
-        return Growth((0.0,), (0.0,), end, 0, frame.exponent)
+    last = to_double(frame.time(scene.end if end is None else end))
+    last = max(-_LATEST, min(_LATEST, last))
+    if last == 0 or (principal and at_rest(inside).state):  # nothing is rounded on the way
+        return Growth((0.0,), (0.0,), last, 0, frame.exponent)
     plain = principal_system(inside)
     start = six(plain.start)
     tangent = np.array(_DIRECTION)
@@ -347,7 +349,7 @@ def growth(
     flow = Variations(plain.coefficients, start, tangent[:, None])
     leader = Leader(plain) if led else None
     looks = [_look(flow)]
-    for t in _moments(end, led):
+    for t in _moments(last, led):
         arrived = flow.to(t, max_steps - flow.steps)
         if not flow.finite:
             break
@@ -361,7 +363,7 @@ def growth(
         if leader is not None and passed > LED_FROM * math.log(10):
             flow.state = leader.at(t, passed / math.log(10))
     flow.release()
-    return _continued(looks, _grown(looks, inside), end, frame.exponent, every)
+    return _continued(looks, _grown(looks, inside), last, frame.exponent, every)
 
 
 class _Look(NamedTuple):
