@@ -32,7 +32,7 @@ def several(point, times, off=Fraction(0), radius=Fraction(1, 10**22)):
         start = [x + off * radius * Fraction(y) for x, y in zip(start, rows, strict=True)]
     problem = Problem(orbit.scene.body, orbit.h, orbit.f, start, times * orbit.period.centre)
     guesses = orbit_certificate.guesses(problem, Choice(radius, 140, 0.2))
-    return orbit_certificate.proved(guesses).repeated
+    return orbit_certificate.zero_of(guesses).repeated
 
 
 TWICE = "the period may be 2 times the least one"
@@ -58,7 +58,7 @@ def test_primes_up_to_the_steepness_times_the_period_are_tried():
 def refusal(change=lambda x: x):
     """What is said of the example's chain, changed; empty where it is proved."""
     try:
-        chaos_certificate.proved(chaos_certificate.guesses(change(chains.example().chain)))
+        chaos_certificate.horseshoe_of(chaos_certificate.guesses(change(chains.example().chain)))
     except verify.NotProved as why:
         return str(why)
     return ""
@@ -105,7 +105,7 @@ def claimed(**changes):
     example = chains.example()
     statement = {"entropy": "0.028", "short": "4.26577", "long": "77.71"} | changes
     try:
-        chaos_certificate.stated(example.guesses, statement, example.proof)
+        chaos_certificate.with_statement(example.guesses, statement, example.proof)
     except verify.NotProved as why:
         return str(why)
     return ""

@@ -218,7 +218,7 @@ def test_several_periods_are_not_the_least_one(orbits, kind, times):
     start = [x.centre for x in (*orbit.omega, *orbit.gamma)]
     period = times * orbit.period.centre
     problem = Problem(orbit.scene.body, orbit.h, orbit.f, start, period)
-    zero = orbit_certificate.proved(
+    zero = orbit_certificate.zero_of(
         orbit_certificate.guesses(problem, Choice(Fraction(1, 10**22), 140, 0.2))
     )
     assert zero.repeated == f"the period may be {times} times the least one"

@@ -49,11 +49,11 @@ def test_the_example_is_proved_with_the_entropy_of_its_times():
     assert times[0] <= float(proof.short)
     assert sum(times) <= float(proof.long) * (1 + 1e-14)
     claim = {"entropy": "0.02807", "short": "4.26577", "long": "77.71"}
-    certificate = chaos_certificate.stated(example.guesses, claim, proof)
+    certificate = chaos_certificate.with_statement(example.guesses, claim, proof)
     assert set(certificate) == set(json.loads(json.dumps(certificate)))
     for change, why in (({"entropy": "0.02809"}, "not shown"), ({"long": "77.6"}, "the long loop")):
         with pytest.raises(verify.NotProved, match=why):
-            chaos_certificate.stated(example.guesses, claim | change, proof)
+            chaos_certificate.with_statement(example.guesses, claim | change, proof)
 
 
 @pytest.mark.sample(0, first=1, slow=1)
@@ -150,7 +150,7 @@ def test_each_set_covers_the_next_within_the_depth_of_its_chart(monkeypatch):
         return proof.margins[0]
 
     monkeypatch.setattr(verify, "covers", covers)
-    chaos_certificate.proved(guesses)
+    chaos_certificate.horseshoe_of(guesses)
     with ctx.workprec(200):
         sets = [verify._rectangle(x, scale, len(depths), "") for x in guesses["sets"]]
         count = len(sets)
@@ -168,7 +168,7 @@ def balls_of(orbit):
 def test_the_periodic_orbit_of_the_first_set_is_the_one_that_was_proved():
     example = chains.example()
     start, period = balls_of(example.orbit)
-    chaos_certificate.passes(example.proof, start, period)
+    chaos_certificate.check_orbit(example.proof, start, period)
     elsewhere, _ = balls_of(proofs.proved(proofs.ELLIPTIC))
     width, height = example.chain.sets[0].width, example.chain.sets[0].height
     wide, tall = (example.chain.charts[0].wide[:, j].tolist() for j in (0, 1))
@@ -187,12 +187,12 @@ def test_the_periodic_orbit_of_the_first_set_is_the_one_that_was_proved():
     false.append((start, 2 * period, "a time of the short loop"))
     for at, time, why in false:
         with pytest.raises(verify.NotProved, match=why):
-            chaos_certificate.passes(example.proof, at, time)
+            chaos_certificate.check_orbit(example.proof, at, time)
 
 
 def attempt(**changes):
     """The example's chain, some of it another."""
-    return chaos_certificate.proved(chaos_certificate.guesses(chain_with(**changes)))
+    return chaos_certificate.horseshoe_of(chaos_certificate.guesses(chain_with(**changes)))
 
 
 def chain_with(**changes):

@@ -19,7 +19,7 @@ from polhode.judging.convergence_order import order_between
 from polhode.output.about import about
 from polhode.output.cases import cases
 from polhode.output.description import describe
-from polhode.proofs import prove_chaos
+from polhode.proofs import proved_chaos
 from polhode.proofs.proved_chaos import ProvedChaos
 from polhode.results.writer import ENDINGS
 from polhode.scenes.scene import even_times
@@ -173,7 +173,7 @@ def test_a_proof_of_minutes_is_told_although_it_is_saved(tmp_path, monkeypatch, 
         "size": 1e-3,
     }
     proved = ProvedChaos(h=orbit.h, f=orbit.f, **numbers, guess=None, images=())
-    monkeypatch.setattr(prove_chaos, "prove_chaos", lambda **_: proved)
+    monkeypatch.setattr(proved_chaos, "prove_chaos", lambda **_: proved)
     monkeypatch.chdir(tmp_path)
     for places in ([], ["-o", "x.json"], ["-o", "x.csv"]):
         assert main(["prove", "chaos", "grioli/precession", *places]) == 0

@@ -43,9 +43,9 @@ def guess() -> tuple[ProvedOrbit, Guess]:
     saddle = homoclinic.saddle(surface, np.array(start_of(orbit)), float(orbit.period))
     assert saddle is not None
     moved, size = homoclinic.towards(saddle, NEAR, 1e-6)
-    connection = homoclinic.corrected(surface, saddle, moved)
+    connection = homoclinic.connection_near(surface, saddle, moved)
     assert connection is not None
-    return orbit, chaos_certificate.along(surface, saddle, connection, size)
+    return orbit, chaos_certificate.guess_along(surface, saddle, connection, size)
 
 
 @cache
@@ -54,7 +54,7 @@ def example() -> Example:
     orbit, first_guess = guess()
     chain = first_guess.chain
     guesses = chaos_certificate.guesses(chain)
-    return Example(orbit, first_guess, chain, guesses, chaos_certificate.proved(guesses))
+    return Example(orbit, first_guess, chain, guesses, chaos_certificate.horseshoe_of(guesses))
 
 
 def start_of(orbit: ProvedOrbit) -> Sequence[float]:
@@ -124,7 +124,7 @@ def stepped(time: float) -> tuple[verify.Image, Rectangle, Chart, Chart, float]:
     """N0 one step further, its directions carried on: as of misses."""
     chain, surface = example().chain, guess()[1].surface
     chart, source = chain.charts[0], chain.sets[0]
-    place, slope = homoclinic.carried(surface, chart.centre, time)
+    place, slope = homoclinic.flow_with_derivative(surface, chart.centre, time)
     target = chaos_certificate.chart_at(surface, place, *(slope @ chart.wide).T)
     after = chain._replace(charts=[chart, target], sets=[source], times=[time])
     guesses: Any = chaos_certificate.guesses(after)
@@ -154,7 +154,7 @@ def first_image(guesses: dict[str, Any]) -> verify.Image:
 
     with pytest.MonkeyPatch.context() as patch, contextlib.suppress(Enough):
         patch.setattr(verify, "covers", covers)
-        chaos_certificate.proved(guesses)
+        chaos_certificate.horseshoe_of(guesses)
     return images[0]
 
 

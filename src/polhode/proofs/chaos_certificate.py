@@ -20,7 +20,7 @@ from polhode.motion.frame import Frame
 from polhode.numbers.exact import ONE, Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import DOUBLE, Doubles, double_array
-from polhode.proofs.homoclinic import Homoclinic, Saddle, carried
+from polhode.proofs.homoclinic import Homoclinic, Saddle, flow_with_derivative
 from polhode.scenes.body import Body
 
 # --- certificate ----------------------------------------------------------------------------------
@@ -85,17 +85,17 @@ def guesses(chain: Chain) -> Made:
     }
 
 
-def proved(certificate: Made) -> verify.Horseshoe:
+def horseshoe_of(certificate: Made) -> verify.Horseshoe:
     """What the checker proves of guesses; raises its NotProved."""
     return by_checker(verify.horseshoe, certificate)
 
 
-def passes(theorem: verify.Horseshoe, start: Sequence[arb], period: arb) -> None:
+def check_orbit(theorem: verify.Horseshoe, start: Sequence[arb], period: arb) -> None:
     """That a periodic motion is the one of the first set; raises the checker's NotProved."""
     by_checker(verify.is_orbit_of, theorem, start, period)
 
 
-def stated(certificate: Made, statement: Made, theorem: verify.Horseshoe) -> Made:
+def with_statement(certificate: Made, statement: Made, theorem: verify.Horseshoe) -> Made:
     """The certificate with its statement, which the checker compares with what it proved."""
     by_checker(verify.check_chaos, verify.read_chaos(statement), theorem)
     return {**certificate, "statement": statement}
@@ -158,7 +158,7 @@ class Guess(NamedTuple):
         return Chain(on.scene.body, on.h, on.f, charts, self.sets, [x * by for x in self.times])
 
 
-def along(on: Surface, at: Saddle, orbit: Homoclinic, size: float) -> Guess:
+def guess_along(on: Surface, at: Saddle, orbit: Homoclinic, size: float) -> Guess:
     """Charts and sets along a homoclinic orbit; ``size``: of N0."""
     count = max(2, round(orbit.time / at.period))
     time = orbit.time / count
@@ -168,7 +168,7 @@ def along(on: Surface, at: Saddle, orbit: Homoclinic, size: float) -> Guess:
         early = k * time <= orbit.ahead
         start, since = (first, k * time) if early else (last, k * time - orbit.time)
         states.append(double_array(on.plain_flow.after(start, since).state))
-        slopes.append(carried(on, states[-1], time)[1])
+        slopes.append(flow_with_derivative(on, states[-1], time)[1])
     out, into = [at.unstable], [at.stable]
     for k in range(1, count):
         out.append(_flat(on, states[k], slopes[k - 1] @ out[-1]))
@@ -177,7 +177,7 @@ def along(on: Surface, at: Saddle, orbit: Homoclinic, size: float) -> Guess:
     charts = [chart_at(on, at.point, at.unstable, at.stable)]
     for k in range(1, count):
         charts.append(chart_at(on, states[k], out[k], into[-k]))
-    home = carried(on, at.point, at.period)[1]
+    home = flow_with_derivative(on, at.point, at.period)[1]
     places = [0, *range(count)]
     maps = [
         _section_map(charts[place], charts[after], slope)

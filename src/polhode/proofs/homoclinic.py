@@ -74,7 +74,7 @@ class Homoclinic(NamedTuple):
         return self.ahead + self.behind
 
 
-def carried(on: Surface, start: Doubles, time: float) -> tuple[Doubles, Doubles]:
+def flow_with_derivative(on: Surface, start: Doubles, time: float) -> tuple[Doubles, Doubles]:
     """Where the flow leads in a time of any sign, and its derivative; raises NotFollowed."""
     reached = on.flow.after(start, time)
     assert reached.derivative is not None
@@ -83,7 +83,7 @@ def carried(on: Surface, start: Doubles, time: float) -> tuple[Doubles, Doubles]
 
 def saddle(on: Surface, point: Doubles, period: float) -> Saddle | None:
     """The directions at a hyperbolic orbit; None where double tells none."""
-    values, vectors = np.linalg.eig(carried(on, point, period)[1])
+    values, vectors = np.linalg.eig(flow_with_derivative(on, point, period)[1])
     order = np.argsort(np.abs(values))
     first, last = order[0], order[-1]
     if abs(values[last].imag) > 1e-6 or abs(values[last]) < 1.0 + 1e-3:
@@ -107,7 +107,7 @@ def search(on: Surface, at: Saddle) -> Iterator[Homoclinic]:
             guesses.append(guess)
     orbits: list[Homoclinic] = []
     for guess in guesses:
-        orbit = corrected(on, at, guess)
+        orbit = connection_near(on, at, guess)
         if orbit is not None and not any(_same(at, orbit, earlier, _SAME) for earlier in orbits):
             orbits.append(orbit)
             yield orbit
@@ -222,14 +222,14 @@ def _through(
         yield int(i[n]), int(j[n]), float(a[n]), float(b[n]), float(sine[n])
 
 
-def corrected(on: Surface, at: Saddle, near: Homoclinic) -> Homoclinic | None:
+def connection_near(on: Surface, at: Saddle, near: Homoclinic) -> Homoclinic | None:
     """Newton's method; None where it does not converge to a transversal one."""
     su, ss, tu = near.unstable, near.stable, near.ahead
     last, angle = math.inf, 0.0
     for _ in range(_NEWTON):
         try:
-            end, ahead = carried(on, at.point + at.unstable * su, tu)
-            met, behind = carried(on, at.point + at.stable * ss, -near.behind)
+            end, ahead = flow_with_derivative(on, at.point + at.unstable * su, tu)
+            met, behind = flow_with_derivative(on, at.point + at.stable * ss, -near.behind)
         except NotFollowed:
             return None
         miss = end - met

@@ -73,12 +73,12 @@ def guesses(problem: Problem, choice: Choice) -> Made:
     }
 
 
-def proved(certificate: Made) -> verify.Zero:
+def zero_of(certificate: Made) -> verify.Zero:
     """What the checker proves of guesses; raises its NotProved."""
     return by_checker(verify.zero_near, certificate)
 
 
-def stated(certificate: Made, statement: Made, zero: verify.Zero) -> Made:
+def with_statement(certificate: Made, statement: Made, zero: verify.Zero) -> Made:
     """The certificate with its statement, which the checker compares with what it proved."""
     with ctx.workprec(int(str(certificate["bits"])) + verify.COARSE):
         verify.check_orbit(verify.read_orbit(statement), zero)
@@ -167,7 +167,7 @@ def of_scene(on: Surface, near: Scene) -> Candidate:
     return Candidate(on, orbit, tuple(start), period)
 
 
-def certified(candidate: Candidate, digits: int, progress: Message | None = None) -> OrbitProof:
+def proof_of(candidate: Candidate, digits: int, progress: Message | None = None) -> OrbitProof:
     """The first certificate with so many digits that the checker proves; raises NotProved."""
     place = max(digits // 2 + _CENTRE, digits - _FEWER)
     bits = math.ceil(BITS_A_DIGIT * digits) + _SPARE
@@ -179,7 +179,7 @@ def certified(candidate: Candidate, digits: int, progress: Message | None = None
         problem, choice = _chosen(candidate, place, Choice(Fraction(1), bits, part))
         certificate = guesses(problem, choice)
         try:
-            zero = proved(certificate)
+            zero = zero_of(certificate)
         except verify.NotProved as refused:
             why = str(refused)
             if isinstance(candidate.closed, str) or _condition(candidate) > _SINGULAR:

@@ -30,7 +30,7 @@ from polhode.numbers.number_types import AnyNumber
 from polhode.proofs import chaos_certificate, homoclinic
 from polhode.proofs.chaos_certificate import Guess
 from polhode.proofs.orbit_certificate import Candidate, of_closed, of_scene
-from polhode.proofs.proved_orbit import ProvedOrbit, as_arb, down, proved, up
+from polhode.proofs.proved_orbit import ProvedOrbit, as_arb, down, theorem_of, up
 from polhode.proofs.theorem import NotProved, Theorem
 from polhode.results.table import Fact, Table
 from polhode.scenes import library
@@ -234,7 +234,7 @@ class _ChaosSearch:
         each = self.most if len(guesses) == 1 else _EACH
         for guess in guesses:
             try:
-                theorem = self._beside(proved(guess, _DIGITS), each)
+                theorem = self._beside(theorem_of(guess, _DIGITS), each)
             except NotProved as why:
                 self.causes.append(str(why).partition(": ")[2])
                 continue
@@ -270,11 +270,11 @@ class _ChaosSearch:
                 self.tried += 1
                 self._say(f"chain {self.tried} of sets along homoclinic orbit {self.seen}")
                 moved, rho = homoclinic.towards(at, approximate, size)
-                connection = homoclinic.corrected(on, at, moved)
+                connection = homoclinic.connection_near(on, at, moved)
                 if connection is None:
                     self.causes.append("the homoclinic orbit is lost near the periodic one")
                     continue
-                guess = chaos_certificate.along(on, at, connection, rho)
+                guess = chaos_certificate.guess_along(on, at, connection, rho)
                 try:
                     return self._proved(orbit, guess, rho)
                 except verify.NotProved as why:
@@ -284,15 +284,15 @@ class _ChaosSearch:
     def _proved(self, orbit: ProvedOrbit, guess: Guess, size: float) -> ProvedChaos:
         """The theorem by one chain of sets; raises the checker's NotProved."""
         certificate = chaos_certificate.guesses(guess.chain)
-        proof = chaos_certificate.proved(certificate)
+        proof = chaos_certificate.horseshoe_of(certificate)
         with ctx.workprec(orbit.bits + 64):
             start = [as_arb(x) for x in (*orbit.omega, *orbit.gamma)]
             period = as_arb(orbit.period)
-        chaos_certificate.passes(proof, start, period)
+        chaos_certificate.check_orbit(proof, start, period)
         short, long = upper(proof.short), upper(proof.long)
         entropy = _least_entropy(short, long)
         statement: Made = {"entropy": down(entropy), "short": up(short), "long": up(long)}
-        certificate = chaos_certificate.stated(certificate, statement, proof)
+        certificate = chaos_certificate.with_statement(certificate, statement, proof)
         return ProvedChaos(
             orbit.scene,
             orbit.h,

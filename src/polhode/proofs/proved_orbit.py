@@ -226,7 +226,7 @@ def of_proof(on: Surface, proof: OrbitProof, seconds: float) -> ProvedOrbit:
         "least": True,
         "alone": [down(x) for x in within],
     }
-    certificate = orbit_certificate.stated(proof.made, statement, zero)
+    certificate = orbit_certificate.with_statement(proof.made, statement, zero)
     return ProvedOrbit(
         on.scene,
         on.h,
@@ -345,7 +345,7 @@ def prove_orbit(
     else:
         near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit, takes=REQUESTS)
         candidate = orbit_certificate.of_scene(on, near)
-    return proved(candidate, digit_count, progress)
+    return theorem_of(candidate, digit_count, progress)
 
 
 def _alike(first: Surface, second: Surface) -> bool:
@@ -354,10 +354,10 @@ def _alike(first: Surface, second: Surface) -> bool:
     return levels[0] == levels[1]
 
 
-def proved(candidate: Candidate, digits: int, progress: Message | None = None) -> ProvedOrbit:
+def theorem_of(candidate: Candidate, digits: int, progress: Message | None = None) -> ProvedOrbit:
     """The theorem of a candidate; raises NotProved."""
     began = time.process_time()
-    proof = orbit_certificate.certified(candidate, digits, progress)
+    proof = orbit_certificate.proof_of(candidate, digits, progress)
     return of_proof(candidate.on, proof, time.process_time() - began)
 
 
@@ -481,7 +481,7 @@ def prove_orbits(
     proofs: list[ProvedOrbit | NotProved] = []
     for orbit in search.closed:
         try:
-            proofs.append(proved(orbit_certificate.of_closed(search.surface, orbit), digits))
+            proofs.append(theorem_of(orbit_certificate.of_closed(search.surface, orbit), digits))
         except NotProved as why:
             proofs.append(why)
     return ProvedOrbits(search, tuple(proofs))
