@@ -21,7 +21,7 @@ EVENTS = """
 name = "level"
 zero = "gamma3 - 9/10"
 """
-_PILOT = 257  # looks at the clock before the proof
+_LOOKS = 11  # at the clock, in which a proof comes past its first time and not to its second
 
 
 class _Clock:
@@ -60,12 +60,12 @@ def test_what_was_proven_until_a_limit_on_the_time_is_kept(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     whole = polhode.certify(SCENE, at=[1, 300], digits=15)
-    _stand(monkeypatch, _PILOT + 10)
+    _stand(monkeypatch, _LOOKS)
     enclosure = polhode.certify(SCENE, at=[1, 300], digits=15, max_seconds=3)
     assert enclosure.outcome is Outcome.TIME_LIMIT
     assert enclosure.times == (1,)
     assert enclosure.centres[0] == whole.centres[0]
-    _stand(monkeypatch, _PILOT + 10)
+    _stand(monkeypatch, _LOOKS)
     words = ("certify", SCENE, "--digits", "15", "--at", "1,300", "--json")
     assert cli.main((*words, "--max-seconds", "3")) == 3
     out, err = capsys.readouterr()
@@ -75,7 +75,7 @@ def test_what_was_proven_until_a_limit_on_the_time_is_kept(
 
 
 def test_a_proof_stopped_before_the_first_time_has_no_rows(monkeypatch: pytest.MonkeyPatch) -> None:
-    _stand(monkeypatch, 5)  # at the fifth look of the pilot run
+    _stand(monkeypatch, 2)  # in the first window
     enclosure = polhode.certify(SCENE, at=[300], digits=15, max_seconds=2)
     assert enclosure.times == enclosure.centres == enclosure.digits == ()
     assert repr(enclosure) == f"<Enclosure of {SCENE}: 0 times, time limit>"
