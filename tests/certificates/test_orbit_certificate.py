@@ -80,6 +80,7 @@ def test_what_is_proved_is_proved_by_the_file_alone(kind, orbits, tmp_path):
     verdict = polhode.verify(path)
     assert verdict.proved
     assert f"it is {kind} on its level" in verdict.text
+    assert "of this body a periodic orbit" in verdict.text
     assert "least period lies within" in verdict.text
     assert NEAR[kind][2][:20] in verdict.text
 
@@ -92,6 +93,7 @@ def test_a_certificate_of_all_bodies_within_a_tolerance_is_one_of_every_body_in_
     """As 0.3 wrote it, of those within 1e-9; the orbit of one at a corner lies in its balls."""
     verdict = polhode.verify(BODIES)
     assert verdict.proved
+    assert "of every body in the scene's balls a periodic orbit" in verdict.text
     certificate = json.loads(BODIES.read_text())
     balls = [*certificate["scene"]["moments"], *certificate["scene"]["centre"]]
     assert all(f"[{', '.join(map(json.dumps, ball))}]" in verdict.text for ball in balls)

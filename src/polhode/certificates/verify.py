@@ -1065,7 +1065,7 @@ def orbit(certificate: object, tell: Tell | None = None) -> list[str]:
     held = _held(certificate, ("radius_bits", "divided_to"))
     claim = read_orbit(held["statement"])
     check_orbit(claim, zero_near(held, tell))
-    return _told(claim, read_body(held["scene"], ("level",))[2])
+    return _told(claim, read_body(held["scene"], ("level",)))
 
 
 class Zero(NamedTuple):
@@ -1292,13 +1292,16 @@ def _primes(last: int) -> list[int]:
     return found[::-1]
 
 
-def _told(claim: Orbit, level: Sequence[Interval]) -> list[str]:
+def _told(claim: Orbit, scene: Scene) -> list[str]:
     what = "period" if not claim.least else "least period"
+    inertia, torque, level = scene
+    exact = not any(radius for _, radius in chain(*inertia, *torque))
+    body = "this body" if exact else "every body in the scene's balls"
     h, f, square = (in_full(x) if not r else f"{in_full(x)} +- {in_full(r)}" for x, r in level)
     omega, gamma, period = (decimal(x, up=False, minus=False) if x else "0" for x in claim.alone)
     widest = rounded_up(max(radius for _, radius in claim.start))
     return [
-        f"proved: on the level h = {h}, f = {f}, |gamma|^2 = {square} of this body a periodic "
+        f"proved: on the level h = {h}, f = {f}, |gamma|^2 = {square} of {body} a periodic "
         f"orbit passes within {widest}, in each component, of the start that is stated; its "
         f"{what} lies within {rounded_up(claim.period[1])} of {about(claim.period)}; it is "
         f"{claim.kind} on its level, with a residue within {rounded_up(claim.residue[1])} of "
@@ -1697,7 +1700,7 @@ def stability(certificate: object, tell: Tell | None = None) -> list[str]:
     check_twist(balls, twist_of(zero, guide, tell and (lambda x, n: tell(1 - rest + rest * x, n))))
     far = [rounded_up(radius) for _, radius in balls]
     return [
-        *_told(claim, read_body(held["scene"], ("level",))[2]),
+        *_told(claim, read_body(held["scene"], ("level",))),
         "it is stable for all time, forward and back: for each d > 0 a motion of omega and gamma "
         "of this body that starts near enough to the orbit, on its level or another, stays within "
         f"d of it; its rotation lies within {far[0]} of {about(balls[0])} of a turn, its twist "
