@@ -15,7 +15,7 @@ from typing import NamedTuple
 import polhode
 from kit import Say, write_whole
 from polhode.certificates import state_certificate
-from polhode.certificates.certificate_file import Made
+from polhode.certificates.certificate_file import JsonObject
 from polhode.common.interrupts import Progress
 from polhode.enclosures.statement import LENGTH
 from polhode.equations.kinematics import starting_attitude
@@ -102,7 +102,7 @@ class CertifiedValues:
     rows: tuple[tuple[str, ...], ...]
     places: tuple[int, int]
 
-    def certificate(self, progress: Progress | None = None) -> Made:
+    def certificate(self, progress: Progress | None = None) -> JsonObject:
         """The certificate that each value is right to its last place, as JSON's objects."""
         gamma = self.scene.gamma
         assert gamma is not None

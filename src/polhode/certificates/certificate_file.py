@@ -31,7 +31,7 @@ from polhode.scenes.body import Body
 #: The part of the time that guesses take; the check, which takes the rest, counts from 0 again.
 MAKING = 0.2
 #: JSON's objects.
-Made: TypeAlias = dict[str, object]
+JsonObject: TypeAlias = dict[str, object]
 Proved = TypeVar("Proved")
 
 _MORE = (0, 48, 112, 192)  # bits, where those given are too few
@@ -39,18 +39,18 @@ _MORE = (0, 48, 112, 192)  # bits, where those given are too few
 
 def checked(
     name: str,
-    certificate_of: Callable[[int, int], Made],
+    certificate_of: Callable[[int], JsonObject],
     bits: int,
     progress: Progress | None = None,
-) -> Made:
+) -> JsonObject:
     """The first of several tries that its checker proves, each with more bits; raises BadInput.
 
-    ``name``: of the scene; ``certificate_of``: a certificate with so many bits, and the number of
-    the try, which shows the progress up to :data:`MAKING`.
+    ``name``: of the scene; ``certificate_of``: a certificate with so many bits, whose making shows
+    the progress up to :data:`MAKING`.
     """
     fault = ""
-    for n, more in enumerate(_MORE):
-        certificate = certificate_of(bits + more, n)
+    for more in _MORE:
+        certificate = certificate_of(bits + more)
         try:
             checking = part_of(progress, MAKING, 1.0)
             by_checker(verify.KINDS[str(certificate["kind"])], certificate, checking)
@@ -114,7 +114,7 @@ _LONGEST = 1.0  # step, in the unit of time that the body suggests
 _FINE = 12  # bits of a step, in that unit
 
 
-def body_numbers(body: Body, bits: int) -> Made:
+def body_numbers(body: Body, bits: int) -> JsonObject:
     """A body's exact numbers as texts, irrational ones as balls."""
     rows = [[number(x, bits) for x in row] for row in body.inertia]
     oblique = any(body.inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j)
@@ -133,7 +133,7 @@ def number(x: Exact, bits: int) -> str | list[str]:
 
 
 def steps(
-    numbers: Made,
+    numbers: JsonObject,
     start: Sequence[arb],
     end: Fraction,
     bits: int,
@@ -141,7 +141,7 @@ def steps(
     part: float = _STEP,
     progress: Progress | None = None,
     growth: float = 0.0,
-) -> Made:
+) -> JsonObject:
     """A grid of steps beyond ``end``, and numbers near the motion at its times.
 
     ``time_bits``: the last time is ``end`` rounded to so many bits.  ``part``: of the radius of

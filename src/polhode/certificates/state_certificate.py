@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
 from polhode.certificates import certificate_file, verify
-from polhode.certificates.certificate_file import MAKING, Made, checked, part_of, write
+from polhode.certificates.certificate_file import MAKING, JsonObject, checked, part_of, write
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
 from polhode.numbers.decimals import shown
@@ -55,7 +55,7 @@ def certificate(
     balls: Sequence[Sequence[Ball]],
     progress: Progress | None = None,
     attitude: Attitude | None = None,
-) -> Made:
+) -> JsonObject:
     """The certificate as JSON's objects, checked; raises BadInput."""
     check(scene, times)
     turns: Sequence[Sequence[Ball]] = [()] * len(times) if attitude is None else attitude.balls
@@ -72,7 +72,7 @@ def certificate(
     last = max((t for t, _ in claimed), key=abs)
     least = min(float(radius) for _, row in claimed for _, radius in row)
 
-    def made(bits: int, tried: int) -> Made:
+    def draft(bits: int) -> JsonObject:
         body = _scene(scene, bits + verify.COARSE)
         if attitude is not None:
             body["attitude"] = [
@@ -92,7 +92,7 @@ def certificate(
         }
 
     bits = max(verify.COARSE, math.ceil(-math.log2(least))) + _SPARE
-    return checked(scene.name, made, bits, progress)
+    return checked(scene.name, draft, bits, progress)
 
 
 def check(scene: Scene, times: Sequence[Exact]) -> None:

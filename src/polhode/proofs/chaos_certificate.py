@@ -14,7 +14,7 @@ import numpy as np
 from flint import arb
 
 from polhode.certificates import certificate_file, verify
-from polhode.certificates.certificate_file import Made, by_checker
+from polhode.certificates.certificate_file import JsonObject, by_checker
 from polhode.dynamics.newton_shooting import Surface
 from polhode.motion.frame import Frame
 from polhode.numbers.exact import ONE, Exact
@@ -62,7 +62,7 @@ class Chain(NamedTuple):
     times: list[float]
 
 
-def guesses(chain: Chain) -> Made:
+def guesses(chain: Chain) -> JsonObject:
     """A certificate but for its statement."""
     bits = _BITS + verify.COARSE
     numbers = certificate_file.body_numbers(chain.body, bits)
@@ -85,7 +85,7 @@ def guesses(chain: Chain) -> Made:
     }
 
 
-def horseshoe_of(certificate: Made) -> verify.Horseshoe:
+def horseshoe_of(certificate: JsonObject) -> verify.Horseshoe:
     """What the checker proves of guesses; raises its NotProved."""
     return by_checker(verify.horseshoe, certificate)
 
@@ -95,13 +95,15 @@ def check_orbit(theorem: verify.Horseshoe, start: Sequence[arb], period: arb) ->
     by_checker(verify.is_orbit_of, theorem, start, period)
 
 
-def with_statement(certificate: Made, statement: Made, theorem: verify.Horseshoe) -> Made:
+def with_statement(
+    certificate: JsonObject, statement: JsonObject, theorem: verify.Horseshoe
+) -> JsonObject:
     """The certificate with its statement, which the checker compares with what it proved."""
     by_checker(verify.check_chaos, verify.read_chaos(statement), theorem)
     return {**certificate, "statement": statement}
 
 
-def _transit(numbers: Made, chain: Chain, n: int) -> Made:
+def _transit(numbers: JsonObject, chain: Chain, n: int) -> JsonObject:
     """Steps from the middle of a set to the next plane."""
     rectangle = chain.sets[n]
     chart = chain.charts[rectangle.chart]
@@ -113,7 +115,7 @@ def _transit(numbers: Made, chain: Chain, n: int) -> Made:
     return {word: numbers_of_steps[word] for word in verify.Guesses._fields[:-1]}
 
 
-def _integers(chart: Chart) -> Made:
+def _integers(chart: Chart) -> JsonObject:
     """A chart's numbers as the checker reads them, in rows."""
     return {
         name: [[_nearest(x) for x in row] for row in np.reshape(value, shape).tolist()]

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from polhode.certificates import certificate_file, verify
-from polhode.certificates.certificate_file import Made, by_checker
+from polhode.certificates.certificate_file import JsonObject, by_checker
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Message
 from polhode.dynamics import high_precision
@@ -57,7 +57,7 @@ class Choice(NamedTuple):
     part: float
 
 
-def guesses(problem: Problem, choice: Choice) -> Made:
+def guesses(problem: Problem, choice: Choice) -> JsonObject:
     """A certificate but for its statement."""
     wide = choice.bits + verify.COARSE
     numbers = certificate_file.body_numbers(problem.body, wide)
@@ -73,19 +73,19 @@ def guesses(problem: Problem, choice: Choice) -> Made:
     }
 
 
-def zero_of(certificate: Made) -> verify.Zero:
+def zero_of(certificate: JsonObject) -> verify.Zero:
     """What the checker proves of guesses; raises its NotProved."""
     return by_checker(verify.zero_near, certificate)
 
 
-def with_statement(certificate: Made, statement: Made, zero: verify.Zero) -> Made:
+def with_statement(certificate: JsonObject, statement: JsonObject, zero: verify.Zero) -> JsonObject:
     """The certificate with its statement, which the checker compares with what it proved."""
     with ctx.workprec(int(str(certificate["bits"])) + verify.COARSE):
         verify.check_orbit(verify.read_orbit(statement), zero)
     return {**certificate, "statement": statement}
 
 
-def _steps(numbers: Made, problem: Problem, choice: Choice) -> Made:
+def _steps(numbers: JsonObject, problem: Problem, choice: Choice) -> JsonObject:
     """Steps of one period, the box's radius, and by how much the period is divided."""
     bits, part = choice.bits, choice.part
     x = [verify.ball((x, Fraction(0))) for x in problem.start]
@@ -139,7 +139,7 @@ class OrbitProof(NamedTuple):
     """What the checker proved, of which guesses; ``runs``: how often it was called."""
 
     zero: verify.Zero
-    made: Made
+    certificate: JsonObject
     digits: float
     runs: int
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from polhode.certificates import verify
-from polhode.certificates.certificate_file import Made
+from polhode.certificates.certificate_file import JsonObject
 from polhode.common.arguments import whole
 from polhode.common.errors import counted
 from polhode.common.interrupts import Message
@@ -291,7 +291,7 @@ class _ChaosSearch:
         chaos_certificate.check_orbit(proof, start, period)
         short, long = upper(proof.short), upper(proof.long)
         entropy = _least_entropy(short, long)
-        statement: Made = {"entropy": down(entropy), "short": up(short), "long": up(long)}
+        statement: JsonObject = {"entropy": down(entropy), "short": up(short), "long": up(long)}
         certificate = chaos_certificate.with_statement(certificate, statement, proof)
         return ProvedChaos(
             orbit.scene,

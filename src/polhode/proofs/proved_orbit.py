@@ -15,7 +15,7 @@ from typing import NamedTuple
 from flint import arb
 
 from polhode.certificates import verify
-from polhode.certificates.certificate_file import Made
+from polhode.certificates.certificate_file import JsonObject
 from polhode.common.arguments import whole
 from polhode.common.errors import BadInput, aligned
 from polhode.common.interrupts import Message
@@ -218,7 +218,7 @@ def of_proof(on: Surface, proof: OrbitProof, seconds: float) -> ProvedOrbit:
         raise NotProved(f"{name}: the box is no larger than the error of its centre")
     state = [ball_of(x) for x in zero.start]
     period, residue = ball_of(zero.period), ball_of(zero.residue)
-    statement: Made = {
+    statement: JsonObject = {
         "kind": kind,
         "start": [list(x.decimals) for x in state],
         "period": list(period.decimals),
@@ -226,7 +226,7 @@ def of_proof(on: Surface, proof: OrbitProof, seconds: float) -> ProvedOrbit:
         "least": True,
         "alone": [down(x) for x in within],
     }
-    certificate = orbit_certificate.with_statement(proof.made, statement, zero)
+    certificate = orbit_certificate.with_statement(proof.certificate, statement, zero)
     return ProvedOrbit(
         on.scene,
         on.h,

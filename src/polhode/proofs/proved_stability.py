@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from polhode.certificates import verify
-from polhode.certificates.certificate_file import Made, by_checker
+from polhode.certificates.certificate_file import JsonObject, by_checker
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
@@ -220,7 +220,7 @@ def of_orbit(orbit: ProvedOrbit, prove: Prover, progress: Message | None = None)
     _refuse_unstable(orbit)
     orbit, proof, runs = _proof_of(orbit, prove, progress)
     rotation, twist = ball_of(proof.twist.rotation), ball_of(proof.twist.twist)
-    parts: Made = json.loads(orbit.certificate)
+    parts: JsonObject = json.loads(orbit.certificate)
     claim = parts["statement"]
     assert isinstance(claim, dict)
     balls = {"rotation": [*rotation.decimals], "twist": [*twist.decimals]}
