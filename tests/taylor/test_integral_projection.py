@@ -16,7 +16,8 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.scenes import library
 from polhode.scenes.scene import Event
 from polhode.taylor import projection
-from polhode.taylor.stepping import Integrator
+from polhode.taylor.motion import Motion
+from polhode.taylor.projection import Projector
 from shared.policies import change_policy
 
 STANDING = ("lagrange/sleeping-unstable",)  # no step is taken
@@ -260,18 +261,23 @@ def test_an_output_time_may_be_where_a_correction_is():
 def test_a_zero_where_a_correction_would_jump_over_it_is_reported_once(monkeypatch):
     """Corrections wait where a watched expression is nearer to zero than they move it."""
     scene = polhode.load("kovalevskaya/generic").at((Fraction(600),))
-    jumps, correct = [], Integrator._correct
+    motions, jumps, begin, correct = [], [], Motion.begin, Projector.correct
 
-    def spied(self, corrector):
-        before = float(self.state[1])
-        done = correct(self, corrector)
-        after = float(self.state[1])
+    def begin_in_sight(motion, *parts):
+        motions.append(motion)
+        begin(motion, *parts)
+
+    def correct_in_sight(projector, state):
+        before = float(state[1])
+        corrected = correct(projector, state)
+        after = float(state[1])
         if abs(after - before) > 3e-16:
-            jumps.append((self.time, (before + after) / 2))
-        return done
+            jumps.append((motions[-1].time, (before + after) / 2))
+        return corrected
 
     with monkeypatch.context() as patch:
-        patch.setattr(Integrator, "_correct", spied)
+        patch.setattr(Motion, "begin", begin_in_sight)
+        patch.setattr(Projector, "correct", correct_in_sight)
         polhode.integrate(scene, project=40)
     assert len(jumps) >= 8
     for time, value in jumps[:8]:

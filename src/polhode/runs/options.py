@@ -8,7 +8,7 @@ from typing import NamedTuple
 from polhode.common.arguments import of_kind, steps, whole
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import number_types
-from polhode.numbers.conversion import exact_number, rounds_to_nearest
+from polhode.numbers.conversion import exact_number
 from polhode.numbers.number_types import AnyNumber, NumberType
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults
@@ -61,13 +61,6 @@ def corrections(scene: Scene, project: bool | int | None) -> bool | int | None:
     if project is None or isinstance(project, bool):
         return project
     return whole(scene.name, "project", project, 1)
-
-
-def refuse_other_rounding(scene: Scene) -> None:
-    """Raise BadInput where a library has left this thread another rounding mode than nearest."""
-    if not rounds_to_nearest():
-        expected = "nearest: a library has set another one in this thread (fesetround)"
-        raise BadInput(scene.name, "rounding mode", "not to nearest", expected)
 
 
 def choose_number(

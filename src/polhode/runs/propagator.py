@@ -31,7 +31,6 @@ from polhode.numbers.number_types import (
     numbers_given,
 )
 from polhode.runs.options import cadence, choose_number, corrections, rounded_tolerance
-from polhode.runs.taylor_motion import system_of
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults, lanes
@@ -39,9 +38,9 @@ from polhode.taylor.batches import BatchJob, Columns
 from polhode.taylor.engine import Engine, order_of
 from polhode.taylor.heyoka import TIME_LIMIT, OutOfRange
 from polhode.taylor.long_steps import LongSteps
+from polhode.taylor.motion import Motion
 from polhode.taylor.projection import Projector, StartTarget
-from polhode.taylor.stepping import Integrator
-from polhode.taylor.system import System
+from polhode.taylor.system import System, system_of
 from polhode.taylor.time_grid import Grid
 
 if TYPE_CHECKING:
@@ -436,13 +435,14 @@ class Propagator:
         if self._every is not None:
             onto = StartTarget(self._system.target, self._state.copy())
             corrector = Projector(onto, self._every)
-        integrator = Integrator(self._system, corrector=corrector, engine=self._engine)
+        motion = Motion(self._system)
+        motion.begin(self._system, corrector=corrector, engine=self._engine)
         rows = self._state[None].copy()[: times[0] == 0]
         try:
-            found, self.outcome = integrator.advance(times, rows, self._most)
+            found, self.outcome = motion.advance(times, self._most, rows)
         except OutOfRange as fault:
             raise fault.refusal(self.scene.name, self.number) from None
-        self.steps = integrator.steps
+        self.steps = motion.steps
         states = np.full((len(times), *self._shape), np.nan, self._kind)
         states[: len(found)] = self._read(flat(found))
         if self.outcome is Outcome.INTERRUPTED:

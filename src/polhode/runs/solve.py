@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput, plain
 from polhode.common.interrupts import Progress
@@ -27,21 +27,19 @@ from polhode.numbers.number_types import (
     read_only,
 )
 from polhode.runs import refined
-from polhode.runs.options import USUAL, Options
-from polhode.runs.taylor_motion import TaylorMotion, system_of
+from polhode.runs.options import USUAL, Options, cadence
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE
 from polhode.taylor import defaults
 from polhode.taylor.heyoka import OutOfRange
+from polhode.taylor.motion import Motion
+from polhode.taylor.system import System, system_of
 
 if TYPE_CHECKING:
     from polhode.runs.refined_motion import RefinedMotion
 
-
-#: What begins a motion of a system: see :class:`polhode.runs.taylor_motion.TaylorMotion`.
-Method: TypeAlias = "type[TaylorMotion] | type[RefinedMotion]"
 
 _LOG = logging.getLogger("polhode")
 
@@ -63,11 +61,10 @@ def solve(
     system = system_of(scene, number, options.tolerance, options.inputs)
     ahead = system.times(scene)
     failed: dict[str, str] = {}
-    for method in _methods(scene, number, options):
+    for motion in _motions(system, scene, options):
         began = time.perf_counter()
-        motion = method(system, scene, options)
         try:
-            rows, outcome = motion.advance(ahead, progress)
+            rows, outcome = motion.run(ahead, progress)
         except CannotSolve as fault:
             _LOG.info("%s: not %s: %s", scene.name, motion.method, fault)
             failed[f"not {motion.method}"] = str(fault)
@@ -109,9 +106,9 @@ def solve(
     raise AssertionError("the last method serves")
 
 
-def _methods(scene: Scene, number: NumberType, options: Options) -> Iterator[Method]:
-    """Those to try, in order; raises BadInput where the one that was named does not serve."""
-    named = options.method == "refined"
+def _motions(system: System, scene: Scene, options: Options) -> Iterator[RefinedMotion | Motion]:
+    """Those to try, in order; raises BadInput where the method that was named does not serve."""
+    named, number = options.method == "refined", system.number
     if options.method != "taylor":
         hindrance = refined.hindrance(scene, number, options)
         if hindrance is not None and named:
@@ -120,8 +117,16 @@ def _methods(scene: Scene, number: NumberType, options: Options) -> Iterator[Met
         if hindrance is None and (named or refined.worth_it(scene, number)):
             from polhode.runs.refined_motion import RefinedMotion
 
-            yield RefinedMotion
-    yield TaylorMotion
+            yield RefinedMotion(system, scene, options)
+    yield _taylor_motion(system, scene, options)
+
+
+def _taylor_motion(system: System, scene: Scene, options: Options) -> Motion:
+    """The motion at its start."""
+    every = None
+    if system.inputs is None:
+        every = cadence(scene, system.number, system.tolerance, options.project)
+    return Motion(system, scene, every, options.max_steps)
 
 
 def _made_of(
@@ -213,7 +218,7 @@ def _motion(run: Trajectory, what: str) -> Interpolant:
     if what not in run.others:
         scene, options = _asked(run, what, run.times), _options(run)
         system = system_of(scene, run.number, options.tolerance)
-        motion = TaylorMotion(system, scene, options)
+        motion = _taylor_motion(system, scene, options)
         motion.reached = run.reached
         run.others[what] = motion
     return run.others[what]

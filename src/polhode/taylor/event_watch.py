@@ -21,7 +21,7 @@ from polhode.numbers.number_types import Array, Booleans, Functions, NumberType,
 from polhode.scenes.scene import Event, Scene
 from polhode.taylor import heyoka
 from polhode.taylor import heyoka as heyoka_numbers
-from polhode.taylor.engine import CLOCK, TINY
+from polhode.taylor.engine import CLOCK, TINY, Engine
 from polhode.taylor.event_decision import (
     Decision,
     End,
@@ -328,12 +328,12 @@ class Stop(NamedTuple):
 class Watch:
     """The events of one scene while a run in one number type is under way.
 
+    ``muted``: heyoka takes the steps of a run with these events, and nothing is noted.
     Raises BadInput for an expression that has no value at t = 0 or is identically zero.
     """
 
-    def __init__(self, scene: Scene, number: NumberType, rules: Rules) -> None:
-        self.scene, self.number, self.rules = scene, number, rules
-        self.muted = False
+    def __init__(self, scene: Scene, number: NumberType, rules: Rules, muted: bool = False) -> None:
+        self.scene, self.number, self.rules, self.muted = scene, number, rules, muted
         self.any_step = rules.still
         self.way = 1 if sign(scene.end) >= 0 else -1
         self.width = len(equations(scene).variables)
@@ -418,22 +418,27 @@ class Watch:
 
         return Formulas(partial(value_of, scene, event), field, numbers)
 
-    def sit_down(self, desk: Desk, numbers: Array) -> None:
-        """Take over the desk of the integrator that a run goes on with, with its coefficients."""
+    def sit_down(self, engine: Engine, numbers: Array, origin: Fraction) -> None:
+        """Take over the desk of the engine that a run goes on with, from an exact time on.
+
+        ``numbers``: the coefficients that are parameters.
+        """
         self._settle()
+        desk, heyoka = engine.desk, engine.heyoka
+        assert desk is not None
         self.jets, desk.watch = desk.jets, None if self.muted else self
         self._parameters = np.concatenate([np.zeros(2, numbers.dtype), numbers])
+        self._stepping = heyoka
+        self._state, self._dense = heyoka.state[: self.width], heyoka.d_output[: self.width]
+        self.counts_from(origin)
 
-    def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
-        """Take note of the integrator and of where its time begins; tell it, where t is asked."""
+    def counts_from(self, offset: Fraction) -> None:
+        """Take note of the exact time at which heyoka's begins; tell it, where t is asked."""
         self._settle()
-        high = self.number.rounded(offset)
+        heyoka, high = self._stepping, self.number.rounded(offset)
         clock = heyoka_numbers.scalars((high, self.number.rounded(offset - high)), self.number)
         self._parameters = self._parameters.copy()  # marks know those from before
         self._parameters[:2] = heyoka_numbers.array(clock, self.number)
-        if heyoka is not self._stepping:
-            self._stepping = heyoka
-            self._state, self._dense = heyoka.state[: self.width], heyoka.d_output[: self.width]
         if any(jet.timed for jet in self.jets):
             heyoka.pars[:2] = self._parameters[:2]
         if self._first is None:
@@ -523,16 +528,16 @@ class Watch:
 
     # -- what was found -----------------------------------------------------------------------
 
-    def found(self) -> tuple[EventTimes, ...]:
+    def events(self) -> tuple[EventTimes, ...]:
         """The events in scene axes and units, in order of integration; ends the watch's work."""
         read = Readout(self.scene, self.number)
         if self._first is None:  # no step was taken
             none = read_only(read.states([]), read.columns)
             return tuple(EventTimes(event.name, (), none, ()) for event in self.scene.events)
         last = self._here(self._stepping) if self._stop is None else self._stop.marks
-        return tuple(self._found(k, last, read) for k in range(len(self.scene.events)))
+        return tuple(self._event(k, last, read) for k in range(len(self.scene.events)))
 
-    def _found(self, k: int, last: Marks, read: Readout) -> EventTimes:
+    def _event(self, k: int, last: Marks, read: Readout) -> EventTimes:
         event, unit = self.scene.events[k], float(read.frame.unit)
         noted, start, end = self._polished(k, last)
         if self._stop is not None:

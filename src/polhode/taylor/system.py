@@ -9,12 +9,13 @@ from fractions import Fraction
 
 import numpy as np
 
-from polhode.common.values import cached_property
+from polhode.common.errors import BadInput
+from polhode.common.values import Recent, cached_property
 from polhode.equations import kinematics, readout
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.motion.frame import Frame
-from polhode.numbers.conversion import number_value
+from polhode.numbers.conversion import number_value, rounds_to_nearest
 from polhode.numbers.exact import Exact
 from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import (
@@ -35,6 +36,8 @@ from polhode.taylor.heyoka import OutOfRange, array, scalars
 from polhode.taylor.projection import Target
 from polhode.taylor.time_grid import Times, rounded_times
 from polhode.taylor.types import Watcher
+
+_systems: Recent[System] = Recent(16)
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,6 +222,28 @@ def system(
         start = [inputs.rounded(x) for x in start]
     parts = scene, form, tuple(names), tuple(outputs), k, tuple(start)
     return System(*parts, number, tolerance, inputs)
+
+
+def system_of(
+    scene: Scene,
+    number: NumberType,
+    tolerance: Fraction | None = None,
+    inputs: NumberType | None = None,
+) -> System:
+    """The system of such runs, shared by scenes that differ in their times alone.
+
+    Raises BadInput where a library has left this thread another rounding mode than to nearest.
+    """
+    refuse_other_rounding(scene)
+    key = (number, tolerance, inputs)
+    return _systems.get(scene.identity, key, lambda: system(scene.apart(), scene.modelled, *key))
+
+
+def refuse_other_rounding(scene: Scene) -> None:
+    """Raise BadInput where a library has left this thread another rounding mode than nearest."""
+    if not rounds_to_nearest():
+        expected = "nearest: a library has set another one in this thread (fesetround)"
+        raise BadInput(scene.name, "rounding mode", "not to nearest", expected)
 
 
 def principal_system(scene: Scene) -> System:

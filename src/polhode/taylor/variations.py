@@ -37,8 +37,9 @@ from polhode.taylor import defaults
 from polhode.taylor.batches import LANES, CompiledBatch, LaneQueue
 from polhode.taylor.engine import Engine, Equations, integrator, lent, principal_engine
 from polhode.taylor.heyoka import array, as_fraction, hy, scalar, scalars
-from polhode.taylor.stepping import Integrator
+from polhode.taylor.motion import Motion
 from polhode.taylor.system import System
+from polhode.taylor.time_grid import Times
 from polhode.taylor.types import HeyokaNumber, HeyokaOutput
 
 # --- equations ------------------------------------------------------------------------------------
@@ -235,17 +236,17 @@ class Leader:
             enough = (kind for kind in ready if _is_enough(kind, log10_growth))
             wide = number_types.mp(2 * (log10_growth + _SPARE_DIGITS))
             self._number = next(enough, wide)
-            self._run = Integrator(replace(self._plain, number=self._number))
-        rows_found, count, ended = np.full((len(times), 6), np.nan), 0, Outcome.STEP_LIMIT
-        ahead = [Fraction(t) for t in times]
-        while ended is Outcome.STEP_LIMIT and count < len(times):
-            rows, ended = self._run.chunk(ahead[count:], defaults.of(self._number).chunk)
-            if len(rows):
-                there = rows_found[count : count + len(rows)]
-                there[:] = 0.0  # gamma, where there is none
-                there[:, : len(self._plain.start)] = doubles(rows)
-                count += len(rows)
-        return rows_found
+            self._run = Motion(replace(self._plain, number=self._number))
+            self._run.begin(self._run.system)
+        ahead = Times([Fraction(t) for t in times], self._number)
+        reached, outcome = self._run.advance(ahead, math.inf)
+        if outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
+        rows = np.full((len(times), 6), np.nan)
+        if len(reached):
+            rows[: len(reached)] = 0.0  # gamma, where there is none
+            rows[: len(reached), : len(self._plain.start)] = doubles(reached)
+        return rows
 
     def at(self, time: float, log10_growth: float) -> Doubles:
         """The same at one time."""
