@@ -37,11 +37,11 @@ from polhode.equations.readout import Readout
 from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import NumberType, named
 from polhode.numbers.vectors import dot, scaled
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
-from polhode.taylor.time_grid import Times
 
 QUESTION = (
     "How many of the digits that a hard motion allows are left in each number type, and why not "
@@ -215,7 +215,7 @@ def error(scene: polhode.Scene, number: NumberType) -> float:
     unit = equations.frame.unit
     row: Any = None
     for t in (number.rounded(number.rounded(scene.end) / unit), Fraction(0)):
-        row = motion.advance(Times([t], number), 10**8)[0][0]
+        row = motion.advance(ExactNumbers((t,)), 10**8)[0][0]
     rounded = [number.rounded(x) for x in equations.start]
     read = Readout(plain, number)
     back = read.states([row])[0]

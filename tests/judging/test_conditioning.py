@@ -18,13 +18,13 @@ from polhode.judging import limits
 from polhode.judging.conditioning import Band, conditioning
 from polhode.judging.correct_digits import log10_rate
 from polhode.motion.frame import Frame
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, QUAD, mp
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
-from polhode.taylor.time_grid import Times
 from shared.answers import judged
 from shared.examples import examples
 from shared.motions import asymmetric, in_other_units
@@ -39,7 +39,7 @@ def states(scene: Scene, coefficients: dict, start: list, number) -> np.ndarray:
     what = replace(plain, coefficients=coefficients, start=tuple(start), number=number)
     motion = Motion(what)
     motion.begin(what)
-    rows, _ = motion.advance(Times([t / unit for t in scene.times], number), 10**6)
+    rows, _ = motion.advance(ExactNumbers(tuple(t / unit for t in scene.times)), 10**6)
     turn = np.array([[number_of(x) for x in row] for row in scene.body.axes.rows])
     rows = np.array(rows)
     return np.hstack([rows[:, :3] @ turn / number_of(unit), rows[:, 3:] @ turn])

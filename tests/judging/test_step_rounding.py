@@ -10,13 +10,13 @@ import pytest
 
 from polhode.judging.conditioning import spacing, variances
 from polhode.numbers.conversion import exactly
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, extended_here
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor.error_growth import passage
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
-from polhode.taylor.time_grid import Times
 from polhode.taylor.variations import Flow
 from tops import random_scene
 
@@ -82,7 +82,7 @@ def test_steps_that_are_taken_round_so_much(number, wide, kind):
     squares, expected = np.zeros(6), np.zeros(6)
     for _ in range(100):
         before, began = [exactly(x) for x in motion.state.tolist()], motion.time
-        motion.advance(Times([F(10**4)], number), motion.steps + 1)
+        motion.advance(ExactNumbers((F(10**4),)), motion.steps + 1)
         after, step = [exactly(x) for x in motion.state], motion.time - began
         true = [exactly(x) for x in flow.after(before, step).state]
         errors = [float((x - y) * 2 ** (number.bits - 1)) for x, y in zip(after, true, strict=True)]

@@ -36,8 +36,7 @@ from polhode.scenes.body import PrincipalAxes
 from polhode.scenes.members import Blocks, Members
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults
-from polhode.taylor.system import refuse_other_rounding
-from polhode.taylor.time_grid import rounded_times
+from polhode.taylor.system import refuse_other_rounding, rounded_times
 
 if TYPE_CHECKING:
     from polhode.scenes.members import Block, Vector

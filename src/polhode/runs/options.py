@@ -9,7 +9,7 @@ from polhode.common.arguments import of_kind, steps, whole
 from polhode.common.errors import BadInput, nearest, plain
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exact_number
-from polhode.numbers.number_types import AnyNumber, NumberType
+from polhode.numbers.number_types import DOUBLE, AnyNumber, NumberType
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults
 
@@ -41,12 +41,15 @@ def checked_options(
     scene: Scene, number: NumberType, given: Options, tol: AnyNumber | None
 ) -> Options:
     """Options as a user gives them, and the tolerance, checked; raises BadInput."""
-    method, most, project, _, inputs, digits, other = given
-    check_method(scene, method)
+    check_method(scene, given.method)
+    most, project, tolerance = given.max_steps, given.project, given.tolerance
     if most is not None:
         most = steps(scene.name, most)
-    project, tolerance = corrections(scene, project), rounded_tolerance(scene, number, tol)
-    return Options(method, most, project, tolerance, inputs, digits, other)
+    if project is not None:
+        project = corrections(scene, project)
+    if tol is not None:
+        tolerance = rounded_tolerance(scene, number, tol)
+    return given._replace(max_steps=most, project=project, tolerance=tolerance)
 
 
 def check_method(scene: Scene, method: str) -> None:
@@ -83,7 +86,7 @@ def choose_number(
     if isinstance(number, NumberType):
         return number
     if digits is None:
-        return number_types.named(number or "double")
+        return DOUBLE if number is None else number_types.named(number)
     chosen = number_types.for_digits(digits, scene.log10_angle, lost)
     if number is None or number == chosen.name:
         return chosen

@@ -345,7 +345,7 @@ class Propagator:
         several = numbers_given(t)[1]  # other numbers; or what is wrong with them is told
         try:
             scene = self.scene.at(cast(Sequence[AnyNumber], t if several else [t]))
-            return flat(self._system.times(scene).grid), several
+            return time_array(self._system.times(scene).inside, self.number), several
         except OutOfRange as fault:
             raise fault.refusal(self.scene.name, self.number) from None
 
@@ -430,7 +430,7 @@ class Propagator:
         self._state[...] = self._first if start is None else self._inside(start)
         self._engine.begin()
         scene = self.scene.at(given)
-        times = self._system.times(scene)
+        times = self._system.times(scene).inside
         corrector = None
         if self._every is not None:
             onto = StartTarget(self._system.target, self._state.copy())

@@ -59,12 +59,12 @@ def solve(
     for what cannot be integrated.
     """
     system = system_of(scene, number, options.tolerance, options.inputs)
-    ahead = system.times(scene)
+    times = system.times(scene)
     failed: dict[str, str] = {}
     for motion in _motions(system, scene, options):
         began = time.perf_counter()
         try:
-            rows, outcome = motion.run(ahead, progress)
+            rows, outcome = motion.run(times.inside, progress)
         except CannotSolve as fault:
             _LOG.info("%s: not %s: %s", scene.name, motion.method, fault)
             failed[f"not {motion.method}"] = str(fault)
@@ -79,13 +79,14 @@ def solve(
                 *(seconds, building),
             )
         parts = {"build": building, "run": seconds - building}
-        read, times = motion.read, ahead.outside
-        states = read.states(rows)
-        attitude, angles = read.attitude(rows, states), read.angles(rows, states)
+        read, outside = motion.read, times.outside
+        states, attitude, angles = read.states(rows), None, None
+        if scene.modelled:
+            attitude, angles = read.attitude(rows, states), read.angles(rows, states)
         return Trajectory(
             scene=scene,
             number=number,
-            times=times if len(rows) == len(times) else times[: len(rows)],
+            times=outside if len(rows) == len(outside) else outside[: len(rows)],
             states=read_only(states, len(scene.columns)),
             attitude=None if attitude is None else read_only(attitude, len(ATTITUDE)),
             angles=None if angles is None else tuple(map(tuple, angles)),
@@ -109,7 +110,7 @@ def solve(
 def _motions(system: System, scene: Scene, options: Options) -> Iterator[RefinedMotion | Motion]:
     """Those to try, in order; raises BadInput where the method that was named does not serve."""
     named, number = options.method == "refined", system.number
-    if options.method != "taylor":
+    if named or (options.method == "auto" and number.bits > 64):
         hindrance = refined.hindrance(scene, number, options)
         if hindrance is not None and named:
             wanted = f"{hindrance}, or the method taylor"

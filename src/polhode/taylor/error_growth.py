@@ -19,6 +19,7 @@ from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import DOUBLE, Doubles, double_array
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
@@ -27,7 +28,6 @@ from polhode.taylor.engine import Equations, principal_engine
 from polhode.taylor.motion import Motion
 from polhode.taylor.projection import kept_at_zero
 from polhode.taylor.system import System, principal_system
-from polhode.taylor.time_grid import Times
 from polhode.taylor.variations import Leader, Variations, pendulum, six
 
 # --- state transition -----------------------------------------------------------------------------
@@ -215,7 +215,7 @@ def _with_plain_steps(stretches: list[Stretch], plain: System) -> list[Stretch]:
         return stretches
     motion = Motion(plain)
     motion.begin(plain)
-    end = Times([Fraction(stretches[-1].time)], DOUBLE)
+    end = ExactNumbers((Fraction(stretches[-1].time),))
     _, outcome = motion.advance(end, math.inf)
     if outcome is Outcome.INTERRUPTED:
         raise KeyboardInterrupt

@@ -8,7 +8,7 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, cast
 
 import numpy as np
 
@@ -17,13 +17,16 @@ from polhode.common.interrupts import Progress
 from polhode.common.values import Recent, cached_property
 from polhode.equations import kinematics, readout
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
-from polhode.numbers.conversion import exactly, joined, number_value, to_extended
+from polhode.numbers.conversion import exactly, joined, number_value, to_double, to_extended
+from polhode.numbers.double_double import two_sum
 from polhode.numbers.exact import ZERO
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import (
     Array,
     Flat,
     Numbers,
+    NumberType,
     Row,
     Rows,
     flat,
@@ -33,14 +36,16 @@ from polhode.numbers.number_types import (
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults
 from polhode.taylor.engine import TINY, Engine
-from polhode.taylor.heyoka import OutOfRange, array, as_fraction, as_mpf, ending, scalar
+from polhode.taylor.heyoka import OutOfRange, array, as_fraction, as_mpf, ending, scalar, scalars
 from polhode.taylor.projection import Projector, UnitNorm
-from polhode.taylor.system import System, system
-from polhode.taylor.time_grid import Times
+from polhode.taylor.system import System, system, time_array
 from polhode.taylor.types import Corrector, HeyokaNumber, HeyokaOutcome
 
 if TYPE_CHECKING:
     from polhode.taylor.event_watch import Rules, Watch
+
+#: Monotone times inside a frame.
+Times: TypeAlias = ExactNumbers[Fraction]
 
 #: The longest step, in the run's unit, of a run with events.  Where all that moves is small beside
 #: what rests, steps are long by that, and products of small things have no polynomial over them.
@@ -180,7 +185,11 @@ class Motion:
         """Go through a system that stands at time ``origin``; ``rows`` and those to come."""
         watch, frame, outcome = self.watch, self.system.frame, Outcome.STOPPED_AT_EVENT
         if watch is None or watch.stop is None:
-            corrector = self._corrector(what)
+            corrector: Corrector | None = None
+            if what.form.unit is not None:
+                corrector = UnitNorm(what.form.unit, self.number)
+            elif self.every is not None and not what.still:
+                corrector = Projector(self.system.target, self.every, watch)
             self.begin(what, origin, corrector)
             most = defaults.of(self.number).max_steps if self.most is None else self.most
             rows, outcome = self.advance(times, most, rows, progress)
@@ -195,14 +204,6 @@ class Motion:
             self.reached = frame.time_outside(stop)
             rows = rows[: bisect_right(times, abs(stop), hi=len(rows), key=abs)]
         return rows, outcome
-
-    def _corrector(self, what: System) -> Corrector | None:
-        """What corrects the state now and then; None where nothing does."""
-        if what.form.unit is not None:
-            return UnitNorm(what.form.unit, self.number)
-        if self.every is None or what.still:
-            return None
-        return Projector(self.system.target, self.every, self.watch)
 
     def _with_outputs(self, outputs: tuple[str, ...]) -> System:
         """The system with these outputs alone."""
@@ -235,11 +236,12 @@ class Motion:
         The attitude leads over the pole, to before the first output.  A motion that stays at the
         pole has no psi and phi at all.
         """
-        first = next(t for t in self.system.times(self.scene) if t)
+        times = self.system.times(self.scene).inside
+        first = times[0] or times[1]
         moment = max(-_OFF_THE_POLE, min(_OFF_THE_POLE, first / 2))
         self.begin(self._with_outputs(("attitude",)))
         parts: list[Rows] = []
-        _, outcome = self._chunk(Times([moment], self.number), 10**6, parts)
+        _, outcome = self._chunk(ExactNumbers((moment,)), 10**6, parts)
         if self.watch is None and outcome.done:
             self.engine.release()
         if self.watch is not None and self.watch.stop is not None:
@@ -359,7 +361,7 @@ class Motion:
                 outcome = Outcome.REACHED_END
         except KeyboardInterrupt:
             outcome = Outcome.INTERRUPTED
-        rows = joined([part for part in parts if len(part)] or parts[:1], self.number)
+        rows = joined([*filter(len, parts)] or parts[:1], self.number)
         if outcome is Outcome.NON_FINITE:
             finite = [k for k, row in enumerate(rows) if all(x - x == 0 for x in row)]
             rows = [rows[k] for k in finite] if isinstance(rows, list) else rows[finite]
@@ -376,7 +378,7 @@ class Motion:
             self.heyoka.time = scalar(0, self.number)
         if self.watch is not None:
             self.watch.counts_from(self.offset)
-        ahead = times.ahead(self.offset)
+        ahead = _ahead(times, self.offset, self.number)
         passed, last = 0, self.steps + steps
         cyclic, corrector, engine = self._cyclic, self.corrector, self.engine
         while True:
@@ -409,7 +411,9 @@ class Motion:
         """heyoka's rows with the whole of the cyclic variables, in the run's numbers."""
         if self._cyclic is not None:
             rows = self._cyclic.completed(rows)
-        return rows if self.number.flat else [as_mpf(row, self.number) for row in rows]
+        if self.number.flat:
+            return cast("Rows", rows)
+        return [as_mpf(row, self.number) for row in rows]
 
     def _to_pause(self, ahead: Numbers, reached: int, steps: int) -> tuple[Array, Outcome]:
         """Up to ``steps`` steps; before a pause no output times are looked at that it comes before.
@@ -482,8 +486,8 @@ class Motion:
             rows = rows.copy() if ended is Outcome.REACHED_END else rows[:0]
         else:
             ahead[0] = now
-            grid = ahead if self.number.flat else array(ahead, self.number)
-            outcome = ta.propagate_grid(grid, max_steps=steps, **self._options)
+            times = ahead if self.number.flat else array(ahead, self.number)
+            outcome = ta.propagate_grid(times, max_steps=steps, **self._options)
             rows, ended = outcome[-1][1:], ending(outcome[0])
         self.steps += int(outcome[3])
         if ended is Outcome.NON_FINITE and not math.isfinite(float(ta.time)):
@@ -526,7 +530,7 @@ class Motion:
         """The same steps once more, with anchors; events are there, and nobody looks for them."""
         spacing = max(1, defaults.of(self.number).chunk // _PART)
         again = Motion(self.system, self.scene, self.every, self.most, spacing)
-        again.run(Times([self.system.frame.time(self.reached)], self.number))
+        again.run(ExactNumbers((self.system.frame.time(self.reached),)))
         if again.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
         return again
@@ -572,6 +576,27 @@ class Motion:
         nearest = self.time
         self.release()
         return row if t == nearest else _moved(row, t - nearest, what)
+
+
+def _ahead(times: Times, offset: Fraction, number: NumberType) -> Numbers:
+    """A place to spare, and what has passed at each time since ``offset``, as heyoka's numbers.
+
+    Each is rounded once; in double and extended the offset is the sum of two such numbers.
+    """
+    if not number.flat:
+        passed = scalars([t - offset for t in times.exact], number)
+        return [passed[0], *passed]
+    known = time_array(times, number)
+    ahead: Flat = np.empty(len(known) + 1, known.dtype)
+    if not offset:
+        ahead[1:] = known
+        return ahead
+    nearest = to_double if number.name == "double" else to_extended
+    high = nearest(offset)
+    low = nearest(offset - exactly(high))
+    near, rest = two_sum(known, -high)
+    ahead[1:] = near + (rest - low)
+    return ahead
 
 
 def _moved(row: Row, by: Fraction, what: System) -> Row:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from polhode.numbers.number_types import (
     DOUBLE,
     EXACT,
     Array,
+    Flat,
     Functions,
     NumberType,
     Row,
@@ -34,10 +36,16 @@ from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
 from polhode.taylor.engine import CLOCK, Cyclic, Engine, Equations, built, lent, nearest
 from polhode.taylor.heyoka import OutOfRange, array, scalars
 from polhode.taylor.projection import Target
-from polhode.taylor.time_grid import Times, rounded_times
 from polhode.taylor.types import Watcher
 
 _systems: Recent[System] = Recent(16)
+
+
+class OutputTimes(NamedTuple):
+    """A run's output times, numbers of its type: in the scene's unit, and inside the frame."""
+
+    outside: ExactNumbers[Fraction]
+    inside: ExactNumbers[Fraction]
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,21 +171,22 @@ class System:
         wide = np.array(rows, dtype=np.longdouble).reshape(-1, width)
         return wide if self.number.name == "extended" else wide.astype(np.float64)
 
-    def times(self, scene: Scene) -> Times:
-        """The output times of its scene, or of that one at other times, inside the frame.
+    def times(self, scene: Scene) -> OutputTimes:
+        """The output times of its scene, or of that one at other times.
 
         The last two are kept.  Raises BadInput for times that the type does not tell apart.
         """
-        outside, last = scene.output_times, self._last_times
+        given, last = scene.times, self._last_times
         for before, times in last:
-            if before is outside:
+            if before is given:
                 return times
-        times = Times.inside(rounded_times(scene, self.number), self.frame, self.number)
-        last[:] = [(outside, times), *last[:1]]
+        outside = rounded_times(scene, self.number)
+        times = OutputTimes(outside, inside(outside, self.frame.exponent, self.number))
+        last[:] = [(given, times), *last[:1]]
         return times
 
     @cached_property
-    def _last_times(self) -> list[tuple[ExactNumbers[Exact], Times]]:
+    def _last_times(self) -> list[tuple[Sequence[Exact], OutputTimes]]:
         return []
 
     def engine(self, watcher: Watcher | None = None, order: int = 0) -> Engine:
@@ -244,6 +253,41 @@ def refuse_other_rounding(scene: Scene) -> None:
     if not rounds_to_nearest():
         expected = "nearest: a library has set another one in this thread (fesetround)"
         raise BadInput(scene.name, "rounding mode", "not to nearest", expected)
+
+
+def rounded_times(scene: Scene, number: NumberType) -> ExactNumbers[Fraction]:
+    """The output times as numbers of the run's type."""
+    if not scene.times:
+        raise BadInput(scene.name, "run.end", None, "a time, or times given with --at")
+    times = scene.output_times.rounded(number)
+    k = times.misplaced()
+    if k is not None:
+        expected = f"times that differ when rounded to {number.name}"
+        raise BadInput(scene.name, f"run.at[{k + 1}]", str(float(times[k])), expected)
+    return times
+
+
+def inside(
+    times: ExactNumbers[Fraction], exponent: int, number: NumberType
+) -> ExactNumbers[Fraction]:
+    """Times of a type in a unit of 2**exponent: an array where they are one, and hold as one."""
+    if times.floats is not None:
+        most = 1000 if number.bits == 53 else 16000
+        grid = np.ldexp(times.floats, -exponent) if exponent else times.floats
+        sizes = np.frexp(grid[1:] if grid[0] == 0 else grid)[1]
+        if np.all(np.abs(sizes) < most):
+            return ExactNumbers(floats=grid)
+    elif not exponent:
+        return times
+    unit = Fraction(2) ** -exponent
+    return ExactNumbers(tuple(t * unit for t in times.exact))
+
+
+def time_array(times: ExactNumbers[Fraction], number: NumberType) -> Flat:
+    """Times as an array of heyoka's numbers, of a type that numpy holds."""
+    if times.floats is not None:
+        return times.floats
+    return flat(array(scalars(times.exact, number), number))
 
 
 def principal_system(scene: Scene) -> System:

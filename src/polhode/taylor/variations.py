@@ -20,6 +20,7 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact, Number, sign
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import (
     DOUBLE,
     EXTENDED,
@@ -39,7 +40,6 @@ from polhode.taylor.engine import Engine, Equations, integrator, lent, principal
 from polhode.taylor.heyoka import array, as_fraction, hy, scalar, scalars
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import System
-from polhode.taylor.time_grid import Times
 from polhode.taylor.types import HeyokaNumber, HeyokaOutput
 
 # --- equations ------------------------------------------------------------------------------------
@@ -238,7 +238,7 @@ class Leader:
             self._number = next(enough, wide)
             self._run = Motion(replace(self._plain, number=self._number))
             self._run.begin(self._run.system)
-        ahead = Times([Fraction(t) for t in times], self._number)
+        ahead = ExactNumbers(tuple(Fraction(t) for t in times))
         reached, outcome = self._run.advance(ahead, math.inf)
         if outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
