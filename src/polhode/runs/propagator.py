@@ -40,7 +40,7 @@ from polhode.taylor.heyoka import TIME_LIMIT, OutOfRange
 from polhode.taylor.long_steps import LongSteps
 from polhode.taylor.motion import Motion
 from polhode.taylor.projection import Projector, StartTarget
-from polhode.taylor.system import System, system_of
+from polhode.taylor.system import System, system_of, time_array
 from polhode.taylor.time_grid import Grid
 
 if TYPE_CHECKING:
