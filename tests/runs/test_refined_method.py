@@ -17,7 +17,7 @@ from polhode.numbers.conversion import exactly
 from polhode.refined import compiled_field, refinement
 from polhode.refined.errors import Stalled
 from polhode.refined.refinement import refine
-from polhode.runs import refined as refined_method
+from polhode.runs.options import refinement_pays
 from polhode.scenes.scene import Event
 
 SCENE = "kovalevskaya/generic"
@@ -87,8 +87,8 @@ def test_short_runs_take_heyokas_own_steps_unless_told():
     assert max(errors(one)) < max(errors(other)) / 4  # the inputs' rounding alone costs more
     near, far = (polhode.load(SCENE).at((Fraction(t),)) for t in (30, 110))
     more = polhode.integrate(SCENE, at=[1], digits=50).number
-    assert not refined_method.worth_it(near, more)
-    assert refined_method.worth_it(far, more)
+    assert not refinement_pays(near, more)
+    assert refinement_pays(far, more)
 
 
 @pytest.mark.parametrize(

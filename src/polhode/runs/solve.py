@@ -26,8 +26,13 @@ from polhode.numbers.number_types import (
     numbers_given,
     read_only,
 )
-from polhode.runs import refined
-from polhode.runs.options import USUAL, Options, cadence
+from polhode.runs.options import (
+    USUAL,
+    Options,
+    cadence,
+    hindrance_to_refinement,
+    refinement_pays,
+)
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
@@ -111,11 +116,11 @@ def _motions(system: System, scene: Scene, options: Options) -> Iterator[Refined
     """Those to try, in order; raises BadInput where the method that was named does not serve."""
     named, number = options.method == "refined", system.number
     if named or (options.method == "auto" and number.bits > 64):
-        hindrance = refined.hindrance(scene, number, options)
+        hindrance = hindrance_to_refinement(scene, number, options)
         if hindrance is not None and named:
             wanted = f"{hindrance}, or the method taylor"
             raise BadInput(scene.name, "method", options.method, wanted)
-        if hindrance is None and (named or refined.worth_it(scene, number)):
+        if hindrance is None and (named or refinement_pays(scene, number)):
             from polhode.runs.refined_motion import RefinedMotion
 
             yield RefinedMotion(system, scene, options)

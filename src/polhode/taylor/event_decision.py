@@ -39,9 +39,10 @@ class Places(NamedTuple):
     ``ahead``: the time since the start in the direction of the run, numbers of the run's type.
     ``values`` (4, n): the expression and its derivatives divided by BAND u, plain numbers of numpy;
     ``noise``: what rounding makes of the first of them.  ``near``: where the expression is within
-    that of zero, or nothing is known of it.  ``steep``: where a zero would be one for certain.  ``own``: where the expression may be zero at this very state, but for the rounding of
-    its numbers.  ``reach``: the half width of the band there, in time; ``width``: how far off the
-    time may be.
+    that of zero, or nothing is known of it.  ``steep``: where a zero would be one for certain.
+    ``own``: where the expression may be zero at this very state, but for the rounding of its
+    numbers.  ``reach``: the half width of the band there, in time; ``width``: how far off the time
+    may be.
     """
 
     marks: Marks

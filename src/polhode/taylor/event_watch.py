@@ -117,16 +117,20 @@ class Callback:
 class Rules:
     """What a run's watch goes by: made once for a scene, number type and tolerance.  Immutable.
 
-    ``start``: the exact signs of the expressions at t = 0.  ``asked``: whether heyoka asks after
-    each step.  ``damping``: powers of two by which heyoka sees the expressions smaller.  ``band``:
-    a rounding error of 1, times BAND.  ``still``: the state never changes, and the events do choose
-    the steps.
+    ``start``: the exact signs of the expressions at t = 0.  ``asks``: whether heyoka asks after
+    each step.  ``key``: what tells the events from others along the same equations.  ``damping``:
+    powers of two by which heyoka sees the expressions smaller.  ``band``: a rounding error of 1,
+    times BAND.  ``still``: the state never changes, and the events do choose the steps.
     """
 
     def __init__(
         self, scene: Scene, number: NumberType, tolerance: Fraction | None, still: bool
     ) -> None:
-        self.still = still
+        form, events = equations(scene), scene.events
+        self.still, self.width = still, len(form.variables)
+        turn = [str(scalar(x, number)) for row in form.frame.axes.rows for x in row]
+        zeros = [event.expression or middle_axis(scene) for event in events]
+        self.key = (*zeros,), form.frame.exponent, (*turn,)
         self.start = [sign_at_start(scene, k) for k in range(len(scene.events))]
         eps = max(number.eps, tolerance or ZERO)
         self.band = BAND * eps / 2
@@ -135,7 +139,7 @@ class Rules:
             small = Fraction(2) ** -(((1 / eps).numerator.bit_length() - 1) // 2)
         self.damping: list[Fraction] = []
         sizes = [size_of(scene, event) for event in scene.events]
-        self.asked = any(e.stop for e in scene.events) or not all(x.entire for x in sizes)
+        self.asks = any(e.stop for e in scene.events) or not all(x.entire for x in sizes)
         for size in sizes:
             value, rate = exactly(size.value) or Fraction(1), exactly(size.rate) or Fraction(1)
             self.damping.append(small * Fraction(2) ** -_exponent(max(value, rate)))
@@ -336,9 +340,9 @@ class Watch:
         self.scene, self.number, self.rules, self.muted = scene, number, rules, muted
         self.any_step = rules.still
         self.way = 1 if sign(scene.end) >= 0 else -1
-        self.width = len(equations(scene).variables)
+        self.key, self.damping, self.width = rules.key, rules.damping, rules.width
         end = equations(scene).frame.time(scene.end)
-        self.after_step = AfterStep(self._stops, end, number) if rules.asked else None
+        self.after_step = AfterStep(self._stops, end, number) if rules.asks else None
         self.jets: list[Jet] = []
         self._of = [Record(side) for side in rules.start]
         self._ends = [k for k, event in enumerate(scene.events) if event.stop]
@@ -360,20 +364,6 @@ class Watch:
         return heyoka_numbers.as_fraction(time, self.number)
 
     # -- building -----------------------------------------------------------------------------
-
-    @property
-    def key(self) -> tuple[object, ...]:
-        """What tells the events from others along the same equations."""
-        frame, events = equations(self.scene).frame, self.scene.events
-        rows = frame.axes.rows
-        turn = tuple(str(heyoka_numbers.scalar(x, self.number)) for row in rows for x in row)
-        zeros = tuple(event.expression or middle_axis(self.scene) for event in events)
-        return zeros, frame.exponent, turn
-
-    @property
-    def damping(self) -> list[Fraction]:
-        """Numbers that an integrator with these events takes as parameters, one for each."""
-        return self.rules.damping
 
     def attach(
         self,

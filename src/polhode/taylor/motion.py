@@ -38,7 +38,7 @@ from polhode.taylor import defaults
 from polhode.taylor.engine import TINY, Engine
 from polhode.taylor.heyoka import OutOfRange, array, as_fraction, as_mpf, ending, scalar, scalars
 from polhode.taylor.projection import Projector, UnitNorm
-from polhode.taylor.system import System, system, time_array
+from polhode.taylor.system import System, time_array
 from polhode.taylor.types import Corrector, HeyokaNumber, HeyokaOutcome
 
 if TYPE_CHECKING:
@@ -117,8 +117,8 @@ class Motion:
 
     def __getstate__(self) -> dict[str, object]:
         """What ``at`` needs."""
-        kept = "system", "scene", "every", "most", "reached"
-        return {name: getattr(self, name) for name in kept}
+        names = "system", "scene", "every", "most", "reached"
+        return {name: getattr(self, name) for name in names}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         reached = state.pop("reached")
@@ -147,36 +147,36 @@ class Motion:
 
     def _from_start(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
         """The same, with what is special at the start."""
-        what, origin, frame = self.system, ZERO, self.system.frame
-        if what.rests:  # only the events, those of t, need an integrator
+        system, origin, frame = self.system, ZERO, self.system.frame
+        if system.rests:  # only the events, those of t, need an integrator
             self.reached = frame.time_outside(times[-1])
             rows = self._rows_at_rest([*map(frame.time_outside, times)])
             if self.watch is None or not self.reached:
                 return rows, Outcome.REACHED_END
-            what = replace(self._with_outputs(()), still=True)
-            first = what.rows([row[: len(what.start)] for row in rows[: times[0] == 0]])
-            passed, outcome = self._leg(what, origin, times, first, progress)
+            system = replace(system.with_outputs(()), still=True)
+            first = system.rows([row[: len(system.start)] for row in rows[: times[0] == 0]])
+            passed, outcome = self._leg(system, origin, times, first, progress)
             return rows[: len(passed)], outcome
         began = time.perf_counter()
-        rows = what.first[: times[0] == 0]
+        rows = system.first[: times[0] == 0]
         self.build_seconds += time.perf_counter() - began
         if len(rows) == len(times):
             return rows, Outcome.REACHED_END
-        if what.singular:
+        if system.singular:
             return rows, Outcome.SINGULAR
         if "angles" not in self.scene.modelled or not self.scene.starts_at_pole:
-            return self._leg(what, origin, times, rows, progress)
-        what, origin = self._off_the_pole(what)
+            return self._leg(system, origin, times, rows, progress)
+        system, origin = self._off_the_pole(system)
         if not isinstance(rows, list):  # a motion that stays at the pole has no angles
-            rows = rows[:, : len(what.start)]
+            rows = rows[:, : len(system.start)]
         steps = self.steps
-        rows, outcome = self._leg(what, origin, times, rows, progress)
+        rows, outcome = self._leg(system, origin, times, rows, progress)
         self.steps += steps
         return rows, outcome
 
     def _leg(
         self,
-        what: System,
+        system: System,
         origin: Fraction,
         times: Times,
         rows: Rows,
@@ -186,11 +186,11 @@ class Motion:
         watch, frame, outcome = self.watch, self.system.frame, Outcome.STOPPED_AT_EVENT
         if watch is None or watch.stop is None:
             corrector: Corrector | None = None
-            if what.form.unit is not None:
-                corrector = UnitNorm(what.form.unit, self.number)
-            elif self.every is not None and not what.still:
+            if system.form.unit is not None:
+                corrector = UnitNorm(system.form.unit, self.number)
+            elif self.every is not None and not system.still:
                 corrector = Projector(self.system.target, self.every, watch)
-            self.begin(what, origin, corrector)
+            self.begin(system, origin, corrector)
             most = defaults.of(self.number).max_steps if self.most is None else self.most
             rows, outcome = self.advance(times, most, rows, progress)
             if corrector is not None:
@@ -204,11 +204,6 @@ class Motion:
             self.reached = frame.time_outside(stop)
             rows = rows[: bisect_right(times, abs(stop), hi=len(rows), key=abs)]
         return rows, outcome
-
-    def _with_outputs(self, outputs: tuple[str, ...]) -> System:
-        """The system with these outputs alone."""
-        of = self.system
-        return system(of.scene, outputs, of.number, of.tolerance, of.inputs)
 
     def _rows_at_rest(self, times: Sequence[Fraction]) -> Rows:
         """Rows of a state that never changes, at times in the scene's unit."""
@@ -230,7 +225,7 @@ class Motion:
 
     # -- a start at a pole, where psi' is 0/0 ---------------------------------------------------
 
-    def _off_the_pole(self, what: System) -> tuple[System, Fraction]:
+    def _off_the_pole(self, system: System) -> tuple[System, Fraction]:
         """The system a moment after a start at a pole, and that moment.
 
         The attitude leads over the pole, to before the first output.  A motion that stays at the
@@ -239,20 +234,20 @@ class Motion:
         times = self.system.times(self.scene).inside
         first = times[0] or times[1]
         moment = max(-_OFF_THE_POLE, min(_OFF_THE_POLE, first / 2))
-        self.begin(self._with_outputs(("attitude",)))
+        self.begin(system.with_outputs(("attitude",)))
         parts: list[Rows] = []
         _, outcome = self._chunk(ExactNumbers((moment,)), 10**6, parts)
         if self.watch is None and outcome.done:
             self.engine.release()
         if self.watch is not None and self.watch.stop is not None:
-            return what, moment
+            return system, moment
         row = parts[0][0]
         if all(x == 0 for x in self.read.states([row])[0][3:5]):
             self.anchors.clear()
-            outputs = tuple(name for name in what.outputs if name != "angles")
-            names, start = what.names[:-2], what.start[:-2]
-            return replace(what, names=names, outputs=outputs, start=start), ZERO
-        return replace(what, start=tuple(self._with_angles(row, moment))), moment
+            outputs = tuple(name for name in system.outputs if name != "angles")
+            names, start = system.names[:-2], system.start[:-2]
+            return replace(system, names=names, outputs=outputs, start=start), ZERO
+        return replace(system, start=tuple(self._with_angles(row, moment))), moment
 
     def _with_angles(self, row: Row, t: Fraction) -> list[Fraction]:
         """A row of the state and the attitude soon after a pole, as one with psi and phi.
@@ -272,7 +267,7 @@ class Motion:
 
     def begin(
         self,
-        what: System,
+        system: System,
         origin: Fraction = ZERO,
         corrector: Corrector | None = None,
         engine: Engine | None = None,
@@ -284,11 +279,11 @@ class Motion:
         motion, for all that the type can tell.
         """
         began = time.perf_counter()
-        self.engine = what.engine(self.watch) if engine is None else engine
+        self.engine = system.engine(self.watch) if engine is None else engine
         self.heyoka, self.state = self.engine.heyoka, self.engine.state
-        self._what, self.offset, self.steps = what, origin, 0
+        self._leg_system, self.offset, self.steps = system, origin, 0
         self.corrector, self._due = corrector, 0 if corrector is None else corrector.every
-        self._cyclic = None if what.cyclic is None else what.cyclic.at_start()
+        self._cyclic = None if system.cyclic is None else system.cyclic.at_start()
         self._reach = math.inf
         #: heyoka's options of all steps
         self._options: dict[str, Any] = {}
@@ -298,7 +293,7 @@ class Motion:
                 self._options["max_delta_t"] = scalar(_LONGEST, self.number)
             if watch.after_step is not None:
                 self._options["callback"] = watch.after_step
-            watch.sit_down(self.engine, what.parameters[: len(what.equations.pattern)], origin)
+            watch.sit_down(self.engine, system.parameters[: len(system.equations.pattern)], origin)
         self.build_seconds += time.perf_counter() - began
         for k in [] if watch is None or watch.muted else watch.still():
             event = self.scene.events[k]
@@ -335,7 +330,7 @@ class Motion:
         ``times``: monotone, ahead of the current one but those of the ``rows`` that are there.
         ``most``: of all steps.  Ctrl-C ends it with INTERRUPTED.
         """
-        parts = [self._what.rows([]) if rows is None else rows]
+        parts = [self._leg_system.rows([]) if rows is None else rows]
         end, count, outcome = times[-1], len(parts[0]), Outcome.REACHED_END
         chunk = defaults.of(self.number).chunk
         try:
@@ -344,15 +339,17 @@ class Motion:
                 if steps <= 0:
                     outcome = Outcome.STEP_LIMIT
                     break
-                passed, outcome = self._chunk(times[count:] if count else times, steps, parts)
-                count += passed
+                rest = times[count:] if count else times
+                times_passed, outcome = self._chunk(rest, steps, parts)
+                count += times_passed
                 if outcome is not Outcome.STEP_LIMIT:
                     break
-                way, now = abs(self.time - self.offset), self.time
-                if way <= steps * abs(now) * self.number.eps:
+                now = self.time
+                passed = abs(now - self.offset)
+                if passed <= steps * abs(now) * self.number.eps:
                     outcome = Outcome.STEP_UNDERFLOW
                     break
-                ahead = abs(end - now) / way * steps
+                ahead = abs(end - now) / passed * steps
                 if self.steps + ahead > 10 * most:  # hopeless: no need to try the limit out
                     break
                 if progress is not None:
@@ -503,25 +500,25 @@ class Motion:
         before it, by the steps of the run, of which only the last is shorter: as accurate as the
         run's own.
         """
-        what = self.system
-        if what.rests:
+        system = self.system
+        if system.rests:
             return [*self._rows_at_rest(times)], Outcome.REACHED_END, self.reached
         rows: list[Row] = []
         path = self._once_more if any(times) else self
-        walk = Motion(what, self.scene)
+        walk = Motion(system, self.scene)
         walk.watch = self._new_watch(muted=True) if self.scene.events else None
         for t in times:
             if not t:
-                rows.append(what.first[0])
+                rows.append(system.first[0])
                 continue
             if abs(t) > abs(path.reached):
                 break
-            inside = what.frame.time(t)
-            anchor = path.anchors[bisect_right(path._begun, abs(inside)) - 1]
+            inside = system.frame.time(t)
+            anchor = path.anchors[bisect_right(path._starts, abs(inside)) - 1]
             row = walk._row_after(anchor, inside)
             if "angles" in self.scene.modelled and anchor.system is not path.anchors[-1].system:
                 exact = self._with_angles(row, inside)
-                row = what.rows([[number_value(x, self.number) for x in exact]])[0]
+                row = system.rows([[number_value(x, self.number) for x in exact]])[0]
             rows.append(row)
         return rows, path.outcome, path.reached
 
@@ -536,7 +533,7 @@ class Motion:
         return again
 
     @cached_property
-    def _begun(self) -> list[Fraction]:
+    def _starts(self) -> list[Fraction]:
         """|t| of the anchors of a motion that is over."""
         return [abs(anchor.time) for anchor in self.anchors]
 
@@ -549,7 +546,7 @@ class Motion:
         while ended is Outcome.STEP_LIMIT and steps < max_steps:
             state = tuple(self.state.tolist())
             start = self.time, self.offset, ta.dtime, state, grown
-            self.anchors.append(Anchor(self._what, *start))
+            self.anchors.append(Anchor(self._leg_system, *start))
             most = min(self.spacing, max_steps - steps)
             outcome = ta.propagate_until(end, max_steps=most, **options)
             ended, steps = ending(outcome[0]), steps + int(outcome[3])
@@ -560,8 +557,8 @@ class Motion:
 
         They lead to the time of the type nearest to it, and the rest is less than its last bit.
         """
-        what = anchor.system
-        self.begin(what)
+        system = anchor.system
+        self.begin(system)
         self.offset, self.heyoka.dtime = anchor.offset, anchor.dtime
         for i, x in enumerate(anchor.state):
             self.state[i] = x
@@ -575,7 +572,7 @@ class Motion:
         row: Row = self._completed(self.state[None].copy())[0]
         nearest = self.time
         self.release()
-        return row if t == nearest else _moved(row, t - nearest, what)
+        return row if t == nearest else _moved(row, t - nearest, system)
 
 
 def _ahead(times: Times, offset: Fraction, number: NumberType) -> Numbers:
@@ -586,33 +583,33 @@ def _ahead(times: Times, offset: Fraction, number: NumberType) -> Numbers:
     if not number.flat:
         passed = scalars([t - offset for t in times.exact], number)
         return [passed[0], *passed]
-    known = time_array(times, number)
-    ahead: Flat = np.empty(len(known) + 1, known.dtype)
+    grid = time_array(times, number)
+    ahead: Flat = np.empty(len(grid) + 1, grid.dtype)
     if not offset:
-        ahead[1:] = known
+        ahead[1:] = grid
         return ahead
     nearest = to_double if number.name == "double" else to_extended
     high = nearest(offset)
     low = nearest(offset - exactly(high))
-    near, rest = two_sum(known, -high)
+    near, rest = two_sum(grid, -high)
     ahead[1:] = near + (rest - low)
     return ahead
 
 
-def _moved(row: Row, by: Fraction, what: System) -> Row:
+def _moved(row: Row, by: Fraction, system: System) -> Row:
     """A row moved on by less than the last bit of its time."""
-    if what.number.flat:
-        known = {name: to_extended(x) for name, x in what.coefficients.items()}
+    if system.number.flat:
+        k = {name: to_extended(x) for name, x in system.coefficients.items()}
         wide = flat(row).astype(np.longdouble)
-        slopes = np.array(what.field([*wide], known, of_extended()), dtype=np.longdouble)
+        slopes = np.array(system.field([*wide], k, of_extended()), dtype=np.longdouble)
         moved: Flat = (wide + to_extended(by) * slopes).astype(flat(row).dtype)
         return moved
     from polhode.numbers.mpmath_context import mpmath, ordinary, own
 
-    with mpmath.workprec(what.number.bits):
-        k = {name: own(number_value(x, what.number)) for name, x in what.coefficients.items()}
-        zero, step = (own(number_value(x, what.number)) for x in (Fraction(0), by))
+    with mpmath.workprec(system.number.bits):
+        k = {name: own(number_value(x, system.number)) for name, x in system.coefficients.items()}
+        zero, step = (own(number_value(x, system.number)) for x in (Fraction(0), by))
         fn = of_mpmath()._replace(zero=zero)
         state = [own(x) for x in row]
-        rates = what.field(state, k, fn)
+        rates = system.field(state, k, fn)
         return [ordinary(x + step * rate) for x, rate in zip(state, rates, strict=True)]

@@ -163,6 +163,10 @@ class System:
                 return flat(self.state)[None]
         return self.rows([[number_value(x, self.number) for x in self.start]])
 
+    def with_outputs(self, outputs: tuple[str, ...]) -> System:
+        """The system with these outputs alone."""
+        return system(self.scene, outputs, self.number, self.tolerance, self.inputs)
+
     def rows(self, rows: Sequence[Row]) -> Rows:
         """Rows of the run's numbers, as a run holds them: an array, or a list above extended."""
         if not self.number.flat:
@@ -176,13 +180,13 @@ class System:
 
         The last two are kept.  Raises BadInput for times that the type does not tell apart.
         """
-        given, last = scene.times, self._last_times
+        given_times, last = scene.times, self._last_times
         for before, times in last:
-            if before is given:
+            if before is given_times:
                 return times
         outside = rounded_times(scene, self.number)
         times = OutputTimes(outside, inside(outside, self.frame.exponent, self.number))
-        last[:] = [(given, times), *last[:1]]
+        last[:] = [(given_times, times), *last[:1]]
         return times
 
     @cached_property
