@@ -43,12 +43,13 @@ def checked_options(
     scene: Scene, number: NumberType, options: Options, tol: AnyNumber | None
 ) -> Options:
     """Options as a user gives them, and the tolerance, checked; raises BadInput."""
-    check_method(scene, options.method)
+    if options.method != "auto":
+        check_method(scene, options.method)
     most, project, tolerance = options.max_steps, options.project, options.tolerance
     if most is not None:
         most = steps(scene.name, most)
-    if project is not None:
-        project = corrections(scene, project)
+    if project is not None and not isinstance(project, bool):
+        project = whole(scene.name, "project", project, 1)
     if tol is not None:
         tolerance = rounded_tolerance(scene, number, tol)
     return options._replace(max_steps=most, project=project, tolerance=tolerance)
@@ -59,13 +60,6 @@ def check_method(scene: Scene, method: str) -> None:
     if method not in METHODS:
         of_kind(scene.name, "method", method, str, ", ".join(METHODS))
         raise BadInput(scene.name, "method", method, nearest(method, list(METHODS)))
-
-
-def corrections(scene: Scene, project: bool | int | None) -> bool | int | None:
-    """Whether, or after how many steps, the state is corrected, checked; None: as types have it."""
-    if project is None or isinstance(project, bool):
-        return project
-    return whole(scene.name, "project", project, 1)
 
 
 def choose_number(
@@ -113,14 +107,13 @@ def rounded_tolerance(scene: Scene, number: NumberType, tol: AnyNumber | None) -
     return exact
 
 
-def cadence(
-    scene: Scene, number: NumberType, tolerance: Fraction | None, project: bool | int | None
-) -> int | None:
-    """Steps between two corrections of the run, None for none."""
-    choices = defaults.of(number)
+def cadence(scene: Scene, number: NumberType, options: Options) -> int | None:
+    """Steps between two projections of the run onto its first integrals, None for none."""
+    choices, project = defaults.of(number), options.project
     if project is None:
-        project = choices.projected and (tolerance is None or tolerance <= number.eps)
-    if scene.form != "principal" or project is False:
+        loose = options.tolerance is not None and options.tolerance > number.eps
+        project = choices.projected and not loose
+    if scene.form != "principal" or options.inputs is not None or project is False:
         return None
     return choices.project_every if project is True else project
 

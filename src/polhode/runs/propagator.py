@@ -30,7 +30,7 @@ from polhode.numbers.number_types import (
     flat,
     numbers_given,
 )
-from polhode.runs.options import cadence, choose_number, corrections, rounded_tolerance
+from polhode.runs.options import Options, cadence, checked_options, choose_number
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults, lanes
@@ -538,9 +538,9 @@ def propagator(
         raise BadInput(scene.name, "number", kind.name, "double or extended")
     if project is None:
         raise BadInput(scene.name, "project", None, "True, False or a number of steps")
-    tolerance = rounded_tolerance(scene, kind, tol)
-    every = cadence(scene, kind, tolerance, corrections(scene, project))
+    options = checked_options(scene, kind, Options(project=project), tol)
     try:
-        return Propagator(system_of(scene, kind, tolerance), every)
+        system = system_of(scene, kind, options.tolerance)
+        return Propagator(system, cadence(scene, kind, options))
     except OutOfRange as fault:
         raise fault.refusal(scene.name, kind) from None

@@ -124,15 +124,7 @@ def _motions(system: System, scene: Scene, options: Options) -> Iterator[Refined
             from polhode.runs.refined_motion import RefinedMotion
 
             yield RefinedMotion(system, scene, options)
-    yield _taylor_motion(system, scene, options)
-
-
-def _taylor_motion(system: System, scene: Scene, options: Options) -> Motion:
-    """The motion at its start."""
-    every = None
-    if system.inputs is None:
-        every = cadence(scene, system.number, system.tolerance, options.project)
-    return Motion(system, scene, every, options.max_steps)
+    yield Motion(system, scene, cadence(scene, number, options), options.max_steps)
 
 
 def _made_of(
@@ -224,7 +216,8 @@ def _motion(run: Trajectory, what: str) -> Interpolant:
     if what not in run.others:
         scene, options = _asked(run, what, run.times), _options(run)
         system = system_of(scene, run.number, options.tolerance)
-        motion = _taylor_motion(system, scene, options)
+        every = cadence(scene, run.number, options)
+        motion = Motion(system, scene, every, options.max_steps)
         motion.reached = run.reached
         run.others[what] = motion
     return run.others[what]

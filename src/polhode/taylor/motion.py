@@ -358,7 +358,8 @@ class Motion:
                 outcome = Outcome.REACHED_END
         except KeyboardInterrupt:
             outcome = Outcome.INTERRUPTED
-        rows = joined([*filter(len, parts)] or parts[:1], self.number)
+        parts = [*filter(len, parts)] or parts[:1]
+        rows = parts[0] if len(parts) == 1 else joined(parts, self.number)
         if outcome is Outcome.NON_FINITE:
             finite = [k for k, row in enumerate(rows) if all(x - x == 0 for x in row)]
             rows = [rows[k] for k in finite] if isinstance(rows, list) else rows[finite]

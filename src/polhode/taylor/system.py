@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -247,7 +247,8 @@ def system_of(
 
     Raises BadInput where a library has left this thread another rounding mode than to nearest.
     """
-    refuse_other_rounding(scene)
+    if not rounds_to_nearest():
+        refuse_other_rounding(scene)
     key = (number, tolerance, inputs)
     return _systems.get(scene.identity, key, lambda: system(scene.apart(), scene.modelled, *key))
 
@@ -263,7 +264,7 @@ def rounded_times(scene: Scene, number: NumberType) -> ExactNumbers[Fraction]:
     """The output times as numbers of the run's type."""
     if not scene.times:
         raise BadInput(scene.name, "run.end", None, "a time, or times given with --at")
-    times = scene.output_times.rounded(number)
+    times = cast("ExactNumbers[Exact]", scene.times).rounded(number)
     k = times.misplaced()
     if k is not None:
         expected = f"times that differ when rounded to {number.name}"
@@ -291,7 +292,7 @@ def time_array(times: ExactNumbers[Fraction], number: NumberType) -> Flat:
     """Times as an array of heyoka's numbers, of a type that numpy holds."""
     if times.floats is not None:
         return times.floats
-    return flat(array(scalars(times.exact, number), number))
+    return cast("Flat", array(scalars(times.exact, number), number))
 
 
 def principal_system(scene: Scene) -> System:
