@@ -370,7 +370,7 @@ class Pool:
         except (KeyError, IndexError):
             return None
 
-    def put(self, key: Hashable, engine: Any) -> None:
+    def give_back(self, key: Hashable, engine: Any) -> None:
         """Keep one for whoever asks next."""
         idle = self._idle
         engines = idle.pop(key, [])
@@ -500,7 +500,7 @@ class Engine:
         if self.desk is not None:
             self.desk.watch = None  # which knows a run, its scene and its times
         if self.key is not None:
-            POOL.put(self.key, self)
+            POOL.give_back(self.key, self)
 
     def __enter__(self) -> Self:
         return self

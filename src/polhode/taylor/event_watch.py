@@ -271,11 +271,33 @@ def stays(jet: Jet, heyoka: HeyokaIntegrator, parameters: Array, width: int) -> 
 # A zero at t = 0, to the rounding of the start's numbers, is not an event of the run.
 
 
-class Notes(NamedTuple):
+_ROOM = 64  # for the first notes
+
+
+class Notes:
     """Zeros of a function as heyoka met them, by one clock: the times, and the variables there."""
 
-    times: list[HeyokaNumber]
-    rows: list[Array]
+    def __init__(self) -> None:
+        self.times: list[HeyokaNumber] = []
+        self.rows: Array = np.empty(0)  # with room for more
+
+    def add(self, t: HeyokaNumber, variables: Array) -> None:
+        """Take note of a time and of the variables, which are copied."""
+        count = len(self.times)
+        if count == len(self.rows):
+            rows = np.empty((2 * count or _ROOM, len(variables)), variables.dtype)
+            if count:
+                rows[:count] = self.rows
+            self.rows = rows
+        self.rows[count] = variables
+        self.times.append(t)
+
+    def settled(self, parameters: Array, number: NumberType) -> Marks:
+        """All of them as marks; from now on there are none."""
+        columns = self.rows[: len(self.times)].T.copy()
+        marks = marks_at(array(self.times, number), columns, parameters)
+        self.times.clear()
+        return marks
 
 
 class Record:
@@ -287,19 +309,16 @@ class Record:
     """
 
     def __init__(self, side: int) -> None:
-        self.notes = Notes([], []), Notes([], [])
+        self.notes = Notes(), Notes()
         self.marks: tuple[list[Marks], list[Marks]] = [], []
         self.counts, self.seen = [0, 0], [0, 0]
         self.open, self.side = False, side
 
     def settle(self, parameters: Array, number: NumberType) -> None:
         """Take the notes for marks, before the clock changes or when these are asked for."""
-        for (times, rows), marks in zip(self.notes, self.marks, strict=True):
-            if times:
-                columns = np.concatenate(rows).reshape(len(rows), -1).T
-                marks.append(marks_at(array(times, number), columns, parameters))
-                times.clear()
-                rows.clear()
+        for notes, marks in zip(self.notes, self.marks, strict=True):
+            if notes.times:
+                marks.append(notes.settled(parameters, number))
 
     def joined(self, order: int, width: int) -> Marks:
         """All zeros (0), or extrema (1), once they are settled."""
@@ -445,9 +464,7 @@ class Watch:
         if ta is self._stepping:  # and not one of a search
             ta.update_d_output(t)
             record = self._of[k]
-            times, rows = record.notes[order]
-            times.append(t)
-            rows.append(self._dense.copy())
+            record.notes[order].add(t, self._dense)
             record.counts[order] += 1
 
     def _stops(self, ta: HeyokaIntegrator) -> bool:
