@@ -37,9 +37,10 @@ from polhode.equations.readout import Readout
 from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
-from polhode.numbers.number_types import NumberType, Row, Rows, named
+from polhode.numbers.exact_sequences import ExactNumbers
+from polhode.numbers.number_types import NumberType, named
 from polhode.numbers.vectors import dot, scaled
-from polhode.taylor.stepping import Integrator
+from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 
 QUESTION = (
@@ -209,11 +210,12 @@ def error(scene: polhode.Scene, number: NumberType) -> float:
     """
     plain = replace(scene, outputs=(), events=())
     equations = system(plain, number=number)
-    integrator = Integrator(equations)
+    motion = Motion(equations)
+    motion.begin(equations)
     unit = equations.frame.unit
     row: Any = None
     for t in (number.rounded(number.rounded(scene.end) / unit), Fraction(0)):
-        row = _led(integrator, t)
+        row = motion.advance(ExactNumbers((t,)), 10**8)[0][0]
     rounded = [number.rounded(x) for x in equations.start]
     read = Readout(plain, number)
     back = read.states([row])[0]
@@ -238,14 +240,6 @@ def way_back(scene: polhode.Scene, t: Any, state: Sequence[Any]) -> polhode.Scen
         gamma = scaled(1 / exact.sqrt(dot((x, y, z), (x, y, z))), (x, y, z))
     p, q, r = state[:3]
     return replace(scene, omega=(p, q, r), gamma=gamma, times=(-t,), outputs=(), events=())
-
-
-def _led(integrator: Integrator, t: Fraction) -> Row:
-    """The row of an integrator led to a time."""
-    rows: Rows = []
-    while len(rows) == 0:
-        rows, _ = integrator.chunk([t], 10**5)
-    return rows[0]
 
 
 # --- page -----------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.taylor.stepping import Integrator
+from polhode.taylor.motion import Motion
 
 
 @pytest.mark.slow
@@ -95,9 +95,9 @@ ON_THE_WAY = {
 def test_ctrl_c_is_not_the_scene_s_fault(asked, monkeypatch):
     """The run on the way was interrupted: so is what was asked for, and no key is bad."""
 
-    def pressed(integrator, times, rows, *_):
+    def pressed(motion, times, most, rows, *_):
         return rows, polhode.Outcome.INTERRUPTED
 
-    monkeypatch.setattr(Integrator, "advance", pressed)
+    monkeypatch.setattr(Motion, "advance", pressed)
     with pytest.raises(KeyboardInterrupt):
         ON_THE_WAY[asked]()

@@ -62,14 +62,14 @@ def true_speed(state):
         return mpmath.sqrt(p * p + q * q + r * r)
 
 
-def assert_rounded(found, state, number):
+def assert_rounded(rows, state, number):
     """Half a unit of the type's last bit, and no bit fewer: a rounding of the true value."""
     true = true_speed(state)
     with mpmath.workprec(1000):
-        exact = mpmath.mpf(found.numerator) / found.denominator
+        exact = mpmath.mpf(rows.numerator) / rows.denominator
         unit = mpmath.ldexp(1, int(mpmath.floor(mpmath.log(true, 2))) + 1 - number.bits)
-        assert abs(exact - true) <= unit * 0.501, (found, true)
-    assert number.rounded(found) == found
+        assert abs(exact - true) <= unit * 0.501, (rows, true)
+    assert number.rounded(rows) == rows
 
 
 def read(text, number):
@@ -82,7 +82,7 @@ def scene():
     return replace(polhode.load(TOP), outputs=("speed",))
 
 
-def told(capsys, *arguments):
+def document(capsys, *arguments):
     """What a command that succeeds says, as JSON or as lines of a table."""
     assert main([*arguments]) == 0
     out = capsys.readouterr().out
@@ -94,8 +94,8 @@ def told(capsys, *arguments):
 def test_a_run_has_the_speed_wherever_it_goes(number, scene, tmp_path, capsys):
     """JSON, CSV and the JSON beside it: the same strings; trajectory, file, frames, notebook."""
     kind, path, at = NUMBERS[number], tmp_path / "x.csv", ["0", "1", "5"]
-    asked = ["run", TOP, "--number", number, "--at", ",".join(at), "--outputs", "speed"]
-    columns = told(capsys, *asked, "--json")["columns"]
+    command = ["run", TOP, "--number", number, "--at", ",".join(at), "--outputs", "speed"]
+    columns = document(capsys, *command, "--json")["columns"]
     errors = ["error"] * ("error" in columns)  # of a refined run
     assert [*columns] == ["t", *STATE, "speed", *errors]
     states = zip(*(columns[name] for name in STATE), strict=True)
@@ -103,7 +103,7 @@ def test_a_run_has_the_speed_wherever_it_goes(number, scene, tmp_path, capsys):
         assert_rounded(read(str(text), kind), [read(str(x), kind) for x in state], kind)
         if number != "double":
             assert len(text.replace(".", "")) == kind.printed_digits
-    assert main([*asked, "-o", str(path)]) == 0
+    assert main([*command, "-o", str(path)]) == 0
     header, *lines = csv.reader(path.read_text().splitlines())
     assert header == [*columns]
     for k, name in enumerate(header):
@@ -112,29 +112,29 @@ def test_a_run_has_the_speed_wherever_it_goes(number, scene, tmp_path, capsys):
     assert ("columns" in told_beside, told_beside["number"]) == (False, number)
 
     run = polhode.integrate(scene, number, at=at)
-    held = [value for (value,) in run.outputs["speed"]]
-    assert [exactly(x) for x in held] == [read(str(text), kind) for text in columns["speed"]]
+    speeds = [value for (value,) in run.outputs["speed"]]
+    assert [exactly(x) for x in speeds] == [read(str(text), kind) for text in columns["speed"]]
     assert isinstance(run.outputs["speed"], np.ndarray) == kind.flat
     assert not kind.flat or run.outputs["speed"].dtype == run.states.dtype
     assert run.hodographs is None
     run.save(tmp_path / "run.npz")
     again = polhode.load_run(tmp_path / "run.npz")
     assert again == run
-    assert [row[0] for row in again.outputs["speed"]] == held
+    assert [row[0] for row in again.outputs["speed"]] == speeds
     frame, dataset = run.to_pandas(), run.to_xarray()
     assert list(frame.columns) == [*STATE, "speed", *errors] == list(dataset.data_vars)
-    assert list(frame["speed"]) == held == list(dataset["speed"].values)
+    assert list(frame["speed"]) == speeds == list(dataset["speed"].values)
     assert "<th>speed</th>" in run._repr_html_()
-    assert samples.of_run(run).columns["speed"].tolist() == [float(x) for x in held]
+    assert samples.of_run(run).columns["speed"].tolist() == [float(x) for x in speeds]
     judged = polhode.compare(run)
     assert kind.most_digits - 3 < judged.parts["speed"] <= kind.most_digits
 
 
 @pytest.mark.parametrize(("name", "digits"), [(TOP, 12), ("euler/turned-axes", 40)])
 def test_a_reference_gives_the_speed_to_the_last_digit(name, digits, capsys):
-    asked = ["reference", name, "--at", "1,1500", "--outputs", "speed,hodographs"]
-    asked += ["--digits", str(digits)]
-    answer = told(capsys, *asked, "--json")
+    command = ["reference", name, "--at", "1,1500", "--outputs", "speed,hodographs"]
+    command += ["--digits", str(digits)]
+    answer = document(capsys, *command, "--json")
     states = polhode.reference(name).at([1, 1500], digits + 20)
     speeds = answer["columns"]["speed"]
     for state, text in zip(states, speeds, strict=True):
@@ -143,7 +143,7 @@ def test_a_reference_gives_the_speed_to_the_last_digit(name, digits, capsys):
         with mpmath.workprec(1000):
             wrong = abs(mpmath.mpf(text) - true_speed([exactly(x) for x in state]))
             assert wrong < mpmath.mpf(10) ** (1 - printed) * 0.51
-    header, *lines = told(capsys, *asked)
+    header, *lines = document(capsys, *command)
     assert header[-4:] == ["omega_x", "omega_y", "omega_z", "speed"]
     assert [line[-1] for line in lines] == speeds
     column = polhode.reference(name).column("speed", [1, 1500], digits)
@@ -153,9 +153,9 @@ def test_a_reference_gives_the_speed_to_the_last_digit(name, digits, capsys):
 
 def test_a_proof_gives_balls_of_the_speed(scene, capsys):
     """They hold the closed form's and are as small as was asked for; printed digits are right."""
-    asked = ["certify", TOP, "--at", "1,2", "--digits", "25"]
-    asked += ["--outputs", "speed,hodographs"]
-    columns = told(capsys, *asked, "--json")["columns"]
+    command = ["certify", TOP, "--at", "1,2", "--digits", "25"]
+    command += ["--outputs", "speed,hodographs"]
+    columns = document(capsys, *command, "--json")["columns"]
     true = [true_speed([exactly(x) for x in s]) for s in polhode.reference(TOP).at([1, 2], 60)]
     part = polhode.certify(scene, [1, 2], digits=25).derived["speed"]
     with mpmath.workprec(1000):
@@ -166,7 +166,7 @@ def test_a_proof_gives_balls_of_the_speed(scene, capsys):
             assert abs(mpmath.norm(space) - speed) < 1e-24
             ((centre,), (size,)) = part.centres[k], part.radii[k]
             assert abs(mpmath.mpf(centre.numerator) / centre.denominator - speed) <= size
-    header, *lines = told(capsys, *asked)
+    header, *lines = document(capsys, *command)
     place = header.index("speed")
     for line, speed in zip(lines, true, strict=True):
         text = line[place]
@@ -190,7 +190,7 @@ def test_compare_judges_a_column_of_speed(count, tmp_path, capsys):
             for k, (t, x) in enumerate(zip(times, true, strict=True))
         ]
         path.write_text("\n".join(["t,speed", *lines]) + "\n")
-        return told(capsys, "compare", str(path), TOP, "--json")
+        return document(capsys, "compare", str(path), TOP, "--json")
 
     answer = judged(0)
     assert answer["judged"] == ["speed"]
@@ -221,16 +221,16 @@ def test_a_sweep_gives_the_speed_of_each_member(number, scene, tmp_path, capsys)
     assert many.to_xarray()["speed"].values.tolist() == speeds[:, :, 0].tolist()
     file = tmp_path / "top.toml"
     file.write_text(polhode.load(TOP).source.replace('["angles", "attitude"]', '["speed"]'))
-    asked = ["sweep", str(file), "--vary", "body.weight=1,2", "--at", "0,1", "--number", number]
-    told_speeds = told(capsys, *asked, "--json")["columns"]["speed"]
+    command = ["sweep", str(file), "--vary", "body.weight=1,2", "--at", "0,1", "--number", number]
+    told_speeds = document(capsys, *command, "--json")["columns"]["speed"]
     printed = [read(str(x), kind) for x in told_speeds]
     assert printed == [exactly(x) for x in speeds[:, :, 0].ravel()]
-    assert main([*asked, "-o", str(tmp_path / "x.csv")]) == 0
+    assert main([*command, "-o", str(tmp_path / "x.csv")]) == 0
     assert "left out" not in capsys.readouterr().err
     header, *lines = csv.reader((tmp_path / "x.csv").read_text().splitlines())
     assert header[-1] == "speed"
     assert [line[-1] for line in lines] == [*map(str, told_speeds)]
-    assert main([*asked, "-o", str(tmp_path / "x.npz")]) == 0
+    assert main([*command, "-o", str(tmp_path / "x.npz")]) == 0
     with np.load(tmp_path / "x.npz") as file:
         assert [read(str(x), kind) for x in file["speed"]] == printed
 
@@ -261,12 +261,12 @@ def test_a_row_without_a_finite_real_value_is_a_gap(number):
     kind = NUMBERS[number]
     whole, c = [(1, 4), (3, 1)], {"c": Fraction(1, 3)}
     for bad in ((1, 0), (1, -1), (1, None), (float("nan"), 1), (float("inf"), 1)):
-        given = [list(row) for row in (*whole, bad)]
-        found = mapped(divided, [given], c, kind, 2)
-        assert isinstance(found, list)
-        assert found[2] == [None, None]
-        assert [exactly(x) for x in found[0]] == [kind.rounded(Fraction(1, 12)), 2]
-        assert [exactly(x) for x in found[1]] == [1, 1]
+        rows = [list(row) for row in (*whole, bad)]
+        column = mapped(divided, [rows], c, kind, 2)
+        assert isinstance(column, list)
+        assert column[2] == [None, None]
+        assert [exactly(x) for x in column[0]] == [kind.rounded(Fraction(1, 12)), 2]
+        assert [exactly(x) for x in column[1]] == [1, 1]
     flat = mapped(divided, [[list(row) for row in whole]], c, kind, 2)
     assert isinstance(flat, np.ndarray) == kind.flat
 
@@ -274,11 +274,11 @@ def test_a_row_without_a_finite_real_value_is_a_gap(number):
 def test_doubles_are_the_same_where_there_is_no_wider_type(monkeypatch):
     """The ways by numpy's extended and by mpmath: the same doubles, row by row."""
     rng = np.random.default_rng(1)
-    given = rng.normal(size=(500, 6))
+    rows = rng.normal(size=(500, 6))
     formula = columns.FORMULAS["speed"].values
-    fast = mapped(formula, [given], {}, DOUBLE, 1)
+    fast = mapped(formula, [rows], {}, DOUBLE, 1)
     monkeypatch.setattr(row_formulas, "extended_here", lambda: False)
-    assert np.array_equal(fast, mapped(formula, [given], {}, DOUBLE, 1))
+    assert np.array_equal(fast, mapped(formula, [rows], {}, DOUBLE, 1))
 
 
 def test_a_column_may_need_numbers_of_the_body_and_angles(monkeypatch):
@@ -335,15 +335,15 @@ def test_a_formula_and_two_rows_are_all(tmp_path):
     vocabulary.write_text(f'{before}{table}{row}\n    "speed": {ROW!r},{end}{rest}')
 
     def says(*command):
-        done = subprocess.run(
+        process = subprocess.run(
             [sys.executable, "-m", "polhode", *command],
             capture_output=True,
             text=True,
             cwd=tmp_path,
             env={"PYTHONPATH": str(tmp_path / "src")},
         )
-        assert done.returncode == 0, done.stderr
-        return done.stdout
+        assert process.returncode == 0, process.stderr
+        return process.stdout
 
     assert "mrp, integrals, speed" in " ".join(says("run", "--help").split())
     assert "`integrals`, `speed`" in says("guide", "scene")

@@ -74,12 +74,12 @@ def test_derivatives_by_the_body_are_those_of_the_coefficients() -> None:
     # Of what is linear in a number, or one over it, doubling the number tells it exactly.
     for numbers, _ in bodies():
         for place, x in enumerate(numbers):
-            found = terms.derivatives_of(numbers, place)
+            derivatives = terms.derivatives_of(numbers, place)
             for n, (name, _, below, _) in enumerate(terms.COEFFICIENTS):
-                other = [*numbers]
-                other[place] = 2 * x
-                moved, at = (terms.coefficients_of(y)[n] for y in (other, numbers))
-                assert found.get(name, 0) == (2 if below == place else 1) * (moved - at)
+                varied = [*numbers]
+                varied[place] = 2 * x
+                moved, at = (terms.coefficients_of(y)[n] for y in (varied, numbers))
+                assert derivatives.get(name, 0) == (2 if below == place else 1) * (moved - at)
 
 
 def test_times_turn_the_equations_round() -> None:
@@ -190,9 +190,9 @@ def test_a_scene_s_text_is_read_once(readings: list[str], tmp_path) -> None:
 
 def test_the_text_of_a_changed_scene_tells_the_change() -> None:
     scene = polhode.load("kovalevskaya/generic")
-    other = replace(scene, omega=(1, 2, 3), title="another")  # type: ignore[arg-type]
-    again = scene_file.parse(polhode.as_toml(other))
-    assert (again.omega, again.title, again.body) == (other.omega, "another", scene.body)
+    changed = replace(scene, omega=(1, 2, 3), title="another")  # type: ignore[arg-type]
+    again = scene_file.parse(polhode.as_toml(changed))
+    assert (again.omega, again.title, again.body) == (changed.omega, "another", scene.body)
     assert to_double(again.omega[2]) == 3.0
 
 
@@ -205,12 +205,12 @@ def test_a_sum_in_the_derivative_is_not_proven(monkeypatch: pytest.MonkeyPatch) 
     window = task.HONEST.window(problem, state, 1 << 12, 1, 1.0)
     assert window is not None
     pieces = taylor_polynomials.of_doubles(window.times, window.series)
-    known = taylor_polynomials.defects(problem, pieces)
-    given = np.zeros(pieces.near.shape), np.eye(6)[None, None].repeat(pieces.count, 0)
-    assert np.all(np.isfinite(step_bound.bounds(problem, known, *given).alpha))
+    usual = taylor_polynomials.defects(problem, pieces)
+    start = np.zeros(pieces.near.shape), np.eye(6)[None, None].repeat(pieces.count, 0)
+    assert np.all(np.isfinite(step_bound.bounds(problem, usual, *start).alpha))
     monkeypatch.setattr(step_bound, "SLOPES", (*terms.SLOPES, beside))
     with pytest.raises(fixed_point_problem.Refused, match="entries are sums"):
-        step_bound.bounds(problem, known, *given)
+        step_bound.bounds(problem, usual, *start)
     spared = replace(problem, factors=(0.0, *problem.factors[1:]))
     spared = replace(spared, factor_slack=(0.0, *problem.factor_slack[1:]))
-    assert np.all(np.isfinite(step_bound.bounds(spared, known, *given).alpha))
+    assert np.all(np.isfinite(step_bound.bounds(spared, usual, *start).alpha))

@@ -46,9 +46,9 @@ MOTIONS = {
 }
 
 
-def digits_of(one: polhode.Trajectory, other: polhode.Trajectory) -> float:
+def digits_of(first: polhode.Trajectory, second: polhode.Trajectory) -> float:
     """The digits to which two runs agree."""
-    return worst_digits(one.states, other.states, other.scene, other.number.most_digits)
+    return worst_digits(first.states, second.states, second.scene, second.number.most_digits)
 
 
 @pytest.mark.sample(0, first=1, slow=2)
@@ -56,22 +56,22 @@ def digits_of(one: polhode.Trajectory, other: polhode.Trajectory) -> float:
 @pytest.mark.parametrize("name", OTHERS)
 def test_every_form_gives_38_of_40_digits_both_ways(name, motion):
     for at in ([10], [-3]):
-        one, other = (
+        run, second = (
             polhode.integrate(replace(MOTIONS[motion], form=form), digits=40, at=at)
             for form in ("principal", name)
         )
-        assert other.outcome is Outcome.REACHED_END
-        assert 38 <= digits_of(other, one) < 46
+        assert second.outcome is Outcome.REACHED_END
+        assert 38 <= digits_of(second, run) < 46
 
 
 @pytest.mark.slow
 def test_the_general_form_of_a_body_turned_rationally_gives_the_turned_states():
     scenes = replace(REGULAR, form="general"), turned_scene(TURN, REGULAR, form="general")
-    one, other = (
+    first, second = (
         [exactly(x) for x in polhode.integrate(s, digits=40, at=[10]).states[0]] for s in scenes
     )
-    expected = [*turned(TURN, one[:3]), *turned(TURN, one[3:])]
-    assert 0 < max(abs(a - b) for a, b in zip(expected, other, strict=True)) < F(1, 10**39)
+    expected = [*turned(TURN, first[:3]), *turned(TURN, first[3:])]
+    assert 0 < max(abs(a - b) for a, b in zip(expected, second, strict=True)) < F(1, 10**39)
 
 
 @pytest.mark.sample(3, slow=3)
@@ -79,8 +79,8 @@ def test_the_general_form_of_a_body_turned_rationally_gives_the_turned_states():
 @pytest.mark.parametrize("exponent", [-40, 7])
 def test_scaling_by_powers_of_two_changes_no_bit(name, exponent):
     scene = replace(IRRATIONAL, form=name).at((F(1), F(4)))
-    other = in_other_units(scene, exponent)
-    assert same_bits(polhode.integrate(scene), polhode.integrate(other), exponent)
+    scaled = in_other_units(scene, exponent)
+    assert same_bits(polhode.integrate(scene), polhode.integrate(scaled), exponent)
 
 
 @pytest.mark.sample(0, slow=1)
@@ -92,25 +92,25 @@ def test_a_run_in_any_form_has_what_a_run_in_the_principal_form_has(name):
         Event("late", "p*gamma1 + t - 2"),
     )
     scene = replace(IRRATIONAL, outputs=("angles", "attitude"), events=events)
-    one, two = (
+    first, second = (
         polhode.integrate(replace(scene, form=f), "quad", at=[0, 3], method="taylor")
         for f in ("principal", name)
     )
-    for x, exact in zip(two.states[0], scene.start, strict=True):
-        error = abs(exactly(x) - two.number.rounded(exact))
-        assert error <= two.number.eps * (abs(exactly(x)) + F(1, 1000))
+    for x, exact in zip(second.states[0], scene.start, strict=True):
+        error = abs(exactly(x) - second.number.rounded(exact))
+        assert error <= second.number.eps * (abs(exactly(x)) + F(1, 1000))
     for column in ("angles", "attitude"):
-        pairs = zip(getattr(one, column)[1], getattr(two, column)[1], strict=True)
+        pairs = zip(getattr(first, column)[1], getattr(second, column)[1], strict=True)
         assert max(abs(a - b) for a, b in pairs) < 1e-31
-    assert sum(len(e.times) for e in one.events) >= 3
-    for mine, theirs in zip(one.events, two.events, strict=True):
+    assert sum(len(e.times) for e in first.events) >= 3
+    for mine, theirs in zip(first.events, second.events, strict=True):
         assert len(mine.times) == len(theirs.times)
         assert all(abs(a - b) < 1e-31 for a, b in zip(mine.times, theirs.times, strict=True))
         for a, b in zip(mine.states, theirs.states, strict=True):
             assert max(abs(x - y) for x, y in zip(a, b, strict=True)) < 1e-30
-    between = zip(one(F(10, 7)), two(F(10, 7)), strict=True)
+    between = zip(first(F(10, 7)), second(F(10, 7)), strict=True)
     assert max(abs(x - y) for x, y in between) < 1e-31
-    assert np.abs(np.array(two(3) - two.states[1], float)).max() < 1e-32
+    assert np.abs(np.array(second(3) - second.states[1], float)).max() < 1e-32
 
 
 @pytest.mark.sample(1, slow=1)
@@ -176,12 +176,12 @@ def test_a_start_that_a_form_cannot_take_is_refused_with_the_form_to_use(forms, 
 @pytest.mark.parametrize("name", [x for x in OTHERS if x not in (*IN_ANGLES, *ALONE, "quaternion")])
 def test_a_torque_free_scene_without_gamma_has_three_equations(name):
     scene = polhode.load("euler/no-gamma")
-    found, trusted = (
+    run, trusted = (
         polhode.integrate(replace(scene, form=form), "quad", at=[5], method="taylor")
         for form in (name, "principal")
     )
-    assert found.states.shape == (1, 3)
-    assert 31 < digits_of(found, trusted) < 36
+    assert run.states.shape == (1, 3)
+    assert 31 < digits_of(run, trusted) < 36
 
 
 def passing(form: str, miss: F) -> Scene:
@@ -250,11 +250,11 @@ def test_a_start_too_near_for_a_type_is_an_outcome_and_a_wider_type_runs():
 def test_the_norm_of_the_quaternion_is_held_by_corrections_that_are_reported():
     scene = replace(polhode.load("kovalevskaya/generic"), form="quaternion", outputs=())
     run = polhode.integrate(scene, at=[2000])
-    held, eps = run.projection, float(run.number.eps)
-    assert held.onto == ("|q|",)
-    assert held.count == run.steps // held.every
-    assert eps / 4 < held.largest < 100 * eps
-    assert held.largest <= held.sum <= held.count * held.largest
+    corrections, eps = run.projection, float(run.number.eps)
+    assert corrections.onto == ("|q|",)
+    assert corrections.count == run.steps // corrections.every
+    assert eps / 4 < corrections.largest < 100 * eps
+    assert corrections.largest <= corrections.sum <= corrections.count * corrections.largest
     assert "|q|" not in polhode.integrate(replace(scene, form="principal"), at=[20]).projection.onto
     off = np.abs(run(1234) - polhode.integrate(scene, at=[1234, 2000]).states[0]).max()
     assert off < 1e-14  # dense output makes the same corrections
@@ -281,24 +281,24 @@ def test_forms_on_the_command_line(capsys, tmp_path):
     file = str(tmp_path / "over.toml")
     (tmp_path / "over.toml").write_text(FILE)
 
-    def told(*arguments):
+    def output(*arguments):
         code = cli.main([*arguments])
         out, err = capsys.readouterr()
         return code, json.loads(out) if out else None, err
 
-    code, answer, err = told("run", file, "--json")
+    code, answer, err = output("run", file, "--json")
     assert (code, answer["outcome"]) == (3, "singular set")
     assert "the form hamiltonian met its singular set; use --form principal" in err
-    code, answer, _ = told("run", file, "--form", "momentum", "--json")
+    code, answer, _ = output("run", file, "--form", "momentum", "--json")
     assert (code, answer["form"], answer["outcome"]) == (0, "momentum", "reached end")
-    code, answer, _ = told("show", file, "--json")
+    code, answer, _ = output("show", file, "--json")
     assert (answer["form"], answer["variables"][1]) == ("hamiltonian", "nutation")
     assert answer["source"].startswith("3.47")
     for arguments, said in (
         ((file, "--form", "momentums"), "did you mean 'momentum'"),
         (("euler/sphere", "--form", "omega-only"), "the weight has no moment"),
     ):
-        code, answer, err = told("run", *arguments)
+        code, answer, err = output("run", *arguments)
         assert (code, answer) == (2, None)
         assert said in err
 

@@ -65,8 +65,8 @@ def test_a_vector_is_turned_exactly_and_rounded_once(q, v, number):
         rows = tuple([[to_mpf(exactly(x), number.bits) for x in r]] for r in (q, v))
     exact = exact_rotation([exactly(x) for x in q], [exactly(x) for x in v])
     largest = max(abs(x) for x in exact)
-    for found, true in zip(kinematics.in_space(*rows, number)[0], exact, strict=True):
-        assert abs(exactly(found) - true) <= largest * number.eps * Fraction(51, 100)
+    for component, true in zip(kinematics.in_space(*rows, number)[0], exact, strict=True):
+        assert abs(exactly(component) - true) <= largest * number.eps * Fraction(51, 100)
 
 
 @pytest.mark.sample(2)
@@ -74,16 +74,16 @@ def test_a_vector_is_turned_exactly_and_rounded_once(q, v, number):
 def test_a_runs_hodographs_are_those_of_the_closed_form(number):
     scene = scene_of("lagrange/nutation", step=Fraction(1, 2), count=9)
     run = polhode.integrate(scene, number)
-    found = polhode.reference(scene).hodographs(run.times, 60)
+    curves = polhode.reference(scene).hodographs(run.times, 60)
     worst = 0
     with mpmath.workprec(220):
-        for mine, true in zip(run.hodographs, found, strict=True):
+        for mine, true in zip(run.hodographs, curves, strict=True):
             for row, exact in zip(mine, true, strict=True):
                 for x, y in zip(row, exact, strict=True):
                     worst = max(worst, abs(to_mpf(exactly(x), 220) - y) / 5)
     eps = float(run.number.eps)
     assert eps / 20 < worst < 60 * eps
-    assert found.body == [row[:3] for row in polhode.reference(scene).at(run.times, 60)]
+    assert curves.body == [row[:3] for row in polhode.reference(scene).at(run.times, 60)]
 
 
 def test_the_body_hodograph_is_the_states_own_numbers(monkeypatch):
@@ -107,10 +107,10 @@ def test_the_body_hodograph_is_the_states_own_numbers(monkeypatch):
 def test_the_hodographs_roll_on_each_other(name, number):
     """Common tangent and equal arcs, to what rounding leaves of differences over 1/200."""
     run = polhode.integrate(scene_of(name), number)
-    found, eps = rolling_cones.rolling(run), float(run.number.eps)
+    cones, eps = rolling_cones.rolling(run), float(run.number.eps)
     floor = 1e-45 if number == "mp" else 0.0  # what the differences leave
-    assert eps < found.tangent < 3000 * eps + floor
-    assert 0 <= found.arc < 30 * eps + floor
+    assert eps < cones.tangent < 3000 * eps + floor
+    assert 0 <= cones.arc < 30 * eps + floor
 
 
 @pytest.mark.slow
@@ -122,8 +122,8 @@ def test_a_curve_that_slips_is_seen():
 
     def ahead(run, angle):
         (a, b, c, d), half = run.attitude.T, angle / 2
-        turned = np.array([a - half * d, b - half * c, c + half * b, d + half * a]).T
-        return replace(run, attitude=turned)
+        quaternions = np.array([a - half * d, b - half * c, c + half * b, d + half * a]).T
+        return replace(run, attitude=quaternions)
 
     run = polhode.integrate(scene_of("kovalevskaya/generic"))
     t = np.array([float(x) for x in run.times])
@@ -168,10 +168,10 @@ def test_the_herpolhode_lies_in_the_invariable_plane(name, number):
             for row in run.hodographs.space
         ]
         off = max(abs(h - twice) for h in heights) / twice
-        turned = max(abs(a - b) for g in momenta for a, b in zip(g, momenta[0], strict=True))
+        spread = max(abs(a - b) for g in momenta for a, b in zip(g, momenta[0], strict=True))
     eps = float(run.number.eps)
     assert 0 < off < 200 * eps
-    assert 0 < turned < 600 * eps
+    assert 0 < spread < 600 * eps
 
 
 @pytest.mark.sample(2, first=1)
@@ -214,13 +214,13 @@ outputs = %s
 def test_json_shows_hodographs_and_only_what_was_asked_for(verb, tmp_path, capsys):
     scene = tmp_path / "top.toml"
 
-    def told(outputs):
+    def document(outputs):
         scene.write_text(FILE % outputs)
         assert main([verb, str(scene), "--json"]) == 0
         return json.loads(capsys.readouterr().out)
 
-    assert "q0" in told('["hodographs", "attitude"]')["columns"]
-    columns = told('["hodographs"]')["columns"]
+    assert "q0" in document('["hodographs", "attitude"]')["columns"]
+    columns = document('["hodographs"]')["columns"]
     assert "psi" not in columns
     # a run's file holds the attitude from which its hodographs are made again
     assert ("q0" in columns) == (verb == "run")
@@ -228,15 +228,15 @@ def test_json_shows_hodographs_and_only_what_was_asked_for(verb, tmp_path, capsy
         zip(*(columns[name] for name in names), strict=True)
         for names in (("p", "q", "r"), ("omega_x", "omega_y", "omega_z"))
     )
-    for one, other in zip(body, space, strict=True):
-        a, b = (sum(Fraction(x) ** 2 for x in row) for row in (one, other))
+    for first, second in zip(body, space, strict=True):
+        a, b = (sum(Fraction(x) ** 2 for x in row) for row in (first, second))
         assert abs(a - b) < a * Fraction(1, 10**14)
 
 
 def test_a_trajectory_file_holds_the_space_hodograph(tmp_path, capsys):
     path = tmp_path / "x.csv"
-    asked = ["run", "kovalevskaya/generic", "--at", "1,2", "--outputs", "hodographs"]
-    assert main([*asked, "-o", str(path)]) == 0
+    command = ["run", "kovalevskaya/generic", "--at", "1,2", "--outputs", "hodographs"]
+    assert main([*command, "-o", str(path)]) == 0
     header, *rows = csv.reader(path.read_text().splitlines())
     assert header[-3:] == ["omega_x", "omega_y", "omega_z"]
     run = polhode.integrate(scene_of("kovalevskaya/generic").at((Fraction(1), Fraction(2))))

@@ -34,17 +34,17 @@ def test_the_largest_departure_of_each_column_is_the_drift(run):
 
 @pytest.mark.parametrize("number", ["double", "extended", "quad"])
 def test_energy_and_momentum_are_those_of_the_state_in_the_scene_s_units(number):
-    found = polhode.integrate(scene("general/asymmetric-regular"), number, at=[1, 2])
-    body = found.scene.body
-    for k, row in enumerate(found.states):
+    run = polhode.integrate(scene("general/asymmetric-regular"), number, at=[1, 2])
+    body = run.scene.body
+    for k, row in enumerate(run.states):
         w, gamma = ([exactly(x) for x in part] for part in (row[:3], row[3:]))
         momentum = [sum(a * x for a, x in zip(line, w, strict=True)) for line in body.inertia]
         h = sum(a * x for a, x in zip(momentum, w, strict=True)) / 2
         h += sum(a * x for a, x in zip(body.torque, gamma, strict=True))
         f = sum(a * x for a, x in zip(momentum, gamma, strict=True))
-        assert abs(exactly(found["h"][k]) / h - 1) <= found.number.eps
-        assert abs(exactly(found["f"][k]) / f - 1) <= found.number.eps
-    gap = found["drift_fourth"]
+        assert abs(exactly(run["h"][k]) / h - 1) <= run.number.eps
+        assert abs(exactly(run["f"][k]) / f - 1) <= run.number.eps
+    gap = run["drift_fourth"]
     assert all(x is None or x != x for x in gap)  # no integral but three
 
 
@@ -77,10 +77,10 @@ def test_a_sweep_and_an_enclosure_have_integrals_and_a_reference_all():
     many = polhode.integrate_many(scene(), {"start.omega[1]": [1, 2]}, at=[0, 1])
     assert abs(many.column("drift_h")).max() < 1e-15
     assert abs(many.column("h")[1] / many.column("h")[0] - 1) < 1e-14
-    found = polhode.certify(scene("general/asymmetric-regular"), at=[1], digits=20)
-    run = polhode.integrate(found.scene, "quad", at=[1])
+    enclosure = polhode.certify(scene("general/asymmetric-regular"), at=[1], digits=20)
+    run = polhode.integrate(enclosure.scene, "quad", at=[1])
     for word in ("matrix", "mrp", "integrals"):
-        (centres,), (radii,) = found.derived[word].centres, found.derived[word].radii
+        (centres,), (radii,) = enclosure.derived[word].centres, enclosure.derived[word].radii
         for centre, radius, x in zip(centres, radii, run.outputs[word][0], strict=True):
             assert (centre is None) == (x is None)
             if x is not None:
@@ -90,31 +90,31 @@ def test_a_sweep_and_an_enclosure_have_integrals_and_a_reference_all():
 
 @pytest.mark.parametrize("turn", [{"mrp": [0.1, "1/2", "-1/3"]}, {"mrp": [0, 0, 0]}])
 def test_a_start_s_parameters_are_those_of_the_run(turn):
-    given = {"moments": [2, 3, 4], "omega": [1, 0, 1], "end": 1}
-    top = polhode.top(**given, **turn, outputs=["mrp", "matrix", "attitude"])
+    keys = {"moments": [2, 3, 4], "omega": [1, 0, 1], "end": 1}
+    top = polhode.top(**keys, **turn, outputs=["mrp", "matrix", "attitude"])
     run = polhode.integrate(top, at=[0])
-    wanted = [float(Fraction(x)) for x in turn["mrp"]]
-    assert [float(run[name][0]) for name in RODRIGUES] == pytest.approx(wanted, abs=1e-15)
+    expected = [float(Fraction(x)) for x in turn["mrp"]]
+    assert [float(run[name][0]) for name in RODRIGUES] == pytest.approx(expected, abs=1e-15)
     matrix = [[float(run[f"R{i}{j}"][0]) for j in "123"] for i in "123"]
-    again = polhode.top(**given, matrix=matrix)
+    again = polhode.top(**keys, matrix=matrix)
     assert np.abs(np.array([*map(float, again.gamma)]) - run.gamma[0]).max() < 1e-15
     assert float(again.psi) == pytest.approx(float(top.psi), abs=1e-14)
 
 
 def test_a_matrix_is_exact_or_made_so_and_said(capsys):
     quarter = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
-    given = {"moments": [2, 3, 4], "omega": [1, 0, 1]}
-    exact = polhode.top(**given, matrix=quarter)
+    keys = {"moments": [2, 3, 4], "omega": [1, 0, 1]}
+    exact = polhode.top(**keys, matrix=quarter)
     assert (exact.gamma, exact.notes) == ((0, 1, 0), ())
-    turned = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
-    turned *= np.sign(np.linalg.det(turned))
-    assert "start.matrix made a rotation" in polhode.top(**given, matrix=turned).notes[0]
-    for wrong in (np.diag([1, 1, -1]), turned * 1.01, turned[:2], [[1, 0, 0]] * 3):
+    rotation = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    rotation *= np.sign(np.linalg.det(rotation))
+    assert "start.matrix made a rotation" in polhode.top(**keys, matrix=rotation).notes[0]
+    for wrong in (np.diag([1, 1, -1]), rotation * 1.01, rotation[:2], [[1, 0, 0]] * 3):
         with pytest.raises(polhode.BadInput, match=r"start\.matrix"):
-            polhode.top(**given, matrix=wrong)
-    off = turned + 1e-6 * np.arange(9).reshape(3, 3)
+            polhode.top(**keys, matrix=wrong)
+    off = rotation + 1e-6 * np.arange(9).reshape(3, 3)
     with pytest.raises(polhode.BadInput, match="normalise"):
-        polhode.top(**given, matrix=off)
-    near = polhode.top(**given, matrix=off, normalise=True)
-    assert np.abs(np.array([*map(float, near.gamma)]) - turned[2]).max() < 1e-5
+        polhode.top(**keys, matrix=off)
+    near = polhode.top(**keys, matrix=off, normalise=True)
+    assert np.abs(np.array([*map(float, near.gamma)]) - rotation[2]).max() < 1e-5
     assert sum(x * x for x in near.gamma) == 1

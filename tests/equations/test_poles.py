@@ -15,8 +15,8 @@ TOP, BRICK, ASKEW = [1, 1, 0.5], [1.2, 1, 0.5], [0.2, 0.3, 1]
 
 
 def scene(omega, up, end, moments=TOP, centre=(0, 0, 1)):
-    given = {"moments": moments, "centre": [*centre], "weight": 1, "outputs": ["angles"]}
-    return polhode.top(**given, omega=omega, gamma=[0, 0, up], end=end, samples=2)
+    keys = {"moments": moments, "centre": [*centre], "weight": 1, "outputs": ["angles"]}
+    return polhode.top(**keys, omega=omega, gamma=[0, 0, up], end=end, samples=2)
 
 
 @pytest.mark.parametrize(

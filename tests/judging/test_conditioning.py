@@ -18,11 +18,12 @@ from polhode.judging import limits
 from polhode.judging.conditioning import Band, conditioning
 from polhode.judging.correct_digits import log10_rate
 from polhode.motion.frame import Frame
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, QUAD, mp
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.taylor.stepping import Integrator
+from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 from shared.answers import judged
 from shared.examples import examples
@@ -36,7 +37,9 @@ def states(scene: Scene, coefficients: dict, start: list, number) -> np.ndarray:
     """States in scene axes and units from coefficients and a start, in a wide type."""
     plain, unit = system(scene, ()), Fraction(2) ** scene.time_unit
     what = replace(plain, coefficients=coefficients, start=tuple(start), number=number)
-    rows, _ = Integrator(what).chunk([t / unit for t in scene.times], 10**6)
+    motion = Motion(what)
+    motion.begin(what)
+    rows, _ = motion.advance(ExactNumbers(tuple(t / unit for t in scene.times)), 10**6)
     turn = np.array([[number_of(x) for x in row] for row in scene.body.axes.rows])
     rows = np.array(rows)
     return np.hstack([rows[:, :3] @ turn / number_of(unit), rows[:, 3:] @ turn])

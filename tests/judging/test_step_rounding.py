@@ -10,11 +10,12 @@ import pytest
 
 from polhode.judging.conditioning import spacing, variances
 from polhode.numbers.conversion import exactly
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, extended_here
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor.error_growth import passage
-from polhode.taylor.stepping import Integrator
+from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 from polhode.taylor.variations import Flow
 from tops import random_scene
@@ -75,13 +76,14 @@ def test_steps_that_are_taken_round_so_much(number, wide, kind):
         pytest.skip("no extended numbers here")
     scene = random_scene(kind, 16, [F(60)])
     plain = system(replace(scene, form="principal"), number=number)
-    run, along = Integrator(plain), passage(scene)
+    motion, along = Motion(plain), passage(scene)
+    motion.begin(plain)
     flow = Flow({name: number.rounded(x) for name, x in plain.coefficients.items()}, wide)
     squares, expected = np.zeros(6), np.zeros(6)
     for _ in range(100):
-        before, began = [exactly(x) for x in run.state.tolist()], run.time
-        run.chunk([F(10**4)], 1)
-        after, step = [exactly(x) for x in run.state], run.time - began
+        before, began = [exactly(x) for x in motion.state.tolist()], motion.time
+        motion.advance(ExactNumbers((F(10**4),)), motion.steps + 1)
+        after, step = [exactly(x) for x in motion.state], motion.time - began
         true = [exactly(x) for x in flow.after(before, step).state]
         errors = [float((x - y) * 2 ** (number.bits - 1)) for x, y in zip(after, true, strict=True)]
         squares += np.square(errors)

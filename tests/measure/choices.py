@@ -24,11 +24,10 @@ from polhode.common.provenance import cpu, versions
 from polhode.judging.correct_digits import log10_errors, log10_rate
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
-from polhode.runs.options import Options
-from polhode.runs.taylor_motion import TaylorMotion, system_of
 from polhode.scenes import library, scene_file
 from polhode.taylor import batches, defaults, heyoka
-from polhode.taylor.system import system
+from polhode.taylor.motion import Motion
+from polhode.taylor.system import system, system_of
 
 SCENE = (
     "schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
@@ -98,11 +97,7 @@ def tolerances() -> None:
     true = []
     for scene in scenes:
         made = system_of(scene, number_types.QUAD, inputs=number_types.DOUBLE)
-        true.append(
-            TaylorMotion(made, scene, options=Options(project=False)).advance(made.times(scene))[0][
-                -1
-            ]
-        )
+        true.append(Motion(made, scene).run(made.times(scene).inside)[0][-1])
     rows = []
     for name, tol in [
         ("eps/1000", number_types.DOUBLE.eps / 1000),
@@ -118,10 +113,10 @@ def tolerances() -> None:
         for scene, exact in [*zip(scenes, true, strict=True), *[(scenes[0], true[0])] * 14]:
             made = system_of(scene, number_types.DOUBLE, tol)
             motion, began = (
-                TaylorMotion(made, scene, options=Options(project=False)),
+                Motion(made, scene),
                 time.perf_counter(),
             )
-            row = motion.advance(made.times(scene))[0][-1]
+            row = motion.run(made.times(scene).inside)[0][-1]
             taken = time.perf_counter() - began
             pairs = zip(row, exact, strict=True)
             errors.append(max(abs(float(exactly(a) - exactly(b))) for a, b in pairs))

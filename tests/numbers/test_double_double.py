@@ -30,14 +30,14 @@ def exactly(x: Rationals) -> list[Fraction]:
 
 @settings(deadline=None, max_examples=examples(30))
 @given(RATIONALS, st.fractions(-9, 9, max_denominator=10**20))
-def test_arrays_of_rationals_are_exact(values, other):
+def test_arrays_of_rationals_are_exact(values, divisor):
     x = of_fractions(values)
-    assert exactly(x * other + x - 3) == [v * other + v - 3 for v in values]
+    assert exactly(x * divisor + x - 3) == [v * divisor + v - 3 for v in values]
     assert list(x.sign) == [(v > 0) - (v < 0) for v in values]
     assert x.doubles().tolist() == [float(v) for v in values]
-    if other:
-        assert exactly(x / other) == [v / other for v in values]
-        assert all(bottom > 0 for bottom in (x / other).bottom)
+    if divisor:
+        assert exactly(x / divisor) == [v / divisor for v in values]
+        assert all(bottom > 0 for bottom in (x / divisor).bottom)
     assert exactly(1 / (x * x + 1)) == [1 / (v * v + 1) for v in values]
 
 
@@ -52,9 +52,9 @@ def wide(x: Pairs) -> list[mpmath.mpf]:
     return [HIGH.mpf(a) + HIGH.mpf(b) for a, b in both]
 
 
-def error(found: Pairs, true: list[mpmath.mpf]) -> float:
+def error(pairs: Pairs, true: list[mpmath.mpf]) -> float:
     """The largest relative error, in 2**-106."""
-    each = zip(wide(found), true, strict=True)
+    each = zip(wide(pairs), true, strict=True)
     return max(float(abs(a - b) / abs(b) * HIGH.ldexp(1, 106)) for a, b in each)
 
 
@@ -69,7 +69,7 @@ def some(low: float, high: float, seed: int) -> Pairs:
 )
 def test_arithmetic_is_right_to_the_last_bits(name, least, most):
     x, y = some(1, 50, 1), some(60, 90, 2)
-    found = {"+": x + y, "-": x - y, "*": x * y, "/": x / y, "sqrt": double_double.sqrt(x)}[name]
+    pairs = {"+": x + y, "-": x - y, "*": x * y, "/": x / y, "sqrt": double_double.sqrt(x)}[name]
     a, b = wide(x), wide(y)
     operation = {
         "+": lambda p, q: p + q,
@@ -78,7 +78,7 @@ def test_arithmetic_is_right_to_the_last_bits(name, least, most):
         "/": lambda p, q: p / q,
         "sqrt": lambda p, _: HIGH.sqrt(p),
     }[name]
-    assert least < error(found, [operation(p, q) for p, q in zip(a, b, strict=True)]) < most
+    assert least < error(pairs, [operation(p, q) for p, q in zip(a, b, strict=True)]) < most
 
 
 def test_numbers_become_pairs_and_lose_nothing_that_a_pair_holds():
@@ -87,8 +87,8 @@ def test_numbers_become_pairs_and_lose_nothing_that_a_pair_holds():
     root = double_double.pairs(sqrt(Fraction(2)))
     assert abs(Fraction(root.hi) + Fraction(root.lo)) ** 2 - 2 < Fraction(1, 2**104)
     values = [Fraction(k, 7**20) for k in range(-3, 4)]
-    found = double_double.of_fractions(values)
-    for hi, lo, x in zip(found.hi, found.lo, values, strict=True):
+    sums = double_double.of_fractions(values)
+    for hi, lo, x in zip(sums.hi, sums.lo, values, strict=True):
         assert abs(Fraction(hi) + Fraction(lo) - x) <= abs(x) / 2**105
     with pytest.raises(TypeError, match="no number"):
         double_double.pairs("1")

@@ -84,8 +84,8 @@ def test_enclosures_hold_the_value_near_zeros_of_the_function_too() -> None:
         tiny = Fraction(rng.randrange(1, 10**6), 10 ** rng.choice((6, 20, 40, 60)))
         x = Fraction(rng.randrange(1, 10**6), 10**6)
         small = Fraction(rng.randrange(1, 2**20), 2 ** rng.choice((20, 60, 120)))
-        made = [arctan2(tiny, x), arctan2(x, tiny), arctan2(tiny, -x), arctan2(-tiny, -x)]
-        made.append(power(1 + small, Fraction(1, 3)))
+        angles = [arctan2(tiny, x), arctan2(x, tiny), arctan2(tiny, -x), arctan2(-tiny, -x)]
+        angles.append(power(1 + small, Fraction(1, 3)))
         with mpmath.workprec(900):
             t, y = (mpmath.mpf(z.numerator) / z.denominator for z in (tiny, x))
             true = [mpmath.atan2(t, y), mpmath.atan2(y, t), mpmath.atan2(t, -y)]
@@ -93,7 +93,7 @@ def test_enclosures_hold_the_value_near_zeros_of_the_function_too() -> None:
                 mpmath.atan2(-t, -y),
                 mpmath.cbrt(1 + mpmath.mpf(small.numerator) / small.denominator),
             ]
-            for number, value in zip(made, true, strict=True):
+            for number, value in zip(angles, true, strict=True):
                 off = abs(value) * mpmath.mpf(2) ** -880
                 for bits in (53, 128, 301):
                     wrong += outside(number.enclosure(bits), value + off, value - off)
@@ -102,9 +102,9 @@ def test_enclosures_hold_the_value_near_zeros_of_the_function_too() -> None:
 
 def test_an_irrational_number_can_be_pickled_after_it_was_asked() -> None:
     number = root(TWO) / pi() + power(THREE, Fraction(1, 3))
-    asked = number.enclosure(200)
+    bounds = number.enclosure(200)
     again = pickle.loads(pickle.dumps(number)).enclosure(200)
-    assert (asked - again).contains(0)
+    assert (bounds - again).contains(0)
     assert rounded(pickle.loads(pickle.dumps(number)), 100) == rounded(number, 100)
 
 
@@ -223,9 +223,9 @@ def test_arctan2_in_all_quadrants(y: int, x: int, irrational: bool) -> None:
             arctan2(Fraction(0), Fraction(0))
         return
     factor = root(TWO) if irrational else Fraction(1)
-    found = arctan2(y * factor, x * factor)
+    angle = arctan2(y * factor, x * factor)
     with mpmath.workprec(300):
-        assert rounded(found, 113) == rounded(by_mpmath(mpmath.atan2(y, x)), 113)
+        assert rounded(angle, 113) == rounded(by_mpmath(mpmath.atan2(y, x)), 113)
 
 
 @pytest.mark.parametrize("power_of_ten", [-4000, -400, -1, 0, 1, 400, 4000])
@@ -253,9 +253,9 @@ def test_comparisons_mix_rational_and_irrational(a: Fraction, b: Fraction) -> No
 def test_the_root_of_a_square_is_rational(x: Fraction) -> None:
     assert root(x * x) == abs(x)
     assert isinstance(root(x * x), Fraction)
-    if not isinstance(found := root(abs(x)), Fraction):
-        assert found * found == abs(x)
-        assert isinstance(found * found, Fraction)
+    if not isinstance(result := root(abs(x)), Fraction):
+        assert result * result == abs(x)
+        assert isinstance(result * result, Fraction)
 
 
 @pytest.mark.parametrize("big", [root(TWO) * 10**4000, root(TWO) / 10**4000])

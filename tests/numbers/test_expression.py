@@ -30,13 +30,13 @@ def outcome(text: str) -> Fraction | Irrational | ExpressionError:
     """A value or the refusal; anything else fails the test, and so does a slow answer."""
     began = time.process_time()
     try:
-        found = number(text)
-        exact.rounded(found, 53)  # whatever is accepted can be used
+        result = number(text)
+        exact.rounded(result, 53)  # whatever is accepted can be used
     except ExpressionError as fault:
-        found = fault
+        result = fault
     assert time.process_time() - began < MAX_SECONDS
-    assert not isinstance(found, ExpressionError) or str(found)
-    return found
+    assert not isinstance(result, ExpressionError) or str(result)
+    return result
 
 
 class _Fractions(ast.NodeTransformer):
@@ -68,23 +68,23 @@ rational_text = st.recursive(st.integers(0, 9).map(str), _grown, max_leaves=8)
 @settings(max_examples=4 * settings.default.max_examples)
 @given(rational_text)
 def test_precedence_is_pythons(text: str) -> None:
-    found = outcome(text)
+    result = outcome(text)
     beyond = (
         "too large",
         "rational number",
         "negative",
     )  # fractions that Python cannot hold either
-    assume(not any(word in str(found) for word in beyond))
+    assume(not any(word in str(result) for word in beyond))
     try:
         expected = by_python(text)
     except ZeroDivisionError:
-        assert "division by zero" in str(found)
+        assert "division by zero" in str(result)
         return
-    assert not isinstance(found, ExpressionError)
+    assert not isinstance(result, ExpressionError)
     if isinstance(expected, Fraction):
-        assert found == expected
+        assert result == expected
     elif not isinstance(expected, complex):  # a fraction for an exponent: Python leaves rationals
-        assert abs(found - Fraction(expected)) <= abs(Fraction(expected)) * ROUGHLY
+        assert abs(result - Fraction(expected)) <= abs(Fraction(expected)) * ROUGHLY
 
 
 @pytest.mark.parametrize(
@@ -117,9 +117,9 @@ def test_precedence_is_pythons(text: str) -> None:
     ],
 )
 def test_rational_values_stay_rational(text: str, expected: Fraction) -> None:
-    found = number(text)
-    assert isinstance(found, Fraction)
-    assert found == expected
+    value = number(text)
+    assert isinstance(value, Fraction)
+    assert value == expected
 
 
 @pytest.mark.parametrize(
@@ -230,9 +230,9 @@ def _irrational(smaller: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
     st.recursive(st.sampled_from(["2", "pi", "1e30", "0.1", "sqrt(3)"]), _irrational, max_leaves=12)
 )
 def test_well_formed_expressions_are_values_or_refused(text: str) -> None:
-    found = outcome(text)
-    if isinstance(found, ExpressionError):
-        assert not any(word in str(found) for word in ("stands where", "not part", "unknown"))
+    result = outcome(text)
+    if isinstance(result, ExpressionError):
+        assert not any(word in str(result) for word in ("stands where", "not part", "unknown"))
 
 
 def test_names_meet_numbers_in_the_arithmetic_of_the_names() -> None:

@@ -48,7 +48,7 @@ def answers() -> dict[str, Callable[[], Any]]:
         ),
         "certified": lambda: polhode.certify("general/asymmetric-regular", at=[1]).midpoints,
         "enclosure": lambda: polhode.reference("general/asymmetric-regular").at([1], 30),
-        "orbit": lambda: (lambda found: [found.multipliers, found.residue, found.period])(
+        "orbit": lambda: (lambda result: [result.multipliers, result.residue, result.period])(
             polhode.orbit("grioli/precession", digits=40)
         ),
     }
@@ -63,18 +63,18 @@ DEAR = ("curve", "orbit")
     [pytest.param(k, marks=[pytest.mark.slow] if k in DEAR else []) for k in answers()],
 )
 def test_copies_of_an_answer_are_it_to_the_bit(name):
-    found = answers()[name]()
-    known = raw(found)
-    assert max(x.bit_length() for number in known for x in np.ravel(number).tolist()) > 53
+    answer = answers()[name]()
+    bits = raw(answer)
+    assert max(x.bit_length() for number in bits for x in np.ravel(number).tolist()) > 53
     ways = [
         copy.copy,
         copy.deepcopy,
         *(lambda x, k=k: pickle.loads(pickle.dumps(x, k)) for k in range(6)),
     ]
-    for way in ways:
-        again = way(found)
-        assert raw(again) == known
-        assert raw([way(x) for x in numbers(again)]) == known  # and of copies
+    for copied in ways:
+        again = copied(answer)
+        assert raw(again) == bits
+        assert raw([copied(x) for x in numbers(again)]) == bits  # and of copies
         assert {*map(type, numbers(again))} <= {lossless_mpf.mpf, lossless_mpf.mpc}
 
 
@@ -91,10 +91,10 @@ def test_a_pool_gives_back_what_it_was_given(start):
     run = polhode.integrate(scene, "quad", at=[1, 2])
     with multiprocessing.get_context(start).Pool(2) as pool:
         again = pool.map(same, rows)
-        (other,) = pool.map(same, [run])
+        (copy,) = pool.map(same, [run])
     assert raw(again) == raw(rows)
-    assert other == run
-    assert raw(other.states) == raw(run.states)
+    assert copy == run
+    assert raw(copy.states) == raw(run.states)
 
 
 def test_parts_of_a_complex_number_keep_their_bits():

@@ -32,10 +32,10 @@ fractions = st.builds(
 @pytest.mark.parametrize("number", TYPES, ids=lambda n: f"{n.bits} bits")
 @given(x=fractions)
 def test_decimal_strings_round_trip(number: NumberType, x: Fraction) -> None:
-    held = number.rounded(x)
-    text = decimal_string(held, number.printed_digits)
-    assert number.rounded(read_decimal(text)) == held
-    assert number.rounded(held) == held
+    nearest = number.rounded(x)
+    text = decimal_string(nearest, number.printed_digits)
+    assert number.rounded(read_decimal(text)) == nearest
+    assert number.rounded(nearest) == nearest
 
 
 @settings(deadline=None)
@@ -118,9 +118,9 @@ def test_exactly_takes_doubles_as_they_are(x: float) -> None:
 @given(st.integers(-(2**64) + 1, 2**64 - 1), st.integers(-16_000, 16_000))
 def test_exactly_takes_extended_numbers_as_they_are_at_any_magnitude(top: int, power: int) -> None:
     x = top * Fraction(2) ** power
-    held = np.ldexp(np.longdouble(abs(top) >> 32), power + 32)
-    held = held + np.ldexp(np.longdouble(abs(top) & 0xFFFFFFFF), power)
-    assert exactly(held if top >= 0 else -held) == x
+    value = np.ldexp(np.longdouble(abs(top) >> 32), power + 32)
+    value = value + np.ldexp(np.longdouble(abs(top) & 0xFFFFFFFF), power)
+    assert exactly(value if top >= 0 else -value) == x
 
 
 @wide
@@ -139,9 +139,9 @@ def test_to_mpf_is_the_nearest_of_so_many_bits(x: Fraction, bits: int) -> None:
 @settings(deadline=None)
 @given(st.fractions(min_value=Fraction(1, 10**9), max_value=10**9))
 def test_to_double_is_the_nearest_double_of_an_irrational(x: Fraction) -> None:
-    found = conversion.to_double(exact.sqrt(x) * exact.pi())
+    nearest = conversion.to_double(exact.sqrt(x) * exact.pi())
     with mpmath.workprec(500):
-        assert found == float(mpmath.sqrt(mpmath.mpf(x.numerator) / x.denominator) * mpmath.pi)
+        assert nearest == float(mpmath.sqrt(mpmath.mpf(x.numerator) / x.denominator) * mpmath.pi)
 
 
 def test_to_double_beyond_the_range() -> None:

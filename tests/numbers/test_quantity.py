@@ -71,10 +71,10 @@ from polhode.scenes.given_numbers import UNITS, Quantity, in_unit, named, quanti
     ],
 )
 def test_a_number_with_its_unit_is_exact(text, unit, expected):
-    found = in_unit(text, unit)
-    assert found == number(expected)
+    value = in_unit(text, unit)
+    assert value == number(expected)
     if isinstance(number(expected), Fraction):
-        assert isinstance(found, Fraction) or "cos" in text
+        assert isinstance(value, Fraction) or "cos" in text
 
 
 @pytest.mark.parametrize(

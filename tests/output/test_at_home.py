@@ -121,11 +121,11 @@ def test_angles_past_a_pole_where_they_end_are_refused():
 
 
 def test_an_interrupt_of_a_run_made_again_goes_on(monkeypatch):
-    def interrupted(integrator, times, rows, *_):
+    def interrupted(motion, times, most, rows, *_):
         return rows, polhode.Outcome.INTERRUPTED
 
     run = a_run()
-    monkeypatch.setattr("polhode.taylor.stepping.Integrator.advance", interrupted)
+    monkeypatch.setattr("polhode.taylor.motion.Motion.advance", interrupted)
     for at in (run, run.angles_at):
         with pytest.raises(KeyboardInterrupt):
             at([1.5])

@@ -81,10 +81,10 @@ CIRCLING = polhode.top(
 
 @pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize(
-    ("number", "what"),
+    ("number", "case"),
     [
-        pytest.param(number, what, id=f"{number}-{name}")
-        for number, name, what in (
+        pytest.param(number, case, id=f"{number}-{name}")
+        for number, name, case in (
             ("double", "few", scene("euler/largest-axis", [1, 600])),
             ("double", "uneven", scene("lagrange/turned-axes", [*UNEVEN, 700])),
             ("double", "backward", scene("kovalevskaya/generic", [-1, -33, -90])),
@@ -102,13 +102,13 @@ CIRCLING = polhode.top(
         )
     ],
 )
-def test_attitude_and_angles_are_as_good_as_the_state(number, what):
+def test_attitude_and_angles_are_as_good_as_the_state(number, case):
     """And the state as that of a run without them; the attitude is of length 1 and has gamma."""
     wider = {"double": "extended", "extended": "quad", "quad": "mp"}  # by other ways, too
-    run, alone = (polhode.integrate(s, number) for s in (what, replace(what, outputs=())))
-    fine = polhode.integrate(what, wider.get(number), digits=None if number != "mp" else 60)
+    run, alone = (polhode.integrate(s, number) for s in (case, replace(case, outputs=())))
+    fine = polhode.integrate(case, wider.get(number), digits=None if number != "mp" else 60)
     eps, state = float(run.number.eps), error(run.states, fine.states, True)
-    assert 0 < state < 3e4 * eps * (100 if what.name.startswith(("hard", "general")) else 1)
+    assert 0 < state < 3e4 * eps * (100 if case.name.startswith(("hard", "general")) else 1)
     plain = error(alone.states, fine.states, True)
     assert plain / 16 < state < 4 * plain
     assert eps / 40 < error(run.attitude, fine.attitude) < 5 * state + 64 * eps
@@ -121,12 +121,12 @@ def test_attitude_and_angles_are_as_good_as_the_state(number, what):
     assert max(abs(a - b).max() for a, b in zip(vertical, run.gamma.T, strict=True)) < 300 * eps
     middle = run.times[-1] * Fraction(2, 3)
     assert error([run(middle)], [alone(middle)], True) <= 4 * (state + plain)
-    there, true = ([one.angles_at(middle)] for one in (run, fine))
+    there, true = ([each.angles_at(middle)] for each in (run, fine))
     assert error(there, true, True) < 20 * state + 64 * eps
     for word, absent in zip(BOTH, ("attitude", "angles"), strict=True):
-        one = polhode.integrate(replace(what, outputs=(word,)), number)
-        assert getattr(one, absent) is None
-        assert len(getattr(one, word)) == len(run.times)
+        each = polhode.integrate(replace(case, outputs=(word,)), number)
+        assert getattr(each, absent) is None
+        assert len(getattr(each, word)) == len(run.times)
 
 
 @pytest.mark.sample(1)
@@ -186,8 +186,8 @@ def test_a_pole_on_the_way_is_passed_and_turns_alone_are_in_doubt():
     ((psi, theta, phi),) = run.angles
     ((true_psi, true_theta, true_phi),) = polhode.reference(top).angles([20], 25)
     assert abs(theta - true_theta) < 1e-14
-    for found, true in ((psi, true_psi), (phi, true_phi)):
-        turns = float(found - true) / (2 * math.pi)
+    for angle, true in ((psi, true_psi), (phi, true_phi)):
+        turns = float(angle - true) / (2 * math.pi)
         assert abs(turns - round(turns)) < 1e-14
 
 
@@ -217,8 +217,8 @@ def test_a_body_that_stays_at_the_pole_has_no_psi_and_phi():
 
 
 @pytest.mark.sample(1)
-@pytest.mark.parametrize("asked", [{"number": "quad"}, {"digits": 50}])
-def test_what_is_zero_at_the_start_of_a_turned_body_is_zero(asked):
+@pytest.mark.parametrize("output", [{"number": "quad"}, {"digits": 50}])
+def test_what_is_zero_at_the_start_of_a_turned_body_is_zero(output):
     """Through the principal axes and back it would be 1e-35, or 1e-56."""
     top = polhode.top(
         inertia=[[2, "1/3", "1/7"], ["1/3", 3, "1/5"], ["1/7", "1/5", 2]],
@@ -229,12 +229,12 @@ def test_what_is_zero_at_the_start_of_a_turned_body_is_zero(asked):
         outputs=["angles"],
         at=[0, 1],
     )
-    run = polhode.integrate(top, **asked)
+    run = polhode.integrate(top, **output)
     assert run.states[0].tolist()[:4] == [0, 0, 3, 0]
     assert run["phi"][0] == run["psi"][0] == 0
     assert (run(0) == run.states[0]).all()
     assert 0 < abs(run.states[1, 0]) < 1
-    many = polhode.integrate_many(top, {"start.rates[3]": [3, 4]}, **asked)
+    many = polhode.integrate_many(top, {"start.rates[3]": [3, 4]}, **output)
     for k, spin in enumerate((3, 4)):
         assert many.states[k, 0].tolist()[:4] == [0, 0, spin, 0]
 
@@ -263,17 +263,17 @@ def test_a_run_that_is_interrupted_has_whole_rows_as_far_as_it_came(
 ):
     """Progress only grows."""
     change_policy(monkeypatch, chunk=400)
-    what = scene("lagrange/nutation", [Fraction(k) for k in range(0, end, 10)])
-    whole, seen = polhode.integrate(what, number), []
+    nutation = scene("lagrange/nutation", [Fraction(k) for k in range(0, end, 10)])
+    whole, calls = polhode.integrate(nutation, number), []
 
-    def pressed(done, steps):
-        seen.append(done)
-        if done > fraction:
+    def pressed(share, steps):
+        calls.append(share)
+        if share > fraction:
             raise KeyboardInterrupt
 
-    run = polhode.integrate(what, number, progress=pressed)
+    run = polhode.integrate(nutation, number, progress=pressed)
     assert run.outcome is Outcome.INTERRUPTED
-    assert seen == sorted(seen)
+    assert calls == sorted(calls)
     count = len(run.times)
     assert 1 < count < len(whole.times)
     assert run.times[-1] <= run.reached < whole.times[count]

@@ -70,8 +70,10 @@ def test_the_states_are_those_of_the_bare_integrator_bit_for_bit():
 @pytest.mark.parametrize("exponent", [-40, -7, 3, 60])
 def test_scaling_a_scene_by_powers_of_two_changes_no_bit(exponent):
     """Moments times 2**a, time times 2**b, weight to match: the same bits, shifted."""
-    one, other = (polhode.integrate(s) for s in (heavy("1"), in_other_units(heavy("1"), exponent)))
-    assert same_bits(one, other, exponent)
+    first, second = (
+        polhode.integrate(s) for s in (heavy("1"), in_other_units(heavy("1"), exponent))
+    )
+    assert same_bits(first, second, exponent)
 
 
 def test_forward_and_back_returns_to_the_start():
@@ -106,7 +108,7 @@ POLE = {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1, "gamma": [0, 0, 
 
 
 @pytest.mark.parametrize(
-    ("what", "options"),
+    ("case", "options"),
     [
         pytest.param(scene_file.parse(TURNED), {}, marks=pytest.mark.slow, id="turned, fast"),
         pytest.param(heavy("50", "1.1", STOPPING), {}, id="stopped"),
@@ -123,10 +125,10 @@ POLE = {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1, "gamma": [0, 0, 
         ),
     ],
 )
-def test_the_state_at_any_time_is_that_of_the_run(what, options, monkeypatch):
+def test_the_state_at_any_time_is_that_of_the_run(case, options, monkeypatch):
     """In any order, across many chunks and corrections, and no further than the run came."""
     change_policy(monkeypatch, chunk=20)
-    run = polhode.integrate(what, **options)
+    run = polhode.integrate(case, **options)
     near = 32 * 2.0**-52 * max(1, np.abs(run.states).max())
     end = run.reached
     between = [end * Fraction(k, 7) for k in (2, 5, 6)]
@@ -135,20 +137,20 @@ def test_the_state_at_any_time_is_that_of_the_run(what, options, monkeypatch):
         assert (run(run.times[k]) == run.states[k]).all()
     again = pickle.loads(pickle.dumps(run))
     with ThreadPoolExecutor(4) as pool:
-        for found in (run(between), again(between), [*pool.map(again, between)]):
-            assert (np.array(found) == np.array(apart)).all()
+        for state in (run(between), again(between), [*pool.map(again, between)]):
+            assert (np.array(state) == np.array(apart)).all()
     third = DOUBLE.rounded(end / 3)
-    middle = polhode.integrate(what, at=[third, what.end or 1], **options).states[0]
+    middle = polhode.integrate(case, at=[third, case.end or 1], **options).states[0]
     assert np.abs(run(third) - middle).max() <= near / 16  # by the steps of the run itself
     for event in run.events:
         assert np.abs(run(event.times[0]) - event.states[0]).max() <= near
     with pytest.raises(polhode.BadInput):
         run(end + Fraction(1, 10**6))
-    if "attitude" in what.outputs:
+    if "attitude" in case.outputs:
         assert (run.attitude_at(run.times[-1]) == run.attitude[-1]).all()
-    if "angles" in what.outputs and end:
+    if "angles" in case.outputs and end:
         for t in (end / 1000, end / 3):  # the first is next to a start at a pole
-            beside = polhode.integrate(what, at=[t, what.end], **options).angles[0]
+            beside = polhode.integrate(case, at=[t, case.end], **options).angles[0]
             assert max(abs(x - y) for x, y in zip(run.angles_at(t), beside, strict=True)) <= near
     with pytest.raises(ValueError, match="output times only"):
         replace(run, dense=None)(end)
@@ -171,8 +173,8 @@ again = polhode.integrate({str(scene)!r})
 print(asked.tolist() == {run(third).tolist()!r}, again.states.tolist() == {run.states.tolist()!r})
 """
     command = [sys.executable, "-c", code]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["True", "True"]
+    process = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert process.stdout.split() == ["True", "True"]
 
 
 @pytest.mark.slow
@@ -244,12 +246,12 @@ def test_ctrl_c_ends_a_run_within_a_second_and_reports_what_was_reached(number):
 
     timer = threading.Timer(0.2, press)
 
-    def told(fraction: float, count: int) -> None:
+    def note(fraction: float, count: int) -> None:
         if fraction > 0 and timer.ident is None:  # a loaded machine may take long to begin
             timer.start()
 
     times = [Fraction(k) for k in range(100, 40_000_000, 100_000)]
-    run = polhode.integrate(LONG, number, at=times, max_steps=10**9, progress=told)
+    run = polhode.integrate(LONG, number, at=times, max_steps=10**9, progress=note)
     ended = time.process_time()
     timer.join()
     assert run.outcome is Outcome.INTERRUPTED
@@ -262,9 +264,9 @@ def test_ctrl_c_ends_a_run_within_a_second_and_reports_what_was_reached(number):
 @pytest.mark.slow
 def test_ctrl_c_of_the_program_exits_130_and_writes_what_there_is(tmp_path):
     path = tmp_path / "x.csv"
-    asked = ["run", LONG, "--at", "100,1e10", "--max-steps", "1000000000000"]
+    command = ["run", LONG, "--at", "100,1e10", "--max-steps", "1000000000000"]
     with subprocess.Popen(
-        [sys.executable, "-c", STEPPING, *asked, "-o", str(path)],
+        [sys.executable, "-c", STEPPING, *command, "-o", str(path)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -281,13 +283,13 @@ def test_ctrl_c_of_the_program_exits_130_and_writes_what_there_is(tmp_path):
 # -- refusals -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("given", [{}, {"method": "taylor"}, {"number": "quad"}])
+@pytest.mark.parametrize("options", [{}, {"method": "taylor"}, {"number": "quad"}])
 @pytest.mark.parametrize(
     ("key", "value"), [("project", 0), ("project", -3), ("max_steps", 0), ("tol", 1), ("tol", 0)]
 )
-def test_options_are_checked_whatever_becomes_of_them(given, key, value):
+def test_options_are_checked_whatever_becomes_of_them(options, key, value):
     with pytest.raises(polhode.BadInput, match=f" {key} = {value}: "):
-        polhode.integrate(LONG, at=[1], **given, **{key: value})
+        polhode.integrate(LONG, at=[1], **options, **{key: value})
 
 
 def test_a_tolerance_below_eps_is_refused_and_a_loose_one_costs_digits():
@@ -304,13 +306,13 @@ def test_a_tolerance_below_eps_is_refused_and_a_loose_one_costs_digits():
 
 @pytest.mark.slow
 def test_nothing_that_is_kept_is_part_of_a_scene_or_outlives_it():
-    given = {"moments": [3, 2, 1], "omega": [1, 2, 3], "gamma": [0, 0, 1], "end": 50}
+    keys = {"moments": [3, 2, 1], "omega": [1, 2, 3], "gamma": [0, 0, 1], "end": 50}
     event = polhode.Event("q", "q - 1/9")
-    scene, other = (polhode.top(**given, events=[event]) for _ in "ab")
+    scene, twin = (polhode.top(**keys, events=[event]) for _ in "ab")
     run = polhode.integrate(scene)
-    assert scene == other
+    assert scene == twin
     assert "identity" not in vars(pickle.loads(pickle.dumps(scene)))
-    assert polhode.integrate(scene) == polhode.integrate(other) == run
+    assert polhode.integrate(scene) == polhode.integrate(twin) == run
     gone = weakref.ref(scene.identity)
     del scene
     gc.collect()
@@ -324,10 +326,10 @@ def test_threads_that_run_at_once_get_what_each_would_get_alone():
     """Bodies of one pattern and of another, starts, types, and twice the same scene."""
     scenes = [heavy("20", spin) for spin in ("1.1", "2", "3")] + [polhode.load("lagrange/nutation")]
     scenes = [replace(scene, outputs=()) for scene in scenes]
-    wanted = [polhode.integrate(scene) for scene in scenes]
+    expected = [polhode.integrate(scene) for scene in scenes]
     with ThreadPoolExecutor(4) as pool:
         runs = [pool.submit(polhode.integrate, scenes[k % 4]) for k in range(24)]
-    assert all(one.result() == wanted[k % 4] for k, one in enumerate(runs))
+    assert all(run.result() == expected[k % 4] for k, run in enumerate(runs))
 
 
 @pytest.mark.sample(1, slow=1)
@@ -343,8 +345,8 @@ def test_runs_of_one_scene_forwards_and_back_are_those_of_scenes_of_their_own(nu
 
     shared = scene(8)
     for end in (8, -8, 8):
-        one, own = (polhode.integrate(s, number) for s in (shared.at([end]), scene(end)))
-        assert one.events[0].times == own.events[0].times
-        assert (one.states == own.states).all()
-        assert one.angles == own.angles
+        shared_run, own = (polhode.integrate(s, number) for s in (shared.at([end]), scene(end)))
+        assert shared_run.events[0].times == own.events[0].times
+        assert (shared_run.states == own.states).all()
+        assert shared_run.angles == own.angles
         assert own.events[0].times

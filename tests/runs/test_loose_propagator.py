@@ -34,8 +34,8 @@ MOTIONS = {
 
 
 def top(name):
-    given = {"omega": [0.5, -0.25, 1], "gamma": ["0.6", 0, "0.8"], "end": 1} | MOTIONS[name]
-    return polhode.top(**given)
+    keys = {"omega": [0.5, -0.25, 1], "gamma": ["0.6", 0, "0.8"], "end": 1} | MOTIONS[name]
+    return polhode.top(**keys)
 
 
 def fastest(scene):

@@ -39,5 +39,5 @@ def exact_states(scene, number, rate=1):
 )
 def test_powers_of_two_change_no_bit(name, number, units):
     scene = replace(polhode.load(name).at((Fraction(5),)), outputs=())
-    other = in_units(scene, *units)
-    assert exact_states(other, number, Fraction(2) ** units[2]) == exact_states(scene, number)
+    scaled = in_units(scene, *units)
+    assert exact_states(scaled, number, Fraction(2) ** units[2]) == exact_states(scene, number)

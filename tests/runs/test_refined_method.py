@@ -17,7 +17,7 @@ from polhode.numbers.conversion import exactly
 from polhode.refined import compiled_field, refinement
 from polhode.refined.errors import Stalled
 from polhode.refined.refinement import refine
-from polhode.runs import refined as refined_method
+from polhode.runs.options import refinement_pays
 from polhode.scenes.scene import Event
 
 SCENE = "kovalevskaya/generic"
@@ -58,8 +58,8 @@ def test_quad_runs_are_refined_and_tell_their_errors(name):
     scene = polhode.load(name)
     run = refined(scene, [scene.end / 3, scene.end])
     assert run.outcome is Outcome.REACHED_END
-    for true, told in zip(errors(run), run.errors, strict=True):
-        assert true <= told < 1e6 * true
+    for true, estimate in zip(errors(run), run.errors, strict=True):
+        assert true <= estimate < 1e6 * true
     assert 33 < polhode.compare(run).worst < run.number.most_digits + 0.1
     times = tuple(scene.end * Fraction(k, 7) for k in (6, 1, 0, 3))
     assert max(errors(replace(run, times=times, states=run(times)))) < max(run.errors)
@@ -82,13 +82,13 @@ def test_short_runs_take_heyokas_own_steps_unless_told():
     for run, t in zip(runs, (17, 18), strict=True):
         (member,) = polhode.integrate_many(SCENE, {"body.weight": [1]}, number="quad", at=[t])
         assert (member.method, member.states.tolist()) == (run.method, run.states.tolist())
-    one, other = refined(SCENE, [50]), polhode.integrate(SCENE, "quad", at=[50], method="taylor")
-    assert (other.method, other.errors) == ("taylor", None)
-    assert max(errors(one)) < max(errors(other)) / 4  # the inputs' rounding alone costs more
+    fine, steps = refined(SCENE, [50]), polhode.integrate(SCENE, "quad", at=[50], method="taylor")
+    assert (steps.method, steps.errors) == ("taylor", None)
+    assert max(errors(fine)) < max(errors(steps)) / 4  # the inputs' rounding alone costs more
     near, far = (polhode.load(SCENE).at((Fraction(t),)) for t in (30, 110))
     more = polhode.integrate(SCENE, at=[1], digits=50).number
-    assert not refined_method.worth_it(near, more)
-    assert refined_method.worth_it(far, more)
+    assert not refinement_pays(near, more)
+    assert refinement_pays(far, more)
 
 
 @pytest.mark.parametrize(
@@ -136,8 +136,8 @@ def test_a_refinement_that_fails_falls_back_and_says_so(spoilt, capsys):
 
 
 def test_an_interrupt_leaves_what_was_reached():
-    def stop(done, steps):
-        if done > 0.4:
+    def stop(share, steps):
+        if share > 0.4:
             raise KeyboardInterrupt
 
     run = polhode.integrate(SCENE, "quad", at=range(1, 301), progress=stop)
@@ -149,12 +149,12 @@ def test_an_interrupt_leaves_what_was_reached():
 
 @pytest.mark.parametrize("number", ["quad", "mp"])
 def test_the_start_alone_and_progress(number):
-    told = []
+    calls = []
     run = polhode.integrate(
-        SCENE, number, at=[0], method="refined", progress=lambda *done: told.append(done)
+        SCENE, number, at=[0], method="refined", progress=lambda *share: calls.append(share)
     )
     assert (run.outcome, len(run.states)) == (Outcome.REACHED_END, 1)
-    assert [done for done, _ in told] == [1.0] * len(told)
+    assert [share for share, _ in calls] == [1.0] * len(calls)
     many = polhode.integrate_many(
         SCENE, {"body.weight": [1]}, number=number, at=[0], method="refined"
     )
@@ -189,19 +189,19 @@ def test_where_no_estimate_can_be_had_a_second_run_tells_the_error():
 
 
 @pytest.mark.parametrize(
-    ("told", "said"),
+    ("estimates", "said"),
     [
         ((0.0, 1e-34, 3e-34), "refined, estimated error 3.0e-34"),
         ((0.0, 1e-34, None), "refined, estimated error 1.0e-34 to t = 5, no estimate beyond it"),
         ((0.0, None, None), "refined, without an estimate of the error"),
     ],
 )
-def test_an_estimate_is_told_only_where_there_is_one(told, said):
+def test_an_estimate_is_told_only_where_there_is_one(estimates, said):
     """Without any but the start's, "estimated error 0.0e+00" was told."""
     from polhode.verbs import notes
 
-    found = polhode.integrate(SCENE, "quad", at=[0, 5, 20])
-    assert notes._accuracy(replace(found, errors=told)) == said
+    run = polhode.integrate(SCENE, "quad", at=[0, 5, 20])
+    assert notes._accuracy(replace(run, errors=estimates)) == said
 
 
 @pytest.mark.slow
@@ -237,13 +237,13 @@ def test_linear_forms_are_refined_in_principal_axes(form):
 
 
 def test_the_command_line_tells_method_and_errors(capsys):
-    asked = ["run", SCENE, "--number", "quad", "--at", "5,20"]
-    assert main([*asked, "--json", "--method", "refined"]) == 0
+    command = ["run", SCENE, "--number", "quad", "--at", "5,20"]
+    assert main([*command, "--json", "--method", "refined"]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert answer["method"] == "refined"
     assert [0 < x < 1e-31 for x in answer["columns"]["error"]] == [True, True]
     for method, said in (("taylor", "drift"), ("refined", "refined, estimated error ")):
-        assert main([*asked, "--method", method]) == 0
+        assert main([*command, "--method", method]) == 0
         assert said in capsys.readouterr().err
     assert main(["run", SCENE, "--number", "double", "--at", "20", "--method", "refined"]) == 2
 

@@ -127,8 +127,8 @@ def test_events_go_by_their_names(run):
 def test_nothing_is_written_into(run, tmp_path):
     """Nor into what is read again, from a pickle, a copy or a file, which is the same."""
     drift, psi = run.drift, run["psi"].tolist()
-    found = run.events["nutation"]
-    events = (found, pickle.loads(pickle.dumps(found)), found.until(found.times[0]))
+    event = run.events["nutation"]
+    events = (event, pickle.loads(pickle.dumps(event)), event.until(event.times[0]))
     tables = (
         run.states,
         run.attitude,

@@ -6,12 +6,12 @@ from __future__ import annotations
 STEPPING = """
 import sys
 from polhode.cli import main
-from polhode.taylor.stepping import Integrator
-chunk = Integrator.chunk
-def told(self, *given):
-    Integrator.chunk = chunk
+from polhode.taylor.motion import Motion
+advance = Motion.advance
+def announced(self, *given):
+    Motion.advance = advance
     print("steps", flush=True)
-    return chunk(self, *given)
-Integrator.chunk = told
+    return advance(self, *given)
+Motion.advance = announced
 sys.exit(main())
 """

@@ -25,14 +25,16 @@ def polhode(arguments, cwd, cache, before=(), limit=None, **environment):
         if limit is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
-    kept = {k: v for k, v in os.environ.items() if k != "HEYOKA_CACHE_DIR"}
-    kept["PYTHONDONTWRITEBYTECODE"] = "1"  # cut off at the limit, it would stay for all that follow
+    environment_left = {k: v for k, v in os.environ.items() if k != "HEYOKA_CACHE_DIR"}
+    environment_left["PYTHONDONTWRITEBYTECODE"] = (
+        "1"  # cut off at the limit, it would stay for all that follow
+    )
     if cache is not None:
         environment["HEYOKA_CACHE_DIR"] = str(cache)
     return subprocess.run(
         [*before, sys.executable, "-m", "polhode", *arguments],
         cwd=cwd,
-        env=kept | environment,
+        env=environment_left | environment,
         capture_output=True,
         text=True,
         preexec_fn=small_files,
@@ -44,10 +46,10 @@ def home(tmp_path_factory):
     """A folder with a scene, a good cache, and what a run of the scene prints."""
     folder = tmp_path_factory.mktemp("cache")
     (folder / "scene.toml").write_text(heavy_file("5", samples=3))
-    done = polhode(["run", "scene.toml", "--json"], folder, folder / "good")
-    assert done.returncode == 0, done.stderr
+    process = polhode(["run", "scene.toml", "--json"], folder, folder / "good")
+    assert process.returncode == 0, process.stderr
     assert (folder / "good" / "cache.db").stat().st_size > 10_000
-    return folder, json.loads(done.stdout)["columns"]
+    return folder, json.loads(process.stdout)["columns"]
 
 
 def fill(path: Path, good: Path, how: str) -> None:
@@ -100,16 +102,18 @@ def test_a_bad_cache_changes_nothing(home, tmp_path, how):
         if shutil.which("setpriv") is None:
             pytest.skip("root writes everywhere, and setpriv is missing")
         more["before"] = UNPRIVILEGED
-    done = polhode(["run", "scene.toml", "--json"], folder, cache, **more)
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["columns"] == states  # nothing else on stdout, the same digits
-    assert done.stderr == ""
+    process = polhode(["run", "scene.toml", "--json"], folder, cache, **more)
+    assert process.returncode == 0, process.stderr
+    assert (
+        json.loads(process.stdout)["columns"] == states
+    )  # nothing else on stdout, the same digits
+    assert process.stderr == ""
     about = polhode(["about", "--json"], folder, cache, **more)
     assert about.returncode == 0, about.stderr
-    told = json.loads(about.stdout)["cache"]
-    assert told["enabled"] is True
-    assert (told["bytes"] is None) == ("fault" in told)
-    assert ("fault" in told) == (how != "empty")
+    cache_facts = json.loads(about.stdout)["cache"]
+    assert cache_facts["enabled"] is True
+    assert (cache_facts["bytes"] is None) == ("fault" in cache_facts)
+    assert ("fault" in cache_facts) == (how != "empty")
 
 
 @pytest.mark.slow
@@ -117,9 +121,9 @@ def test_about_says_what_is_wrong_with_the_cache(home):
     folder, _ = home
 
     def line(cache) -> str:
-        told = polhode(["about"], folder, cache).stdout.splitlines()
-        (found,) = (text for text in told if text.startswith("cache "))
-        return found
+        lines = polhode(["about"], folder, cache).stdout.splitlines()
+        (cache_line,) = (text for text in lines if text.startswith("cache "))
+        return cache_line
 
     assert " MB in " in line(folder / "good")
     assert line("/proc/polhode").startswith("cache        none, every run compiles again (")
@@ -133,11 +137,11 @@ def test_the_cache_does_not_grow_once_it_holds_what_a_run_needs(home, tmp_path):
     sizes = []
     for _ in range(3):
         assert polhode(arguments, folder, tmp_path).returncode == 0
-        sizes.append(told(tmp_path, folder))
+        sizes.append(exit_code(tmp_path, folder))
     assert 0 < sizes[1] == sizes[2]
 
 
-def told(cache, folder) -> int:
+def exit_code(cache, folder) -> int:
     """The cache's size in bytes, by `polhode about`."""
     return json.loads(polhode(["about", "--json"], folder, cache).stdout)["cache"]["bytes"]
 
@@ -147,8 +151,8 @@ def test_the_environment_bounds_the_cache(home, tmp_path):
     folder, _ = home
 
     def about(cache, **environment):
-        done = polhode(["about", "--json"], folder, cache, **environment)
-        return json.loads(done.stdout)["cache"]
+        process = polhode(["about", "--json"], folder, cache, **environment)
+        return json.loads(process.stdout)["cache"]
 
     assert about(tmp_path, POLHODE_CACHE_MB="7")["limit"] == 7_000_000
     about(tmp_path / "none")  # which keeps what its own test compiles
@@ -164,7 +168,7 @@ def test_the_environment_bounds_the_cache(home, tmp_path):
 @pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("wrong", ["much", "", "9" * 12])
 def test_a_bound_that_is_none_is_refused(tmp_path, wrong):
-    done = polhode(["about"], tmp_path, None, POLHODE_CACHE_MB=wrong)
-    assert done.returncode == 2
-    assert "POLHODE_CACHE_MB" in done.stderr
-    assert done.stderr.count("\n") == 1
+    process = polhode(["about"], tmp_path, None, POLHODE_CACHE_MB=wrong)
+    assert process.returncode == 2
+    assert "POLHODE_CACHE_MB" in process.stderr
+    assert process.stderr.count("\n") == 1

@@ -30,8 +30,8 @@ ORDINARY, SPECIAL = (
 
 
 def top(**more) -> polhode.Scene:
-    given = {"omega": ["0.3", "-0.2", "1.1"], "gamma": ["0.6", 0, "0.8"], "end": 10}
-    return polhode.top(**{**ORDINARY, **given, **more})
+    keys = {"omega": ["0.3", "-0.2", "1.1"], "gamma": ["0.6", 0, "0.8"], "end": 10}
+    return polhode.top(**{**ORDINARY, **keys, **more})
 
 
 def never_seen() -> dict[str, list[Fraction]]:
@@ -43,15 +43,15 @@ def never_seen() -> dict[str, list[Fraction]]:
 def built(monkeypatch) -> list:
     """The integrators that heyoka makes from now on, none being idle."""
     monkeypatch.setattr(engine, "POOL", Pool())
-    found: list = []
+    builds: list = []
     make = hy.taylor_adaptive
 
     def counted(*arguments, **options):
-        found.append(make(*arguments, **options))
-        return found[-1]
+        builds.append(make(*arguments, **options))
+        return builds[-1]
 
     monkeypatch.setattr("heyoka.taylor_adaptive", counted)
-    return found
+    return builds
 
 
 # -- what compiles, and what is built -------------------------------------------------------------
@@ -65,16 +65,16 @@ def test_another_body_of_a_pattern_compiles_nothing(number, centre):
     options = {"number": number, "method": "taylor", "project": False, "at": [1]}
     first = polhode.integrate(top(centre=CENTRES[centre], **never_seen()), **options)
     size = hy.llvm_state.get_memcache_size()
-    other = polhode.integrate(top(centre=CENTRES[centre], **never_seen()), **options)
+    second = polhode.integrate(top(centre=CENTRES[centre], **never_seen()), **options)
     assert hy.llvm_state.get_memcache_size() == size
-    assert list(first.states[0]) != list(other.states[0])
+    assert list(first.states[0]) != list(second.states[0])
 
 
 def test_with_corrections_and_attitude_neither():
-    first, other = (top(**never_seen(), outputs=["attitude", "angles"], end=300) for _ in "ab")
+    first, second = (top(**never_seen(), outputs=["attitude", "angles"], end=300) for _ in "ab")
     polhode.integrate(first)
     size = hy.llvm_state.get_memcache_size()
-    run = polhode.integrate(other)
+    run = polhode.integrate(second)
     assert run.projection.count > 0
     assert hy.llvm_state.get_memcache_size() == size
 
@@ -93,7 +93,7 @@ OTHER_START = replace(LAGRANGE, omega=(Fraction(1), Fraction(2), Fraction(41, 10
 def test_what_differs_in_type_tolerance_outputs_events_or_pattern_is_built(built):
     """Nothing else: no coefficient that is 1 or equal to another, no time, no start."""
     watched = replace(LAGRANGE, events=(Event("side", "gamma2"),))
-    asked = [
+    runs = [
         (LAGRANGE, {}, 1),
         (LAGRANGE, {"at": [-1, -7]}, 0),
         (OTHER_START, {}, 0),
@@ -114,7 +114,7 @@ def test_what_differs_in_type_tolerance_outputs_events_or_pattern_is_built(built
         (top(moments=[1, 1, "1.2"], centre=[1, 2, 3], weight=7), {}, 0),
     ]
     for again in (1, 0):
-        for scene, options, count in asked:
+        for scene, options, count in runs:
             before = len(built)
             polhode.integrate(scene, **options)
             assert len(built) - before == count * again, (scene.name, options)
@@ -185,16 +185,16 @@ def test_a_coefficient_that_underflows_is_no_zero(number, built):
 @pytest.fixture
 def alone(monkeypatch) -> list:
     """Two bodies of one pattern, each with its states where no other has used an integrator."""
-    times, found = [*range(11)], []
+    times, rows = [*range(11)], []
     for body in (ORDINARY, SPECIAL):
         monkeypatch.setattr(engine, "POOL", Pool())
         scene = top(**body)
         run = polhode.integrate(scene, at=times)
         fine = np.array(polhode.integrate(scene, "quad", at=times).states, float)
         assert np.abs(run.states - fine).max() < 1e-13
-        found.append((scene.at(times), run.states, run(["1/3", "19/2"])))
+        rows.append((scene.at(times), run.states, run(["1/3", "19/2"])))
     monkeypatch.setattr(engine, "POOL", Pool())
-    return found
+    return rows
 
 
 def test_runs_in_turn_have_the_bits_of_runs_alone(alone, monkeypatch):
@@ -232,19 +232,19 @@ def test_propagators_in_turn_have_the_bits_of_runs(alone):
 def test_another_start_in_an_idle_integrator_has_the_bits_of_a_new_one(number, outputs, built):
     """Its spin, which the equations keep, is told whenever the state is, and in events of time."""
     zero = Event("e", "gamma3 - 1/2 - t/200")
-    one, other = (
+    new, reused = (
         replace(scene, outputs=outputs, events=(zero,)).at([20])
         for scene in (LAGRANGE, OTHER_START)
     )
-    first = polhode.integrate(one, number, project=7)
-    idle = polhode.integrate(other, number, project=7)
+    first = polhode.integrate(new, number, project=7)
+    idle = polhode.integrate(reused, number, project=7)
     assert idle.events[0].times
     for t, row in zip(idle.events[0].times, idle.events[0].states, strict=True):
         assert abs(exactly(row[5]) - Fraction(1, 2) - t / 200) < 2 * idle.number.eps
     engine.POOL = Pool()
-    fresh = polhode.integrate(other, number, project=7)
+    fresh = polhode.integrate(reused, number, project=7)
     assert fresh == idle
-    assert polhode.integrate(one, number, project=7) == first
+    assert polhode.integrate(new, number, project=7) == first
 
 
 def test_what_no_rate_asks_for_is_no_parameter():
@@ -261,7 +261,7 @@ WATCHED = replace(polhode.load(CHAOTIC), events=(Event("e", "gamma3 - t/8"),))
 
 
 @pytest.mark.parametrize(
-    "asked",
+    "sweep",
     [
         lambda k: polhode.section(CHAOTIC, grid=(3, 3), crossings=4, h=3, f=Fraction(k, 8)).states,
         lambda k: polhode.reduce_many(
@@ -273,8 +273,8 @@ WATCHED = replace(polhode.load(CHAOTIC), events=(Event("e", "gamma3 - t/8"),))
     ],
     ids=["sections", "first zeros", "sweeps"],
 )
-def test_a_batch_taken_up_again_has_no_trace_of_who_used_it_before(asked, monkeypatch):
-    fresh, other = asked(2), asked(1)
+def test_a_batch_taken_up_again_has_no_trace_of_who_used_it_before(sweep, monkeypatch):
+    fresh, reused = sweep(2), sweep(1)
     monkeypatch.setattr("heyoka.taylor_adaptive_batch", None)
-    assert np.array_equal(asked(2), fresh, equal_nan=True)
-    assert not np.array_equal(fresh, other, equal_nan=True)
+    assert np.array_equal(sweep(2), fresh, equal_nan=True)
+    assert not np.array_equal(fresh, reused, equal_nan=True)

@@ -19,8 +19,8 @@ TYPES = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD, "mp": mp()}
 def chosen(title: str) -> str:
     """The chapter of choices.md of that beginning."""
     text = (Path(__file__).parents[2] / "reports/choices.md").read_text(encoding="utf-8")
-    (found,) = [part for part in text.split("\n## ") if part.startswith(title)]
-    return found
+    (section,) = [part for part in text.split("\n## ") if part.startswith(title)]
+    return section
 
 
 def bold(text: str) -> list[int]:

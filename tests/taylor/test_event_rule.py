@@ -20,15 +20,15 @@ from polhode.scenes.scene import Event
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
 
 
-def top(*events: Event, **given: object) -> polhode.Scene:
+def top(*events: Event, **keys: object) -> polhode.Scene:
     usual = {"moments": [1, 2, 3], "omega": ["0.3", 0, 1], "gamma": ["0.6", 0, "0.8"], "at": [2]}
-    return polhode.top(**{**usual, **given}, events=list(events))
+    return polhode.top(**{**usual, **keys}, events=list(events))
 
 
-def found(event, number="double", method="taylor", **given):
+def events_of(event, number="double", method="taylor", **keys):
     events = [Event("e", event)] if isinstance(event, str) else [event]
-    run = polhode.integrate(top(*events, **given), number, method=method)
-    assert all(one.complete for one in run.events)
+    run = polhode.integrate(top(*events, **keys), number, method=method)
+    assert all(times.complete for times in run.events)
     return run, run.events[0]
 
 
@@ -36,7 +36,7 @@ def found(event, number="double", method="taylor", **given):
 def test_contacts_are_told_to_the_last_digits_of_their_times(number):
     """heyoka's steps know nothing of an expression that is faster: it tells an extremum of it to
     5e-13; the rest is polished."""
-    _, event = found("(sin(40*t) - 1)*(2 + q)", number.name)
+    _, event = events_of("(sin(40*t) - 1)*(2 + q)", number.name)
     assert event.signs == (0,) * 13
     with mpmath.workdps(60):
         for k, t in enumerate(event.times):
@@ -53,20 +53,22 @@ def test_contacts_are_told_to_the_last_digits_of_their_times(number):
 @pytest.mark.parametrize("kind", ["pendulum", "wobble"])
 def test_a_small_motion_has_the_zeros_of_a_large_one(kind, size, number):
     """Of period 2 pi: gamma2 = -size sin t of a pendulum, q = size sin t of a wobble."""
-    given = {"moments": [1, 1, 1], "centre": [0, 0, -1], "weight": 1, "gamma": [0, 0, 1]}
+    keys = {"moments": [1, 1, 1], "centre": [0, 0, -1], "weight": 1, "gamma": [0, 0, 1]}
     zero = "gamma2"
     if kind == "wobble":
-        given, zero = {"moments": [1, 1, 2], "gamma": [1, 0, 0]}, "q"
+        keys, zero = {"moments": [1, 1, 2], "gamma": [1, 0, 0]}, "q"
     omega = [size, 0, 0] if kind == "pendulum" else [size, 0, 1]
-    run, event = found(zero, number, **given, omega=omega, at=[20])
+    run, event = events_of(zero, number, **keys, omega=omega, at=[20])
     first = -1 if kind == "wobble" else int(np.sign(float(run("1")[4]) * -1))
     assert event.signs == tuple(first * (-1) ** k for k in range(6))
     for k, t in enumerate(event.times, 1):
         assert abs(float(t) - k * math.pi) < 1e-4  # heyoka's steps are chosen by the largest
     assert all(0.9 < depth / float(size) < 1.1 for depth in event.depths[:-1])
-    assert found(f"{zero}**3", number, **given, omega=omega, at=[20])[1].signs == event.signs
-    for way, sign in (("rising", 1), ("falling", -1)):
-        run, event = found(Event("s", zero, way, True), number, **given, omega=omega, at=[20])
+    assert events_of(f"{zero}**3", number, **keys, omega=omega, at=[20])[1].signs == event.signs
+    for direction, sign in (("rising", 1), ("falling", -1)):
+        run, event = events_of(
+            Event("s", zero, direction, True), number, **keys, omega=omega, at=[20]
+        )
         assert run.outcome is Outcome.STOPPED_AT_EVENT
         assert event.signs == (sign,)
         assert abs(float(run.reached) - (2 if sign != first else 1) * math.pi) < 1e-4
@@ -84,7 +86,7 @@ def test_a_small_motion_has_the_zeros_of_a_large_one(kind, size, number):
 def test_a_level_is_crossed_twice_below_an_extremum_and_touched_at_it(below, signs, number):
     """p = cos 2t: 1 at the start and at t = pi."""
     body = {"moments": [1, 1, 2], "omega": [1, 0, 2], "gamma": [1, 0, 0], "at": [4]}
-    _, event = found(f"p - 1 + ({below})", number, **body)
+    _, event = events_of(f"p - 1 + ({below})", number, **body)
     assert event.signs == signs
     assert event.grazing == tuple(sign == 0 for sign in signs)
     away = math.acos(1 - float(below)) / 2 if signs and signs[0] else 0.0
@@ -96,9 +98,9 @@ def test_a_level_is_crossed_twice_below_an_extremum_and_touched_at_it(below, sig
     if 0 in signs:
         assert event.depths[-1] <= 64 * float(number.eps)
         assert event.uncertainty[-1] < 100 * math.sqrt(float(number.eps))
-    for way in ("rising", "falling"):
-        run, event = found(Event("s", f"p - 1 + ({below})", way, True), number, **body)
-        stops = (1 if way == "rising" else -1) in signs
+    for direction in ("rising", "falling"):
+        run, event = events_of(Event("s", f"p - 1 + ({below})", direction, True), number, **body)
+        stops = (1 if direction == "rising" else -1) in signs
         assert (run.outcome is Outcome.STOPPED_AT_EVENT) == stops
         assert event.grazing == tuple(sign == 0 for sign in event.signs)
 
@@ -139,16 +141,16 @@ def test_a_flat_zero_is_a_crossing_with_its_direction_and_a_wide_time():
         ("-(t-1.2)**5", -1, 1e-2),
         ("q**3 - q**3 + (t - 1.2)**3", 1, 1e-4),
     ):
-        run, event = found(zero)
+        run, event = events_of(zero)
         assert event.signs == (sign,)
         assert abs(float(event.times[0]) - 1.2) <= event.uncertainty[0] < width
-        way = "rising" if sign > 0 else "falling"
-        run, _ = found(Event("s", zero, way, True))
+        direction = "rising" if sign > 0 else "falling"
+        run, _ = events_of(Event("s", zero, direction, True))
         assert run.outcome is Outcome.STOPPED_AT_EVENT
     for zero, signs in (("(t-0.5)**2*(t-1)", (0, 1)), ("(0.5-t)**3*(t-1)*(t-1.5)", (-1, 1, -1))):
-        assert found(zero)[1].signs == signs  # plain zeros behind others
+        assert events_of(zero)[1].signs == signs  # plain zeros behind others
     for zero in ("(t-1.2)**2", "(t-1.2)**4"):
-        _, event = found(Event("touch", zero, "falling"))
+        _, event = events_of(Event("touch", zero, "falling"))
         assert event.signs == (0,)
         assert abs(float(event.times[0]) - 1.2) <= event.uncertainty[0] < 1e-2
 
@@ -156,11 +158,11 @@ def test_a_flat_zero_is_a_crossing_with_its_direction_and_a_wide_time():
 def test_what_terms_cancel_is_uncertain_and_what_is_small_is_not():
     """A shift of 1e6 costs six digits of the level; the same level without it is crossed."""
     body = {"moments": [1, 1, 2], "omega": [1, 0, 2], "gamma": [1, 0, 0], "at": [4]}
-    _, plain = found("p - 1 + 1e-11", **body)
-    _, shifted = found("(p + 1e6) - 1000001 + 1e-11", **body)
+    _, plain = events_of("p - 1 + 1e-11", **body)
+    _, shifted = events_of("(p + 1e6) - 1000001 + 1e-11", **body)
     assert plain.signs == (-1, 1, -1)
     assert shifted.signs == (0,)  # at the start it is above zero by less than rounding
-    _, scaled = found("1e-30*(p - 1 + 1e-11)", **body)
+    _, scaled = events_of("1e-30*(p - 1 + 1e-11)", **body)
     assert scaled.signs == plain.signs
     assert scaled.times[1:] == pytest.approx(plain.times[1:], abs=1e-9)
 
@@ -185,10 +187,10 @@ AT_ZERO = {
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize("zero", AT_ZERO)
 def test_a_start_at_zero_hides_no_other_zero(zero, number):
-    _, event = found(zero, number)
+    _, event = events_of(zero, number)
     assert [float(t) for t in event.times] == pytest.approx(AT_ZERO[zero], abs=1e-15)
     assert all(a == -b != 0 for a, b in zip(event.signs[1:], event.signs[:-1], strict=True))
-    run, _ = found(Event("s", zero, stop=True), number)
+    run, _ = events_of(Event("s", zero, stop=True), number)
     assert float(run.reached) == pytest.approx(AT_ZERO[zero][0], abs=4e-16)
 
 
@@ -196,8 +198,8 @@ def test_a_start_at_zero_hides_no_other_zero(zero, number):
 @pytest.mark.parametrize("zero", AT_ZERO)
 def test_nor_does_it_in_lanes(zero):
     scene = top(Event("e", zero))
-    found = polhode.reduce_many(scene, {"start.omega[1]": ["0.3"] * 3}, "first e")
-    assert found["t of first e"] == pytest.approx([AT_ZERO[zero][0]] * 3, abs=4e-16)
+    firsts = polhode.reduce_many(scene, {"start.omega[1]": ["0.3"] * 3}, "first e")
+    assert firsts["t of first e"] == pytest.approx([AT_ZERO[zero][0]] * 3, abs=4e-16)
 
 
 @pytest.mark.parametrize(
@@ -211,9 +213,9 @@ def test_zeros_on_a_seam_are_told_once(zero, signs, steps, monkeypatch):
     if steps is not None:
         change_policy(monkeypatch, chunk=steps)
     for at in ([1, 3, "3.0625", 4], [3, "3.0625", 4], [4]):
-        _, event = found(zero, at=at)
+        _, event = events_of(zero, at=at)
         assert event.signs == signs
-    _, event = found(zero, at=[3])  # a run that ends at a zero has its slope, and no more
+    _, event = events_of(zero, at=[3])  # a run that ends at a zero has its slope, and no more
     assert event.signs == (signs[:1] if "**" not in zero else ())
 
 
@@ -221,18 +223,18 @@ def test_a_zero_within_rounding_of_the_start_is_the_starts_own():
     """p + q = 0.3 + 0.3 t there: 1e-18 below it is a zero at the start, 1e-14 below it is not."""
     shifts = ("1e-18", ()), ("-1e-18", ()), ("0", ()), ("1e-14", (-1,))
     for shift, signs in shifts:
-        _, event = found(f"0.3 - p - q + ({shift})", at=["0.1"])
+        _, event = events_of(f"0.3 - p - q + ({shift})", at=["0.1"])
         assert event.signs == signs, shift
         for t, off in zip(event.times, event.uncertainty, strict=True):
             assert abs(float(t) - float(shift) / 0.3) <= off < 1e-14
-    _, event = found("q + 1e-18", at=["0.1"])
+    _, event = events_of("q + 1e-18", at=["0.1"])
     assert event.signs == ()
 
 
 @pytest.mark.parametrize(("beyond", "signs"), [("1e-17", (1,)), ("1e-13", ())])
 def test_a_zero_within_rounding_of_the_end_belongs_to_the_run_that_ends_there(beyond, signs):
     """A run that goes on from there takes it for its start's own."""
-    _, event = found(f"t - 3 - ({beyond})", at=[3])
+    _, event = events_of(f"t - 3 - ({beyond})", at=[3])
     assert event.signs == signs
     assert all(t == 3 for t in event.times)
 
@@ -247,11 +249,11 @@ def test_a_zero_apart_from_the_start_is_told_when_it_is(above, number):
     assert abs(proven.time - exact) <= exact**2
     for end in (1, -1):
         whole = top(event, omega=[above if end > 0 else f"-{above}", 1, "0.2"], at=[end])
-        (told,) = polhode.integrate(whole, number).events
+        (zeros,) = polhode.integrate(whole, number).events
         if exact < 10 * number.eps:
-            assert [t for t in told.times if abs(t) < 1e-9] == []
+            assert [t for t in zeros.times if abs(t) < 1e-9] == []
         else:
-            assert abs(abs(told.times[0]) - proven.time) <= told.uncertainty[0] < 6 * number.eps
+            assert abs(abs(zeros.times[0]) - proven.time) <= zeros.uncertainty[0] < 6 * number.eps
 
 
 @pytest.mark.parametrize("end", [20, -20])
@@ -259,7 +261,7 @@ def test_a_sweep_and_a_section_go_on_from_a_zero_too(end):
     """`first` from the states of a run's zeros is the next of them each time, in every lane."""
     level = Event("level", "gamma3 - 0.7")
     heavy = {**_LOOP_TOPS["heavy"], "gamma": ["0.6", 0, "0.8"]}
-    run, event = found(level, **{**heavy, "at": [end]})
+    run, event = events_of(level, **{**heavy, "at": [end]})
     sweep = polhode.reduce_many(run.scene, starts=np.array(event.states), keep="first level")
     gaps = np.diff([float(t) for t in event.times])
     assert sweep["t of first level"][:-1] == pytest.approx(gaps, abs=1e-12)
@@ -299,11 +301,11 @@ _LOOP_TOPS = {
 )
 def test_a_loop_that_goes_on_from_each_stop_meets_every_event_once(zeros, body, end, number):
     """Also where several of them happen at once: counted by the run that stops there, or before."""
-    events, given = [Event(f"e{k}", zero) for k, zero in enumerate(zeros)], _LOOP_TOPS[body]
+    events, keys = [Event(f"e{k}", zero) for k, zero in enumerate(zeros)], _LOOP_TOPS[body]
     usual = {"gamma": ["0.6", 0, "0.8"], "normalise": True}
-    long = polhode.integrate(polhode.top(**usual, **given, at=[end], events=events), number)
-    counts, left, start = [0] * len(zeros), Fraction(end), {**usual, "omega": given["omega"]}
-    body = {key: value for key, value in given.items() if key != "omega"}
+    long = polhode.integrate(polhode.top(**usual, **keys, at=[end], events=events), number)
+    counts, left, start = [0] * len(zeros), Fraction(end), {**usual, "omega": keys["omega"]}
+    body = {key: value for key, value in keys.items() if key != "omega"}
     stops = [event._replace(stop=True) for event in events]
     while True:
         scene = polhode.top(**body, **start, at=[left], events=stops)
@@ -327,7 +329,7 @@ def test_a_lost_zero_is_found_again(number, monkeypatch):
     from polhode.taylor.event_watch import Watch
 
     scene = {"at": [20], "moments": [2, 3, 4]}
-    _, whole = found("q - gamma2/3", number, **scene)
+    _, whole = events_of("q - gamma2/3", number, **scene)
     met = Watch.met
 
     def deaf(self, k, order, ta, t):
@@ -335,7 +337,7 @@ def test_a_lost_zero_is_found_again(number, monkeypatch):
             met(self, k, order, ta, t)
 
     monkeypatch.setattr(Watch, "met", deaf)
-    _, event = found("q - gamma2/3", number, **scene)
+    _, event = events_of("q - gamma2/3", number, **scene)
     assert event.signs == whole.signs
     assert len(event.signs) == 3
     for s, t in zip(event.times, whole.times, strict=True):
@@ -352,26 +354,26 @@ def test_lanes_are_sure_behind_a_start_at_zero_and_of_contacts(monkeypatch):
     polhode.reduce_many(top(Event("e", "q*(p-0.28)")), three, "first e")
     assert not alone
     multiplied_out = ("t**3 - 3/2*t**2 + 3/4*t - 1/8", 0.5), ("t**2 - t + 1/4", math.nan)
-    asked = [("(t-1/2)**2*(t-1)", 1), ("(t-1/2)**3", 0.5), ("(t-1/2)**2", math.nan)]
-    for zero, first in (*asked, *multiplied_out):
-        found = polhode.reduce_many(top(Event("e", zero)), three, "first e")
-        assert found["t of first e"] == pytest.approx([first] * 3, abs=1e-4, nan_ok=True)
+    expected = [("(t-1/2)**2*(t-1)", 1), ("(t-1/2)**3", 0.5), ("(t-1/2)**2", math.nan)]
+    for zero, first in (*expected, *multiplied_out):
+        firsts = polhode.reduce_many(top(Event("e", zero)), three, "first e")
+        assert firsts["t of first e"] == pytest.approx([first] * 3, abs=1e-4, nan_ok=True)
         assert not alone
 
 
 @pytest.mark.slow
 def test_contacts_are_no_crossings_of_a_section():
     """A factor that touches zero adds none; a level below a contact adds two."""
-    asked = {"grid": (2, 2), "crossings": 8, "h": 3, "f": "1/2"}
+    options = {"grid": (2, 2), "crossings": 8, "h": 3, "f": "1/2"}
     plain, touched, pairs = (
-        polhode.section("general/asymmetric-chaotic", by=by, **asked)
+        polhode.section("general/asymmetric-chaotic", by=by, **options)
         for by in ("q - 1/10", "(r - 1/2)**2*(q - 1/10)", "(q - 1/10)**2 - 1e-12")
     )
     assert np.array_equal(touched.counts, plain.counts)
     assert np.abs(touched.times - plain.times).max() < 1e-5
     assert np.abs(pairs.times[:, ::2] - plain.times[:, :4]).max() < 1e-4
     with pytest.raises(polhode.BadInput, match="an expression that becomes zero"):
-        polhode.section("general/asymmetric-chaotic", by="(q - 1/10)**2", **asked)
+        polhode.section("general/asymmetric-chaotic", by="(q - 1/10)**2", **options)
 
 
 @pytest.mark.sample(1, slow=2)
@@ -392,25 +394,25 @@ def test_contacts_are_no_crossings_of_a_section():
 )
 def test_no_section_loses_flat_crossings(name, plain, flat):
     """heyoka gives a triple zero up now and then, two of a step or of a stretch among them."""
-    asked = {"grid": (2, 3), "crossings": 10, "h": 3, "f": "1/2"}
-    one, other = (polhode.section(name, by=by, **asked) for by in (plain, flat))
-    assert one.complete
-    assert other.outcomes == one.outcomes
-    assert np.abs(one.times - other.times).max() < 1e-2
+    options = {"grid": (2, 3), "crossings": 10, "h": 3, "f": "1/2"}
+    plain_section, flat_section = (polhode.section(name, by=by, **options) for by in (plain, flat))
+    assert plain_section.complete
+    assert flat_section.outcomes == plain_section.outcomes
+    assert np.abs(plain_section.times - flat_section.times).max() < 1e-2
 
 
 @pytest.mark.parametrize("powers", [(3, 3), (3, 5), (1, 3)])
 def test_two_multiple_zeros_of_a_step_are_those_of_the_factors(powers):
     """To the bit: what is watched are the factors, each once."""
-    asked = {"grid": (2, 2), "crossings": 10, "h": 3, "f": "1/2"}
+    options = {"grid": (2, 2), "crossings": 10, "h": 3, "f": "1/2"}
     factors = "(q - 0.099)", "(q - 0.102)"
     flat = "*".join(f"{x}**{n}" for x, n in zip(factors, powers, strict=True))
-    one, other = (
-        polhode.section("general/asymmetric-chaotic", by=by, **asked)
+    first, second = (
+        polhode.section("general/asymmetric-chaotic", by=by, **options)
         for by in ("*".join(factors), flat)
     )
-    assert other.outcomes == one.outcomes
-    assert np.array_equal(one.states, other.states)
+    assert second.outcomes == first.outcomes
+    assert np.array_equal(first.states, second.states)
 
 
 @pytest.mark.sample(0, first=1, slow=1)
@@ -442,8 +444,8 @@ def test_a_section_finds_again_what_heyoka_loses(by, monkeypatch):
     """
     from polhode.taylor.event_watch import Callback
 
-    asked = {"by": by, "grid": (3, 3), "crossings": 12, "h": 3, "f": "1/2"}
-    whole = polhode.section("general/asymmetric-chaotic", **asked)
+    options = {"by": by, "grid": (3, 3), "crossings": 12, "h": 3, "f": "1/2"}
+    whole = polhode.section("general/asymmetric-chaotic", **options)
     count, met = [0], Callback.__call__
 
     def deaf(self, ta, time, sign, lane):
@@ -452,7 +454,7 @@ def test_a_section_finds_again_what_heyoka_loses(by, monkeypatch):
             met(self, ta, time, sign, lane)
 
     monkeypatch.setattr(Callback, "__call__", deaf)
-    other = polhode.section("general/asymmetric-chaotic", **asked, workers=1)
+    alone = polhode.section("general/asymmetric-chaotic", **options, workers=1)
     assert count[0] > 100
-    assert other.outcomes == whole.outcomes
-    np.testing.assert_allclose(other.times, whole.times, rtol=0, atol=1e-10)
+    assert alone.outcomes == whole.outcomes
+    np.testing.assert_allclose(alone.times, whole.times, rtol=0, atol=1e-10)

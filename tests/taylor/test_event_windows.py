@@ -89,33 +89,37 @@ class Case:
         bare = polhode.integrate(polhode.top(**self.given), number, method="taylor")
         last = [float(x) for x in places[-1][2]]
         off = max(abs(float(x) - y) for x, y in zip(bare.states[-1], last, strict=True))
-        self.windows = windows(truth, places, k, self._made, off + 2 * U[number], U[number])
+        self.windows = windows(truth, places, k, self._watched, off + 2 * U[number], U[number])
 
-    def _made(self, plain):
+    def _watched(self, plain):
         return ((plain + self.shift) - self.level) * self.scale
 
     def run(self, *directions: tuple[str, bool]) -> polhode.Trajectory:
-        events = [polhode.Event(way, self.zero, way, stop) for way, stop in directions]
+        events = [
+            polhode.Event(direction, self.zero, direction, stop) for direction, stop in directions
+        ]
         scene = polhode.top(**self.given, events=events)
         return polhode.integrate(scene, self.number, method="taylor")
 
 
-def judged(case: Case, found: list[tuple[float, int]]) -> Counter[str]:
+def judged(case: Case, events: list[tuple[float, int]]) -> Counter[str]:
     """What is wrong with events, times and signs along the run, window by window."""
     counts: Counter[str] = Counter()
     for begin, end, before, after, unsure in case.windows:
-        inside = [sign for time, sign in found if begin < time <= end]
+        inside = [sign for time, sign in events if begin < time <= end]
         crossings = [sign for sign in inside if sign]
         counts["windows"] += not unsure
         counts["open"] += bool(unsure)
-        net, wanted = sum(crossings), (after - before) // 2
+        net, crossings_expected = sum(crossings), (after - before) // 2
         if unsure:
-            counts["wrong sum"] += net != wanted
+            counts["wrong sum"] += net != crossings_expected
             continue
         counts["contacts"] += len(inside) - len(crossings)
-        counts["missed"] += len(crossings) < abs(wanted)
-        counts["extra"] += len(crossings) > abs(wanted)
-        counts["wrong direction"] += len(crossings) == abs(wanted) and net != wanted
+        counts["missed"] += len(crossings) < abs(crossings_expected)
+        counts["extra"] += len(crossings) > abs(crossings_expected)
+        counts["wrong direction"] += (
+            len(crossings) == abs(crossings_expected) and net != crossings_expected
+        )
     return counts
 
 
@@ -123,8 +127,10 @@ def checked(case: Case) -> Counter[str]:
     """The same of all that a run tells: events by direction, and where it stops."""
     run = case.run(("any", False), ("rising", False), ("falling", False))
     every, rising, falling = run.events
-    found = [(abs(float(t)), s * case.way) for t, s in zip(every.times, every.signs, strict=True)]
-    counts = judged(case, found)
+    signed_times = [
+        (abs(float(t)), s * case.way) for t, s in zip(every.times, every.signs, strict=True)
+    ]
+    counts = judged(case, signed_times)
     counts["incomplete"] += not every.complete
     for event, sign in ((rising, 1), (falling, -1)):
         parts = [t for t, s in zip(every.times, every.signs, strict=True) if s in (0, sign)]
@@ -192,17 +198,17 @@ def test_rounding_errors_are_those_of_an_evaluation_written_down_here(text):
     from polhode.taylor.event_batches import Watched
     from polhode.taylor.event_functions import jet_of, marks_at, typed_constant
 
-    given = {"moments": [1, "1.5", 2], "centre": ["0.3", "-0.4", "0.5"], "weight": 1}
-    body = polhode.top(**given, omega=[1, 0, 0], gamma=[0, 0, 1], at=[1]).body
+    keys = {"moments": [1, "1.5", 2], "centre": ["0.3", "-0.4", "0.5"], "weight": 1}
+    body = polhode.top(**keys, omega=[1, 0, 0], gamma=[0, 0, 1], at=[1]).body
     coefficients = {name: float(x) for name, x in principal.coefficients(body).items()}
     formulas = Watched((*coefficients,), NAMES, text).formulas
     band, constant = Fraction(16) * DOUBLE.eps, typed_constant(DOUBLE)
     jet = jet_of(formulas, hy.make_vars(*NAMES), DOUBLE, band, constant)
     states, times = np.random.default_rng(7).normal(size=(6, 40)), np.linspace(-2, 2, 40)
     parameters = np.array([0, 0, 1, 1, *coefficients.values()])
-    found = jet.noise(marks_at(times, states, parameters))
+    errors = jet.noise(marks_at(times, states, parameters))
     k = [1, 1.5, 2, 0.3, -0.4, 0.5]
-    for error, row, t in zip(found, states.T, times, strict=True):
+    for error, row, t in zip(errors, states.T, times, strict=True):
         leaves = [
             Sized(x, abs(x) + rate.error / 2)
             for x, rate in zip(row, rates([Sized(x, abs(x)) for x in row], k), strict=True)

@@ -105,8 +105,8 @@ def test_every_half_period_is_counted_once_to_t_1e4():
 def test_times_of_a_heavy_top_are_those_of_a_run_in_extended_to_half_an_ulp_or_two():
     scene = watched("kovalevskaya/generic", "q", "gamma3", "p*gamma2 - q*gamma1", outputs=())
     run, fine = (polhode.integrate(scene, number, at=[1000]) for number in ("double", "extended"))
-    for one, true in zip(run.events, fine.events, strict=True):
-        off = [abs(float(s - t)) / float(t) for s, t in zip(one.times, true.times, strict=True)]
+    for event, true in zip(run.events, fine.events, strict=True):
+        off = [abs(float(s - t)) / float(t) for s, t in zip(event.times, true.times, strict=True)]
         assert np.median(off) < 40 * 2.0**-52
         assert np.max(off) < 400 * 2.0**-52
 
@@ -118,9 +118,9 @@ def test_ready_made_names_need_no_zero():
         *(Event(name) for name in ("nutation", "equator", "flip", "section:p - 1/10")),
     )
     spelt = watched("euler/turned-axes", "p*gamma2 - q*gamma1", "gamma3", "q", "p - 1/10")
-    run, other = (polhode.integrate(s, at=[40]) for s in (scene, spelt))
+    run, spelt_run = (polhode.integrate(s, at=[40]) for s in (scene, spelt))
     for k in (0, 1, 3):
-        pairs = zip(run.events[k].times, other.events[k].times, strict=True)
+        pairs = zip(run.events[k].times, spelt_run.events[k].times, strict=True)
         assert max(abs(float(s - t)) for s, t in pairs) < 2e-14  # next to another third event
     # The components of w along the middle axis of the turned body, at its flips, vanish.
     middle = [float(x) for x in scene.body.axes.rows[1]]
@@ -149,10 +149,10 @@ def test_chunk_boundaries_neither_lose_nor_repeat_an_event(number, steps, monkey
     whole = polhode.integrate(scene, number, at=[30])
     change_policy(monkeypatch, chunk=steps)
     cut = polhode.integrate(scene, number, at=[30])
-    for one, two in zip(whole.events, cut.events, strict=True):
-        assert len(one.times) == len(two.times) > 0
+    for first, second in zip(whole.events, cut.events, strict=True):
+        assert len(first.times) == len(second.times) > 0
         near = 4 * ulp(Fraction(30), number.bits)
-        assert all(abs(s - t) <= near for s, t in zip(one.times, two.times, strict=True))
+        assert all(abs(s - t) <= near for s, t in zip(first.times, second.times, strict=True))
 
 
 @pytest.mark.sample(1, slow=1)
@@ -197,11 +197,11 @@ def test_events_are_the_same_where_angles_begin_at_a_pole(number):
     angles = replace(scene, outputs=("angles",))
     run, plain = (polhode.integrate(s, number) for s in (angles, scene))
     assert 0 < run.events[0].times[0] < Fraction(1, 4) < run.events[1].times[0]
-    for found, known in zip(run.events, plain.events, strict=True):
-        assert len(found.times) == len(known.times) > 0
-        assert found.states.shape == known.states.shape
-        assert found.complete
-        error = max(abs(a - b) for a, b in zip(found.times, known.times, strict=True))
+    for event, plain_event in zip(run.events, plain.events, strict=True):
+        assert len(event.times) == len(plain_event.times) > 0
+        assert event.states.shape == plain_event.states.shape
+        assert event.complete
+        error = max(abs(a - b) for a, b in zip(event.times, plain_event.times, strict=True))
         assert error < 100 * number.eps
     stopping = replace(angles, events=(Event("early", "t - 1/10", stop=True),))
     stopped = polhode.integrate(stopping, number, at=[0, 3])
@@ -228,12 +228,12 @@ def test_what_rounding_decides_is_called_grazing_and_nothing_else(shift, zeros, 
 
 @pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
-@pytest.mark.parametrize("way", [1, -1])
-def test_a_run_stops_at_its_event(number, way):
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_run_stops_at_its_event(number, direction):
     scene = watched(
         EULER, Event("all", "q"), Event("stop", "q", "falling", stop=True), Event("late", "t**2-81")
     )
-    times = [way * Fraction(k, 2) for k in range(41)]
+    times = [direction * Fraction(k, 2) for k in range(41)]
     run = polhode.integrate(scene, number, at=times)
     assert run.outcome is Outcome.STOPPED_AT_EVENT
     assert run.outcome.done
@@ -367,20 +367,20 @@ def test_states_at_crossings_are_on_the_section_whatever_else_is_watched(number,
     """An event that would end the run, and never comes, changes no time by more than an ulp."""
     change_policy(monkeypatch, chunk=400)
     never = Event("never", "q - 100", stop=True)
-    asked = Event("plain", "q"), Event("up", "p*gamma2 - q*gamma1", "rising")
-    one, other = (
+    pair = Event("plain", "q"), Event("up", "p*gamma2 - q*gamma1", "rising")
+    first, second = (
         polhode.integrate(watched("kovalevskaya/generic", *events), number, at=[0, -200]).events
-        for events in (asked, (*asked, never))
+        for events in (pair, (*pair, never))
     )
     eps = 2.0 ** (-63 if number == "extended" else -52)
-    for a, b in zip(one, other[:2], strict=True):
+    for a, b in zip(first, second[:2], strict=True):
         assert len(a.times) == len(b.times) > 2
         assert a.complete
         assert (a.grazing, b.complete) == (b.grazing, True)
         parted = max(abs(s - t) / abs(t) for s, t in zip(a.times, b.times, strict=True))
         assert parted <= eps
         assert np.max(np.abs(a.states - b.states)) <= 30 * eps
-    assert np.max(np.abs(one[0].states[:, 1])) <= eps  # unpolished: ten times that
+    assert np.max(np.abs(first[0].states[:, 1])) <= eps  # unpolished: ten times that
 
 
 # -- runs that end otherwise, and what is kept ----------------------------------------------------
@@ -400,17 +400,17 @@ def test_a_run_that_ends_early_has_its_events_up_to_there(end, monkeypatch):
     scene = watched("kovalevskaya/generic", "q", outputs=()).at([1000])
     whole = polhode.integrate(scene, project=False)
 
-    def stop(done, _):
-        if done > 0.5:
+    def stop(share, _):
+        if share > 0.5:
             raise KeyboardInterrupt
 
     options = {"progress": stop} if end == "interrupted" else {"max_steps": 2000}
     run = polhode.integrate(scene, project=False, **options)
     assert run.outcome.value == end
     assert 400 < run.reached < 700
-    told = [t for t in whole.events[0].times if t <= run.reached]
-    assert run.events[0].times == tuple(told)
-    assert len(told) > 50
+    early = [t for t in whole.events[0].times if t <= run.reached]
+    assert run.events[0].times == tuple(early)
+    assert len(early) > 50
 
 
 @pytest.mark.parametrize("number", ["double", "extended", "quad"])
@@ -434,11 +434,11 @@ def test_a_run_with_other_times_or_another_direction_compiles_nothing(number, mo
 
 def test_times_are_exact_numbers_and_survive_a_pickle():
     (event,) = polhode.integrate(watched(EULER, "q"), at=[400]).events
-    other = pickle.loads(pickle.dumps(event))
-    assert other == event
-    assert all(type(t) is Fraction for t in other.times)
+    copy = pickle.loads(pickle.dumps(event))
+    assert copy == event
+    assert all(type(t) is Fraction for t in copy.times)
     assert replace(event, name="other").times is event.times
-    assert len(other.times) == len(event.states) == len(event.signs) == len(event.depths) > 50
+    assert len(copy.times) == len(event.states) == len(event.signs) == len(event.depths) > 50
 
 
 def test_no_contact_is_told_beyond_where_a_run_ended():

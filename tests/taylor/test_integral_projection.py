@@ -16,7 +16,8 @@ from polhode.numbers.number_types import DOUBLE
 from polhode.scenes import library
 from polhode.scenes.scene import Event
 from polhode.taylor import projection
-from polhode.taylor.stepping import Integrator
+from polhode.taylor.motion import Motion
+from polhode.taylor.projection import Projector
 from shared.policies import change_policy
 
 STANDING = ("lagrange/sleeping-unstable",)  # no step is taken
@@ -26,17 +27,17 @@ TOPS = ("euler/largest-axis", "lagrange/nutation", "kovalevskaya/generic")
 def chaplygin(order: tuple[int, int, int] = (0, 1, 2)) -> polhode.Scene:
     """A Goryachev–Chaplygin body, its axes relabelled cyclically, f = 0."""
 
-    def placed(vector):
-        found = [Fraction(0)] * 3
+    def permuted(vector):
+        components = [Fraction(0)] * 3
         for value, k in zip(vector, order, strict=True):
-            found[k] = Fraction(value)
-        return tuple(found)
+            components[k] = Fraction(value)
+        return tuple(components)
 
     centre = (Fraction(3, 5), Fraction(4, 5), 0)
-    body = polhode.Body.of_moments(placed((4, 4, 1)), placed(centre), 1)
+    body = polhode.Body.of_moments(permuted((4, 4, 1)), permuted(centre), 1)
     omega = (Fraction(1, 2), Fraction(1, 3), Fraction(-16, 9) * Fraction(9, 16))
     gamma = (0, Fraction(3, 5), Fraction(4, 5))
-    return polhode.Scene(body, placed(omega), placed(gamma), times=(Fraction(20),))
+    return polhode.Scene(body, permuted(omega), permuted(gamma), times=(Fraction(20),))
 
 
 # -- the integrals ----------------------------------------------------------------------------
@@ -61,9 +62,9 @@ def test_each_exact_scene_has_its_integrals_and_a_run_keeps_them(scene, onto):
     """A quad run that was not projected keeps every one of them to its rounding."""
     run = polhode.integrate(scene, "quad", at=[10])
     assert run.projection is None
-    found = [x for x in run.drift if x is not None]
-    assert len(found) == len(onto)
-    assert all(1e-38 < x < 1e-31 for x in found)
+    drifts = [x for x in run.drift if x is not None]
+    assert len(drifts) == len(onto)
+    assert all(1e-38 < x < 1e-31 for x in drifts)
     assert polhode.integrate(scene, at=[10]).projection.onto == onto
 
 
@@ -229,20 +230,20 @@ def test_quad_and_mp_are_projected_where_asked():
 @pytest.mark.slow
 def test_corrections_depend_on_no_output_time_and_no_chunk(monkeypatch):
     scene = polhode.load("kovalevskaya/generic")
-    one = polhode.integrate(scene, at=[300], project=7)
+    whole = polhode.integrate(scene, at=[300], project=7)
     many = polhode.integrate(scene, at=[Fraction(k, 40) for k in range(12_001)], project=7)
     lumps = [Fraction(k, 10**6) for k in range(50)]
     uneven = [t + s for t in (0, 150, Fraction(299)) for s in lumps]
     lumped = polhode.integrate(scene, at=[*uneven, 300], project=7)
-    assert one.projection == many.projection == lumped.projection
+    assert whole.projection == many.projection == lumped.projection
     assert len(many.times) == 12_001
     assert len(lumped.times) == 151
-    assert np.max(np.abs(many.states[-1] - one.states[-1])) < 1e-14
+    assert np.max(np.abs(many.states[-1] - whole.states[-1])) < 1e-14
     some = replace(many, times=many.times[::240], states=many.states[::240])
     for run in (some, lumped):
         assert min(polhode.compare(run).digits) > 13
     change_policy(monkeypatch, chunk=5)
-    assert polhode.integrate(scene, at=[300], project=7).projection.count == one.projection.count
+    assert polhode.integrate(scene, at=[300], project=7).projection.count == whole.projection.count
 
 
 def test_an_output_time_may_be_where_a_correction_is():
@@ -251,27 +252,32 @@ def test_an_output_time_may_be_where_a_correction_is():
     assert run.steps == 21
     ended = DOUBLE.rounded(run.reached)
     times = [ended, ended + Fraction(1, 2**40), 100]
-    found = polhode.integrate(scene, at=times, project=7)
-    assert list(found.times) == times
-    assert min(polhode.compare(found).digits) > 13.5
+    again = polhode.integrate(scene, at=times, project=7)
+    assert list(again.times) == times
+    assert min(polhode.compare(again).digits) > 13.5
 
 
 @pytest.mark.slow
 def test_a_zero_where_a_correction_would_jump_over_it_is_reported_once(monkeypatch):
     """Corrections wait where a watched expression is nearer to zero than they move it."""
     scene = polhode.load("kovalevskaya/generic").at((Fraction(600),))
-    jumps, correct = [], Integrator._correct
+    motions, jumps, begin, correct = [], [], Motion.begin, Projector.correct
 
-    def spied(self, corrector):
-        before = float(self.state[1])
-        done = correct(self, corrector)
-        after = float(self.state[1])
+    def begin_in_sight(motion, *parts):
+        motions.append(motion)
+        begin(motion, *parts)
+
+    def correct_in_sight(projector, state):
+        before = float(state[1])
+        corrected = correct(projector, state)
+        after = float(state[1])
         if abs(after - before) > 3e-16:
-            jumps.append((self.time, (before + after) / 2))
-        return done
+            jumps.append((motions[-1].time, (before + after) / 2))
+        return corrected
 
     with monkeypatch.context() as patch:
-        patch.setattr(Integrator, "_correct", spied)
+        patch.setattr(Motion, "begin", begin_in_sight)
+        patch.setattr(Projector, "correct", correct_in_sight)
         polhode.integrate(scene, project=40)
     assert len(jumps) >= 8
     for time, value in jumps[:8]:
@@ -304,16 +310,16 @@ def test_the_ways_to_ask():
 
 
 def test_drift_is_no_evidence_where_it_was_projected(capsys):
-    asked = ["run", "euler/long", "--at", "500"]
+    command = ["run", "euler/long", "--at", "500"]
     for how, there, absent in (
         (("--project", "20"), "largest correction", "drift"),
         (("--no-project",), "drift h", "correction"),
     ):
-        assert main([*asked, *how]) == 0
-        told = capsys.readouterr().err
-        assert there in told
-        assert absent not in told
-    assert main([*asked, "--project", "20", "--json"]) == 0
+        assert main([*command, *how]) == 0
+        notes = capsys.readouterr().err
+        assert there in notes
+        assert absent not in notes
+    assert main([*command, "--project", "20", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert answer["projection"]["onto"] == ["h", "f", "|gamma|^2", "|G|^2"]
     assert answer["projection"]["every"] == 20

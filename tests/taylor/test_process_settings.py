@@ -36,19 +36,19 @@ def test_blas_has_one_thread_inside_and_those_of_before_outside(before):
 
 
 def test_the_last_of_two_threads_puts_it_back(before):
-    inside, seen = Barrier(2, timeout=30), []
+    inside, values = Barrier(2, timeout=30), []
 
     def work():
         with one_blas_thread():
             inside.wait()
-        seen.append(threads())
+        values.append(threads())
 
     workers = [Thread(target=work) for _ in range(2)]
     for worker in workers:
         worker.start()
     for worker in workers:
         worker.join()
-    assert seen[-1] == before == threads()
+    assert values[-1] == before == threads()
 
 
 def test_heyoka_has_one_thread_inside_and_those_of_before_outside():

@@ -26,35 +26,35 @@ def test_blocks_change_no_bit(monkeypatch, block):
     once, blocks = (oscillators([1.0, 2.0, 3.0, 50.0]) for _ in range(2))
     once.propagate_until(ends)
     monkeypatch.setattr(batches, "BLOCK", block)
-    found = batches.until(blocks, ends)
+    ended = batches.until(blocks, ends)
     assert np.array_equal(blocks.state, once.state)
-    assert found.outcomes == [END] * 4
-    assert not found.stopped
-    taken = [result[3] for result in once.propagate_res]
-    assert found.steps.tolist() == [taken[0], 0, *taken[2:]]
+    assert ended.outcomes == [END] * 4
+    assert not ended.stopped
+    counts = [result[3] for result in once.propagate_res]
+    assert ended.steps.tolist() == [counts[0], 0, *counts[2:]]
 
 
 def test_steps_that_a_pole_makes_zero_are_told():
     ta = oscillators([1.0, 2.0], lambda x: 1 / (x - hy.expression(0.5)))
-    found = batches.until(ta, [10.0, 0.01])
-    assert found.outcomes == [Outcome.STEP_UNDERFLOW, END]
+    ended = batches.until(ta, [10.0, 0.01])
+    assert ended.outcomes == [Outcome.STEP_UNDERFLOW, END]
     assert ta.time[0] == pytest.approx(np.pi / 6, rel=4e-16)
     assert 0.49 < ta.state[0, 0] <= 0.5
 
 
 def test_a_limit_counts_over_blocks(monkeypatch):
     monkeypatch.setattr(batches, "BLOCK", 7)
-    found = batches.until(oscillators([1.0, 50.0]), [2.0, 100.0], 20)
-    assert found.outcomes == [END, LIMIT]
-    assert found.steps[1] == 20
+    ended = batches.until(oscillators([1.0, 50.0]), [2.0, 100.0], 20)
+    assert ended.outcomes == [END, LIMIT]
+    assert ended.steps[1] == 20
 
 
 def test_a_lane_that_is_lost_leaves_the_others_alone():
     x = hy.make_vars("x")
     start = np.array([[-1.0, 1.0, 2.0]])
     ta, alone = (hy.taylor_adaptive_batch([(x, x * x)], s) for s in (start, start[:, [0, 0, 2]]))
-    found = batches.until(ta, [10.0, 20.0, -3.0])
-    assert found.outcomes == [END, Outcome.NON_FINITE, END]
+    ended = batches.until(ta, [10.0, 20.0, -3.0])
+    assert ended.outcomes == [END, Outcome.NON_FINITE, END]
     alone.propagate_until([10.0, 10.0, -3.0])
     assert np.isnan(ta.state[0, 1])
     assert np.array_equal(ta.state[0, [0, 2]], alone.state[0, [0, 2]])

@@ -39,7 +39,6 @@ from polhode.numbers.number_types import (
 )
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
-from polhode.runs.options import refuse_other_rounding
 from polhode.scenes import library
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
@@ -51,6 +50,7 @@ from polhode.scenes.scene_facts import (
     time_column,
 )
 from polhode.scenes.vocabulary import REQUESTS, STATE
+from polhode.taylor.system import refuse_other_rounding
 
 if TYPE_CHECKING:
     from polhode.taylor.event_batches import Crossed, SearchJob

@@ -41,8 +41,8 @@ class Pairs:
 
     def __add__(self, other: Scalar) -> Pairs:
         b = pairs(other)
-        s, e = _two_sum(self.hi, b.hi)
-        t, f = _two_sum(self.lo, b.lo)
+        s, e = two_sum(self.hi, b.hi)
+        t, f = two_sum(self.lo, b.lo)
         s, e = _quick(s, e + t)
         return Pairs(*_quick(s, e + f))
 
@@ -186,7 +186,8 @@ def _of_binary(mantissa: int, exponent: int) -> tuple[float, float]:
     return math.ldexp(hi, exponent), math.ldexp(float(mantissa - int(hi)), exponent)
 
 
-def _two_sum(a: Any, b: Scalar) -> tuple[Scalar, Scalar]:
+def two_sum(a: Any, b: Scalar) -> tuple[Scalar, Scalar]:
+    """a + b rounded, and what its rounding leaves over (Knuth)."""
     s = a + b
     v = s - a
     return s, (a - (s - v)) + (b - v)

@@ -76,7 +76,7 @@ class ExactNumbers(LazySequence[N]):
         self.listed, self.ends, self.floats = listed, ends, floats
         self.size = size
         if listed is not None:
-            self.size = len(listed)
+            self.size, self.exact = len(listed), listed
         elif floats is not None:
             self.size = len(floats)
             floats.flags.writeable = False
@@ -98,13 +98,15 @@ class ExactNumbers(LazySequence[N]):
     @cached_property
     def exact(self) -> tuple[N, ...]:
         """All of them."""
-        return tuple(map(self.at, range(self.size))) if self.listed is None else self.listed
+        return tuple(map(self.at, range(self.size)))
 
     @overload
     def __getitem__(self, k: int) -> N: ...
     @overload
     def __getitem__(self, k: slice) -> ExactNumbers[N]: ...
     def __getitem__(self, k: int | slice) -> N | ExactNumbers[N]:
+        if self.listed is not None:
+            return ExactNumbers(self.listed[k]) if isinstance(k, slice) else self.listed[k]
         if not isinstance(k, slice):
             return super().__getitem__(k)
         if self.floats is not None:

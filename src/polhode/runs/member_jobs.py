@@ -19,9 +19,8 @@ from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import strings
 from polhode.numbers.number_types import NumberType, Stack, flat, kind_of
-from polhode.runs import refined
 from polhode.runs.members import Plan, exact_numbers, refuse_out_of_range
-from polhode.runs.options import Options
+from polhode.runs.options import Options, hindrance_to_refinement
 from polhode.runs.solve import solve
 from polhode.scenes.scene import Scene
 
@@ -232,4 +231,6 @@ def wide_job(plan: Plan, group: npt.NDArray[np.int64], method: str) -> WideJob:
 def _method(member: Scene, number: NumberType, options: Options) -> str:
     """The method of a member: that which was named, where it serves."""
     named = options.method == "refined"
-    return "taylor" if named and refined.hindrance(member, number, options) else options.method
+    return (
+        "taylor" if named and hindrance_to_refinement(member, number, options) else options.method
+    )

@@ -30,13 +30,13 @@ from polhode.numbers.number_types import (
 )
 from polhode.numbers.row_formulas import Rationals
 from polhode.numbers.vectors import scaled
-from polhode.runs.options import choose_number, refuse_other_rounding, rounded_tolerance
+from polhode.runs.options import choose_number, rounded_tolerance
 from polhode.scenes import vary
 from polhode.scenes.body import PrincipalAxes
 from polhode.scenes.members import Blocks, Members
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults
-from polhode.taylor.time_grid import rounded_times
+from polhode.taylor.system import refuse_other_rounding, rounded_times
 
 if TYPE_CHECKING:
     from polhode.scenes.members import Block, Vector

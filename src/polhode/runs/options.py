@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.common.arguments import of_kind, steps, whole
 from polhode.common.errors import BadInput, nearest, plain
+from polhode.equations import readout
 from polhode.numbers import number_types
-from polhode.numbers.conversion import exact_number, rounds_to_nearest
-from polhode.numbers.number_types import AnyNumber, NumberType
+from polhode.numbers.conversion import exact_number
+from polhode.numbers.number_types import DOUBLE, AnyNumber, NumberType
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults
 
@@ -38,15 +40,19 @@ USUAL = Options()
 
 
 def checked_options(
-    scene: Scene, number: NumberType, given: Options, tol: AnyNumber | None
+    scene: Scene, number: NumberType, options: Options, tol: AnyNumber | None
 ) -> Options:
     """Options as a user gives them, and the tolerance, checked; raises BadInput."""
-    method, most, project, _, inputs, digits, other = given
-    check_method(scene, method)
+    if options.method != "auto":
+        check_method(scene, options.method)
+    most, project, tolerance = options.max_steps, options.project, options.tolerance
     if most is not None:
         most = steps(scene.name, most)
-    project, tolerance = corrections(scene, project), rounded_tolerance(scene, number, tol)
-    return Options(method, most, project, tolerance, inputs, digits, other)
+    if project is not None and not isinstance(project, bool):
+        project = whole(scene.name, "project", project, 1)
+    if tol is not None:
+        tolerance = rounded_tolerance(scene, number, tol)
+    return options._replace(max_steps=most, project=project, tolerance=tolerance)
 
 
 def check_method(scene: Scene, method: str) -> None:
@@ -54,20 +60,6 @@ def check_method(scene: Scene, method: str) -> None:
     if method not in METHODS:
         of_kind(scene.name, "method", method, str, ", ".join(METHODS))
         raise BadInput(scene.name, "method", method, nearest(method, list(METHODS)))
-
-
-def corrections(scene: Scene, project: bool | int | None) -> bool | int | None:
-    """Whether, or after how many steps, the state is corrected, checked; None: as types have it."""
-    if project is None or isinstance(project, bool):
-        return project
-    return whole(scene.name, "project", project, 1)
-
-
-def refuse_other_rounding(scene: Scene) -> None:
-    """Raise BadInput where a library has left this thread another rounding mode than nearest."""
-    if not rounds_to_nearest():
-        expected = "nearest: a library has set another one in this thread (fesetround)"
-        raise BadInput(scene.name, "rounding mode", "not to nearest", expected)
 
 
 def choose_number(
@@ -90,7 +82,7 @@ def choose_number(
     if isinstance(number, NumberType):
         return number
     if digits is None:
-        return number_types.named(number or "double")
+        return DOUBLE if number is None else number_types.named(number)
     chosen = number_types.for_digits(digits, scene.log10_angle, lost)
     if number is None or number == chosen.name:
         return chosen
@@ -106,22 +98,66 @@ def rounded_tolerance(scene: Scene, number: NumberType, tol: AnyNumber | None) -
     if tol is None:
         return None
     try:
-        wanted = exact_number(tol)
+        exact = exact_number(tol)
     except (TypeError, ValueError):
         raise BadInput(scene.name, "tol", plain(tol), "a number") from None
-    if not isinstance(wanted, Fraction) or not number.eps <= wanted <= 0.1:  # the double, too
+    if not isinstance(exact, Fraction) or not number.eps <= exact <= 0.1:  # the double, too
         lowest = f"2**-{number.bits - 1}"
         raise BadInput(scene.name, "tol", plain(tol), f"between eps = {lowest} and 0.1")
-    return wanted
+    return exact
 
 
-def cadence(
-    scene: Scene, number: NumberType, tolerance: Fraction | None, project: bool | int | None
-) -> int | None:
-    """Steps between two corrections of the run, None for none."""
-    choices = defaults.of(number)
+def cadence(scene: Scene, number: NumberType, options: Options) -> int | None:
+    """Steps between two projections of the run onto its first integrals, None for none."""
+    choices, project = defaults.of(number), options.project
     if project is None:
-        project = choices.projected and (tolerance is None or tolerance <= number.eps)
-    if scene.form != "principal" or project is False:
+        loose = options.tolerance is not None and options.tolerance > number.eps
+        project = choices.projected and not loose
+    if scene.form != "principal" or options.inputs is not None or project is False:
         return None
     return choices.project_every if project is True else project
+
+
+# --- refinement -----------------------------------------------------------------------------------
+#
+# When a run is refined: double corrected by exact arithmetic, where that serves and is faster.
+
+
+#: Forms whose variables are linear functions of the principal one's.  Gauss collocation gives the
+#: same states in each of them, so it is done in principal axes.
+LINEAR = ("principal", "general", "inertia-axes", "momentum", "gyration-axes")
+
+_MOST_LOG10_ANGLE = 12  # beyond it no run ends
+#: Radians turned from which on refinement is the faster way: from 10 on once what is compiled is
+#: loaded, from 80 on in a process that has to load it.
+_LEAST_ANGLE = 20.0
+_LEAST_ANGLE_MP = 120.0  # for more limbs than quad's, whose field takes seconds to compile once
+
+
+def hindrance_to_refinement(scene: Scene, number: NumberType, options: Options) -> str | None:
+    """What would have to be otherwise for such a run to be refined; None where nothing has."""
+    if number.bits <= 64:
+        return "quad or more digits"
+    from polhode.refined.refinement import MOST_DIGITS
+
+    if int(number.most_digits) > MOST_DIGITS:
+        return f"at most {MOST_DIGITS} digits"
+    if scene.form not in LINEAR:
+        return "one of the forms " + ", ".join(LINEAR)
+    if "angles" in scene.modelled and scene.starts_at_pole:
+        return "no angles of a motion that starts at a pole"
+    if scene.events:
+        return "no events"
+    if options.tolerance is not None or options.inputs is not None or options.project:
+        return "no tolerance, rounded inputs or projection of its own"
+    if scene.log10_angle > _MOST_LOG10_ANGLE:
+        return f"a motion of at most 10**{_MOST_LOG10_ANGLE} radians"
+    if readout.at_rest(scene).state:
+        return "a motion that does not stand still"
+    return None
+
+
+def refinement_pays(scene: Scene, number: NumberType) -> bool:
+    """Whether a run is long enough for refinement to be the faster way."""
+    least = _LEAST_ANGLE if int(number.most_digits) <= 34 else _LEAST_ANGLE_MP
+    return bool(scene.log10_angle >= math.log10(least))

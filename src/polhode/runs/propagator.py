@@ -30,8 +30,7 @@ from polhode.numbers.number_types import (
     flat,
     numbers_given,
 )
-from polhode.runs.options import cadence, choose_number, corrections, rounded_tolerance
-from polhode.runs.taylor_motion import system_of
+from polhode.runs.options import Options, cadence, checked_options, choose_number
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults, lanes
@@ -39,9 +38,9 @@ from polhode.taylor.batches import BatchJob, Columns
 from polhode.taylor.engine import Engine, order_of
 from polhode.taylor.heyoka import TIME_LIMIT, OutOfRange
 from polhode.taylor.long_steps import LongSteps
+from polhode.taylor.motion import Motion
 from polhode.taylor.projection import Projector, StartTarget
-from polhode.taylor.stepping import Integrator
-from polhode.taylor.system import System
+from polhode.taylor.system import System, system_of, time_array
 from polhode.taylor.time_grid import Grid
 
 if TYPE_CHECKING:
@@ -346,7 +345,7 @@ class Propagator:
         several = numbers_given(t)[1]  # other numbers; or what is wrong with them is told
         try:
             scene = self.scene.at(cast(Sequence[AnyNumber], t if several else [t]))
-            return flat(self._system.times(scene).grid), several
+            return time_array(self._system.times(scene).inside, self.number), several
         except OutOfRange as fault:
             raise fault.refusal(self.scene.name, self.number) from None
 
@@ -431,18 +430,19 @@ class Propagator:
         self._state[...] = self._first if start is None else self._inside(start)
         self._engine.begin()
         scene = self.scene.at(given)
-        times = self._system.times(scene)
+        times = self._system.times(scene).inside
         corrector = None
         if self._every is not None:
             onto = StartTarget(self._system.target, self._state.copy())
             corrector = Projector(onto, self._every)
-        integrator = Integrator(self._system, corrector=corrector, engine=self._engine)
+        motion = Motion(self._system)
+        motion.begin(self._system, corrector=corrector, engine=self._engine)
         rows = self._state[None].copy()[: times[0] == 0]
         try:
-            found, self.outcome = integrator.advance(times, rows, self._most)
+            found, self.outcome = motion.advance(times, self._most, rows)
         except OutOfRange as fault:
             raise fault.refusal(self.scene.name, self.number) from None
-        self.steps = integrator.steps
+        self.steps = motion.steps
         states = np.full((len(times), *self._shape), np.nan, self._kind)
         states[: len(found)] = self._read(flat(found))
         if self.outcome is Outcome.INTERRUPTED:
@@ -538,9 +538,9 @@ def propagator(
         raise BadInput(scene.name, "number", kind.name, "double or extended")
     if project is None:
         raise BadInput(scene.name, "project", None, "True, False or a number of steps")
-    tolerance = rounded_tolerance(scene, kind, tol)
-    every = cadence(scene, kind, tolerance, corrections(scene, project))
+    options = checked_options(scene, kind, Options(project=project), tol)
     try:
-        return Propagator(system_of(scene, kind, tolerance), every)
+        system = system_of(scene, kind, options.tolerance)
+        return Propagator(system, cadence(scene, kind, options))
     except OutOfRange as fault:
         raise fault.refusal(scene.name, kind) from None

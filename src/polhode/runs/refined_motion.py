@@ -61,7 +61,7 @@ class RefinedMotion:
             self.remarks = {"refined in": "principal axes, the same states"}
         self._accuracy: Accuracy
 
-    def advance(
+    def run(
         self, times: Sequence[Fraction], progress: Progress | None = None
     ) -> tuple[Rows, Outcome]:
         """Rows at the times: the form's variables as rationals, then numbers of the run's type.
@@ -72,10 +72,10 @@ class RefinedMotion:
         goal, digits = max(34, int(number.most_digits)), self.options.digits
         for _ in range(_TRIES):
             try:
-                refinement = self._run(times, goal, progress)
+                refinement = self._refinement(times, goal, progress)
             except Stalled:  # near a separatrix
                 goal += _MORE_DIGITS
-                refinement = self._run(times, goal, progress)
+                refinement = self._refinement(times, goal, progress)
             errors = refinement.estimate.errors
             if len(errors) and not refinement.stopped and not math.isfinite(errors.max()):
                 errors = self._by_a_second_run(refinement, goal, progress)
@@ -110,7 +110,7 @@ class RefinedMotion:
         rows: list[list[Scalar]] = [[*again.exactly(i)[:width]] for i in range(len(times))]
         return rows, Outcome.REACHED_END, self.reached
 
-    def _run(
+    def _refinement(
         self, times: Sequence[Fraction], goal: int, progress: Progress | None
     ) -> RefinedStates:
         """One refinement to so many digits, with a following of its own."""

@@ -371,7 +371,7 @@ class _Recomputed:
     def dense(self) -> Interpolant:
         """The dense output of the run made once more."""
         from polhode.runs.solve import made_again  # heyoka: a file is read without
-        from polhode.runs.taylor_motion import TaylorMotion
+        from polhode.taylor.motion import Motion
 
         run = self.run
         again = made_again(run, run.scene)
@@ -383,6 +383,6 @@ class _Recomputed:
                 stacklevel=4,
             )
         assert again.dense is not None
-        if isinstance(again.dense, TaylorMotion):
+        if isinstance(again.dense, Motion):
             again.dense.reached = run.reached  # one that was limited went on a little
         return again.dense

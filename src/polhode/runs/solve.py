@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, cast
 
 from polhode.common.errors import BadInput, plain
 from polhode.common.interrupts import Progress
@@ -26,22 +26,25 @@ from polhode.numbers.number_types import (
     numbers_given,
     read_only,
 )
-from polhode.runs import refined
-from polhode.runs.options import USUAL, Options
-from polhode.runs.taylor_motion import TaylorMotion, system_of
+from polhode.runs.options import (
+    USUAL,
+    Options,
+    cadence,
+    hindrance_to_refinement,
+    refinement_pays,
+)
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE
 from polhode.taylor import defaults
 from polhode.taylor.heyoka import OutOfRange
+from polhode.taylor.motion import Motion
+from polhode.taylor.system import System, system_of
 
 if TYPE_CHECKING:
     from polhode.runs.refined_motion import RefinedMotion
 
-
-#: What begins a motion of a system: see :class:`polhode.runs.taylor_motion.TaylorMotion`.
-Method: TypeAlias = "type[TaylorMotion] | type[RefinedMotion]"
 
 _LOG = logging.getLogger("polhode")
 
@@ -61,13 +64,12 @@ def solve(
     for what cannot be integrated.
     """
     system = system_of(scene, number, options.tolerance, options.inputs)
-    ahead = system.times(scene)
+    times = system.times(scene)
     failed: dict[str, str] = {}
-    for method in _methods(scene, number, options):
+    for motion in _motions(system, scene, options):
         began = time.perf_counter()
-        motion = method(system, scene, options)
         try:
-            rows, outcome = motion.advance(ahead, progress)
+            rows, outcome = motion.run(times.inside, progress)
         except CannotSolve as fault:
             _LOG.info("%s: not %s: %s", scene.name, motion.method, fault)
             failed[f"not {motion.method}"] = str(fault)
@@ -82,13 +84,14 @@ def solve(
                 *(seconds, building),
             )
         parts = {"build": building, "run": seconds - building}
-        read, times = motion.read, ahead.outside
-        states = read.states(rows)
-        attitude, angles = read.attitude(rows, states), read.angles(rows, states)
+        read, outside = motion.read, times.outside
+        states, attitude, angles = read.states(rows), None, None
+        if scene.modelled:
+            attitude, angles = read.attitude(rows, states), read.angles(rows, states)
         return Trajectory(
             scene=scene,
             number=number,
-            times=times if len(rows) == len(times) else times[: len(rows)],
+            times=outside if len(rows) == len(outside) else outside[: len(rows)],
             states=read_only(states, len(scene.columns)),
             attitude=None if attitude is None else read_only(attitude, len(ATTITUDE)),
             angles=None if angles is None else tuple(map(tuple, angles)),
@@ -109,19 +112,19 @@ def solve(
     raise AssertionError("the last method serves")
 
 
-def _methods(scene: Scene, number: NumberType, options: Options) -> Iterator[Method]:
-    """Those to try, in order; raises BadInput where the one that was named does not serve."""
-    named = options.method == "refined"
-    if options.method != "taylor":
-        hindrance = refined.hindrance(scene, number, options)
+def _motions(system: System, scene: Scene, options: Options) -> Iterator[RefinedMotion | Motion]:
+    """Those to try, in order; raises BadInput where the method that was named does not serve."""
+    named, number = options.method == "refined", system.number
+    if named or (options.method == "auto" and number.bits > 64):
+        hindrance = hindrance_to_refinement(scene, number, options)
         if hindrance is not None and named:
-            wanted = f"{hindrance}, or the method taylor"
-            raise BadInput(scene.name, "method", options.method, wanted)
-        if hindrance is None and (named or refined.worth_it(scene, number)):
+            expected = f"{hindrance}, or the method taylor"
+            raise BadInput(scene.name, "method", options.method, expected)
+        if hindrance is None and (named or refinement_pays(scene, number)):
             from polhode.runs.refined_motion import RefinedMotion
 
-            yield RefinedMotion
-    yield TaylorMotion
+            yield RefinedMotion(system, scene, options)
+    yield Motion(system, scene, cadence(scene, number, options), options.max_steps)
 
 
 def _made_of(
@@ -136,7 +139,7 @@ def _made_of(
 # State, attitude and angles of a run at any time: its own rows, or rows made when asked for.
 
 
-def at_times(run: Trajectory, what: str, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
+def at_times(run: Trajectory, output: str, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
     """States, attitude or angles at time t, or rows of them; raises BadInput beyond what was
     reached.
 
@@ -144,19 +147,19 @@ def at_times(run: Trajectory, what: str, t: AnyNumber | Iterable[AnyNumber]) -> 
     on, so they are integrated from there.
     """
     scene = run.scene
-    if what != "states" and scene.gamma is None:
-        raise BadInput(scene.name, "start.gamma", None, f"a unit vector, for {what}")
-    given, several = numbers_given(t)
-    asked = [_time(run, x) for x in given]
-    own: Given | None = getattr(run, what)
+    if output != "states" and scene.gamma is None:
+        raise BadInput(scene.name, "start.gamma", None, f"a unit vector, for {output}")
+    numbers, several = numbers_given(t)
+    times = [_time(run, x) for x in numbers]
+    own: Given | None = getattr(run, output)
     rows: dict[Fraction, Any] = {}
     if own is not None:
-        rows |= {x: own[k] for x in asked if (k := _place(run, x)) is not None}
-    others = sorted({x for x in asked if x not in rows}, key=abs)
+        rows |= {x: own[k] for x in times if (k := _place(run, x)) is not None}
+    others = sorted({x for x in times if x not in rows}, key=abs)
     if others:
-        rows |= zip(others, _rows(run, what, others), strict=True)
-    found = [rows[x] for x in asked]
-    return found if several else found[0]
+        rows |= zip(others, _rows(run, output, others), strict=True)
+    answers = [rows[x] for x in times]
+    return answers if several else answers[0]
 
 
 def made_again(run: Trajectory, scene: Scene, *, interruptible: bool = True) -> Trajectory:
@@ -174,54 +177,54 @@ def _options(run: Trajectory) -> Options:
     return Options(run.method, most, every or False, tolerance, None, run.digits)
 
 
-def _rows(run: Trajectory, what: str, times: list[Fraction]) -> Sequence[GivenRow]:
+def _rows(run: Trajectory, output: str, times: list[Fraction]) -> Sequence[GivenRow]:
     """Rows at times of which none is one of the run's own, in the order of the motion."""
     rows: Sequence[GivenRow]
-    if what != "states" and run.method == "refined":
-        again = made_again(run, _asked(run, what, times), interruptible=False)
-        rows, outcome, reached = getattr(again, what), again.outcome, again.reached
+    if output != "states" and run.method == "refined":
+        again = made_again(run, _with_output(run, output, times), interruptible=False)
+        rows, outcome, reached = getattr(again, output), again.outcome, again.reached
     else:
-        motion = _motion(run, what)
+        motion = _motion(run, output)
         try:
             raw, outcome, reached = motion.at(times)
         except OutOfRange as fault:
-            told = f"a time that {run.number.name} holds ({fault})"
-            raise BadInput(run.scene.name, "t", shown(times[0]), told) from None
-        rows = [_read(motion.read, what, row) for row in raw]
+            expected = f"a time that {run.number.name} holds ({fault})"
+            raise BadInput(run.scene.name, "t", shown(times[0]), expected) from None
+        rows = _read(motion.read, output, raw)
     if len(rows) < len(times):  # angles are singular where the state is not
-        expected = f"a time at which there are {what}; {outcome.cause} at t = {shown(reached)}"
+        expected = f"a time at which there are {output}; {outcome.cause} at t = {shown(reached)}"
         raise BadInput(run.scene.name, "t", shown(times[len(rows)]), expected)
     return rows
 
 
-def _read(read: RowReader, what: str, row: Row) -> GivenRow:
-    """A motion's row as states, attitude or angles."""
-    states = read.states([row])
-    if what == "states":
-        return states[0]
-    found = read.attitude([row], states) if what == "attitude" else read.angles([row], states)
-    assert found is not None
-    return found[0]
+def _read(read: RowReader, output: str, rows: Sequence[Row]) -> Sequence[GivenRow]:
+    """A motion's rows as states, attitude or angles."""
+    states = read.states(rows)
+    if output == "states":
+        return cast("Sequence[GivenRow]", states)
+    read_rows = read.attitude if output == "attitude" else read.angles
+    return cast("Sequence[GivenRow]", read_rows(rows, states))
 
 
-def _motion(run: Trajectory, what: str) -> Interpolant:
+def _motion(run: Trajectory, output: str) -> Interpolant:
     """What tells rows of this kind: the run's own motion, or one with it to the same time."""
-    if what == "states" or (run.dense is not None and what in run.scene.modelled):
+    if output == "states" or (run.dense is not None and output in run.scene.modelled):
         if run.dense is None:
             raise ValueError("states at the output times only: nothing was integrated here")
         return run.dense
-    if what not in run.others:
-        scene, options = _asked(run, what, run.times), _options(run)
+    if output not in run.others:
+        scene, options = _with_output(run, output, run.times), _options(run)
         system = system_of(scene, run.number, options.tolerance)
-        motion = TaylorMotion(system, scene, options)
+        every = cadence(scene, run.number, options)
+        motion = Motion(system, scene, every, options.max_steps)
         motion.reached = run.reached
-        run.others[what] = motion
-    return run.others[what]
+        run.others[output] = motion
+    return run.others[output]
 
 
-def _asked(run: Trajectory, what: str, times: Sequence[Fraction]) -> Scene:
+def _with_output(run: Trajectory, output: str, times: Sequence[Fraction]) -> Scene:
     """The scene of a run with one output, without events."""
-    return replace(run.scene, outputs=(what,), events=(), times=tuple(times))
+    return replace(run.scene, outputs=(output,), events=(), times=tuple(times))
 
 
 def _place(run: Trajectory, t: Fraction) -> int | None:

@@ -21,6 +21,7 @@ from polhode.common.interrupts import Lock, Place
 from polhode.common.values import cached_property
 from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome
+from polhode.numbers.double_double import two_sum
 from polhode.numbers.exact import Number
 from polhode.numbers.number_types import DOUBLE, Array, Numbers, NumberType
 from polhode.taylor import defaults
@@ -35,7 +36,6 @@ from polhode.taylor.heyoka import (
     scalar,
     type_options,
 )
-from polhode.taylor.time_grid import exact_sum
 from polhode.taylor.types import (
     Desk,
     Expression,
@@ -114,7 +114,7 @@ class Cyclic:
         if self.number.flat:
             self._parts = self._parts or self._split()
             for i, (high, low) in enumerate(self._parts, -len(self._parts)):
-                near, rest = exact_sum(high, rows[:, i] * self._divisor)
+                near, rest = two_sum(high, rows[:, i] * self._divisor)
                 rows[:, i] = near + (rest + low)
             return rows
         for row in rows:
@@ -370,7 +370,7 @@ class Pool:
         except (KeyError, IndexError):
             return None
 
-    def put(self, key: Hashable, engine: Any) -> None:
+    def give_back(self, key: Hashable, engine: Any) -> None:
         """Keep one for whoever asks next."""
         idle = self._idle
         engines = idle.pop(key, [])
@@ -500,7 +500,7 @@ class Engine:
         if self.desk is not None:
             self.desk.watch = None  # which knows a run, its scene and its times
         if self.key is not None:
-            POOL.put(self.key, self)
+            POOL.give_back(self.key, self)
 
     def __enter__(self) -> Self:
         return self

@@ -19,14 +19,14 @@ from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import DOUBLE, Doubles, double_array
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor import defaults
 from polhode.taylor.batches import LANES, CompiledBatch, in_lanes
 from polhode.taylor.engine import Equations, principal_engine
+from polhode.taylor.motion import Motion
 from polhode.taylor.projection import kept_at_zero
-from polhode.taylor.stepping import Integrator
 from polhode.taylor.system import System, principal_system
 from polhode.taylor.variations import Leader, Variations, pendulum, six
 
@@ -213,11 +213,14 @@ def _with_plain_steps(stretches: list[Stretch], plain: System) -> list[Stretch]:
     tangents_steps = sum(s.steps for s in stretches)
     if not tangents_steps:
         return stretches
-    run, outcome = Integrator(plain), Outcome.STEP_LIMIT
-    while outcome is Outcome.STEP_LIMIT:
-        _, outcome = run.chunk([Fraction(stretches[-1].time)], defaults.of(DOUBLE).chunk)
-    share = run.steps / tangents_steps
-    run.release()
+    motion = Motion(plain)
+    motion.begin(plain)
+    end = ExactNumbers((Fraction(stretches[-1].time),))
+    _, outcome = motion.advance(end, math.inf)
+    if outcome is Outcome.INTERRUPTED:
+        raise KeyboardInterrupt
+    share = motion.steps / tangents_steps
+    motion.release()
     return [s._replace(steps=s.steps * share) for s in stretches]
 
 

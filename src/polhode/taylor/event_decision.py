@@ -38,10 +38,11 @@ class Places(NamedTuple):
 
     ``ahead``: the time since the start in the direction of the run, numbers of the run's type.
     ``values`` (4, n): the expression and its derivatives divided by BAND u, plain numbers of numpy;
-    ``noise``: what rounding makes of the first of them.  ``steep``: where a zero would be one for
-    certain.  ``own``: where the expression may be zero at this very state, but for the rounding of
-    its numbers.  ``reach``: the half width of the band there, in time; ``width``: how far off the
-    time may be.
+    ``noise``: what rounding makes of the first of them.  ``near``: where the expression is within
+    that of zero, or nothing is known of it.  ``steep``: where a zero would be one for certain.
+    ``own``: where the expression may be zero at this very state, but for the rounding of its
+    numbers.  ``reach``: the half width of the band there, in time; ``width``: how far off the time
+    may be.
     """
 
     marks: Marks
@@ -51,6 +52,7 @@ class Places(NamedTuple):
     root: Booleans
     steep: Booleans
     own: Booleans
+    near: Booleans
     reach: Flat
     width: Flat
 
@@ -63,12 +65,6 @@ class Places(NamedTuple):
         """Their order in time."""
         order: Indices = np.argsort(self.ahead, kind="stable")
         return order
-
-    @property
-    def near(self) -> Booleans:
-        """Where the expression is within its noise of zero, or nothing is known of it."""
-        near: Booleans = ~(np.abs(self.values[0]) > self.noise)
-        return near
 
 
 def polished(jet: Jet, met: Sequence[Marks], ends: Marks, sense: int) -> tuple[Places, Places]:
@@ -115,12 +111,12 @@ def places(jet: Jet, marks: Marks, sense: int, root: Booleans) -> Places:
         reach = 2 * _half_width(values, error)
         width = 4 * _half_width(values, error + value)
         certain = error / rate / 16
-        own = value <= OWN / BAND * error
-    flat = np.flatnonzero(~steep & ~(width < 4 * _FLAT) & ~(value > error))
+        own, near = value <= OWN / BAND * error, ~(value > error)
+    flat = np.flatnonzero(near & ~steep & ~(width < 4 * _FLAT))
     if len(flat):
         width[flat] = _sought(jet, marks.those(flat), error[flat])
     width = np.where(steep, certain, width)
-    return Places(marks, ahead, values, error, root, steep, own, reach, width)
+    return Places(marks, ahead, values, error, root, steep, own, near, reach, width)
 
 
 def _half_width(values: Flat, height: Flat) -> Flat:
@@ -314,10 +310,11 @@ class Decision:
 
     def _run(self) -> None:
         places, count = self.places, len(self.places.ahead)
-        near = places.near
+        if not self.starting and self._all_plain(0):
+            return
+        quick, near = self.starting, places.near
         finite = np.isfinite(places.values[0])
         signs = np.sign(places.values[:2])
-        quick = True
         for i in range(count):
             if quick and not self.starting:
                 quick = False
@@ -336,7 +333,7 @@ class Decision:
 
     def _all_plain(self, i: int) -> bool:
         """Whether from a place on nothing is left to be decided; its zeros are crossings then."""
-        rest = self.places.those(slice(i, None))
+        rest = self.places.those(slice(i, None)) if i else self.places
         lane = np.zeros(len(rest.ahead), dtype=int)
         last = 0 if self.end.own else self.end.side
         plain, sides = plain_lanes(rest, lane, np.array([self.side]), np.array([last]), self.way)

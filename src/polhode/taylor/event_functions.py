@@ -14,6 +14,7 @@ from polhode.equations.form import equations
 from polhode.motion.frame import Frame
 from polhode.numbers import exact, expression
 from polhode.numbers.conversion import to_double, to_extended, to_mpf
+from polhode.numbers.double_double import two_sum
 from polhode.numbers.exact import ZERO, Irrational, Number, sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.number_types import (
@@ -32,7 +33,6 @@ from polhode.scenes.scene import Event, Scene
 from polhode.scenes.vocabulary import FLIP
 from polhode.taylor import heyoka
 from polhode.taylor.heyoka import EXPRESSIONS, constant, hy, scalar, type_options
-from polhode.taylor.time_grid import exact_sum
 from polhode.taylor.types import CompiledFunction, Expression, HeyokaNumber
 
 # --- roundoff -------------------------------------------------------------------------------------
@@ -298,7 +298,7 @@ class Marks(NamedTuple):
     @property
     def since_start(self) -> Scalar:
         """The times, rounded to the type."""
-        near, beside = exact_sum(self.parameters[0], self.time)
+        near, beside = two_sum(self.parameters[0], self.time)
         times: Scalar = near + (beside + (self.parameters[1] + self.rest))
         return times
 

@@ -21,7 +21,7 @@ from polhode.numbers.number_types import Array, Booleans, Functions, NumberType,
 from polhode.scenes.scene import Event, Scene
 from polhode.taylor import heyoka
 from polhode.taylor import heyoka as heyoka_numbers
-from polhode.taylor.engine import CLOCK, TINY
+from polhode.taylor.engine import CLOCK, TINY, Engine
 from polhode.taylor.event_decision import (
     Decision,
     End,
@@ -117,16 +117,20 @@ class Callback:
 class Rules:
     """What a run's watch goes by: made once for a scene, number type and tolerance.  Immutable.
 
-    ``start``: the exact signs of the expressions at t = 0.  ``asked``: whether heyoka asks after
-    each step.  ``damping``: powers of two by which heyoka sees the expressions smaller.  ``band``:
-    a rounding error of 1, times BAND.  ``still``: the state never changes, and the events do choose
-    the steps.
+    ``start``: the exact signs of the expressions at t = 0.  ``asks``: whether heyoka asks after
+    each step.  ``key``: what tells the events from others along the same equations.  ``damping``:
+    powers of two by which heyoka sees the expressions smaller.  ``band``: a rounding error of 1,
+    times BAND.  ``still``: the state never changes, and the events do choose the steps.
     """
 
     def __init__(
         self, scene: Scene, number: NumberType, tolerance: Fraction | None, still: bool
     ) -> None:
-        self.still = still
+        form, events = equations(scene), scene.events
+        self.still, self.width = still, len(form.variables)
+        turn = [str(scalar(x, number)) for row in form.frame.axes.rows for x in row]
+        zeros = [event.expression or middle_axis(scene) for event in events]
+        self.key = (*zeros,), form.frame.exponent, (*turn,)
         self.start = [sign_at_start(scene, k) for k in range(len(scene.events))]
         eps = max(number.eps, tolerance or ZERO)
         self.band = BAND * eps / 2
@@ -135,7 +139,7 @@ class Rules:
             small = Fraction(2) ** -(((1 / eps).numerator.bit_length() - 1) // 2)
         self.damping: list[Fraction] = []
         sizes = [size_of(scene, event) for event in scene.events]
-        self.asked = any(e.stop for e in scene.events) or not all(x.entire for x in sizes)
+        self.asks = any(e.stop for e in scene.events) or not all(x.entire for x in sizes)
         for size in sizes:
             value, rate = exactly(size.value) or Fraction(1), exactly(size.rate) or Fraction(1)
             self.damping.append(small * Fraction(2) ** -_exponent(max(value, rate)))
@@ -267,11 +271,33 @@ def stays(jet: Jet, heyoka: HeyokaIntegrator, parameters: Array, width: int) -> 
 # A zero at t = 0, to the rounding of the start's numbers, is not an event of the run.
 
 
-class Notes(NamedTuple):
+_ROOM = 64  # for the first notes
+
+
+class Notes:
     """Zeros of a function as heyoka met them, by one clock: the times, and the variables there."""
 
-    times: list[HeyokaNumber]
-    rows: list[Array]
+    def __init__(self) -> None:
+        self.times: list[HeyokaNumber] = []
+        self.rows: Array = np.empty(0)  # with room for more
+
+    def add(self, t: HeyokaNumber, variables: Array) -> None:
+        """Take note of a time and of the variables, which are copied."""
+        count = len(self.times)
+        if count == len(self.rows):
+            rows = np.empty((2 * count or _ROOM, len(variables)), variables.dtype)
+            if count:
+                rows[:count] = self.rows
+            self.rows = rows
+        self.rows[count] = variables
+        self.times.append(t)
+
+    def settled(self, parameters: Array, number: NumberType) -> Marks:
+        """All of them as marks; from now on there are none."""
+        columns = self.rows[: len(self.times)].T.copy()
+        marks = marks_at(array(self.times, number), columns, parameters)
+        self.times.clear()
+        return marks
 
 
 class Record:
@@ -283,19 +309,16 @@ class Record:
     """
 
     def __init__(self, side: int) -> None:
-        self.notes = Notes([], []), Notes([], [])
+        self.notes = Notes(), Notes()
         self.marks: tuple[list[Marks], list[Marks]] = [], []
         self.counts, self.seen = [0, 0], [0, 0]
         self.open, self.side = False, side
 
     def settle(self, parameters: Array, number: NumberType) -> None:
         """Take the notes for marks, before the clock changes or when these are asked for."""
-        for (times, rows), marks in zip(self.notes, self.marks, strict=True):
-            if times:
-                columns = np.concatenate(rows).reshape(len(rows), -1).T
-                marks.append(marks_at(array(times, number), columns, parameters))
-                times.clear()
-                rows.clear()
+        for notes, marks in zip(self.notes, self.marks, strict=True):
+            if notes.times:
+                marks.append(notes.settled(parameters, number))
 
     def joined(self, order: int, width: int) -> Marks:
         """All zeros (0), or extrema (1), once they are settled."""
@@ -328,17 +351,17 @@ class Stop(NamedTuple):
 class Watch:
     """The events of one scene while a run in one number type is under way.
 
+    ``muted``: heyoka takes the steps of a run with these events, and nothing is noted.
     Raises BadInput for an expression that has no value at t = 0 or is identically zero.
     """
 
-    def __init__(self, scene: Scene, number: NumberType, rules: Rules) -> None:
-        self.scene, self.number, self.rules = scene, number, rules
-        self.muted = False
+    def __init__(self, scene: Scene, number: NumberType, rules: Rules, muted: bool = False) -> None:
+        self.scene, self.number, self.rules, self.muted = scene, number, rules, muted
         self.any_step = rules.still
         self.way = 1 if sign(scene.end) >= 0 else -1
-        self.width = len(equations(scene).variables)
+        self.key, self.damping, self.width = rules.key, rules.damping, rules.width
         end = equations(scene).frame.time(scene.end)
-        self.after_step = AfterStep(self._stops, end, number) if rules.asked else None
+        self.after_step = AfterStep(self._stops, end, number) if rules.asks else None
         self.jets: list[Jet] = []
         self._of = [Record(side) for side in rules.start]
         self._ends = [k for k, event in enumerate(scene.events) if event.stop]
@@ -360,20 +383,6 @@ class Watch:
         return heyoka_numbers.as_fraction(time, self.number)
 
     # -- building -----------------------------------------------------------------------------
-
-    @property
-    def key(self) -> tuple[object, ...]:
-        """What tells the events from others along the same equations."""
-        frame, events = equations(self.scene).frame, self.scene.events
-        rows = frame.axes.rows
-        turn = tuple(str(heyoka_numbers.scalar(x, self.number)) for row in rows for x in row)
-        zeros = tuple(event.expression or middle_axis(self.scene) for event in events)
-        return zeros, frame.exponent, turn
-
-    @property
-    def damping(self) -> list[Fraction]:
-        """Numbers that an integrator with these events takes as parameters, one for each."""
-        return self.rules.damping
 
     def attach(
         self,
@@ -418,22 +427,27 @@ class Watch:
 
         return Formulas(partial(value_of, scene, event), field, numbers)
 
-    def sit_down(self, desk: Desk, numbers: Array) -> None:
-        """Take over the desk of the integrator that a run goes on with, with its coefficients."""
+    def sit_down(self, engine: Engine, numbers: Array, origin: Fraction) -> None:
+        """Take over the desk of the engine that a run goes on with, from an exact time on.
+
+        ``numbers``: the coefficients that are parameters.
+        """
         self._settle()
+        desk, heyoka = engine.desk, engine.heyoka
+        assert desk is not None
         self.jets, desk.watch = desk.jets, None if self.muted else self
         self._parameters = np.concatenate([np.zeros(2, numbers.dtype), numbers])
+        self._stepping = heyoka
+        self._state, self._dense = heyoka.state[: self.width], heyoka.d_output[: self.width]
+        self.counts_from(origin)
 
-    def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
-        """Take note of the integrator and of where its time begins; tell it, where t is asked."""
+    def counts_from(self, offset: Fraction) -> None:
+        """Take note of the exact time at which heyoka's begins; tell it, where t is asked."""
         self._settle()
-        high = self.number.rounded(offset)
+        heyoka, high = self._stepping, self.number.rounded(offset)
         clock = heyoka_numbers.scalars((high, self.number.rounded(offset - high)), self.number)
         self._parameters = self._parameters.copy()  # marks know those from before
         self._parameters[:2] = heyoka_numbers.array(clock, self.number)
-        if heyoka is not self._stepping:
-            self._stepping = heyoka
-            self._state, self._dense = heyoka.state[: self.width], heyoka.d_output[: self.width]
         if any(jet.timed for jet in self.jets):
             heyoka.pars[:2] = self._parameters[:2]
         if self._first is None:
@@ -450,9 +464,7 @@ class Watch:
         if ta is self._stepping:  # and not one of a search
             ta.update_d_output(t)
             record = self._of[k]
-            times, rows = record.notes[order]
-            times.append(t)
-            rows.append(self._dense.copy())
+            record.notes[order].add(t, self._dense)
             record.counts[order] += 1
 
     def _stops(self, ta: HeyokaIntegrator) -> bool:
@@ -523,16 +535,16 @@ class Watch:
 
     # -- what was found -----------------------------------------------------------------------
 
-    def found(self) -> tuple[EventTimes, ...]:
+    def events(self) -> tuple[EventTimes, ...]:
         """The events in scene axes and units, in order of integration; ends the watch's work."""
         read = Readout(self.scene, self.number)
         if self._first is None:  # no step was taken
             none = read_only(read.states([]), read.columns)
             return tuple(EventTimes(event.name, (), none, ()) for event in self.scene.events)
         last = self._here(self._stepping) if self._stop is None else self._stop.marks
-        return tuple(self._found(k, last, read) for k in range(len(self.scene.events)))
+        return tuple(self._event(k, last, read) for k in range(len(self.scene.events)))
 
-    def _found(self, k: int, last: Marks, read: Readout) -> EventTimes:
+    def _event(self, k: int, last: Marks, read: Readout) -> EventTimes:
         event, unit = self.scene.events[k], float(read.frame.unit)
         noted, start, end = self._polished(k, last)
         if self._stop is not None:

@@ -186,7 +186,8 @@ class Projector:
             int, HeyokaNumber
         ] = {}  # what was rounded off components that stand still
 
-    def found(self) -> Projection:
+    @property
+    def projection(self) -> Projection:
         """What was corrected so far."""
         target = self.target  # a short run need not know its integrals
         return Projection(
@@ -467,7 +468,8 @@ class UnitNorm:
         self.seconds = 0.0  # nothing is compiled
         self.largest = self.sum = 0.0
 
-    def found(self) -> Projection:
+    @property
+    def projection(self) -> Projection:
         """What was corrected so far."""
         return Projection(("|q|",), self.every, self.count, self.largest, self.sum)
 

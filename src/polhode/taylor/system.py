@@ -6,21 +6,24 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import NamedTuple, cast
 
 import numpy as np
 
-from polhode.common.values import cached_property
+from polhode.common.errors import BadInput
+from polhode.common.values import Recent, cached_property
 from polhode.equations import kinematics, readout
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.motion.frame import Frame
-from polhode.numbers.conversion import number_value
+from polhode.numbers.conversion import number_value, rounds_to_nearest
 from polhode.numbers.exact import Exact
 from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import (
     DOUBLE,
     EXACT,
     Array,
+    Flat,
     Functions,
     NumberType,
     Row,
@@ -33,8 +36,16 @@ from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
 from polhode.taylor.engine import CLOCK, Cyclic, Engine, Equations, built, lent, nearest
 from polhode.taylor.heyoka import OutOfRange, array, scalars
 from polhode.taylor.projection import Target
-from polhode.taylor.time_grid import Times, rounded_times
 from polhode.taylor.types import Watcher
+
+_systems: Recent[System] = Recent(16)
+
+
+class OutputTimes(NamedTuple):
+    """A run's output times, numbers of its type: in the scene's unit, and inside the frame."""
+
+    outside: ExactNumbers[Fraction]
+    inside: ExactNumbers[Fraction]
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +163,10 @@ class System:
                 return flat(self.state)[None]
         return self.rows([[number_value(x, self.number) for x in self.start]])
 
+    def with_outputs(self, outputs: tuple[str, ...]) -> System:
+        """The system with these outputs alone."""
+        return system(self.scene, outputs, self.number, self.tolerance, self.inputs)
+
     def rows(self, rows: Sequence[Row]) -> Rows:
         """Rows of the run's numbers, as a run holds them: an array, or a list above extended."""
         if not self.number.flat:
@@ -160,21 +175,22 @@ class System:
         wide = np.array(rows, dtype=np.longdouble).reshape(-1, width)
         return wide if self.number.name == "extended" else wide.astype(np.float64)
 
-    def times(self, scene: Scene) -> Times:
-        """The output times of its scene, or of that one at other times, inside the frame.
+    def times(self, scene: Scene) -> OutputTimes:
+        """The output times of its scene, or of that one at other times.
 
         The last two are kept.  Raises BadInput for times that the type does not tell apart.
         """
-        outside, last = scene.output_times, self._last_times
+        given_times, last = scene.times, self._last_times
         for before, times in last:
-            if before is outside:
+            if before is given_times:
                 return times
-        times = Times.inside(rounded_times(scene, self.number), self.frame, self.number)
-        last[:] = [(outside, times), *last[:1]]
+        outside = rounded_times(scene, self.number)
+        times = OutputTimes(outside, inside(outside, self.frame.exponent, self.number))
+        last[:] = [(given_times, times), *last[:1]]
         return times
 
     @cached_property
-    def _last_times(self) -> list[tuple[ExactNumbers[Exact], Times]]:
+    def _last_times(self) -> list[tuple[Sequence[Exact], OutputTimes]]:
         return []
 
     def engine(self, watcher: Watcher | None = None, order: int = 0) -> Engine:
@@ -219,6 +235,64 @@ def system(
         start = [inputs.rounded(x) for x in start]
     parts = scene, form, tuple(names), tuple(outputs), k, tuple(start)
     return System(*parts, number, tolerance, inputs)
+
+
+def system_of(
+    scene: Scene,
+    number: NumberType,
+    tolerance: Fraction | None = None,
+    inputs: NumberType | None = None,
+) -> System:
+    """The system of such runs, shared by scenes that differ in their times alone.
+
+    Raises BadInput where a library has left this thread another rounding mode than to nearest.
+    """
+    if not rounds_to_nearest():
+        refuse_other_rounding(scene)
+    key = (number, tolerance, inputs)
+    return _systems.get(scene.identity, key, lambda: system(scene.apart(), scene.modelled, *key))
+
+
+def refuse_other_rounding(scene: Scene) -> None:
+    """Raise BadInput where a library has left this thread another rounding mode than nearest."""
+    if not rounds_to_nearest():
+        expected = "nearest: a library has set another one in this thread (fesetround)"
+        raise BadInput(scene.name, "rounding mode", "not to nearest", expected)
+
+
+def rounded_times(scene: Scene, number: NumberType) -> ExactNumbers[Fraction]:
+    """The output times as numbers of the run's type."""
+    if not scene.times:
+        raise BadInput(scene.name, "run.end", None, "a time, or times given with --at")
+    times = cast("ExactNumbers[Exact]", scene.times).rounded(number)
+    k = times.misplaced()
+    if k is not None:
+        expected = f"times that differ when rounded to {number.name}"
+        raise BadInput(scene.name, f"run.at[{k + 1}]", str(float(times[k])), expected)
+    return times
+
+
+def inside(
+    times: ExactNumbers[Fraction], exponent: int, number: NumberType
+) -> ExactNumbers[Fraction]:
+    """Times of a type in a unit of 2**exponent: an array where they are one, and hold as one."""
+    if times.floats is not None:
+        most = 1000 if number.bits == 53 else 16000
+        grid = np.ldexp(times.floats, -exponent) if exponent else times.floats
+        sizes = np.frexp(grid[1:] if grid[0] == 0 else grid)[1]
+        if np.all(np.abs(sizes) < most):
+            return ExactNumbers(floats=grid)
+    elif not exponent:
+        return times
+    unit = Fraction(2) ** -exponent
+    return ExactNumbers(tuple(t * unit for t in times.exact))
+
+
+def time_array(times: ExactNumbers[Fraction], number: NumberType) -> Flat:
+    """Times as an array of heyoka's numbers, of a type that numpy holds."""
+    if times.floats is not None:
+        return times.floats
+    return cast("Flat", array(scalars(times.exact, number), number))
 
 
 def principal_system(scene: Scene) -> System:

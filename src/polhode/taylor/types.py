@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, Protocol, TypeAlias
 
@@ -77,18 +77,6 @@ class Watcher(Listener, Protocol):
     """What looks for events while a run is under way (polhode.taylor.event_watch.Watch)."""
 
     @property
-    def stop(self) -> Fraction | None:
-        """The time of the event that ended the run, in the run's unit; None while none has."""
-
-    @property
-    def after_step(self) -> Callable[[HeyokaIntegrator], bool] | None:
-        """heyoka's question after each step, go on? None where no event ends the run."""
-
-    @property
-    def any_step(self) -> bool:
-        """Whether steps may be long: of a state that rests, or of angles, which keep them short."""
-
-    @property
     def key(self) -> Hashable:
         """What tells its events from others along the same equations."""
 
@@ -107,24 +95,6 @@ class Watcher(Listener, Protocol):
         ``rates``: with the integrator's parameters, which its events share with its equations.
         ``pattern``: those of the desk's functions, by the names of the coefficients.
         """
-
-    def sit_down(self, desk: Desk, numbers: Array) -> None:
-        """Take over the desk of an integrator's events: what they meet is told to this watcher.
-
-        ``numbers``: the coefficients that are parameters.
-        """
-
-    def counts_from(self, offset: Fraction, heyoka: HeyokaIntegrator) -> None:
-        """Take note of heyoka's integrator, and of the exact time at which its own begins."""
-
-    def marks(self) -> object:
-        """What is known so far, to be given to ``take_back``."""
-
-    def take_back(self, found: object) -> None:
-        """Forget what was found since."""
-
-    def still(self) -> list[int]:
-        """The events that start at zero and stay within rounding of it for some steps."""
 
     def disturbed(self, state: Array, moved: Array) -> bool:
         """Whether moving the first components of the state there would disturb an event."""
@@ -145,5 +115,6 @@ class Corrector(Protocol):
     def correct(self, state: Array) -> bool:
         """Correct a state, heyoka's numbers, where it stands; False: try again a step later."""
 
-    def found(self) -> Projection:
+    @property
+    def projection(self) -> Projection:
         """What was corrected so far."""

@@ -20,6 +20,7 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact, Number, sign
+from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import (
     DOUBLE,
     EXTENDED,
@@ -37,7 +38,7 @@ from polhode.taylor import defaults
 from polhode.taylor.batches import LANES, CompiledBatch, LaneQueue
 from polhode.taylor.engine import Engine, Equations, integrator, lent, principal_engine
 from polhode.taylor.heyoka import array, as_fraction, hy, scalar, scalars
-from polhode.taylor.stepping import Integrator
+from polhode.taylor.motion import Motion
 from polhode.taylor.system import System
 from polhode.taylor.types import HeyokaNumber, HeyokaOutput
 
@@ -235,17 +236,17 @@ class Leader:
             enough = (kind for kind in ready if _is_enough(kind, log10_growth))
             wide = number_types.mp(2 * (log10_growth + _SPARE_DIGITS))
             self._number = next(enough, wide)
-            self._run = Integrator(replace(self._plain, number=self._number))
-        rows_found, count, ended = np.full((len(times), 6), np.nan), 0, Outcome.STEP_LIMIT
-        ahead = [Fraction(t) for t in times]
-        while ended is Outcome.STEP_LIMIT and count < len(times):
-            rows, ended = self._run.chunk(ahead[count:], defaults.of(self._number).chunk)
-            if len(rows):
-                there = rows_found[count : count + len(rows)]
-                there[:] = 0.0  # gamma, where there is none
-                there[:, : len(self._plain.start)] = doubles(rows)
-                count += len(rows)
-        return rows_found
+            self._run = Motion(replace(self._plain, number=self._number))
+            self._run.begin(self._run.system)
+        ahead = ExactNumbers(tuple(Fraction(t) for t in times))
+        reached, outcome = self._run.advance(ahead, math.inf)
+        if outcome is Outcome.INTERRUPTED:
+            raise KeyboardInterrupt
+        rows = np.full((len(times), 6), np.nan)
+        if len(reached):
+            rows[: len(reached)] = 0.0  # gamma, where there is none
+            rows[: len(reached), : len(self._plain.start)] = doubles(reached)
+        return rows
 
     def at(self, time: float, log10_growth: float) -> Doubles:
         """The same at one time."""
