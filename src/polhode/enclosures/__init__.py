@@ -10,7 +10,7 @@ exactly), ``step_bound`` (the errors of one step), ``zonotope`` (the set carried
 integers and balls; and on IEEE double arithmetic whose rounding is bounded term by term.
 
 The theorem of one step is in ``step_bound``, that of the chain in ``zonotope``.  The attitude rests
-on ``quaternion``, its angles on ``winding_number`` as well; ``attitude`` puts both into the scene's
-axes.  Events are zeros of polynomials, ``_zeros``.  ``task`` holds what states and events are asked
+on ``quaternion``, and ``attitude`` puts it into the scene's axes; its angles are proven up to whole
+turns.  Events are zeros of polynomials, ``zeros``.  ``task`` holds what states and events are asked
 for alike: times, digits, limits, the precision.
 """
