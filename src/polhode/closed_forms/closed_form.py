@@ -40,10 +40,10 @@ if TYPE_CHECKING:
 
 
 class _Constants(NamedTuple):
-    """What rows are made with: the row at t = 0, the sizes of its numbers, as many as it may have,
-    the unit of rates, and the length of the family's vertical."""
+    """What rows are made with: omega and gamma at t = 0, the sizes of a row's numbers, as many as
+    it may have, the unit of rates, and the length of the family's vertical."""
 
-    start: Sequence[arb]
+    start: list[arb]
     sizes: Sequence[arb]
     unit: arb
     length: arb
@@ -63,9 +63,8 @@ class ClosedForm:
     placing called 0 by the rule for irrational numbers.
 
     ``times`` are exact, of either sign and in any order; answers are mpf.  A question that the
-    closed form cannot answer (a time beyond what its turns can be counted to, digits lost to an
-    asymptotic motion, an attitude without gamma) raises ValueError, numbers that contradict each
-    other ArithmeticError.
+    closed form cannot answer (digits lost to an asymptotic motion, an attitude without gamma)
+    raises ValueError, numbers that contradict each other ArithmeticError.
     """
 
     def __init__(
@@ -84,6 +83,7 @@ class ClosedForm:
         self._has_units = place.unit != 1 or place.vertical is not ONE
         self._motion = Kept(partial(solve, place))
         self._constants = Kept(self._constants_now)
+        self._first_turn = Kept(lambda: start_attitude(self._gamma, self._psi))
         self._last: tuple[list[Exact], int, list[Sequence[arb]]] = [], 0, []
 
     @property
@@ -177,7 +177,7 @@ class ClosedForm:
             return euler_angles(self._turn_at(t), psi, phi), [arb(1)] * 3
 
         def tilt() -> Row:
-            turn = self._turn_at(t) if sign(t) else start_attitude(self._gamma, self._psi)
+            turn = self._turn_at(t) if sign(t) else self._first_turn()
             return [nutation(turn)], [arb(1)]
 
         try:
@@ -240,7 +240,7 @@ class ClosedForm:
         """
         motion, (start, sizes, unit, length) = self._motion(), self._constants()
         if t.is_zero():
-            return start, sizes
+            return [*start, *self._first_turn()] if attitude else start, sizes
         frame, now = self._frame, t
         vertical: Sequence[arb]
         if self._has_units:
@@ -254,8 +254,7 @@ class ClosedForm:
         if len(start) > 3:
             row += frame.back(vertical)
         if attitude:
-            q0, q1, q2, q3 = start[6:]
-            row += quaternion_product((q0, q1, q2, q3), frame.turn(motion.turn(now, state)))
+            row += quaternion_product(self._first_turn(), frame.turn(motion.turn(now, state)))
         return row, sizes
 
     def _turn_at(self, t: Exact) -> Turn:
@@ -282,7 +281,6 @@ class ClosedForm:
         start = [ball(x) for x in self._omega]
         if self._known_gamma is not None:
             start += [ball(x) for x in self._known_gamma]
-            start += start_attitude(self._known_gamma, self._psi)
         sizes = [self._motion().speed * abs(unit)] * 3 + [arb(1)] * 7
         return _Constants(start, sizes, unit, enclosed(self.place.vertical))
 

@@ -156,7 +156,7 @@ class Certified(Storable):
     def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
         """Rows psi theta phi in radians, continuous, proven to ``digits`` digits.
 
-        psi and phi are None at a start at a pole, and at all times where the third axis stays
+        psi and phi are proven up to whole turns, which are followed in doubles.  They are None at a start at a pole, and at all times where the third axis stays
         vertical.  Raises BadInput where a motion passes so close to a pole that it is not proven on
         which side.
         """

@@ -210,11 +210,12 @@ class Reference(Storable):
             return self._enclosed("angles", instants, digits)
         if self.scene.gamma is None:
             return self._asked(self._motion.angles, instants, digits)  # which says why not
+        plain = replace(self.scene, form="principal")  # other forms are singular at times
         for number, farthest in _TURNING:
-            run = in_double(self.scene, instants, ("angles",), number, farthest)
+            run = in_double(plain, instants, ("angles",), number, farthest)
             if not run:
                 continue
-            near = [[None if x is None else float(x) for x in row] for row in run["angles"]]
+            near = [[x if x is None else float(x) for x in row] for row in run["angles"]]
             rows = self._asked(partial(self._motion.angles, near=near), instants, digits)
             if all(map(_is_near, rows, near)):
                 return rows

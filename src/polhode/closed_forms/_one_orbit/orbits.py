@@ -49,6 +49,9 @@ from polhode.numbers.vectors import Vector
 # the turn of the body there.
 
 
+_PRINCIPAL = Frame()
+
+
 def orbit_family(name: str, placement: type[OrbitPlacement]) -> Family:
     """A family of that name, of one class of placements."""
 
@@ -100,7 +103,7 @@ class OrbitPlacement(Placement):
     @classmethod
     def views(cls, scene: PrincipalScene) -> Iterator[tuple[Frame, PrincipalScene]]:
         """The principal axes that are tried, and the scene in them: of a symmetric body any are."""
-        yield Frame(), scene
+        yield _PRINCIPAL, scene
 
     @staticmethod
     @abstractmethod

@@ -52,10 +52,7 @@ class Frame:
         squares: Sequence[Exact] = (ONE, ONE, ONE),
         within: Rows | None = None,
     ) -> None:
-        self._directions, self._squares = directions, squares
-        self._lengths = [sqrt(x) for x in squares]
-        self._within = within
-        self._places = self._permutation()
+        self._directions, self._squares, self._within = directions, squares, within
         self._matrix = Kept(self._made)
 
     @classmethod
@@ -105,9 +102,14 @@ class Frame:
         x, y, z = self.back(q[1:])
         return q[0], x, y, z
 
-    def _permutation(self) -> list[tuple[int, int]] | None:
+    @cached_property
+    def _lengths(self) -> list[Exact]:
+        return [sqrt(x) for x in self._squares]
+
+    @cached_property
+    def _places(self) -> list[tuple[int, int]] | None:
         """For each axis of the scene, which of these it is and its sign; None: it is another."""
-        if self._within is not None or any(x != 1 for x in self._lengths):
+        if self._within is not None or any(x != 1 for x in self._squares):
             return None
         columns = list(zip(*self._directions, strict=True))
         units = [[(i, int(x)) for i, x in enumerate(c) if x in (1, -1)] for c in columns]
