@@ -268,11 +268,11 @@ def test_a_proof_refuses_doubles_that_are_rounded_otherwise(mode: int) -> None:
 
 def test_turns_are_counted_however_many_there_are_in_a_step() -> None:
     points = np.array([0.5, 1.0])
-    followed = attitude.Followed((1.0, 2.0))
-    true = [[1 + 20 * np.pi, 2 - 20 * np.pi], [1 + 40 * np.pi, 2 - 40 * np.pi]]
+    followed = attitude.Followed((2 * np.pi, -4 * np.pi))  # from one turn and from two back
+    true = [[22 * np.pi, -24 * np.pi], [42 * np.pi, -44 * np.pi]]
     assert np.max(np.abs(followed.step(_around(20, 0.01), 1.0, points) - true)) < 1e-12
     on = followed.step(_around(0.25, 0.01), 1.0, points)
-    assert on[1] == pytest.approx([1 + 40.5 * np.pi, 2 - 40.5 * np.pi], abs=1e-12)
+    assert on[1] == pytest.approx([42.5 * np.pi, -44.5 * np.pi], abs=1e-12)
     with without(attitude, "Followed.step", "if not rough.any()", "if True"):
         assert abs(attitude.Followed((0.0, 0.0)).step(_around(20, 1.0), 1.0, points)[1][0]) < 30
 
@@ -294,7 +294,7 @@ def test_a_pole_is_passed_on_its_side(beside: float) -> None:
 @pytest.mark.parametrize("where", [1 / 3, 0.5])
 def test_a_passage_through_a_pole_loses_psi_and_phi_for_good(where: float) -> None:
     """Between two nodes, and on one."""
-    followed, end = attitude.Followed((0.0, 0.0)), np.array([1.0])
+    followed, end = attitude.Followed((np.pi, 0.0)), np.array([1.0])
 
     def through(nodes: Any) -> Any:
         return np.array([nodes - where + 0j, nodes + 1 + 0j])

@@ -46,15 +46,14 @@ _LEAST = 1e-13  # of a step, between nodes: nearer a pole doubles do not tell it
 class Followed:
     """psi and phi along the motion, by continuity from the start.
 
-    ``begin``: those at the start, None where it has none; ``at_pole``: whether the start is at a
-    pole, which they are then left with.  ``lost``: the time at whose step they were, in the proof's
-    unit; None while they are not.
+    ``begin``: those at the start, at a pole those with which it is left; None where it has none.
+    ``lost``: the time at whose step they were, in the proof's unit; None while they are not.
     """
 
-    def __init__(self, begin: tuple[float, float] | None, at_pole: bool = False) -> None:
+    def __init__(self, begin: tuple[float, float] | None) -> None:
         self.total = np.array(begin or (0.0, 0.0))
         self.lost: float | None = 0.0 if begin is None else None
-        self._at_pole, self._walked = at_pole, 0.0
+        self._walked = 0.0
 
     def step(self, at: Any, length: float, points: Any) -> Any:
         """The angles at the points ``points`` of a step; None where they are lost.
@@ -66,8 +65,7 @@ class Followed:
         nodes = np.unique(np.concatenate([np.linspace(0.0, 1.0, _FIRST + 1), points]))
         while True:
             values = at(nodes)
-            if self._at_pole:
-                values[:, 0] = np.exp(1j * self.total)
+            values[:, 0] = np.exp(1j * self.total)  # known, also where the numbers are 0
             grown = np.angle(values[:, 1:] * values[:, :-1].conj())
             at_zero = (values == 0).any(axis=0)
             rough = (np.abs(grown) > _SMOOTH).any(axis=0) | at_zero[1:] | at_zero[:-1]
@@ -81,7 +79,7 @@ class Followed:
         along = np.concatenate([np.zeros((2, 1)), np.cumsum(grown, axis=1)], axis=1)
         along += self.total[:, None]
         self.total = along[:, -1].copy()
-        self._at_pole, self._walked = False, self._walked + length
+        self._walked += length
         return along[:, np.searchsorted(nodes, points)].T
 
 
@@ -139,7 +137,7 @@ class AttitudeWatch:
         if departure(scene) is None:
             return Followed(None)
         phi = phi_leaving_the_pole(scene, -1 if motion.backward else 1)
-        return Followed((psi - float(scene.gamma[2]) * phi, phi), at_pole=True)
+        return Followed((psi - float(scene.gamma[2]) * phi, phi))
 
     def window(self, bounds: Bounds, steps: Sequence[Step]) -> None:
         """A window whose steps have been accepted."""
