@@ -37,20 +37,20 @@ def motion(seed, bits, gap=0.0):
 
 def numbers(seed, bits, places=NEAR, gap=0.0):
     """Times and moments at the places, and x at times that are the places."""
-    made = motion(seed, bits, gap)
+    clock = motion(seed, bits, gap)
     with ctx.workprec(bits):
-        found = [ball(x) for x in places]
-        series = [y for x in found for y in made.at(x)[:2]]
-        return [*series, *(made.phase(t) for t in found), made.S[-1]]
+        places_in_balls = [ball(x) for x in places]
+        series = [y for x in places_in_balls for y in clock.at(x)[:2]]
+        return [*series, *(clock.phase(t) for t in places_in_balls), clock.S[-1]]
 
 
-def overlap(one, other):
-    return all(x.is_finite() and x.overlaps(y) for x, y in zip(one, other, strict=True))
+def overlap(first, second):
+    return all(x.is_finite() and x.overlaps(y) for x, y in zip(first, second, strict=True))
 
 
 def test_against_mpmath():
     low, high, higher, (middle, height) = roots(3)
-    made = motion(3, 140)
+    clock = motion(3, 140)
     with mpmath.workdps(40):
 
         def z(x):
@@ -66,12 +66,12 @@ def test_against_mpmath():
         moment = mpmath.quad(lambda x: pace(x) * z(x), [0, 1, 2, x])
         half = mpmath.quad(pace, [0, 1, 2, mpmath.pi])
         with ctx.workprec(140):
-            place = made.at(ball(F(22, 7)))
+            place = clock.at(ball(F(22, 7)))
             for ours, right in (
                 (place.S, time),
                 (place.U, moment),
-                (made.S[-1], half),
-                (made.phase(arb(str(time)) + 6 * made.S[-1]), 6 * mpmath.pi + x),
+                (clock.S[-1], half),
+                (clock.phase(arb(str(time)) + 6 * clock.S[-1]), 6 * mpmath.pi + x),
             ):
                 assert abs(ours - arb(str(right))) < arb(10) ** -36
                 assert ours.rad() > arb(10) ** -50
@@ -81,7 +81,7 @@ def test_against_mpmath():
 def test_balls_of_all_precisions_overlap(gap):
     """Whatever the radius: what is finite at few bits holds what more bits tell."""
     for places, slack in ((NEAR, 40), (FAR, 90)):
-        fine, told = numbers(1, 400, places, gap), 0
+        fine, count = numbers(1, 400, places, gap), 0
         for bits in (30, 40, 53, 107, 192, 330):
             try:
                 rough = numbers(1, bits, places, gap)
@@ -90,8 +90,8 @@ def test_balls_of_all_precisions_overlap(gap):
             assert all(x.overlaps(y) for x, y in zip(rough, fine, strict=True))
             if bits > slack + 80:
                 assert all(x.rad() < (1 + abs(x)) * arb(2) ** (slack + 70 - bits) for x in rough)
-                told += 1
-        assert told >= 2
+                count += 1
+        assert count >= 2
 
 
 @pytest.mark.parametrize("ratio", [12, 16])
@@ -113,16 +113,16 @@ def test_what_few_points_miss_is_in_the_radius(monkeypatch):
 
 def test_a_phase_that_iteration_misses_is_enclosed_nevertheless(monkeypatch):
     """Newton's iteration proves nothing: a bad end of it widens the ball."""
-    made = motion(5, 120)
+    clock = motion(5, 120)
     with ctx.workprec(120):
-        right = made.phase(arb(17))
+        right = clock.phase(arb(17))
         monkeypatch.setattr(clocks, "_ROUGH", 1e-2)
         monkeypatch.setattr(clocks, "_CLOSE", 40)  # steps below 1/8 are the last
-        wrong = made.phase(arb(17))
+        wrong = clock.phase(arb(17))
         assert wrong.contains(right)
         assert 2**30 * right.rad() < wrong.rad() < arb(2) ** -60
-        monkeypatch.setattr(made, "_fastest", made._fastest / 2**10)
-        assert not made.phase(arb(17)).overlaps(right)
+        monkeypatch.setattr(clock, "_fastest", clock._fastest / 2**10)
+        assert not clock.phase(arb(17)).overlaps(right)
 
 
 def test_what_is_not_known_asks_for_more_bits():

@@ -1,16 +1,20 @@
-"""The loop over precisions, frames, Jacobi's functions and the count of turns, in balls."""
+"""The loop over precisions, frames, angles and Jacobi's functions in balls."""
 
 from fractions import Fraction
-from itertools import pairwise
 
 import pytest
 from flint import acb, arb
 
-from polhode.closed_forms.balls import angles, core
+from polhode.closed_forms.balls import core
 from polhode.closed_forms.balls.core import Refused, TooFewBits, ball, sure_rows, until_sure
-from polhode.closed_forms.balls.frames import Frame, quaternion, start_attitude, turned_back
+from polhode.closed_forms.balls.frames import (
+    Frame,
+    euler_angles,
+    quaternion,
+    start_attitude,
+    turned_back,
+)
 from polhode.closed_forms.balls.jacobi import Jacobi, Shift
-from polhode.closed_forms.balls.one_axis import OneAxis
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
@@ -22,17 +26,17 @@ ONE = [arb(1)]
 def test_digits_that_a_difference_loses_are_made_up_for():
     """sqrt(1 + x) - 1 of x = 1e-60, to 30 digits of itself."""
     x = F(1, 10**60)
-    asked = []
+    precisions = []
 
     def row():
-        asked.append(ctx.prec)
-        found = ball(1 + x).sqrt() - 1
-        return [found], [ball(x)]
+        precisions.append(ctx.prec)
+        excess = ball(1 + x).sqrt() - 1
+        return [excess], [ball(x)]
 
-    (found,) = until_sure(row, 30)
+    (excess,) = until_sure(row, 30)
     with ctx.workprec(600):
-        assert abs(found - (ball(x) / 2 - ball(x * x) / 8)) < arb(10) ** -89
-    assert asked[0] < 200 < asked[-1] < 800
+        assert abs(excess - (ball(x) / 2 - ball(x * x) / 8)) < arb(10) ** -89
+    assert precisions[0] < 200 < precisions[-1] < 800
 
 
 def test_a_number_that_is_none_is_not_passed_over():
@@ -48,15 +52,15 @@ def test_a_number_that_is_none_is_not_passed_over():
 
 
 def test_a_reason_given_inside_is_kept_and_at_once():
-    asked = []
+    calls = []
 
     def row():
-        asked.append(ctx.prec)
+        calls.append(ctx.prec)
         raise Refused("the place has no such number")
 
     with pytest.raises(Refused, match="the place has no such number"):
         until_sure(row, 20)
-    assert len(asked) == 1
+    assert len(calls) == 1
 
 
 @pytest.mark.parametrize("fault", [ValueError, ZeroDivisionError, OverflowError, TypeError])
@@ -69,15 +73,15 @@ def test_a_fault_of_the_code_is_not_taken_for_too_few_bits(fault):
 
 
 def test_too_few_bits_are_doubled_up_to_the_cap():
-    asked = []
+    precisions = []
 
     def row():
-        asked.append(ctx.prec)
+        precisions.append(ctx.prec)
         raise TooFewBits
 
     with pytest.raises(Refused, match="1000 bits give 0 of 20 digits"):
         until_sure(row, 20, 1000)
-    assert asked == [106, 212, 424, 848, 1000]
+    assert precisions == [106, 212, 424, 848, 1000]
 
 
 def test_the_digits_that_are_known_are_told():
@@ -86,16 +90,16 @@ def test_the_digits_that_are_known_are_told():
 
 
 def test_rows_that_are_sure_are_not_made_again():
-    asked = []
+    powers = []
 
     def row(t):
-        asked.append(int(t.unique_fmpz()))
+        powers.append(int(t.unique_fmpz()))
         return [(t * arb.pi()).sin()], ONE
 
     times = [F(10) ** k for k in range(0, 60, 10)]
     rows = sure_rows(row, times, 20)
     assert len(rows) == len(times)
-    assert len(asked) <= len(times) + 6
+    assert len(powers) <= len(times) + 6
 
 
 def test_numbers_come_out_rounded_and_of_noise_only_its_size():
@@ -118,19 +122,18 @@ def test_an_irrational_number_that_is_0_by_the_rule_is_the_exact_0():
 
 
 def test_frames_go_there_and_back():
-    turned = tuple(tuple(F(x, 5) for x in row) for row in ((3, 4, 0), (-4, 3, 0), (0, 0, 5)))
+    rational = tuple(tuple(F(x, 5) for x in row) for row in ((3, 4, 0), (-4, 3, 0), (0, 0, 5)))
     skew = ((F(1), F(1), F(0)), (F(-1), F(1), F(0)), (F(0), F(0), F(1)))
     frames = (
         Frame(),
         Frame.signed((2, 0, 1)),
         Frame.signed((1, 0, 2), (1, -1, 1)),
-        Frame.signed((0, 2, 1), (1, -1, 1)).seen_from(turned),
-        Frame(skew, (F(2), F(2), F(1)), turned),
+        Frame.signed((0, 2, 1), (1, -1, 1)).seen_from(rational),
+        Frame(skew, (F(2), F(2), F(1)), rational),
     )
     v = F(1), F(-2), F(1, 3)
     for frame in frames:
         there = frame.into(v)
-        assert all(x == y for x, y in zip(frame.out(there), v, strict=True))
         back = frame.back([ball(x) for x in there])
         assert all(abs(x - ball(y)) < arb("1e-12") for x, y in zip(back, v, strict=True))
         x, y, z = (frame.into(tuple(F(i == j) for j in range(3))) for i in range(3))
@@ -141,10 +144,31 @@ def test_frames_go_there_and_back():
 @pytest.mark.parametrize("gamma", [(0, 0, 1), (0, 0, -1), ("3/5", 0, "-4/5"), (0, "-3/5", "4/5")])
 def test_the_start_has_its_vertical(gamma):
     gamma = tuple(F(x) for x in gamma)
-    q = start_attitude(gamma, F(2, 7), 1)
+    q = start_attitude(gamma, F(2, 7))
     up = turned_back(q, (arb(0), arb(0), arb(1)))
     assert all(x.overlaps(ball(y)) and x.rad() < 1e-12 for x, y in zip(up, gamma, strict=True))
     assert quaternion(acb(1, 4), acb(2, 3)) == (1, 2, 3, 4)
+
+
+@pytest.mark.parametrize("turns", [0, 3, -4])
+@pytest.mark.parametrize("psi", [F(1, 3), F(22, 7), F(-22, 7)])
+def test_angles_are_those_of_the_branch_that_is_near(psi, turns):
+    """Next to the cut of an argument too; without a branch they are in (-pi, pi]."""
+    gamma = F(3, 13), F(-4, 13), F(12, 13)
+    turn = start_attitude(gamma, psi)
+    whole = 2 * arb.pi() * turns
+    right = (ball(psi) + whole, ball(F(12, 13)).acos(), (ball(F(3)) / -4).atan() + arb.pi() - whole)
+    near = [float((x + arb("0.2")).mid()) for x in (right[0], right[2])]
+    for x, y in zip(euler_angles(turn, *near), right, strict=True):
+        assert abs(x - y) < arb("1e-12")
+    for x, y in zip(euler_angles(turn, None, None), right, strict=True):
+        assert -arb.pi() - arb("1e-12") < x < arb.pi() + arb("1e-12")
+        assert abs(((x - y) / 2).sin()) < arb("1e-12")
+
+
+def test_at_a_pole_there_is_no_psi():
+    with pytest.raises(TooFewBits):
+        euler_angles((arb(1), arb(0), arb(0), arb(0)), None, None)
 
 
 @pytest.mark.parametrize("k2", [F(0), F(1, 10**40), F(1, 3), 1 - F(1, 10**40), F(1)])
@@ -166,9 +190,9 @@ def test_quotients_keep_to_the_right_half_plane(k2, half):
     """For |a| < K', where their principal argument is continuous."""
     with ctx.workprec(200):
         functions = Jacobi(ball(k2), ball(1 - k2))
-        other = Jacobi(ball(1 - k2), ball(k2)).K
+        K_of_complement = Jacobi(ball(1 - k2), ball(k2)).K
         for part in (F(-999, 1000), F(1, 5), F(1, 2), F(99, 100)):
-            shift = Shift(functions, ball(part) * other, half)
+            shift = Shift(functions, ball(part) * K_of_complement, half)
             for n in range(-20, 21):
                 v = functions.K * n / 20
                 assert shift.at(functions.at(v)).real > 0
@@ -183,11 +207,11 @@ def test_functions_and_quotients_are_those_of_mpmath(k2, v):
         functions = Jacobi(ball(m), ball(1 - m))
         here, begin = functions.at(ball(x)), functions.at(arb(0))
         parameter, u = (mpf(y.numerator) / y.denominator for y in (m, x))
-        K, other = mpmath.ellipk(parameter), mpmath.ellipk(1 - parameter)
+        K, K_of_complement = mpmath.ellipk(parameter), mpmath.ellipk(1 - parameter)
         for name, y in (("sn", here.side * here.sn), ("cn", here.side * here.cn), ("dn", here.dn)):
-            wanted = mpmath.ellipfun(name, u, m=parameter)
-            assert abs(core.number(y, 45) - wanted) < mpf("1e-40")
-        q, a = mpmath.exp(-mpmath.pi * other / K), other * 3 / 10
+            right = mpmath.ellipfun(name, u, m=parameter)
+            assert abs(core.number(y, 45) - right) < mpf("1e-40")
+        q, a = mpmath.exp(-mpmath.pi * K_of_complement / K), K_of_complement * 3 / 10
         shift = ball(part) * Jacobi(ball(1 - m), ball(m)).K
         for half, kind, odd in ((False, 4, 1), (True, 3, 2)):
             w = mpmath.pi * a / 2 / K
@@ -195,14 +219,16 @@ def test_functions_and_quotients_are_those_of_mpmath(k2, v):
             rate = mpmath.pi / 2 / K * slope.real
             quotient = Shift(functions, shift, half)
             assert abs(core.number(quotient.rate, 45) - rate) < mpf("1e-38")
-            one, two = (
+            here_value, begin_value = (
                 mpmath.jtheta(kind, mpmath.pi * (y + 1j * a) / (2 * K), q)
                 / mpmath.jtheta(4, mpmath.pi * y / (2 * K), q)
                 for y in (u, mpf(0))
             )
             ratio = quotient.at(here) / quotient.at(begin)
             mine = mpmath.mpc(core.number(ratio.real, 45), core.number(ratio.imag, 45))
-            assert abs(mine - one / two) < mpf("1e-38") * abs(one / two)
+            assert abs(mine - here_value / begin_value) < mpf("1e-38") * abs(
+                here_value / begin_value
+            )
 
 
 def test_a_rate_that_is_off_is_seen(monkeypatch):
@@ -215,122 +241,15 @@ def test_a_rate_that_is_off_is_seen(monkeypatch):
 
         def grown(rate):
             v = arb("0.3")
-            one, two = (
+            begin, end = (
                 quotient.at(functions.at(x)) * (acb(0, 1) * rate * x).exp() for x in (v, v + period)
             )
-            turn = two / one * (acb(0, -1) * rate * period).exp()
+            turn = end / begin * (acb(0, -1) * rate * period).exp()
             return abs(turn - 1)
 
         assert grown(rate).contains(0)
         assert quotient.slope(functions.at(arb("0.3"))) != 0
         assert h > 0
-
-
-SPINNING = 10
-
-
-def spinning(t):
-    """A turn about an axis near the vertical, |w| = 20."""
-    return quaternion(
-        (acb(0, 1) * SPINNING * t).exp() * arb("0.8"), (acb(0, -1) * t).exp() * arb("0.6")
-    )
-
-
-def test_turns_are_counted_by_a_bound_of_the_speed():
-    times = [arb(3), arb(100)]
-    for (one, other), t in zip(
-        angles.counted(spinning, arb(2 * SPINNING), arb(0), times), times, strict=True
-    ):
-        assert one.overlaps(SPINNING * t)
-        assert other.overlaps(-t)
-    back = angles.counted(spinning, arb(2 * SPINNING), arb(0), [arb(-5)])
-    assert back[0][0].overlaps(arb(-5 * SPINNING))
-
-
-def test_a_bound_that_is_none_counts_wrongly():
-    """By force: the proof rests on the bound of |w|."""
-    ((one, _),) = angles.counted(spinning, arb(1), arb(0), [arb(100)])
-    assert not one.overlaps(arb(100 * SPINNING))
-
-
-def tilting(t):
-    """Away from the upper pole as slowly as t^2, the axis of the tilt turning at the rate 30."""
-    tilt = t * t / 1000
-    return quaternion((acb(0, 1) * t).exp() * tilt.cos(), (acb(0, -30) * t).exp() * tilt.sin())
-
-
-def test_turns_are_counted_from_a_pole_by_a_bound_of_the_slope_of_the_speed():
-    begin, speed = arb(2) ** -64, arb(3)
-    leaving = angles.Leaving(1, arb("0.1"))
-    for bits in (53, 200):
-        with ctx.workprec(bits):
-            ((one, other),) = angles.counted(tilting, speed, begin, [arb(2)], leaving)
-            assert one.overlaps(2 - begin)
-            assert other.overlaps(-30 * (2 - begin))
-            # by the speed alone the steps vanish
-            with pytest.raises(TooFewBits if bits == 53 else Refused):
-                angles.counted(tilting, speed, begin, [arb(2)])
-
-
-@pytest.mark.parametrize("t", [2**-6, 2])
-def test_the_way_from_a_pole_is_not_longer_than_its_bound(t):
-    places = [tilting(arb(t) * k / 100) for k in range(101)]
-    chords = [abs(acb(y[1] - x[1], y[2] - x[2])) for x, y in pairwise(places)]
-    way = angles.Leaving(1, arb("0.1")).way(arb(t), arb(3))
-    assert sum(chords) < way
-
-
-def test_a_bound_of_the_slope_that_is_none_counts_wrongly():
-    """By force: the proof rests on it."""
-    wrong = angles.Leaving(1, arb("1e-9"))
-    ((_, other),) = angles.counted(tilting, arb(3), arb(2) ** -64, [arb(2)], wrong)
-    assert not other.overlaps(arb(-60))
-
-
-def test_turns_are_counted_farther_through_many_times(monkeypatch):
-    monkeypatch.setattr(angles, "_MOST_STEPS", 8)
-    times = [arb(k) / 100 for k in range(1, 101)]
-    *_, (one, _) = angles.counted(spinning, arb(2 * SPINNING), arb(0), times)
-    assert one.overlaps(arb(SPINNING))
-    with pytest.raises(Refused, match="ask for the attitude"):
-        angles.counted(spinning, arb(2 * SPINNING), arb(0), times[-1:])
-
-
-def test_far_times_and_poles_are_not_counted():
-    with pytest.raises(Refused, match="ask for the attitude"):
-        angles.counted(spinning, arb(2 * SPINNING), arb(0), [arb(3000)])
-
-    def through(t):
-        return t.cos(), t.sin(), arb(0), arb(0)
-
-    with ctx.workprec(150), pytest.raises(TooFewBits):
-        angles.counted(through, arb(2), arb("0.3"), [arb(3)])
-
-
-@pytest.mark.parametrize(
-    ("n", "g", "grown"),
-    [
-        ((0, 0, 1), (0, 0, 1), (5, None)),
-        ((0, 0, 1), (0, 0, -1), (None, -5)),
-        ((0, 0, -2), ("3/5", 0, "4/5"), (-5, 5)),
-        ((1, 0, 0), ("3/5", 0, "4/5"), (5, 5)),
-        ((0, 0, 0), ("3/5", 0, "4/5"), (0, 0)),
-    ],
-)
-def test_turns_about_an_axis_that_stays(n, g, grown):
-    """To a whole turn: about the body's axis, against it, across it."""
-    n, g = (tuple(F(x) for x in v) for v in (n, g))
-    size = exact.sqrt(sum((x * x for x in n), F(0)))
-    axis = tuple(ball(x / size) if size else arb(0) for x in n)
-    x = 5 * arb.pi() if size else arb(0)
-    for one, other in zip(
-        OneAxis(n, g).arguments(start_attitude(g, F(1, 3), 1), axis, x), grown, strict=True
-    ):
-        if other is None:
-            assert one is None
-        else:
-            assert one is not None
-            assert abs(one - other * arb.pi()) < arb("1e-10")
 
 
 def test_each_row_is_held_against_its_own_sizes():

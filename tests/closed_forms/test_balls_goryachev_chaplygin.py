@@ -45,9 +45,9 @@ def test_a_place_that_is_not_near_the_solution_proves_nothing():
 @pytest.mark.parametrize("kind", ["D- from above", "G, rotating"])
 def test_the_motion_next_to_a_degenerate_one_is_nearly_it(kind):
     """Another way of computing: v constant or asymptotic, G = 0."""
-    one, other = (motion_of(members.NEAR[kind](gap)) for gap in (F(1, 10**40), F(0)))
-    assert one.regime != other.regime
-    rows = [motion.at([F(3)], 30)[0] for motion in (one, other)]
+    near, exact_motion = (motion_of(members.NEAR[kind](gap)) for gap in (F(1, 10**40), F(0)))
+    assert near.regime != exact_motion.regime
+    rows = [motion.at([F(3)], 30)[0] for motion in (near, exact_motion)]
     assert max(abs(x - y) for x, y in zip(*rows, strict=True)) < mpf("1e-29")
 
 
@@ -114,9 +114,9 @@ def test_far_from_0_the_integrals_hold_what_f_is_all_over_the_ball_of_a_turn():
             place = few.at(x)
         with ctx.workprec(300):
             right = many.at(x)
-        for one, other in zip(place[:2], right[:2], strict=True):
-            finite += bool(one.is_finite())
-            wrong += one.is_finite() and not one.overlaps(other)
+        for x, y in zip(place[:2], right[:2], strict=True):
+            finite += bool(x.is_finite())
+            wrong += x.is_finite() and not x.overlaps(y)
     assert finite > 10
     assert wrong == 0
 
@@ -189,9 +189,9 @@ def test_one_enclosure_goes_through_all_rows_of_a_table(monkeypatch):
     """Its forecast and its limit on the time are then those of the whole table."""
     proofs, certified = [], reference.Certified
 
-    def counted(*given, **options):
-        proofs.append(given)
-        return certified(*given, **options)
+    def counted(*arguments, **options):
+        proofs.append(arguments)
+        return certified(*arguments, **options)
 
     monkeypatch.setattr(reference, "Certified", counted)
     monkeypatch.setattr(score, "_PIECE", 2)

@@ -57,9 +57,9 @@ def test_what_is_left_of_the_way_falls_at_the_rate_told(name, axis):
     times = [F(k) / exactly(rate) for k in (40, 80, 400)]
     rows, along = motion.at(times, 80), [0, 1, 0] if axis else [number(x) for x in torque]
     with mpmath.workdps(90):
-        one, two, end = (sum(x * y for x, y in zip(along, row, strict=False)) for row in rows)
+        first, second, end = (sum(x * y for x, y in zip(along, row, strict=False)) for row in rows)
         end = end if axis else 0
-        fall = mpmath.log(abs((one - end) / (two - end)))
+        fall = mpmath.log(abs((first - end) / (second - end)))
     assert abs(fall - 40) < 2
 
 
@@ -68,7 +68,7 @@ def test_the_bound_of_the_angular_velocity_is_one_and_no_more(seed):
     """By rows over a hundred units of time, 0.7 apart."""
     motion = made("hess", members.start("hess", seed)[0])
     with ctx.workprec(64):
-        bound = float(motion.speed_bound().mid())
+        bound = float(motion.row_at(arb(1), attitude=False)[1][0].mid())
     rows = motion.at([F(7 * k, 10) for k in range(150)], 15)
     largest = max(math.hypot(*row[:3]) for row in rows)
     assert 0.95 * bound < largest <= bound * (1 + 1e-12)
@@ -88,7 +88,7 @@ def test_by_force_a_tail_for_a_smaller_motion(weaker, least, monkeypatch):
     starts = [on_surface((F(1, 7), F(1, 5)), up) for up in ups]
     right = maps_at(starts, 260)
     proper = period_map.largest
-    monkeypatch.setattr(period_map, "largest", lambda *given: proper(*given) / weaker)
+    monkeypatch.setattr(period_map, "largest", lambda *arguments: proper(*arguments) / weaker)
     rough = maps_at(starts, 200)
     missed = sum(not x.overlaps(y) for x, y in zip(rough, right, strict=True))
     assert missed >= least
@@ -109,7 +109,7 @@ def test_fewer_terms_make_wider_balls_that_hold_the_value(monkeypatch):
 def test_far_away_psi_and_phi_are_refused_and_the_attitude_is_not():
     top = polhode.reference("hess/loxodrome")
     assert len(top.angles([30], 15)) == 1
-    with pytest.raises(polhode.BadInput, match="not counted so far; psi mod 2 pi is known: ask"):
+    with pytest.raises(polhode.BadInput, match="ask for the attitude"):
         top.angles([10**6], 15)
     assert len(top.attitude([10**6], 15)) == 1
 

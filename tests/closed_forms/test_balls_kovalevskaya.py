@@ -16,11 +16,10 @@ from polhode.closed_forms.balls.weierstrass import (
     Weierstrass,
     complex_functions,
 )
-from polhode.closed_forms.families import closed_form, closed_forms
+from polhode.closed_forms.families import closed_forms
 from polhode.closed_forms.family import ENCLOSED_ATTITUDE
 from polhode.closed_forms.kovalevskaya import degenerate, theta_attitude, theta_state
 from polhode.closed_forms.kovalevskaya.motion import first_turn
-from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ONE
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
@@ -102,9 +101,9 @@ def test_attitude_of_a_periodic_motion_at_1e16():
     """Whole periods are counted exactly, and their turn is no angle."""
     top = top_of(("4/5", "2/5", "7/10"), ("12/25", "16/25", "3/5"))
     far = [F(10) ** 16]
-    one, other = top.attitude(far, 20)[0], top.attitude(far, 40)[0]
+    few, many = top.attitude(far, 20)[0], top.attitude(far, 40)[0]
     with mpmath.workdps(50):
-        assert max(abs(a - b) for a, b in zip(one, other, strict=True)) < mpf("1e-20")
+        assert max(abs(a - b) for a, b in zip(few, many, strict=True)) < mpf("1e-20")
 
 
 @pytest.mark.parametrize("a", [(0, 1, 0, 0, -4), (1, 0, -1, 0, 2), (1, 0, 1, 0, 0)])
@@ -192,8 +191,8 @@ def test_a_motion_that_tends_to_another_is_refused_where_bits_do_not_tell_it():
 def test_a_real_lattice_and_its_inverse_function(roots):
     """P is each root at a half period, and x at the argument of x, between any two roots."""
     with ctx.workprec(200):
-        given = [x if isinstance(x, tuple) else (x, 0) for x in roots]
-        balls = [acb(*(arb(fmpq(*F(x).as_integer_ratio())) for x in row)) for row in given]
+        pairs = [x if isinstance(x, tuple) else (x, 0) for x in roots]
+        balls = [acb(*(arb(fmpq(*F(x).as_integer_ratio())) for x in row)) for row in pairs]
         lattice = RealLattice(balls)
         for half, x in zip(lattice.halves, balls, strict=True):
             assert lattice.P(half).overlaps(x)
@@ -219,8 +218,8 @@ def test_a_disc_that_is_wider_than_proven_gives_balls_that_miss(monkeypatch):
         near = degenerate.EQUATIONS.moves([acb(x) for x in row], moment)
         monkeypatch.setattr(degenerate, "EQUATIONS", SimpleNamespace(moves=lambda *_: near))
         monkeypatch.setattr(degenerate, "_WIDER", 20)
-        found = degenerate._after(row, moment)
-        assert not all(x.overlaps(y) for x, y in zip(found, truth, strict=True))
+        after = degenerate._after(row, moment)
+        assert not all(x.overlaps(y) for x, y in zip(after, truth, strict=True))
 
 
 #: On another degenerate curve: starts of which a reference encloses the motion.
@@ -239,16 +238,6 @@ def test_what_has_no_formula_is_enclosed(name):
         polhode.reference(replace(scene, reference="kovalevskaya"))
 
 
-@pytest.mark.parametrize("case", ["appelrot", "delaunay"])
-def test_of_a_third_axis_that_is_exactly_vertical_it_is_known_at_once(case):
-    """Turns past it were counted in ever more bits, for minutes, and then refused."""
-    _, motion = closed_form(polhode.load(f"kovalevskaya/{case}"))
-    period = exactly(motion.period(20))
-    rows = motion.at([period * k / 400 for k in range(400)], 15)
-    least = min(row[3] * row[3] + row[4] * row[4] for row in rows)
-    assert motion.passes_poles == (least < 3e-4)
-
-
 @pytest.mark.parametrize(
     ("case", "kind", "regime"),
     [
@@ -260,10 +249,10 @@ def test_of_a_third_axis_that_is_exactly_vertical_it_is_known_at_once(case):
 def test_a_motion_of_other_bodies_too_is_theirs(case, kind, regime):
     """A pendulum's angles were refused past a pole; a separatrix was enclosed for 12 s."""
     scene = polhode.load(f"kovalevskaya/{case}")
-    found = polhode.reference(scene)
-    assert (found.kind, found.regime, found.proven) == (kind, regime, True)
+    reference = polhode.reference(scene)
+    assert (reference.kind, reference.regime, reference.proven) == (kind, regime, True)
     assert "kovalevskaya" not in [name for name, _ in closed_forms(scene)]
-    assert None not in found.angles([F(1000)], 20)[0]
+    assert None not in reference.angles([F(100)], 20)[0]
     with pytest.raises(polhode.BadInput, match="kovalevskaya needs a motion that is not one of"):
         polhode.reference(replace(scene, reference="kovalevskaya"))
 
@@ -276,5 +265,5 @@ def test_psi_and_phi_of_a_release_from_a_pole_are_those_that_are_enclosed(spin, 
     reference = polhode.reference(scene)
     assert reference.kind == ("kovalevskaya" if spin else "pendulum")
     for t in F(1, 10), F(-1, 3):
-        (row,), (known,) = (x.angles([t], 20) for x in (reference, polhode.Certified(scene)))
-        assert all(abs(x - y) < mpf("1e-19") for x, y in zip(row, known, strict=True))
+        (row,), (enclosed,) = (x.angles([t], 20) for x in (reference, polhode.Certified(scene)))
+        assert all(abs(x - y) < mpf("1e-19") for x, y in zip(row, enclosed, strict=True))

@@ -92,12 +92,12 @@ LATER = "plane", "separatrix", "rest", "upright"
 
 def named_starts():
     """Families, names, distances from a degenerate motion, and starts."""
-    known = members.motion_table()
+    table = members.motion_table()
     for family in ROUGH:
-        for name, texts in known.get(family, {}).items():
+        for name, texts in table.get(family, {}).items():
             if texts[4].startswith(KINDS) and name not in UNTOLD:
                 yield family, name, "", members.read_start(texts)
-        for name, texts in known["near"].get(family, {}).items():
+        for name, texts in table["near"].get(family, {}).items():
             for off in OFF if "off" in "".join(texts) else ("",):
                 written = [text.replace("off", f"({off})") for text in texts]
                 yield family, name, off, members.read_start(written)
@@ -127,15 +127,15 @@ def cost(family, name, off, turn):
 
 def params():
     """Starts with their bits and marks."""
-    seen = Counter()
+    counts = Counter()
     for family, name, off, plain in named_starts():
-        seen[family] += 1
-        which = cost(family, name, off, seen[family])
+        counts[family] += 1
+        which = cost(family, name, off, counts[family])
         marks = [getattr(pytest.mark, which)] if which else []
         few, bits, finite = SURE.get(family, (FEW_BITS, (900, 900), 51))
         many = bits["1e-" in name or off not in ("", "1e-8", "-1e-8")]
-        given = family, plain, [*few, many // 2], many, finite
-        yield pytest.param(*given, id=f"{family}: {name} {off}".strip(), marks=marks)
+        arguments = family, plain, [*few, many // 2], many, finite
+        yield pytest.param(*arguments, id=f"{family}: {name} {off}".strip(), marks=marks)
 
 
 @pytest.mark.parametrize(("family", "plain", "few", "many", "finite"), [*params()])

@@ -30,8 +30,8 @@ def integral(rule, ends, bits):
         return rule([Linear(acb(a), acb(b), acb(b) - acb(a)) for a, b in ends])
 
 
-def overlap(one, other):
-    return all(x.is_finite() and x.overlaps(y) for x, y in zip(one, other, strict=True))
+def overlap(first, second):
+    return all(x.is_finite() and x.overlaps(y) for x, y in zip(first, second, strict=True))
 
 
 def by_mpmath(name, ends):
@@ -44,12 +44,12 @@ def by_mpmath(name, ends):
         return value
 
     if name == "circle":
-        way, place, weight = [0, mpmath.pi], lambda x: (1 - mpmath.cos(x)) / 2, mpmath.cos
+        interval, place, weight = [0, mpmath.pi], lambda x: (1 - mpmath.cos(x)) / 2, mpmath.cos
     else:
-        way, place, weight = [0, 1], lambda x: x * x, lambda x: x * x
+        interval, place, weight = [0, 1], lambda x: x * x, lambda x: x * x
     return [
-        mpmath.quad(lambda x: product(place(x)), way),
-        mpmath.quad(lambda x: weight(x) * product(place(x)), way),
+        mpmath.quad(lambda x: product(place(x)), interval),
+        mpmath.quad(lambda x: weight(x) * product(place(x)), interval),
     ]
 
 

@@ -42,7 +42,7 @@ def misses(bits, tau, z):
         right = flint_jets(complexes(tau), complexes(z))
     rows = zip(ours, right, strict=True)
     assert all(x.is_finite() for row in ours for x in row)
-    return sum(not x.overlaps(y) for row, other in rows for x, y in zip(row, other, strict=True))
+    return sum(not x.overlaps(y) for row, right in rows for x, y in zip(row, right, strict=True))
 
 
 @pytest.mark.parametrize("bits", [40, 53, 107, 200])
@@ -93,14 +93,14 @@ def test_periods_are_taken_out_whole():
         factor = jets.log.exp()
         along = functions.lattice.times((3, -2))
         i_pi = acb(0, arb.pi())
-        known = (-i_pi * (3 * along[0] - 2 * along[1] + 2 * (3 * z[0] - 2 * z[1]))).exp()
+        factor = (-i_pi * (3 * along[0] - 2 * along[1] + 2 * (3 * z[0] - 2 * z[1]))).exp()
         for c, row, far_row in zip(
             CHARACTERISTICS, functions.at(z).values, jets.values, strict=True
         ):
             side = -1 if (c[0] * 5 - c[1] * 4 + c[2] * 3 - c[3] * 2) % 2 else 1
-            assert (factor * far_row[0]).overlaps(side * known * row[0])
+            assert (factor * far_row[0]).overlaps(side * factor * row[0])
             slope = row[1] - 2 * i_pi * 3 * row[0]
-            assert (factor * far_row[1]).overlaps(side * known * slope)
+            assert (factor * far_row[1]).overlaps(side * factor * slope)
 
 
 def test_what_is_too_wide_asks_for_more_bits():

@@ -46,11 +46,11 @@ def test_every_source_has_its_key_and_every_key_is_used():
             text = words_of(path)
             for year in YEAR.finditer(text):
                 near = text[max(0, year.start() - BEFORE) : year.end()]
-                found = {key for key in listed if all(word in near for word in key.split())}
-                assert any(year[0] in key for key in found), (path.name, near)
-                used |= found
+                cited = {key for key in listed if all(word in near for word in key.split())}
+                assert any(year[0] in key for key in cited), (path.name, near)
+                used |= cited
             books = {*BOOKS.findall(text)}
-            found = {key for key in listed if books & {*key.split()}}
-            assert len(found) >= len(books), (path.name, books)
-            used |= found
+            cited = {key for key in listed if books & {*key.split()}}
+            assert len(cited) >= len(books), (path.name, books)
+            used |= cited
     assert used == listed, listed - used

@@ -49,10 +49,10 @@ class Element:
     def __init__(self, flow, parts):
         self.flow, self.parts = flow, parts
 
-    def _of(self, other):
-        if isinstance(other, Element):
-            return other
-        return Element(self.flow, {0: fmpq_poly([rational(other)])})
+    def _of(self, value):
+        if isinstance(value, Element):
+            return value
+        return Element(self.flow, {0: fmpq_poly([rational(value)])})
 
     def _with(self, terms):
         total = {}
@@ -60,13 +60,13 @@ class Element:
             total[n] = total[n] + x if n in total else x
         return Element(self.flow, total)
 
-    def __add__(self, other):
-        return self._with((*self.parts.items(), *self._of(other).parts.items()))
+    def __add__(self, value):
+        return self._with((*self.parts.items(), *self._of(value).parts.items()))
 
-    def __mul__(self, other):
+    def __mul__(self, value):
         def terms():
             for n, x in self.parts.items():
-                for m, y in self._of(other).parts.items():
+                for m, y in self._of(value).parts.items():
                     product = x * y
                     for bit, square in enumerate(self.flow.squares):
                         if n & m & 1 << bit:
@@ -80,11 +80,11 @@ class Element:
     def __neg__(self):
         return self * -1
 
-    def __sub__(self, other):
-        return self + -self._of(other)
+    def __sub__(self, value):
+        return self + -self._of(value)
 
-    def __rsub__(self, other):
-        return -self + other
+    def __rsub__(self, value):
+        return -self + value
 
     def __truediv__(self, number):
         return self * (1 / F(number))
@@ -193,8 +193,8 @@ def chaplygin_bodies() -> Iterator[bool]:
         A = B * (3 - j) / 3
         x = chaplygin.coefficients(scene((A, B, C), F(1)))
         flow = Flow((B - C) / (3 * A), (1, 0, 0, 0, x.b2), (x.ratio, 0, 0, 0, x.c2))
-        known = x.b2, x.c2, F(1), x.ratio
-        state = chaplygin.state_of((A, B, C), F(1), known, flow.z, flow.Y, flow.Z)
+        numbers = x.b2, x.c2, F(1), x.ratio
+        state = chaplygin.state_of((A, B, C), F(1), numbers, flow.z, flow.Y, flow.Z)
         # c = 1 and B1 = 1 leave the length of gamma: c^2 |gamma|^2 = B1^3/cube
         yield solves((A, B, C), (F(1), F(0), F(0)), state, 1 / x.cube)
 

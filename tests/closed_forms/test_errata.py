@@ -44,7 +44,7 @@ def turn(axis, angle, derivative=0):
     return m
 
 
-def placed(angles, rates):
+def state_at(angles, rates):
     """w and gamma in body axes, from the rotation matrix and its rate of change."""
     factors = [(2, angles[0]), (0, angles[1]), (2, angles[2])]
     matrices = [turn(*factor) for factor in factors]
@@ -79,19 +79,19 @@ class Top:
         self.rates = [number(5, 20) * draw.choice((-1, 1)) for _ in range(3)]
 
     def lagrangian(self, angles, rates):
-        omega, gamma = placed(angles, rates)
+        omega, gamma = state_at(angles, rates)
         kinetic = sum(a * w * w for a, w in zip(self.moments, omega, strict=True)) / 2
         return kinetic - dot(self.torque, gamma)
 
     def momenta(self):
         """dL/d(rates).  L is quadratic in them, so the central difference is exact."""
-        found = []
+        momenta = []
         for i in range(3):
             up, down = ([*self.rates] for _ in range(2))
             up[i], down[i] = up[i] + 1, down[i] - 1
             ends = self.lagrangian(self.angles, up), self.lagrangian(self.angles, down)
-            found.append((ends[0] - ends[1]) / 2)
-        return found
+            momenta.append((ends[0] - ends[1]) / 2)
+        return momenta
 
     def hamiltonian(self, angles, momenta):
         """1/2 p.M^-1 p + V, M the matrix of second derivatives of L by the rates: exact too."""
@@ -142,7 +142,7 @@ def area_in_angles(seed):
     A, B, C = top.moments
     (_, theta, phi), (psi1, theta1, phi1) = top.angles, top.rates
     (c, s), (cph, sph) = mpmath.cos_sin(theta), mpmath.cos_sin(phi)
-    omega, gamma = placed(top.angles, top.rates)
+    omega, gamma = state_at(top.angles, top.rates)
     true = sum(a * w * g for a, w, g in zip(top.moments, omega, gamma, strict=True))
     assert abs(true - top.momenta()[0]) < HOLDS
     printed = (A * sph**2 + B * cph**2) * s**2 * psi1 + C * c**2 * psi1
@@ -158,7 +158,7 @@ def momentum_of_theta(seed):
     (c, s), (cph, sph) = mpmath.cos_sin(theta), mpmath.cos_sin(phi)
     last = (A * cph**2 + B * sph**2) * theta1
     right = (A - B) * s * cph * sph * psi1 + last
-    (p, q, _), true = placed(top.angles, top.rates)[0], top.momenta()[1]
+    (p, q, _), true = state_at(top.angles, top.rates)[0], top.momenta()[1]
     assert abs(true - (A * p * cph - B * q * sph)) < HOLDS
     return true, right, (A - B) * s * c * sph * psi1 + last
 
@@ -177,8 +177,8 @@ def rate_of_the_momentum_of_theta(seed):
         return (a - 8 * b + 8 * c - d) / (12 * step)
 
     true = -slope(lambda x: top.hamiltonian([psi, x, phi], momenta))
-    other = slope(lambda x: top.lagrangian([psi, x, phi], top.rates))
-    assert abs(true - other) < HOLDS
+    slope_in_theta = slope(lambda x: top.lagrangian([psi, x, phi], top.rates))
+    assert abs(true - slope_in_theta) < HOLDS
     (c, s), (cph, sph) = mpmath.cos_sin(theta), mpmath.cos_sin(phi)
     x, y, z = top.torque
     rest = -(A - B) * sph * cph * (f * c - p_phi) * p_theta / (A * B * s**2)
@@ -247,7 +247,7 @@ def test_the_printed_area_is_not_constant_and_the_right_one_is():
         for seed in range(COUNT):
             top = Top(seed)
             A, B, C = top.moments
-            omega, gamma = placed(top.angles, top.rates)
+            omega, gamma = state_at(top.angles, top.rates)
             momentum = vector(*(a * w for a, w in zip(top.moments, omega, strict=True)))
             rate = cross(gamma, top.torque) - cross(omega, momentum)
             turning = cross(gamma, omega)
@@ -317,14 +317,14 @@ def test_3_59_with_its_constant_gives_the_energy_and_without_it_less(seed):
             return turning + in_f + zero - constant
 
         true = top.lagrangian(top.angles, top.rates) - f * psi1
-        kept = f**2 / (2 * A)
-        assert abs(routhian(theta1, phi1, kept) - true) < HOLDS
+        constant = f**2 / (2 * A)
+        assert abs(routhian(theta1, phi1, constant) - true) < HOLDS
 
         def energy(constant):
             ahead, back = (routhian(k * theta1, k * phi1, constant) for k in (1, -1))
             return (ahead + back) / 2 - 2 * routhian(0, 0, constant)
 
         height = top.lagrangian(top.angles, top.rates) - 2 * zero  # T + V
-        assert abs(energy(kept) - height) < HOLDS
-        assert abs(energy(0) - (height - kept)) < HOLDS
-        assert kept > FAILS
+        assert abs(energy(constant) - height) < HOLDS
+        assert abs(energy(0) - (height - constant)) < HOLDS
+        assert constant > FAILS

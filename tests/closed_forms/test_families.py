@@ -50,11 +50,11 @@ def test_table_words_and_contract_name_the_same_families():
 def test_the_first_that_fits_is_the_reference_and_the_others_can_be_asked():
     """A spherical pendulum that swings in a plane is a Lagrange top and a pendulum."""
     plane = scene("[1, 1, 1]", "[0, 0, 1]", "[0, 2, 0]")
-    found = list(closed_forms(plane))
-    assert [name for name, _ in found] == ["lagrange", "pendulum"]
+    fitting = list(closed_forms(plane))
+    assert [name for name, _ in fitting] == ["lagrange", "pendulum"]
     assert closed_form(plane)[0] == "lagrange"
-    one, other = (form.at([Fraction(7, 2)], 40)[0] for _, form in found)
-    assert max(abs(x - y) for x, y in zip(one, other, strict=True)) < 1e-40
+    row, pendulum_row = (form.at([Fraction(7, 2)], 40)[0] for _, form in fitting)
+    assert max(abs(x - y) for x, y in zip(row, pendulum_row, strict=True)) < 1e-40
     assert [name for name, _ in closed_forms(plane, "pendulum")] == ["pendulum"]
     assert closed_form(plane, "euler") is None
 
@@ -88,14 +88,14 @@ def test_a_family_that_says_why_is_refused_with_the_condition_and_by_how_much(mo
 
 def test_body_and_start_stay_exact_in_turned_principal_axes():
     """Rational data stay rational in the components along the axes, which are irrational."""
-    turned = scene_file.parse(
+    tilted = scene_file.parse(
         "schema = 1\n[body]\ninertia = [[4, 1, 0], [1, 4, 0], [0, 0, 6]]\n"
         "[start]\nomega = [1, 1, 0]\ngamma = [0, 0, 1]\n[run]\nend = 1\n"
     )
-    found = in_principal_axes(turned)
-    assert sorted(found.moments) == [3, 5, 6]
-    assert sum(x * x for x in found.omega) == 2
-    assert sum(a == 0 for a in found.omega) == 2
+    principal = in_principal_axes(tilted)
+    assert sorted(principal.moments) == [3, 5, 6]
+    assert sum(x * x for x in principal.omega) == 2
+    assert sum(a == 0 for a in principal.omega) == 2
 
 
 @pytest.mark.parametrize(
@@ -121,9 +121,9 @@ HALF = {
 def test_a_body_near_a_family_is_not_near_with_another_motion(name):
     moved = scene(*HALF[name])
     assert name not in dict(families.near(moved))
-    found = families.misfit(moved, name)
-    assert float(found.off) > 0.1
-    assert "Iw" in found.condition
+    miss = families.misfit(moved, name)
+    assert float(miss.off) > 0.1
+    assert "Iw" in miss.condition
 
 
 def test_all_conditions_must_nearly_hold_not_only_the_first_that_fails():
@@ -139,8 +139,8 @@ def test_a_release_nearly_from_rest_is_near_to_one_from_rest(case):
     text = (TOP / "cases" / f"{case}.toml").read_text()
     assert "omega = [0, 0, 0]" in text
     moved = text.replace("omega = [0, 0, 0]", "omega = ['1e-30', '2e-30', '3e-30']")
-    found = dict(families.near(scene_file.parse(moved)))
-    assert 1e-31 < float(found[case.partition("/")[0]].off) < 1e-28
+    misses = dict(families.near(scene_file.parse(moved)))
+    assert 1e-31 < float(misses[case.partition("/")[0]].off) < 1e-28
 
 
 def test_a_misfit_says_which_axes_it_means():
@@ -157,6 +157,6 @@ def test_a_scene_with_a_closed_form_is_told_what_others_it_is_near_to():
     top = scene_file.parse((TOP / "cases" / "hard" / "near-bobylev-steklov.toml").read_text())
     facts = described(top)
     assert facts["reference"] == "kovalevskaya"
-    (told,) = facts["near"]
-    assert told.startswith("bobylev-steklov: q = 0, off by 7.8")
+    (fact,) = facts["near"]
+    assert fact.startswith("bobylev-steklov: q = 0, off by 7.8")
     assert "()" not in facts.get("not_told", "")

@@ -63,11 +63,11 @@ def test_step_1_the_two_flows_of_the_spinors_commute():
     """A polynomial of degree below 7 in each of six variables that is 0 on a grid of 7^6 is 0."""
     values = np.arange(-3.0, 4.0)
     state = [x.ravel() for x in np.meshgrid(*[values] * 6, indexing="ij")]
-    one, other = time_matrix(*state), second_matrix(*state)
+    first, second = time_matrix(*state), second_matrix(*state)
     left = along(time_matrix, state, second_flow(*state))
     right = along(second_matrix, state, time_flow(*state))
     for i, j in product((0, 1), repeat=2):
-        bracket = sum(one[i][k] * other[k][j] - other[i][k] * one[k][j] for k in (0, 1))
+        bracket = sum(first[i][k] * second[k][j] - second[i][k] * first[k][j] for k in (0, 1))
         curvature = left[i][j] - right[i][j] + 0.5j * bracket
         assert abs(curvature).max() < 1e-6
         assert abs(bracket).max() > 1
@@ -80,8 +80,8 @@ def test_step_2_exponents_at_every_pole_are_1_and_minus_1():
         p = -side * 1j * q  # q r = -2p, r = 2i side
         balances.append((p, q, side * 2j, 2, side * 2j, p * side * 2j - 2 * q))
     for p, q, r, a, b, c in balances:
-        found = time_flow(p, q, r, a, b, c)
-        assert found == (-p, -q, -r, -2 * a, -2 * b, -2 * c)
+        flow = time_flow(p, q, r, a, b, c)
+        assert flow == (-p, -q, -r, -2 * a, -2 * b, -2 * c)
         # the residue (i/2)((-r, x), (x*, r)) has trace 0 and this determinant
         assert (r * r + p * p + q * q) / 4 == -1
 
@@ -93,11 +93,11 @@ def formula(name):
     return attitude, attitude.motion.jacobian.reduced((acb(1), acb(0)))
 
 
-def values_at(attitude, way, u1, t):
+def values_at(attitude, choice, u1, t):
     """The complex state, xi and eta and their slopes at a complex place; e^(c1 u1) is left out."""
     motion = attitude.motion
     quotients, V = motion.choices[0], motion.velocity
-    z = tuple(a + u1 * b + t * c for a, b, c in zip(motion.z0, way, V, strict=True))
+    z = tuple(a + u1 * b + t * c for a, b, c in zip(motion.z0, choice, V, strict=True))
     z, _, k = motion.jacobian.lattice.reduced(z, 2)
     state = quotients.state(motion.H, motion.values_at(z))
     low = tuple(a + b for a, b in zip(z, attitude.h, strict=True))
@@ -106,19 +106,19 @@ def values_at(attitude, way, u1, t):
     e = attitude.e
     moved = acb(0, 2) * arb.pi() * (k[0] * e[0] + k[1] * e[1])
     factor = (attitude.rate * t - moved + above.log - below.log).exp()
-    found = []
+    rows = []
     (choice,) = attitude.choices
     for top, bottom in zip(choice.tops, choice.bottoms, strict=True):
         N, d = (dot(row, jets.along(V), 0) for row, jets in ((top, above), (bottom, below)))
         N1, d1 = (dot(row, jets.along(V), 1) for row, jets in ((top, above), (bottom, below)))
         value = factor * N / d
-        found.append((value, value * (attitude.rate + N1 / N - d1 / d)))
-    return state, *found
+        rows.append((value, value * (attitude.rate + N1 / N - d1 / d)))
+    return state, *rows
 
 
-def missed(attitude, way, u1, t):
+def missed(attitude, choice, u1, t):
     """By how much xi' and eta' miss their equations at a complex place, in balls."""
-    (p, q, r, *_), (xi, xi1), (eta, eta1) = values_at(attitude, way, u1, t)
+    (p, q, r, *_), (xi, xi1), (eta, eta1) = values_at(attitude, choice, u1, t)
     half = acb(0, 0.5)
     x, y = p + 2 * half * q, p - 2 * half * q
     size = abs(xi) + abs(eta) + abs(xi1) + abs(eta1)
@@ -144,13 +144,13 @@ def test_step_6_the_equations_hold_at_more_places_than_they_have_constants(name,
     """100 constants; the residuals are balls that hold 0 and are small."""
     pick = random.Random(7)
     with ctx.workprec(_BITS + 100):
-        attitude, way = formula(name)
+        attitude, choice = formula(name)
         for _ in range(places):
-            for rest in missed(attitude, way, place(pick, 0.4), place(pick, 0.4)):
+            for rest in missed(attitude, choice, place(pick, 0.4), place(pick, 0.4)):
                 assert rest.contains(0)
                 assert rest.real.rad() < 1e-50
         attitude.rate += arb("1e-30")
-        rests = missed(attitude, way, acb(0.3), acb(0.2))
+        rests = missed(attitude, choice, acb(0.3), acb(0.2))
         assert not all(rest.contains(0) for rest in rests)
 
 
@@ -159,14 +159,14 @@ def test_step_4_both_gain_one_factor_over_twice_a_lattice_vector(name):
     """Real or complex, at places of the plane taken at random."""
     pick = random.Random(3)
     with ctx.workprec(_BITS):
-        attitude, way = formula(name)
+        attitude, choice = formula(name)
         jacobian = attitude.motion.jacobian
         for period in jacobian.columns:
             factors = []
             for _ in range(3):
                 u1, t = place(pick, 0.3), place(pick, 0.3)
-                here = values_at(attitude, way, u1, t)
-                there = values_at(attitude, way, u1 + 2 * period[0], t + 2 * period[1])
+                here = values_at(attitude, choice, u1, t)
+                there = values_at(attitude, choice, u1 + 2 * period[0], t + 2 * period[1])
                 factors += [b[0] / a[0] for a, b in zip(here[1:], there[1:], strict=True)]
             assert all(x.overlaps(factors[0]) for x in factors)
             assert factors[0].real.rad() < 1e-45

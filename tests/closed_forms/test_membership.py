@@ -11,6 +11,8 @@ import pytest
 
 import polhode
 from polhode.closed_forms import families
+from polhode.closed_forms.membership import ALL_AXES
+from polhode.numbers.vectors import cross
 from shared.closed_form_motions import all_motions, number, scene_of
 from shared.members import rotation, start
 
@@ -136,3 +138,10 @@ def test_stability_of_permanent_rotations_against_eigenvalues():
             regimes.add(regime)
             assert (growth > 1e-5) == ("unstable" in regime), (seed, regime, growth)
     assert len(regimes) == 2
+
+
+def test_a_cross_product_of_polar_vectors_is_axial_in_all_48_axes():
+    a, b = (F(2), F(-3), F(5)), (F(7), F(1), F(-4))
+    assert len({axes.polar(a) for axes in ALL_AXES}) == len(ALL_AXES) == 48
+    for axes in ALL_AXES:
+        assert axes.axial(cross(a, b)) == cross(axes.polar(a), axes.polar(b))

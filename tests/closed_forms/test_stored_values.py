@@ -38,22 +38,22 @@ def rotation(q):
 @pytest.mark.parametrize("case", CASES, ids=[case.get("name", case["group"]) for case in CASES])
 def test_stored_values(case):
     body = polhode.Body.of_moments(case["moments"], case["centre"], case["weight"])
-    found = polhode.reference(polhode.Scene(body, case["omega"], case["gamma"]))
-    assert found.is_closed_form
-    rows = found.at(case["times"], 55)
+    reference = polhode.reference(polhode.Scene(body, case["omega"], case["gamma"]))
+    assert reference.is_closed_form
+    rows = reference.at(case["times"], 55)
     with mpmath.workdps(70):
         stored = [list(map(mpf, row)) for row in case["states"]]
         error = table_gap(stored, rows)
         assert error < mpf(case["limit"])
-        assert error > mpf("1e-62") or "sleeping" in found.regime
+        assert error > mpf("1e-62") or "sleeping" in reference.regime
         if "psi" in case:
-            angles = found.angles(case["times"], 50)
+            angles = reference.angles(case["times"], 50)
             for psi, row in zip(case["psi"], angles, strict=True):
                 assert abs(mpf(psi) - row[0]) < mpf("1e-49")
         if "second_axis" not in case:
             return
-        start, *turns = found.attitude([0, *case["times"]], 52)
+        start, *turns = reference.attitude([0, *case["times"]], 52)
         fixed = rotation(start) * mpmath.matrix([mpf(x) for x in case["second_axis_start"]])
         for row, attitude in zip(case["second_axis"], turns, strict=True):
-            seen = rotation(attitude).T * fixed
-            assert max(abs(mpf(x) - y) for x, y in zip(row, seen, strict=True)) < mpf("1e-49")
+            vector = rotation(attitude).T * fixed
+            assert max(abs(mpf(x) - y) for x, y in zip(row, vector, strict=True)) < mpf("1e-49")

@@ -79,10 +79,10 @@ def rows(question, *, fast=1, slow=1, keep=lambda motion: True, dear=()):
     """
     params, shift = [], crc32(question.encode())
     for family, motions in MOTIONS.items():
-        asked = [motion for motion in motions if has_gamma(motion) and keep(motion)]
-        quick = [] if family in dear else spread(asked, CHEAP.get(family, 1) * fast, shift)
-        later = spread([m for m in asked if m not in quick], slow, shift)
-        for motion in asked:
+        chosen = [motion for motion in motions if has_gamma(motion) and keep(motion)]
+        quick = [] if family in dear else spread(chosen, CHEAP.get(family, 1) * fast, shift)
+        later = spread([m for m in chosen if m not in quick], slow, shift)
+        for motion in chosen:
             reported = question in ("state", "attitude") and str(motion) in REPORTED
             marks = pytest.mark.slow if motion in later or reported else pytest.mark.campaign
             marks = [] if motion in quick else marks
@@ -171,10 +171,10 @@ def test_the_equations_hold_to_150_digits(motion):
     step = F(1, 10**40) / motion.rate
     times = [t + k * step for t in motion.times(F(13, 10)) for k in (-2, -1, 0, 1, 2)]
     with mpmath.workdps(240):
-        one, two, now, four, five = motion.reference.at(times, 200)
+        first, second, now, four, five = motion.reference.at(times, 200)
         slopes = [
             (s - 8 * t + 8 * u - v) / (12 * number(step))
-            for s, t, u, v in zip(one, two, four, five, strict=True)
+            for s, t, u, v in zip(first, second, four, five, strict=True)
         ]
         (A, B, C), (K1, K2, K3) = ([number(x) for x in row] for row in motion.principal[:2])
         p, q, r, g1, g2, g3 = now
@@ -254,11 +254,11 @@ def test_attitude_at_any_time(motion):
     top, times = motion.reference, [-far(motion, 40), far(motion, 10**9)]
     few, many = top.attitude(times, 20), top.attitude(times, 35)
     with mpmath.workdps(60):
-        for one, other, state in zip(few, many, top.at(times, 35), strict=True):
-            assert gap(one, other) < mpf("1e-20")
-            assert gap(one, other) > mpf("1e-80") or is_still(motion)
-            assert abs(mpmath.norm(mpmath.matrix(other)) - 1) < mpf("1e-34")
-            assert gap(vertical_of(other), state[3:]) < mpf("4e-35")
+        for row, finer, state in zip(few, many, top.at(times, 35), strict=True):
+            assert gap(row, finer) < mpf("1e-20")
+            assert gap(row, finer) > mpf("1e-80") or is_still(motion)
+            assert abs(mpmath.norm(mpmath.matrix(finer)) - 1) < mpf("1e-34")
+            assert gap(vertical_of(finer), state[3:]) < mpf("4e-35")
 
 
 @rows("integrals", fast=2, keep=lambda motion: motion.principal)
@@ -280,8 +280,8 @@ def test_integrals_far_away(motion):
         sizes.append(
             {"euler": sizes[1] ** 2, "lagrange": sizes[1] * pull}.get(motion.family, speed**4)
         )
-        for one, other, size in zip(integrals(then), integrals(now), sizes, strict=True):
-            assert abs(one - other) < mpf("1e-47") * size
+        for x, y, size in zip(integrals(then), integrals(now), sizes, strict=True):
+            assert abs(x - y) < mpf("1e-47") * size
 
 
 def fourth(family, A, K, w, g):
@@ -353,20 +353,20 @@ def test_other_axes_and_units_give_the_same_motion(motion):
     states, turns = top.at(times, 35), top.attitude([F(0), *times], 25)
     for order, signs, axes, unit, mass in PLACES[-1:] if motion.family in DEAR else PLACES:
         start = relabel(motion.principal, order, signs)
-        other = polhode.reference(scene_of(start, motion.family, axes, unit, mass))
-        assert other.regime == top.regime
+        twin = polhode.reference(scene_of(start, motion.family, axes, unit, mass))
+        assert twin.regime == top.regime
         there = [t / unit for t in times]
         with mpmath.workdps(50):
             matrix = [[number(x) for x in row] for row in axes]
-            first, *moved = other.attitude([F(0), *there], 25)
+            first, *moved = twin.attitude([F(0), *there], 25)
             for row, q, there_row, there_q in zip(
-                states, turns[1:], other.at(there, 35), moved, strict=True
+                states, turns[1:], twin.at(there, 35), moved, strict=True
             ):
                 turn = turn_between(q, turns[0])[1:]  # an axial vector, as w is
                 _, _, w, up = relabel((row, row, row[:3], row[3:]), order, signs)
                 _, _, turn, _ = relabel((row, row, turn, turn), order, signs)
-                wanted = [*in_scene([x * number(unit) for x in w], matrix), *in_scene(up, matrix)]
-                assert table_gap([there_row], [wanted], motion.rate * unit) < mpf("4e-35")
+                right = [*in_scene([x * number(unit) for x in w], matrix), *in_scene(up, matrix)]
+                assert table_gap([there_row], [right], motion.rate * unit) < mpf("4e-35")
                 assert gap(turn_between(there_q, first)[1:], in_scene(turn, matrix)) < mpf("4e-25")
 
 

@@ -88,13 +88,13 @@ def test_a_statement_says_what_is_proven_and_what_it_rests_on(capsys) -> None:
     for words in (
         *("I_y = (0, 3/2, 0)", "w = (3/10, 1/5, 3), gamma = (3/5, 0, 4/5), psi = 0"),
         *("exists on [0, 2]", "its angles likewise"),
-        *(f"python-flint {version('python-flint')}", "libm"),
+        *(f"python-flint {version('python-flint')}", "proven up to whole turns"),
     ):
         assert words in statement
     assert "by the rule for equal" not in err
     statement = json.loads(run(capsys, *case)[1])["statement"]
     assert "exists on [0, 2]" in statement[1]
-    assert not any("libm" in line for line in statement)
+    assert not any("whole turns" in line for line in statement)
 
 
 def test_what_the_rule_for_equal_decides_is_noted(tmp_path, capsys) -> None:
@@ -145,8 +145,8 @@ def test_a_proven_table_holds_what_is_printed_and_loads_again(tmp_path, capsys) 
     width = len(header)
     assert names[:width] == header
     assert names[width:] == [f"{name}_radius" for name in header[1:-1]]
-    for row, printed_row in zip(rows, printed, strict=True):
-        for middle, radius, text in zip(row[1:], row[width:], printed_row[1:-1], strict=False):
+    for row, decimals in zip(rows, printed, strict=True):
+        for middle, radius, text in zip(row[1:], row[width:], decimals[1:-1], strict=False):
             places = len(text.partition(".")[2])
             assert round(Fraction(middle) * 10**places) == Fraction(text) * 10**places
             assert 0 < float(radius) < 1e-19

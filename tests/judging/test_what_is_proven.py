@@ -9,7 +9,6 @@ import pytest
 from flint import acb
 
 import polhode
-from polhode.closed_forms.closed_form import ClosedForm
 from polhode.closed_forms.kovalevskaya.theta_attitude import EigenspaceChoice, Moment
 from polhode.scenes.vocabulary import STATE
 
@@ -54,13 +53,13 @@ def test_a_verdict_says_what_is_proven_and_only_proofs_have_radii(
     assert isinstance(truth, polhode.Reference)
     rows = [[float(x) for x in row] for row in truth.at([1], 17)]
     judged = polhode.compare(rows, scene, at=[1])
-    for told in (truth.proven, judged.fact("assumed") or judged.fact("proven")):
+    for answer in (truth.proven, judged.fact("assumed") or judged.fact("proven")):
         if isinstance(said, bool):
-            assert told is said
+            assert answer is said
         else:
-            assert isinstance(told, str)
-            assert all(words in told for words in said)
-            assert ("if these" in told) is (ZERO in said)
+            assert isinstance(answer, str)
+            assert all(words in answer for words in said)
+            assert ("if these" in answer) is (ZERO in said)
     assert (truth.radii([1], 20) is None) is (said is False)
 
 
@@ -86,28 +85,11 @@ def test_an_attitude_that_has_not_the_gamma_of_the_state_is_no_answer(
 ) -> None:
     right = EigenspaceChoice.at
 
-    def turned(choice: EigenspaceChoice, moment: Moment) -> tuple[acb, acb]:
+    def flipped(choice: EigenspaceChoice, moment: Moment) -> tuple[acb, acb]:
         xi, eta = right(choice, moment)
         return xi, -eta
 
-    monkeypatch.setattr(EigenspaceChoice, "at", turned)
+    monkeypatch.setattr(EigenspaceChoice, "at", flipped)
     truth = polhode.reference("kovalevskaya/generic")
     with pytest.raises(polhode.BadInput, match="has not the gamma of the state"):
         truth.attitude([1], 20)
-
-
-@pytest.mark.parametrize(
-    ("name", "time"),
-    [("lagrange/from-the-pole", -1), ("lagrange/from-the-pole", 1), ("lagrange/homoclinic", -7)],
-)
-def test_turns_that_are_known_are_those_that_are_counted(
-    monkeypatch: pytest.MonkeyPatch, name: str, time: int
-) -> None:
-    scene = polhode.load(name)
-    told = polhode.reference(scene).angles([time], 20)
-    monkeypatch.setattr(ClosedForm, "knows_turns", False)
-    counted = polhode.reference(scene).angles([time], 20)
-    for x, y in zip(told[0], counted[0], strict=True):
-        assert x is not None
-        assert y is not None
-        assert abs(x - y) < 1e-18

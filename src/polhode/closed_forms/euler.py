@@ -36,9 +36,16 @@ from enum import StrEnum
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.frames import Frame, Latest, Motion, Turn, conjugate, quaternion
+from polhode.closed_forms.balls.frames import (
+    Frame,
+    Latest,
+    Motion,
+    PermanentRotation,
+    Turn,
+    conjugate,
+    quaternion,
+)
 from polhode.closed_forms.balls.jacobi import Jacobi, Place, Shift
-from polhode.closed_forms.balls.one_axis import PermanentRotation
 from polhode.closed_forms.family import Family, Placement
 from polhode.closed_forms.membership import Misfit, PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
@@ -191,7 +198,7 @@ def place(scene: PrincipalScene) -> EulerPlacement | None:
     if is_permanent(moments, omega):
         rates_of = {"precession": "of the body about omega"}
         return EulerPlacement(
-            regime=kind, frame=Frame(), axis=omega, omega=omega, gamma=gamma, rates_of=rates_of
+            regime=kind, frame=Frame(), omega=omega, gamma=gamma, rates_of=rates_of
         )
     a, b, c = (moments[i] for i in order)
     frame = Frame.signed(order, (1, -1 if order in _ODD else 1, 1))

@@ -88,20 +88,20 @@ def _solved_in(folder: str, solver: str) -> Callable[[Any], Motion]:
 
 
 #: In the order in which a scene is tried; the first that fits is its reference.  Kovalevskaya's top
-#: leaves the motions of other bodies too to their families, and its body fits no family besides:
-#: asked early, it spares its scenes the axes of all the others.
+#: is the last of those that may fit its body: it has no formula for a pendulum's motions, permanent
+#: rotations and Bobylev and Steklov's.  Families after it need not be asked about that body.
 FAMILIES: tuple[Family, ...] = (
     euler.FAMILY,
     Family("lagrange", lagrange.place, lagrange.misfit, _solved_in("lagrange", "solve")),
+    pendulum.FAMILY,
+    orbit_family("staude", staude.Staude),
+    orbit_family("bobylev-steklov", bobylev_steklov.BobylevSteklov),
     Family(
         "kovalevskaya",
         kovalevskaya.place,
         kovalevskaya.misfit,
         _solved_in("kovalevskaya", "solve"),
     ),
-    pendulum.FAMILY,
-    orbit_family("staude", staude.Staude),
-    orbit_family("bobylev-steklov", bobylev_steklov.BobylevSteklov),
     orbit_family("grioli", grioli.Grioli),
     Family(
         "goryachev-chaplygin",
@@ -197,7 +197,7 @@ def form_of(
         place = family.place(principal)
     if place is None:
         return None
-    return ClosedForm(place, family.solve, principal, start, axes, called_zero)
+    return ClosedForm(place, family.solve, start, axes, called_zero)
 
 
 def misfit(scene: Scene, kind: str) -> Misfit | None:

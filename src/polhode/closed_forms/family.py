@@ -12,7 +12,6 @@ from polhode.closed_forms.balls.frames import Frame, Motion
 from polhode.closed_forms.membership import Misfit, PrincipalScene
 from polhode.numbers.exact import ONE, Exact
 from polhode.numbers.mpmath_context import mpf
-from polhode.numbers.vectors import Vector
 
 #: What :attr:`Placement.proven` says where the attitude has no formula.
 ENCLOSED_ATTITUDE = "states are proven by the closed form, the attitude by an enclosure"
@@ -41,14 +40,6 @@ class Placement:
     has_attitude: bool = True
     #: Whether a row costs so much that of a table of very many only some are judged.
     is_dear: bool = False
-    #: The axis, of any length, about which the body turns, where it turns about one alone.
-    axis: Vector | None = None
-    #: Whether psi and phi about the family's third axis are known at any time.
-    turns_about_third: bool = False
-    #: The family's axis that is exactly vertical again and again.
-    passing: int | None = None
-    #: Whether w and gamma have the motion's period both.
-    repeats: bool = False
     #: Of which axis about which a frequency is, by its name, where the name leaves it open.
     rates_of: Mapping[str, str] = field(default_factory=dict)
 

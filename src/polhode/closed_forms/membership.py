@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import ONE, ZERO, Exact, binary, exact, log10, rounded, sign, sqrt
@@ -130,13 +130,19 @@ class NormalAxes:
 
     def polar(self, v: Sequence[Scalar]) -> tuple[Scalar, Scalar, Scalar]:
         """A polar vector, from principal axes to the normal ones; any scalars."""
-        x, y, z = (s * v[i] for s, i in zip(self.signs, self.order, strict=True))
-        return x, y, z
+        return self._signed(v, 1)
 
     def axial(self, v: Sequence[Scalar]) -> tuple[Scalar, Scalar, Scalar]:
         """An axial vector, from principal axes to the normal ones."""
-        x, y, z = (self.determinant * u for u in self.polar(v))
-        return x, y, z
+        return self._signed(v, self.determinant)
+
+    def _signed(self, v: Sequence[Scalar], side: int) -> tuple[Scalar, Scalar, Scalar]:
+        (i, j, k), (x, y, z) = self.order, self.signs
+        return (
+            v[i] if side * x > 0 else -v[i],
+            v[j] if side * y > 0 else -v[j],
+            v[k] if side * z > 0 else -v[k],
+        )
 
     def placed(self, moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> NormalScene:
         """A scene, given in principal axes, in these."""
@@ -197,40 +203,54 @@ class NormalScene:
 class Condition:
     """One condition of a case: what it says, and by how much a scene is off.
 
-    ``off`` is relative to the size of what is compared; 0 where the condition holds, 1 where an
-    ungraded one, with nothing between, does not.
+    ``holds``: whether it does, by the rule for *equal*.  ``measure``: how far apart its two sides
+    are, relative to the size of what is compared; it is dear, and asked where the condition does
+    not hold.  Not ``graded``: there is nothing between holding and not.
     """
 
     text: str
-    off: Exact
+    holds: bool
+    measure: Callable[[], Exact] = lambda: ONE
     graded: bool = True
 
     @property
-    def holds(self) -> bool:
-        """Whether it holds, by the rule for *equal*."""
-        return sign(self.off) == 0
+    def off(self) -> Exact:
+        """0 where the condition holds."""
+        return ZERO if self.holds else self.measure()
 
 
-_NOT_REAL = Condition("real constants of the motion", ONE, graded=False)
+_NOT_REAL = Condition("real constants of the motion", holds=False, graded=False)
+
+#: A size with which something is compared, or what finds it when it is needed.
+Size: TypeAlias = "Exact | Callable[[], Exact]"
 
 
-def equal(text: str, left: Exact | int, right: Exact | int, size: Exact | None = None) -> Condition:
+def equal(text: str, left: Exact | int, right: Exact | int, size: Size | None = None) -> Condition:
     """left = right; ``size`` in place of |left| + |right|."""
     left, right = exact(left), exact(right)
     difference = left - right
-    if sign(difference) == 0:
-        return Condition(text, ZERO)
-    return Condition(text, abs(difference) / (abs(left) + abs(right) if size is None else size))
+
+    def measure() -> Exact:
+        if size is None:
+            return abs(difference) / (abs(left) + abs(right))
+        return abs(difference) / (size() if callable(size) else size)
+
+    return Condition(text, sign(difference) == 0, measure)
+
+
+def vanishing(text: str, vector: Vector, size: Callable[[], Exact]) -> Condition:
+    """A vector is 0."""
+    return Condition(text, is_zero(vector), lambda: sqrt(dot(vector, vector)) / size())
 
 
 def positive(text: str, value: Exact) -> Condition:
     """value > 0: it holds or it does not, since nothing near its edge need fit."""
-    return Condition(text, ZERO if sign(value) > 0 else ONE, graded=False)
+    return Condition(text, sign(value) > 0, graded=False)
 
 
 def exclusion(text: str, applies: bool) -> Condition:
     """What a case is not: it is told in words, with nothing between."""
-    return Condition(text, ONE if applies else ZERO, graded=False)
+    return Condition(text, not applies, graded=False)
 
 
 def moving(scene: NormalScene) -> Condition:
@@ -245,17 +265,16 @@ def matching(
 ) -> Iterator[Condition]:
     """The start's gamma is that of the formulas; so are q^2 and r^2, if they are given."""
     if squares is not None:
-        size = scene.speed * scene.speed
         for name, w, square in zip("qr", scene.omega[1:], squares, strict=True):
-            yield equal(f"{name}^2 as p requires", w * w, square, size)
+            yield equal(f"{name}^2 as p requires", w * w, square, lambda: scene.speed**2)
     for i, (own, required) in enumerate(zip(scene.gamma, gamma, strict=True)):
         yield equal(f"gamma{i + 1} as w requires", own, required, ONE)
 
 
 def on_axis_1(scene: NormalScene) -> Iterator[Condition]:
     """The centre of mass is on the positive axis 1."""
-    yield equal("y0 = 0", scene.torque[1], ZERO, scene.weight)
-    yield equal("z0 = 0", scene.torque[2], ZERO, scene.weight)
+    yield equal("y0 = 0", scene.torque[1], ZERO, lambda: scene.weight)
+    yield equal("z0 = 0", scene.torque[2], ZERO, lambda: scene.weight)
     yield positive("x0 > 0", scene.torque[0])
 
 
@@ -264,12 +283,12 @@ Conditions = Callable[[NormalScene], Iterator[Condition]]
 
 
 def placed_in(
-    conditions: Conditions, scene: PrincipalScene
+    conditions: Conditions, scene: PrincipalScene, candidates: Sequence[NormalAxes] = ALL_AXES
 ) -> tuple[NormalAxes, NormalScene] | None:
     """The first axes in which all conditions hold, and the scene in them; None where none do."""
     if scene.gamma is None or is_zero(scene.torque):
         return None
-    for axes in ALL_AXES:
+    for axes in candidates:
         normal = axes.placed(scene.moments, scene.torque, scene.omega, scene.gamma)
         if all(condition.holds for condition in conditions(normal)):
             return axes, normal
@@ -290,25 +309,28 @@ def shortfall(conditions: Conditions, scene: PrincipalScene) -> Misfit | None:
         failing = _failing(conditions, normal, least)
         if not failing:
             return None
-        sizes = [log10(condition.off) for condition in failing]
-        if max(sizes) < least:
-            least = max(sizes)
-            first = next(n for n, size in enumerate(sizes) if size > least - _ORDERS)
-            text, off, graded = failing[first].text, failing[first].off, failing[first].graded
-            worst = failing[sizes.index(least)].off
-            best = Misfit(text, off, axes.order, worst) if graded else Misfit(text)
+        worst = max(size for size, _ in failing)
+        if worst < least:
+            least = worst
+            first = next(condition for size, condition in failing if size > least - _ORDERS)
+            farthest = next(condition for size, condition in failing if size == worst)
+            best = Misfit(first.text)
+            if first.graded:
+                best = Misfit(first.text, first.off, axes.order, farthest.off)
     return best
 
 
-def _failing(conditions: Conditions, normal: NormalScene, least: float) -> list[Condition]:
-    """The conditions that fail, up to one that is off by more than 10^least."""
-    failing: list[Condition] = []
+def _failing(
+    conditions: Conditions, normal: NormalScene, least: float
+) -> list[tuple[float, Condition]]:
+    """The conditions that fail and log10 of how far, up to one that is off by over 10^least."""
+    failing: list[tuple[float, Condition]] = []
     try:
         for condition in conditions(normal):
             if not condition.holds:
-                failing.append(condition)
-                if log10(condition.off) >= least:
+                failing.append((log10(condition.off), condition))
+                if failing[-1][0] >= least:
                     break
     except (ZeroDivisionError, ValueError):  # constants that are not real
-        failing.append(_NOT_REAL)
+        failing.append((log10(_NOT_REAL.off), _NOT_REAL))
     return failing

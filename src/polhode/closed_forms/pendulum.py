@@ -17,9 +17,8 @@ Dynamics, art. 44; DLMF 22.19(i))
                            v = v0 + om k t,  modulus 1/k; the separatrix k = 1 included.
 
 n points so that del' >= 0 at t = 0 (at rest there: so that sin del > 0); hence -K <= v0 <= K.
-Any start, any time, any number of digits, each of them proven.  psi and phi are functions of the
-swing's angle: in a libration they return with the body.  Units: any consistent set, angles in
-radians.
+Any start, any time, any number of digits, each of them proven.  Units: any consistent set, angles
+in radians.
 """
 
 from __future__ import annotations
@@ -31,9 +30,15 @@ from enum import StrEnum
 from flint import arb
 
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.frames import Frame, Latest, Motion, Turn, turned_back
+from polhode.closed_forms.balls.frames import (
+    Frame,
+    Latest,
+    Motion,
+    PermanentRotation,
+    Turn,
+    turned_back,
+)
 from polhode.closed_forms.balls.jacobi import Jacobi
-from polhode.closed_forms.balls.one_axis import PermanentRotation
 from polhode.closed_forms.family import Family, Placement
 from polhode.closed_forms.membership import (
     Condition,
@@ -128,8 +133,9 @@ def numbers(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Sw
 
 @dataclass(kw_only=True)
 class PendulumPlacement(Placement):
-    """The start in principal axes; ``numbers`` is None at rest."""
+    """The start in principal axes; ``axis`` is along n, ``numbers`` is None at rest."""
 
+    axis: Vector
     omega: Vector
     gamma: Vector
     numbers: SwingNumbers | None = None
@@ -162,10 +168,12 @@ def place(scene: PrincipalScene) -> PendulumPlacement | None:
 def conditions(scene: NormalScene) -> Iterator[Condition]:
     """Those of a swing about axis 3."""
     up = sqrt(dot(scene.gamma, scene.gamma))
-    yield equal("r0 at right angles to the axis of the swing", scene.torque[2], ZERO, scene.weight)
+    yield equal(
+        "r0 at right angles to the axis of the swing", scene.torque[2], ZERO, lambda: scene.weight
+    )
     yield equal("gamma at right angles to the axis of the swing", scene.gamma[2], ZERO, up)
     for across in scene.omega[:2]:
-        yield equal("w along the axis of the swing", across, ZERO, scene.speed)
+        yield equal("w along the axis of the swing", across, ZERO, lambda: scene.speed)
 
 
 def misfit(scene: PrincipalScene) -> Misfit | None:
@@ -182,7 +190,6 @@ def solve(place: PendulumPlacement) -> Motion:
     if place.numbers is None:
         omega = [ball(x) for x in place.omega]
         return PermanentRotation(omega, arb(0), gamma, stays=True)
-    assert place.axis is not None
     return Swing(place.numbers, place.axis, gamma)
 
 

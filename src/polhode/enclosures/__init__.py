@@ -10,7 +10,7 @@ integrals shrink it) and ``polynomial``; on python-flint's integers and balls; a
 arithmetic whose rounding is bounded term by term.
 
 The theorem of one step is in ``step_bound``, that of the chain in ``zonotope``.  The attitude rests
-on ``quaternion``; ``attitude`` puts it, and its angles, into the scene's axes.  Events are zeros of
-polynomials, ``zeros``.  ``task`` holds what states and events are asked for alike: times, digits,
-limits, the precision.
+on ``quaternion``, and ``attitude`` puts it into the scene's axes; its angles are proven up to whole
+turns.  Events are zeros of polynomials, ``zeros``.  ``task`` holds what states and events are asked
+for alike: times, digits, limits, the precision.
 """

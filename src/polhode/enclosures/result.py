@@ -179,7 +179,7 @@ class Enclosure(Result, ByValue):
     CPU time of all of them and of the pilot run.  ``assumed``: what was decided by the rule for
     *equal* of :mod:`polhode.numbers.exact`, and is not proven; empty for rational data.  ``lost``:
     the approximate times, one for each sign of t, from which on psi and phi are None, because the
-    third axis is, or passes, too near the vertical for their turns to be counted in double.
+    third axis is, or passes, too near the vertical for their turns to be followed in double.
     ``omega_radius``: the radii of the start's box, in body axes; None if the start is the scene's
     own.  ``until``: the time to which the proof went, on the side where it ended.  ``events``: the
     scene's, proven too, where they were asked for.

@@ -132,8 +132,8 @@ def stated(
     ]
     if "angles" in outputs:
         lines.append(
-            "The turns of psi and phi also rest on the arctangent and the exponential of libm, "
-            "with errors up to 1e-15."
+            "psi and phi are proven up to whole turns: how often they went round is followed in "
+            "doubles, without proof."
         )
     if equal:
         lines.append(

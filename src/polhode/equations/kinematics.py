@@ -215,17 +215,10 @@ def turned(quaternion: GivenRow, vector: GivenRow) -> list[Scalar]:
 # Poles, where the third axis is vertical and psi and phi have no meaning: the rule for branches.
 #
 # Over a pole one of psi + phi (the upper pole) and psi - phi (the lower one) stays continuous;
-# the other jumps by 2 pi up or down, and both are right. The rule:
-#
-#     a start at a pole is left with phi in [-pi, pi) from the upper one, in (-pi, pi] from the
-#     lower (:func:`phi_leaving_the_pole`), on either side of t = 0;
-#     at each later passage exactly through a pole psi jumps up by pi, and phi by pi down at the
-#     upper pole and up at the lower one.  Later means farther from t = 0, on either side of it.
-#
-# So the motion with w reversed has the angles of the same motion at -t. Closed forms count so;
-# only a pendulum's libration takes its jumps back where it returns, its angles being functions of
-# the swing. Proofs lose the angles at such a passage. A run passes the pole at a distance of
-# rounding, on either side: its psi and phi are from there on right up to whole turns.
+# the other jumps by 2 pi up or down, and both are right. A start at a pole is left with phi in
+# [-pi, pi) from the upper one, in (-pi, pi] from the lower (:func:`phi_leaving_the_pole`), on
+# either side of t = 0. A motion that passes exactly through a pole later may have either branch
+# from there on: a run passes it at a distance of rounding, on either side, proofs lose the angles.
 
 
 class PoleDeparture(NamedTuple):
@@ -261,7 +254,7 @@ def phi_leaving_the_pole(scene: Scene, sense: int) -> float:
     """The limit of phi at a start at a pole, as time goes on (``sense`` 1) or back (-1).
 
     On the negative axis, where phi could be either, it is -pi from the upper pole and pi from the
-    lower one, as the closed forms count it.  0 where the pole is never left.
+    lower one.  0 where the pole is never left.
     """
     assert scene.gamma is not None
     up, leaving = sign(scene.gamma[2]), departure(scene)

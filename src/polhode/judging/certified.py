@@ -156,9 +156,9 @@ class Certified(Storable):
     def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
         """Rows psi theta phi in radians, continuous, proven to ``digits`` digits.
 
-        psi and phi are None at a start at a pole, and at all times where the third axis stays
-        vertical.  Raises BadInput where a motion passes so close to a pole that it is not proven on
-        which side.
+        psi and phi are proven up to whole turns, which are followed in doubles.  They are None at a
+        start at a pole, and at all times where the third axis stays vertical.  Raises BadInput
+        where a motion passes so close to a pole that it is not known on which side.
         """
         enclosure = self._with("angles", times, digits)
         assert enclosure.angles is not None

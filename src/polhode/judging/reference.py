@@ -6,7 +6,7 @@ Both answer the same questions; ``kind`` says which it is, and nothing else is c
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -22,9 +22,10 @@ from polhode.judging.certified import Certified, NoAnswer
 from polhode.judging.reference_rows import ReferenceTable, tabulated
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import to_double
+from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.mpmath_context import mpmath, ordinary
-from polhode.numbers.number_types import AnyNumber, Real
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, AnyNumber, NumberType, Real
 from polhode.results.result import Storable
 from polhode.results.table import Content
 from polhode.scenes import library
@@ -134,6 +135,14 @@ BACKENDS = ("flint", "mpmath")
 MAX_LOG10_ANGLE = 100
 _FORETOLD_SECONDS, _MOST_SECONDS = 60, 300  # of an enclosure where there is no other attitude
 _MOST_SHOWN = 3  # numbers that are called 0 by the rule
+FARTHEST = 1e6  # radians, to which the steps of a run do not go
+_TURNING = (
+    (DOUBLE, 1e5),
+    (EXTENDED, 1e4),
+    (QUAD, 3e3),
+)  # runs that tell turns; radians, some seconds
+_NEAR = 0.01  # radians between the angles of a motion and of a run that follows it
+_FINE = NumberType("mp", 192)  # of times at which a run is asked
 ROUGH = 53  # bits in which a closed form plans; it computes with more
 
 
@@ -184,11 +193,38 @@ class Reference(Storable):
 
     def attitude(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows q0 q1 q2 q3: the quaternion body to space, scalar first, continuous from q0 >= 0."""
-        return self._turned("attitude", times, digits)
+        instants = _times(self.scene, times)
+        if self._is_enclosed(instants):
+            return self._enclosed("attitude", instants, digits)
+        return self._asked(self._motion.attitude, instants, digits)
 
     def angles(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real | None]]:
-        """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined."""
-        return self._turned("angles", times, digits)
+        """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined.
+
+        psi and phi are those of the attitude, right to ``digits`` digits; how often they went round
+        is told by a run in double, or in more digits where that one ends at a pole or leaves the
+        motion.  Raises BadInput where none follows it so far.
+        """
+        instants = _times(self.scene, times)
+        if self._is_enclosed(instants):
+            return self._enclosed("angles", instants, digits)
+        if self.scene.gamma is None:
+            return self._asked(self._motion.angles, instants, digits)  # which says why not
+        plain = replace(self.scene, form="principal")  # other forms are singular at times
+        for number, farthest in _TURNING:
+            run = in_double(plain, instants, ("angles",), number, farthest)
+            if not run:
+                continue
+            near = [[x if x is None else float(x) for x in row] for row in run["angles"]]
+            rows = self._asked(partial(self._motion.angles, near=near), instants, digits)
+            if all(map(_is_near, rows, near)):
+                return rows
+        last = shown(max(instants, key=abs))
+        expected = (
+            "a question that this closed form answers (how often psi and phi went round to "
+            f"t = {last} is not known: ask for the attitude)"
+        )
+        raise NoAnswer(self.scene.name, "reference", self.kind, expected)
 
     def pairs(self, word: str, times: Sequence[Exact], digits: int) -> Pairs:
         """Many rows of ``word``, "at" or "attitude", each number the sum of two doubles.
@@ -197,15 +233,14 @@ class Reference(Storable):
         """
         _refuse_far(self.scene, times)
         attitude = word == "attitude"
-        return self._told(lambda: self._motion.pairs(times, digits, attitude=attitude))
+        return self._told(partial(self._motion.pairs, times, digits, attitude=attitude))
 
-    def _turned(self, word: str, times: Iterable[AnyNumber], digits: int) -> list[list[Any]]:
-        """Attitude or angles: the closed form's, or enclosed where that has the state alone."""
-        if isinstance(times, Iterator):  # asked twice
-            times = list(times)
-        at_start = all(exact.sign(t) == 0 for t in _times(self.scene, times))
-        if self._motion.place.has_attitude or at_start:
-            return self._asked(getattr(self._motion, word), times, digits)
+    def _is_enclosed(self, times: Sequence[Exact]) -> bool:
+        """Whether the attitude at these times is enclosed: the closed form has the state alone."""
+        return self.encloses_attitude and any(exact.sign(t) for t in times)
+
+    def _enclosed(self, word: str, times: Sequence[Exact], digits: int) -> list[list[Any]]:
+        """Attitude or angles by a proof, where the closed form has the state alone."""
 
         def foretold(seconds: float) -> None:
             if seconds > _FORETOLD_SECONDS:
@@ -298,18 +333,18 @@ class Reference(Storable):
     @property
     def curve(self) -> dict[str, object] | None:
         """The algebraic curve of a Kovalevskaya top: H, K2, its roots e and period matrix tau."""
-        return self._told(lambda: self._motion.curve(50))
+        return self._told(partial(self._motion.curve, 50))
 
     @property
     def approach(self) -> Real | None:
         """The rate at which a motion of Hess's tends to a periodic one; None where it does not."""
-        return self._told(lambda: self._motion.approach(50))
+        return self._told(partial(self._motion.approach, 50))
 
     def _asked(
         self, question: Callable[[list[Exact], int], T], times: Iterable[AnyNumber], digits: int
     ) -> T:
         digits = whole(self.scene.name, "digits", digits, 1, number_types.MOST_ASKED)
-        return self._told(lambda: question(_times(self.scene, times), digits))
+        return self._told(partial(question, _times(self.scene, times), digits))
 
     def _told(self, answer: Callable[[], T]) -> T:
         """An answer of the closed form; raises BadInput where it has none."""
@@ -336,13 +371,13 @@ class Reference(Storable):
         >>> print(round(exact.period * exact.frequencies["nutation"] / 6.283185307179586, 9))
         2.0
         """
-        period: Real | None = self._told(lambda: self._motion.period(50))
+        period: Real | None = self._told(partial(self._motion.period, 50))
         return period
 
     @property
     def frequencies(self) -> dict[str, Real]:
         """The motion's frequencies by name, radians per unit of time, to 50 digits."""
-        frequencies: dict[str, Real] = self._told(lambda: self._motion.frequencies(50))
+        frequencies: dict[str, Real] = self._told(partial(self._motion.frequencies, 50))
         return frequencies
 
     @property
@@ -434,6 +469,45 @@ def _shown(x: Irrational) -> str:
     """A number that is called 0 by the rule, by the bound of it that is known."""
     top = x.enclosure(exact.EQUAL_BITS).abs_upper()
     return f"|x| < 1e{math.ceil(float(top.log()) / math.log(10))}" if top > 0 else "0"
+
+
+def _is_near(row: Sequence[Real | None], about: Sequence[float | None]) -> bool:
+    """Whether angles are about those of a run, psi and phi in their turns too, if they are any."""
+    pairs = zip(row, about, strict=True)
+    return None in row or all(
+        x is not None and y is not None and abs(float(x) - y) < _NEAR for x, y in pairs
+    )
+
+
+def in_double(
+    scene: Scene,
+    times: Sequence[Exact],
+    outputs: tuple[str, ...],
+    number: NumberType = DOUBLE,
+    farthest: float = FARTHEST,
+) -> dict[str, list[Any]]:
+    """Rows of a run at times of either sign in any order: states, and outputs that are integrated.
+
+    Nothing where it does not come so far.  ``number``: the type in which it is integrated;
+    ``farthest``: radians, to which it is.
+    """
+    if max((abs(to_double(t)) for t in times), default=0.0) * 10.0**scene.log10_rate > farthest:
+        return {}
+    from polhode.runs.solve import solve
+
+    plain = replace(scene, outputs=outputs, events=())
+    instants = [t if isinstance(t, Fraction) else _FINE.rounded(t) for t in times]
+    by_time: dict[str, dict[Fraction, Any]] = {word: {} for word in ("states", *outputs)}
+    try:
+        for part in by_sign(instants):
+            run = solve(plain.at(part), number, interruptible=False)
+            if len(run.times) < len(part):
+                return {}
+            for word, rows in by_time.items():
+                rows |= zip(part, getattr(run, word), strict=True)
+    except (BadInput, ImportError, ValueError, OverflowError):
+        return {}
+    return {word: [rows[t] for t in instants] for word, rows in by_time.items()}
 
 
 def by_sign(times: Sequence[Fraction]) -> list[list[Fraction]]:

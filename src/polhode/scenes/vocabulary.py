@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 #: What ``reference.kind`` may ask for: the first that fits, a closed form by the name of its family
 #: (polhode.closed_forms.families), or a proven enclosure.
 REFERENCES = (
-    *("auto", "euler", "lagrange", "kovalevskaya", "pendulum", "staude", "bobylev-steklov"),
+    *("auto", "euler", "lagrange", "pendulum", "staude", "bobylev-steklov", "kovalevskaya"),
     *("grioli", "goryachev-chaplygin", "hess", "steklov", "goryachev", "n-kowalewski"),
     *("chaplygin", "certified"),
 )

@@ -52,7 +52,7 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     p, q, r = scene.omega
     yield equal("A = 2C", A, 2 * C)
     yield from on_axis_1(scene)
-    yield equal("q = 0", q, 0, scene.speed)
+    yield equal("q = 0", q, 0, lambda: scene.speed)
     k = scene.torque[0] / C
     yield equal("Mg x0 gamma3 = C p r", k * scene.gamma[2], p * r, k)
     yield moving(scene)

@@ -96,14 +96,17 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     yield positive("B > C", B - C)
     yield equal("9 A^2 + 32 B C = 18 A (B + C)", left, 18 * A * (B + C))
     yield positive("C1/B1 > 0", ratio_of(scene))
-    c, size = scene.torque[0], scene.speed
+    c = scene.torque[0]
     yield equal("h = 0", scene.energy, ZERO, c)
-    yield equal("f = 0", scene.area, ZERO, A * size)
+    yield equal("f = 0", scene.area, ZERO, lambda: A * scene.speed)
     x, (p, q, r) = coefficients(scene), scene.omega
     rest = q * q - x.b2 * p * p
-    yield equal("(q^2 - b2 p^2)^3 = B1^3 p^2", rest**3, x.cube * p * p, size**6)
+    yield equal("(q^2 - b2 p^2)^3 = B1^3 p^2", rest**3, x.cube * p * p, lambda: scene.speed**6)
     yield equal(
-        "r^2 - c2 p^2 = C1/B1 (q^2 - b2 p^2)", r * r - x.c2 * p * p, x.ratio * rest, size**2
+        "r^2 - c2 p^2 = C1/B1 (q^2 - b2 p^2)",
+        r * r - x.c2 * p * p,
+        x.ratio * rest,
+        lambda: scene.speed**2,
     )
     if sign(p) == 0:
         yield from _at_rest(scene, x)

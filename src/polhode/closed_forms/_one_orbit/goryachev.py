@@ -79,7 +79,6 @@ class Goryachev(OrbitPlacement):
 
     name = "Goryachev"
     conditions = staticmethod(conditions)
-    axis_1_passes_the_vertical = True  # where p = 0
 
     def solve(self) -> Motion:
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega

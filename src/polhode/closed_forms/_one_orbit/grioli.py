@@ -75,7 +75,7 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     (A, B, C), (T1, T2, T3) = scene.moments, scene.torque
     yield positive("A > B", A - B)
     yield positive("B > C", B - C)
-    yield equal("y0 = 0", T2, ZERO, scene.weight)
+    yield equal("y0 = 0", T2, ZERO, lambda: scene.weight)
     yield equal("x0^2 (B - C) = z0^2 (A - B)", T1 * T1 * (B - C), T3 * T3 * (A - B))
     x = spin_frame(scene)
     fourth = x.n**4 * (x.I11 * x.I11 + x.J * x.J)

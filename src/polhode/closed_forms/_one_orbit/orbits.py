@@ -24,6 +24,7 @@ from polhode.closed_forms.balls.periodic_attitude import (
 from polhode.closed_forms.balls.weierstrass import complex_functions
 from polhode.closed_forms.family import Family, Placement
 from polhode.closed_forms.membership import (
+    ALL_AXES,
     Condition,
     Misfit,
     NormalAxes,
@@ -48,6 +49,9 @@ from polhode.numbers.vectors import Vector
 # the turn of the body there.
 
 
+_PRINCIPAL = Frame()
+
+
 def orbit_family(name: str, placement: type[OrbitPlacement]) -> Family:
     """A family of that name, of one class of placements."""
 
@@ -55,7 +59,7 @@ def orbit_family(name: str, placement: type[OrbitPlacement]) -> Family:
         usual, unit = in_usual_units(scene)
         for frame, permuted in placement.views(usual):
             with noted():  # what is decided of other axes does not matter
-                normal = placed_in(placement.conditions, permuted)
+                normal = placed_in(placement.conditions, permuted, placement.candidates)
             if normal is not None:
                 return placement(*normal, unit, frame)
         return None
@@ -75,10 +79,10 @@ class OrbitPlacement(Placement):
 
     #: The scene in the axes of the normal form, in units of its own where doubles do not hold it.
     normal: NormalScene
+    #: The axes that may be those of the normal form.
+    candidates: Sequence[NormalAxes] = ALL_AXES
     #: The name of the motion, where there is one kind alone.
     name: str
-    #: Whether axis 1 of the normal form is exactly vertical again and again.
-    axis_1_passes_the_vertical = False
 
     def __init__(
         self, axes: NormalAxes, normal: NormalScene, unit: Fraction, principal: Frame
@@ -91,8 +95,6 @@ class OrbitPlacement(Placement):
             unit=unit,
             vertical=side * ONE,
             held=tuple(condition.text for condition in self.conditions(normal)),
-            passing=0 if self.axis_1_passes_the_vertical else None,
-            repeats=True,
         )
         # |w|^2 <= 2 (H + P)/I_min with P = |Mg r0|
         self._speed2 = 2 * (normal.energy + normal.weight) / min(normal.moments)
@@ -101,7 +103,7 @@ class OrbitPlacement(Placement):
     @classmethod
     def views(cls, scene: PrincipalScene) -> Iterator[tuple[Frame, PrincipalScene]]:
         """The principal axes that are tried, and the scene in them: of a symmetric body any are."""
-        yield Frame(), scene
+        yield _PRINCIPAL, scene
 
     @staticmethod
     @abstractmethod

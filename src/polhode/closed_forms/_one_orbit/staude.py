@@ -14,21 +14,19 @@ from fractions import Fraction
 
 from polhode.closed_forms._one_orbit.orbits import OrbitPlacement
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.frames import Frame, Motion
-from polhode.closed_forms.balls.one_axis import PermanentRotation
-from polhode.closed_forms.membership import Condition, NormalAxes, NormalScene, equal
+from polhode.closed_forms.balls.frames import Frame, Motion, PermanentRotation
+from polhode.closed_forms.membership import ALL_AXES, Condition, NormalAxes, NormalScene, vanishing
 from polhode.closed_forms.rotation_stability import STABLE, UNDECIDED, UNSTABLE, Stability, spectrum
 from polhode.common.values import cached_property
-from polhode.numbers.exact import sign, sqrt
+from polhode.numbers.exact import sign
 from polhode.numbers.vectors import cross, dot, is_zero, minus
 
 
 def conditions(scene: NormalScene) -> Iterator[Condition]:
     """w along gamma, and the moment of the weight balances the gyroscopic one."""
-    across = cross(scene.gamma, scene.omega)
-    yield equal("w along gamma", sqrt(dot(across, across)), 0, scene.speed)
+    yield vanishing("w along gamma", cross(scene.gamma, scene.omega), lambda: scene.speed)
     lacking = minus(cross(scene.gamma, scene.torque), cross(scene.omega, scene.momentum))
-    yield equal("gamma x Mg r0 = w x Iw", sqrt(dot(lacking, lacking)), 0, scene.weight)
+    yield vanishing("gamma x Mg r0 = w x Iw", lacking, lambda: scene.weight)
 
 
 class Regime(StrEnum):
@@ -52,12 +50,12 @@ class Staude(OrbitPlacement):
     """One permanent rotation, or rest."""
 
     conditions = staticmethod(conditions)
+    candidates = ALL_AXES[:1]  # the same in all
 
     def __init__(
         self, axes: NormalAxes, normal: NormalScene, unit: Fraction, principal: Frame
     ) -> None:
         super().__init__(axes, normal, unit, principal)
-        self.axis = normal.omega
         self.rates_of = {"precession": "of the body about the vertical"}
 
     @cached_property

@@ -68,7 +68,6 @@ class Steklov(OrbitPlacement):
     """One motion of Steklov."""
 
     conditions = staticmethod(conditions)
-    axis_1_passes_the_vertical = True  # where p = 0
 
     def _regime(self) -> Regime:
         A, B, _ = self.normal.moments

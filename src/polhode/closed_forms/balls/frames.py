@@ -20,7 +20,7 @@ from typing import Generic, Never, Protocol, TypeAlias, TypeVar
 
 from flint import acb, arb
 
-from polhode.closed_forms.balls.core import Kept, Refused, ball, enclosed
+from polhode.closed_forms.balls.core import Kept, Refused, TooFewBits, ball, enclosed
 from polhode.common.values import cached_property
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
@@ -52,16 +52,14 @@ class Frame:
         squares: Sequence[Exact] = (ONE, ONE, ONE),
         within: Rows | None = None,
     ) -> None:
-        self._directions, self._squares = directions, squares
-        self._lengths = [sqrt(x) for x in squares]
-        self._within = within
-        self._places = self._permutation()
+        self._directions, self._squares, self._within = directions, squares, within
         self._matrix = Kept(self._made)
 
     @classmethod
     def signed(cls, order: Sequence[int], signs: Sequence[int] = (1, 1, 1)) -> Frame:
         """Axis n is ``signs[n]`` times principal axis ``order[n]``; it must be right-handed."""
-        return cls().numbered(order, signs)
+        pairs = zip(order, signs, strict=True)
+        return cls([[s * x for x in IDENTITY[i]] for i, s in pairs])
 
     def numbered(self, order: Sequence[int], signs: Sequence[int]) -> Frame:
         """Axis n is ``signs[n]`` times axis ``order[n]`` of these."""
@@ -92,20 +90,6 @@ class Frame:
         )
         return a, b, c
 
-    def out(self, vector: Sequence[Exact]) -> Vector:
-        """A vector of these axes in the scene's, exactly."""
-        vector = [x / length for x, length in zip(vector, self._lengths, strict=True)]
-        for matrix in (self._directions, self._within):
-            if matrix is not None:
-                vector = [dot(column, vector) for column in zip(*matrix, strict=True)]
-        a, b, c = vector
-        return a, b, c
-
-    def along_third(self, axis: int) -> int:
-        """1 where that axis of these is the scene's third, -1 where it is its opposite, else 0."""
-        x, y, z = self.out(IDENTITY[axis])
-        return sign(z) if sign(x) == 0 == sign(y) else 0
-
     def back(self, vector: Sequence[arb]) -> list[arb]:
         """A vector of these axes in the scene's."""
         if self._places is not None:
@@ -118,9 +102,14 @@ class Frame:
         x, y, z = self.back(q[1:])
         return q[0], x, y, z
 
-    def _permutation(self) -> list[tuple[int, int]] | None:
+    @cached_property
+    def _lengths(self) -> list[Exact]:
+        return [sqrt(x) for x in self._squares]
+
+    @cached_property
+    def _places(self) -> list[tuple[int, int]] | None:
         """For each axis of the scene, which of these it is and its sign; None: it is another."""
-        if self._within is not None or any(x != 1 for x in self._lengths):
+        if self._within is not None or any(x != 1 for x in self._squares):
             return None
         columns = list(zip(*self._directions, strict=True))
         units = [[(i, int(x)) for i, x in enumerate(c) if x in (1, -1)] for c in columns]
@@ -203,14 +192,6 @@ class Motion(ABC):
         """The rate at which it tends to a periodic motion; None where it does not."""
         return None
 
-    def swung(self, t: arb) -> arb:
-        """Half the angle turned since t = 0, of a motion about one axis."""
-        raise NotImplementedError
-
-    def arguments(self, t: arb) -> tuple[arb | None, arb | None]:
-        """The growth of the arguments of al and bt, where psi and phi are known at any time."""
-        raise NotImplementedError
-
 
 class State(Protocol):
     """The state of a motion alone."""
@@ -259,6 +240,46 @@ class StateAndTurning(Motion):
         return self._make_turning()
 
 
+class PermanentRotation(Motion):
+    """w constant: the body turns uniformly about it (Rodrigues' formula), or rests.
+
+    ``half``: |w|/2, the exact 0 at rest; ``vertical``: at t = 0, None where it is not known;
+    ``stays``: whether it is along w, or the body rests; ``precession``: the frequency to be told.
+    """
+
+    def __init__(
+        self,
+        omega: Sequence[arb],
+        half: arb,
+        vertical: Sequence[arb] | None,
+        *,
+        stays: bool = False,
+        precession: arb | None = None,
+    ) -> None:
+        self._omega, self._half, self._vertical, self._stays = omega, half, vertical, stays
+        self._precession = precession
+        self.speed = arb(1) if half.is_zero() else 2 * half
+
+    def at(self, t: arb) -> Sequence[arb]:
+        """The same w, and the vertical turned back."""
+        if self._vertical is None:
+            return self._omega
+        if self._stays:
+            return *self._omega, *self._vertical
+        return *self._omega, *turned_back(self.turn(t, ()), self._vertical)
+
+    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+        """The turn about w by |w| t."""
+        del state
+        sin, cos = (self._half * t).sin_cos()
+        x, y, z = (sin * w / self.speed for w in self._omega)
+        return cos, x, y, z
+
+    def rates(self) -> Mapping[str, arb]:
+        """ "precession", where it is to be told."""
+        return {} if self._precession is None else {"precession": self._precession}
+
+
 class Latest(Generic[T]):
     """A function of time that remembers its last value: state and turn of one time share it."""
 
@@ -271,6 +292,28 @@ class Latest(Generic[T]):
         if self._last is None or self._last[0] is not t:
             self._last = t, self._function(t)
         return self._last[1]
+
+
+def euler_angles(turn: Turn, psi: float | None, phi: float | None) -> tuple[arb, arb, arb]:
+    """psi, theta, phi of a quaternion; psi and phi of the branch nearest to a number.
+
+    With al = q0 + i q3 and bt = q1 + i q2, psi and phi are the arguments of al bt and of
+    al conj(bt); None for a number: those in (-pi, pi].
+    """
+    al, bt = acb(turn[0], turn[3]), acb(turn[1], turn[2])
+    return _argument(al * bt, psi), nutation(turn), _argument(al * bt.conjugate(), phi)
+
+
+def nutation(turn: Turn) -> arb:
+    """theta of a quaternion."""
+    return 2 * arb.atan2(abs(acb(turn[1], turn[2])), abs(acb(turn[0], turn[3])))
+
+
+def _argument(z: acb, near: float | None) -> arb:
+    if z.contains(0):
+        raise TooFewBits
+    middle = acb(z.real.mid(), z.imag.mid()).arg().mid() if near is None else arb(near)
+    return middle + (z * (-_I * middle).exp()).arg()  # no cut is near
 
 
 def halves(gamma: Sequence[Exact], psi: Exact) -> tuple[acb, acb]:
@@ -287,7 +330,7 @@ def halves(gamma: Sequence[Exact], psi: Exact) -> tuple[acb, acb]:
     return cos * (_I * (turn + phi) / 2).exp(), sin * (_I * (turn - phi) / 2).exp()
 
 
-def start_sign(gamma: Sequence[Exact], psi: Exact) -> int:
+def _start_sign(gamma: Sequence[Exact], psi: Exact) -> int:
     """The factor by which the first component of :func:`halves` that is not 0 is positive.
 
     Signs of exact numbers, at any precision the same: no rounding of a component that is 0 decides.
@@ -305,7 +348,8 @@ def start_sign(gamma: Sequence[Exact], psi: Exact) -> int:
     return next(side for there, f, x in parts if there and (side := sign(f(x / 2))))
 
 
-def start_attitude(gamma: Sequence[Exact], psi: Exact, side: int) -> Turn:
-    """The quaternion at t = 0, ``side`` from :func:`start_sign`."""
+def start_attitude(gamma: Sequence[Exact], psi: Exact) -> Turn:
+    """The quaternion at t = 0; its first component that is not 0 is positive."""
+    side = _start_sign(gamma, psi)
     q0, q1, q2, q3 = quaternion(*halves(gamma, psi))
     return side * q0, side * q1, side * q2, side * q3

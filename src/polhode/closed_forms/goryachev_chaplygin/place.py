@@ -63,8 +63,8 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     A, B, C = scene.moments
     yield equal("A = 4C (in units of C)", A, 4 * C, C)
     yield equal("B = 4C (in units of C)", B, 4 * C, C)
-    yield equal("Mg r0 at right angles to axis 3", scene.torque[2], ZERO, scene.weight)
-    yield equal("f = Iw.gamma = 0", scene.area, ZERO, scene.impulse)
+    yield equal("Mg r0 at right angles to axis 3", scene.torque[2], ZERO, lambda: scene.weight)
+    yield equal("f = Iw.gamma = 0", scene.area, ZERO, lambda: scene.impulse)
     swings = is_zero((*scene.omega[:2], scene.gamma[2]))
     yield exclusion("a motion that is not a pendulum's about the third axis", swings)
 

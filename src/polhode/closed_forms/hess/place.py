@@ -60,15 +60,15 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     (A, B, C), (T1, T2, T3) = scene.moments, scene.torque
     yield positive("A > B", A - B)
     yield positive("B > C", B - C)
-    yield equal("r0 at right angles to the middle axis", T2, ZERO, scene.weight)
+    yield equal("r0 at right angles to the middle axis", T2, ZERO, lambda: scene.weight)
     yield equal(
         "(B/C - 1) T1^2 = (1 - B/A) T3^2 in units of |T|^2",
         (B / C - 1) * T1 * T1,
         (1 - B / A) * T3 * T3,
         dot(scene.torque, scene.torque),
     )
-    along, size = dot(scene.momentum, scene.torque), scene.weight * scene.impulse
-    yield equal("Iw at right angles to r0", along, ZERO, size)
+    along = dot(scene.momentum, scene.torque)
+    yield equal("Iw at right angles to r0", along, ZERO, lambda: scene.weight * scene.impulse)
     still = is_zero(scene.omega) and is_zero(cross(scene.gamma, scene.torque))
     yield exclusion("a body that is not in equilibrium", still)
 

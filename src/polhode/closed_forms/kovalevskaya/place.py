@@ -95,11 +95,10 @@ def place(scene: PrincipalScene) -> KovalevskayaPlacement | None:
     kind = regime(start)
     if kind == Regime.OTHER:
         return None
-    has_attitude, passing = True, False
+    has_attitude = True
     proven: bool | str = True
     if kind in ONE_FREQUENCY:
         has_attitude = quartic(start, kind).has_period
-        passing = kind == Regime.APPELROT and passes_the_vertical(start)
     elif kind in DEGENERATE:
         has_attitude = False
     else:
@@ -112,8 +111,6 @@ def place(scene: PrincipalScene) -> KovalevskayaPlacement | None:
         proven=proven if has_attitude else ENCLOSED_ATTITUDE,
         has_attitude=has_attitude,
         is_dear=True,
-        passing=2 if passing else None,
-        repeats=True,
         start=start,
         disc=discriminant(start),
     )
@@ -136,7 +133,7 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     A, B, C = scene.moments
     yield equal("A = B", A, B)
     yield equal("A = 2C", A, 2 * C)
-    yield equal("z0 = 0", scene.torque[2], ZERO, scene.weight)
+    yield equal("z0 = 0", scene.torque[2], ZERO, lambda: scene.weight)
 
 
 def regime(start: KovalevskayaStart) -> Regime | str:
@@ -181,18 +178,6 @@ def centre(start: KovalevskayaStart) -> Exact | None:
     if sign(G1 * ro2 - factor * x) == 0 and sign(G2 * ro2 - factor * q) == 0:
         return xh
     return None
-
-
-def passes_the_vertical(start: KovalevskayaStart) -> bool:
-    """Whether the third axis of Appelrot's motion is exactly vertical, G1 + iG2 = 0.
-
-    It passes ro + xh cos ps = 0, as its r^2/4 is E + ro^2 - (ro + xh cos ps)^2, wherever
-    |ro| <= |xh|.
-    """
-    xh = centre(start)
-    assert xh is not None
-    p, q, _ = start.omega
-    return sign(p * p - 2 * p * xh + q * q) <= 0  # ro^2 - xh^2
 
 
 def _degenerate(start: KovalevskayaStart) -> Regime | None:

@@ -37,7 +37,7 @@ from typing import TypeAlias
 
 from flint import acb, arb
 
-from polhode.closed_forms.balls.core import TooFewBits, ball, root
+from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import Latest, Motion, Turn, conjugate, halves, quaternion
 from polhode.closed_forms.balls.jacobi import Jacobi, Place, Shift
 from polhode.closed_forms.lagrange.place import PLANE, Constants, LagrangePlacement, Regime
@@ -237,14 +237,6 @@ class Steady(LagrangeMotion):
         )
         return al, bt, xi
 
-    def arguments(self, t: arb) -> tuple[arb | None, arb | None]:
-        """The growth of arg al and of arg bt from 0; None of one that is 0."""
-        alpha, beta = (
-            None if z.real.is_zero() and z.imag.is_zero() else mean * t
-            for z, mean in zip(self.start, self.means, strict=False)
-        )
-        return alpha, beta
-
 
 class Quotient:
     """One parameter: factor · quotient · exp(i turn t)."""
@@ -255,13 +247,11 @@ class Quotient:
         self._shift, self._rate = Shift(jacobi, shift, half), rate
         self.turn = self._shift.rate * rate + even
         self.passes = passes  # through 0, arg z then growing by pi
-        self.at_pole = False  # at t = 0
         self._factor = acb(1)
 
     def begin(self, at: Place, value: acb, slope: acb) -> None:
         """Fit the factor to the value at t = 0, or to the slope where the value is 0."""
-        self.at_pole = value.real.is_zero() and value.imag.is_zero()
-        if self.at_pole:
+        if value.real.is_zero() and value.imag.is_zero():
             self._factor = slope / (self._shift.slope(at) * self._rate)
         else:
             self._factor = value / self._shift.at(at)
@@ -270,13 +260,6 @@ class Quotient:
         """The parameter at a time, ``place`` that of the functions."""
         sine, cosine = (self.turn * t).sin_cos()
         return self._factor * self._shift.at(place) * acb(cosine, sine)
-
-    def argument(self, place: Place, t: arb) -> arb:
-        """Its continuous argument, but for a constant and for jumps at zeros."""
-        z = self._shift.at(place)
-        if z.contains(0):
-            raise TooFewBits
-        return z.arg() + self.turn * t
 
 
 class Nutating(LagrangeMotion):
@@ -334,38 +317,6 @@ class Nutating(LagrangeMotion):
         place = self.elliptic.at(self._v0 + self.rate * t)
         al, bt, xi = (z.at(place, t) for z in self._parts)
         return al, bt, xi
-
-    def arguments(self, t: arb) -> tuple[arb | None, arb | None]:
-        """The growth of arg al and of arg bt from 0."""
-        return self._argument(0, t), self._argument(1, t)
-
-    def _argument(self, which: int, t: arb) -> arb:
-        """The growth of arg al or arg bt from 0, by pi at each zero away from t = 0."""
-        z = self._parts[which]
-        begin = arb(0)
-        if z.at_pole:
-            begin = (arb(2) ** -64 / self.speed).mid()
-            begin = -begin if t < 0 else begin
-        phases = [self._v0 + self.rate * x for x in (begin, t)]
-        first, last = (
-            z.argument(self.elliptic.at(v), x) for v, x in zip(phases, (begin, t), strict=True)
-        )
-        grown = last - first
-        if z.passes and t < 0:  # where the quotient's own argument falls by pi
-            passed = [self._zeros_before(which, v) for v in phases]
-            grown += 2 * arb.pi() * (passed[0] - passed[1])
-        return grown
-
-    def _zeros_before(self, which: int, v: arb) -> int:
-        """Counts the zeros up to a phase: of al at 0, of bt at K, and again after each 2K."""
-        if self.elliptic.limit:
-            if v.contains(0):
-                raise TooFewBits
-            return int(v > 0)
-        n = ((v / self.elliptic.K - which) / 2).floor().unique_fmpz()
-        if n is None:
-            raise TooFewBits
-        return int(n)
 
 
 def solve(place: LagrangePlacement) -> Steady | Nutating:

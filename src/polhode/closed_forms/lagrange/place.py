@@ -227,7 +227,6 @@ def place(scene: PrincipalScene) -> LagrangePlacement | None:
         omega=w,
         gamma=up,
         side=side,
-        turns_about_third=True,
         rates_of={
             "precession": f"of {axis} about the vertical",
             "proper rotation": f"of the body about {axis}",
@@ -239,8 +238,8 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     """Those of the body, its axes in the top's order."""
     A, B, _ = scene.moments
     yield equal("A = B", A, B)
-    yield equal("x0 = 0", scene.torque[0], ZERO, scene.weight)
-    yield equal("y0 = 0", scene.torque[1], ZERO, scene.weight)
+    yield equal("x0 = 0", scene.torque[0], ZERO, lambda: scene.weight)
+    yield equal("y0 = 0", scene.torque[1], ZERO, lambda: scene.weight)
 
 
 def misfit(scene: PrincipalScene) -> Misfit | None:

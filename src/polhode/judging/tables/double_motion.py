@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from fractions import Fraction
-from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.common.errors import BadInput
-from polhode.judging.reference import by_sign
-from polhode.numbers.conversion import to_double
+from polhode.judging.reference import in_double
 from polhode.numbers.number_types import DOUBLE, Doubles, NumberType
 from polhode.scenes.scene import Scene
-
-FARTHEST = 1e6  # radians, to which the steps of a run do not go
 
 
 def matrices(quaternions: Any) -> Doubles:
@@ -70,28 +64,12 @@ def integrated(
 
     ``number``: the type in which it is integrated.
     """
-    if max((abs(to_double(t)) for t in times), default=0.0) * 10.0**scene.log10_rate > FARTHEST:
-        return None
-    from polhode.runs.solve import solve
-
     turning = attitude and bool(scene.columns[3:])
-    plain = replace(scene, outputs=("attitude",) if turning else (), events=())
-    parts = by_sign(times)
-    states, attitudes = [], []
-    try:
-        for part in parts:
-            run = solve(plain.at(part), number, interruptible=False)
-            if len(run.times) < len(part):
-                return None
-            states.append(np.asarray(run.states, dtype=float))
-            if turning:
-                attitudes.append(np.asarray(run.attitude, dtype=float))
-    except (BadInput, ImportError, ValueError, OverflowError):
+    rows = in_double(scene, times, ("attitude",) if turning else (), number)
+    if not rows:
         return None
-    places = {t: k for k, t in enumerate(chain(*parts))}
-    order = [places[t] for t in times]
-    rows = np.concatenate(states)[order]
+    states = np.asarray(rows["states"], dtype=float)
     if not turning:
-        return Right(rows)
-    quaternions = np.concatenate(attitudes)[order]
-    return Right(rows, quaternions, matrices(quaternions))
+        return Right(states)
+    quaternions = np.asarray(rows["attitude"], dtype=float)
+    return Right(states, quaternions, matrices(quaternions))
