@@ -244,9 +244,10 @@ ROWS = (
         prints_rows=True,
     ),
     Verb(
-        *("report", _FUNCTIONS, "report", "Report"),
+        *("report", "polhode.output.report", "report", "Report"),
         "an accuracy report of your scenes, and of files that other programs made of their motions",
         "top.toml top.csv -o report.html",
+        named={"at": None},
         scene=(TIMES,),
         notes="nothing",
         own=(".html", ".md"),

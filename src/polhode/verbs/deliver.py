@@ -90,7 +90,8 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
             module = import_module(home)
             arguments |= places.extras(function, line)
             try:
-                result, missed = getattr(module, function.name)(**arguments), ""
+                several = arguments.pop(function.several, ())
+                result, missed = getattr(module, function.name)(*several, **arguments), ""
             except NotEnough as fault:
                 result, missed = fault.result, str(fault)
             written = places.write(result, vars(namespace), line)
@@ -192,6 +193,8 @@ class Places:
         }
         extras = {x.name: calls[x.annotation] for x in function.parameters if x.annotation in calls}
         names = {x.name for x in function.parameters}
+        if extras.get("forecast") == line.say:  # which stays
+            extras["forecast"] = lambda text: note(f"{self.verb.name}: {text}")
         if "certificate" in names:
             extras["certificate"] = any(map(self._is_own, self.paths))
         data = [x for x in self.paths if not self._is_figure(x)]
