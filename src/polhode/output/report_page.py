@@ -116,7 +116,7 @@ def shown(table: Table) -> tuple[list[str], list[list[str]]]:
     """Header and rows as people read them, without columns that are empty."""
     header, rows = cells(table)
     used = [k for k in range(len(header)) if any(row[k] for row in rows)]
-    return [header[k].replace("_", " ") for k in used], [[row[k] for k in used] for row in rows]
+    return [header[k] for k in used], [[row[k] for k in used] for row in rows]
 
 
 class ReportPage:
@@ -192,7 +192,8 @@ def page(path: Path, sections: Sequence[SceneSection]) -> Mapping[Path, str | by
     """The files of a page: a row for each scene, then a section each."""
     to = ReportPage(path, _figures(sections))
     to.heading(1, TITLE)
-    to.grid(*shown(tables(sections)["overview"]), links="scene-")
+    header, lines = shown(tables(sections)["overview"])
+    to.grid([name.replace("_", " ") for name in header], lines, links="scene-")
     to.words(PARTS["overview"].meaning)
     if not to.svgs:
         to.words(
@@ -247,7 +248,8 @@ def _thinned(name: str, rows: Sequence[Row]) -> tuple[list[str], list[list[str]]
     most = len(rows) if name in ("description", "work") else ROWS
     groups = [[*own] for _, own in groupby(rows, lambda row: row[0])]
     table = _table(name, [("", [own[k] for own in groups for k in few(len(own), most)])])
-    return shown(table)
+    header, lines = shown(table)
+    return [name.replace("_", " ") for name in header], lines
 
 
 def _side_by_side(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
