@@ -13,12 +13,13 @@ from fractions import Fraction
 from math import ceil
 from typing import Any
 
-import drawing
+import kit
 import polhode
 from kit import (
     ABOUT,
     CASE,
     END,
+    MP_DIGITS,
     NUMBERS,
     Column,
     JsonObject,
@@ -30,12 +31,15 @@ from kit import (
     by_number,
     cores,
     digits,
+    exactly,
+    fewest_digits,
     in_numbers,
     in_order,
     listed,
     median,
     runs_of,
     share,
+    significant,
     table,
     yes,
 )
@@ -48,17 +52,7 @@ from polhode.checks.published_figures import (
     time_labels,
 )
 from polhode.checks.textbook_digits import textbook_digits
-from polhode.common.provenance import digest
 from polhode.enclosures import approximation, fixed_point_problem
-from polhode.judging.compare import judgement
-from polhode.judging.correct_digits import worst_digits
-from polhode.judging.score import score
-from polhode.judging.tables.table import of_run
-from polhode.numbers.conversion import exactly
-from polhode.numbers.decimals import decimal_string
-from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import QUAD
-from polhode.scenes import library
 
 QUESTION = (
     "How many digits of each case's trajectory are correct in each number type, how far do the "
@@ -69,7 +63,6 @@ QUICK_CASES = (
     *("euler/largest-axis", "euler/separatrix", "euler/sphere", "euler/turned-axes"),
     *("general/asymmetric-chaotic", "published/nasa-brick"),
 )
-MP_DIGITS = 50  # of the runs in mp
 #: Longest integration, as the angle |w|·|end|, that each number type is given in the study.
 LONGEST = {"double": 1e7, "extended": 1e6, "quad": 1e4, "mp": 3e3}
 #: Rows that this process made: the study of stability takes those of the hard cases up again.
@@ -78,7 +71,9 @@ _made: dict[str, dict[str, Any]] = {}
 
 def rows(quick: bool, say: Say, only: Only) -> JsonObject:
     """The study's rows; no figure in them depends on the clock."""
-    every = [polhode.load(name) for name in (QUICK_CASES if quick else library.names())]
+    every = [
+        polhode.load(name) for name in (QUICK_CASES if quick else polhode.cases().column("scene"))
+    ]
     workers = 1 if quick else cores()
 
     def begun(scene: polhode.Scene) -> None:
@@ -129,8 +124,8 @@ def _case(scene: polhode.Scene) -> dict[str, Any]:
         "textbook": rounded(textbook_digits(reference)),
         "log10_kappa": round(max(kappas), 2) if kappas else None,
         "kappa_note": growth.note if growth else "",
-        "end": decimal_string(exactly(QUAD.rounded(scene.end)), 6),
-        "sha256": digest(scene.text),
+        "end": polhode.as_decimal(scene.end, 6),
+        "sha256": scene.provenance()["case"],
         "runs": runs[::-1],
     }
 
@@ -154,7 +149,7 @@ def _run(
         "steps": run.steps,
     }
     if run.outcome.done:
-        judged = judgement(score(of_run(run), reference), details=True, known=growth)
+        judged = polhode.compare(run, reference, details=True)
         worst = judged.state_worst
         at = judged.digits.index(worst)
         row |= {
@@ -166,7 +161,7 @@ def _run(
             "limit": judged.limit,
             "lost": judged.lost or None,
             "drift": {
-                key: None if value is None else float(f"{value:.2e}")
+                key: None if value is None else significant(value, 3)
                 for key, value in run.drift._asdict().items()
             },
             "projection": projection(run),
@@ -187,10 +182,8 @@ def _refined(steps: polhode.Trajectory, judged: polhode.Judgement) -> dict[str, 
         return None
     most = steps.number.most_digits
     return {
-        "correct_digits": round(
-            score(of_run(run), judged.reference, earlier=judged).state_worst, 2
-        ),
-        "agreement": round(worst_digits(run.states, steps.states, scene, most), 2),
+        "correct_digits": round(polhode.compare(run, judged.reference).state_worst, 2),
+        "agreement": round(fewest_digits(run.states, steps.states, scene, most), 2),
     }
 
 
@@ -211,8 +204,8 @@ def projection(run: polhode.Trajectory) -> dict[str, Any] | None:
     return {
         "onto": [*run.projection.onto],
         "count": run.projection.count,
-        "largest": float(f"{run.projection.largest:.2e}"),
-        "sum": float(f"{run.projection.sum:.2e}"),
+        "largest": significant(run.projection.largest, 3),
+        "sum": significant(run.projection.sum, 3),
     }
 
 
@@ -254,8 +247,8 @@ def _figure(case: str, reference: str, figure: PrintedFigure) -> dict[str, Any]:
         "kind": kind_of(printed.cite, printed.recomputed),
         "printed": printed.value,
         "ours": figure.ours,
-        "difference": decimal_string(figure.difference, 2),
-        "last_units": float(f"{float(figure.difference / last_unit(printed.value)):.2g}"),
+        "difference": polhode.as_decimal(figure.difference, 2),
+        "last_units": significant(float(figure.difference / last_unit(printed.value)), 2),
         "digits_shown": significant_digits(printed.value),
         "digits_right": round(figure.digits_right, 1),
         "stands": figure.complete,
@@ -269,9 +262,9 @@ def label_row(case: str, label: TimeLabel) -> dict[str, Any]:
         "case": case,
         "cite": label.cite,
         "t": float(label.t),
-        "shift": float(f"{label.shift:.4g}"),
-        "before": float(f"{label.before:.2g}"),
-        "after": float(f"{label.after:.2g}"),
+        "shift": significant(label.shift, 4),
+        "before": significant(label.before, 2),
+        "after": significant(label.after, 2),
     }
 
 
@@ -290,7 +283,7 @@ def provable(scene: polhode.Scene) -> polhode.Scene | None:
     return alone if scene.times and polhode.reference(alone).is_closed_form else None
 
 
-def proven_times(scene: polhode.Scene) -> list[Exact]:
+def proven_times(scene: polhode.Scene) -> list[Any]:
     """Three times, the last at most so many steps away."""
     away = approximation.steps(fixed_point_problem.motion(scene), scene.end)
     last = scene.end * min(Fraction(1), Fraction(STEPS) / Fraction(math.ceil(away) + 1))
@@ -311,8 +304,8 @@ def proven_case(scene: polhode.Scene) -> dict[str, Any]:
     return {
         "case": scene.name,
         "reference": exact.kind,
-        "end": float(f"{float(times[-1]):.4g}"),
-        "ratio": float(f"{max(ratios):.2g}"),
+        "end": significant(float(times[-1]), 4),
+        "ratio": significant(max(ratios), 2),
         "inside": max(ratios) <= 1.0,
         "digits": round(enclosure.proven, 2),
         "tries": enclosure.tries,
@@ -477,4 +470,4 @@ def svgs(results: JsonObject) -> dict[str, str]:
     groups: dict[str, list[JsonObject]] = {}
     for case in results["cases"]:
         groups.setdefault(case["case"].partition("/")[0], []).extend(case["runs"])
-    return {"accuracy": drawing.svg(groups)}
+    return {"accuracy": kit.strips(groups)}

@@ -29,8 +29,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import draws
-from draws import (
+import tops
+from kit import Only, Say, clocked, cores, in_order, significant
+from peers.field import Run
+from peers.process import ask, end_with_parent, write
+from programs import BY_NAME, MANY, OURS, OWN, Program
+from tops import (
     DRAWS,
     MANY_JUDGED,
     Cell,
@@ -42,11 +46,6 @@ from draws import (
     median_digits,
     present,
 )
-from kit import Only, Say, cores, in_order
-from peers.field import Run
-from peers.process import ask, end_with_parent, write
-from polhode.numbers.decimals import significant
-from programs import BY_NAME, MANY, OURS, OWN, Program
 
 LEVELS = (6.0, 9.0, 12.0)
 ROUNDS = 5  # of timed blocks of calls, fewer where they take longer than the job's patience
@@ -126,15 +125,17 @@ class _Contest:
             start = self.draws[k].start.copy()
             start[..., 0] += (1 + self._calls % 15) * _NUDGE
             starts.append(start)
-        try:
-            began = time.process_time()
+
+        def block() -> None:
             for start in starts:
                 run(top, start, self.times, tol)
-            seconds = (time.process_time() - began) / len(starts)
+
+        try:
+            _, seconds = clocked(block)
         except Exception as fault:
             self._fail(name, tol, fault)
             return
-        self.points[name][k, tol] = right, min(least, seconds)
+        self.points[name][k, tol] = right, min(least, seconds / len(starts))
 
     def _fail(self, name: str, tol: float, fault: Exception) -> None:
         """What a program raised, whatever it is: a result."""
@@ -151,9 +152,7 @@ class _Contest:
                 return
             # what is made on the first call, a short one, is not timed
             run(top, start, self.times / self.cell.end, tol)
-            began = time.process_time()
-            states = run(top, start, self.times, tol)
-            seconds = time.process_time() - began
+            states, seconds = clocked(lambda: run(top, start, self.times, tol))
         except Exception as fault:
             self._fail(name, tol, fault)
             return
@@ -272,10 +271,10 @@ _MODULE = "contest"
 def wanted_cells(quick: bool, only: Only) -> dict[str, list[Cell]]:
     """The cells to hold, by kind."""
     cells: dict[str, list[Cell]] = {}
-    for kind in QUICK_KINDS if quick else draws.KINDS:
+    for kind in QUICK_KINDS if quick else tops.KINDS:
         here = [
             cell
-            for cell in draws.cells(kind)
+            for cell in tops.cells(kind)
             if (not quick or cell[1:] in QUICK_CELLS) and only(cell.label)
         ]
         if here:
@@ -443,7 +442,7 @@ def _truths(
 
 def _truth_of(job: tuple[str, int, bool, int]) -> Truth:
     kind, end, many, k = job
-    return draws.truth(kind, k, end, many)
+    return tops.truth(kind, k, end, many)
 
 
 def _plain(true: Truth) -> list[Any]:

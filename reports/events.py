@@ -9,12 +9,16 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-import drawing
+import mpmath
+
+import kit
 import polhode
 from kit import (
     CASE,
+    COLOURS,
     DIGITS,
     END,
+    MARKS,
     NUMBER,
     NUMBERS,
     Column,
@@ -22,17 +26,14 @@ from kit import (
     Only,
     PageTable,
     Say,
+    as_svg,
     cores,
+    exactly,
     in_order,
     share,
+    significant,
     table,
 )
-from polhode.figures.canvas import COLOURS, MARKS, as_svg, paper
-from polhode.numbers import decimals, exact
-from polhode.numbers.conversion import exactly, to_mpf
-from polhode.numbers.mpmath_context import mpmath, own
-from polhode.numbers.number_types import NumberType
-from polhode.scenes import vocabulary as columns_
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -114,7 +115,7 @@ def _motion(motion: EventMotion, far: dict[str, int]) -> dict[str, Any]:
         "case": motion.case,
         "zero": motion.zero,
         "what": motion.what,
-        "period": decimals.decimal_string(zeros.period, 18),
+        "period": polhode.as_decimal(zeros.period, 18),
         "near": [_run(scene, zeros, name, near) for name in NUMBERS],
         "far": [_run(scene, zeros, name, end) for name, end in far.items()],
     }
@@ -138,20 +139,20 @@ def _run(scene: polhode.Scene, zeros: Zeros, name: str, end: int) -> dict[str, A
         ulps = [float(abs(t - x) / ulp(x, run.number.bits)) for t, x in pairs]
         every = max(1, len(pairs) // KEPT)
         row |= {
-            "ulps": float(f"{max(ulps):.3g}"),
-            "error": float(f"{float(max(abs(t - x) for t, x in pairs)):.2e}"),
+            "ulps": significant(max(ulps), 3),
+            "error": significant(float(max(abs(t - x) for t, x in pairs)), 3),
             "digits": round(min(_digits(t, x, run.number) for t, x in pairs), 2),
             "samples": [
-                [round(float(x), 3), float(f"{u:.3g}")]
+                [round(float(x), 3), significant(u, 3)]
                 for (_, x), u in list(zip(pairs, ulps, strict=True))[::every]
             ],
         }
     return row
 
 
-def _digits(t: Fraction, true: Fraction, number: NumberType) -> float:
+def _digits(t: Fraction, true: Fraction, number: polhode.NumberType) -> float:
     error = abs(t - true) / true
-    return number.most_digits if error == 0 else min(number.most_digits, -exact.log10(error))
+    return number.most_digits if error == 0 else min(number.most_digits, -math.log10(error))
 
 
 def _watching(scene: polhode.Scene, *zeros: str) -> polhode.Scene:
@@ -179,10 +180,10 @@ def _proven(name: str, end: int) -> dict[str, Any]:
         }
         if len(true.times) == len(event.times) > 0:
             off = [abs(exactly(x) - t.time) for x, t in zip(event.times, true.times, strict=True)]
-            row["error"] = float(f"{float(max(off)):.2e}")
-            row["radius"] = float(f"{max(t.radius for t in true.times):.1e}")
+            row["error"] = significant(float(max(off)), 3)
+            row["radius"] = significant(max(t.radius for t in true.times), 2)
         rows.append(row)
-    return {"case": name, "end": end, "events": rows, "seconds": float(f"{seconds:.2g}")}
+    return {"case": name, "end": end, "events": rows, "seconds": significant(seconds, 2)}
 
 
 _MAKERS: dict[str, Callable[..., dict[str, Any]]] = {
@@ -210,9 +211,9 @@ def _cost_row(name: str, repeats: int) -> dict[str, Any]:
         "events": [0, 1, 3],
         "steps": steps,
         "found": counts,
-        "microseconds_a_step": [float(f"{m:.3g}") for m in micros],
+        "microseconds_a_step": [significant(m, 3) for m in micros],
         "microseconds_an_event": [
-            float(f"{1e6 * (s - seconds[0]) / n:.3g}") if n else None
+            significant(1e6 * (s - seconds[0]) / n, 3) if n else None
             for s, n in zip(seconds, counts, strict=True)
         ],
     }
@@ -241,10 +242,10 @@ class Zeros:
         period = reference.period
         if period is None:  # of a top that nutates, whose zeros these are
             with mpmath.workprec(BITS):
-                period = 2 * mpmath.pi / own(reference.frequencies["nutation"])
+                period = 2 * mpmath.pi / reference.frequencies["nutation"]
         self.period = exactly(period)
         times = [self.period * k / samples for k in range(samples + 1)]
-        values = [exact.sign(v) for v in self._values(times, 20)]
+        values = self._values(times, 20)
         self.first: list[Fraction] = []
         for k in range(samples):
             if values[k] * values[k + 1] < 0:
@@ -259,29 +260,38 @@ class Zeros:
         return [t for t in every if 0 < t <= end]
 
     def _values(self, times: Sequence[Any], digits: int) -> list[Fraction]:
-        values = []
-        for t, row in zip(times, self._reference.at(times, digits), strict=True):
-            columns = dict(zip(self._columns, row, strict=True), t=to_mpf(exactly(t), BITS))
-            value = exactly(columns_.value(self._zero, columns, BITS))
-            values.append(value if abs(value) > Fraction(1, 10 ** (digits - 3)) else Fraction(0))
-        return values
+        rows = zip(times, self._reference.at(times, digits), strict=True)
+        values = [exactly(self._value(t, row)) for t, row in rows]
+        return [x if abs(x) > Fraction(1, 10 ** (digits - 3)) else Fraction(0) for x in values]
+
+    def _value(self, t: Any, row: Sequence[Any]) -> Any:
+        """The expression in the columns of a row at a time."""
+        with mpmath.workprec(BITS):
+            columns = dict(zip(self._columns, row, strict=True), t=_wide(t))
+            return eval(self._zero, {}, columns)  # of this file
 
     def _refined(self, low: Fraction, high: Fraction) -> Fraction:
         def value(t: Any) -> Any:
-            row = self._reference.at([t], ZERO_DIGITS)[0]
-            columns = dict(zip(self._columns, row, strict=True), t=t)
-            return columns_.value(self._zero, columns, BITS)
+            return self._value(t, self._reference.at([t], ZERO_DIGITS)[0])
 
         with mpmath.workprec(BITS):
-            between = (to_mpf(low, BITS), to_mpf(high, BITS))
+            between = _wide(low), _wide(high)
             root = mpmath.findroot(value, between, solver="anderson", tol=1e-120, maxsteps=60)
             return exactly(root)
 
 
+def _wide(t: Any) -> Any:
+    """A time as mpmath's number, in the precision in use."""
+    near = exactly(t)
+    return mpmath.mpf(near.numerator) / near.denominator
+
+
 def ulp(t: Fraction, bits: int) -> Fraction:
     """The distance between neighbours of a type of so many bits at t."""
-    mantissa, exponent = exact.rounded(t, bits)
-    return Fraction(2) ** (exponent + abs(mantissa).bit_length() - bits)
+    near = polhode.NumberType("mp", bits).rounded(t)
+    size = near.numerator.bit_length() - near.denominator.bit_length()
+    size += abs(near) >= Fraction(2) ** size
+    return Fraction(2) ** (size - bits)
 
 
 # --- page -----------------------------------------------------------------------------------------
@@ -382,12 +392,12 @@ FLOOR = 0.01  # ulps: smaller errors are drawn there, on the axis
 
 def svgs(results: JsonObject) -> dict[str, str]:
     """Above: how large errors of event times are, in ulps; below: cost of a run with events."""
-    with paper() as plt:
-        size = drawing.WIDTH, 5.6
+    with polhode.paper() as plt:
+        size = kit.WIDTH, 5.6
         figure, (above, below) = plt.subplots(2, figsize=size, layout="constrained")
         _draw_errors(above, results["motions"])
         _draw_cost(below, results["cost"])
-        drawing.legend(figure, len(COLOURS))
+        kit.legend(figure, len(COLOURS))
         return {"events": as_svg(figure)}
 
 
@@ -410,7 +420,7 @@ def _draw_errors(axes: Axes, motions: Sequence[JsonObject]) -> None:
             axes.plot(steps, share, drawstyle="steps-post", color=colour, label=name, **look)
     axes.set(xscale="log", xlabel="error of the time, in units of its last place")
     axes.set(xlim=(FLOOR, None), ylim=(0, 100), ylabel="events with no larger error, %")
-    drawing.plain(axes)
+    kit.plain(axes)
 
 
 def _draw_cost(axes: Axes, rows: Sequence[JsonObject]) -> None:
@@ -423,4 +433,4 @@ def _draw_cost(axes: Axes, rows: Sequence[JsonObject]) -> None:
         axes.plot(places, ratios, MARKS[number], color=COLOURS[number], ms=4, label=number)
     axes.set(xlabel="events watched", ylim=(0, None), ylabel="time of a run (without events 1)")
     axes.set_xticks((0, 1, 3))
-    drawing.plain(axes)
+    kit.plain(axes)

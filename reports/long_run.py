@@ -25,20 +25,30 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-import drawing
-import draws
+import kit
 import polhode
-from drawing import GUIDE, LOOKS
-from kit import DASH, Column, JsonObject, Only, PageTable, Say, at_times, formatted, in_order, table
+from kit import (
+    DASH,
+    DOUBLE,
+    GUIDE,
+    LOOKS,
+    SERIES,
+    Column,
+    JsonObject,
+    Only,
+    PageTable,
+    Say,
+    as_svg,
+    at_times,
+    formatted,
+    in_order,
+    significant,
+    table,
+)
 from peers import process
 from peers.process import ask
-from polhode.equations.integrals import departures
-from polhode.figures.canvas import SERIES, TIME, as_svg, paper
-from polhode.judging.correct_digits import log10_errors, log10_rate
-from polhode.numbers.decimals import significant
-from polhode.numbers.number_types import DOUBLE, Doubles
 from programs import BY_NAME, ENGINE, EPS
-from tops import TOPS, random_scene
+from tops import TOPS, draw, present, random_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -137,18 +147,17 @@ def follow(start: RunStart) -> Member:
     """Integrate one start by every method and judge it at every time."""
     scene = start.scene
     reference = polhode.reference(scene).at(scene.times, DIGITS)
-    rate = log10_rate(reference, scene)
     errors, strayed, projection, left = {}, {}, None, []
     for method in start.methods:
         run = polhode.integrate(scene, "double", project=method == PROJECTED)
-        errors[method] = (10 ** log10_errors(run.states, reference, rate)).tolist()
+        errors[method] = polhode.state_errors(run.states, reference, scene).tolist()
         if method == PROJECTED:
             corrections = run.projection
             assert corrections is not None
             projection = corrections.onto, corrections.largest, corrections.sum
             left = _inputs(scene, corrections.every)
         else:
-            departed = departures(scene, run.states)
+            departed = polhode.departures(scene, run.states)
             strayed = {name: [float(x) for x in column] for name, column in departed.items()}
     return Member(errors, strayed, projection, left)
 
@@ -206,7 +215,7 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
     }
 
 
-def _short(values: Doubles) -> list[float]:
+def _short(values: Any) -> list[float]:
     """Numbers as they are kept in files."""
     return [significant(float(x), 3) for x in values]
 
@@ -366,31 +375,32 @@ def far_rows(end: int, starts: int, quick: bool, say: Say, only: Only) -> dict[s
 def _row(task: Asked, end: int) -> dict[str, Any]:
     """Median and largest error over the starts that came back, and why others did not."""
     tol = TOLERANCES[task.program]
-    scenes = [draws.draw(task.top, k, end, 2) for k in range(task.starts)]
-    job = BY_NAME[task.program].job(draws.present(task.top), [x.run(tol) for x in scenes])
+    scenes = [draw(task.top, k, end, 2) for k in range(task.starts)]
+    job = BY_NAME[task.program].job(present(task.top), [x.run(tol) for x in scenes])
     with tempfile.TemporaryDirectory() as cache:
         answers, fault = ask(process.__name__, job, task.starts * _LIMIT, Path(cache))
     errors, faults = [], [fault] * (len(answers) < task.starts)
-    for draw, answer in zip(scenes, answers, strict=False):
+    for start, answer in zip(scenes, answers, strict=False):
         if "failed" in answer:
             faults.append(answer["failed"])
         else:
-            errors.append(_error(draw, answer["state"]))
+            errors.append(_error(start.scene, answer["state"]))
     return {
         "method": task.program,
         "tol": tol,
         "starts": task.starts,
         "reached": len(errors),
-        "median": float(f"{statistics.median(errors):.3g}") if errors else None,
-        "largest": float(f"{max(errors):.3g}") if errors else None,
+        "median": significant(statistics.median(errors), 3) if errors else None,
+        "largest": significant(max(errors), 3) if errors else None,
         "faults": [*dict.fromkeys(faults)],
     }
 
 
-def _error(draw: draws.Draw, state: Sequence[float]) -> float:
+def _error(scene: polhode.Scene, state: Sequence[float]) -> float:
     """Of the last state, against the closed form."""
-    true = polhode.reference(draw.scene).at(draw.scene.times, DIGITS)
-    return float(10 ** log10_errors([state], true[-1:], log10_rate(true, draw.scene))[0])
+    true = polhode.reference(scene).at(scene.times, DIGITS)
+    start = [[float(x) for x in row] for row in true[:-1]]
+    return float(polhode.state_errors([*start, state], true, scene)[-1])
 
 
 # --- page -----------------------------------------------------------------------------------------
@@ -595,8 +605,8 @@ def svgs(results: JsonObject) -> dict[str, str]:
     """Medians over the ensembles against time, and above each what the worst start has."""
     tops = results["tops"]
     growth = f"median of {tops[0]['starts']} starts, bar to the worst"
-    with paper() as plt:
-        size = drawing.WIDTH, 9.4
+    with polhode.paper() as plt:
+        size = kit.WIDTH, 9.4
         figure, panels = plt.subplots(3, figsize=size, layout="constrained", sharex=True)
         for axes, name in zip(panels, ("error", "drift"), strict=False):
             _draw_growth(axes, tops, name)
@@ -604,13 +614,13 @@ def svgs(results: JsonObject) -> dict[str, str]:
             axes.set_title(f"{name.capitalize()}: {growth}", size=9, loc="left")
         _draw_inputs(panels[0], tops)
         _draw_walks(panels[2], tops)
-        panels[2].set(ylabel="departure of h", xlabel=TIME)
+        panels[2].set(ylabel="departure of h", xlabel="t (units of the scene)")
         walks = "Energy, not projected: deviation (filled), |mean| (open)"
         panels[2].set_title(walks, size=9, loc="left")
         for axes in panels:
             axes.set(xscale="log", yscale="log")
-            drawing.plain(axes)
-        drawing.legend(figure, 2)
+            kit.plain(axes)
+        kit.legend(figure, 2)
         return {"long-run": as_svg(figure)}
 
 

@@ -24,7 +24,6 @@ import benchmark
 import polhode
 from kit import JsonObject, Only, PageTable, filled, write_whole
 from polhode.common.interrupts import heard
-from polhode.common.provenance import cpu, versions
 from polhode.common.texts import as_json
 
 #: The studies, each a file of that name, with _ for -; the seconds that each takes on two
@@ -107,11 +106,12 @@ def write_study(name: str, folder: Path, quick: bool = False) -> list[Path]:
     rows = study.rows(quick, lambda text: say(f"{name}: {text}"), Only())
     say(f"{name}: figures and page")
     results = {"study": name, "question": study.QUESTION, "quick": quick, **rows}
+    origin: Any = polhode.load("euler/rest").provenance()
     results["provenance"] = {
         "command": _command(name) + " --quick" * quick,
         "seconds": round(time.perf_counter() - began, 1),
-        "versions": versions() | (study.versions() if hasattr(study, "versions") else {}),
-        "cpu": cpu(),
+        "versions": origin["versions"] | (study.versions() if hasattr(study, "versions") else {}),
+        "cpu": origin["cpu"],
     }
     texts = {f"{name}.json": as_json(results), **pages(json.loads(as_json(results)))}
     folder.mkdir(parents=True, exist_ok=True)
@@ -172,8 +172,8 @@ def results_of(folder: Path, name: str) -> JsonObject:
 
 def with_summary(readme: str, speed: JsonObject) -> str:
     """README with the speed study's table of four lengths and of many starts."""
-    from draws import DRAWS
     from speed import SUMMARY_OUTPUTS, summary
+    from tops import DRAWS
 
     origin = speed["provenance"]
     packages = ", ".join(f"{name} {origin['versions'][name]}" for name in ("polhode", "heyoka"))

@@ -12,19 +12,23 @@ from collections import Counter
 from copy import copy
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-import drawing
+import kit
 import polhode
 from kit import (
+    BLUE,
     DASH,
+    GREEN,
+    ORANGE,
     Column,
     JsonObject,
     Only,
     PageTable,
     Say,
+    as_svg,
     between,
     cores,
     counted,
@@ -34,10 +38,8 @@ from kit import (
     table,
     yes,
 )
-from polhode.figures.canvas import BODY, REST, SPACE, as_svg, paper, residue_axis
+from polhode.figures.canvas import residue_axis
 from polhode.figures.proofs import SectionCrossings, crossings, draw_crossings
-from polhode.numbers.decimals import brief
-from polhode.proofs.proved_chaos import ProvedChaos
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -138,8 +140,8 @@ def _orbits(name: str, grid: tuple[int, int]) -> Row:
     return {
         "what": name,
         "scene": None if ORBITS[name] is None else scene.name,
-        "h": brief(search.surface.h),
-        "f": brief(search.surface.f),
+        "h": f"{float(search.surface.h):g}",
+        "f": f"{float(search.surface.f):g}",
         "orbits": sorted(rows, key=lambda row: row["period"]),
     }
 
@@ -177,7 +179,7 @@ def _chaos(what: str) -> Row:
     row |= {"kind": proof.orbit.kind, "coverings": proof.coverings, "tries": proof.tries}
     row |= {"entropy": proof.entropy, "short": proof.short, "long": proof.long}
     row |= {"stretch": proof.stretch, "height": proof.height, "cone": proof.cone}
-    row |= {"h": brief(proof.h), "f": brief(proof.f)}
+    row |= {"h": f"{float(proof.h):g}", "f": f"{float(proof.f):g}"}
     if what == DRAWN:
         row["drawn"] = {
             name: [[round(float(x), 3) for x in axis] for axis in points]
@@ -186,7 +188,7 @@ def _chaos(what: str) -> Row:
     return row | {"seconds": round(time.process_time() - began, 1)} | _checked(proof)
 
 
-def _checked(proof: polhode.ProvedOrbit | ProvedChaos) -> Row:
+def _checked(proof: polhode.ProvedOrbit | Any) -> Row:
     """Whether the checker proves the proof's certificate, and how long that takes."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "proof.json"
@@ -208,7 +210,7 @@ def _checked(proof: polhode.ProvedOrbit | ProvedChaos) -> Row:
 _AGAIN = "python reports/make.py proofs --only '{0}'"
 _ORBITS = (
     Column("top", "top"),
-    Column("level", lambda one: f"h = {one['h']}, f = {one['f']}"),
+    Column("level", lambda top: f"h = {top['h']}, f = {top['f']}"),
     Column("proved", "share", meaning="orbits proved to exist, of those that the search found"),
     Column("kinds", "kinds"),
     Column("periods", "periods", meaning="least and largest period of the proved orbits"),
@@ -334,18 +336,18 @@ def _proved(top: JsonObject) -> JsonObject:
 def _refused(tops: list[JsonObject]) -> list[JsonObject]:
     """A row for all orbits of a top that have about one period and the same cause."""
     residues_of: dict[tuple[str, str, str], list[float]] = {}
-    for one in tops:
-        for row in one["orbits"]:
+    for top in tops:
+        for row in top["orbits"]:
             if not row["proved"]:
                 cause = row["cause"].partition(":")[0]
-                same = (f"orbits: {one['what']}", f"{row['period']:.5g}", cause)
+                same = (f"orbits: {top['what']}", f"{row['period']:.5g}", cause)
                 residues_of.setdefault(same, []).append(row["residue"])
     return [
         {
-            **{"top": top, "period": period, "orbits": len(residues), "cause": cause},
+            **{"top": name, "period": period, "orbits": len(residues), "cause": cause},
             "residue": between(residues, ".1e") if len(residues) > 1 else f"{residues[0]:.1e}",
         }
-        for (top, period, cause), residues in residues_of.items()
+        for (name, period, cause), residues in residues_of.items()
     ]
 
 
@@ -354,7 +356,7 @@ def _refused(tops: list[JsonObject]) -> list[JsonObject]:
 # Figures of the study of proofs: residues over periods; manifolds that cross.
 
 
-_COLOURS = {"elliptic": BODY, "hyperbolic": SPACE, "inverse hyperbolic": REST}
+_COLOURS = {"elliptic": BLUE, "hyperbolic": ORANGE, "inverse hyperbolic": GREEN}
 _COLUMNS = 2
 _DOTS_PER_INCH = 200  # of the manifolds, which are pixels
 
@@ -370,8 +372,8 @@ def svgs(results: JsonObject) -> dict[str, str]:
 
 def manifolds(drawn: JsonObject) -> str:
     """The manifolds of an unstable orbit on a section, and the sets of the proof."""
-    with paper() as plt:
-        size = drawing.WIDTH, 4.4
+    with polhode.paper() as plt:
+        size = kit.WIDTH, 4.4
         figure, axes = plt.subplots(figsize=size, layout="constrained", dpi=_DOTS_PER_INCH)
         points = (np.array(drawn[key]) for key in SectionCrossings._fields)
         draw_crossings(axes, SectionCrossings(*((x, y) for x, y in points)))
@@ -387,8 +389,8 @@ def manifolds(drawn: JsonObject) -> str:
 def residues(tops: list[JsonObject]) -> str:
     """One panel per top: the residue of every orbit over its period."""
     lines = -(-len(tops) // _COLUMNS)
-    with paper() as plt:
-        size = drawing.WIDTH, 0.6 + 1.6 * lines
+    with polhode.paper() as plt:
+        size = kit.WIDTH, 0.6 + 1.6 * lines
         figure, panels = plt.subplots(
             lines, _COLUMNS, figsize=size, layout="constrained", squeeze=False
         )
@@ -398,12 +400,12 @@ def residues(tops: list[JsonObject]) -> str:
             _draw_top(axes, top)
         figure.supxlabel("period", size=9)
         figure.supylabel("residue (shaded: elliptic, 0 to 1)", size=9)
-        drawing.legend(figure, 4)
+        kit.legend(figure, 4)
         return as_svg(figure)
 
 
 def _draw_top(axes: Axes, top: JsonObject) -> None:
-    axes.axhspan(0, 1, color=drawing.SHADE, lw=0)
+    axes.axhspan(0, 1, color=kit.SHADE, lw=0)
     orbits = top["orbits"]
     kinds = [
         (kind, colour, "o", [row for row in orbits if row.get("kind") == kind])
@@ -415,4 +417,4 @@ def _draw_top(axes: Axes, top: JsonObject) -> None:
         axes.plot(*at, mark, color=colour, ms=4, label=name)
     residue_axis(axes)
     axes.set_title(top["what"], size=9, loc="left")
-    drawing.plain(axes)
+    kit.plain(axes)

@@ -11,37 +11,43 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from typing import Any, NamedTuple, TypeAlias
 
 import contest
-import drawing
-import draws
+import kit
 import polhode
+import tops
 from contest import WorkPoint, frontier
-from drawing import LOOKS, OTHER_LOOK, WIDTH
 from kit import (
     DASH,
     DIGITS,
+    DOUBLE,
+    LOOKS,
+    MP_DIGITS,
+    OTHER_LOOK,
+    QUAD,
+    TYPES,
+    WIDTH,
+    Answer,
     Column,
     JsonObject,
     Only,
     PageTable,
     Say,
+    as_svg,
     between,
+    clocked,
     counted,
+    even_times,
+    fewest_digits,
     listed,
     median,
+    significant,
     spread,
     table,
 )
 from peers import process
 from peers.process import ask
-from polhode.figures.canvas import as_svg, paper
-from polhode.judging.correct_digits import worst_digits
-from polhode.numbers import number_types
-from polhode.numbers.decimals import significant
-from polhode.numbers.number_types import DOUBLE, Given, named
-from polhode.scenes.scene import even_times
 from programs import BY_NAME, ENGINE, OURS, PROGRAMS, RUN, Program
 
 QUESTION = (
@@ -95,35 +101,6 @@ def versions() -> dict[str, str]:
     return versions_of
 
 
-# --- clock ----------------------------------------------------------------------------------------
-#
-# The processor seconds of a call: the least of several after one that warms up.
-
-
-Answer = TypeVar("Answer")
-
-
-class Timing(NamedTuple):
-    """The least processor seconds, and of how many calls."""
-
-    seconds: float
-    calls: int
-
-
-def timed(call: Callable[[], Answer], repeats: int, patience: float) -> tuple[Answer, Timing]:
-    """What a call returns, and its seconds; one that takes more than the patience is made once."""
-    answer, seconds = _once(call)
-    if seconds > patience:
-        return answer, Timing(seconds, 1)
-    return answer, Timing(min(_once(call)[1] for _ in range(repeats)), repeats)
-
-
-def _once(call: Callable[[], Answer]) -> tuple[Answer, float]:
-    began = time.process_time()
-    answer = call()
-    return answer, time.process_time() - began
-
-
 # --- first result ---------------------------------------------------------------------------------
 #
 # The time to a first result in a new process: imports, compilation, one run.
@@ -136,7 +113,7 @@ _FIRST_LIMIT = 120.0
 
 def first_results(programs: Sequence[Program], quick: bool, say: Say) -> Iterator[dict[str, Any]]:
     """A row a program: wall and processor seconds, with empty caches of compiled code and after."""
-    run, present = draws.draw(KIND, 0, END, OUTPUTS).run(TOLERANCE), draws.present(KIND)
+    run, present = tops.draw(KIND, 0, END, OUTPUTS).run(TOLERANCE), tops.present(KIND)
     for program in programs:
         say(f"first result: {program.name}")
         job = program.job(present, [run])
@@ -224,7 +201,7 @@ _FINE = {
     "double": (1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 2.0**-52),
     "extended": (1e-12, 1e-15, 2.0**-63),
     "quad": (1e-20, 2.0**-112),
-    "mp": (float(named("mp").eps),),
+    "mp": (float(TYPES["mp"].eps),),
 }
 #: Wide types are projected at their own tolerance alone: they are not unless they are asked to be.
 _PROJECTED = _FINE | {"quad": _FINE["quad"][-1:]}
@@ -260,14 +237,14 @@ def motions(quick: bool, only: Only) -> dict[SpeedMotion, list[Way]]:
 
 def scene_of(motion: SpeedMotion) -> polhode.Scene:
     """The motion's scene at its output times, rounded to doubles."""
-    times = tuple(DOUBLE.rounded(t) for t in even_times(Fraction(motion.end), SAMPLES))
+    times = tuple(DOUBLE.rounded(t) for t in even_times(motion.end, SAMPLES))
     return replace(polhode.load(motion.case), times=times, outputs=(), events=(), published=())
 
 
 def row(motion: SpeedMotion, ways: list[Way], quick: bool = False) -> dict[str, Any]:
     """What the ways give on one motion, judged against its exact scene."""
     scene = scene_of(motion)
-    most = max(named(way.number).most_digits for way in ways)
+    most = max(TYPES[way.number].most_digits for way in ways)
     true = polhode.reference(scene).at(scene.times, math.ceil(most) + SPARE_DIGITS)
     return {
         **motion._asdict() | {"motion": motion.name},
@@ -275,34 +252,42 @@ def row(motion: SpeedMotion, ways: list[Way], quick: bool = False) -> dict[str, 
     }
 
 
-def _way_row(way: Way, scene: polhode.Scene, true: Given, quick: bool) -> dict[str, Any]:
+def _way_row(way: Way, scene: polhode.Scene, true: Any, quick: bool) -> dict[str, Any]:
     points = [_point(way, scene, tol, true, quick) for tol in way.tolerances]
     return {"method": way.name, "number": way.number, "points": points}
 
 
-def _point(way: Way, scene: polhode.Scene, tol: float, true: Given, quick: bool) -> dict[str, Any]:
+def _point(way: Way, scene: polhode.Scene, tol: float, true: Any, quick: bool) -> dict[str, Any]:
     """Digits and the least seconds at one tolerance, or why there are none."""
-    number = named(way.number)
+    number = TYPES[way.number]
     options: dict[str, Any] = {
         "tol": None if tol <= float(number.eps) else tol,
         "project": way.project,
     }
     polhode.integrate(scene, number, max_steps=_FEW.get(way.number, 2), **options)
-    run, timing = timed(
-        lambda: polhode.integrate(scene, number, **options),
-        QUICK_REPEATS if quick else REPEATS,
-        PATIENCE,
-    )
+    call = partial(polhode.integrate, scene, number, **options)
+    run, seconds, calls = timed(call, QUICK_REPEATS if quick else REPEATS, PATIENCE)
     if not run.outcome.done:
         return {"tol": tol, "reason": run.outcome.cause}
-    digits = worst_digits(run.states, true, scene, number.most_digits)
+    digits = fewest_digits(run.states, true, scene, number.most_digits)
     return {
         "tol": tol,
         "digits": round(digits, 2),
-        "seconds_min": significant(timing.seconds, 4),
-        "runs": timing.calls,
+        "seconds_min": significant(seconds, 4),
+        "runs": calls,
         "steps": run.steps,
     }
+
+
+def timed(call: Callable[[], Answer], repeats: int, patience: float) -> tuple[Answer, float, int]:
+    """What a call returns, its least seconds, and of how many calls after one that warms up.
+
+    One that takes more than the patience is made once.
+    """
+    answer, seconds = clocked(call)
+    if seconds > patience:
+        return answer, seconds, 1
+    return answer, min(clocked(call)[1] for _ in range(repeats)), repeats
 
 
 # --- refined --------------------------------------------------------------------------------------
@@ -311,6 +296,7 @@ def _point(way: Way, scene: polhode.Scene, tol: float, true: Given, quick: bool)
 
 
 _REPEATS, _PATIENCE = 3, 1.0  # timed runs; longer ones are made once
+LOG10_2 = math.log10(2)
 _SPARE = 12  # digits more that the reference has
 _OUTPUTS = ("angles", "attitude")
 
@@ -334,7 +320,7 @@ CONTESTS = (
     Contest("brick, w3 = 3", _REGULAR, 100, quick=True),
     Contest("brick, w3 = 3", _REGULAR, 1000),
     Contest("brick, w3 = 3, angles and attitude", _REGULAR, 100, outputs=_OUTPUTS),
-    Contest("brick, w3 = 3, 50 digits", _REGULAR, 100, digits=50),
+    Contest("brick, w3 = 3, 50 digits", _REGULAR, 100, digits=MP_DIGITS),
     Contest("chaotic brick, w3 = 1.1", _CHAOTIC, 100, quick=True),
     Contest("Kovalevskaya top", "kovalevskaya/generic", 1000),
 )
@@ -360,36 +346,36 @@ def _row(contest: Contest) -> dict[str, Any]:
         outputs=contest.outputs,
         events=(),
     )
-    number = number_types.QUAD if contest.digits is None else number_types.mp(contest.digits)
+    number = QUAD if contest.digits is None else TYPES["mp"]
     row: dict[str, Any] = {"motion": contest.name, "end": contest.end, "bits": number.bits}
     wide = math.ceil(number.most_digits) + _SPARE
     truth = polhode.reference(scene)
     if truth.is_closed_form:
-        true: Given = truth.at(scene.times, wide)
+        true: Any = truth.at(scene.times, wide)
         row["by"] = "closed form"
     else:  # a method of its own, and more digits
         plain = replace(scene, outputs=())
-        steps = polhode.integrate(plain, number_types.mp(wide), method="taylor")
+        wider = polhode.NumberType("mp", math.ceil(wide / LOG10_2) + 1)
+        steps = polhode.integrate(plain, wider, method="taylor")
         true, row["by"] = steps.states, "steps in more digits"
     runs = []
     for method in ("refined", "taylor"):
         polhode.integrate(
             scene.at([min(10, scene.end)]), number, method=method
         )  # loads what is compiled
-        run, timing = timed(
-            partial(polhode.integrate, scene, number, method=method), _REPEATS, _PATIENCE
-        )
+        call = partial(polhode.integrate, scene, number, method=method)
+        run, seconds, calls = timed(call, _REPEATS, _PATIENCE)
         runs.append(run.states)
         row[method] = {
-            "cpu": float(f"{timing.seconds:.3g}"),
-            "digits": round(worst_digits(run.states, true, scene, cap=wide), 2),
+            "cpu": significant(seconds, 3),
+            "digits": round(fewest_digits(run.states, true, scene, wide), 2),
             "method": run.method,
-            "runs": timing.calls,
+            "runs": calls,
         }
         if run.errors is not None and run.errors[-1] is not None:
-            row["estimate"] = float(f"{run.errors[-1]:.2g}")
-    row["agreement"] = round(worst_digits(runs[1], runs[0], scene, cap=wide), 2)
-    row["gain"] = float(f"{row['taylor']['cpu'] / row['refined']['cpu']:.3g}")
+            row["estimate"] = significant(run.errors[-1], 2)
+    row["agreement"] = round(fewest_digits(runs[1], runs[0], scene, wide), 2)
+    row["gain"] = significant(row["taylor"]["cpu"] / row["refined"]["cpu"], 3)
     return row
 
 
@@ -740,7 +726,7 @@ def lines(curves: Mapping[str, Sequence[Sequence[float]]]) -> Curves:
 def work_precision(panels: Mapping[str, Curves], unit: str) -> str:
     """Error against seconds, one panel per motion; lower left is better."""
     rows = -(-len(panels) // _COLUMNS)
-    with paper() as plt:
+    with polhode.paper() as plt:
         size = WIDTH, _HEIGHT * rows + 1
         figure, grid = plt.subplots(
             rows, _COLUMNS, figsize=size, layout="constrained", sharey=True, squeeze=False
@@ -752,10 +738,10 @@ def work_precision(panels: Mapping[str, Curves], unit: str) -> str:
                 axes.plot(*zip(*points, strict=True), label=name, **LOOKS.get(name, OTHER_LOOK))
             axes.set(xscale="log", yscale="log")
             axes.set_title(title, size=9, loc="left")
-            drawing.plain(axes)
+            kit.plain(axes)
         figure.supxlabel(unit, size=9)
         figure.supylabel("error", size=9)
-        drawing.legend(figure, 3)
+        kit.legend(figure, 3)
         return as_svg(figure)
 
 

@@ -8,7 +8,7 @@ from fractions import Fraction
 from textwrap import fill
 from typing import Any
 
-import drawing
+import kit
 import polhode
 from accuracy import case_rows
 from kit import (
@@ -17,6 +17,7 @@ from kit import (
     NUMBER,
     NUMBERS,
     STEPS,
+    TYPES,
     Column,
     JsonObject,
     Only,
@@ -25,20 +26,18 @@ from kit import (
     by_number,
     cores,
     digits,
+    exactly,
     expected,
     formatted,
     in_numbers,
     in_order,
     runs_of,
     share,
+    significant,
     table,
 )
 from polhode.equations.readout import Readout
-from polhode.judging.correct_digits import log10_errors, log10_rate
-from polhode.numbers import exact
-from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
-from polhode.numbers.number_types import NumberType, Row, Rows, named
-from polhode.numbers.vectors import dot, scaled
+from polhode.numbers.conversion import number_value
 from polhode.taylor.stepping import Integrator
 from polhode.taylor.system import system
 
@@ -111,15 +110,15 @@ def _back(scene: polhode.Scene) -> list[dict[str, Any]]:
     kappa = None if there is None or back is None else max(there, back)
     rows = []
     for name in numbers:
-        eps = error(scene, named(name))
+        eps = error(scene, TYPES[name])
         rows.append(
             {
                 "case": scene.name,
                 "number": name,
                 "log10_kappa": None if there is None else round(there, 2),
                 "log10_kappa_back": None if back is None else round(back, 2),
-                "error_eps": float(f"{eps:.2e}"),
-                "times_kappa": None if kappa is None else float(f"{eps / 10**kappa:.2g}"),
+                "error_eps": significant(eps, 3),
+                "times_kappa": None if kappa is None else significant(eps / 10**kappa, 2),
                 "within": None if kappa is None else eps <= 10**kappa,
             }
         )
@@ -202,7 +201,7 @@ def hard_names(quick: bool = False) -> list[str]:
 # A run to a scene's end and back to its start, and the motion from its end back.
 
 
-def error(scene: polhode.Scene, number: NumberType) -> float:
+def error(scene: polhode.Scene, number: polhode.NumberType) -> float:
     """The error of the state, in eps, of a run to the scene's end and back to 0.
 
     Relative as in *correct digits*, to |w| at 0; against the start as the type rounds it.
@@ -217,13 +216,9 @@ def error(scene: polhode.Scene, number: NumberType) -> float:
     rounded = [number.rounded(x) for x in equations.start]
     read = Readout(plain, number)
     back = read.states([row])[0]
-    bits = 2 * number.bits + 64
-    start = [
-        to_mpf(exactly(x), bits)
-        for x in read.states([[number_value(x, number) for x in rounded]])[0]
-    ]
-    (apart,) = 10 ** log10_errors([back], [start], log10_rate([start], scene))
-    return float(apart / to_double(number.eps))
+    start = read.states([[number_value(x, number) for x in rounded]])[0]
+    (apart,) = polhode.state_errors([back], [start], plain)
+    return float(apart / number.eps)
 
 
 def way_back(scene: polhode.Scene, t: Any, state: Sequence[Any]) -> polhode.Scene:
@@ -231,18 +226,14 @@ def way_back(scene: polhode.Scene, t: Any, state: Sequence[Any]) -> polhode.Scen
 
     gamma is brought to length 1.
     """
-    state = [exactly(x) for x in state]
-    gamma = None
-    if scene.gamma is not None:
-        x, y, z = state[3:]
-        gamma = scaled(1 / exact.sqrt(dot((x, y, z), (x, y, z))), (x, y, z))
-    p, q, r = state[:3]
-    return replace(scene, omega=(p, q, r), gamma=gamma, times=(-t,), outputs=(), events=())
+    p, q, r, *gamma = map(exactly, state)
+    start: dict[str, Any] = {"omega": (p, q, r), "gamma": gamma or None, "normalise": True}
+    return replace(scene, **start, times=(-t,), outputs=(), events=())
 
 
-def _led(integrator: Integrator, t: Fraction) -> Row:
+def _led(integrator: Integrator, t: Fraction) -> Any:
     """The row of an integrator led to a time."""
-    rows: Rows = []
+    rows: Any = []
     while len(rows) == 0:
         rows, _ = integrator.chunk([t], 10**5)
     return rows[0]
@@ -378,4 +369,4 @@ def svgs(results: JsonObject) -> dict[str, str]:
         ]
         for kind in results["kinds"]
     }
-    return {"stability": drawing.svg({kind: dots for kind, dots in groups.items() if dots})}
+    return {"stability": kit.strips({kind: dots for kind, dots in groups.items() if dots})}

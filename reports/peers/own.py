@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 import polhode
+from kit import DOUBLE, EXTENDED
 from peers.field import Run, Top
-from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
 from programs import PROJECTED
 
 UPRIGHT = np.array([0.0, 0.0, 1.0])
@@ -82,7 +82,7 @@ def prepared_many(present: Sequence[bool], method: str) -> Run:
     return propagated if method == "propagator" else integrated
 
 
-def _wanted(tol: float, number: NumberType = DOUBLE) -> float | None:
+def _wanted(tol: float, number: polhode.NumberType = DOUBLE) -> float | None:
     """A tolerance as it is asked for: none at all for the type's eps."""
     return None if tol <= float(number.eps) else tol
 

@@ -11,8 +11,7 @@ import pytest
 import long_run
 import polhode
 import speed
-from drawing import LOOKS, plain
-from polhode.figures.canvas import COLOURS, paper
+from kit import COLOURS, LOOKS, plain
 from programs import PROGRAMS, RUN
 from speed import lines, work_precision
 
@@ -22,7 +21,7 @@ from speed import lines, work_precision
     [(1e-120, 1e5, 4), (1e-9, 1e-3, 4), (0.5, 2e4, 4), (0.9, 25, 4), (2e-4, 4e-3, 3)],
 )
 def test_a_logarithmic_axis_has_labels_each_of_its_value(low, high, least):
-    with paper() as plt:
+    with polhode.paper() as plt:
         figure, axes = plt.subplots()
         axes.set(xscale="log", xlim=(low, high))
         plain(axes)
