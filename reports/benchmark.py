@@ -218,7 +218,7 @@ def write_benchmark(folder: Path, only: Iterable[str] = (), tick: Say | None = N
 
 
 def _save(folder: Path, texts: dict[str, str]) -> list[Path]:
-    return [write_whole(folder / name, text) for name, text in texts.items()]
+    return write_whole({folder / name: text for name, text in texts.items()})
 
 
 def _proof(top: Top) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import signal
 import statistics
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -12,7 +13,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
 from io import StringIO
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 JsonObject: TypeAlias = dict[str, Any]
 #: Told what is being done.
 Say: TypeAlias = Callable[[str], object]
+_IGNORE = signal.SIGINT, signal.SIG_IGN
 Job = TypeVar("Job")
 Answer = TypeVar("Answer")
 
@@ -81,10 +83,18 @@ def in_order(
             tell(job)
             yield answer(job)
         return
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        for job, answers in zip(jobs, pool.map(answer, jobs), strict=True):
-            tell(job)
-            yield answers
+    ignore: dict[str, Any] = {"initializer": signal.signal, "initargs": _IGNORE}
+    with ProcessPoolExecutor(workers, get_context("spawn"), **ignore) as pool:
+        try:
+            futures = [pool.submit(answer, job) for job in jobs]
+            for job, future in zip(jobs, futures, strict=True):
+                result = future.result()
+                tell(job)
+                yield result
+        except BaseException:  # Ctrl-C does not wait for what they have begun
+            for process in active_children():
+                process.terminate()
+            raise
 
 
 def cores() -> int:
@@ -92,12 +102,18 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def write_whole(path: Path, text: str) -> Path:
-    """Write a file whole or not at all; its path."""
-    beside = path.with_name(f".{path.name}.part")
-    beside.write_text(text, encoding="utf-8")
-    os.replace(beside, path)
-    return path
+def write_whole(texts: Mapping[Path, str]) -> list[Path]:
+    """Write files, all of them whole or none; their paths."""
+    parts = {path.with_name(f".{path.name}.part"): path for path in texts}
+    try:
+        for part, path in parts.items():
+            part.write_text(texts[path], encoding="utf-8")
+        for part, path in parts.items():
+            os.replace(part, path)
+    finally:
+        for part in parts:
+            part.unlink(missing_ok=True)
+    return [*texts]
 
 
 # --- row filter -----------------------------------------------------------------------------------
@@ -453,8 +469,8 @@ def legend(figure: Figure, columns: int) -> None:
     for panel in figure.axes:
         for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
             handles.setdefault(name, handle)
-    place = {"loc": "outside upper center", "ncols": columns}
-    figure.legend(handles.values(), handles.keys(), frameon=False, **place)
+    place: dict[str, Any] = {"loc": "outside upper center", "ncols": columns, "frameon": False}
+    figure.legend(handles.values(), handles.keys(), **place)
 
 
 # --- strips ---------------------------------------------------------------------------------------

@@ -399,8 +399,8 @@ def _row(task: Asked, end: int) -> dict[str, Any]:
 def _error(scene: polhode.Scene, state: Sequence[float]) -> float:
     """Of the last state, against the closed form."""
     true = polhode.reference(scene).at(scene.times, DIGITS)
-    start = [[float(x) for x in row] for row in true[:-1]]
-    return float(polhode.state_errors([*start, state], true, scene)[-1])
+    rows: list[Any] = [*true[:-1], state]
+    return float(polhode.state_errors(rows, true, scene)[-1])
 
 
 # --- page -----------------------------------------------------------------------------------------

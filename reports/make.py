@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
+import signal
 import sys
 import time
 from collections.abc import Sequence
@@ -23,7 +24,6 @@ from typing import Any
 import benchmark
 import polhode
 from kit import JsonObject, Only, PageTable, filled, write_whole
-from polhode.common.interrupts import heard
 from polhode.common.texts import as_json
 
 #: The studies, each a file of that name, with _ for -; the seconds that each takes on two
@@ -92,9 +92,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
+class _Interrupt:
+    """What Ctrl-C does: it ends a run early, without an exception, and then the study."""
+
+    came = False
+
+    def __call__(self, *_: object) -> None:
+        self.came = True
+        raise KeyboardInterrupt
+
+
+interrupt = _Interrupt()
+
+
 def say(text: str) -> None:
     """Tell what is being done."""
-    if heard.came:  # a run that Ctrl-C ended is no row
+    if interrupt.came:  # a run that it ended is no row
         raise KeyboardInterrupt
     print(text, file=sys.stderr, flush=True)
 
@@ -115,7 +128,7 @@ def write_study(name: str, folder: Path, quick: bool = False) -> list[Path]:
     }
     texts = {f"{name}.json": as_json(results), **pages(json.loads(as_json(results)))}
     folder.mkdir(parents=True, exist_ok=True)
-    return [write_whole(folder / file, text) for file, text in texts.items()]
+    return write_whole({folder / file: text for file, text in texts.items()})
 
 
 def part(name: str, texts: Sequence[str], quick: bool = False) -> str:
@@ -157,11 +170,13 @@ def write_stale(folder: Path, names: Sequence[str]) -> list[Path]:
         texts |= {folder / file: text for file, text in pages(results).items()}
         if name == "speed" and folder == HERE:
             texts[README] = with_summary(README.read_text(encoding="utf-8"), results)
-    return [
-        write_whole(path, text)
-        for path, text in texts.items()
-        if not path.exists() or path.read_text(encoding="utf-8") != text
-    ]
+    return write_whole(
+        {
+            path: text
+            for path, text in texts.items()
+            if not path.exists() or path.read_text(encoding="utf-8") != text
+        }
+    )
 
 
 def results_of(folder: Path, name: str) -> JsonObject:
@@ -199,4 +214,5 @@ def _command(name: str) -> str:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, interrupt)
     sys.exit(main())

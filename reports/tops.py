@@ -226,6 +226,7 @@ def truth(kind: str, index: int, end: int, many: bool = False) -> Truth:
     ``many``: of the first of many starts the states at the end.
     """
     scene = scene_of(kind, index, end, JUDGED)
+    states: Any
     if many:
         rows = draw(kind, index, end, 2, MANY_JUDGED).start
         members = polhode.integrate_many(scene, starts=rows, at=[0]).members

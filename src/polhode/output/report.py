@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -186,9 +187,13 @@ def report(
         forecast(_foretold(groups))
     sections = []
     for k, ((scene, _), lines) in enumerate(zip(groups, files, strict=True), 1):
-        place = f"{k} of {len(groups)}: "
-        sections.append(accuracy.section(scene, lines, request, lambda x, p=place: say(p + x)))
+        tell = partial(_tell, say, f"{k} of {len(groups)}: ")
+        sections.append(accuracy.section(scene, lines, request, tell))
     return Report(tuple(sections))
+
+
+def _tell(say: Message, place: str, text: str) -> None:
+    say(place + text)
 
 
 def _grouped(sources: Sequence[Any]) -> list[tuple[Scene, list[Given]]]:
