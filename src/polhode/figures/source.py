@@ -109,7 +109,7 @@ def _samples(
     return Samples(table.name, columns, scene, float(number.eps) if number else None)
 
 
-def _log10(values: list[Scalar]) -> Any:
+def _log10(values: Extendeds | Objects) -> Any:
     return np.array([exact.log10(abs(exactly(x))) if x else math.nan for x in values])
 
 
