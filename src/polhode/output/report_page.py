@@ -73,7 +73,7 @@ PARTS: Mapping[str, Part] = {
         "What limits them, and how far each number type reaches",
         f"run {_KNOWN} judged_until number method steps remark",
         "Half lost after, lost after: the times from which on fewer than half of the digits, and "
-        "none, are left; empty where some are to the end. Beyond it they follow from the exponent.",
+        "none, are left; empty where digits are left to the end. Beyond it they follow from the exponent.",
     ),
     "files": Part("Files", f"file verdict {_KNOWN} seconds reading sentence"),
     "orders": Part("Order of convergence", "files_of order order_least order_most"),
@@ -167,8 +167,9 @@ class ReportPage:
             words = (f' class="{row[k]}"' if k in marks else "" for k in range(len(row)))
             body.append("".join(f"<td{w}>{x}</td>" for w, x in zip(words, inner, strict=True)))
         self.markdown.append("\n".join(f"| {' | '.join(line)} |" for line in lines))
-        trs = "\n".join(f"<tr>{line}</tr>" for line in body)
-        self.html.append(f'<div class="wide"><table>{trs}</table></div>')
+        head, *trs = (f"<tr>{line}</tr>" for line in body)
+        table = ["<table><thead>", head, "</thead><tbody>", *trs, "</tbody></table>"]
+        self.html.append(f'<div class="wide">{"".join(table)}</div>')
 
     def files(self) -> Mapping[Path, str | bytes]:
         """Its files: .md with the figures in a folder beside it, or all in one of HTML."""
