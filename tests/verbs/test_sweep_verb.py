@@ -12,7 +12,6 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.runs import integrate_many
 from polhode.verbs import terminal
 from shared.motions import heavy_file
 
@@ -196,6 +195,7 @@ def test_a_number_that_is_not_there_is_null(scene, capsys):
 
 ROWS = np.array([[0.1, 0.5, k, 0, 0.6, 0.8] for k in range(12)])
 NAMES = ["p", "q", "r", "gamma1", "gamma2", "gamma3"]
+STARTED = [f"start.{word}[{k}]" for word in ("omega", "gamma") for k in (1, 2, 3)]
 
 
 def csv_of(rows, names=()) -> str:
@@ -211,17 +211,17 @@ def test_starts_of_a_csv_or_npy_file(scene, capsys, tmp_path):
     np.save(tmp_path / "rows.npy", ROWS)
     (tmp_path / "plain.csv").write_text(csv_of(ROWS))
     (tmp_path / "named.csv").write_text("\ufeff" + csv_of(ROWS[:, order], header) + "\n\n")
-    for file in ("rows.npy", "plain.csv", "named.csv"):
+    odd = csv_of(ROWS).replace(",", ";").replace(".", ",")
+    (tmp_path / "commas.csv").write_text(f"# of a spreadsheet\n{odd}", "utf-16")
+    for file in ("rows.npy", "plain.csv", "named.csv", "commas.csv"):
         code, out, err = run(capsys, scene, "--starts", file, "-o", "x.npz")
         assert (code, out) == (0, "")
         assert err.startswith("heavy.toml: 12 members, double (53 bits)")
-        with np.load("x.npz", allow_pickle=False) as held:
-            states = np.stack([held[name] for name in NAMES], axis=-1)
+        with np.load("x.npz", allow_pickle=False) as arrays:
+            states = np.stack([arrays[name] for name in NAMES], axis=-1)
             assert np.array_equal(states, many.states.reshape(-1, 6))
-            starts = [
-                f"members.start.{word}[{k}]" for word in ("omega", "gamma") for k in (1, 2, 3)
-            ]
-            assert np.array_equal(np.stack([held[name] for name in starts], axis=-1), ROWS)
+            starts = np.stack([arrays[f"members.{key}"] for key in STARTED], axis=-1)
+            assert np.array_equal(starts, ROWS)
     code, out, _ = run(capsys, scene, "--starts", "rows.npy", "--keep", "final", "-o", "x.csv")
     assert code == 0
     assert (tmp_path / "x.csv").read_text().count("\n") == 13
@@ -240,22 +240,24 @@ def test_starts_in_extended_are_read_in_extended(scene, capsys, tmp_path):
     options = ["--starts", "rows.csv", "--number", "extended", "--at", "0", "-o", "x.npz"]
     code, _, _ = run(capsys, scene, *options)
     assert code == 0
-    with np.load("x.npz", allow_pickle=False) as held:
-        assert np.longdouble(held["members.start.omega[1]"][0]) == np.longdouble("0.1") != 0.1
+    with np.load("x.npz", allow_pickle=False) as arrays:
+        assert np.longdouble(arrays["members.start.omega[1]"][0]) == np.longdouble("0.1") != 0.1
 
 
 @pytest.mark.parametrize("ending", [".csv", ".json", ".npz"])
 @pytest.mark.parametrize("number", ["double", "extended"])
-def test_starts_of_a_result_are_its_states(scene, tmp_path, ending, number):
-    run = polhode.integrate(scene, number, at=[1, 2])
-    path = tmp_path / f"run{ending}"
-    run.save(path)
-    held = integrate_many.read(path, run.scene, extended=number == "extended")
-    assert held.dtype == run.states.dtype
-    assert held.tolist() == run.states.tolist()
-    polhode.levels("lagrange/nutation").save(path.with_name(f"levels{ending}"))
-    with pytest.raises(polhode.BadInput, match="expected columns p,q,r,gamma1,gamma2,gamma3"):
-        integrate_many.read(path.with_name(f"levels{ending}"), run.scene)
+def test_starts_of_a_result_are_its_states(scene, capsys, refusal, ending, number):
+    states = polhode.integrate(scene, number, at=[1, 2])
+    states.save(f"run{ending}")
+    options = ["--starts", f"run{ending}", "--number", number, "--at", "0", "-o", "x.npz"]
+    code, _, _ = run(capsys, scene, *options)
+    assert code == 0
+    with np.load("x.npz", allow_pickle=False) as arrays:
+        starts = [arrays[f"members.{key}"].astype(states.states.dtype) for key in STARTED]
+    assert np.stack(starts, axis=-1).tolist() == states.states.tolist()
+    polhode.levels("lagrange/nutation").save(f"levels{ending}")
+    message = refusal("sweep", scene, "--starts", f"levels{ending}")
+    assert "expected columns p,q,r,gamma1,gamma2,gamma3" in message
 
 
 NO_STARTS = [
@@ -276,15 +278,16 @@ NO_STARTS = [
     (["--starts", "tiny.csv"], "tiny.csv: line 2 = 1e-320,2,3,0,0,1: expected 6 numbers"),
     (["--starts", "none.csv"], "none.csv: line 1 = 1e-400,2,3,0,0,1: expected 6 numbers"),
     (["--starts", "other.csv"], "other.csv: line 1 = \u0661,2,3,0,0,1: expected 6 numbers"),
-    (["--starts", "nan.csv"], "starts, row 2 = [nan, 2.0, 3.0, 0.0, 0.0, 1.0]: expected finite nu"),
+    (["--starts", "nan.csv"], "nan.csv: line 2 = ,2,3,0,0,1: expected 6 numbers p,q,r,gamma1,gamm"),
+    (["--starts", "inf.csv"], "starts, row 2 = [inf, 2.0, 3.0, 0.0, 0.0, 1.0]: expected finite nu"),
     (["--starts", "long.csv"], "start.gamma, row 2 = [0.0, 0.0, 2.0]: expected gamma of length 1"),
     (["--starts", "rows.csv", "--number", "quad"], "number = quad: expected double or extended"),
     (["--starts", "rows.csv", "-o", "rows.csv"], "-o: expected another file than the one"),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("options", "said"), NO_STARTS, ids=range(len(NO_STARTS)))
-def test_what_holds_no_starts_is_refused_in_one_line(scene, refusal, tmp_path, options, said):
+@pytest.mark.parametrize(("options", "message"), NO_STARTS, ids=range(len(NO_STARTS)))
+def test_what_holds_no_starts_is_refused_in_one_line(scene, refusal, tmp_path, options, message):
     good = "1,2,3,0,0,1\n"
     np.save("three.npy", ROWS[:2, :3])
     np.save("objects.npy", np.array([{}]), allow_pickle=True)
@@ -300,10 +303,11 @@ def test_what_holds_no_starts_is_refused_in_one_line(scene, refusal, tmp_path, o
         "none.csv": "1e-400,2,3,0,0,1\n",
         "other.csv": "\u0661,2,3,0,0,1\n",
         "nan.csv": good + "nan,2,3,0,0,1\n",
+        "inf.csv": good + "inf,2,3,0,0,1\n",
         "long.csv": good + "1,2,3,0,0,2\n",
     }
     for name, text in texts.items():
         (tmp_path / name).write_text(text, "utf-8")
     (tmp_path / "two.npy").write_bytes(2 * (tmp_path / "three.npy").read_bytes())
     (tmp_path / "short.npy").write_bytes((tmp_path / "three.npy").read_bytes()[:-8])
-    assert said in refusal("sweep", scene, *options)
+    assert message in refusal("sweep", scene, *options)

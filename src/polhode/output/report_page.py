@@ -73,7 +73,8 @@ PARTS: Mapping[str, Part] = {
         "What limits them, and how far each number type reaches",
         f"run {_KNOWN} judged_until number method steps remark",
         "Half lost after, lost after: the times from which on fewer than half of the digits, and "
-        "none, are left; empty where digits are left to the end. Beyond it they follow from the exponent.",
+        "none, are left; empty where digits are left to the end. Beyond it they follow from the "
+        "exponent.",
     ),
     "files": Part("Files", f"file verdict {_KNOWN} seconds reading sentence"),
     "orders": Part("Order of convergence", "files_of order order_least order_most"),

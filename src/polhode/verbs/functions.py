@@ -250,7 +250,6 @@ def sweep(
         Called with the fraction of members done and how many.
     """
     from polhode.dynamics.reduce_many import reduce_many
-    from polhode.runs import integrate_many as starts_file
     from polhode.runs.integrate_many import integrate_many, varied_of
 
     if (starts is None) == (vary is None):
@@ -258,7 +257,9 @@ def sweep(
         raise BadInput(scene.name, "--vary", keys, "numbers to vary or --starts FILE, one of them")
     varied: Any = vary
     if starts is not None:
-        rows = starts_file.read(Path(starts), scene, number == "extended")
+        from polhode.judging.tables.table_file import read_starts
+
+        rows = read_starts(Path(starts), scene, number == "extended")
         scene, varied = varied_of(scene, rows)
     how: dict[str, Any] = {
         "number": number,
