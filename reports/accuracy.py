@@ -66,7 +66,7 @@ QUICK_CASES = (
 #: Longest integration, as the angle |w|·|end|, that each number type is given in the study.
 LONGEST = {"double": 1e7, "extended": 1e6, "quad": 1e4, "mp": 3e3}
 #: Rows that this process made: the study of stability takes those of the hard cases up again.
-_made: dict[str, dict[str, Any]] = {}
+_case_rows: dict[str, dict[str, Any]] = {}
 
 
 def rows(quick: bool, say: Say, only: Only) -> JsonObject:
@@ -76,22 +76,22 @@ def rows(quick: bool, say: Say, only: Only) -> JsonObject:
     ]
     workers = 1 if quick else cores()
 
-    def begun(scene: polhode.Scene) -> None:
+    def tell(scene: polhode.Scene) -> None:
         say(scene.name)
 
-    cases = case_rows([scene for scene in every if only(scene.name)], workers, begun)
+    cases = case_rows([scene for scene in every if only(scene.name)], workers, tell)
     cases_asked = [scene for scene in every if only(scene.name, "proven")]
     alone = [scene for scene in map(provable, cases_asked) if scene is not None]
     printed, labels = [], []
     for scene in every:
         if scene.published and only(scene.name, "printed"):
-            begun(scene)
+            tell(scene)
             figures, moved = printed_figures(scene)
             printed += figures
             labels += moved
     return {
         "cases": cases,
-        "proven": [*in_order(proven_case, alone, workers, begun)],
+        "proven": [*in_order(proven_case, alone, workers, tell)],
         "printed": printed,
         "time_labels": labels,
     }
@@ -103,11 +103,11 @@ def case_rows(
     tell: Callable[[polhode.Scene], object],
 ) -> list[dict[str, Any]]:
     """One row per case of the library, made once in a process; the longest motions come first."""
-    missing = [scene for scene in scenes if scene.name not in _made]
+    missing = [scene for scene in scenes if scene.name not in _case_rows]
     missing.sort(key=lambda scene: -scene.log10_angle)
     for row in in_order(_case, missing, workers, tell):
-        _made[row["case"]] = row
-    return [_made[scene.name] for scene in scenes]
+        _case_rows[row["case"]] = row
+    return [_case_rows[scene.name] for scene in scenes]
 
 
 def _case(scene: polhode.Scene) -> dict[str, Any]:
@@ -453,7 +453,7 @@ def facts(results: JsonObject) -> dict[str, object]:
         "better": sum(gain > 0 for gain in gains),
         "gain": median(gains, "+.1f"),
         "least_gain": f"{min(gains, default=0):+.1f}",
-        "apart": ceil(10 * max((min(one, two) - x for one, two, x in both), default=0)) / 10,
+        "apart": ceil(10 * max((min(steps, two) - x for steps, two, x in both), default=0)) / 10,
         "contained": share(row["inside"] for row in results["proven"]),
         "agreement": between([row["digits_right"] for row in stands["printout"]], ".1f"),
         **{kind: share(row["stands"] for row in rows) for kind, rows in stands.items()},

@@ -69,12 +69,12 @@ def main() -> None:
                 try:
                     ready[many][name] = BY_NAME[name].prepared(present(job["kind"]), many)
                 except Exception as fault:  # of a package that does not fit the others
-                    write({"failed": name, "fault": _told(fault)})
+                    write({"failed": name, "fault": _fault_text(fault)})
     for cell_job in job["cells"]:
         cell = Cell(job["kind"], cell_job["end"], cell_job["outputs"], cell_job["starts"])
         contest = _Contest(cell, [*map(_truth, cell_job["truths"])], ready[bool(cell.starts)])
         contest.hold((job["tolerances"] or {}).get(cell.label), job["patience"])
-        write({"cell": cell.label, "points": contest.told(), "faults": contest.faults})
+        write({"cell": cell.label, "points": contest.plain_points(), "faults": contest.faults})
 
 
 class _Contest:
@@ -139,7 +139,7 @@ class _Contest:
 
     def _fail(self, name: str, tol: float, fault: Exception) -> None:
         """What a program raised, whatever it is: a result."""
-        self.faults[f"{name} at {tol:.1g}"] = _told(fault)
+        self.faults[f"{name} at {tol:.1g}"] = _fault_text(fault)
 
     def _once(self, name: str, k: int, tol: float) -> None:
         """The call that is judged, timed alone; of many starts those that are judged, untimed."""
@@ -163,7 +163,7 @@ class _Contest:
         right = digits(judged(states, self.cell.outputs), truth)
         self.points[name][k, tol] = right, seconds
 
-    def told(self) -> dict[str, list[list[float]]]:
+    def plain_points(self) -> dict[str, list[list[float]]]:
         """The points as plain lists."""
         return {
             name: [
@@ -190,7 +190,7 @@ def timed_again(points: Points, every: bool) -> Iterator[tuple[int, float]]:
         yield from ((k, tol) for tol in sorted(chosen))
 
 
-def _told(fault: Exception) -> str:
+def _fault_text(fault: Exception) -> str:
     return f"{type(fault).__name__}: {fault}"
 
 
@@ -433,11 +433,11 @@ def _truths(
     ends = {(c.kind, c.end, c.starts > 0) for cells in cells_of.values() for c in cells}
     jobs = [(*x, k) for x in sorted(ends, key=lambda x: (-x[1], x)) for k in range(DRAWS)]
 
-    def begun(job: tuple[str, int, bool, int]) -> None:
+    def tell(job: tuple[str, int, bool, int]) -> None:
         if job[-1] == 0:
             say(f"references of {job[0]} to t = {job[1]}{', many starts' if job[2] else ''}")
 
-    return dict(zip(jobs, in_order(_truth_of, jobs, cores(), begun), strict=True))
+    return dict(zip(jobs, in_order(_truth_of, jobs, cores(), tell), strict=True))
 
 
 def _truth_of(job: tuple[str, int, bool, int]) -> Truth:

@@ -82,7 +82,7 @@ def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
         *(("proven", name, PROVEN_END) for name in PROVEN[: 1 if quick else 2] if only(name)),
     ]
     workers = 1 if quick or len(jobs) == 1 else cores()
-    answers = in_order(_made, jobs, workers, lambda job: say(f"{job[0]}, {_told(job[1])}"))
+    answers = in_order(_row_of, jobs, workers, lambda job: say(f"{job[0]}, {_label(job[1])}"))
     parts: dict[str, list[dict[str, Any]]] = {part: [] for part in _MAKERS}
     for job, row in zip(jobs, answers, strict=True):
         parts[job[0]].append(row)
@@ -94,13 +94,13 @@ def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
     return {**parts, "cost": cost}
 
 
-def _made(job: tuple[Any, ...]) -> dict[str, Any]:
+def _row_of(job: tuple[Any, ...]) -> dict[str, Any]:
     """A row: the part of the study that it belongs to, and what it is made of."""
     part, *task = job
     return _MAKERS[part](*task)
 
 
-def _told(subject: EventMotion | str) -> str:
+def _label(subject: EventMotion | str) -> str:
     return subject if isinstance(subject, str) else f"{subject.case}, {subject.what}"
 
 

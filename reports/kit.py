@@ -506,7 +506,7 @@ def strips(groups: Mapping[str, Sequence[JsonObject]]) -> str:
         for number, digits in HELD.items():
             axes.axvline(digits, color=COLOURS[number], lw=0.8, ls=":")
         for number, mark in MARKS.items():
-            rows = [*_placed(number, [*groups.values()])]
+            rows = [*_dots(number, [*groups.values()])]
             x, y, behind = zip(*rows, strict=True) if rows else ((), (), ())
             look: dict[str, Any] = {"color": COLOURS[number], "ms": 3.4, "mew": 0.9, "alpha": 0.85}
             name = f"{number}, {MP_DIGITS} asked" if number == "mp" else number
@@ -520,7 +520,7 @@ def strips(groups: Mapping[str, Sequence[JsonObject]]) -> str:
         return as_svg(figure)
 
 
-def _placed(
+def _dots(
     number: str, groups: Sequence[Sequence[JsonObject]]
 ) -> Iterator[tuple[float, float, bool]]:
     """The digits of a number type's runs, their heights, and which have fewer than expected."""

@@ -128,10 +128,10 @@ def ensembles(
     starts_of = [RunStart(top, k, times, methods) for top in tops for k in range(starts)]
     members: list[Member] = []
 
-    def begun(start: RunStart) -> None:
+    def tell(start: RunStart) -> None:
         say(f"{start.scene.name} of {starts}")
 
-    for start, member in zip(starts_of, in_order(follow, starts_of, workers, begun), strict=True):
+    for start, member in zip(starts_of, in_order(follow, starts_of, workers, tell), strict=True):
         members.append(member)
         if len(members) == starts:
             yield _top_row(start.top, times, members)

@@ -60,28 +60,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("-o", dest="folder", metavar="DIR", type=Path, help="here: reports/")
     stale = "make pages, figures and README's table from the rows again, and name what changes"
     parser.add_argument("--stale", action="store_true", help=stale)
-    asked = parser.parse_args(arguments)
-    if asked.name not in (None, *STUDIES, BENCHMARK):
-        parser.error(f"NAME {asked.name!r}: expected {every_name}")
-    if asked.only and asked.name is None:
+    options = parser.parse_args(arguments)
+    if options.name not in (None, *STUDIES, BENCHMARK):
+        parser.error(f"NAME {options.name!r}: expected {every_name}")
+    if options.only and options.name is None:
         parser.error("--only: expected it with the NAME of one study")
-    if asked.stale and asked.name == BENCHMARK:
+    if options.stale and options.name == BENCHMARK:
         parser.error("--stale: expected a study, as the benchmark is its own rows")
-    folder: Path = asked.folder or HERE / (BENCHMARK * (asked.name == BENCHMARK))
-    names = [asked.name] if asked.name else sorted(STUDIES, key=lambda name: STUDIES[name])
+    folder: Path = options.folder or HERE / (BENCHMARK * (options.name == BENCHMARK))
+    names = [options.name] if options.name else sorted(STUDIES, key=lambda name: STUDIES[name])
     try:
-        if asked.stale:
+        if options.stale:
             changed = write_stale(folder, names)
             print("\n".join(map(str, changed)))
             return int(bool(changed))
-        if asked.only and asked.name != BENCHMARK:
-            print(part(asked.name, asked.only, asked.quick))
+        if options.only and options.name != BENCHMARK:
+            print(part(options.name, options.only, options.quick))
             return 0
         for name in names:
             if name == BENCHMARK:
-                paths = benchmark.write_benchmark(folder, asked.only, say)
+                paths = benchmark.write_benchmark(folder, options.only, say)
             else:
-                paths = write_study(name, folder, asked.quick)
+                paths = write_study(name, folder, options.quick)
             print("\n".join(map(str, paths)))
     except (polhode.BadInput, OSError) as fault:
         print(fault, file=sys.stderr)

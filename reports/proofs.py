@@ -83,11 +83,11 @@ def rows(quick: bool, say: Say, only: Only) -> JsonObject:
         ("orbits", name, grid) for name in (_QUICK if quick else ORBITS) if only(f"orbits: {name}")
     ]
 
-    def begun(job: Job) -> None:
+    def tell(job: Job) -> None:
         say(f"{job[0]} of {job[1]}")
 
     workers = 1 if quick or len(jobs) < 2 else cores()
-    answers = [*in_order(_answer, jobs, workers, begun)]
+    answers = [*in_order(_answer, jobs, workers, tell)]
     return {
         "grid": list(grid),
         "crossings": CROSSINGS,
@@ -101,9 +101,9 @@ def rows(quick: bool, say: Say, only: Only) -> JsonObject:
     }
 
 
-def scene_of(what: str) -> polhode.Scene:
+def scene_of(top_name: str) -> polhode.Scene:
     """The scene of a top."""
-    name = ORBITS.get(what, CHAOS.get(what))
+    name = ORBITS.get(top_name, CHAOS.get(top_name))
     if name is not None:
         return polhode.load(name)
     # Lagrange's top but for a moment that is a fiftieth larger
@@ -162,25 +162,25 @@ def _stable(proof: polhode.ProvedOrbit) -> Row:
     }
 
 
-def _chaos(what: str) -> Row:
+def _chaos(top_name: str) -> Row:
     """A proof of chaos on the scene's own level."""
-    scene = scene_of(what)
+    scene = scene_of(top_name)
     began = time.process_time()
     try:
         proof = polhode.prove_chaos(scene)
     except polhode.NotProved as why:
         seconds = round(time.process_time() - began, 1)
         cause = str(why).partition(": ")[2]
-        return {"what": what, "scene": scene.name, "proved": False, "cause": cause} | {
+        return {"what": top_name, "scene": scene.name, "proved": False, "cause": cause} | {
             "seconds": seconds
         }
     period, _ = proof.orbit.period.decimals
-    row: Row = {"what": what, "scene": scene.name, "proved": True, "period": period}
+    row: Row = {"what": top_name, "scene": scene.name, "proved": True, "period": period}
     row |= {"kind": proof.orbit.kind, "coverings": proof.coverings, "tries": proof.tries}
     row |= {"entropy": proof.entropy, "short": proof.short, "long": proof.long}
     row |= {"stretch": proof.stretch, "height": proof.height, "cone": proof.cone}
     row |= {"h": f"{float(proof.h):g}", "f": f"{float(proof.f):g}"}
-    if what == DRAWN:
+    if top_name == DRAWN:
         row["drawn"] = {
             name: [[round(float(x), 3) for x in axis] for axis in points]
             for name, points in crossings(proof)._asdict().items()

@@ -212,15 +212,15 @@ WAYS = tuple(
 )
 
 
-def _runs(way: Way, motion: SpeedMotion, quick: bool) -> bool:
+def _runs(curve: Way, motion: SpeedMotion, quick: bool) -> bool:
     """Whether a way of a motion is run.
 
     Steps in quad and mp that are projected take 3 to 15 seconds to t = 1000, and nothing is
     projected in these types unless it is asked to be: one motion shows them.
     """
-    if quick and (motion.name not in QUICK_MOTIONS or way.number not in QUICK_TYPES):
+    if quick and (motion.name not in QUICK_MOTIONS or curve.number not in QUICK_TYPES):
         return False
-    wide = way.project and way.number in ("quad", "mp")
+    wide = curve.project and curve.number in ("quad", "mp")
     return not wide or motion.name == TYPES_SHOWN
 
 
@@ -229,9 +229,9 @@ def motions(quick: bool, only: Only) -> dict[SpeedMotion, list[Way]]:
     ways_of: dict[SpeedMotion, list[Way]] = {}
     for motion in MOTIONS:
         labels = motion.name, motion.case, "every motion"
-        for way in WAYS:
-            if _runs(way, motion, quick) and only(*labels, way.name):
-                ways_of.setdefault(motion, []).append(way)
+        for curve in WAYS:
+            if _runs(curve, motion, quick) and only(*labels, curve.name):
+                ways_of.setdefault(motion, []).append(curve)
     return ways_of
 
 
@@ -244,27 +244,27 @@ def scene_of(motion: SpeedMotion) -> polhode.Scene:
 def row(motion: SpeedMotion, ways: list[Way], quick: bool = False) -> dict[str, Any]:
     """What the ways give on one motion, judged against its exact scene."""
     scene = scene_of(motion)
-    most = max(TYPES[way.number].most_digits for way in ways)
+    most = max(TYPES[curve.number].most_digits for curve in ways)
     true = polhode.reference(scene).at(scene.times, math.ceil(most) + SPARE_DIGITS)
     return {
         **motion._asdict() | {"motion": motion.name},
-        "methods": [_way_row(way, scene, true, quick) for way in ways],
+        "methods": [_way_row(curve, scene, true, quick) for curve in ways],
     }
 
 
-def _way_row(way: Way, scene: polhode.Scene, true: Any, quick: bool) -> dict[str, Any]:
-    points = [_point(way, scene, tol, true, quick) for tol in way.tolerances]
-    return {"method": way.name, "number": way.number, "points": points}
+def _way_row(curve: Way, scene: polhode.Scene, true: Any, quick: bool) -> dict[str, Any]:
+    points = [_point(curve, scene, tol, true, quick) for tol in curve.tolerances]
+    return {"method": curve.name, "number": curve.number, "points": points}
 
 
-def _point(way: Way, scene: polhode.Scene, tol: float, true: Any, quick: bool) -> dict[str, Any]:
+def _point(curve: Way, scene: polhode.Scene, tol: float, true: Any, quick: bool) -> dict[str, Any]:
     """Digits and the least seconds at one tolerance, or why there are none."""
-    number = TYPES[way.number]
+    number = TYPES[curve.number]
     options: dict[str, Any] = {
         "tol": None if tol <= float(number.eps) else tol,
-        "project": way.project,
+        "project": curve.project,
     }
-    polhode.integrate(scene, number, max_steps=_FEW.get(way.number, 2), **options)
+    polhode.integrate(scene, number, max_steps=_FEW.get(curve.number, 2), **options)
     call = partial(polhode.integrate, scene, number, **options)
     run, seconds, calls = timed(call, QUICK_REPEATS if quick else REPEATS, PATIENCE)
     if not run.outcome.done:
@@ -418,11 +418,11 @@ _FAULTS = (
 )
 
 
-def _first_column(header: str, way: str, clock: str) -> Column:
+def _first_column(header: str, curve: str, clock: str) -> Column:
     """Seconds of one way by one clock; why there are none, where a program failed."""
 
     def value(row: JsonObject) -> object:
-        return row[way][clock] if way in row else row["fault"] or None
+        return row[curve][clock] if curve in row else row["fault"] or None
 
     return Column(header, value, ".2f")
 

@@ -55,18 +55,18 @@ def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
     """The study's rows; no figure in them depends on the clock."""
     chosen = [name for name in hard_names(quick) if only(name)]
 
-    def begun(scene: polhode.Scene) -> None:
+    def tell(scene: polhode.Scene) -> None:
         say(f"{scene.name}, {chosen.index(scene.name) + 1} of {len(chosen)}")
 
     workers = 1 if quick else cores()
     scenes = [polhode.load(name) for name in chosen]
-    pairs = zip(scenes, case_rows(scenes, workers, begun), strict=True)
+    pairs = zip(scenes, case_rows(scenes, workers, tell), strict=True)
     cases = [_hard(scene, row) for scene, row in pairs]
     longest_first = sorted(scenes, key=lambda scene: -scene.log10_angle)
     ways_back = dict(
         zip(
             (s.name for s in longest_first),
-            in_order(_back, longest_first, workers, begun),
+            in_order(_back, longest_first, workers, tell),
             strict=True,
         )
     )
@@ -105,7 +105,7 @@ def _back(scene: polhode.Scene) -> list[dict[str, Any]]:
         way_back(scene, t, state)
         for t, state in zip(times, polhode.reference(scene).at(times, SPARE_DIGITS), strict=True)
     ]
-    backs = [polhode.conditioning(way, number="quad").log10_kappa[-1] for way in ways]
+    backs = [polhode.conditioning(home, number="quad").log10_kappa[-1] for home in ways]
     back = max((x for x in backs if x is not None), default=None)
     kappa = None if there is None or back is None else max(there, back)
     rows = []

@@ -122,7 +122,7 @@ def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
     cell_contest._once(OURS, 0, 1e-9)
     for _ in range(2):
         cell_contest._block(OURS, 0, 1e-9)
-    ((_, tol, digits, least),) = cell_contest.told()[OURS]
+    ((_, tol, digits, least),) = cell_contest.plain_points()[OURS]
     assert (tol, least) == (1e-9, 1.0)
     assert digits > 15
     entered = {}

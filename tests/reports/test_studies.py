@@ -355,8 +355,8 @@ def test_a_closed_form_beside_the_motion_is_seen(monkeypatch):
     assert row["inside"]
     assert row["digits"] >= accuracy.PROVEN_DIGITS
     omega = (scene.omega[0] + Fraction(1, 10**15), *scene.omega[1:])
-    other = polhode.reference(replace(scene, omega=omega))
-    monkeypatch.setattr(polhode, "reference", lambda _: other)
+    moved = polhode.reference(replace(scene, omega=omega))
+    monkeypatch.setattr(polhode, "reference", lambda _: moved)
     assert not accuracy.proven_case(scene)["inside"]
 
 

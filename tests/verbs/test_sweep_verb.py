@@ -27,8 +27,8 @@ def scene(tmp_path, monkeypatch):
 
 def run(capsys, *arguments):
     code = cli.main(["sweep", *arguments])
-    told = capsys.readouterr()
-    return code, told.out, told.err
+    output = capsys.readouterr()
+    return code, output.out, output.err
 
 
 def test_every_combination_as_json(scene, capsys):
@@ -51,8 +51,8 @@ def test_every_combination_as_json(scene, capsys):
     states = np.array([columns[name][12:15] for name in NAMES]).T
     assert np.allclose(states, single.states, rtol=0, atol=128 * 2.0**-52)
     assert members["outcome"] == ["reached end"] * 6
-    told = {"member", "start.omega[1]", "body.weight", "outcome", "reached", "steps"}
-    assert {*members} == told | {f"drift_{name}" for name in ("h", "f", "gamma", "fourth")}
+    columns = {"member", "start.omega[1]", "body.weight", "outcome", "reached", "steps"}
+    assert {*members} == columns | {f"drift_{name}" for name in ("h", "f", "gamma", "fourth")}
 
 
 def test_a_table_on_stdout_and_a_note_on_stderr(scene, capsys):
@@ -70,15 +70,15 @@ def test_npz(scene, capsys, tmp_path, number):
     code, out, _ = run(capsys, scene, *varied, "--number", number, "-o", "x.npz")
     assert (code, out) == (0, "")
     many = polhode.integrate_many(scene, {"body.weight": [0, 1]}, number=number)
-    with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
-        states = np.stack([held[name].reshape(2, 3) for name in NAMES], axis=-1)
+    with np.load(tmp_path / "x.npz", allow_pickle=False) as arrays:
+        states = np.stack([arrays[name].reshape(2, 3) for name in NAMES], axis=-1)
         if number == "double":
             assert np.array_equal(states, many.states)
         else:
             assert states[1].tolist() == many[1].state_strings()
-        assert held["members.body.weight"].tolist() == ["0", "1"]
-        assert held["members.outcome"].tolist() == ["reached end"] * 2
-        about = json.loads(bytes(held["about"]))
+        assert arrays["members.body.weight"].tolist() == ["0", "1"]
+        assert arrays["members.outcome"].tolist() == ["reached end"] * 2
+        about = json.loads(bytes(arrays["about"]))
     assert (about["number"], about["projected"], about["vary"]) == (number, False, ["body.weight"])
     assert polhode.load_result("x.npz").to_json() == many.to_json()
     assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml", "x.npz"}
@@ -102,9 +102,9 @@ def test_a_member_that_fails_is_told_and_written(scene, capsys, tmp_path):
     assert code == 3
     assert "1 reached end, 1 step limit" in err
     assert "member 2 (body.weight = 1000000): the end needs more steps than the limit" in err
-    with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
-        assert held["members.outcome"].tolist() == ["reached end", "step limit"]
-        assert 3 < len(held["member"]) < 6  # rows that were reached
+    with np.load(tmp_path / "x.npz", allow_pickle=False) as arrays:
+        assert arrays["members.outcome"].tolist() == ["reached end", "step limit"]
+        assert 3 < len(arrays["member"]) < 6  # rows that were reached
 
 
 def test_outputs_are_left_out_and_that_is_said(scene, capsys, tmp_path):
@@ -122,11 +122,11 @@ def test_what_is_finished_at_ctrl_c_is_kept_and_the_same_command_goes_on(
     scene, tmp_path, capsys, monkeypatch
 ):
     """A sweep of seconds, interrupted: no file yet, its finished members in a folder."""
-    told = []
+    sentences = []
 
     def say(_, text):
-        told.append(text)
-        if len(told) == 2:
+        sentences.append(text)
+        if len(sentences) == 2:
             signal.raise_signal(signal.SIGINT)
 
     words = ["--at", "2000", "--vary", "start.omega[3]=0.5:1:400"]
@@ -138,7 +138,7 @@ def test_what_is_finished_at_ctrl_c_is_kept_and_the_same_command_goes_on(
     assert not_run + reached == 400
     assert min(not_run, reached) > 0
     assert "polhode: the same command continues from x.npz.parts\n" in err
-    assert all(re.fullmatch(TOLD, text) for text in told)
+    assert all(re.fullmatch(TOLD, text) for text in sentences)
     assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml", "x.npz.parts"}
     assert run(capsys, scene, *words, "-o", "x.npz")[0] == 0
     assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml", "x.npz"}
@@ -154,7 +154,9 @@ KEEP = ["--vary", "body.weight=0:1:2", "--keep", "largest theta", "--keep", "fir
 
 def test_numbers_of_each_member(scene, capsys, tmp_path):
     """The same numbers as a table, JSON, CSV and NPZ, and as Python has them."""
-    found = polhode.reduce_many(scene, {"body.weight": [0, 1]}, ["largest theta", "first nutation"])
+    reductions = polhode.reduce_many(
+        scene, {"body.weight": [0, 1]}, ["largest theta", "first nutation"]
+    )
     code, out, err = run(capsys, scene, *KEEP)
     header, *lines = out.splitlines()
     assert code == 0
@@ -163,20 +165,20 @@ def test_numbers_of_each_member(scene, capsys, tmp_path):
     assert err == "heavy.toml: 2 members, double (53 bits), not projected; 2 reached end\n"
     answer = json.loads(run(capsys, scene, *KEEP, "--json")[1])
     assert answer["keep"] == ["largest theta", "first nutation"]
-    names = ["member", "body.weight", "outcome", "steps", *found.names]
+    names = ["member", "body.weight", "outcome", "steps", *reductions.names]
     assert [*answer["columns"]] == names
-    for name in found.names:
-        assert answer["columns"][name] == found[name].tolist()
+    for name in reductions.names:
+        assert answer["columns"][name] == reductions[name].tolist()
     assert run(capsys, scene, *KEEP, "-o", "x.csv")[:2] == (0, "")
     rows = [line.split(",") for line in (tmp_path / "x.csv").read_text().splitlines()]
     assert rows[0] == names
-    assert [float(x) for x in rows[2][4:]] == [found[n][1] for n in found.names]
+    assert [float(x) for x in rows[2][4:]] == [reductions[n][1] for n in reductions.names]
     assert json.loads((tmp_path / "x.csv.json").read_text())["keep"] == answer["keep"]
     assert run(capsys, scene, *KEEP, "-o", "x.npz")[:2] == (0, "")
-    with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
-        assert np.array_equal(held["largest theta"], found["largest theta"])
-        assert held["body.weight"].tolist() == ["0", "1"]
-        assert held["outcome"].tolist() == ["reached end"] * 2
+    with np.load(tmp_path / "x.npz", allow_pickle=False) as arrays:
+        assert np.array_equal(arrays["largest theta"], reductions["largest theta"])
+        assert arrays["body.weight"].tolist() == ["0", "1"]
+        assert arrays["outcome"].tolist() == ["reached end"] * 2
     written = {"heavy.toml", "x.csv", "x.csv.json", "x.npz"}
     assert {p.name for p in tmp_path.iterdir()} == written
 

@@ -138,12 +138,12 @@ def check(
     if not scenes:
         raise BadInput("check", "SCENE", None, "a path: no cases are installed")
 
-    def begun(scene: Scene) -> None:
+    def tell(scene: Scene) -> None:
         if tick is not None:
             tick(scene.name)
 
     solve = partial(check_scene, numbers=tuple(numbers), details=details)
-    yield from of_work.in_order(solve, scenes, min(workers, len(scenes)), begun)
+    yield from of_work.in_order(solve, scenes, min(workers, len(scenes)), tell)
 
 
 def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True) -> CaseCheck:

@@ -54,11 +54,11 @@ class TimeLabel(NamedTuple):
 def time_labels(
     scene: Scene,
     reference: Reference | Certified,
-    found: Sequence[PrintedFigure],
+    printed_figures: Sequence[PrintedFigure],
 ) -> Iterator[TimeLabel]:
     """The sources of which a shift of the time explains all figures at once."""
     groups: dict[tuple[str, Any], list[PrintedFigure]] = {}
-    for figure in found:
+    for figure in printed_figures:
         if isinstance(figure.published.t, Fraction):
             groups.setdefault((figure.published.cite, figure.published.t), []).append(figure)
     for (cite, t), figures in groups.items():

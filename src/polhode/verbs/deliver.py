@@ -215,8 +215,8 @@ class Places:
         Files of a kind's own, which are checked as they are made, are written once all others are
         made.
         """
-        kept = getattr(result, "kept", None)
-        if interrupted(result) and kept is not None and kept.folder.exists():
+        checkpoint = getattr(result, "kept", None)
+        if interrupted(result) and checkpoint is not None and checkpoint.folder.exists():
             return ()
         files: dict[Path, str | bytes] = {}
         for path in self.paths:
@@ -234,8 +234,8 @@ class Places:
         for path in own:
             self._save(result, path, line)
         write_whole(files)
-        if kept is not None:
-            kept.remove()
+        if checkpoint is not None:
+            checkpoint.remove()
         return [*own, *files]
 
     def _save(self, result: Any, path: Path, line: ProgressLine) -> None:
@@ -301,9 +301,9 @@ def interrupted(result: Result) -> bool:
 def code_of(result: Result) -> int:
     """The exit code that a result means."""
     if interrupted(result):
-        kept = getattr(result, "kept", None)
-        if kept is not None and kept.folder.exists():
-            note(f"polhode: the same command continues from {kept.folder}")
+        checkpoint = getattr(result, "kept", None)
+        if checkpoint is not None and checkpoint.folder.exists():
+            note(f"polhode: the same command continues from {checkpoint.folder}")
         return INTERRUPTED
     if getattr(result, "passed", None) is False:
         return FAILED
