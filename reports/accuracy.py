@@ -49,9 +49,9 @@ from polhode.checks.published_figures import (
     figures,
     last_unit,
     significant_digits,
+    textbook_digits,
     time_labels,
 )
-from polhode.checks.textbook_digits import textbook_digits
 from polhode.enclosures import approximation, fixed_point_problem
 
 QUESTION = (

@@ -8,8 +8,7 @@ from fractions import Fraction
 from functools import partial
 from pathlib import Path
 
-from polhode.checks.published_figures import PrintedFigure, figures
-from polhode.checks.textbook_digits import WANTED, textbook_digits
+from polhode.checks.published_figures import WANTED, PrintedFigure, figures, textbook_digits
 from polhode.common import processes as of_work
 from polhode.common.errors import BadInput, counted, nearest, one_line
 from polhode.common.interrupts import Message

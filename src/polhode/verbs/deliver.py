@@ -157,12 +157,12 @@ class Places:
             elif self._is_own(path):
                 if ".json" in self.verb.own:
                     from polhode.certificates import certificate_file
-                    from polhode.results.places import refuse_facts
+                    from polhode.results.reader import refuse_facts
 
                     certificate_file.refuse_another(path)
                     refuse_facts(path)
             else:
-                from polhode.results.places import check_place
+                from polhode.results.reader import check_place
 
                 check_place(path, self.verb.kind, self.inputs)
 
@@ -223,10 +223,10 @@ class Places:
             if self._is_figure(path):
                 files[path] = _drawn(result, path.suffix.lower(), self.verb, values)
             elif not self._is_own(path):
-                from polhode.results import places, writer
+                from polhode.results import reader, writer
 
                 content = result.content()
-                places.check_place(path, content.kind, self.inputs)
+                reader.check_place(path, content.kind, self.inputs)
                 files |= writer.files(content, path)
         own = [x for x in self.paths if self._is_own(x)]
         if own and not getattr(result, "times", True):  # of nothing there is no certificate
