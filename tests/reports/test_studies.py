@@ -6,6 +6,7 @@ import copy
 import json
 import re
 import shlex
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -300,6 +301,19 @@ def test_a_quick_study_is_made(name, tmp_path):
     assert results["quick"]
     assert (tmp_path / f"{name}.md").read_text() == make.page(results)
     assert (tmp_path / f"{name}.svg").exists()
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_a_study_and_writes_nothing(tmp_path):
+    """While its processes work: within seconds, where a row takes longer."""
+    command = [sys.executable, make.__file__, "long-run", "-o", str(tmp_path)]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        process.stderr.readline()
+        process.send_signal(signal.SIGINT)
+        _, message = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert message.endswith("make.py: stopped; the study that was being made is not written\n")
+    assert [*tmp_path.iterdir()] == []
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,7 @@ from polhode.numbers.exact import sign
 from polhode.numbers.number_types import Doubles, Given, Real, Scalar, States
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import REQUESTS
 
 #: States of any number type, as a user has them.
 AnyStates: TypeAlias = "States | Sequence[Sequence[Real]]"
@@ -150,7 +151,7 @@ def state_errors(states: AnyStates, true: AnyStates, scene: Scene | str | Path) 
     >>> float(polhode.state_errors(run.states, true, "lagrange/nutation").max()) < 1e-14
     True
     """
-    scene = library.load(scene)
+    scene = library.load(scene, takes=REQUESTS)
     if len(states) != len(true):
         raise BadInput(
             scene.name, "states", f"{len(states)} rows", f"{len(true)}, as the true ones"

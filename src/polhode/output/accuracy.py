@@ -99,7 +99,7 @@ class AccuracyLine(NamedTuple):
     """A run or a table, and how many of its digits are right.
 
     ``judgement``: None where there is none, and ``why`` says why.  ``run``, ``until``: of a run,
-    and the last time that was judged, where that is not its own.  ``given``: of a table.
+    and the last time that was judged, where that is not its own.  ``source``: of a table.
     """
 
     name: str
@@ -107,7 +107,7 @@ class AccuracyLine(NamedTuple):
     why: str = ""
     run: Trajectory | None = None
     until: Exact | None = None
-    given: Given | None = None
+    source: Given | None = None
 
     @property
     def digits(self) -> list[float | None]:
@@ -138,7 +138,7 @@ class AccuracyLine(NamedTuple):
         enough = min(subject.held, subject.number.most_digits) / 2 if goal is None else goal
         return GOOD if self.fewest >= enough else FAIR if self.fewest >= 1 else BAD
 
-    def known(self, motion: Lyapunov) -> Row:
+    def row(self, motion: Lyapunov) -> Row:
         """What limits the digits; the fewest, when, those at the end, when half and all are lost.
 
         The last two of a table as measured, of a run as expected; beyond the end by the exponent of
@@ -152,12 +152,12 @@ class AccuracyLine(NamedTuple):
 
     def _reach(self, motion: Lyapunov) -> Row:
         if self.run is None:
-            held = 0.0 if self.judgement is None else self.judgement.subject.held
+            most = 0.0 if self.judgement is None else self.judgement.subject.held
             times = () if self.judgement is None else self.judgement.times
             rows = [*zip(times, self.digits, strict=True)]
             return tuple(
                 next((to_double(t) for t, d in rows if d is not None and d < least), None)
-                for least in (held / 2, 1.0)
+                for least in (most / 2, 1.0)
             )
         expected, end = self.run.expected, to_double(self.run.scene.end)
         after, rate = [expected.halved_after, expected.lost_after], motion.exponent / math.log(10)
@@ -276,8 +276,8 @@ def of_table(source: Given, scene: Scene, request: ReportRequest) -> AccuracyLin
     try:
         judgement = compare(source.table, scene, **how, **request.limits(scene))
     except ProofTooLong:
-        return AccuracyLine(source.name, None, f"not judged: {NO_PROOF}", given=source)
-    return AccuracyLine(source.name, judgement, given=source)
+        return AccuracyLine(source.name, None, f"not judged: {NO_PROOF}", source=source)
+    return AccuracyLine(source.name, judgement, source=source)
 
 
 # --- rows of the tables ---------------------------------------------------------------------------
@@ -287,13 +287,13 @@ def _run_row(line: AccuracyLine, motion: Lyapunov) -> Row:
     run = line.run
     how = ("", "", None) if run is None else (run.number.name, run.method, run.steps)
     until = None if line.until is None else to_double(line.until)
-    return (line.name, *line.known(motion), until, *how, line.why)
+    return (line.name, *line.row(motion), until, *how, line.why)
 
 
 def _file_row(line: AccuracyLine, motion: Lyapunov, goal: int | None) -> Row:
     reading = "" if line.judgement is None else line.judgement.reading or ""
-    seconds = line.given and line.given.seconds
-    return (line.name, line.mark(goal), *line.known(motion), seconds, reading, line.sentence)
+    seconds = line.source and line.source.seconds
+    return (line.name, line.mark(goal), *line.row(motion), seconds, reading, line.sentence)
 
 
 def _digit_rows(line: AccuracyLine) -> Iterator[Row]:
@@ -335,7 +335,7 @@ def _orders(files: Sequence[AccuracyLine]) -> Iterator[tuple[str, Row]]:
     for _, group in groupby(sorted(files, key=method), method):
         lines = [*group]
         judgements = [x.judgement for x in lines if x.judgement is not None]
-        steps = [x.given.step for x in lines if x.judgement and x.given and x.given.step]
+        steps = [x.source.step for x in lines if x.judgement and x.source and x.source.step]
         if len(judgements) > 1:
             try:
                 order = order_between(judgements, steps if len(steps) == len(lines) else None)
@@ -366,8 +366,8 @@ def _work_rows(
                 for tolerance in (None, *TOLERANCES.get(number, ())):
                     yield _costed(plain, against, number, tolerance)
     for line in files:
-        if line.fewest is not None and line.given and line.given.seconds is not None:
-            yield (line.name, None, line.digits[-1], line.given.seconds)
+        if line.fewest is not None and line.source and line.source.seconds is not None:
+            yield (line.name, None, line.digits[-1], line.source.seconds)
 
 
 def _costed(scene: Scene, against: AnyReference, number: str, tolerance: str | None) -> Row:

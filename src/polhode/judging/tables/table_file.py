@@ -201,9 +201,9 @@ def _starts_of_result(path: Path, scene: Scene, extended: bool) -> npt.NDArray[A
         expected = f"columns {','.join(scene.columns)}"
         raise BadInput(str(path), "columns", ",".join(columns), expected)
     kind = np.longdouble if extended else np.float64
-    held = [columns[name] for name in scene.columns]
+    numbers = [columns[name] for name in scene.columns]
     try:
-        return np.array([[*map(kind, texts(x.values, word_of(x)))] for x in held], kind).T
+        return np.array([[*map(kind, texts(x.values, word_of(x)))] for x in numbers], kind).T
     except ValueError as fault:
         expected = f"a number in every cell of {','.join(scene.columns)} ({fault})"
         raise BadInput(str(path), "columns", None, expected) from None
