@@ -11,31 +11,7 @@ from typing import Any
 import kit
 import polhode
 from accuracy import case_rows
-from kit import (
-    ABOUT,
-    CASE,
-    NUMBER,
-    NUMBERS,
-    STEPS,
-    TYPES,
-    Column,
-    JsonObject,
-    Only,
-    PageTable,
-    Say,
-    by_number,
-    cores,
-    digits,
-    exactly,
-    expected,
-    formatted,
-    in_numbers,
-    in_order,
-    runs_of,
-    share,
-    significant,
-    table,
-)
+from kit import expected
 from polhode.equations.readout import Readout
 from polhode.numbers.conversion import number_value
 from polhode.taylor.stepping import Integrator
@@ -51,14 +27,14 @@ SPARE_DIGITS = 40  # of the states from which kappa of the way back is computed
 QUARTERS = 4  # of the way, each of whose ends is one of those states
 
 
-def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
+def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; no figure in them depends on the clock."""
     chosen = [name for name in hard_names(quick) if only(name)]
 
     def tell(scene: polhode.Scene) -> None:
         say(f"{scene.name}, {chosen.index(scene.name) + 1} of {len(chosen)}")
 
-    workers = 1 if quick else cores()
+    workers = 1 if quick else kit.cores()
     scenes = [polhode.load(name) for name in chosen]
     pairs = zip(scenes, case_rows(scenes, workers, tell), strict=True)
     cases = [_hard(scene, row) for scene, row in pairs]
@@ -66,7 +42,7 @@ def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
     ways_back = dict(
         zip(
             (s.name for s in longest_first),
-            in_order(_back, longest_first, workers, tell),
+            kit.in_order(_back, longest_first, workers, tell),
             strict=True,
         )
     )
@@ -110,15 +86,15 @@ def _back(scene: polhode.Scene) -> list[dict[str, Any]]:
     kappa = None if there is None or back is None else max(there, back)
     rows = []
     for name in numbers:
-        eps = error(scene, TYPES[name])
+        eps = error(scene, kit.TYPES[name])
         rows.append(
             {
                 "case": scene.name,
                 "number": name,
                 "log10_kappa": None if there is None else round(there, 2),
                 "log10_kappa_back": None if back is None else round(back, 2),
-                "error_eps": significant(eps, 3),
-                "times_kappa": None if kappa is None else significant(eps / 10**kappa, 2),
+                "error_eps": kit.significant(eps, 3),
+                "times_kappa": None if kappa is None else kit.significant(eps / 10**kappa, 2),
                 "within": None if kappa is None else eps <= 10**kappa,
             }
         )
@@ -226,7 +202,7 @@ def way_back(scene: polhode.Scene, t: Any, state: Sequence[Any]) -> polhode.Scen
 
     gamma is brought to length 1.
     """
-    p, q, r, *gamma = map(exactly, state)
+    p, q, r, *gamma = map(kit.exactly, state)
     start: dict[str, Any] = {"omega": (p, q, r), "gamma": gamma or None, "normalise": True}
     return replace(scene, **start, times=(-t,), outputs=(), events=())
 
@@ -247,15 +223,15 @@ def _led(integrator: Integrator, t: Fraction) -> Any:
 _AGAIN = "python reports/make.py stability --only {0}"
 
 
-def _pair(run: JsonObject | None) -> float | str | None:
+def _pair(run: kit.JsonObject | None) -> float | str | None:
     """The digits of a run and those expected; in words where it has none."""
-    right = digits(run)
+    right = kit.digits(run)
     if run is None or right is None or isinstance(right, str):
         return right
-    return f"{right:.1f} / {formatted(run['band'], '')}"
+    return f"{right:.1f} / {kit.formatted(run['band'], '')}"
 
 
-_KAPPA = Column(
+_KAPPA = kit.Column(
     "log10 kappa",
     "log10_kappa",
     ".1f",
@@ -263,11 +239,11 @@ _KAPPA = Column(
     "relative change of all inputs at once (a dash: not computed)",
 )
 _CASES = (
-    CASE,
-    Column("difficulty", "kind"),
-    *ABOUT[1:],
+    kit.CASE,
+    kit.Column("difficulty", "kind"),
+    *kit.ABOUT[1:],
     _KAPPA,
-    *in_numbers(
+    *kit.in_numbers(
         _pair,
         "correct digits at the worst output time / where nine in ten runs would end there that "
         "round the state once a step (see [accuracy](accuracy.md)), in that number type (a dash: "
@@ -275,78 +251,80 @@ _CASES = (
     ),
 )
 _BEHIND = (
-    CASE,
-    NUMBER,
-    Column("correct", "correct_digits", ".1f", "correct digits at the worst output time"),
-    Column(
+    kit.CASE,
+    kit.NUMBER,
+    kit.Column("correct", "correct_digits", ".1f", "correct digits at the worst output time"),
+    kit.Column(
         "expected",
         lambda run: expected(run["expected"]),
         ">",
         "where nine in ten such runs would end",
     ),
-    Column("behind", "behind", ".1f", "the least digits expected less those correct"),
-    Column("inputs", "inputs", ".1f", "correct digits of the exact motion of the rounded inputs"),
-    STEPS,
-    Column("limited by", "limit"),
+    kit.Column("behind", "behind", ".1f", "the least digits expected less those correct"),
+    kit.Column(
+        "inputs", "inputs", ".1f", "correct digits of the exact motion of the rounded inputs"
+    ),
+    kit.STEPS,
+    kit.Column("limited by", "limit"),
 )
 _BACK = (
-    CASE,
+    kit.CASE,
     _KAPPA,
-    Column(
+    kit.Column(
         "back",
         "log10_kappa_back",
         ".1f",
         "the largest on the way back, from the end and three times before",
     ),
     *(
-        Column(
+        kit.Column(
             *(f"{name}, eps", f"runs.{name}.error_eps", ".2g"),
             "the error of the state at 0 against the rounded start, in eps of the number type",
         )
-        for name in NUMBERS[:3]
+        for name in kit.NUMBERS[:3]
     ),
-    Column("within kappa·eps", lambda case: _within(case["runs"])),
+    kit.Column("within kappa·eps", lambda case: _within(case["runs"])),
 )
 _UNJUDGED = (
-    CASE,
-    NUMBER,
-    Column("why", lambda run: run.get("limit") or run["outcome"]),
-    Column("kappa", "kappa_note", "", "why the digits expected are not known"),
+    kit.CASE,
+    kit.NUMBER,
+    kit.Column("why", lambda run: run.get("limit") or run["outcome"]),
+    kit.Column("kappa", "kappa_note", "", "why the digits expected are not known"),
 )
 
 
-def tables(results: JsonObject) -> dict[str, PageTable]:
+def tables(results: kit.JsonObject) -> dict[str, kit.PageTable]:
     """The page's tables from the study's JSON object."""
-    cases = {case["case"]: by_number(case) for case in results["cases"]}
+    cases = {case["case"]: kit.by_number(case) for case in results["cases"]}
     hard = [
         {**cases[name], "kind": kind["kind"]} for kind in results["kinds"] for name in kind["cases"]
     ]
-    runs = [{**case, **run} for case, run in runs_of(results["cases"])]
+    runs = [{**case, **run} for case, run in kit.runs_of(results["cases"])]
     late = [run for run in runs if (run.get("behind") or 0) > 0]
-    ways: dict[str, JsonObject] = {}
+    ways: dict[str, kit.JsonObject] = {}
     for row in results["back"]:
         ways.setdefault(row["case"], {**row, "runs": {}})["runs"][row["number"]] = row
     return {
-        "cases": table(hard, _CASES, _AGAIN),
-        "behind": table(sorted(late, key=lambda run: -float(run["behind"])), _BEHIND, _AGAIN),
-        "unjudged": table([r for r in runs if r.get("behind") is None], _UNJUDGED, _AGAIN),
-        "back": table(ways.values(), _BACK, _AGAIN),
+        "cases": kit.table(hard, _CASES, _AGAIN),
+        "behind": kit.table(sorted(late, key=lambda run: -float(run["behind"])), _BEHIND, _AGAIN),
+        "unjudged": kit.table([r for r in runs if r.get("behind") is None], _UNJUDGED, _AGAIN),
+        "back": kit.table(ways.values(), _BACK, _AGAIN),
     }
 
 
-def facts(results: JsonObject) -> dict[str, object]:
+def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    behind = [run.get("behind") for _, run in runs_of(results["cases"])]
+    behind = [run.get("behind") for _, run in kit.runs_of(results["cases"])]
     judged = [row for row in results["back"] if row["within"] is not None]
     return {
-        "enough": share(x <= 0 for x in behind if x is not None),
+        "enough": kit.share(x <= 0 for x in behind if x is not None),
         "motions": len(results["cases"]),
-        "within": share(row["within"] for row in judged),
+        "within": kit.share(row["within"] for row in judged),
         "times_kappa": max((row["times_kappa"] for row in judged), default=0),
     }
 
 
-def _within(runs: JsonObject) -> str:
+def _within(runs: kit.JsonObject) -> str:
     """Of each number type, whether its run came back within kappa·eps."""
     said = {True: "yes", False: "no", None: "not known"}
     return ", ".join(f"{name}: {said[row['within']]}" for name, row in runs.items())
@@ -360,7 +338,7 @@ def _within(runs: JsonObject) -> str:
 _WIDTH = 24  # letters of a line of a strip's name
 
 
-def svgs(results: JsonObject) -> dict[str, str]:
+def svgs(results: kit.JsonObject) -> dict[str, str]:
     """One strip per kind of difficulty; rings have fewer digits than expected."""
     runs = {case["case"]: case["runs"] for case in results["cases"]}
     groups = {
