@@ -13,52 +13,19 @@ from fractions import Fraction
 from math import ceil
 from typing import Any
 
-import drawing
+import kit
 import polhode
-from kit import (
-    ABOUT,
-    CASE,
-    END,
-    NUMBERS,
-    Column,
-    JsonObject,
-    Only,
-    PageTable,
-    Say,
-    T,
-    between,
-    by_number,
-    cores,
-    digits,
-    in_numbers,
-    in_order,
-    listed,
-    median,
-    runs_of,
-    share,
-    table,
-    yes,
-)
+from kit import digits
 from polhode.checks.published_figures import (
     PrintedFigure,
     TimeLabel,
     figures,
     last_unit,
     significant_digits,
+    textbook_digits,
     time_labels,
 )
-from polhode.checks.textbook_digits import textbook_digits
-from polhode.common.provenance import digest
 from polhode.enclosures import approximation, fixed_point_problem
-from polhode.judging.compare import judgement
-from polhode.judging.correct_digits import worst_digits
-from polhode.judging.score import score
-from polhode.judging.tables.table import of_run
-from polhode.numbers.conversion import exactly
-from polhode.numbers.decimals import decimal_string
-from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import QUAD
-from polhode.scenes import library
 
 QUESTION = (
     "How many digits of each case's trajectory are correct in each number type, how far do the "
@@ -69,34 +36,35 @@ QUICK_CASES = (
     *("euler/largest-axis", "euler/separatrix", "euler/sphere", "euler/turned-axes"),
     *("general/asymmetric-chaotic", "published/nasa-brick"),
 )
-MP_DIGITS = 50  # of the runs in mp
 #: Longest integration, as the angle |w|·|end|, that each number type is given in the study.
 LONGEST = {"double": 1e7, "extended": 1e6, "quad": 1e4, "mp": 3e3}
 #: Rows that this process made: the study of stability takes those of the hard cases up again.
-_made: dict[str, dict[str, Any]] = {}
+_case_rows: dict[str, dict[str, Any]] = {}
 
 
-def rows(quick: bool, say: Say, only: Only) -> JsonObject:
+def rows(quick: bool, say: kit.Say, only: kit.Only) -> kit.JsonObject:
     """The study's rows; no figure in them depends on the clock."""
-    every = [polhode.load(name) for name in (QUICK_CASES if quick else library.names())]
-    workers = 1 if quick else cores()
+    every = [
+        polhode.load(name) for name in (QUICK_CASES if quick else polhode.cases().column("scene"))
+    ]
+    workers = 1 if quick else kit.cores()
 
-    def begun(scene: polhode.Scene) -> None:
+    def tell(scene: polhode.Scene) -> None:
         say(scene.name)
 
-    cases = case_rows([scene for scene in every if only(scene.name)], workers, begun)
+    cases = case_rows([scene for scene in every if only(scene.name)], workers, tell)
     cases_asked = [scene for scene in every if only(scene.name, "proven")]
     alone = [scene for scene in map(provable, cases_asked) if scene is not None]
     printed, labels = [], []
     for scene in every:
         if scene.published and only(scene.name, "printed"):
-            begun(scene)
+            tell(scene)
             figures, moved = printed_figures(scene)
             printed += figures
             labels += moved
     return {
         "cases": cases,
-        "proven": [*in_order(proven_case, alone, workers, begun)],
+        "proven": [*kit.in_order(proven_case, alone, workers, tell)],
         "printed": printed,
         "time_labels": labels,
     }
@@ -108,16 +76,16 @@ def case_rows(
     tell: Callable[[polhode.Scene], object],
 ) -> list[dict[str, Any]]:
     """One row per case of the library, made once in a process; the longest motions come first."""
-    missing = [scene for scene in scenes if scene.name not in _made]
+    missing = [scene for scene in scenes if scene.name not in _case_rows]
     missing.sort(key=lambda scene: -scene.log10_angle)
-    for row in in_order(_case, missing, workers, tell):
-        _made[row["case"]] = row
-    return [_made[scene.name] for scene in scenes]
+    for row in kit.in_order(_case, missing, workers, tell):
+        _case_rows[row["case"]] = row
+    return [_case_rows[scene.name] for scene in scenes]
 
 
 def _case(scene: polhode.Scene) -> dict[str, Any]:
     reference = polhode.reference(scene)
-    fitting = [name for name in NUMBERS if 10**scene.log10_angle <= LONGEST[name]]
+    fitting = [name for name in kit.NUMBERS if 10**scene.log10_angle <= LONGEST[name]]
     growth = polhode.conditioning(scene, number=fitting[-1]) if fitting else None
     runs = [_run(scene, reference, name, growth) for name in reversed(fitting)]  # most digits first
     kappas = [x for x in growth.log10_kappa if x is not None] if growth else []
@@ -129,8 +97,8 @@ def _case(scene: polhode.Scene) -> dict[str, Any]:
         "textbook": rounded(textbook_digits(reference)),
         "log10_kappa": round(max(kappas), 2) if kappas else None,
         "kappa_note": growth.note if growth else "",
-        "end": decimal_string(exactly(QUAD.rounded(scene.end)), 6),
-        "sha256": digest(scene.text),
+        "end": polhode.as_decimal(scene.end, 6),
+        "sha256": scene.provenance()["case"],
         "runs": runs[::-1],
     }
 
@@ -144,7 +112,7 @@ def _run(
     run = polhode.integrate(
         scene,
         name,
-        digits=MP_DIGITS if name == "mp" else None,
+        digits=kit.MP_DIGITS if name == "mp" else None,
         method="taylor",
     )
     row: dict[str, Any] = {
@@ -154,7 +122,7 @@ def _run(
         "steps": run.steps,
     }
     if run.outcome.done:
-        judged = judgement(score(of_run(run), reference), details=True, known=growth)
+        judged = polhode.compare(run, reference, details=True)
         worst = judged.state_worst
         at = judged.digits.index(worst)
         row |= {
@@ -166,7 +134,7 @@ def _run(
             "limit": judged.limit,
             "lost": judged.lost or None,
             "drift": {
-                key: None if value is None else float(f"{value:.2e}")
+                key: None if value is None else kit.significant(value, 3)
                 for key, value in run.drift._asdict().items()
             },
             "projection": projection(run),
@@ -187,10 +155,8 @@ def _refined(steps: polhode.Trajectory, judged: polhode.Judgement) -> dict[str, 
         return None
     most = steps.number.most_digits
     return {
-        "correct_digits": round(
-            score(of_run(run), judged.reference, earlier=judged).state_worst, 2
-        ),
-        "agreement": round(worst_digits(run.states, steps.states, scene, most), 2),
+        "correct_digits": round(polhode.compare(run, judged.reference).state_worst, 2),
+        "agreement": round(kit.fewest_digits(run.states, steps.states, scene, most), 2),
     }
 
 
@@ -211,8 +177,8 @@ def projection(run: polhode.Trajectory) -> dict[str, Any] | None:
     return {
         "onto": [*run.projection.onto],
         "count": run.projection.count,
-        "largest": float(f"{run.projection.largest:.2e}"),
-        "sum": float(f"{run.projection.sum:.2e}"),
+        "largest": kit.significant(run.projection.largest, 3),
+        "sum": kit.significant(run.projection.sum, 3),
     }
 
 
@@ -254,8 +220,8 @@ def _figure(case: str, reference: str, figure: PrintedFigure) -> dict[str, Any]:
         "kind": kind_of(printed.cite, printed.recomputed),
         "printed": printed.value,
         "ours": figure.ours,
-        "difference": decimal_string(figure.difference, 2),
-        "last_units": float(f"{float(figure.difference / last_unit(printed.value)):.2g}"),
+        "difference": polhode.as_decimal(figure.difference, 2),
+        "last_units": kit.significant(float(figure.difference / last_unit(printed.value)), 2),
         "digits_shown": significant_digits(printed.value),
         "digits_right": round(figure.digits_right, 1),
         "stands": figure.complete,
@@ -269,9 +235,9 @@ def label_row(case: str, label: TimeLabel) -> dict[str, Any]:
         "case": case,
         "cite": label.cite,
         "t": float(label.t),
-        "shift": float(f"{label.shift:.4g}"),
-        "before": float(f"{label.before:.2g}"),
-        "after": float(f"{label.after:.2g}"),
+        "shift": kit.significant(label.shift, 4),
+        "before": kit.significant(label.before, 2),
+        "after": kit.significant(label.after, 2),
     }
 
 
@@ -290,7 +256,7 @@ def provable(scene: polhode.Scene) -> polhode.Scene | None:
     return alone if scene.times and polhode.reference(alone).is_closed_form else None
 
 
-def proven_times(scene: polhode.Scene) -> list[Exact]:
+def proven_times(scene: polhode.Scene) -> list[Any]:
     """Three times, the last at most so many steps away."""
     away = approximation.steps(fixed_point_problem.motion(scene), scene.end)
     last = scene.end * min(Fraction(1), Fraction(STEPS) / Fraction(math.ceil(away) + 1))
@@ -304,15 +270,15 @@ def proven_case(scene: polhode.Scene) -> dict[str, Any]:
     exact = polhode.reference(scene)
     true = exact.at(times, 2 * PROVEN_DIGITS + 20)
     ratios = [
-        float(abs(exactly(x) - middle) / Fraction(radius))
+        float(abs(kit.exactly(x) - middle) / Fraction(radius))
         for row, middles, radii in zip(true, enclosure.centres, enclosure.radii, strict=True)
         for x, middle, radius in zip(row, middles, radii, strict=True)
     ]
     return {
         "case": scene.name,
         "reference": exact.kind,
-        "end": float(f"{float(times[-1]):.4g}"),
-        "ratio": float(f"{max(ratios):.2g}"),
+        "end": kit.significant(float(times[-1]), 4),
+        "ratio": kit.significant(max(ratios), 2),
         "inside": max(ratios) <= 1.0,
         "digits": round(enclosure.proven, 2),
         "tries": enclosure.tries,
@@ -330,112 +296,118 @@ _DRIFT = (
     "the run in double"
 )
 _CASES = (
-    *ABOUT,
-    Column(
+    *kit.ABOUT,
+    kit.Column(
         *("judged by", "reference", ""),
         "the closed form of that family of motions (of euler, lagrange, pendulum and most of "
         "kovalevskaya proven), or a proven enclosure",
     ),
-    Column(
+    kit.Column(
         *("mpmath", "textbook", ".1f"),
         "digits, of 30 asked for, to which the closed form and a textbook's formulas in mpmath's "
         "functions agree at one time (a dash: none of the three classical tops, or a motion that "
         "those formulas do not have)",
     ),
-    *in_numbers(
+    *kit.in_numbers(
         digits,
         "correct digits of the run in that number type, at its worst output time (a dash: not "
         "run, it would take too long)",
     ),
-    Column(
+    kit.Column(
         "inputs",
         "runs.double.inputs",
         ".1f",
         "correct digits if the scene's rounded numbers were the only error",
     ),
-    Column("expected", "runs.double.band", ">", "where nine in ten such runs in double would end"),
-    Column("limit", "runs.double.limit", "", "what limits the digits in double"),
-    Column("drift h", "runs.double.drift.h", ".0e", _DRIFT),
-    Column("drift f", "runs.double.drift.f", ".0e", _DRIFT),
-    Column(
+    kit.Column(
+        "expected", "runs.double.band", ">", "where nine in ten such runs in double would end"
+    ),
+    kit.Column("limit", "runs.double.limit", "", "what limits the digits in double"),
+    kit.Column("drift h", "runs.double.drift.h", ".0e", _DRIFT),
+    kit.Column("drift f", "runs.double.drift.f", ".0e", _DRIFT),
+    kit.Column(
         "corrections",
         "runs.double.projection.sum",
         ".0e",
         "the sum of all corrections that put the run in double back on its integrals, w in units "
         "in which it is of order 1 (a dash: it was not put back)",
     ),
-    Column("steps", "runs.double.steps", "d", "steps of the run in double"),
-    Column(
+    kit.Column("steps", "runs.double.steps", "d", "steps of the run in double"),
+    kit.Column(
         "outcome",
-        lambda case: listed(run["outcome"] for run in case["runs"].values()),
+        lambda case: kit.listed(run["outcome"] for run in case["runs"].values()),
         meaning="how the runs ended",
     ),
 )
 
 _PROVEN = (
-    CASE,
-    Column("closed form", "reference"),
-    END,
-    Column("proven digits", "digits", ".1f"),
-    Column(
+    kit.CASE,
+    kit.Column("closed form", "reference"),
+    kit.END,
+    kit.Column("proven digits", "digits", ".1f"),
+    kit.Column(
         "worst",
         "ratio",
         ".2g",
         "the largest |closed form − midpoint| over the radius: 1 or less lies inside",
     ),
-    Column("tries", "tries", "d", "proofs begun, with more bits each, until one gave the digits"),
-    Column("inside", yes("inside", "NO")),
+    kit.Column(
+        "tries", "tries", "d", "proofs begun, with more bits each, until one gave the digits"
+    ),
+    kit.Column("inside", kit.yes("inside", "NO")),
 )
 _KINDS = ("value", "printout", "recomputed")
 _FIGURES = (
-    CASE,
-    Column("kind", "kind"),
-    T,
-    Column("quantity", "quantity", "code"),
-    Column("printed", "printed", ">"),
-    Column("ours", "ours", ">", "evaluated to 8 digits more than are printed, shown with 2 more"),
-    Column("difference", "difference", ">"),
-    Column("units", "last_units", ".2g", "the difference in units of the last digit printed"),
-    Column(
+    kit.CASE,
+    kit.Column("kind", "kind"),
+    kit.T,
+    kit.Column("quantity", "quantity", "code"),
+    kit.Column("printed", "printed", ">"),
+    kit.Column(
+        "ours", "ours", ">", "evaluated to 8 digits more than are printed, shown with 2 more"
+    ),
+    kit.Column("difference", "difference", ">"),
+    kit.Column("units", "last_units", ".2g", "the difference in units of the last digit printed"),
+    kit.Column(
         "digits right",
         lambda row: f"{row['digits_right']:.1f} of {row['digits_shown']}",
         *(">", "-log10 of the relative difference, and how many digits are printed"),
     ),
-    Column("verdict", lambda row: _verdict(row)),
-    Column("source", "cite"),
+    kit.Column("verdict", lambda row: _verdict(row)),
+    kit.Column("source", "cite"),
 )
 _LABELS = (
-    CASE,
-    Column("source", "cite"),
-    T,
-    Column("shift", "shift", "+.4g", "the figures agree at the time t and this shift"),
-    Column("largest difference", "before", ".1e", "at the time that the source gives"),
-    Column("shifted", "after", ".1e", "the same at the shifted time"),
+    kit.CASE,
+    kit.Column("source", "cite"),
+    kit.T,
+    kit.Column("shift", "shift", "+.4g", "the figures agree at the time t and this shift"),
+    kit.Column("largest difference", "before", ".1e", "at the time that the source gives"),
+    kit.Column("shifted", "after", ".1e", "the same at the shifted time"),
 )
 
 
-def _verdict(row: JsonObject) -> str:
+def _verdict(row: kit.JsonObject) -> str:
     """What is said of a figure; of a printout, how far it agrees."""
     if row["stands"] or row["kind"] != "printout":
         return str(row["verdict"])
     return f"agrees to {row['digits_right']:.1f} digits"
 
 
-def tables(results: JsonObject) -> dict[str, PageTable]:
+def tables(results: kit.JsonObject) -> dict[str, kit.PageTable]:
     """The page's tables from the study's JSON object."""
     printed = f"{_AGAIN} --only printed --only {{0}}"
     by_kind = sorted(results["printed"], key=lambda row: _KINDS.index(row["kind"]))
     return {
-        "cases": table(map(by_number, results["cases"]), _CASES, f"{_AGAIN} --only {{0}}"),
-        "proven": table(results["proven"], _PROVEN, f"{_AGAIN} --only proven --only {{0}}"),
-        "printed": table(by_kind, _FIGURES, printed),
-        "time_labels": table(results["time_labels"], _LABELS, printed),
+        "cases": kit.table(map(kit.by_number, results["cases"]), _CASES, f"{_AGAIN} --only {{0}}"),
+        "proven": kit.table(results["proven"], _PROVEN, f"{_AGAIN} --only proven --only {{0}}"),
+        "printed": kit.table(by_kind, _FIGURES, printed),
+        "time_labels": kit.table(results["time_labels"], _LABELS, printed),
     }
 
 
-def facts(results: JsonObject) -> dict[str, object]:
+def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    runs = [run for _, run in runs_of(results["cases"])]
+    runs = [run for _, run in kit.runs_of(results["cases"])]
     judged = [
         (run["correct_digits"], run["expected"], run["limit"])
         for run in runs
@@ -458,12 +430,12 @@ def facts(results: JsonObject) -> dict[str, object]:
         "method": sum(limit.startswith("method") for limit in below),
         "refined": len(both),
         "better": sum(gain > 0 for gain in gains),
-        "gain": median(gains, "+.1f"),
+        "gain": kit.median(gains, "+.1f"),
         "least_gain": f"{min(gains, default=0):+.1f}",
-        "apart": ceil(10 * max((min(one, two) - x for one, two, x in both), default=0)) / 10,
-        "contained": share(row["inside"] for row in results["proven"]),
-        "agreement": between([row["digits_right"] for row in stands["printout"]], ".1f"),
-        **{kind: share(row["stands"] for row in rows) for kind, rows in stands.items()},
+        "apart": ceil(10 * max((min(steps, two) - x for steps, two, x in both), default=0)) / 10,
+        "contained": kit.share(row["inside"] for row in results["proven"]),
+        "agreement": kit.between([row["digits_right"] for row in stands["printout"]], ".1f"),
+        **{kind: kit.share(row["stands"] for row in rows) for kind, rows in stands.items()},
     }
 
 
@@ -472,9 +444,9 @@ def facts(results: JsonObject) -> dict[str, object]:
 # Figure of the accuracy study: the digits of every case, a strip for each kind of top.
 
 
-def svgs(results: JsonObject) -> dict[str, str]:
+def svgs(results: kit.JsonObject) -> dict[str, str]:
     """Correct digits of every case in every number type, from the study's JSON object."""
-    groups: dict[str, list[JsonObject]] = {}
+    groups: dict[str, list[kit.JsonObject]] = {}
     for case in results["cases"]:
         groups.setdefault(case["case"].partition("/")[0], []).extend(case["runs"])
-    return {"accuracy": drawing.svg(groups)}
+    return {"accuracy": kit.strips(groups)}

@@ -10,18 +10,13 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import polhode
 from kit import Say, write_whole
 from polhode.certificates import state_certificate
-from polhode.certificates.certificate_file import JsonObject
-from polhode.common.interrupts import Progress
 from polhode.enclosures.statement import LENGTH
 from polhode.equations.kinematics import starting_attitude
-from polhode.numbers.decimals import decimal_string
-from polhode.numbers.exact import Exact, binary, rounded
-from polhode.scenes import library
 
 # --- tops -----------------------------------------------------------------------------------------
 #
@@ -87,7 +82,7 @@ TOPS = (
 
 COLUMNS = ("t", "p", "q", "r", "gamma1", "gamma2", "gamma3", "q0", "q1", "q2", "q3")
 _BEYOND = (8, 20, 60)  # digits more than those that are written, where fewer leave a doubt
-_BITS = 1000  # of irrational numbers of a start, from which its decimals are made
+_EXACT = 300  # digits of numbers of a start, from which its decimals are made
 
 
 @dataclass(frozen=True)
@@ -102,7 +97,7 @@ class CertifiedValues:
     rows: tuple[tuple[str, ...], ...]
     places: tuple[int, int]
 
-    def certificate(self, progress: Progress | None = None) -> JsonObject:
+    def certificate(self, progress: Any = None) -> Any:
         """The certificate that each value is right to its last place, as JSON's objects."""
         gamma = self.scene.gamma
         assert gamma is not None
@@ -123,9 +118,9 @@ class CertifiedValues:
         return "\n".join([",".join(COLUMNS), *lines]) + "\n"
 
 
-def certified_values(top: Top, progress: Progress | None = None) -> CertifiedValues:
+def certified_values(top: Top, progress: Any = None) -> CertifiedValues:
     """The values of a top at its times, proved by an enclosure."""
-    scene = replace(library.load(top.case), outputs=("attitude",))
+    scene = replace(polhode.load(top.case), outputs=("attitude",))
     times = [Fraction(t) for t in top.times]
     for more in _BEYOND:
         enclosure = polhode.certify(scene, times, digits=DIGITS + more, progress=progress)
@@ -168,10 +163,10 @@ def _start(scene: polhode.Scene, places: tuple[int, int]) -> tuple[str, ...]:
     """The scene's own start, rounded as the values are."""
     gamma = scene.gamma
     assert gamma is not None
-    numbers: list[Exact] = [*scene.omega, *gamma, *starting_attitude(gamma, scene.psi)]
+    numbers: list[Any] = [*scene.omega, *gamma, *starting_attitude(gamma, scene.psi)]
     decimals = []
     for k, x in enumerate(numbers):
-        near = x if isinstance(x, Fraction) else binary(*rounded(x, _BITS))
+        near = Fraction(polhode.as_decimal(x, _EXACT))
         decimals.append(_decimal(round(near * 10 ** places[k >= 3]), places[k >= 3]))
     return tuple(decimals)
 
@@ -195,10 +190,7 @@ DATA, PAGE = "tops.json", "README.md"
 CHECKERS = ("check.py", "check.c", "check.js")
 SECONDS = 7  # of the processor that a top takes, about
 NAME = "heavy top benchmark"
-_PLACES, _DATA_BITS = (
-    60,
-    1000,
-)  # of decimals of data that have no end, and of what they are made from
+_PLACES = 60  # of decimals of data that have no end
 _HERE = Path(__file__).parent
 
 
@@ -226,7 +218,7 @@ def write_benchmark(folder: Path, only: Iterable[str] = (), tick: Say | None = N
 
 
 def _save(folder: Path, texts: dict[str, str]) -> list[Path]:
-    return [write_whole(folder / name, text) for name, text in texts.items()]
+    return write_whole({folder / name: text for name, text in texts.items()})
 
 
 def _proof(top: Top) -> str:
@@ -264,8 +256,7 @@ def data(values_of: dict[str, CertifiedValues]) -> str:
 
 def _written(case: str) -> dict[str, object]:
     """Body and start as the scene's file has them, numbers as texts."""
-    path = library.folder() / f"{case}.toml"
-    numbers = tomllib.loads(path.read_text(encoding="utf-8"), parse_float=str)
+    numbers = tomllib.loads(polhode.load(case).source, parse_float=str)
     return {part: numbers[part] for part in ("body", "start")}
 
 
@@ -278,10 +269,9 @@ def _decimals(scene: polhode.Scene) -> dict[str, object]:
     return {"weight": _data_decimal(body.weight), **decimals}
 
 
-def _data_decimal(x: Exact) -> str:
+def _data_decimal(x: Any) -> str:
     """In full where that is short, else to 60 digits."""
-    near = x if isinstance(x, Fraction) else binary(*rounded(x, _DATA_BITS))
-    text = decimal_string(near, _PLACES)
+    text = polhode.as_decimal(x, _PLACES)
     return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
 
 

@@ -29,8 +29,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import draws
-from draws import (
+import tops
+from kit import Only, Say, clocked, cores, in_order, significant
+from peers.field import Run
+from peers.process import ask, end_with_parent, write
+from programs import BY_NAME, MANY, OURS, OWN, Program
+from tops import (
     DRAWS,
     MANY_JUDGED,
     Cell,
@@ -42,11 +46,6 @@ from draws import (
     median_digits,
     present,
 )
-from kit import Only, Say, cores, in_order
-from peers.field import Run
-from peers.process import ask, end_with_parent, write
-from polhode.numbers.decimals import significant
-from programs import BY_NAME, MANY, OURS, OWN, Program
 
 LEVELS = (6.0, 9.0, 12.0)
 ROUNDS = 5  # of timed blocks of calls, fewer where they take longer than the job's patience
@@ -70,12 +69,12 @@ def main() -> None:
                 try:
                     ready[many][name] = BY_NAME[name].prepared(present(job["kind"]), many)
                 except Exception as fault:  # of a package that does not fit the others
-                    write({"failed": name, "fault": _told(fault)})
+                    write({"failed": name, "fault": _fault_text(fault)})
     for cell_job in job["cells"]:
         cell = Cell(job["kind"], cell_job["end"], cell_job["outputs"], cell_job["starts"])
         contest = _Contest(cell, [*map(_truth, cell_job["truths"])], ready[bool(cell.starts)])
         contest.hold((job["tolerances"] or {}).get(cell.label), job["patience"])
-        write({"cell": cell.label, "points": contest.told(), "faults": contest.faults})
+        write({"cell": cell.label, "points": contest.plain_points(), "faults": contest.faults})
 
 
 class _Contest:
@@ -126,19 +125,21 @@ class _Contest:
             start = self.draws[k].start.copy()
             start[..., 0] += (1 + self._calls % 15) * _NUDGE
             starts.append(start)
-        try:
-            began = time.process_time()
+
+        def block() -> None:
             for start in starts:
                 run(top, start, self.times, tol)
-            seconds = (time.process_time() - began) / len(starts)
+
+        try:
+            _, seconds = clocked(block)
         except Exception as fault:
             self._fail(name, tol, fault)
             return
-        self.points[name][k, tol] = right, min(least, seconds)
+        self.points[name][k, tol] = right, min(least, seconds / len(starts))
 
     def _fail(self, name: str, tol: float, fault: Exception) -> None:
         """What a program raised, whatever it is: a result."""
-        self.faults[f"{name} at {tol:.1g}"] = _told(fault)
+        self.faults[f"{name} at {tol:.1g}"] = _fault_text(fault)
 
     def _once(self, name: str, k: int, tol: float) -> None:
         """The call that is judged, timed alone; of many starts those that are judged, untimed."""
@@ -151,9 +152,7 @@ class _Contest:
                 return
             # what is made on the first call, a short one, is not timed
             run(top, start, self.times / self.cell.end, tol)
-            began = time.process_time()
-            states = run(top, start, self.times, tol)
-            seconds = time.process_time() - began
+            states, seconds = clocked(lambda: run(top, start, self.times, tol))
         except Exception as fault:
             self._fail(name, tol, fault)
             return
@@ -164,7 +163,7 @@ class _Contest:
         right = digits(judged(states, self.cell.outputs), truth)
         self.points[name][k, tol] = right, seconds
 
-    def told(self) -> dict[str, list[list[float]]]:
+    def plain_points(self) -> dict[str, list[list[float]]]:
         """The points as plain lists."""
         return {
             name: [
@@ -191,7 +190,7 @@ def timed_again(points: Points, every: bool) -> Iterator[tuple[int, float]]:
         yield from ((k, tol) for tol in sorted(chosen))
 
 
-def _told(fault: Exception) -> str:
+def _fault_text(fault: Exception) -> str:
     return f"{type(fault).__name__}: {fault}"
 
 
@@ -272,10 +271,10 @@ _MODULE = "contest"
 def wanted_cells(quick: bool, only: Only) -> dict[str, list[Cell]]:
     """The cells to hold, by kind."""
     cells: dict[str, list[Cell]] = {}
-    for kind in QUICK_KINDS if quick else draws.KINDS:
+    for kind in QUICK_KINDS if quick else tops.KINDS:
         here = [
             cell
-            for cell in draws.cells(kind)
+            for cell in tops.cells(kind)
             if (not quick or cell[1:] in QUICK_CELLS) and only(cell.label)
         ]
         if here:
@@ -434,16 +433,16 @@ def _truths(
     ends = {(c.kind, c.end, c.starts > 0) for cells in cells_of.values() for c in cells}
     jobs = [(*x, k) for x in sorted(ends, key=lambda x: (-x[1], x)) for k in range(DRAWS)]
 
-    def begun(job: tuple[str, int, bool, int]) -> None:
+    def tell(job: tuple[str, int, bool, int]) -> None:
         if job[-1] == 0:
             say(f"references of {job[0]} to t = {job[1]}{', many starts' if job[2] else ''}")
 
-    return dict(zip(jobs, in_order(_truth_of, jobs, cores(), begun), strict=True))
+    return dict(zip(jobs, in_order(_truth_of, jobs, cores(), tell), strict=True))
 
 
 def _truth_of(job: tuple[str, int, bool, int]) -> Truth:
     kind, end, many, k = job
-    return draws.truth(kind, k, end, many)
+    return tops.truth(kind, k, end, many)
 
 
 def _plain(true: Truth) -> list[Any]:

@@ -9,30 +9,11 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-import drawing
+import mpmath
+
+import kit
 import polhode
-from kit import (
-    CASE,
-    DIGITS,
-    END,
-    NUMBER,
-    NUMBERS,
-    Column,
-    JsonObject,
-    Only,
-    PageTable,
-    Say,
-    cores,
-    in_order,
-    share,
-    table,
-)
-from polhode.figures.canvas import COLOURS, MARKS, as_svg, paper
-from polhode.numbers import decimals, exact
-from polhode.numbers.conversion import exactly, to_mpf
-from polhode.numbers.mpmath_context import mpmath, own
-from polhode.numbers.number_types import NumberType
-from polhode.scenes import vocabulary as columns_
+from kit import share
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,33 +54,33 @@ COST_ENDS = {"double": 2000, "extended": 200, "quad": 5, "mp": 2}
 COST_EVENTS = ("p*gamma2 - q*gamma1", "q", "gamma3 - 1/2")
 
 
-def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
+def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; only the seconds in them depend on the clock."""
     far = QUICK_FAR if quick else FAR
     jobs: list[tuple[Any, ...]] = [
         *(("motions", m, far) for m in (MOTIONS[:3] if quick else MOTIONS) if only(m.case, m.what)),
         *(("proven", name, PROVEN_END) for name in PROVEN[: 1 if quick else 2] if only(name)),
     ]
-    workers = 1 if quick or len(jobs) == 1 else cores()
-    answers = in_order(_made, jobs, workers, lambda job: say(f"{job[0]}, {_told(job[1])}"))
+    workers = 1 if quick or len(jobs) == 1 else kit.cores()
+    answers = kit.in_order(_row_of, jobs, workers, lambda job: say(f"{job[0]}, {_label(job[1])}"))
     parts: dict[str, list[dict[str, Any]]] = {part: [] for part in _MAKERS}
     for job, row in zip(jobs, answers, strict=True):
         parts[job[0]].append(row)
     cost = []
-    for name in NUMBERS:  # alone: a clock runs
+    for name in kit.NUMBERS:  # alone: a clock runs
         if only("cost", name):
             say(f"cost in {name}")
             cost.append(_cost_row(name, 3 if quick else 9))
     return {**parts, "cost": cost}
 
 
-def _made(job: tuple[Any, ...]) -> dict[str, Any]:
+def _row_of(job: tuple[Any, ...]) -> dict[str, Any]:
     """A row: the part of the study that it belongs to, and what it is made of."""
     part, *task = job
     return _MAKERS[part](*task)
 
 
-def _told(subject: EventMotion | str) -> str:
+def _label(subject: EventMotion | str) -> str:
     return subject if isinstance(subject, str) else f"{subject.case}, {subject.what}"
 
 
@@ -114,8 +95,8 @@ def _motion(motion: EventMotion, far: dict[str, int]) -> dict[str, Any]:
         "case": motion.case,
         "zero": motion.zero,
         "what": motion.what,
-        "period": decimals.decimal_string(zeros.period, 18),
-        "near": [_run(scene, zeros, name, near) for name in NUMBERS],
+        "period": polhode.as_decimal(zeros.period, 18),
+        "near": [_run(scene, zeros, name, near) for name in kit.NUMBERS],
         "far": [_run(scene, zeros, name, end) for name, end in far.items()],
     }
 
@@ -138,20 +119,20 @@ def _run(scene: polhode.Scene, zeros: Zeros, name: str, end: int) -> dict[str, A
         ulps = [float(abs(t - x) / ulp(x, run.number.bits)) for t, x in pairs]
         every = max(1, len(pairs) // KEPT)
         row |= {
-            "ulps": float(f"{max(ulps):.3g}"),
-            "error": float(f"{float(max(abs(t - x) for t, x in pairs)):.2e}"),
+            "ulps": kit.significant(max(ulps), 3),
+            "error": kit.significant(float(max(abs(t - x) for t, x in pairs)), 3),
             "digits": round(min(_digits(t, x, run.number) for t, x in pairs), 2),
             "samples": [
-                [round(float(x), 3), float(f"{u:.3g}")]
+                [round(float(x), 3), kit.significant(u, 3)]
                 for (_, x), u in list(zip(pairs, ulps, strict=True))[::every]
             ],
         }
     return row
 
 
-def _digits(t: Fraction, true: Fraction, number: NumberType) -> float:
+def _digits(t: Fraction, true: Fraction, number: polhode.NumberType) -> float:
     error = abs(t - true) / true
-    return number.most_digits if error == 0 else min(number.most_digits, -exact.log10(error))
+    return number.most_digits if error == 0 else min(number.most_digits, -math.log10(error))
 
 
 def _watching(scene: polhode.Scene, *zeros: str) -> polhode.Scene:
@@ -178,11 +159,13 @@ def _proven(name: str, end: int) -> dict[str, Any]:
             "double": len(event.times),
         }
         if len(true.times) == len(event.times) > 0:
-            off = [abs(exactly(x) - t.time) for x, t in zip(event.times, true.times, strict=True)]
-            row["error"] = float(f"{float(max(off)):.2e}")
-            row["radius"] = float(f"{max(t.radius for t in true.times):.1e}")
+            off = [
+                abs(kit.exactly(x) - t.time) for x, t in zip(event.times, true.times, strict=True)
+            ]
+            row["error"] = kit.significant(float(max(off)), 3)
+            row["radius"] = kit.significant(max(t.radius for t in true.times), 2)
         rows.append(row)
-    return {"case": name, "end": end, "events": rows, "seconds": float(f"{seconds:.2g}")}
+    return {"case": name, "end": end, "events": rows, "seconds": kit.significant(seconds, 2)}
 
 
 _MAKERS: dict[str, Callable[..., dict[str, Any]]] = {
@@ -210,9 +193,9 @@ def _cost_row(name: str, repeats: int) -> dict[str, Any]:
         "events": [0, 1, 3],
         "steps": steps,
         "found": counts,
-        "microseconds_a_step": [float(f"{m:.3g}") for m in micros],
+        "microseconds_a_step": [kit.significant(m, 3) for m in micros],
         "microseconds_an_event": [
-            float(f"{1e6 * (s - seconds[0]) / n:.3g}") if n else None
+            kit.significant(1e6 * (s - seconds[0]) / n, 3) if n else None
             for s, n in zip(seconds, counts, strict=True)
         ],
     }
@@ -241,10 +224,10 @@ class Zeros:
         period = reference.period
         if period is None:  # of a top that nutates, whose zeros these are
             with mpmath.workprec(BITS):
-                period = 2 * mpmath.pi / own(reference.frequencies["nutation"])
-        self.period = exactly(period)
+                period = 2 * mpmath.pi / reference.frequencies["nutation"]
+        self.period = kit.exactly(period)
         times = [self.period * k / samples for k in range(samples + 1)]
-        values = [exact.sign(v) for v in self._values(times, 20)]
+        values = self._values(times, 20)
         self.first: list[Fraction] = []
         for k in range(samples):
             if values[k] * values[k + 1] < 0:
@@ -259,29 +242,38 @@ class Zeros:
         return [t for t in every if 0 < t <= end]
 
     def _values(self, times: Sequence[Any], digits: int) -> list[Fraction]:
-        values = []
-        for t, row in zip(times, self._reference.at(times, digits), strict=True):
-            columns = dict(zip(self._columns, row, strict=True), t=to_mpf(exactly(t), BITS))
-            value = exactly(columns_.value(self._zero, columns, BITS))
-            values.append(value if abs(value) > Fraction(1, 10 ** (digits - 3)) else Fraction(0))
-        return values
+        rows = zip(times, self._reference.at(times, digits), strict=True)
+        values = [kit.exactly(self._value(t, row)) for t, row in rows]
+        return [x if abs(x) > Fraction(1, 10 ** (digits - 3)) else Fraction(0) for x in values]
+
+    def _value(self, t: Any, row: Sequence[Any]) -> Any:
+        """The expression in the columns of a row at a time."""
+        with mpmath.workprec(BITS):
+            columns = dict(zip(self._columns, row, strict=True), t=_wide(t))
+            return eval(self._zero, {}, columns)  # of this file
 
     def _refined(self, low: Fraction, high: Fraction) -> Fraction:
         def value(t: Any) -> Any:
-            row = self._reference.at([t], ZERO_DIGITS)[0]
-            columns = dict(zip(self._columns, row, strict=True), t=t)
-            return columns_.value(self._zero, columns, BITS)
+            return self._value(t, self._reference.at([t], ZERO_DIGITS)[0])
 
         with mpmath.workprec(BITS):
-            between = (to_mpf(low, BITS), to_mpf(high, BITS))
+            between = _wide(low), _wide(high)
             root = mpmath.findroot(value, between, solver="anderson", tol=1e-120, maxsteps=60)
-            return exactly(root)
+            return kit.exactly(root)
+
+
+def _wide(t: Any) -> Any:
+    """A time as mpmath's number, in the precision in use."""
+    near = kit.exactly(t)
+    return mpmath.mpf(near.numerator) / near.denominator
 
 
 def ulp(t: Fraction, bits: int) -> Fraction:
     """The distance between neighbours of a type of so many bits at t."""
-    mantissa, exponent = exact.rounded(t, bits)
-    return Fraction(2) ** (exponent + abs(mantissa).bit_length() - bits)
+    near = polhode.NumberType("mp", bits).rounded(t)
+    size = near.numerator.bit_length() - near.denominator.bit_length()
+    size += abs(near) >= Fraction(2) ** size
+    return Fraction(2) ** (size - bits)
 
 
 # --- page -----------------------------------------------------------------------------------------
@@ -289,47 +281,47 @@ def ulp(t: Fraction, bits: int) -> Fraction:
 # Tables and facts of the events study's page.
 
 
-_ZERO = Column("zero", "zero", "code", "an event is where this is zero")
+_ZERO = kit.Column("zero", "zero", "code", "an event is where this is zero")
 _TIMES = (
-    Column("motion", "what", meaning="what the events are"),
-    CASE,
+    kit.Column("motion", "what", meaning="what the events are"),
+    kit.CASE,
     _ZERO,
-    Column("period", "period", ">", "the period of the motion, by its closed form"),
-    NUMBER,
-    END,
-    Column("true", "true", "d", "events of the closed form"),
-    Column(
+    kit.Column("period", "period", ">", "the period of the motion, by its closed form"),
+    kit.NUMBER,
+    kit.END,
+    kit.Column("true", "true", "d", "events of the closed form"),
+    kit.Column(
         "found",
         lambda run: f"{run['found']}{'' if run['complete'] else ' (incomplete)'}",
         *(">", "events that the run found"),
     ),
-    Column("largest error, ulps", "ulps", ".3g", "in units in the last place of the time"),
-    Column("largest error", "error", ".1e"),
-    DIGITS,
+    kit.Column("largest error, ulps", "ulps", ".3g", "in units in the last place of the time"),
+    kit.Column("largest error", "error", ".1e"),
+    kit.DIGITS,
 )
 _PROVEN = (
-    CASE,
-    END,
+    kit.CASE,
+    kit.END,
     _ZERO,
-    Column("proven", "proven", "d", "events that are proved to happen"),
-    Column("undecided", "undecided", "d", "zeros of which the proof decides nothing"),
-    Column("in double", "double", "d", "events that a run in double found"),
-    Column("its largest error", "error", ".1e", "the largest error of a time of that run"),
-    Column("radius", "radius", ".1e", "the largest radius of a proven time"),
+    kit.Column("proven", "proven", "d", "events that are proved to happen"),
+    kit.Column("undecided", "undecided", "d", "zeros of which the proof decides nothing"),
+    kit.Column("in double", "double", "d", "events that a run in double found"),
+    kit.Column("its largest error", "error", ".1e", "the largest error of a time of that run"),
+    kit.Column("radius", "radius", ".1e", "the largest radius of a proven time"),
 )
 _COST = (
-    NUMBER,
-    Column("steps", "steps.0", "d"),
-    Column("none, µs a step", "microseconds_a_step.0", ".3g", "time of a step without events"),
-    Column("one", "microseconds_a_step.1", ".3g", "the same with one event"),
-    Column("three", "microseconds_a_step.2", ".3g", "the same with three events"),
-    Column("found, one", "found.1", "d"),
-    Column("found, three", "found.2", "d"),
-    Column("µs an event, three", "microseconds_an_event.2", ".3g", "added by each event found"),
+    kit.NUMBER,
+    kit.Column("steps", "steps.0", "d"),
+    kit.Column("none, µs a step", "microseconds_a_step.0", ".3g", "time of a step without events"),
+    kit.Column("one", "microseconds_a_step.1", ".3g", "the same with one event"),
+    kit.Column("three", "microseconds_a_step.2", ".3g", "the same with three events"),
+    kit.Column("found, one", "found.1", "d"),
+    kit.Column("found, three", "found.2", "d"),
+    kit.Column("µs an event, three", "microseconds_an_event.2", ".3g", "added by each event found"),
 )
 
 
-def tables(results: JsonObject) -> dict[str, PageTable]:
+def tables(results: kit.JsonObject) -> dict[str, kit.PageTable]:
     """The page's tables from the study's JSON object."""
     again = "python reports/make.py events --only"
     near, far = (
@@ -337,14 +329,14 @@ def tables(results: JsonObject) -> dict[str, PageTable]:
         for part in ("near", "far")
     )
     return {
-        "near": table(near, _TIMES, f"{again} {{1}} --only '{{0}}'"),
-        "far": table(far, _TIMES, f"{again} {{1}} --only '{{0}}'"),
-        "proven": table(_proven_rows(results), _PROVEN, f"{again} {{0}}"),
-        "cost": table(results["cost"], _COST, f"{again} cost --only {{0}}"),
+        "near": kit.table(near, _TIMES, f"{again} {{1}} --only '{{0}}'"),
+        "far": kit.table(far, _TIMES, f"{again} {{1}} --only '{{0}}'"),
+        "proven": kit.table(_proven_rows(results), _PROVEN, f"{again} {{0}}"),
+        "cost": kit.table(results["cost"], _COST, f"{again} cost --only {{0}}"),
     }
 
 
-def facts(results: JsonObject) -> dict[str, object]:
+def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
     near = [run for motion in results["motions"] for run in motion["near"]]
     far = [run for motion in results["motions"] for run in motion["far"]]
@@ -363,7 +355,7 @@ def facts(results: JsonObject) -> dict[str, object]:
     }
 
 
-def _proven_rows(results: JsonObject) -> list[JsonObject]:
+def _proven_rows(results: kit.JsonObject) -> list[kit.JsonObject]:
     """Proven events of motions without a closed form, each with its case."""
     return [
         row | {"case": case["case"], "end": case["end"]}
@@ -380,20 +372,20 @@ def _proven_rows(results: JsonObject) -> list[JsonObject]:
 FLOOR = 0.01  # ulps: smaller errors are drawn there, on the axis
 
 
-def svgs(results: JsonObject) -> dict[str, str]:
+def svgs(results: kit.JsonObject) -> dict[str, str]:
     """Above: how large errors of event times are, in ulps; below: cost of a run with events."""
-    with paper() as plt:
-        size = drawing.WIDTH, 5.6
+    with polhode.paper() as plt:
+        size = kit.WIDTH, 5.6
         figure, (above, below) = plt.subplots(2, figsize=size, layout="constrained")
         _draw_errors(above, results["motions"])
         _draw_cost(below, results["cost"])
-        drawing.legend(figure, len(COLOURS))
-        return {"events": as_svg(figure)}
+        kit.legend(figure, len(kit.COLOURS))
+        return {"events": kit.as_svg(figure)}
 
 
-def _draw_errors(axes: Axes, motions: Sequence[JsonObject]) -> None:
+def _draw_errors(axes: Axes, motions: Sequence[kit.JsonObject]) -> None:
     """How many events have no larger error than that: a curve a number type."""
-    for name, colour in COLOURS.items():
+    for name, colour in kit.COLOURS.items():
         sizes = sorted(
             max(ulps, FLOOR)
             for motion in motions
@@ -405,22 +397,26 @@ def _draw_errors(axes: Axes, motions: Sequence[JsonObject]) -> None:
         if sizes:
             share = [100 * k / len(sizes) for k in range(len(sizes) + 1)]
             eighth = max(len(sizes) // 8, 1)
-            look: dict[str, Any] = {"marker": MARKS[name], "ms": 4, "markevery": (eighth, eighth)}
+            look: dict[str, Any] = {
+                "marker": kit.MARKS[name],
+                "ms": 4,
+                "markevery": (eighth, eighth),
+            }
             steps = [FLOOR, *sizes]
             axes.plot(steps, share, drawstyle="steps-post", color=colour, label=name, **look)
     axes.set(xscale="log", xlabel="error of the time, in units of its last place")
     axes.set(xlim=(FLOOR, None), ylim=(0, 100), ylabel="events with no larger error, %")
-    drawing.plain(axes)
+    kit.plain(axes)
 
 
-def _draw_cost(axes: Axes, rows: Sequence[JsonObject]) -> None:
+def _draw_cost(axes: Axes, rows: Sequence[kit.JsonObject]) -> None:
     """The time of a run over one without events; number types beside each other."""
     for k, row in enumerate(rows):
         times, aside = row["microseconds_a_step"], 0.07 * (k - (len(rows) - 1) / 2)
         ratios = [time / times[0] for time in times]
         number = row["number"]
         places = [n + aside for n in row["events"]]
-        axes.plot(places, ratios, MARKS[number], color=COLOURS[number], ms=4, label=number)
+        axes.plot(places, ratios, kit.MARKS[number], color=kit.COLOURS[number], ms=4, label=number)
     axes.set(xlabel="events watched", ylim=(0, None), ylabel="time of a run (without events 1)")
     axes.set_xticks((0, 1, 3))
-    drawing.plain(axes)
+    kit.plain(axes)

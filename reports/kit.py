@@ -1,23 +1,74 @@
-"""What studies share: the rows that are wanted, tables of them, words, and a page of it all."""
+"""What studies share: numbers, the rows that are wanted, tables, words, a page, and figures."""
 
 from __future__ import annotations
 
+import math
 import os
+import signal
 import statistics
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import partial
-from multiprocessing import get_context
+from io import StringIO
+from multiprocessing import active_children, get_context
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
+
+import numpy as np
+from mpmath.libmp import to_rational
+
+import polhode
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
 
 #: Keys, and what JSON can hold.
 JsonObject: TypeAlias = dict[str, Any]
 #: Told what is being done.
 Say: TypeAlias = Callable[[str], object]
+_IGNORE = signal.SIGINT, signal.SIG_IGN
 Job = TypeVar("Job")
 Answer = TypeVar("Answer")
+
+
+#: Of polhode's number types; of mp where it is asked for so many digits.
+BITS, MP_DIGITS = {"double": 53, "extended": 64, "quad": 113, "mp": 168}, 50
+TYPES = {name: polhode.NumberType(name, bits) for name, bits in BITS.items()}
+DOUBLE, EXTENDED, QUAD, MP = TYPES.values()
+
+
+def exactly(x: Any) -> Fraction:
+    """The exact value of a number that polhode gives."""
+    return Fraction(*(x.as_integer_ratio() if not hasattr(x, "_mpf_") else to_rational(x._mpf_)))
+
+
+def even_times(end: Any, count: int) -> tuple[Fraction, ...]:
+    """So many times from 0 to the end, evenly spread."""
+    return tuple(Fraction(end) * k / (count - 1) for k in range(count))
+
+
+def significant(x: float, digits: int) -> float:
+    """x to so many significant digits, as rows keep it."""
+    return float(f"{x:.{digits}g}")
+
+
+def fewest_digits(states: Any, true: Any, scene: polhode.Scene, most: float) -> float:
+    """The fewest correct digits of any of the states, at most so many."""
+    with np.errstate(divide="ignore"):
+        worst = -np.log10(polhode.state_errors(states, true, scene).max())
+    return float(np.clip(worst, 0.0, most))
+
+
+def clocked(call: Callable[[], Answer]) -> tuple[Answer, float]:
+    """What a call returns, and the processor seconds that it takes."""
+    began = time.process_time()
+    answer = call()
+    return answer, time.process_time() - began
 
 
 def in_order(
@@ -32,10 +83,18 @@ def in_order(
             tell(job)
             yield answer(job)
         return
-    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        for job, answers in zip(jobs, pool.map(answer, jobs), strict=True):
-            tell(job)
-            yield answers
+    ignore: dict[str, Any] = {"initializer": signal.signal, "initargs": _IGNORE}
+    with ProcessPoolExecutor(workers, get_context("spawn"), **ignore) as pool:
+        try:
+            futures = [pool.submit(answer, job) for job in jobs]
+            for job, future in zip(jobs, futures, strict=True):
+                result = future.result()
+                tell(job)
+                yield result
+        except BaseException:  # Ctrl-C does not wait for what they have begun
+            for process in active_children():
+                process.terminate()
+            raise
 
 
 def cores() -> int:
@@ -43,12 +102,18 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def write_whole(path: Path, text: str) -> Path:
-    """Write a file whole or not at all; its path."""
-    beside = path.with_name(f".{path.name}.part")
-    beside.write_text(text, encoding="utf-8")
-    os.replace(beside, path)
-    return path
+def write_whole(texts: Mapping[Path, str]) -> list[Path]:
+    """Write files, all of them whole or none; their paths."""
+    parts = {path.with_name(f".{path.name}.part"): path for path in texts}
+    try:
+        for part, path in parts.items():
+            part.write_text(texts[path], encoding="utf-8")
+        for part, path in parts.items():
+            os.replace(part, path)
+    finally:
+        for part in parts:
+            part.unlink(missing_ok=True)
+    return [*texts]
 
 
 # --- row filter -----------------------------------------------------------------------------------
@@ -283,7 +348,7 @@ def _has_rows(tables: list[PageTable]) -> bool:
 # Columns of a case that was run in several number types, the same in every study.
 
 
-NUMBERS = ("double", "extended", "quad", "mp")
+NUMBERS = tuple(BITS)
 
 
 def by_number(case: JsonObject) -> JsonObject:
@@ -328,3 +393,144 @@ ABOUT = (
     REGIME,
     Column("t", lambda case: float(case["end"]), "g", "the last time of the runs"),
 )
+
+
+# --- figures --------------------------------------------------------------------------------------
+#
+# What figures share: looks of programs, logarithmic axes, legends.
+
+
+WIDTH = 4.4  # inches: text of 8 points is 9 pixels on a page 400 pixels wide
+GUIDE, SHADE = "#777777", "#f4f4f4"
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_SHORT = 60.0  # from end to end: an axis without two powers of ten far from each other
+#: Colours of Okabe and Ito's set, told apart by every eye; of number types, and of others.
+COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
+MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
+BLUE, ORANGE, GREEN = SERIES = "#0072b2", "#d55e00", "#009e73"
+_OURS, _LIGHT = COLOURS["double"], "#56b4e9"
+
+
+def _look(color: str, marker: str, ls: str = "-", lw: float = 1.1) -> dict[str, Any]:
+    """Keywords of matplotlib's plot."""
+    return {"color": color, "marker": marker, "ls": ls, "lw": lw, "ms": 4}
+
+
+#: Keywords of matplotlib's plot, by program or method: one hue each.
+LOOKS: dict[str, dict[str, Any]] = {
+    "polhode, double": _look(_OURS, "o", lw=2.2),
+    "polhode, extended": _look(COLOURS["extended"], MARKS["extended"], lw=2.2),
+    **{x: _look(COLOURS[x], MARKS[x], "--") for x in COLOURS},
+    **{f"{x} projected": _look(COLOURS[x], MARKS[x]) for x in COLOURS},
+    "double": _look(_LIGHT, "o", "--"),
+    "heyoka by hand": _look("#000000", "x", ":"),
+    "SciPy, numba": _look("#999999", "s"),
+    "CyRK": _look("#d55e00", "s"),
+    "numbalsoda": _look("#b8860b", "v"),
+    "diffrax": _look("#8c2d04", "D"),
+    "splitting": _look("#6a3d9a", "^"),
+}
+
+#: Of a program that has none of these.
+OTHER_LOOK = _look("#444444", "+", ":")
+
+
+def logarithmic(axis: Axis) -> None:
+    """Label the powers of ten of a logarithmic axis; of a short one twice and five times them."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    low, high = axis.get_view_interval()
+    axis.set_major_locator(LogLocator(numticks=8))
+    axis.set_major_formatter(lambda x, _: _label(x))
+    if high < low * _SHORT:
+        axis.set_minor_locator(LogLocator(subs=(2, 5)))
+        axis.set_minor_formatter(lambda x, _: f"{x:g}")
+    else:
+        axis.set_minor_formatter(NullFormatter())
+
+
+def _label(x: float) -> str:
+    """A power of ten, written out where it is short."""
+    exponent = f"{math.log10(x):.0f}".translate(_RAISED)
+    return f"{x:g}" if 9e-4 < x < 2e4 else f"10{exponent}"
+
+
+def plain(axes: Axes) -> None:
+    """Pale lines at the labels of both axes, which are logarithmic where their scales are."""
+    axes.grid()
+    for axis in (axes.xaxis, axes.yaxis):
+        if axis.get_scale() == "log":
+            logarithmic(axis)
+
+
+def legend(figure: Figure, columns: int) -> None:
+    """Every name of the panels once, above them."""
+    handles: dict[str, Any] = {}
+    for panel in figure.axes:
+        for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
+            handles.setdefault(name, handle)
+    place: dict[str, Any] = {"loc": "outside upper center", "ncols": columns, "frameon": False}
+    figure.legend(handles.values(), handles.keys(), **place)
+
+
+# --- strips ---------------------------------------------------------------------------------------
+#
+# Strips of dots, correct digits of many runs: one per group, one colour per number type.
+
+
+#: Digits that a number type holds, and that the runs in mp are asked for.
+HELD = {name: bits * 0.30103 for name, bits in BITS.items() if name != "mp"}
+_STRIP = (
+    "correct digits, worst of all output times\n"
+    "(dotted: what the type holds; ringed: fewer\nthan nine in ten such runs)"
+)
+_GOLDEN = 0.618034  # of a strip's height from one dot to the next: any few in a row lie apart
+_HEIGHT = 0.3  # inches of a strip
+
+
+def as_svg(figure: Figure) -> str:
+    """A figure as SVG text."""
+    out = StringIO()
+    figure.savefig(out, format="svg", metadata={"Date": None})
+    return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
+
+
+def strips(groups: Mapping[str, Sequence[JsonObject]]) -> str:
+    """A figure of a study's runs, those that have digits; one strip per group from the top down."""
+    count = max(len(groups), 1)
+    with polhode.paper() as plt:
+        size = WIDTH, 1.1 + _HEIGHT * count
+        figure, axes = plt.subplots(figsize=size, layout="constrained")
+        for level in range(0, count, 2):
+            axes.axhspan(level - 0.5, level + 0.5, color=SHADE, lw=0)
+        for number, digits in HELD.items():
+            axes.axvline(digits, color=COLOURS[number], lw=0.8, ls=":")
+        for number, mark in MARKS.items():
+            rows = [*_dots(number, [*groups.values()])]
+            x, y, behind = zip(*rows, strict=True) if rows else ((), (), ())
+            look: dict[str, Any] = {"color": COLOURS[number], "ms": 3.4, "mew": 0.9, "alpha": 0.85}
+            name = f"{number}, {MP_DIGITS} asked" if number == "mp" else number
+            axes.plot(x, y, mark, mec="none", label=name, **look)
+            axes.plot(x, y, mark, mec="#000000", markevery=[*behind], **look)
+        axes.set(xlabel=_STRIP, xlim=(-1, None), ylim=(count - 0.5, -0.5))
+        axes.set_yticks(range(len(groups)), [*groups])
+        axes.tick_params(axis="y", length=0)
+        axes.grid(axis="x")
+        legend(figure, len(COLOURS))
+        return as_svg(figure)
+
+
+def _dots(
+    number: str, groups: Sequence[Sequence[JsonObject]]
+) -> Iterator[tuple[float, float, bool]]:
+    """The digits of a number type's runs, their heights, and which have fewer than expected."""
+    for level, runs in enumerate(groups):
+        own = [run for run in runs if run["number"] == number and "correct_digits" in run]
+        marks = sorted((run["correct_digits"], _is_behind(run)) for run in own)
+        for k, (digits, behind) in enumerate(marks):
+            yield digits, level + 0.8 * (k * _GOLDEN % 1 - 0.5), behind
+
+
+def _is_behind(run: JsonObject) -> bool:
+    expected = run.get("expected")
+    return expected is not None and run["correct_digits"] < expected[0]

@@ -25,20 +25,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-import drawing
-import draws
+import kit
 import polhode
-from drawing import GUIDE, LOOKS
-from kit import DASH, Column, JsonObject, Only, PageTable, Say, at_times, formatted, in_order, table
 from peers import process
 from peers.process import ask
-from polhode.equations.integrals import departures
-from polhode.figures.canvas import SERIES, TIME, as_svg, paper
-from polhode.judging.correct_digits import log10_errors, log10_rate
-from polhode.numbers.decimals import significant
-from polhode.numbers.number_types import DOUBLE, Doubles
 from programs import BY_NAME, ENGINE, EPS
-from tops import TOPS, random_scene
+from tops import TOPS, draw, present, random_scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -97,7 +89,7 @@ class RunStart:
         return random_scene(self.top, self.index, self.times)
 
 
-def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
+def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; no figure in them depends on the clock."""
     tops = [*ensembles((2, 4) if quick else (2, 6), STARTS, say, only)]
     end = 10_000 if quick else 100_000
@@ -109,7 +101,7 @@ def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
 
 
 def ensembles(
-    decades: tuple[int, int], starts: int, say: Say, only: Only, workers: int = 2
+    decades: tuple[int, int], starts: int, say: kit.Say, only: kit.Only, workers: int = 2
 ) -> Iterator[dict[str, Any]]:
     """One row per top: medians over its starts at every half decade, and exponents."""
     times = half_decades(*decades)
@@ -118,10 +110,12 @@ def ensembles(
     starts_of = [RunStart(top, k, times, methods) for top in tops for k in range(starts)]
     members: list[Member] = []
 
-    def begun(start: RunStart) -> None:
+    def tell(start: RunStart) -> None:
         say(f"{start.scene.name} of {starts}")
 
-    for start, member in zip(starts_of, in_order(follow, starts_of, workers, begun), strict=True):
+    for start, member in zip(
+        starts_of, kit.in_order(follow, starts_of, workers, tell), strict=True
+    ):
         members.append(member)
         if len(members) == starts:
             yield _top_row(start.top, times, members)
@@ -137,18 +131,17 @@ def follow(start: RunStart) -> Member:
     """Integrate one start by every method and judge it at every time."""
     scene = start.scene
     reference = polhode.reference(scene).at(scene.times, DIGITS)
-    rate = log10_rate(reference, scene)
     errors, strayed, projection, left = {}, {}, None, []
     for method in start.methods:
         run = polhode.integrate(scene, "double", project=method == PROJECTED)
-        errors[method] = (10 ** log10_errors(run.states, reference, rate)).tolist()
+        errors[method] = polhode.state_errors(run.states, reference, scene).tolist()
         if method == PROJECTED:
             corrections = run.projection
             assert corrections is not None
             projection = corrections.onto, corrections.largest, corrections.sum
             left = _inputs(scene, corrections.every)
         else:
-            departed = departures(scene, run.states)
+            departed = polhode.departures(scene, run.states)
             strayed = {name: [float(x) for x in column] for name, column in departed.items()}
     return Member(errors, strayed, projection, left)
 
@@ -156,7 +149,7 @@ def follow(start: RunStart) -> Member:
 def _inputs(scene: polhode.Scene, every: int) -> list[float]:
     """What rounding the inputs leaves of a run that is projected so often, at the first times."""
     first = [t for t in scene.times if t <= INPUTS_UNTIL]
-    digits = polhode.conditioning(scene, first).inputs(DOUBLE, every)
+    digits = polhode.conditioning(scene, first).inputs(kit.DOUBLE, every)
     return [10.0**-x for x in digits if x is not None]
 
 
@@ -186,14 +179,14 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
             )
             row["projection"] = {
                 "onto": sorted({name for names in onto for name in names}),
-                "largest": significant(max(largest), 3),
-                "sum": significant(max(total), 3),
+                "largest": kit.significant(max(largest), 3),
+                "sum": kit.significant(max(total), 3),
             }
             row["inputs"] = _beside_inputs(members)
         methods.append(row)
     reference = polhode.reference(first)
     assert isinstance(reference, polhode.Reference)
-    limit = significant(float(reference.error(first.times[-1:], DIGITS)), 3)
+    limit = kit.significant(float(reference.error(first.times[-1:], DIGITS)), 3)
     least = min(x for row in methods for x in row["error"]["median"])
     return {
         "top": top,
@@ -206,9 +199,9 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
     }
 
 
-def _short(values: Doubles) -> list[float]:
+def _short(values: Any) -> list[float]:
     """Numbers as they are kept in files."""
-    return [significant(float(x), 3) for x in values]
+    return [kit.significant(float(x), 3) for x in values]
 
 
 def _exponents(fitted: Exponent | None) -> dict[str, float | None]:
@@ -337,7 +330,7 @@ class Asked(NamedTuple):
     starts: int
 
 
-def far_rows(end: int, starts: int, quick: bool, say: Say, only: Only) -> dict[str, Any]:
+def far_rows(end: int, starts: int, quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """For each kind of top the errors of every other program at ``end``, over the starts."""
     contests = [
         Asked(top, name, starts if name in CHEAP else starts // 2)
@@ -366,31 +359,32 @@ def far_rows(end: int, starts: int, quick: bool, say: Say, only: Only) -> dict[s
 def _row(task: Asked, end: int) -> dict[str, Any]:
     """Median and largest error over the starts that came back, and why others did not."""
     tol = TOLERANCES[task.program]
-    scenes = [draws.draw(task.top, k, end, 2) for k in range(task.starts)]
-    job = BY_NAME[task.program].job(draws.present(task.top), [x.run(tol) for x in scenes])
+    scenes = [draw(task.top, k, end, 2) for k in range(task.starts)]
+    job = BY_NAME[task.program].job(present(task.top), [x.run(tol) for x in scenes])
     with tempfile.TemporaryDirectory() as cache:
         answers, fault = ask(process.__name__, job, task.starts * _LIMIT, Path(cache))
     errors, faults = [], [fault] * (len(answers) < task.starts)
-    for draw, answer in zip(scenes, answers, strict=False):
+    for start, answer in zip(scenes, answers, strict=False):
         if "failed" in answer:
             faults.append(answer["failed"])
         else:
-            errors.append(_error(draw, answer["state"]))
+            errors.append(_error(start.scene, answer["state"]))
     return {
         "method": task.program,
         "tol": tol,
         "starts": task.starts,
         "reached": len(errors),
-        "median": float(f"{statistics.median(errors):.3g}") if errors else None,
-        "largest": float(f"{max(errors):.3g}") if errors else None,
+        "median": kit.significant(statistics.median(errors), 3) if errors else None,
+        "largest": kit.significant(max(errors), 3) if errors else None,
         "faults": [*dict.fromkeys(faults)],
     }
 
 
-def _error(draw: draws.Draw, state: Sequence[float]) -> float:
+def _error(scene: polhode.Scene, state: Sequence[float]) -> float:
     """Of the last state, against the closed form."""
-    true = polhode.reference(draw.scene).at(draw.scene.times, DIGITS)
-    return float(10 ** log10_errors([state], true[-1:], log10_rate(true, draw.scene))[0])
+    true = polhode.reference(scene).at(scene.times, DIGITS)
+    rows: list[Any] = [*true[:-1], state]
+    return float(polhode.state_errors(rows, true, scene)[-1])
 
 
 # --- page -----------------------------------------------------------------------------------------
@@ -402,80 +396,84 @@ _AGAIN = "python reports/make.py long-run --only '{0} growth'"
 _SPREAD = "median / largest of the ensemble"
 _LEFT = "the error that the rounded inputs leave, and × the run's own error over it"
 
-_TOP = Column("top", "top")
-_METHOD = Column("method", "method")
-_LAW = Column("law", "law", "g", "the exponent of the law above")
-_LAST_DECADE = Column(
+_TOP = kit.Column("top", "top")
+_METHOD = kit.Column("method", "method")
+_LAW = kit.Column("law", "law", "g", "the exponent of the law above")
+_LAST_DECADE = kit.Column(
     "last decade alone", lambda row: _fitted(row, "last_decade"), ">", "fitted to the last decade"
 )
 _EXPONENTS = (
     _TOP,
     _METHOD,
-    Column("of", "of"),
-    Column("exponent", lambda row: _fitted(row, "exponent"), ">", "of t, ± its standard error"),
+    kit.Column("of", "of"),
+    kit.Column("exponent", lambda row: _fitted(row, "exponent"), ">", "of t, ± its standard error"),
     _LAST_DECADE,
     _LAW,
 )
 _PROJECTION = (
     _TOP,
-    Column(
+    kit.Column(
         "onto",
         lambda row: _squared(", ".join(row["projection"]["onto"])),
         meaning="integrals that were kept",
     ),
-    Column("largest", "projection.largest", ".1e", "the largest correction of the state"),
-    Column("sum", "projection.sum", ".1e", "the largest sum of a run's corrections"),
+    kit.Column("largest", "projection.largest", ".1e", "the largest correction of the state"),
+    kit.Column("sum", "projection.sum", ".1e", "the largest sum of a run's corrections"),
 )
 _WALKS = (
     _TOP,
-    Column("integral", lambda row: _squared(row["integral"])),
-    Column(
+    kit.Column("integral", lambda row: _squared(row["integral"])),
+    kit.Column(
         "mean at the end",
         lambda row: f"{row['mean'][-1]:+.1e} ± {_standard_error(row):.1e}",
         *(">", "of the integral's departure over the ensemble, ± its standard error"),
     ),
-    Column("standard deviation", lambda row: row["deviation"][-1], ".1e"),
-    Column(
+    kit.Column("standard deviation", lambda row: row["deviation"][-1], ".1e"),
+    kit.Column(
         "mean / its error", lambda row: _pull(row), "+.1f", "the mean in its own standard errors"
     ),
-    Column("exponent of the deviation", lambda row: _fitted(row, "exponent"), ">"),
+    kit.Column("exponent of the deviation", lambda row: _fitted(row, "exponent"), ">"),
     _LAST_DECADE,
     _LAW,
 )
 _FAULTS = (
     _METHOD,
-    Column("top", "top", "", "a dash: every kind of top"),
-    Column("why it is missing or failed", "fault"),
+    kit.Column("top", "top", "", "a dash: every kind of top"),
+    kit.Column("why it is missing or failed", "fault"),
 )
 
 
-def tables(results: JsonObject) -> dict[str, PageTable]:
+def tables(results: kit.JsonObject) -> dict[str, kit.PageTable]:
     """The page's tables from the study's JSON object."""
     tops = results["tops"]
     rows, times = _methods(tops), tops[0]["times"] if tops else []
     projected = [row for row in rows if "inputs" in row]
     followed = times[: len(projected[0]["inputs"]["median"])] if projected else []
-    inputs = (_TOP, *at_times(followed, _over_inputs, _LEFT), Column("last, like t", _like_t, ">"))
+    inputs = (
+        _TOP,
+        *kit.at_times(followed, _over_inputs, _LEFT),
+        kit.Column("last, like t", _like_t, ">"),
+    )
     return {
-        "exponents": table(_exponent_rows(rows), _EXPONENTS, _AGAIN),
-        "walks": table(_integral_rows(rows), _WALKS, _AGAIN),
-        "inputs": table(projected, inputs, _AGAIN),
+        "exponents": kit.table(_exponent_rows(rows), _EXPONENTS, _AGAIN),
+        "walks": kit.table(_integral_rows(rows), _WALKS, _AGAIN),
+        "inputs": kit.table(projected, inputs, _AGAIN),
         "error": _growth_table(rows, times, "error"),
         "drift": _growth_table(rows, times, "drift"),
-        "projection": table([row for row in rows if "projection" in row], _PROJECTION, _AGAIN),
+        "projection": kit.table([row for row in rows if "projection" in row], _PROJECTION, _AGAIN),
         "far": far_table(results),
-        "faults": table(_faults(results["at"]), _FAULTS),
+        "faults": kit.table(_faults(results["at"]), _FAULTS),
     }
 
 
-def facts(results: JsonObject) -> dict[str, object]:
+def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
     tops, far = results["tops"], results["at"]
     pulls = [abs(_pull(row)) for row in _integral_rows(_methods(tops))]
     return {
         "starts": far["starts"],
-        "end": tops[0]["times"][-1] if tops else DASH,
-        "since": f"{tops[0]['fitted_since']:g}" if tops else DASH,
+        "end": tops[0]["times"][-1] if tops else kit.DASH,
+        "since": f"{tops[0]['fitted_since']:g}" if tops else kit.DASH,
         "means": len(pulls),
         "pull": max(pulls, default=0),
         "reference_error": max((top["reference_error"] for top in tops), default=0),
@@ -484,12 +482,12 @@ def facts(results: JsonObject) -> dict[str, object]:
     }
 
 
-def _methods(tops: list[JsonObject]) -> list[JsonObject]:
+def _methods(tops: list[kit.JsonObject]) -> list[kit.JsonObject]:
     """Every method on every kind of top, each with what is said of the top."""
     return [{**top, **method} for top in tops for method in top["methods"]]
 
 
-def _exponent_rows(rows: list[JsonObject]) -> list[JsonObject]:
+def _exponent_rows(rows: list[kit.JsonObject]) -> list[kit.JsonObject]:
     """What grew by each method on each kind of top, of which an exponent was found."""
     return [
         {**row, **row[name], "of": name}
@@ -499,7 +497,7 @@ def _exponent_rows(rows: list[JsonObject]) -> list[JsonObject]:
     ]
 
 
-def _fitted(row: JsonObject, name: str) -> str | None:
+def _fitted(row: kit.JsonObject, name: str) -> str | None:
     """An exponent, or that of the last decade, with its standard error."""
     if row["exponent"] is None:
         return None
@@ -509,7 +507,7 @@ def _fitted(row: JsonObject, name: str) -> str | None:
     return f"{row[name]:.2f} ± {row[error]:.2f}"
 
 
-def _integral_rows(rows: list[JsonObject]) -> list[JsonObject]:
+def _integral_rows(rows: list[kit.JsonObject]) -> list[kit.JsonObject]:
     """Every integral of every kind of top."""
     return [{**row, **integral} for row in rows for integral in row.get("integrals", ())]
 
@@ -518,64 +516,66 @@ def _squared(names: str) -> str:
     return names.replace("^2", "²")
 
 
-def _standard_error(row: JsonObject) -> float:
+def _standard_error(row: kit.JsonObject) -> float:
     standard_error: float = row["deviation"][-1] / math.sqrt(row["starts"])
     return standard_error
 
 
-def _pull(row: JsonObject) -> float:
+def _pull(row: kit.JsonObject) -> float:
     error = _standard_error(row)
     return 0.0 if error == 0 else row["mean"][-1] / error
 
 
-def _over_inputs(row: JsonObject, k: int) -> str:
+def _over_inputs(row: kit.JsonObject, k: int) -> str:
     """What rounding the inputs leaves at a time, and the run's error over it."""
     return f"{row['inputs']['median'][k]:.1e}; ×{row['inputs']['error_over_it'][k]:.3g}"
 
 
-def _like_t(row: JsonObject) -> str:
+def _like_t(row: kit.JsonObject) -> str:
     """The same at the last time, where it went on like t."""
     alone, times = row["inputs"]["median"], row["times"]
     grown = alone[-1] * times[-1] / times[len(alone) - 1]
     return f"{grown:.1e}; ×{row['error']['median'][-1] / grown:.3g}"
 
 
-def _growth_table(rows: list[JsonObject], times: list[int], name: str) -> PageTable:
+def _growth_table(rows: list[kit.JsonObject], times: list[int], name: str) -> kit.PageTable:
     """Median and largest error, or drift, at each time."""
-    columns = at_times(times, lambda row, k: _middle_and_most(row[name], k), _SPREAD)
-    return table([row for row in rows if name in row], (_TOP, _METHOD, *columns), _AGAIN)
+    columns = kit.at_times(times, lambda row, k: _middle_and_most(row[name], k), _SPREAD)
+    return kit.table([row for row in rows if name in row], (_TOP, _METHOD, *columns), _AGAIN)
 
 
-def _middle_and_most(row: JsonObject, k: int) -> str:
-    return f"{formatted(row['median'][k], '.1e')} / {formatted(row['largest'][k], '.1e')}"
+def _middle_and_most(row: kit.JsonObject, k: int) -> str:
+    return f"{kit.formatted(row['median'][k], '.1e')} / {kit.formatted(row['largest'][k], '.1e')}"
 
 
-def _faults(far: JsonObject) -> list[JsonObject]:
+def _faults(far: kit.JsonObject) -> list[kit.JsonObject]:
     """Runs at the far moment that failed, and programs that were not run."""
     failed = [{**row, "fault": fault} for row in _methods(far["tops"]) for fault in row["faults"]]
     return failed + [{"method": k, "fault": f"not run: {why}"} for k, why in far["not_run"].items()]
 
 
-def far_table(results: JsonObject) -> PageTable:
+def far_table(results: kit.JsonObject) -> kit.PageTable:
     """Median and largest error of every method at the far moment, one column per kind of top."""
     far = results["at"]
-    rows: dict[str, JsonObject] = {}
+    rows: dict[str, kit.JsonObject] = {}
     for method in _methods(results["tops"]):
         name = "polhode" if "projected" in method["method"] else "polhode, not projected"
         cell = _middle_and_most(method["error"], method["times"].index(far["t"]))
         rows.setdefault(name, {})[method["top"]] = cell
     rows = dict(sorted(rows.items()))
     for method in _methods(far["tops"]):
-        cell = f"{formatted(method['median'], '.1e')} / {formatted(method['largest'], '.1e')}"
+        cell = (
+            f"{kit.formatted(method['median'], '.1e')} / {kit.formatted(method['largest'], '.1e')}"
+        )
         if method["reached"] == 0:
             cell = "failed"
         elif method.get("starts", far["starts"]) < far["starts"]:
             cell += f", {method['starts']} starts"
         rows.setdefault(method["method"], {})[method["top"]] = cell
     tops = dict.fromkeys(top["top"] for top in (*results["tops"], *far["tops"]))
-    return table(
+    return kit.table(
         [{"method": name, **cells} for name, cells in rows.items()],
-        (_METHOD, *(Column(top, top, ">") for top in tops)),
+        (_METHOD, *(kit.Column(top, top, ">") for top in tops)),
         "python reports/make.py long-run --only far --only '{0}'",
     )
 
@@ -586,17 +586,17 @@ def far_table(results: JsonObject) -> PageTable:
 
 
 _MARKS = {"euler": "o", "lagrange": "s", "kovalevskaya": "D"}
-_COLOURS = dict(zip(_MARKS, SERIES, strict=False))
+_COLOURS = dict(zip(_MARKS, kit.SERIES, strict=False))
 _SLOPES = {"error": (1.5, "slope 3/2"), "drift": (0.5, "slope 1/2")}
-_DOTTED: dict[str, Any] = {"color": GUIDE, "ls": ":", "lw": 0.8}
+_DOTTED: dict[str, Any] = {"color": kit.GUIDE, "ls": ":", "lw": 0.8}
 
 
-def svgs(results: JsonObject) -> dict[str, str]:
+def svgs(results: kit.JsonObject) -> dict[str, str]:
     """Medians over the ensembles against time, and above each what the worst start has."""
     tops = results["tops"]
     growth = f"median of {tops[0]['starts']} starts, bar to the worst"
-    with paper() as plt:
-        size = drawing.WIDTH, 9.4
+    with polhode.paper() as plt:
+        size = kit.WIDTH, 9.4
         figure, panels = plt.subplots(3, figsize=size, layout="constrained", sharex=True)
         for axes, name in zip(panels, ("error", "drift"), strict=False):
             _draw_growth(axes, tops, name)
@@ -604,17 +604,17 @@ def svgs(results: JsonObject) -> dict[str, str]:
             axes.set_title(f"{name.capitalize()}: {growth}", size=9, loc="left")
         _draw_inputs(panels[0], tops)
         _draw_walks(panels[2], tops)
-        panels[2].set(ylabel="departure of h", xlabel=TIME)
+        panels[2].set(ylabel="departure of h", xlabel="t (units of the scene)")
         walks = "Energy, not projected: deviation (filled), |mean| (open)"
         panels[2].set_title(walks, size=9, loc="left")
         for axes in panels:
             axes.set(xscale="log", yscale="log")
-            drawing.plain(axes)
-        drawing.legend(figure, 2)
-        return {"long-run": as_svg(figure)}
+            kit.plain(axes)
+        kit.legend(figure, 2)
+        return {"long-run": kit.as_svg(figure)}
 
 
-def _draw_growth(axes: Axes, tops: Sequence[JsonObject], name: str) -> None:
+def _draw_growth(axes: Axes, tops: Sequence[kit.JsonObject], name: str) -> None:
     """Medians of error or drift, and Brouwer's slope above the first that is not projected."""
     for top in tops:
         for method in top["methods"]:
@@ -631,7 +631,7 @@ def _draw_growth(axes: Axes, tops: Sequence[JsonObject], name: str) -> None:
     _note(axes, (times[since], times[-1]), steep, label)
 
 
-def _draw_inputs(axes: Axes, tops: Sequence[JsonObject]) -> None:
+def _draw_inputs(axes: Axes, tops: Sequence[kit.JsonObject]) -> None:
     """What rounding the inputs leaves of projected runs, as far as it was followed, then like t."""
     for top in tops:
         for method in top["methods"]:
@@ -644,7 +644,7 @@ def _draw_inputs(axes: Axes, tops: Sequence[JsonObject]) -> None:
                 axes.plot((times[-1], last), ends, **_DOTTED)
 
 
-def _draw_walks(axes: Axes, tops: Sequence[JsonObject]) -> None:
+def _draw_walks(axes: Axes, tops: Sequence[kit.JsonObject]) -> None:
     """The departure of h in runs that are not projected: standard deviation, size of the mean."""
     lowest = []
     for top in tops:
@@ -668,6 +668,6 @@ def _note(axes: Axes, x: tuple[float, float], y: tuple[float, float], text: str)
     axes.annotate(text, middle, (-3, 3), textcoords="offset points", ha="right", size=8)
 
 
-def _look(top: JsonObject, method: str) -> dict[str, Any]:
+def _look(top: kit.JsonObject, method: str) -> dict[str, Any]:
     """A top's mark and colour, a method's line."""
-    return LOOKS[method] | {"marker": _MARKS[top["top"]], "color": _COLOURS[top["top"]]}
+    return kit.LOOKS[method] | {"marker": _MARKS[top["top"]], "color": _COLOURS[top["top"]]}

@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
+import signal
 import sys
 import time
 from collections.abc import Sequence
@@ -23,8 +24,6 @@ from typing import Any
 import benchmark
 import polhode
 from kit import JsonObject, Only, PageTable, filled, write_whole
-from polhode.common.interrupts import heard
-from polhode.common.provenance import cpu, versions
 from polhode.common.texts import as_json
 
 #: The studies, each a file of that name, with _ for -; the seconds that each takes on two
@@ -61,28 +60,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("-o", dest="folder", metavar="DIR", type=Path, help="here: reports/")
     stale = "make pages, figures and README's table from the rows again, and name what changes"
     parser.add_argument("--stale", action="store_true", help=stale)
-    asked = parser.parse_args(arguments)
-    if asked.name not in (None, *STUDIES, BENCHMARK):
-        parser.error(f"NAME {asked.name!r}: expected {every_name}")
-    if asked.only and asked.name is None:
+    options = parser.parse_args(arguments)
+    if options.name not in (None, *STUDIES, BENCHMARK):
+        parser.error(f"NAME {options.name!r}: expected {every_name}")
+    if options.only and options.name is None:
         parser.error("--only: expected it with the NAME of one study")
-    if asked.stale and asked.name == BENCHMARK:
+    if options.stale and options.name == BENCHMARK:
         parser.error("--stale: expected a study, as the benchmark is its own rows")
-    folder: Path = asked.folder or HERE / (BENCHMARK * (asked.name == BENCHMARK))
-    names = [asked.name] if asked.name else sorted(STUDIES, key=lambda name: STUDIES[name])
+    folder: Path = options.folder or HERE / (BENCHMARK * (options.name == BENCHMARK))
+    names = [options.name] if options.name else sorted(STUDIES, key=lambda name: STUDIES[name])
     try:
-        if asked.stale:
+        if options.stale:
             changed = write_stale(folder, names)
             print("\n".join(map(str, changed)))
             return int(bool(changed))
-        if asked.only and asked.name != BENCHMARK:
-            print(part(asked.name, asked.only, asked.quick))
+        if options.only and options.name != BENCHMARK:
+            print(part(options.name, options.only, options.quick))
             return 0
         for name in names:
             if name == BENCHMARK:
-                paths = benchmark.write_benchmark(folder, asked.only, say)
+                paths = benchmark.write_benchmark(folder, options.only, say)
             else:
-                paths = write_study(name, folder, asked.quick)
+                paths = write_study(name, folder, options.quick)
             print("\n".join(map(str, paths)))
     except (polhode.BadInput, OSError) as fault:
         print(fault, file=sys.stderr)
@@ -93,9 +92,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
+class _Interrupt:
+    """What Ctrl-C does: it ends a run early, without an exception, and then the study."""
+
+    came = False
+
+    def __call__(self, *_: object) -> None:
+        self.came = True
+        raise KeyboardInterrupt
+
+
+interrupt = _Interrupt()
+
+
 def say(text: str) -> None:
     """Tell what is being done."""
-    if heard.came:  # a run that Ctrl-C ended is no row
+    if interrupt.came:  # a run that it ended is no row
         raise KeyboardInterrupt
     print(text, file=sys.stderr, flush=True)
 
@@ -107,15 +119,16 @@ def write_study(name: str, folder: Path, quick: bool = False) -> list[Path]:
     rows = study.rows(quick, lambda text: say(f"{name}: {text}"), Only())
     say(f"{name}: figures and page")
     results = {"study": name, "question": study.QUESTION, "quick": quick, **rows}
+    origin: Any = polhode.load("euler/rest").provenance()
     results["provenance"] = {
         "command": _command(name) + " --quick" * quick,
         "seconds": round(time.perf_counter() - began, 1),
-        "versions": versions() | (study.versions() if hasattr(study, "versions") else {}),
-        "cpu": cpu(),
+        "versions": origin["versions"] | (study.versions() if hasattr(study, "versions") else {}),
+        "cpu": origin["cpu"],
     }
     texts = {f"{name}.json": as_json(results), **pages(json.loads(as_json(results)))}
     folder.mkdir(parents=True, exist_ok=True)
-    return [write_whole(folder / file, text) for file, text in texts.items()]
+    return write_whole({folder / file: text for file, text in texts.items()})
 
 
 def part(name: str, texts: Sequence[str], quick: bool = False) -> str:
@@ -157,11 +170,13 @@ def write_stale(folder: Path, names: Sequence[str]) -> list[Path]:
         texts |= {folder / file: text for file, text in pages(results).items()}
         if name == "speed" and folder == HERE:
             texts[README] = with_summary(README.read_text(encoding="utf-8"), results)
-    return [
-        write_whole(path, text)
-        for path, text in texts.items()
-        if not path.exists() or path.read_text(encoding="utf-8") != text
-    ]
+    return write_whole(
+        {
+            path: text
+            for path, text in texts.items()
+            if not path.exists() or path.read_text(encoding="utf-8") != text
+        }
+    )
 
 
 def results_of(folder: Path, name: str) -> JsonObject:
@@ -172,8 +187,8 @@ def results_of(folder: Path, name: str) -> JsonObject:
 
 def with_summary(readme: str, speed: JsonObject) -> str:
     """README with the speed study's table of four lengths and of many starts."""
-    from draws import DRAWS
     from speed import SUMMARY_OUTPUTS, summary
+    from tops import DRAWS
 
     origin = speed["provenance"]
     packages = ", ".join(f"{name} {origin['versions'][name]}" for name in ("polhode", "heyoka"))
@@ -199,4 +214,5 @@ def _command(name: str) -> str:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGINT, interrupt)
     sys.exit(main())

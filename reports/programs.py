@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from typing import Any, NamedTuple
 
 from peers.field import Run
+from tops import DIAGRAM
 
 OURS, ENGINE, RUN = "polhode propagator", "heyoka by hand", "polhode integrate"
 WIDER = "polhode extended"
@@ -15,7 +16,6 @@ WIDER = "polhode extended"
 OWN = (OURS, RUN, WIDER, ENGINE)
 
 EPS = 2.0**-52
-DIAGRAM = 100, 101  # the end and the outputs of the cells of the work-precision diagram
 PROJECTED = 0.0  # the tolerance eps, the state put back on its integrals
 _LADDER = tuple(10.0**-k for k in (3, 5, 7, 9, 11, 13))
 _TAYLOR = (*_LADDER, EPS)

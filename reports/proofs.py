@@ -12,32 +12,14 @@ from collections import Counter
 from copy import copy
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-import drawing
+import kit
 import polhode
-from kit import (
-    DASH,
-    Column,
-    JsonObject,
-    Only,
-    PageTable,
-    Say,
-    between,
-    cores,
-    counted,
-    in_order,
-    median,
-    share,
-    table,
-    yes,
-)
-from polhode.figures.canvas import BODY, REST, SPACE, as_svg, paper, residue_axis
+from polhode.figures.canvas import residue_axis
 from polhode.figures.proofs import SectionCrossings, crossings, draw_crossings
-from polhode.numbers.decimals import brief
-from polhode.proofs.proved_chaos import ProvedChaos
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -68,12 +50,12 @@ GRID, CROSSINGS, DIGITS = (16, 16), 3, 20
 _QUICK_GRID = (6, 6)
 _QUICK = ("asymmetric, regular",)
 
-Row: TypeAlias = JsonObject
+Row: TypeAlias = kit.JsonObject
 #: What is proved, of which top, and the cells of a search.
 Job: TypeAlias = tuple[str, str, tuple[int, int]]
 
 
-def rows(quick: bool, say: Say, only: Only) -> JsonObject:
+def rows(quick: bool, say: kit.Say, only: kit.Only) -> kit.JsonObject:
     """The study's rows."""
     grid = _QUICK_GRID if quick else GRID
     jobs = [("chaos", name, grid) for name in ([] if quick else CHAOS) if only(f"chaos: {name}")]
@@ -81,11 +63,11 @@ def rows(quick: bool, say: Say, only: Only) -> JsonObject:
         ("orbits", name, grid) for name in (_QUICK if quick else ORBITS) if only(f"orbits: {name}")
     ]
 
-    def begun(job: Job) -> None:
+    def tell(job: Job) -> None:
         say(f"{job[0]} of {job[1]}")
 
-    workers = 1 if quick or len(jobs) < 2 else cores()
-    answers = [*in_order(_answer, jobs, workers, begun)]
+    workers = 1 if quick or len(jobs) < 2 else kit.cores()
+    answers = [*kit.in_order(_answer, jobs, workers, tell)]
     return {
         "grid": list(grid),
         "crossings": CROSSINGS,
@@ -99,9 +81,9 @@ def rows(quick: bool, say: Say, only: Only) -> JsonObject:
     }
 
 
-def scene_of(what: str) -> polhode.Scene:
+def scene_of(top_name: str) -> polhode.Scene:
     """The scene of a top."""
-    name = ORBITS.get(what, CHAOS.get(what))
+    name = ORBITS.get(top_name, CHAOS.get(top_name))
     if name is not None:
         return polhode.load(name)
     # Lagrange's top but for a moment that is a fiftieth larger
@@ -138,8 +120,8 @@ def _orbits(name: str, grid: tuple[int, int]) -> Row:
     return {
         "what": name,
         "scene": None if ORBITS[name] is None else scene.name,
-        "h": brief(search.surface.h),
-        "f": brief(search.surface.f),
+        "h": f"{float(search.surface.h):g}",
+        "f": f"{float(search.surface.f):g}",
         "orbits": sorted(rows, key=lambda row: row["period"]),
     }
 
@@ -160,25 +142,25 @@ def _stable(proof: polhode.ProvedOrbit) -> Row:
     }
 
 
-def _chaos(what: str) -> Row:
+def _chaos(top_name: str) -> Row:
     """A proof of chaos on the scene's own level."""
-    scene = scene_of(what)
+    scene = scene_of(top_name)
     began = time.process_time()
     try:
         proof = polhode.prove_chaos(scene)
     except polhode.NotProved as why:
         seconds = round(time.process_time() - began, 1)
         cause = str(why).partition(": ")[2]
-        return {"what": what, "scene": scene.name, "proved": False, "cause": cause} | {
+        return {"what": top_name, "scene": scene.name, "proved": False, "cause": cause} | {
             "seconds": seconds
         }
     period, _ = proof.orbit.period.decimals
-    row: Row = {"what": what, "scene": scene.name, "proved": True, "period": period}
+    row: Row = {"what": top_name, "scene": scene.name, "proved": True, "period": period}
     row |= {"kind": proof.orbit.kind, "coverings": proof.coverings, "tries": proof.tries}
     row |= {"entropy": proof.entropy, "short": proof.short, "long": proof.long}
     row |= {"stretch": proof.stretch, "height": proof.height, "cone": proof.cone}
-    row |= {"h": brief(proof.h), "f": brief(proof.f)}
-    if what == DRAWN:
+    row |= {"h": f"{float(proof.h):g}", "f": f"{float(proof.f):g}"}
+    if top_name == DRAWN:
         row["drawn"] = {
             name: [[round(float(x), 3) for x in axis] for axis in points]
             for name, points in crossings(proof)._asdict().items()
@@ -186,7 +168,7 @@ def _chaos(what: str) -> Row:
     return row | {"seconds": round(time.process_time() - began, 1)} | _checked(proof)
 
 
-def _checked(proof: polhode.ProvedOrbit | ProvedChaos) -> Row:
+def _checked(proof: polhode.ProvedOrbit | Any) -> Row:
     """Whether the checker proves the proof's certificate, and how long that takes."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "proof.json"
@@ -207,63 +189,63 @@ def _checked(proof: polhode.ProvedOrbit | ProvedChaos) -> Row:
 
 _AGAIN = "python reports/make.py proofs --only '{0}'"
 _ORBITS = (
-    Column("top", "top"),
-    Column("level", lambda one: f"h = {one['h']}, f = {one['f']}"),
-    Column("proved", "share", meaning="orbits proved to exist, of those that the search found"),
-    Column("kinds", "kinds"),
-    Column("periods", "periods", meaning="least and largest period of the proved orbits"),
-    Column("fewest digits", "digits", ".1f", "the fewest proven digits of an orbit"),
-    Column("s", "seconds", ">", "processor seconds of a proof, the median"),
-    Column(
+    kit.Column("top", "top"),
+    kit.Column("level", lambda top: f"h = {top['h']}, f = {top['f']}"),
+    kit.Column("proved", "share", meaning="orbits proved to exist, of those that the search found"),
+    kit.Column("kinds", "kinds"),
+    kit.Column("periods", "periods", meaning="least and largest period of the proved orbits"),
+    kit.Column("fewest digits", "digits", ".1f", "the fewest proven digits of an orbit"),
+    kit.Column("s", "seconds", ">", "processor seconds of a proof, the median"),
+    kit.Column(
         "checked",
         "checked",
         "d",
         "proofs that the checker, which imports nothing of polhode, proves again from their "
         "certificates",
     ),
-    Column("check, s", "verify_seconds", ">", "processor seconds of such a check, the median"),
+    kit.Column("check, s", "verify_seconds", ">", "processor seconds of such a check, the median"),
 )
-_STABLE = Column(
+_STABLE = kit.Column(
     "stable",
     "stable",
     meaning="elliptic orbits that are stable for all time by J. Moser's theorem, of those proved",
 )
 _REFUSED = (
-    Column("top", "top"),
-    Column("period", "period", ">", "about that of all these orbits"),
-    Column("orbits", "orbits", "d"),
-    Column("residue", "residue", ">", "Greene's residue, 0 on a resonant torus"),
-    Column("cause", "cause", "", "why the proof was refused"),
+    kit.Column("top", "top"),
+    kit.Column("period", "period", ">", "about that of all these orbits"),
+    kit.Column("orbits", "orbits", "d"),
+    kit.Column("residue", "residue", ">", "Greene's residue, 0 on a resonant torus"),
+    kit.Column("cause", "cause", "", "why the proof was refused"),
 )
 _CHAOS = (
-    Column("top", lambda row: f"chaos: {row['what']}"),
-    Column("h", "h"),
-    Column("f", "f"),
-    Column(
+    kit.Column("top", lambda row: f"chaos: {row['what']}"),
+    kit.Column("h", "h"),
+    kit.Column("f", "f"),
+    kit.Column(
         "orbit",
         lambda row: row["kind"] if row["proved"] else row["cause"],
         meaning="the unstable periodic orbit whose manifolds meet, or why the proof was refused",
     ),
-    Column("period", lambda row: float(row["period"]) if row["proved"] else None, ".6g"),
-    Column("coverings", "coverings", "d", "covering relations that the proof consists of"),
-    Column("stretch", "stretch", ".2f", "their least stretch, which must be above 1"),
-    Column("height", "height", ".2f", "their largest height, which must be below 1"),
-    Column(
+    kit.Column("period", lambda row: float(row["period"]) if row["proved"] else None, ".6g"),
+    kit.Column("coverings", "coverings", "d", "covering relations that the proof consists of"),
+    kit.Column("stretch", "stretch", ".2f", "their least stretch, which must be above 1"),
+    kit.Column("height", "height", ".2f", "their largest height, which must be below 1"),
+    kit.Column(
         "entropy",
         "entropy",
         ".2g",
         "proven lower bound of the topological entropy, per unit of time",
     ),
-    Column("s", "seconds", ".1f", "processor seconds"),
-    Column(
+    kit.Column("s", "seconds", ".1f", "processor seconds"),
+    kit.Column(
         "checked",
-        yes("verified"),
+        kit.yes("verified"),
         meaning=(
             "whether the checker, which imports nothing of polhode, proves it again from its "
             "certificate"
         ),
     ),
-    Column("check, s", "verify_seconds", ".1f", "processor seconds of that check"),
+    kit.Column("check, s", "verify_seconds", ".1f", "processor seconds of that check"),
 )
 
 
@@ -275,18 +257,18 @@ unstable manifold (orange) of the proved orbit, as computed in double, and the s
 which lie in planes of their own."""
 
 
-def tables(results: JsonObject) -> dict[str, PageTable]:
+def tables(results: kit.JsonObject) -> dict[str, kit.PageTable]:
     """The page's tables from the study's JSON object, of 0.3 too, which tells of no stability."""
     proved = [*map(_proved, results["orbits"])]
     stable = [_STABLE] if any(row["stable"] for row in proved) else []
     return {
-        "orbits": table(proved, [*_ORBITS[:4], *stable, *_ORBITS[4:]], _AGAIN),
-        "refused": table(_refused(results["orbits"]), _REFUSED, _AGAIN),
-        "chaos": table(results["chaos"], _CHAOS, _AGAIN),
+        "orbits": kit.table(proved, [*_ORBITS[:4], *stable, *_ORBITS[4:]], _AGAIN),
+        "refused": kit.table(_refused(results["orbits"]), _REFUSED, _AGAIN),
+        "chaos": kit.table(results["chaos"], _CHAOS, _AGAIN),
     }
 
 
-def facts(results: JsonObject) -> dict[str, object]:
+def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
     orbits = [row for top in results["orbits"] for row in top["orbits"]]
     proved = [row for row in orbits if row["proved"]]
@@ -295,24 +277,24 @@ def facts(results: JsonObject) -> dict[str, object]:
         "grid": " x ".join(map(str, results["grid"])),
         "crossings": results["crossings"],
         "digits": results["digits"],
-        "proved": share(row["proved"] for row in orbits),
+        "proved": kit.share(row["proved"] for row in orbits),
         "tops": len(results["orbits"]),
-        "kinds": _kinds(proved) or DASH,
-        "seconds": median([row["seconds"] for row in proved], ".2g"),
+        "kinds": _kinds(proved) or kit.DASH,
+        "seconds": kit.median([row["seconds"] for row in proved], ".2g"),
         "verified": sum(row["verified"] for row in proved),
-        "proved_chaos": share(row["proved"] for row in results["chaos"]),
-        "chaos_seconds": between([row["seconds"] for row in chaos], ".2g"),
+        "proved_chaos": kit.share(row["proved"] for row in results["chaos"]),
+        "chaos_seconds": kit.between([row["seconds"] for row in chaos], ".2g"),
         "verified_chaos": sum(row["verified"] for row in chaos),
         "picture": "".join(_PICTURE.format(**row) for row in chaos if "drawn" in row),
     }
 
 
-def _kinds(proved: list[JsonObject]) -> str:
+def _kinds(proved: list[kit.JsonObject]) -> str:
     """How many orbits of each kind."""
-    return counted(dict(sorted(Counter(row["kind"] for row in proved).items())))
+    return kit.counted(dict(sorted(Counter(row["kind"] for row in proved).items())))
 
 
-def _proved(top: JsonObject) -> JsonObject:
+def _proved(top: kit.JsonObject) -> kit.JsonObject:
     """A row of all orbits that were found of a top."""
     proved = [row for row in top["orbits"] if row["proved"]]
     stable = [row["stable"] for row in proved if "stable" in row]
@@ -320,32 +302,32 @@ def _proved(top: JsonObject) -> JsonObject:
     return {
         **top,
         "top": f"orbits: {top['what']}",
-        "share": share(row["proved"] for row in top["orbits"]),
+        "share": kit.share(row["proved"] for row in top["orbits"]),
         "kinds": _kinds(proved) or None,
-        "stable": share(stable) if stable else None,
-        "periods": between([row["period"] for row in proved], ".3g", DASH),
+        "stable": kit.share(stable) if stable else None,
+        "periods": kit.between([row["period"] for row in proved], ".3g", kit.DASH),
         "digits": min((row["digits"] for row in proved), default=None),
-        "seconds": median([row["seconds"] for row in proved], ".2f"),
+        "seconds": kit.median([row["seconds"] for row in proved], ".2f"),
         "checked": sum(row["verified"] for row in proved),
-        "verify_seconds": median(checked, ".2f"),
+        "verify_seconds": kit.median(checked, ".2f"),
     }
 
 
-def _refused(tops: list[JsonObject]) -> list[JsonObject]:
+def _refused(tops: list[kit.JsonObject]) -> list[kit.JsonObject]:
     """A row for all orbits of a top that have about one period and the same cause."""
     residues_of: dict[tuple[str, str, str], list[float]] = {}
-    for one in tops:
-        for row in one["orbits"]:
+    for top in tops:
+        for row in top["orbits"]:
             if not row["proved"]:
                 cause = row["cause"].partition(":")[0]
-                same = (f"orbits: {one['what']}", f"{row['period']:.5g}", cause)
+                same = (f"orbits: {top['what']}", f"{row['period']:.5g}", cause)
                 residues_of.setdefault(same, []).append(row["residue"])
     return [
         {
-            **{"top": top, "period": period, "orbits": len(residues), "cause": cause},
-            "residue": between(residues, ".1e") if len(residues) > 1 else f"{residues[0]:.1e}",
+            **{"top": name, "period": period, "orbits": len(residues), "cause": cause},
+            "residue": kit.between(residues, ".1e") if len(residues) > 1 else f"{residues[0]:.1e}",
         }
-        for (top, period, cause), residues in residues_of.items()
+        for (name, period, cause), residues in residues_of.items()
     ]
 
 
@@ -354,12 +336,12 @@ def _refused(tops: list[JsonObject]) -> list[JsonObject]:
 # Figures of the study of proofs: residues over periods; manifolds that cross.
 
 
-_COLOURS = {"elliptic": BODY, "hyperbolic": SPACE, "inverse hyperbolic": REST}
+_COLOURS = {"elliptic": kit.BLUE, "hyperbolic": kit.ORANGE, "inverse hyperbolic": kit.GREEN}
 _COLUMNS = 2
 _DOTS_PER_INCH = 200  # of the manifolds, which are pixels
 
 
-def svgs(results: JsonObject) -> dict[str, str]:
+def svgs(results: kit.JsonObject) -> dict[str, str]:
     """The study's figures by name, from its JSON object."""
     drawn = {"proofs": residues(results["orbits"])} if results["orbits"] else {}
     for row in results["chaos"]:
@@ -368,10 +350,10 @@ def svgs(results: JsonObject) -> dict[str, str]:
     return drawn
 
 
-def manifolds(drawn: JsonObject) -> str:
+def manifolds(drawn: kit.JsonObject) -> str:
     """The manifolds of an unstable orbit on a section, and the sets of the proof."""
-    with paper() as plt:
-        size = drawing.WIDTH, 4.4
+    with polhode.paper() as plt:
+        size = kit.WIDTH, 4.4
         figure, axes = plt.subplots(figsize=size, layout="constrained", dpi=_DOTS_PER_INCH)
         points = (np.array(drawn[key]) for key in SectionCrossings._fields)
         draw_crossings(axes, SectionCrossings(*((x, y) for x, y in points)))
@@ -381,14 +363,14 @@ def manifolds(drawn: JsonObject) -> str:
         for handle in shown[:2]:
             handle.set_markersize(6)
         axes.legend(shown, names, **place)
-        return as_svg(figure)
+        return kit.as_svg(figure)
 
 
-def residues(tops: list[JsonObject]) -> str:
+def residues(tops: list[kit.JsonObject]) -> str:
     """One panel per top: the residue of every orbit over its period."""
     lines = -(-len(tops) // _COLUMNS)
-    with paper() as plt:
-        size = drawing.WIDTH, 0.6 + 1.6 * lines
+    with polhode.paper() as plt:
+        size = kit.WIDTH, 0.6 + 1.6 * lines
         figure, panels = plt.subplots(
             lines, _COLUMNS, figsize=size, layout="constrained", squeeze=False
         )
@@ -398,12 +380,12 @@ def residues(tops: list[JsonObject]) -> str:
             _draw_top(axes, top)
         figure.supxlabel("period", size=9)
         figure.supylabel("residue (shaded: elliptic, 0 to 1)", size=9)
-        drawing.legend(figure, 4)
-        return as_svg(figure)
+        kit.legend(figure, 4)
+        return kit.as_svg(figure)
 
 
-def _draw_top(axes: Axes, top: JsonObject) -> None:
-    axes.axhspan(0, 1, color=drawing.SHADE, lw=0)
+def _draw_top(axes: Axes, top: kit.JsonObject) -> None:
+    axes.axhspan(0, 1, color=kit.SHADE, lw=0)
     orbits = top["orbits"]
     kinds = [
         (kind, colour, "o", [row for row in orbits if row.get("kind") == kind])
@@ -415,4 +397,4 @@ def _draw_top(axes: Axes, top: JsonObject) -> None:
         axes.plot(*at, mark, color=colour, ms=4, label=name)
     residue_axis(axes)
     axes.set_title(top["what"], size=9, loc="left")
-    drawing.plain(axes)
+    kit.plain(axes)

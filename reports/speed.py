@@ -11,37 +11,16 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from typing import Any, NamedTuple, TypeAlias
 
 import contest
-import drawing
-import draws
+import kit
 import polhode
+import tops
 from contest import WorkPoint, frontier
-from drawing import LOOKS, OTHER_LOOK, WIDTH
-from kit import (
-    DASH,
-    DIGITS,
-    Column,
-    JsonObject,
-    Only,
-    PageTable,
-    Say,
-    between,
-    counted,
-    listed,
-    median,
-    spread,
-    table,
-)
+from kit import clocked
 from peers import process
 from peers.process import ask
-from polhode.figures.canvas import as_svg, paper
-from polhode.judging.correct_digits import worst_digits
-from polhode.numbers import number_types
-from polhode.numbers.decimals import significant
-from polhode.numbers.number_types import DOUBLE, Given, named
-from polhode.scenes.scene import even_times
 from programs import BY_NAME, ENGINE, OURS, PROGRAMS, RUN, Program
 
 QUESTION = (
@@ -52,7 +31,7 @@ QUESTION = (
 QUICK_PROGRAMS = (OURS, RUN, ENGINE)  # what needs no compiler
 
 
-def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
+def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; seconds vary from run to run, digits do not.
 
     ``without``: the programs that are not installed.
@@ -95,35 +74,6 @@ def versions() -> dict[str, str]:
     return versions_of
 
 
-# --- clock ----------------------------------------------------------------------------------------
-#
-# The processor seconds of a call: the least of several after one that warms up.
-
-
-Answer = TypeVar("Answer")
-
-
-class Timing(NamedTuple):
-    """The least processor seconds, and of how many calls."""
-
-    seconds: float
-    calls: int
-
-
-def timed(call: Callable[[], Answer], repeats: int, patience: float) -> tuple[Answer, Timing]:
-    """What a call returns, and its seconds; one that takes more than the patience is made once."""
-    answer, seconds = _once(call)
-    if seconds > patience:
-        return answer, Timing(seconds, 1)
-    return answer, Timing(min(_once(call)[1] for _ in range(repeats)), repeats)
-
-
-def _once(call: Callable[[], Answer]) -> tuple[Answer, float]:
-    began = time.process_time()
-    answer = call()
-    return answer, time.process_time() - began
-
-
 # --- first result ---------------------------------------------------------------------------------
 #
 # The time to a first result in a new process: imports, compilation, one run.
@@ -134,9 +84,11 @@ FIRST_REPEATS, ENOUGH = 3, 8.0  # times; none more once a program's processes to
 _FIRST_LIMIT = 120.0
 
 
-def first_results(programs: Sequence[Program], quick: bool, say: Say) -> Iterator[dict[str, Any]]:
+def first_results(
+    programs: Sequence[Program], quick: bool, say: kit.Say
+) -> Iterator[dict[str, Any]]:
     """A row a program: wall and processor seconds, with empty caches of compiled code and after."""
-    run, present = draws.draw(KIND, 0, END, OUTPUTS).run(TOLERANCE), draws.present(KIND)
+    run, present = tops.draw(KIND, 0, END, OUTPUTS).run(TOLERANCE), tops.present(KIND)
     for program in programs:
         say(f"first result: {program.name}")
         job = program.job(present, [run])
@@ -224,7 +176,7 @@ _FINE = {
     "double": (1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 2.0**-52),
     "extended": (1e-12, 1e-15, 2.0**-63),
     "quad": (1e-20, 2.0**-112),
-    "mp": (float(named("mp").eps),),
+    "mp": (float(kit.TYPES["mp"].eps),),
 }
 #: Wide types are projected at their own tolerance alone: they are not unless they are asked to be.
 _PROJECTED = _FINE | {"quad": _FINE["quad"][-1:]}
@@ -235,74 +187,84 @@ WAYS = tuple(
 )
 
 
-def _runs(way: Way, motion: SpeedMotion, quick: bool) -> bool:
+def _runs(curve: Way, motion: SpeedMotion, quick: bool) -> bool:
     """Whether a way of a motion is run.
 
     Steps in quad and mp that are projected take 3 to 15 seconds to t = 1000, and nothing is
     projected in these types unless it is asked to be: one motion shows them.
     """
-    if quick and (motion.name not in QUICK_MOTIONS or way.number not in QUICK_TYPES):
+    if quick and (motion.name not in QUICK_MOTIONS or curve.number not in QUICK_TYPES):
         return False
-    wide = way.project and way.number in ("quad", "mp")
+    wide = curve.project and curve.number in ("quad", "mp")
     return not wide or motion.name == TYPES_SHOWN
 
 
-def motions(quick: bool, only: Only) -> dict[SpeedMotion, list[Way]]:
+def motions(quick: bool, only: kit.Only) -> dict[SpeedMotion, list[Way]]:
     """The motions asked for, each with the ways that are."""
     ways_of: dict[SpeedMotion, list[Way]] = {}
     for motion in MOTIONS:
         labels = motion.name, motion.case, "every motion"
-        for way in WAYS:
-            if _runs(way, motion, quick) and only(*labels, way.name):
-                ways_of.setdefault(motion, []).append(way)
+        for curve in WAYS:
+            if _runs(curve, motion, quick) and only(*labels, curve.name):
+                ways_of.setdefault(motion, []).append(curve)
     return ways_of
 
 
 def scene_of(motion: SpeedMotion) -> polhode.Scene:
     """The motion's scene at its output times, rounded to doubles."""
-    times = tuple(DOUBLE.rounded(t) for t in even_times(Fraction(motion.end), SAMPLES))
+    times = tuple(kit.DOUBLE.rounded(t) for t in kit.even_times(motion.end, SAMPLES))
     return replace(polhode.load(motion.case), times=times, outputs=(), events=(), published=())
 
 
 def row(motion: SpeedMotion, ways: list[Way], quick: bool = False) -> dict[str, Any]:
     """What the ways give on one motion, judged against its exact scene."""
     scene = scene_of(motion)
-    most = max(named(way.number).most_digits for way in ways)
+    most = max(kit.TYPES[curve.number].most_digits for curve in ways)
     true = polhode.reference(scene).at(scene.times, math.ceil(most) + SPARE_DIGITS)
     return {
         **motion._asdict() | {"motion": motion.name},
-        "methods": [_way_row(way, scene, true, quick) for way in ways],
+        "methods": [_way_row(curve, scene, true, quick) for curve in ways],
     }
 
 
-def _way_row(way: Way, scene: polhode.Scene, true: Given, quick: bool) -> dict[str, Any]:
-    points = [_point(way, scene, tol, true, quick) for tol in way.tolerances]
-    return {"method": way.name, "number": way.number, "points": points}
+def _way_row(curve: Way, scene: polhode.Scene, true: Any, quick: bool) -> dict[str, Any]:
+    points = [_point(curve, scene, tol, true, quick) for tol in curve.tolerances]
+    return {"method": curve.name, "number": curve.number, "points": points}
 
 
-def _point(way: Way, scene: polhode.Scene, tol: float, true: Given, quick: bool) -> dict[str, Any]:
+def _point(curve: Way, scene: polhode.Scene, tol: float, true: Any, quick: bool) -> dict[str, Any]:
     """Digits and the least seconds at one tolerance, or why there are none."""
-    number = named(way.number)
+    number = kit.TYPES[curve.number]
     options: dict[str, Any] = {
         "tol": None if tol <= float(number.eps) else tol,
-        "project": way.project,
+        "project": curve.project,
     }
-    polhode.integrate(scene, number, max_steps=_FEW.get(way.number, 2), **options)
-    run, timing = timed(
-        lambda: polhode.integrate(scene, number, **options),
-        QUICK_REPEATS if quick else REPEATS,
-        PATIENCE,
-    )
+    polhode.integrate(scene, number, max_steps=_FEW.get(curve.number, 2), **options)
+    call = partial(polhode.integrate, scene, number, **options)
+    run, seconds, calls = timed(call, QUICK_REPEATS if quick else REPEATS, PATIENCE)
     if not run.outcome.done:
         return {"tol": tol, "reason": run.outcome.cause}
-    digits = worst_digits(run.states, true, scene, number.most_digits)
+    digits = kit.fewest_digits(run.states, true, scene, number.most_digits)
     return {
         "tol": tol,
         "digits": round(digits, 2),
-        "seconds_min": significant(timing.seconds, 4),
-        "runs": timing.calls,
+        "seconds_min": kit.significant(seconds, 4),
+        "runs": calls,
         "steps": run.steps,
     }
+
+
+def timed(
+    call: Callable[[], kit.Answer], repeats: int, patience: float
+) -> tuple[kit.Answer, float, int]:
+    """What a call returns, its least seconds, and of how many calls after one that warms up.
+
+    One that takes more than the patience is made once.
+    """
+    answer, seconds = clocked(call)
+    if seconds > patience:
+        return answer, seconds, 1
+    return answer, min(clocked(call)[1] for _ in range(repeats)), repeats
 
 
 # --- refined --------------------------------------------------------------------------------------
@@ -311,6 +273,7 @@ def _point(way: Way, scene: polhode.Scene, tol: float, true: Given, quick: bool)
 
 
 _REPEATS, _PATIENCE = 3, 1.0  # timed runs; longer ones are made once
+LOG10_2 = math.log10(2)
 _SPARE = 12  # digits more that the reference has
 _OUTPUTS = ("angles", "attitude")
 
@@ -334,13 +297,13 @@ CONTESTS = (
     Contest("brick, w3 = 3", _REGULAR, 100, quick=True),
     Contest("brick, w3 = 3", _REGULAR, 1000),
     Contest("brick, w3 = 3, angles and attitude", _REGULAR, 100, outputs=_OUTPUTS),
-    Contest("brick, w3 = 3, 50 digits", _REGULAR, 100, digits=50),
+    Contest("brick, w3 = 3, 50 digits", _REGULAR, 100, digits=kit.MP_DIGITS),
     Contest("chaotic brick, w3 = 1.1", _CHAOTIC, 100, quick=True),
     Contest("Kovalevskaya top", "kovalevskaya/generic", 1000),
 )
 
 
-def contests(quick: bool, say: Say, only: Only) -> list[dict[str, Any]]:
+def contests(quick: bool, say: kit.Say, only: kit.Only) -> list[dict[str, Any]]:
     """A row a contest: CPU seconds and correct digits both ways, digits to which both agree, and
     what refinement estimated."""
     rows = []
@@ -360,36 +323,36 @@ def _row(contest: Contest) -> dict[str, Any]:
         outputs=contest.outputs,
         events=(),
     )
-    number = number_types.QUAD if contest.digits is None else number_types.mp(contest.digits)
+    number = kit.QUAD if contest.digits is None else kit.TYPES["mp"]
     row: dict[str, Any] = {"motion": contest.name, "end": contest.end, "bits": number.bits}
     wide = math.ceil(number.most_digits) + _SPARE
     truth = polhode.reference(scene)
     if truth.is_closed_form:
-        true: Given = truth.at(scene.times, wide)
+        true: Any = truth.at(scene.times, wide)
         row["by"] = "closed form"
     else:  # a method of its own, and more digits
         plain = replace(scene, outputs=())
-        steps = polhode.integrate(plain, number_types.mp(wide), method="taylor")
+        wider = polhode.NumberType("mp", math.ceil(wide / LOG10_2) + 1)
+        steps = polhode.integrate(plain, wider, method="taylor")
         true, row["by"] = steps.states, "steps in more digits"
     runs = []
     for method in ("refined", "taylor"):
         polhode.integrate(
             scene.at([min(10, scene.end)]), number, method=method
         )  # loads what is compiled
-        run, timing = timed(
-            partial(polhode.integrate, scene, number, method=method), _REPEATS, _PATIENCE
-        )
+        call = partial(polhode.integrate, scene, number, method=method)
+        run, seconds, calls = timed(call, _REPEATS, _PATIENCE)
         runs.append(run.states)
         row[method] = {
-            "cpu": float(f"{timing.seconds:.3g}"),
-            "digits": round(worst_digits(run.states, true, scene, cap=wide), 2),
+            "cpu": kit.significant(seconds, 3),
+            "digits": round(kit.fewest_digits(run.states, true, scene, wide), 2),
             "method": run.method,
-            "runs": timing.calls,
+            "runs": calls,
         }
         if run.errors is not None and run.errors[-1] is not None:
-            row["estimate"] = float(f"{run.errors[-1]:.2g}")
-    row["agreement"] = round(worst_digits(runs[1], runs[0], scene, cap=wide), 2)
-    row["gain"] = float(f"{row['taylor']['cpu'] / row['refined']['cpu']:.3g}")
+            row["estimate"] = kit.significant(run.errors[-1], 2)
+    row["agreement"] = round(kit.fewest_digits(runs[1], runs[0], scene, wide), 2)
+    row["gain"] = kit.significant(row["taylor"]["cpu"] / row["refined"]["cpu"], 3)
     return row
 
 
@@ -399,50 +362,50 @@ def _row(contest: Contest) -> dict[str, Any]:
 
 
 #: Levels of digits, each with its cell.
-Levels: TypeAlias = Sequence[tuple[JsonObject, JsonObject]]
+Levels: TypeAlias = Sequence[tuple[kit.JsonObject, kit.JsonObject]]
 
 LONG = 1000  # from this end on a run is told as a long one
 SUMMARY_ENDS, SUMMARY_OUTPUTS = (1, 10, 100, 1000), 101
 WORDS = ("ahead", "even", "behind", "alone", "not run", "not reached")
 
-_MOTION = Column("motion", "motion")
+_MOTION = kit.Column("motion", "motion")
 _BEST = (
     _MOTION,
-    Column("method", "method", "", "the number type, and whether the run is projected"),
-    Column("to", lambda row: f"{row['motion']}, t = {row['end']}"),
-    Column("tol", "tol", ".1e", "the tolerance of the steps, the tightest of several"),
-    DIGITS,
-    Column("least s", "seconds_min", ".3g", "processor seconds of a run, the least of several"),
+    kit.Column("method", "method", "", "the number type, and whether the run is projected"),
+    kit.Column("to", lambda row: f"{row['motion']}, t = {row['end']}"),
+    kit.Column("tol", "tol", ".1e", "the tolerance of the steps, the tightest of several"),
+    kit.DIGITS,
+    kit.Column("least s", "seconds_min", ".3g", "processor seconds of a run, the least of several"),
 )
 _REFINED = (
     _MOTION,
-    Column("t", "end", "d"),
-    Column("bits", "bits", "d", "bits of the number type"),
-    Column("steps, s", "taylor.cpu", ".3g", "CPU seconds of heyoka's steps in that type"),
-    Column("steps, digits", "taylor.digits", ".1f", "their correct digits at the end"),
-    Column("refined, s", "refined.cpu", ".3g", "CPU seconds of the refined run"),
-    Column("refined, digits", "refined.digits", ".1f", "its correct digits at the end"),
-    Column("agreement", "agreement", ".1f", "digits to which the two agree"),
-    Column("estimate", "estimate", ".3g", "the refined run's own estimate of its error"),
-    Column("gain", "gain", ".1f", "seconds of the steps over those of the refined run"),
+    kit.Column("t", "end", "d"),
+    kit.Column("bits", "bits", "d", "bits of the number type"),
+    kit.Column("steps, s", "taylor.cpu", ".3g", "CPU seconds of heyoka's steps in that type"),
+    kit.Column("steps, digits", "taylor.digits", ".1f", "their correct digits at the end"),
+    kit.Column("refined, s", "refined.cpu", ".3g", "CPU seconds of the refined run"),
+    kit.Column("refined, digits", "refined.digits", ".1f", "its correct digits at the end"),
+    kit.Column("agreement", "agreement", ".1f", "digits to which the two agree"),
+    kit.Column("estimate", "estimate", ".3g", "the refined run's own estimate of its error"),
+    kit.Column("gain", "gain", ".1f", "seconds of the steps over those of the refined run"),
 )
 _FAULTS = (
-    Column("program", "program"),
-    Column("fault", "fault", "", "counted as not reached, or missing"),
+    kit.Column("program", "program"),
+    kit.Column("fault", "fault", "", "counted as not reached, or missing"),
 )
 
 
-def _first_column(header: str, way: str, clock: str) -> Column:
+def _first_column(header: str, curve: str, clock: str) -> kit.Column:
     """Seconds of one way by one clock; why there are none, where a program failed."""
 
-    def value(row: JsonObject) -> object:
-        return row[way][clock] if way in row else row["fault"] or None
+    def value(row: kit.JsonObject) -> object:
+        return row[curve][clock] if curve in row else row["fault"] or None
 
-    return Column(header, value, ".2f")
+    return kit.Column(header, value, ".2f")
 
 
 _FIRST = (
-    Column("program", "program"),
+    kit.Column("program", "program"),
     _first_column("cold, s", "cold", "wall"),
     _first_column("cold, processor s", "cold", "processor"),
     _first_column("warm, s", "warm", "wall"),
@@ -450,49 +413,55 @@ _FIRST = (
 )
 _RATIO = "the time of that program over the propagator's, likewise"
 _CELLS = (
-    Column("cells", "cells", "", "the last time, and the number of output times"),
-    Column("digits", "digits", "g", "correct digits that are asked for"),
-    Column("propagator, ms", "own", ">", "a polhode propagator, the median over the kinds"),
-    Column("stands", "stands", "", "how the propagator stands against the best of the others"),
-    Column("best other", "best", "", "the other programs that are fastest in most kinds"),
-    Column(
+    kit.Column("cells", "cells", "", "the last time, and the number of output times"),
+    kit.Column("digits", "digits", "g", "correct digits that are asked for"),
+    kit.Column("propagator, ms", "own", ">", "a polhode propagator, the median over the kinds"),
+    kit.Column("stands", "stands", "", "how the propagator stands against the best of the others"),
+    kit.Column("best other", "best", "", "the other programs that are fastest in most kinds"),
+    kit.Column(
         *("its ratio", "ratio", ">"),
         "the time of the best other over the propagator's: median over the kinds (least, most)",
     ),
-    Column(ENGINE, ENGINE, ">", _RATIO),
-    Column(RUN, RUN, ">", _RATIO),
+    kit.Column(ENGINE, ENGINE, ">", _RATIO),
+    kit.Column(RUN, RUN, ">", _RATIO),
 )
 
 
 _STANDING = (
-    Column("run", "run"),
-    Column("ahead", "ahead", "d", "cells in which a polhode propagator is faster"),
-    Column("even", "even", "d", "the 95 % interval of the median ratio contains 1"),
-    Column("behind", "behind", "d", "it is slower"),
-    Column("alone", "alone", "d", "no other program run there reaches the digits"),
-    Column("not run", "not run", "d", "no other program was run there"),
-    Column("not reached", "not reached", "d", "it does not reach them from 7 of 8 draws itself"),
-    Column(
+    kit.Column("run", "run"),
+    kit.Column("ahead", "ahead", "d", "cells in which a polhode propagator is faster"),
+    kit.Column("even", "even", "d", "the 95 % interval of the median ratio contains 1"),
+    kit.Column("behind", "behind", "d", "it is slower"),
+    kit.Column("alone", "alone", "d", "no other program run there reaches the digits"),
+    kit.Column("not run", "not run", "d", "no other program was run there"),
+    kit.Column(
+        "not reached", "not reached", "d", "it does not reach them from 7 of 8 draws itself"
+    ),
+    kit.Column(
         *("where behind", "lost", ">"),
         "the time of the best other program over the propagator's: median (least, most)",
     ),
-    Column("which is", "best"),
-    Column(
+    kit.Column("which is", "best"),
+    kit.Column(
         *("over heyoka", "engine", ">"),
         "the propagator's time over that of heyoka written by hand: median (least, most)",
     ),
 )
 _MANY = (
-    Column("cells", "cells", "", "the last time, and the number of starts of each body"),
-    Column("digits", "digits", "g", "correct digits that are asked for, the median over starts"),
-    Column("arrays, µs", "own", ">", "a start of an array that a propagator is given, the median"),
+    kit.Column("cells", "cells", "", "the last time, and the number of starts of each body"),
+    kit.Column(
+        "digits", "digits", "g", "correct digits that are asked for, the median over starts"
+    ),
+    kit.Column(
+        "arrays, µs", "own", ">", "a start of an array that a propagator is given, the median"
+    ),
     *_CELLS[3:6],
-    Column(f"{ENGINE}, in batches", ENGINE, ">", _RATIO),
-    Column("polhode integrate_many", RUN, ">", _RATIO),
+    kit.Column(f"{ENGINE}, in batches", ENGINE, ">", _RATIO),
+    kit.Column("polhode integrate_many", RUN, ">", _RATIO),
 )
 
 
-def tables(results: JsonObject) -> dict[str, PageTable]:
+def tables(results: kit.JsonObject) -> dict[str, kit.PageTable]:
     """The page's tables from the study's JSON object."""
     first = sorted(results["first"], key=lambda row: row.get("cold", {}).get("wall", 1e9))
     many, single = _parted(results["cells"])
@@ -504,24 +473,24 @@ def tables(results: JsonObject) -> dict[str, PageTable]:
     return {
         "summary": summary(results["cells"], _not_run(results)),
         "standing": standing(results["cells"]),
-        "first": table(first, _FIRST, "python reports/make.py speed --only 'first result'"),
-        "short": table(_by_length(short), _CELLS, cells),
-        "long": table(_by_length(long), _CELLS, cells),
-        "many": table(_by_length(many), _MANY, cells),
-        "faults": table(_faults(results), _FAULTS),
-        "types": table(_best(results["motions"]), _BEST, types),
-        "refined": table(results.get("refined", ()), _REFINED, refined),
+        "first": kit.table(first, _FIRST, "python reports/make.py speed --only 'first result'"),
+        "short": kit.table(_by_length(short), _CELLS, cells),
+        "long": kit.table(_by_length(long), _CELLS, cells),
+        "many": kit.table(_by_length(many), _MANY, cells),
+        "faults": kit.table(_faults(results), _FAULTS),
+        "types": kit.table(_best(results["motions"]), _BEST, types),
+        "refined": kit.table(results.get("refined", ()), _REFINED, refined),
     }
 
 
-def summary(cells: Sequence[JsonObject], not_run: str = "not run") -> PageTable:
+def summary(cells: Sequence[kit.JsonObject], not_run: str = "not run") -> kit.PageTable:
     """The time of the best other program over the propagator's: lengths down, digits across.
 
     Medians over the kinds of motion, and the program that is best in most of them; above 1 in bold.
     The last row is of many starts at once.  ``not_run``: what stands where no other program was.
     """
     digits = dict.fromkeys(level["digits"] for cell in cells for level in cell["levels"])
-    columns = [Column("run", "run"), *(Column(f"{x:g} digits", f"{x:g}") for x in digits)]
+    columns = [kit.Column("run", "run"), *(kit.Column(f"{x:g} digits", f"{x:g}") for x in digits)]
     many, single = _parted(cells)
     usual = [cell for cell in single if cell["outputs"] == SUMMARY_OUTPUTS]
     shown = {f"t = {end}": [c for c in usual if c["end"] == end] for end in SUMMARY_ENDS}
@@ -529,7 +498,7 @@ def summary(cells: Sequence[JsonObject], not_run: str = "not run") -> PageTable:
     largest = [cell for cell in many if cell["starts"] == most]
     ends = " and ".join(str(end) for end in sorted({cell["end"] for cell in largest}))
     shown[f"{most} starts at once, t = {ends}"] = largest
-    return table(
+    return kit.table(
         (
             {"run": run, **{f"{x:g}": _best_other(here, x, not_run) for x in digits}}
             for run, here in shown.items()
@@ -539,7 +508,7 @@ def summary(cells: Sequence[JsonObject], not_run: str = "not run") -> PageTable:
     )
 
 
-def _best_other(cells: Sequence[JsonObject], digits: float, not_run: str) -> str:
+def _best_other(cells: Sequence[kit.JsonObject], digits: float, not_run: str) -> str:
     """The best other program's time over the propagator's in cells, and which it is in most."""
     verdicts = [x["verdict"] for _, x in levels(cells) if x["digits"] == digits]
     ratios = [verdict["ratio"][0] for verdict in verdicts if "best" in verdict]
@@ -547,21 +516,21 @@ def _best_other(cells: Sequence[JsonObject], digits: float, not_run: str) -> str
         words_said = {verdict["stands"] for verdict in verdicts}
         words = {"alone": "polhode alone", "not run": not_run}
         return next((text for word, text in words.items() if word in words_said), "not reached")
-    ratio = median(ratios, ".2f")
+    ratio = kit.median(ratios, ".2f")
     names = [verdict["best"] for verdict in verdicts if "best" in verdict]
     often = max(sorted(set(names)), key=names.count)
     part = "" if len(ratios) == len(verdicts) else f" (in {len(ratios)} of {len(verdicts)})"
     return f"{f'**{ratio}**' if float(ratio) > 1 else ratio} {often}{part}"
 
 
-def standing(cells: Sequence[JsonObject]) -> PageTable:
+def standing(cells: Sequence[kit.JsonObject]) -> kit.PageTable:
     """How often polhode is ahead of the others, and how far it is from heyoka: a row a length."""
     rows = [*_standings(cells)]
     every_run = not any(row["not run"] for row in rows)
-    return table(rows, [x for x in _STANDING if not (every_run and x.header == "not run")])
+    return kit.table(rows, [x for x in _STANDING if not (every_run and x.header == "not run")])
 
 
-def _standings(cells: Sequence[JsonObject]) -> Iterator[JsonObject]:
+def _standings(cells: Sequence[kit.JsonObject]) -> Iterator[kit.JsonObject]:
     for (starts, end), here in _groups(cells, "starts", "end").items():
         pairs = levels(here)
         lost = [x["verdict"] for _, x in pairs if x["verdict"]["stands"] == "behind"]
@@ -570,28 +539,28 @@ def _standings(cells: Sequence[JsonObject]) -> Iterator[JsonObject]:
         yield {
             "run": f"t = {end}" + f", {starts} starts" * (starts > 0),
             **stands(pairs),
-            "lost": spread(ratios, ".2f"),
-            "best": listed(verdict["best"] for verdict in lost),
-            "engine": spread(own, ".2f"),
+            "lost": kit.spread(ratios, ".2f"),
+            "best": kit.listed(verdict["best"] for verdict in lost),
+            "engine": kit.spread(own, ".2f"),
         }
 
 
-def facts(results: JsonObject) -> dict[str, object]:
+def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
     refined = results.get("refined", ())
     _, cells = _parted(results["cells"])
     better = [row["refined"]["digits"] - row["taylor"]["digits"] for row in refined]
     return {
-        "draws": cells[0]["draws"] if cells else DASH,
-        "kinds": ", ".join(dict.fromkeys(cell["kind"] for cell in cells)) or DASH,
+        "draws": cells[0]["draws"] if cells else kit.DASH,
+        "kinds": ", ".join(dict.fromkeys(cell["kind"] for cell in cells)) or kit.DASH,
         "without": _without(results),
         "once_above": f"{results['once_above']:g}",
-        "refined_time": between([1 / row["gain"] for row in refined], ".3f"),
-        "refined_digits": between(better, "+.1f"),
+        "refined_time": kit.between([1 / row["gain"] for row in refined], ".3f"),
+        "refined_digits": kit.between(better, "+.1f"),
     }
 
 
-def _not_run(results: JsonObject) -> str:
+def _not_run(results: kit.JsonObject) -> str:
     """What a cell says where no other program was run."""
     if results.get("quick"):
         return "others not run by --quick"
@@ -599,7 +568,7 @@ def _not_run(results: JsonObject) -> str:
     return f"others not run: install {', '.join(extras)}"
 
 
-def _without(results: JsonObject) -> str:
+def _without(results: kit.JsonObject) -> str:
     """The programs that were not run at all, and how they can be."""
     if results.get("quick"):
         return "all others (--quick runs what needs no compiler)"
@@ -607,28 +576,30 @@ def _without(results: JsonObject) -> str:
     return f"{names} (install {', '.join(extras)})" if extras else names or "none"
 
 
-def _extras(results: JsonObject) -> list[str]:
+def _extras(results: kit.JsonObject) -> list[str]:
     """What installs the programs that are missing."""
     absent = [BY_NAME[name].needs for name in results["without"] if name in BY_NAME]
     extras = {f"polhode[peers{'-fortran' * ('numbalsoda' in needs)}]" for needs in absent}
     return sorted(extras, reverse=True)
 
 
-def _parted(cells: Sequence[JsonObject]) -> tuple[list[JsonObject], list[JsonObject]]:
+def _parted(cells: Sequence[kit.JsonObject]) -> tuple[list[kit.JsonObject], list[kit.JsonObject]]:
     """The cells of many starts at once, and the others."""
     many = [cell for cell in cells if cell.get("starts")]
     return many, [cell for cell in cells if not cell.get("starts")]
 
 
-def _groups(cells: Sequence[JsonObject], *names: str) -> dict[tuple[int, ...], list[JsonObject]]:
+def _groups(
+    cells: Sequence[kit.JsonObject], *names: str
+) -> dict[tuple[int, ...], list[kit.JsonObject]]:
     """The cells by their numbers of these names, in order."""
-    groups: dict[tuple[int, ...], list[JsonObject]] = {}
+    groups: dict[tuple[int, ...], list[kit.JsonObject]] = {}
     for cell in cells:
         groups.setdefault(tuple(cell.get(name, 0) for name in names), []).append(cell)
     return dict(sorted(groups.items()))
 
 
-def levels(cells: Iterable[JsonObject]) -> Levels:
+def levels(cells: Iterable[kit.JsonObject]) -> Levels:
     """The cells and their levels."""
     return [(cell, level) for cell in cells for level in cell["levels"]]
 
@@ -646,7 +617,7 @@ def ratios_of(pairs: Levels, name: str) -> list[float]:
     return [ratio[0] for ratio in named if ratio is not None]
 
 
-def _by_length(cells: Sequence[JsonObject]) -> Iterator[JsonObject]:
+def _by_length(cells: Sequence[kit.JsonObject]) -> Iterator[kit.JsonObject]:
     """A row a length, number of outputs or of starts, and level, over the kinds."""
     for (end, outputs, starts), here in _groups(cells, "end", "outputs", "starts").items():
         name = f"t={end} " + (f"starts={starts}" if starts else f"outputs={outputs}")
@@ -656,22 +627,22 @@ def _by_length(cells: Sequence[JsonObject]) -> Iterator[JsonObject]:
             yield {"cells": name, "digits": digits, **_over_kinds(pairs, unit)}
 
 
-def _over_kinds(pairs: Levels, unit: float) -> JsonObject:
+def _over_kinds(pairs: Levels, unit: float) -> kit.JsonObject:
     """What a row says of one length and level, seconds times a unit."""
     own = [p["seconds"] for _, x in pairs for p in x["programs"] if p["program"] == OURS]
     met = [x["verdict"] for _, x in pairs if "best" in x["verdict"]]
     names = [verdict["best"] for verdict in met]
     first = sorted(set(names), key=lambda name: (-names.count(name), name))[:2]
     return {
-        "own": median([unit * seconds for seconds in own if seconds], ".3g"),
-        "stands": counted(stands(pairs)),
-        "best": ", ".join(first) or DASH,
-        "ratio": spread([verdict["ratio"][0] for verdict in met], ".2f"),
-        **{name: spread(ratios_of(pairs, name), ".2f") for name in (ENGINE, RUN)},
+        "own": kit.median([unit * seconds for seconds in own if seconds], ".3g"),
+        "stands": kit.counted(stands(pairs)),
+        "best": ", ".join(first) or kit.DASH,
+        "ratio": kit.spread([verdict["ratio"][0] for verdict in met], ".2f"),
+        **{name: kit.spread(ratios_of(pairs, name), ".2f") for name in (ENGINE, RUN)},
     }
 
 
-def _best(motions: Sequence[JsonObject]) -> Iterator[JsonObject]:
+def _best(motions: Sequence[kit.JsonObject]) -> Iterator[kit.JsonObject]:
     """Each number type at its tightest tolerance on each motion."""
     for motion in motions:
         for method in motion["methods"]:
@@ -680,7 +651,7 @@ def _best(motions: Sequence[JsonObject]) -> Iterator[JsonObject]:
                 yield {**motion, **method, **min(points, key=lambda p: p["tol"])}
 
 
-def _faults(results: JsonObject) -> list[JsonObject]:
+def _faults(results: kit.JsonObject) -> list[kit.JsonObject]:
     """What failed or was missing, each once."""
     causes = {
         (name, fault): None for cell in results["cells"] for name, fault in cell["faults"].items()
@@ -706,7 +677,7 @@ _COLUMNS, _HEIGHT = 2, 1.9  # panels side by side, inches of each
 Curves = Mapping[str, Sequence[tuple[float, float]]]
 
 
-def svgs(results: JsonObject) -> dict[str, str]:
+def svgs(results: kit.JsonObject) -> dict[str, str]:
     """The study's figures by name, from its JSON object."""
     drawn = {}
     panels = {_panel(cell): lines(cell["curves"]) for cell in results["cells"] if "curves" in cell}
@@ -740,8 +711,8 @@ def lines(curves: Mapping[str, Sequence[Sequence[float]]]) -> Curves:
 def work_precision(panels: Mapping[str, Curves], unit: str) -> str:
     """Error against seconds, one panel per motion; lower left is better."""
     rows = -(-len(panels) // _COLUMNS)
-    with paper() as plt:
-        size = WIDTH, _HEIGHT * rows + 1
+    with polhode.paper() as plt:
+        size = kit.WIDTH, _HEIGHT * rows + 1
         figure, grid = plt.subplots(
             rows, _COLUMNS, figsize=size, layout="constrained", sharey=True, squeeze=False
         )
@@ -749,17 +720,19 @@ def work_precision(panels: Mapping[str, Curves], unit: str) -> str:
             axes.remove()
         for axes, (title, curves) in zip(grid.flat, panels.items(), strict=False):
             for name, points in curves.items():
-                axes.plot(*zip(*points, strict=True), label=name, **LOOKS.get(name, OTHER_LOOK))
+                axes.plot(
+                    *zip(*points, strict=True), label=name, **kit.LOOKS.get(name, kit.OTHER_LOOK)
+                )
             axes.set(xscale="log", yscale="log")
             axes.set_title(title, size=9, loc="left")
-            drawing.plain(axes)
+            kit.plain(axes)
         figure.supxlabel(unit, size=9)
         figure.supylabel("error", size=9)
-        drawing.legend(figure, 3)
-        return as_svg(figure)
+        kit.legend(figure, 3)
+        return kit.as_svg(figure)
 
 
-def _panel(cell: JsonObject) -> str:
+def _panel(cell: kit.JsonObject) -> str:
     """The title of a cell's panel."""
     kind = f"{cell['kind'][0].upper()}{cell['kind'][1:]}"
     if cell.get("starts"):
@@ -767,11 +740,11 @@ def _panel(cell: JsonObject) -> str:
     return f"{kind}, t = {cell['end']}"
 
 
-def _title(motion: JsonObject) -> str:
+def _title(motion: kit.JsonObject) -> str:
     return f"{motion['motion'][0].upper()}{motion['motion'][1:]}, t = {motion['end']}"
 
 
-def _types(motion: JsonObject) -> Curves:
+def _types(motion: kit.JsonObject) -> Curves:
     """polhode in all number types on one motion."""
     curves = {
         method["method"].removeprefix("polhode "): [

@@ -8,38 +8,13 @@ from fractions import Fraction
 from textwrap import fill
 from typing import Any
 
-import drawing
+import kit
 import polhode
 from accuracy import case_rows
-from kit import (
-    ABOUT,
-    CASE,
-    NUMBER,
-    NUMBERS,
-    STEPS,
-    Column,
-    JsonObject,
-    Only,
-    PageTable,
-    Say,
-    by_number,
-    cores,
-    digits,
-    expected,
-    formatted,
-    in_numbers,
-    in_order,
-    runs_of,
-    share,
-    table,
-)
+from kit import expected
 from polhode.equations.readout import Readout
-from polhode.judging.correct_digits import log10_errors, log10_rate
-from polhode.numbers import exact
-from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
+from polhode.numbers.conversion import number_value
 from polhode.numbers.exact_sequences import ExactNumbers
-from polhode.numbers.number_types import NumberType, named
-from polhode.numbers.vectors import dot, scaled
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 
@@ -53,22 +28,22 @@ SPARE_DIGITS = 40  # of the states from which kappa of the way back is computed
 QUARTERS = 4  # of the way, each of whose ends is one of those states
 
 
-def rows(quick: bool, say: Say, only: Only) -> dict[str, Any]:
+def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; no figure in them depends on the clock."""
     chosen = [name for name in hard_names(quick) if only(name)]
 
-    def begun(scene: polhode.Scene) -> None:
+    def tell(scene: polhode.Scene) -> None:
         say(f"{scene.name}, {chosen.index(scene.name) + 1} of {len(chosen)}")
 
-    workers = 1 if quick else cores()
+    workers = 1 if quick else kit.cores()
     scenes = [polhode.load(name) for name in chosen]
-    pairs = zip(scenes, case_rows(scenes, workers, begun), strict=True)
+    pairs = zip(scenes, case_rows(scenes, workers, tell), strict=True)
     cases = [_hard(scene, row) for scene, row in pairs]
     longest_first = sorted(scenes, key=lambda scene: -scene.log10_angle)
     ways_back = dict(
         zip(
             (s.name for s in longest_first),
-            in_order(_back, longest_first, workers, begun),
+            kit.in_order(_back, longest_first, workers, tell),
             strict=True,
         )
     )
@@ -107,20 +82,20 @@ def _back(scene: polhode.Scene) -> list[dict[str, Any]]:
         way_back(scene, t, state)
         for t, state in zip(times, polhode.reference(scene).at(times, SPARE_DIGITS), strict=True)
     ]
-    backs = [polhode.conditioning(way, number="quad").log10_kappa[-1] for way in ways]
+    backs = [polhode.conditioning(home, number="quad").log10_kappa[-1] for home in ways]
     back = max((x for x in backs if x is not None), default=None)
     kappa = None if there is None or back is None else max(there, back)
     rows = []
     for name in numbers:
-        eps = error(scene, named(name))
+        eps = error(scene, kit.TYPES[name])
         rows.append(
             {
                 "case": scene.name,
                 "number": name,
                 "log10_kappa": None if there is None else round(there, 2),
                 "log10_kappa_back": None if back is None else round(back, 2),
-                "error_eps": float(f"{eps:.2e}"),
-                "times_kappa": None if kappa is None else float(f"{eps / 10**kappa:.2g}"),
+                "error_eps": kit.significant(eps, 3),
+                "times_kappa": None if kappa is None else kit.significant(eps / 10**kappa, 2),
                 "within": None if kappa is None else eps <= 10**kappa,
             }
         )
@@ -203,7 +178,7 @@ def hard_names(quick: bool = False) -> list[str]:
 # A run to a scene's end and back to its start, and the motion from its end back.
 
 
-def error(scene: polhode.Scene, number: NumberType) -> float:
+def error(scene: polhode.Scene, number: polhode.NumberType) -> float:
     """The error of the state, in eps, of a run to the scene's end and back to 0.
 
     Relative as in *correct digits*, to |w| at 0; against the start as the type rounds it.
@@ -219,13 +194,9 @@ def error(scene: polhode.Scene, number: NumberType) -> float:
     rounded = [number.rounded(x) for x in equations.start]
     read = Readout(plain, number)
     back = read.states([row])[0]
-    bits = 2 * number.bits + 64
-    start = [
-        to_mpf(exactly(x), bits)
-        for x in read.states([[number_value(x, number) for x in rounded]])[0]
-    ]
-    (apart,) = 10 ** log10_errors([back], [start], log10_rate([start], scene))
-    return float(apart / to_double(number.eps))
+    start = read.states([[number_value(x, number) for x in rounded]])[0]
+    (apart,) = polhode.state_errors([back], [start], plain)
+    return float(apart / number.eps)
 
 
 def way_back(scene: polhode.Scene, t: Any, state: Sequence[Any]) -> polhode.Scene:
@@ -233,13 +204,9 @@ def way_back(scene: polhode.Scene, t: Any, state: Sequence[Any]) -> polhode.Scen
 
     gamma is brought to length 1.
     """
-    state = [exactly(x) for x in state]
-    gamma = None
-    if scene.gamma is not None:
-        x, y, z = state[3:]
-        gamma = scaled(1 / exact.sqrt(dot((x, y, z), (x, y, z))), (x, y, z))
-    p, q, r = state[:3]
-    return replace(scene, omega=(p, q, r), gamma=gamma, times=(-t,), outputs=(), events=())
+    p, q, r, *gamma = map(kit.exactly, state)
+    start: dict[str, Any] = {"omega": (p, q, r), "gamma": gamma or None, "normalise": True}
+    return replace(scene, **start, times=(-t,), outputs=(), events=())
 
 
 # --- page -----------------------------------------------------------------------------------------
@@ -250,15 +217,15 @@ def way_back(scene: polhode.Scene, t: Any, state: Sequence[Any]) -> polhode.Scen
 _AGAIN = "python reports/make.py stability --only {0}"
 
 
-def _pair(run: JsonObject | None) -> float | str | None:
+def _pair(run: kit.JsonObject | None) -> float | str | None:
     """The digits of a run and those expected; in words where it has none."""
-    right = digits(run)
+    right = kit.digits(run)
     if run is None or right is None or isinstance(right, str):
         return right
-    return f"{right:.1f} / {formatted(run['band'], '')}"
+    return f"{right:.1f} / {kit.formatted(run['band'], '')}"
 
 
-_KAPPA = Column(
+_KAPPA = kit.Column(
     "log10 kappa",
     "log10_kappa",
     ".1f",
@@ -266,11 +233,11 @@ _KAPPA = Column(
     "relative change of all inputs at once (a dash: not computed)",
 )
 _CASES = (
-    CASE,
-    Column("difficulty", "kind"),
-    *ABOUT[1:],
+    kit.CASE,
+    kit.Column("difficulty", "kind"),
+    *kit.ABOUT[1:],
     _KAPPA,
-    *in_numbers(
+    *kit.in_numbers(
         _pair,
         "correct digits at the worst output time / where nine in ten runs would end there that "
         "round the state once a step (see [accuracy](accuracy.md)), in that number type (a dash: "
@@ -278,78 +245,80 @@ _CASES = (
     ),
 )
 _BEHIND = (
-    CASE,
-    NUMBER,
-    Column("correct", "correct_digits", ".1f", "correct digits at the worst output time"),
-    Column(
+    kit.CASE,
+    kit.NUMBER,
+    kit.Column("correct", "correct_digits", ".1f", "correct digits at the worst output time"),
+    kit.Column(
         "expected",
         lambda run: expected(run["expected"]),
         ">",
         "where nine in ten such runs would end",
     ),
-    Column("behind", "behind", ".1f", "the least digits expected less those correct"),
-    Column("inputs", "inputs", ".1f", "correct digits of the exact motion of the rounded inputs"),
-    STEPS,
-    Column("limited by", "limit"),
+    kit.Column("behind", "behind", ".1f", "the least digits expected less those correct"),
+    kit.Column(
+        "inputs", "inputs", ".1f", "correct digits of the exact motion of the rounded inputs"
+    ),
+    kit.STEPS,
+    kit.Column("limited by", "limit"),
 )
 _BACK = (
-    CASE,
+    kit.CASE,
     _KAPPA,
-    Column(
+    kit.Column(
         "back",
         "log10_kappa_back",
         ".1f",
         "the largest on the way back, from the end and three times before",
     ),
     *(
-        Column(
+        kit.Column(
             *(f"{name}, eps", f"runs.{name}.error_eps", ".2g"),
             "the error of the state at 0 against the rounded start, in eps of the number type",
         )
-        for name in NUMBERS[:3]
+        for name in kit.NUMBERS[:3]
     ),
-    Column("within kappa·eps", lambda case: _within(case["runs"])),
+    kit.Column("within kappa·eps", lambda case: _within(case["runs"])),
 )
 _UNJUDGED = (
-    CASE,
-    NUMBER,
-    Column("why", lambda run: run.get("limit") or run["outcome"]),
-    Column("kappa", "kappa_note", "", "why the digits expected are not known"),
+    kit.CASE,
+    kit.NUMBER,
+    kit.Column("why", lambda run: run.get("limit") or run["outcome"]),
+    kit.Column("kappa", "kappa_note", "", "why the digits expected are not known"),
 )
 
 
-def tables(results: JsonObject) -> dict[str, PageTable]:
+def tables(results: kit.JsonObject) -> dict[str, kit.PageTable]:
     """The page's tables from the study's JSON object."""
-    cases = {case["case"]: by_number(case) for case in results["cases"]}
+    cases = {case["case"]: kit.by_number(case) for case in results["cases"]}
     hard = [
         {**cases[name], "kind": kind["kind"]} for kind in results["kinds"] for name in kind["cases"]
     ]
-    runs = [{**case, **run} for case, run in runs_of(results["cases"])]
+    runs = [{**case, **run} for case, run in kit.runs_of(results["cases"])]
     late = [run for run in runs if (run.get("behind") or 0) > 0]
-    ways: dict[str, JsonObject] = {}
+    ways: dict[str, kit.JsonObject] = {}
     for row in results["back"]:
         ways.setdefault(row["case"], {**row, "runs": {}})["runs"][row["number"]] = row
     return {
-        "cases": table(hard, _CASES, _AGAIN),
-        "behind": table(sorted(late, key=lambda run: -float(run["behind"])), _BEHIND, _AGAIN),
-        "unjudged": table([r for r in runs if r.get("behind") is None], _UNJUDGED, _AGAIN),
-        "back": table(ways.values(), _BACK, _AGAIN),
+        "cases": kit.table(hard, _CASES, _AGAIN),
+        "behind": kit.table(sorted(late, key=lambda run: -float(run["behind"])), _BEHIND, _AGAIN),
+        "unjudged": kit.table([r for r in runs if r.get("behind") is None], _UNJUDGED, _AGAIN),
+        "back": kit.table(ways.values(), _BACK, _AGAIN),
     }
 
 
-def facts(results: JsonObject) -> dict[str, object]:
+def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    behind = [run.get("behind") for _, run in runs_of(results["cases"])]
+    behind = [run.get("behind") for _, run in kit.runs_of(results["cases"])]
     judged = [row for row in results["back"] if row["within"] is not None]
     return {
-        "enough": share(x <= 0 for x in behind if x is not None),
+        "enough": kit.share(x <= 0 for x in behind if x is not None),
         "motions": len(results["cases"]),
-        "within": share(row["within"] for row in judged),
+        "within": kit.share(row["within"] for row in judged),
         "times_kappa": max((row["times_kappa"] for row in judged), default=0),
     }
 
 
-def _within(runs: JsonObject) -> str:
+def _within(runs: kit.JsonObject) -> str:
     """Of each number type, whether its run came back within kappa·eps."""
     said = {True: "yes", False: "no", None: "not known"}
     return ", ".join(f"{name}: {said[row['within']]}" for name, row in runs.items())
@@ -363,7 +332,7 @@ def _within(runs: JsonObject) -> str:
 _WIDTH = 24  # letters of a line of a strip's name
 
 
-def svgs(results: JsonObject) -> dict[str, str]:
+def svgs(results: kit.JsonObject) -> dict[str, str]:
     """One strip per kind of difficulty; rings have fewer digits than expected."""
     runs = {case["case"]: case["runs"] for case in results["cases"]}
     groups = {
@@ -372,4 +341,4 @@ def svgs(results: JsonObject) -> dict[str, str]:
         ]
         for kind in results["kinds"]
     }
-    return {"stability": drawing.svg({kind: dots for kind, dots in groups.items() if dots})}
+    return {"stability": kit.strips({kind: dots for kind, dots in groups.items() if dots})}

@@ -1,4 +1,4 @@
-"""Ensembles: random bodies of each kind with random starts, found again by their names.
+"""Random bodies of each kind with random starts, found again by their names; and what judges runs.
 
 All numbers are decimals of two places, which no double holds as a rule, so that rounding the inputs
 is part of every error.  A scene is named by its kind and number, ``euler start 3``, or where its
@@ -7,12 +7,19 @@ body is that of another start, ``euler body 1 start 3``.
 
 from __future__ import annotations
 
+import math
 import random
-from collections.abc import Sequence
+import statistics
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
 
 import polhode
-from polhode.numbers.exact import Exact
+from kit import DOUBLE, EXTENDED, even_times, exactly
+from peers.field import Top
 
 SEED = 20
 
@@ -51,15 +58,14 @@ def asymmetric(dice: random.Random) -> polhode.Body:
 
 #: The kinds of body that have closed forms in every motion.
 TOPS = {"euler": free, "lagrange": symmetric, "kovalevskaya": kovalevskayas}
-KINDS = {**TOPS, "asymmetric": asymmetric}
-#: With two that are asymmetric bodies started otherwise.
-STARTED = {**KINDS, "chaotic": asymmetric, "fast": asymmetric}
+#: With those that have none, three of them started otherwise.
+STARTED = {**TOPS, "asymmetric": asymmetric, "chaotic": asymmetric, "fast": asymmetric}
 #: Of the kind "chaotic", whose bodies start without much spin: those that ``polhode.lyapunov`` to
 #: t = 3000 calls so.
 CHAOTIC = (0, 1, 3, 4, 7, 8, 9, 13)
 
 
-def random_scene(kind: str, index: int, times: Sequence[Exact] = ()) -> polhode.Scene:
+def random_scene(kind: str, index: int, times: Sequence[Fraction] = ()) -> polhode.Scene:
     """The exact scene: any body of the kind, |components| of w at most 1, any gamma.
 
     An asymmetric body spins with 2.5 to 3.5 about z, where its motion is regular as a rule, a fast
@@ -84,3 +90,194 @@ def _moments(dice: random.Random) -> list[Fraction]:
     """Three moments of a body."""
     a, b = hundredths(dice, 1, 3), hundredths(dice, 1, 3)
     return [a, b, hundredths(dice, float(abs(a - b)) + 0.1, float(a + b) - 0.1)]
+
+
+# --- draws ----------------------------------------------------------------------------------------
+#
+# The motions of the contest: random bodies of six kinds, each from a random start.
+
+
+KINDS = tuple(STARTED)
+DIAGRAM = 100, 101  # the end and the outputs of the cells of the work-precision diagram
+DRAWS = 8  # of each kind: as many bodies, each with a start of its own
+DIGITS = 24  # asked of the closed forms
+JUDGED = 11  # even times at which a run is judged, the end alone where it has no more
+
+ENDS = (1, 10, 100, 1000, 10_000)
+OUTPUTS = (2, 101, 10_001)
+#: Many starts at once: of which kinds, to which ends how many, and how many of them are judged.
+MANY_KINDS = ("asymmetric", "chaotic")
+MANY = ((1, 100), (10, 100), (100, 100), (1, 10_000), (10, 10_000))
+MANY_JUDGED = 15
+#: The kinds in the diagram, one start after the other; many starts to which end, and how many.
+DRAWN_KINDS = ("euler", "lagrange", "kovalevskaya", "asymmetric", "chaotic")
+DRAWN_MANY = ("asymmetric", 10, 10_000)
+_SPREAD = 0.25  # of the draw's own |w|
+
+#: The longest runs of kinds whose digits are gone, or whose turns are too many, later.
+LAST = {"chaotic": 100, "fast": 1000}
+
+
+class Cell(NamedTuple):
+    """A kind of motion to an end with so many output times, both ends counted.
+
+    ``starts``: how many of each body at once, whose states at the end are asked for; 0: one start
+    after the other.
+    """
+
+    kind: str
+    end: int
+    outputs: int
+    starts: int = 0
+
+    @property
+    def label(self) -> str:
+        """Its name, by which one cell alone can be made again."""
+        if self.starts:
+            return f"{self.kind} t={self.end} starts={self.starts}"
+        return f"{self.kind} t={self.end} outputs={self.outputs}"
+
+    @property
+    def drawn(self) -> bool:
+        """Whether it is a panel of the work-precision diagram."""
+        if self.starts:
+            return (self.kind, self.end, self.starts) == DRAWN_MANY
+        return self.every_tolerance
+
+    @property
+    def every_tolerance(self) -> bool:
+        """Whether all tolerances are timed, not only those next to a level."""
+        return not self.starts and self.kind in DRAWN_KINDS and self[1:3] == DIAGRAM
+
+
+class Draw(NamedTuple):
+    """One body and start of a kind, exact and rounded to doubles; or its starts, (N, 6)."""
+
+    scene: polhode.Scene
+    top: Top
+    start: Any
+
+    def run(self, tol: float) -> dict[str, Any]:
+        """The run of a job of :mod:`peers.process`."""
+        times = [float(t) for t in self.scene.times]
+        top = [x.tolist() for x in self.top]
+        return {"top": top, "start": self.start.tolist(), "times": times, "tol": tol}
+
+
+class Truth(NamedTuple):
+    """States at the judged times as sums of two doubles, and the scale of w, without dimensions.
+
+    Of many starts the states at the end of the first ones, and the scale of each.
+    """
+
+    high: Any
+    low: Any
+    scale: Any
+
+
+def cells(kind: str) -> list[Cell]:
+    """Every length and number of outputs of a kind; and of starts."""
+    ends = [end for end in ENDS if end <= LAST.get(kind, ENDS[-1])]
+    every = [Cell(kind, end, outputs) for end in ends for outputs in OUTPUTS]
+    if kind in MANY_KINDS:
+        every += [Cell(kind, end, 2, starts) for end, starts in MANY]
+    return every
+
+
+def scene_of(kind: str, index: int, end: int, outputs: int) -> polhode.Scene:
+    """A draw's scene at its output times, which are doubles."""
+    number = CHAOTIC[index] if kind == "chaotic" else index
+    return random_scene(kind, number, times(end, outputs))
+
+
+def draw(kind: str, index: int, end: int, outputs: int, starts: int = 0) -> Draw:
+    """A body of the kind and its start, or many starts: w about its own, gamma anywhere."""
+    scene = scene_of(kind, index, end, outputs)
+    body = scene.body
+    coefficients = np.array([float(x) for x in _coefficients(body)])
+    moments, torque = (np.array([*map(float, x)]) for x in (body.moments, body.torque))
+    start = np.array([*map(float, scene.start)])
+    if starts:
+        dice = np.random.default_rng(index)
+        omega, gamma = np.split(dice.normal(size=(starts, 6)), 2, axis=1)
+        omega = start[:3] + _SPREAD * np.linalg.norm(start[:3]) * omega
+        gamma /= np.linalg.norm(gamma, axis=1)[:, None]
+        start = np.hstack([omega, gamma])
+    return Draw(scene, Top(coefficients, moments, torque), start)
+
+
+def _coefficients(body: polhode.Body) -> Iterator[Any]:
+    """Of a body in principal axes, in the order of :mod:`peers.field`."""
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        own, second, third = (body.moments[n] for n in (i, j, k))
+        yield from ((second - third) / own, body.torque[k] / own, -body.torque[j] / own)
+
+
+def present(kind: str) -> tuple[bool, ...]:
+    """Which coefficients of the equations do not vanish for bodies of a kind."""
+    there = [draw(kind, k, 1, 2).top.coefficients != 0 for k in range(DRAWS)]
+    return tuple(bool(x) for x in sum(there) > 0)
+
+
+def truth(kind: str, index: int, end: int, many: bool = False) -> Truth:
+    """The motion at the judged times: by its closed form, else by a refined run in quad.
+
+    ``many``: of the first of many starts the states at the end.
+    """
+    scene = scene_of(kind, index, end, JUDGED)
+    states: Any
+    if many:
+        rows = draw(kind, index, end, 2, MANY_JUDGED).start
+        members = polhode.integrate_many(scene, starts=rows, at=[0]).members
+        runs = [polhode.integrate(member.at([end]), "quad") for member in members]
+        states = [run.states[-1] for run in runs]
+        scale = np.array([_largest_rate(run.states) for run in runs])
+    else:
+        if kind in TOPS:
+            states = polhode.reference(scene).at(scene.times, DIGITS)
+        else:
+            states = polhode.integrate(scene, "quad").states
+        scale = np.array(_largest_rate(states))
+    exact = [[exactly(x) for x in row] for row in states]
+    high = np.array([[float(x) for x in row] for row in exact])
+    low = np.array([[float(x - Fraction(float(x))) for x in row] for row in exact])
+    return Truth(high, low, scale)
+
+
+def _largest_rate(states: Any) -> float:
+    """The largest |w| of some states."""
+    return max(math.hypot(*(float(x) for x in row[:3])) for row in states)
+
+
+def digits(states: Any, true: Truth) -> float:
+    """Correct digits, the worst over the judged times: the end alone of a single state."""
+    rows = np.asarray(states)
+    number = EXTENDED if rows.dtype == np.longdouble else DOUBLE
+    if number is DOUBLE:
+        rows = rows.astype(float)
+    picked = slice(-1, None) if len(rows) == 1 else slice(None)
+    errors = np.abs((rows - true.high[picked]) - true.low[picked])
+    errors[:, :3] /= true.scale
+    worst = float(errors.max())
+    with np.errstate(divide="ignore"):
+        right = np.clip(-np.log10(worst), 0.0, number.most_digits)
+    return float(right) if np.isfinite(worst) else 0.0
+
+
+def median_digits(states: Any, true: Truth) -> float:
+    """Correct digits of the states of many starts, the median over those that are judged."""
+    rows = zip(states, true.high, true.low, true.scale, strict=True)
+    each = [digits([row], Truth(high[None], low[None], scale)) for row, high, low, scale in rows]
+    return statistics.median(each)
+
+
+def judged(states: Any, outputs: int) -> Any:
+    """Those of the states of a run that are judged."""
+    return states[-1:] if outputs == 2 else states[:: (outputs - 1) // (JUDGED - 1)]
+
+
+@cache
+def times(end: int, outputs: int) -> tuple[Fraction, ...]:
+    """Even output times from 0 on, as doubles."""
+    return tuple(DOUBLE.rounded(t) for t in even_times(end, outputs))

@@ -334,7 +334,6 @@ _VAGUE = re.compile(
 _MOST_VAGUE = {
     "__init__": 1,
     "certificates": 68,
-    "checks": 2,
     "closed_forms": 10,
     "common": 4,
     "dynamics": 14,
@@ -344,7 +343,7 @@ _MOST_VAGUE = {
     "judging": 28,
     "motion": 1,
     "numbers": 13,
-    "output": 5,
+    "output": 1,
     "proofs": 2,
     "refined": 1,
     "results": 1,
@@ -352,7 +351,6 @@ _MOST_VAGUE = {
     "scenes": 1,
     "taylor": 58,
     "testing": 2,
-    "verbs": 6,
 }
 
 

@@ -22,12 +22,6 @@ from typing import Any, NamedTuple, TypeAlias
 #: A number, an expression of heyoka's, an array: whatever a peer's functions are made of.
 Scalar: TypeAlias = Any
 
-TERMS = (
-    *("p.qr", "p.gamma2", "p.gamma3"),
-    *("q.rp", "q.gamma3", "q.gamma1"),
-    *("r.pq", "r.gamma1", "r.gamma2"),
-)
-
 
 def of_pattern(present: Sequence[bool]) -> Callable[..., tuple[Scalar, ...]]:
     """Rates of six scalars and coefficients of any kind, with the terms that are ``present``.

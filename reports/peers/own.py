@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 import polhode
+from kit import DOUBLE, EXTENDED
 from peers.field import Run, Top
-from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
 from programs import PROJECTED
 
 UPRIGHT = np.array([0.0, 0.0, 1.0])
@@ -36,7 +36,7 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     def propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
         body, go = propagators.get((id(top), tol), (None, None))
         if go is None or body is not top:
-            scene, tolerance = _scene(top, 2, 1.0, start[3:]), _wanted(tol, number)
+            scene, tolerance = _scene(top, 2, 1.0, start[3:]), _tolerance(tol, number)
             go = polhode.propagator(
                 scene, number=number.name, tol=tolerance, project=tol == PROJECTED
             )
@@ -54,7 +54,7 @@ def prepared(present: Sequence[bool], method: str) -> Run:
             scene = _scene(top, len(at), end, start[3:])
             scenes[id(top), len(at), end] = top, scene
         p, q, r = map(Fraction, start[:3].tolist())
-        run = polhode.integrate(replace(scene, omega=(p, q, r)), tol=_wanted(tol))
+        run = polhode.integrate(replace(scene, omega=(p, q, r)), tol=_tolerance(tol))
         return run.states if len(at) > 2 else run.states[-1:]
 
     return integrated if method == "integrate" else propagated
@@ -70,19 +70,19 @@ def prepared_many(present: Sequence[bool], method: str) -> Run:
     def propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
         body, go = propagators.get((id(top), tol), (None, None))
         if go is None or body is not top:
-            go = polhode.propagator(_scene(top, 2, 1.0, UPRIGHT), tol=_wanted(tol))
+            go = polhode.propagator(_scene(top, 2, 1.0, UPRIGHT), tol=_tolerance(tol))
             propagators[id(top), tol] = top, go
         return go(start, t=float(at[-1]), workers=1)
 
     def integrated(top: Top, start: Any, at: Any, tol: float) -> Any:
         scene, end = _scene(top, 2, 1.0, UPRIGHT), float(at[-1])
-        many = polhode.integrate_many(scene, starts=start, at=[end], tol=_wanted(tol), workers=1)
+        many = polhode.integrate_many(scene, starts=start, at=[end], tol=_tolerance(tol), workers=1)
         return many.states[:, 0]
 
     return propagated if method == "propagator" else integrated
 
 
-def _wanted(tol: float, number: NumberType = DOUBLE) -> float | None:
+def _tolerance(tol: float, number: polhode.NumberType = DOUBLE) -> float | None:
     """A tolerance as it is asked for: none at all for the type's eps."""
     return None if tol <= float(number.eps) else tol
 

@@ -36,6 +36,8 @@ from polhode.enclosures.events import certify_events as certify_events
 from polhode.enclosures.result import CertifiedEvents as CertifiedEvents
 from polhode.enclosures.result import Enclosure as Enclosure
 from polhode.equations.form import field as field
+from polhode.equations.integrals import departures as departures
+from polhode.figures.canvas import paper as paper
 from polhode.figures.drawing import plot as plot
 from polhode.figures.drawing import view as view
 from polhode.judging.adaptive_precision import integrate as integrate
@@ -43,6 +45,7 @@ from polhode.judging.certified import Certified as Certified
 from polhode.judging.compare import compare as compare
 from polhode.judging.conditioning import Conditioning as Conditioning
 from polhode.judging.conditioning import conditioning as conditioning
+from polhode.judging.correct_digits import state_errors as state_errors
 from polhode.judging.field_terms import FieldComparison as FieldComparison
 from polhode.judging.field_terms import compare_field as compare_field
 from polhode.judging.judgement import Judgement as Judgement
@@ -54,6 +57,10 @@ from polhode.judging.textbook import Textbook as Textbook
 from polhode.motion.outcomes import EventTimes as EventTimes
 from polhode.motion.outcomes import Outcome as Outcome
 from polhode.motion.outcomes import Projection as Projection
+from polhode.numbers.decimals import as_decimal as as_decimal
+from polhode.numbers.number_types import NumberType as NumberType
+from polhode.output.cases import Cases as Cases
+from polhode.output.cases import cases as cases
 from polhode.output.report import Report as Report
 from polhode.output.report import report as report
 from polhode.proofs.proved_chaos import prove_chaos as prove_chaos

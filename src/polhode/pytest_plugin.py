@@ -63,7 +63,7 @@ class _Digits:
         from polhode.output import report_page
 
         rows = [row for rows in self.rows.values() for row in rows]
-        report_page.write(report_page.of_tests(self.place, rows).files())
+        report_page.write(report_page.of_tests(self.place, rows))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

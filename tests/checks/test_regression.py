@@ -89,10 +89,10 @@ def test_without_a_band_nothing_passes_or_fails_and_lost_digits_are_words(tmp_pa
     assert "0.00" not in out
     assert out.endswith("0 passed, 0 failed, 1 without a band\n")
     assert cli.main(["check", str(path), "--number", "double", "--json"]) == 3
-    found = json.loads(capsys.readouterr().out)
-    assert found["passed"] is None
-    assert found["columns"]["correct_digits"] == [None]
-    assert found["columns"]["passed"] == [""]
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["passed"] is None
+    assert answer["columns"]["correct_digits"] == [None]
+    assert answer["columns"]["passed"] == [""]
 
 
 @pytest.mark.slow
@@ -115,20 +115,20 @@ def test_a_case_passes():
 @pytest.mark.slow
 def test_cases_shared_by_processes_give_the_same_reports():
     names = ["euler/rest", "euler/sphere", "staude/stable"]
-    one, two = ([*check_report.check(names, ["double"], workers=n)] for n in (1, 2))
-    assert [report.scene.name for report in two] == names
-    assert [report.lines[0].digits for report in one] == [r.lines[0].digits for r in two]
-    assert [report.lines[0].limit for report in one] == [r.lines[0].limit for r in two]
+    alone, shared = ([*check_report.check(names, ["double"], workers=n)] for n in (1, 2))
+    assert [report.scene.name for report in shared] == names
+    assert [report.lines[0].digits for report in alone] == [r.lines[0].digits for r in shared]
+    assert [report.lines[0].limit for report in alone] == [r.lines[0].limit for r in shared]
 
 
 def test_what_a_process_found_is_told_without_the_reference(monkeypatch):
     """Every closed form and enclosure was computed again, for each number type, to be printed."""
     report = pickle.loads(pickle.dumps(check_report.check_scene(polhode.load("euler/sphere"))))
     monkeypatch.setattr(polhode.Reference, "at", None)
-    told = CheckReport([report], [])
-    assert "rounding" in told.details()
-    assert told.table().columns
-    assert str(told).endswith("1 passed, 0 failed")
+    report_of_all = CheckReport([report], [])
+    assert "rounding" in report_of_all.details()
+    assert report_of_all.table().columns
+    assert str(report_of_all).endswith("1 passed, 0 failed")
 
 
 def test_digits_above_the_band_fail_too():
@@ -196,9 +196,9 @@ def test_a_printed_figure_stands_or_says_how_many_digits_are_right(
     value, right, quantity, passed, verdict
 ):
     """``right`` is the fewest that pass; a figure of what is 0 has all its digits or none."""
-    found = figure(value, right, quantity)
-    assert found.passed == passed
-    assert found.verdict.startswith(verdict)
+    printed = figure(value, right, quantity)
+    assert printed.passed == passed
+    assert printed.verdict.startswith(verdict)
 
 
 @pytest.mark.parametrize("name", library.matching(["published/*"]))
@@ -230,8 +230,8 @@ def test_bands_are_proposed_that_the_case_then_keeps(tmp_path, capsys):
     assert {*polhode.load(whole).expect} == {"double", "extended", "quad"}
     for name, (low, high) in polhode.load(whole).expect.items():
         assert high - low == pytest.approx(2)
-        known = polhode.load("euler/separatrix").expect[name]
-        assert low < sum(known) / 2 < high
+        band = polhode.load("euler/separatrix").expect[name]
+        assert low < sum(band) / 2 < high
     assert cli.main(["check", str(whole)]) == 0
     assert "1 passed, 0 failed" in capsys.readouterr().out
 

@@ -24,16 +24,18 @@ def printed_late(late: Fraction, wrong: str = "") -> list:
     texts = [f"{float(x):.12g}" for x in row]
     if wrong:
         texts[1] = wrong
-    made = [Published(Fraction(5), q, x, "X") for q, x in zip(scene.columns, texts, strict=True)]
-    return labels(replace(scene, published=tuple(made)))
+    published = [
+        Published(Fraction(5), q, x, "X") for q, x in zip(scene.columns, texts, strict=True)
+    ]
+    return labels(replace(scene, published=tuple(published)))
 
 
 @pytest.mark.parametrize("late", [Fraction(1, 1000), Fraction(-1, 40), Fraction(1, 10**6)])
 def test_a_shift_is_found_to_the_digits_printed(late):
-    (found,) = printed_late(late)
-    assert found.shift == pytest.approx(float(late), rel=1e-4, abs=1e-11)
-    assert found.after < 1e-11
-    assert found.before > 100 * found.after
+    (label,) = printed_late(late)
+    assert label.shift == pytest.approx(float(late), rel=1e-4, abs=1e-11)
+    assert label.after < 1e-11
+    assert label.before > 100 * label.after
 
 
 def test_figures_that_are_right_or_wrong_in_another_way_have_none():
@@ -42,7 +44,7 @@ def test_figures_that_are_right_or_wrong_in_another_way_have_none():
 
 
 def test_the_brick_of_simulation_six_is_half_a_millisecond_late():
-    (found,) = labels(polhode.load("published/nasa-brick"))
-    assert "simulation 6" in found.cite
-    assert found.shift == pytest.approx(5e-4, rel=1e-4)
-    assert found.after < found.before / 10_000
+    (label,) = labels(polhode.load("published/nasa-brick"))
+    assert "simulation 6" in label.cite
+    assert label.shift == pytest.approx(5e-4, rel=1e-4)
+    assert label.after < label.before / 10_000

@@ -200,9 +200,9 @@ def test_what_a_notebook_shows_is_short_and_escaped():
 
 def test_a_bar_is_shown_when_it_is_asked_for(capsys):
     pytest.importorskip("tqdm")
-    one = polhode.integrate("euler/long", progress=True, max_steps=2000)
+    run = polhode.integrate("euler/long", progress=True, max_steps=2000)
     assert "euler/long" in capsys.readouterr().err
-    assert one == polhode.integrate("euler/long", progress=False, max_steps=2000)
+    assert run == polhode.integrate("euler/long", progress=False, max_steps=2000)
     polhode.integrate_many(TOP, {"start.omega[3]": "2:4:3"}, at=[0, 1], progress=True)
     assert TOP in capsys.readouterr().err
 

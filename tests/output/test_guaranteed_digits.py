@@ -51,5 +51,5 @@ def test_an_answer_right_to_what_was_asked_and_no_more_is_printed_right():
     def ask(times, digits):
         return [[to_mpf(third + Fraction(1, 10**digits), 200)] for _ in times]
 
-    ((found,),) = right_rows(ask, [Fraction(1)], 20)
-    assert 0 < exactly(found) - third < Fraction(11, 10**25)
+    ((text,),) = right_rows(ask, [Fraction(1)], 20)
+    assert 0 < exactly(text) - third < Fraction(11, 10**25)

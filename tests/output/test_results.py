@@ -31,18 +31,18 @@ UNDRAWN = (
 @pytest.mark.sample(2, slow=1)
 @pytest.mark.parametrize("name", [name for name in MAKERS if name not in UNDRAWN])
 def test_results_draw_themselves_and_into_axes_of_ones_own(name):
-    found = result_of_kind(name)
-    panels = np.ravel(np.asarray(found.plot(), dtype=object))
+    result = result_of_kind(name)
+    panels = np.ravel(np.asarray(result.plot(), dtype=object))
     if name.startswith("Trajectory"):
         _, mine = plt.subplots()
-        assert found.plot(ax=mine) is mine
+        assert result.plot(ax=mine) is mine
         assert mine.lines
     else:
         _, mine = plt.subplots(len(panels), squeeze=False)
-        drawn = found.plot(ax=mine if len(panels) > 1 else mine[0, 0])
+        drawn = result.plot(ax=mine if len(panels) > 1 else mine[0, 0])
         assert list(np.ravel(np.asarray(drawn, dtype=object))) == list(mine[:, 0])
         assert all(a.lines or a.collections for a in mine[:, 0])
-        again = np.ravel(np.asarray(polhode.plot(found), dtype=object))
+        again = np.ravel(np.asarray(polhode.plot(result), dtype=object))
         assert len(again) == len(panels)
     plt.close("all")
 
@@ -67,11 +67,11 @@ def test_times_of_events_have_the_digits_of_their_type_wherever_they_are_printed
     first = answer["events"]["t"][0]
     assert main(command) == 0
     said = capsys.readouterr().err
-    told = re.search(r"at t = ([0-9.]+)", said)[1]
-    assert len(told) == printed + 1 + (told[0] == "0")  # and the point
-    assert abs(Fraction(told) - Fraction(first)) <= Fraction(1, 2 * 10**printed)
+    time = re.search(r"at t = ([0-9.]+)", said)[1]
+    assert len(time) == printed + 1 + (time[0] == "0")  # and the point
+    assert abs(Fraction(time) - Fraction(first)) <= Fraction(1, 2 * 10**printed)
     run = polhode.integrate(str(scene), **{key: value})
-    assert repr(run.events[0]).endswith(f"the first at t = {told}>")
+    assert repr(run.events[0]).endswith(f"the first at t = {time}>")
 
 
 def test_a_certificate_is_no_result_and_says_what_it_is(tmp_path):

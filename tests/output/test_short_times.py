@@ -30,13 +30,13 @@ def significant(text: str) -> int:
     st.sampled_from(TYPES),
 )
 def test_no_shorter_decimal_rounds_to_the_number(x, power, number):
-    held = number.rounded(x * Fraction(10) ** power)
-    text = shortest(held, number)
-    assert number.rounded(Fraction(text)) == held
+    rounded = number.rounded(x * Fraction(10) ** power)
+    text = shortest(rounded, number)
+    assert number.rounded(Fraction(text)) == rounded
     digits = significant(text)
-    alone = held.numerator & (held.numerator - 1)  # below a power of two the next are nearer
-    if digits > 1 and alone and Fraction(text) != held:
-        assert number.rounded(Fraction(decimal_string(held, digits - 1))) != held
+    alone = rounded.numerator & (rounded.numerator - 1)  # below a power of two the next are nearer
+    if digits > 1 and alone and Fraction(text) != rounded:
+        assert number.rounded(Fraction(decimal_string(rounded, digits - 1))) != rounded
 
 
 def test_short_numbers_stand_as_they_are():

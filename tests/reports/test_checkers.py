@@ -11,7 +11,7 @@ import sys
 from fractions import Fraction
 
 import pytest
-from test_benchmark import HELD
+from test_benchmark import FOLDER
 
 import polhode
 from polhode.cli import main
@@ -23,15 +23,15 @@ CASE = "lagrange/nutation"
 @pytest.fixture(scope="module")
 def checkers(tmp_path_factory):
     """Commands, by language, of those that this machine has."""
-    found = {"Python": [sys.executable, "-I", str(HELD / "check.py")]}
+    commands = {"Python": [sys.executable, "-I", str(FOLDER / "check.py")]}
     if cc := shutil.which("cc") or shutil.which("gcc"):
         built = tmp_path_factory.mktemp("c") / "check"
         flags = ["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-O1"]
-        subprocess.run([cc, *flags, str(HELD / "check.c"), "-o", str(built), "-lm"], check=True)
-        found["C"] = [str(built)]
+        subprocess.run([cc, *flags, str(FOLDER / "check.c"), "-o", str(built), "-lm"], check=True)
+        commands["C"] = [str(built)]
     if node := shutil.which("node"):
-        found["JavaScript"] = [node, str(HELD / "check.js")]
-    return found
+        commands["JavaScript"] = [node, str(FOLDER / "check.js")]
+    return commands
 
 
 def run(command, *arguments):
@@ -40,12 +40,12 @@ def run(command, *arguments):
 
 def judged(checkers, path, *more, top=TOP):
     """What all of them print, and their exit code, which are the same."""
-    ran = {k: run(command, HELD / f"{top}.csv", path, *more) for k, command in checkers.items()}
+    ran = {k: run(command, FOLDER / f"{top}.csv", path, *more) for k, command in checkers.items()}
     plain = ran["Python"]
-    for name, other in ran.items():
-        assert other.returncode == plain.returncode, (name, other.stderr)
-        assert numbers(other.stdout) == pytest.approx(numbers(plain.stdout), abs=0.011), name
-        assert (other.stderr == "") == (plain.stderr == ""), name
+    for name, result in ran.items():
+        assert result.returncode == plain.returncode, (name, result.stderr)
+        assert numbers(result.stdout) == pytest.approx(numbers(plain.stdout), abs=0.011), name
+        assert (result.stderr == "") == (plain.stderr == ""), name
     return plain
 
 
@@ -59,8 +59,8 @@ def table(path, rows, header=None):
     return path
 
 
-with open(HELD / f"{TOP}.csv", newline="") as held:
-    HEADER, *ROWS = csv.reader(held)
+with open(FOLDER / f"{TOP}.csv", newline="") as file:
+    HEADER, *ROWS = csv.reader(file)
 
 
 def test_a_run_in_double_has_the_digits_that_compare_tells(checkers, tmp_path):
@@ -68,10 +68,10 @@ def test_a_run_in_double_has_the_digits_that_compare_tells(checkers, tmp_path):
     at = ",".join(row[0] for row in ROWS)
     command = ["run", CASE, "--at", at, "--outputs", "attitude", "-o", str(path)]
     assert main(command) == 0
-    told = judged(checkers, path, 13)
-    assert told.returncode == 0
+    printed = judged(checkers, path, 13)
+    assert printed.returncode == 0
     judgement = polhode.compare(path, CASE)
-    own = [numbers(line)[1:] for line in told.stdout.splitlines()[2:-1]]
+    own = [numbers(line)[1:] for line in printed.stdout.splitlines()[2:-1]]
     assert [x for x, _ in own] == pytest.approx([*judgement.digits][1:], abs=0.02)
     assert [x for _, x in own] == pytest.approx([*judgement.part_digits["attitude"]][1:], abs=0.02)
 
@@ -85,9 +85,9 @@ def test_errors_of_any_size_are_told(checkers, tmp_path, power):
         for k in (generator.randrange(4, 7), generator.randrange(7, 11)):
             moved = Fraction(row[k]) + generator.choice([1, -1]) * Fraction(1, 10**power)
             row[k] = f"{float(moved):.17g}" if power < 12 else decimal(moved)
-    told = judged(checkers, table(tmp_path / "x.csv", rows), power - 1)
-    assert told.returncode == 0
-    for line in told.stdout.splitlines()[2:-1]:
+    printed = judged(checkers, table(tmp_path / "x.csv", rows), power - 1)
+    assert printed.returncode == 0
+    for line in printed.stdout.splitlines()[2:-1]:
         assert numbers(line)[1:] == pytest.approx([power, power], abs=0.06)
 
 
@@ -97,15 +97,15 @@ def decimal(x):
 
 def test_what_is_right_has_fifty_digits_however_it_is_written(checkers, tmp_path):
     rows = [[row[0], *(f" {scientific(x)}" for x in row[1:])] for row in reversed(ROWS)]
-    other = [2, 0, 1, 3, 4, 5, 6, 10, 9, 8, 7]
-    rows = [[row[k] for k in other] + ["7"] for row in rows]
-    header = [*(HEADER[k] for k in other), "time of the processor"]
+    order = [2, 0, 1, 3, 4, 5, 6, 10, 9, 8, 7]
+    rows = [[row[k] for k in order] + ["7"] for row in rows]
+    header = [*(HEADER[k] for k in order), "time of the processor"]
     path = tmp_path / "x.csv"
     table(path, rows, header)
     path.write_text(path.read_text().replace("\n", "\r\n"))
-    told = judged(checkers, path, 50)
-    assert told.returncode == 0
-    assert "worst 50.00 correct digits" in told.stdout
+    printed = judged(checkers, path, 50)
+    assert printed.returncode == 0
+    assert "worst 50.00 correct digits" in printed.stdout
 
 
 def scientific(x):
@@ -120,9 +120,9 @@ def test_another_quaternion_or_none_changes_nothing(checkers, tmp_path, change):
     rows, header = [row[:7] for row in ROWS], HEADER[:7]
     if change == "the other quaternion":
         rows, header = [[*row[:7], *map(minus, row[7:])] for row in ROWS], HEADER
-    told = judged(checkers, table(tmp_path / "x.csv", rows, header))
-    assert "worst 50.00" in told.stdout
-    assert told.stdout.splitlines()[3].split() == ["2", "50.00", "50.00"][: 1 + len(header) // 5]
+    printed = judged(checkers, table(tmp_path / "x.csv", rows, header))
+    assert "worst 50.00" in printed.stdout
+    assert printed.stdout.splitlines()[3].split() == ["2", "50.00", "50.00"][: 1 + len(header) // 5]
 
 
 def minus(x):
@@ -130,16 +130,16 @@ def minus(x):
 
 
 def test_a_time_that_is_missing_is_told_and_fails(checkers, tmp_path):
-    told = judged(checkers, table(tmp_path / "x.csv", [*ROWS[1:5], *ROWS[6:]]), 5)
-    assert told.returncode == 1
-    assert [line for line in told.stdout.splitlines() if "missing" in line] == ["15  missing"]
+    printed = judged(checkers, table(tmp_path / "x.csv", [*ROWS[1:5], *ROWS[6:]]), 5)
+    assert printed.returncode == 1
+    assert [line for line in printed.stdout.splitlines() if "missing" in line] == ["15  missing"]
 
 
 def test_too_few_digits_fail(checkers, tmp_path):
     rows = [[*row] for row in ROWS]
     rows[3][1] = "0.1"
     path = table(tmp_path / "x.csv", rows)
-    assert [judged(checkers, path, *wanted).returncode for wanted in ((9,), ())] == [1, 0]
+    assert [judged(checkers, path, *least).returncode for least in ((9,), ())] == [1, 0]
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def test_too_few_digits_fail(checkers, tmp_path):
 def test_bad_input_is_exit_code_2(checkers, tmp_path, spoil):
     path = tmp_path / "x.csv"
     if spoil is not None:
-        path.write_text(spoil((HELD / f"{TOP}.csv").read_text()))
-    told = judged(checkers, path)
-    assert told.returncode == 2
-    assert "Traceback" not in told.stderr
+        path.write_text(spoil((FOLDER / f"{TOP}.csv").read_text()))
+    printed = judged(checkers, path)
+    assert printed.returncode == 2
+    assert "Traceback" not in printed.stderr

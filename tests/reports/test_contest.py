@@ -15,16 +15,17 @@ import numpy as np
 import pytest
 
 import contest
-import draws
+import kit
 import polhode
 import programs
 import speed
-from draws import DRAWS, Cell
+import tops
 from kit import Only
 from peers import scipy_ode
 from peers.process import ask
 from polhode.dynamics.lyapunov import lyapunov
 from programs import ENGINE, OURS, RUN
+from tops import DRAWS, Cell
 
 PEER = "CyRK VERN8"
 
@@ -33,32 +34,32 @@ PEER = "CyRK VERN8"
 
 
 def test_every_kind_has_as_many_bodies_as_draws_and_patterns_hold_them_all():
-    for kind in draws.KINDS:
-        found = [draws.draw(kind, k, 1, 2) for k in range(DRAWS)]
-        assert len({one.top.coefficients.tobytes() for one in found}) == DRAWS
-        present = np.array(draws.present(kind))
-        assert all(np.all(present | (one.top.coefficients == 0)) for one in found)
-    assert draws.present("euler") == (True, False, False) * 3
-    assert all(draws.present("chaotic"))
+    for kind in tops.KINDS:
+        rows = [tops.draw(kind, k, 1, 2).top.coefficients for k in range(DRAWS)]
+        assert len({row.tobytes() for row in rows}) == DRAWS
+        present = np.array(tops.present(kind))
+        assert all(np.all(present | (row == 0)) for row in rows)
+    assert tops.present("euler") == (True, False, False) * 3
+    assert all(tops.present("chaotic"))
 
 
 @pytest.mark.slow
 def test_the_chaotic_draws_are_chaotic():
     for k in (0, DRAWS - 1):
-        assert lyapunov(draws.scene_of("chaotic", k, 100, 2), 3000).verdict == "chaotic"
+        assert lyapunov(tops.scene_of("chaotic", k, 100, 2), 3000).verdict == "chaotic"
 
 
 def test_the_digits_of_a_run_are_those_of_its_worst_judged_time():
-    true = draws.truth("lagrange", 0, 10)
+    true = tops.truth("lagrange", 0, 10)
     rows = true.high.copy()
-    assert draws.digits(rows, true) > 15.5
+    assert tops.digits(rows, true) > 15.5
     rows[3, 5] += 1e-7
-    assert abs(draws.digits(rows, true) - 7) < 0.01
-    assert draws.digits(rows[-1:], true) > 15.5  # the end alone
+    assert abs(tops.digits(rows, true) - 7) < 0.01
+    assert tops.digits(rows[-1:], true) > 15.5  # the end alone
     rows[7, 0] = np.nan
-    assert draws.digits(rows, true) == 0
-    assert len(draws.judged(np.zeros((101, 6)), 101)) == draws.JUDGED
-    assert len(draws.judged(np.zeros((2, 6)), 2)) == 1
+    assert tops.digits(rows, true) == 0
+    assert len(tops.judged(np.zeros((101, 6)), 101)) == tops.JUDGED
+    assert len(tops.judged(np.zeros((2, 6)), 2)) == 1
 
 
 def costs(program):
@@ -72,15 +73,15 @@ def test_every_program_that_is_here_finds_the_motion(program):
     if any(find_spec(need) is None for need in program.needs):
         pytest.skip(f"without {program.needs}")
     kind = "kovalevskaya" if program.needs else "lagrange"
-    run, true = program.prepared(draws.present(kind)), draws.truth(kind, 3, 10)
+    run, true = program.prepared(tops.present(kind)), tops.truth(kind, 3, 10)
     for outputs in (2, 101):
-        one = draws.draw(kind, 3, 10, outputs)
-        times = np.array([float(t) for t in one.scene.times])
+        draw = tops.draw(kind, 3, 10, outputs)
+        times = np.array([float(t) for t in draw.scene.times])
         for tol in program.tolerances[-2:]:
-            found = run(one.top, one.start, times, tol)
-            assert len(found) in ((1, 2) if outputs == 2 else (101,))
+            rows = run(draw.top, draw.start, times, tol)
+            assert len(rows) in ((1, 2) if outputs == 2 else (101,))
             most = 19.27 if program.name == programs.WIDER else 15.96
-            assert 8 < draws.digits(draws.judged(found, outputs), true) <= most
+            assert 8 < tops.digits(tops.judged(rows, outputs), true) <= most
 
 
 @pytest.mark.parametrize("program", [costs(programs.BY_NAME[name]) for name in programs.MANY])
@@ -88,25 +89,25 @@ def test_every_program_finds_the_motions_of_many_starts(program):
     """The same starts, however many; as right as a start alone, and in their order."""
     if any(find_spec(need) is None for need in program.needs):
         pytest.skip(f"without {program.needs}")
-    few, many = (draws.draw("asymmetric", 2, 1, 2, n) for n in (20, 100))
+    few, many = (tops.draw("asymmetric", 2, 1, 2, n) for n in (20, 100))
     assert np.array_equal(few.start, many.start[:20])
-    true, times = draws.truth("asymmetric", 2, 1, many=True), np.array([0.0, 1.0])
-    run = program.prepared(draws.present("asymmetric"), many=True)
-    found = np.array(run(few.top, few.start.copy(), times, 1e-13))  # JAX's cannot be written to
-    assert found.shape == (20, 6)
-    assert 11 < draws.median_digits(found[: draws.MANY_JUDGED], true) <= 15.96
+    true, times = tops.truth("asymmetric", 2, 1, many=True), np.array([0.0, 1.0])
+    run = program.prepared(tops.present("asymmetric"), many=True)
+    ends = np.array(run(few.top, few.start.copy(), times, 1e-13))  # JAX's cannot be written to
+    assert ends.shape == (20, 6)
+    assert 11 < tops.median_digits(ends[: tops.MANY_JUDGED], true) <= 15.96
     back = run(few.top, few.start[::-1].copy(), times, 1e-13)
-    assert np.abs(back[::-1] - found).max() < 1e-11
-    found[: draws.MANY_JUDGED // 2, 0] += 1e-3  # fewer than half: the median is another one's
-    assert draws.median_digits(found[: draws.MANY_JUDGED], true) > 11
-    found[: draws.MANY_JUDGED // 2 + 1, 0] += 1e-3
-    assert draws.median_digits(found[: draws.MANY_JUDGED], true) < 4
+    assert np.abs(back[::-1] - ends).max() < 1e-11
+    ends[: tops.MANY_JUDGED // 2, 0] += 1e-3  # fewer than half: the median is another one's
+    assert tops.median_digits(ends[: tops.MANY_JUDGED], true) > 11
+    ends[: tops.MANY_JUDGED // 2 + 1, 0] += 1e-3
+    assert tops.median_digits(ends[: tops.MANY_JUDGED], true) < 4
 
 
 def test_a_start_that_is_none_is_refused():
-    one = draws.draw("lagrange", 1, 10, 11)
+    draw = tops.draw("lagrange", 1, 10, 11)
     with pytest.raises(polhode.BadInput):
-        programs.BY_NAME[OURS].prepared(())(one.top, one.start * 2, np.array([0.0, 1.0]), 1e-9)
+        programs.BY_NAME[OURS].prepared(())(draw.top, draw.start * 2, np.array([0.0, 1.0]), 1e-9)
 
 
 def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
@@ -114,14 +115,14 @@ def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
     assert [tol for _, tol in contest.timed_again(near, False)] == [
         10.0**-k for k in range(13, 4, -1)
     ]
-    true, seconds = draws.truth("lagrange", 0, 10), iter((0.0, 3.0, 5.0, 6.0, 8.0, 10.0))
-    monkeypatch.setattr(contest, "time", SimpleNamespace(process_time=lambda: next(seconds)))
-    cell = Cell("lagrange", 10, draws.JUDGED)
-    held = contest._Contest(cell, [true], {OURS: lambda top, start, times, tol: true.high})
-    held._once(OURS, 0, 1e-9)
+    true, seconds = tops.truth("lagrange", 0, 10), iter((0.0, 3.0, 5.0, 6.0, 8.0, 10.0))
+    monkeypatch.setattr(kit, "time", SimpleNamespace(process_time=lambda: next(seconds)))
+    cell = Cell("lagrange", 10, tops.JUDGED)
+    cell_contest = contest._Contest(cell, [true], {OURS: lambda top, start, times, tol: true.high})
+    cell_contest._once(OURS, 0, 1e-9)
     for _ in range(2):
-        held._block(OURS, 0, 1e-9)
-    ((_, tol, digits, least),) = held.told()[OURS]
+        cell_contest._block(OURS, 0, 1e-9)
+    ((_, tol, digits, least),) = cell_contest.plain_points()[OURS]
     assert (tol, least) == (1e-9, 1.0)
     assert digits > 15
     entered = {}
@@ -132,9 +133,9 @@ def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
 
 @pytest.mark.slow
 def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatch, tmp_path):
-    truth = draws.truth("lagrange", 0, 10)
-    asked = {"end": 10, "outputs": 2, "starts": 0, "truths": [contest._plain(truth)] * DRAWS}
-    job = {"kind": "lagrange", "cells": [asked], "programs": ["broken", OURS], "patience": 0}
+    truth = tops.truth("lagrange", 0, 10)
+    cell_job = {"end": 10, "outputs": 2, "starts": 0, "truths": [contest._plain(truth)] * DRAWS}
+    job = {"kind": "lagrange", "cells": [cell_job], "programs": ["broken", OURS], "patience": 0}
     job["tolerances"] = {"lagrange t=10 outputs=2": {OURS: [1e-9]}}
     answers, fault = ask(contest._MODULE, job, 60.0, tmp_path)
     failed, cell = answers
@@ -151,9 +152,9 @@ def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatc
 # rows
 
 
-def points(digits: dict[float, float], seconds: dict[float, float], draws_of=range(DRAWS)):
+def points(digits: dict[float, float], seconds: dict[float, float], numbers=range(DRAWS)):
     return {
-        (k, tol): (digits[tol], seconds[tol] * (1 + k / 100)) for k in draws_of for tol in digits
+        (k, tol): (digits[tol], seconds[tol] * (1 + k / 100)) for k in numbers for tol in digits
     }
 
 
@@ -171,9 +172,9 @@ def test_a_level_is_reached_between_its_tolerances_by_nearly_all_draws_or_not_at
     assert contest.seconds_of(ours, 8.0)[0] == pytest.approx(2)
     row = contest.row(Cell("euler", 10, 2), {OURS: ours, "few": few, PEER: slow}, {})
     for level in row["levels"]:
-        told = {one["program"]: one for one in level["programs"]}
-        assert told["few"]["reached"] == 6
-        assert told["few"]["ratio"] is None  # six draws decide nothing
+        by_name = {row["program"]: row for row in level["programs"]}
+        assert by_name["few"]["reached"] == 6
+        assert by_name["few"]["ratio"] is None  # six draws decide nothing
         assert level["verdict"]["stands"] == "ahead"
         assert level["verdict"]["best"] == PEER
         assert level["verdict"]["ratio"][1] > 1
@@ -202,25 +203,25 @@ def test_what_is_far_behind_at_every_level_is_not_held_again():
 
 def test_a_panel_of_the_diagram_has_the_medians_of_each_tolerance_and_what_no_other_beats():
     """Seconds of the draws are 1, 1.01, ... 1.07 times as many."""
-    (drawn,) = [cell for cell in draws.cells("euler") if cell.drawn]
+    (drawn,) = [cell for cell in tops.cells("euler") if cell.drawn]
     assert drawn.label == "euler t=100 outputs=101"
-    assert [cell.label for cell in draws.cells("asymmetric") if cell.drawn][1:] == [
+    assert [cell.label for cell in tops.cells("asymmetric") if cell.drawn][1:] == [
         "asymmetric t=10 starts=10000"
     ]
-    assert not [cell for cell in draws.cells("fast") if cell.drawn]
+    assert not [cell for cell in tops.cells("fast") if cell.drawn]
     ours = points(REACH, dict(zip(REACH, (2.0, 4.0, 6.0, 8.0), strict=True)))
     few = points(REACH, dict.fromkeys(REACH, 0.1), range(6))
-    one = points({1e-5: 5.0, 1e-8: 8.0}, {1e-5: 0.2, 1e-8: 8.0})
-    other = points({1e-5: 4.0, 1e-8: 9.0}, {1e-5: 0.6, 1e-8: 6.0})
-    found = contest.row(drawn, {OURS: ours, RUN: few, PEER: one, "CyRK DOP853": other}, {})
-    curves = found["curves"]
+    vern = points({1e-5: 5.0, 1e-8: 8.0}, {1e-5: 0.2, 1e-8: 8.0})
+    dop = points({1e-5: 4.0, 1e-8: 9.0}, {1e-5: 0.6, 1e-8: 6.0})
+    row = contest.row(drawn, {OURS: ours, RUN: few, PEER: vern, "CyRK DOP853": dop}, {})
+    curves = row["curves"]
     assert curves[OURS] == [[5.0, 2.07], [8.0, 4.14], [11.0, 6.21], [14.0, 8.28]]
     assert RUN not in curves  # six draws of eight
     lines = speed.lines(curves)
     assert [*lines] == ["polhode, double", "CyRK"]
     assert lines["CyRK"] == [(0.207, 1e-5), (6.21, 1e-9)]  # of both methods
     assert "curves" not in contest.row(Cell("euler", 10, 2), {OURS: ours}, {})
-    assert speed.svgs({"cells": [found], "motions": []}).keys() == {"speed"}
+    assert speed.svgs({"cells": [row], "motions": []}).keys() == {"speed"}
 
 
 def test_what_is_judged_has_the_start_of_the_draw_itself_and_what_is_timed_another():
@@ -230,12 +231,12 @@ def test_what_is_judged_has_the_start_of_the_draw_itself_and_what_is_timed_anoth
         starts.append(start.tolist())
         return true.high
 
-    true, cell = draws.truth("lagrange", 0, 10), Cell("lagrange", 10, draws.JUDGED)
-    held = contest._Contest(cell, [true], {OURS: run})
-    held._once(OURS, 0, 1e-9)
+    true, cell = tops.truth("lagrange", 0, 10), Cell("lagrange", 10, tops.JUDGED)
+    cell_contest = contest._Contest(cell, [true], {OURS: run})
+    cell_contest._once(OURS, 0, 1e-9)
     for _ in range(3):
-        held._block(OURS, 0, 1e-9)
-    own = held.draws[0].start.tolist()
+        cell_contest._block(OURS, 0, 1e-9)
+    own = cell_contest.draws[0].start.tolist()
     assert starts[0] == starts[1] == own  # the first call is not timed
     assert own not in starts[2:]
     assert 20 < len(starts) <= 2 + 3 * 30  # short calls are timed in blocks
@@ -245,16 +246,16 @@ def test_what_is_judged_has_the_start_of_the_draw_itself_and_what_is_timed_anoth
 
 def test_an_extended_run_starts_from_the_draws_decimals():
     """Of a motion that multiplies no error it has more digits than the start in doubles would."""
-    run, true = programs.BY_NAME[programs.WIDER].prepared(()), draws.truth("euler", 0, 10)
-    one = draws.draw("euler", 0, 10, 101)
-    times = np.array([float(t) for t in one.scene.times])
-    rows = run(one.top, one.start, times, 2.0**-63)
-    assert 17 < draws.digits(draws.judged(rows, 101), true) < 19.3
-    assert draws.digits(draws.judged(rows.astype(float), 101), true) <= 15.96
-    start = one.start.copy()
+    run, true = programs.BY_NAME[programs.WIDER].prepared(()), tops.truth("euler", 0, 10)
+    draw = tops.draw("euler", 0, 10, 101)
+    times = np.array([float(t) for t in draw.scene.times])
+    rows = run(draw.top, draw.start, times, 2.0**-63)
+    assert 17 < tops.digits(tops.judged(rows, 101), true) < 19.3
+    assert tops.digits(tops.judged(rows.astype(float), 101), true) <= 15.96
+    start = draw.start.copy()
     start[0] += 2.0**-50
-    rows = run(one.top, start, times, 2.0**-63)
-    assert 13 < draws.digits(draws.judged(rows, 101), true) < 16
+    rows = run(draw.top, start, times, 2.0**-63)
+    assert 13 < tops.digits(tops.judged(rows, 101), true) < 16
 
 
 def test_a_tie_is_no_win():
@@ -263,11 +264,11 @@ def test_a_tie_is_no_win():
     apart = {k: 0.5 if k % 2 else 2.0 for k in range(DRAWS)}
     middle, least, most = contest.ratio(apart, own, "seed")
     assert least < 1 < most
-    told = [
+    standing = [
         {"program": OURS, "reached": 8, "ratio": None},
         {"program": PEER, "reached": 8, "ratio": [middle, least, most]},
     ]
-    assert contest.verdict(told)["stands"] == "even"
+    assert contest.verdict(standing)["stands"] == "even"
     assert contest.ratio(dict.fromkeys(range(6), 2.0), own, "seed") is None
     assert contest.ratio(own, own, "seed") == [1, 1, 1]
     assert contest.ratio(apart, own, "seed") == contest.ratio(apart, own, "seed")
@@ -280,26 +281,26 @@ def synthetic(factor: float) -> dict:
     """Rows as the study gives them, the peer's times being ours times a factor."""
     ours = points(REACH, dict.fromkeys(REACH, 1e-3))
     theirs = points(REACH, dict.fromkeys(REACH, 1e-3 * factor))
-    found = [
+    cells = [
         contest.row(cell, {OURS: ours, RUN: theirs, ENGINE: ours, PEER: theirs}, {"x": "failed so"})
         for kind in ("chaotic",)
-        for cell in draws.cells(kind)
+        for cell in tops.cells(kind)
     ]
     clock = {"wall": 0.5, "processor": 0.4}
     first = [{"program": OURS, "cold": clock, "warm": clock, "fault": ""}]
     rest = {"once_above": 0.1, "without": [], "motions": [], "refined": []}
-    return json.loads(json.dumps({"first": first, "cells": found, **rest}))
+    return json.loads(json.dumps({"first": first, "cells": cells, **rest}))
 
 
 @pytest.mark.sample(0, first=1, slow=1)
 @pytest.mark.parametrize("factor", [2.0, 0.5, 1.0])
 def test_what_the_page_counts_follows_from_the_rows(factor):
-    found = synthetic(factor)
+    results = synthetic(factor)
     words = {2.0: "ahead", 0.5: "behind", 1.0: "even"}
-    standing = speed.tables(found)["standing"]
+    standing = speed.tables(results)["standing"]
     own = standing.header.index(words[factor])
-    lengths = {(x["starts"], x["end"]): [] for x in found["cells"]}
-    for cell in found["cells"]:
+    lengths = {(x["starts"], x["end"]): [] for x in results["cells"]}
+    for cell in results["cells"]:
         lengths[cell["starts"], cell["end"]] += stands(cell)
     assert len(standing.rows) == len(lengths)
     for row, (many, end) in zip(standing.rows, sorted(lengths), strict=True):
@@ -309,12 +310,12 @@ def test_what_the_page_counts_follows_from_the_rows(factor):
         lost = (f"{0.5:.2f} (0.50–0.50)", PEER) if factor == 0.5 else ("–", "–")
         assert row[6:8] == lost
         assert row[8].startswith("1.00 (1.00–")
-    lines = speed.tables(found)["many"].markdown.splitlines()
+    lines = speed.tables(results)["many"].markdown.splitlines()
     assert sum("starts=100 " in line for line in lines) == 9
-    assert "starts" not in speed.tables(found)["short"].markdown
+    assert "starts" not in speed.tables(results)["short"].markdown
     ratio = f"{factor:.2f}"
     cell = f"**{ratio}** {PEER}" if factor > 1 else f"{ratio} {PEER}"
-    summary = speed.tables(found)["summary"]
+    summary = speed.tables(results)["summary"]
     assert [row[0] for row in summary.rows] == [
         *("t = 1", "t = 10", "t = 100"),
         "10000 starts at once, t = 1 and 10",
@@ -327,16 +328,16 @@ def test_what_the_page_counts_follows_from_the_rows(factor):
 
 def test_a_program_that_is_not_installed_is_left_out_and_named(monkeypatch):
     monkeypatch.setattr(programs, "find_spec", lambda need: None if need == "CyRK" else True)
-    found = speed.rows(False, print, Only(("no such row",)))
-    assert found["without"] == [p.name for p in programs.PROGRAMS if p.name.startswith("CyRK")]
-    assert not {*found["without"]} & {*found["programs"]}
-    assert OURS in found["programs"]
-    names = ", ".join(found["without"])
-    assert speed.facts(found)["without"] == f"{names} (install polhode[peers])"
+    results = speed.rows(False, print, Only(("no such row",)))
+    assert results["without"] == [p.name for p in programs.PROGRAMS if p.name.startswith("CyRK")]
+    assert not {*results["without"]} & {*results["programs"]}
+    assert OURS in results["programs"]
+    names = ", ".join(results["without"])
+    assert speed.facts(results)["without"] == f"{names} (install polhode[peers])"
 
 
 @pytest.mark.parametrize(
-    ("told", "cell", "without"),
+    ("state", "cell", "without"),
     [
         ({"quick": True}, "others not run by --quick", "all others (--quick runs what needs no"),
         (
@@ -346,16 +347,16 @@ def test_a_program_that_is_not_installed_is_left_out_and_named(monkeypatch):
         ),
     ],
 )
-def test_polhode_is_not_alone_where_no_other_was_run(told, cell, without):
+def test_polhode_is_not_alone_where_no_other_was_run(state, cell, without):
     """It was called so where others were not installed, and with --quick."""
     ours = points(REACH, dict.fromkeys(REACH, 1e-3))
-    rows = [contest.row(cell, {OURS: ours, ENGINE: ours}, {}) for cell in draws.cells("chaotic")]
-    found = {**synthetic(1.0), **told, "cells": rows}
+    rows = [contest.row(cell, {OURS: ours, ENGINE: ours}, {}) for cell in tops.cells("chaotic")]
+    results = {**synthetic(1.0), **state, "cells": rows}
     assert {word for row in rows for word in stands(row)} == {"not run"}
-    tables = speed.tables(found)
+    tables = speed.tables(results)
     assert {x for row in tables["summary"].rows for x in row[1:]} == {cell}
     assert "not run" in tables["standing"].header
-    assert speed.facts(found)["without"].startswith(without)
+    assert speed.facts(results)["without"].startswith(without)
     lost = {OURS: ours, PEER: {}}  # it was run, and reached nothing
     assert stands(contest.row(Cell("euler", 10, 2), lost, {})) == ["alone"] * 3
     assert "not run" not in speed.tables(synthetic(1.0))["standing"].header
@@ -367,42 +368,42 @@ def test_scipy_takes_its_steps_in_compiled_code(method, monkeypatch):
     """solve_ivp takes the same steps in Python, many times as long for the same error."""
     integrate = pytest.importorskip("scipy.integrate")
     pytest.importorskip("numba")
-    run = programs.BY_NAME[f"SciPy {method}"].prepared(draws.present("lagrange"))
+    run = programs.BY_NAME[f"SciPy {method}"].prepared(tops.present("lagrange"))
     monkeypatch.setattr(integrate, "solve_ivp", None)
-    one, true = draws.draw("lagrange", 3, 10, 101), draws.truth("lagrange", 3, 10)
-    times = np.array([float(t) for t in one.scene.times])
-    found = [run(one.top, one.start.copy(), times, 1e-11) for _ in range(2)]
-    assert np.array_equal(*found)  # no call goes on where the one before ended
-    assert 8 < draws.digits(draws.judged(found[0], 101), true) < 15
+    draw, true = tops.draw("lagrange", 3, 10, 101), tops.truth("lagrange", 3, 10)
+    times = np.array([float(t) for t in draw.scene.times])
+    runs = [run(draw.top, draw.start.copy(), times, 1e-11) for _ in range(2)]
+    assert np.array_equal(*runs)  # no call goes on where the one before ended
+    assert 8 < tops.digits(tops.judged(runs[0], 101), true) < 15
     monkeypatch.setattr(scipy_ode, "_MOST_STEPS", 1)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # SciPy's own word
         with pytest.raises(ArithmeticError):
-            run(one.top, one.start.copy(), times[[0, -1]], 1e-12)
+            run(draw.top, draw.start.copy(), times[[0, -1]], 1e-12)
 
 
 @pytest.mark.campaign
 def test_a_small_contest_of_many_starts_from_end_to_end():
-    found = speed.rows(True, print, Only(("asymmetric t=1 starts=100",)))
-    (cell,) = found["cells"]
+    results = speed.rows(True, print, Only(("asymmetric t=1 starts=100",)))
+    (cell,) = results["cells"]
     assert (cell["starts"], cell["faults"]) == (100, {})
     for level in cell["levels"]:
-        reached = {one["program"]: one["reached"] for one in level["programs"]}
+        reached = {row["program"]: row["reached"] for row in level["programs"]}
         assert reached == dict.fromkeys((OURS, RUN, ENGINE), 8)
-        seconds = {one["program"]: one["seconds"] for one in level["programs"]}
+        seconds = {row["program"]: row["seconds"] for row in level["programs"]}
         assert seconds[ENGINE] < 10 * seconds[OURS]  # a hundred times as many would be a loop
-    assert "t=1 starts=100" in speed.tables(found)["many"].markdown
+    assert "t=1 starts=100" in speed.tables(results)["many"].markdown
 
 
 @pytest.mark.slow
 def test_a_small_contest_from_end_to_end():
     """Two cells in processes of their own, without compilers; the page is of the rows."""
-    found = speed.rows(True, print, Only(("kovalevskaya t=10",)))
-    assert [cell["outputs"] for cell in found["cells"]] == [2, 101]
-    for cell in found["cells"]:
+    results = speed.rows(True, print, Only(("kovalevskaya t=10",)))
+    assert [cell["outputs"] for cell in results["cells"]] == [2, 101]
+    for cell in results["cells"]:
         assert cell["faults"] == {}
         for level in cell["levels"]:
-            reached = {one["program"]: one["reached"] for one in level["programs"]}
+            reached = {row["program"]: row["reached"] for row in level["programs"]}
             assert reached == dict.fromkeys((OURS, RUN, ENGINE), 8)
             assert level["verdict"]["stands"] == "not run"
-    assert "t=10 outputs=101" in speed.tables(found)["short"].markdown
+    assert "t=10 outputs=101" in speed.tables(results)["short"].markdown

@@ -9,12 +9,8 @@ import numpy as np
 import pytest
 
 import long_run
+import polhode
 from kit import Only
-from polhode.equations.integrals import departures
-from polhode.judging.adaptive_precision import integrate
-from polhode.judging.conditioning import conditioning
-from polhode.judging.reference import reference
-from polhode.numbers.vectors import dot
 from shared.reports import committed
 from tops import random_scene
 
@@ -27,9 +23,9 @@ TIMES = [100.0, 316.0, 1000.0, 3162.0, 10000.0]
 @pytest.mark.parametrize("slope", [0.5, 1.0, 1.5])
 def test_an_exact_power_law_gives_its_exponent(slope):
     members = [[c * t**slope for t in TIMES] for c in (1e-16, 2e-16, 3e-16)]
-    found = long_run.exponent(TIMES, members, 100.0)
-    assert found.exponent == pytest.approx(slope, abs=1e-9)
-    assert found.uncertainty < 1e-9
+    fitted = long_run.exponent(TIMES, members, 100.0)
+    assert fitted.exponent == pytest.approx(slope, abs=1e-9)
+    assert fitted.uncertainty < 1e-9
     bent = [[x * max(1.0, t / 1000) for x, t in zip(row, TIMES, strict=True)] for row in members]
     assert long_run.exponent(TIMES, bent, 100.0).last_decade == pytest.approx(slope + 1, abs=1e-9)
 
@@ -42,8 +38,8 @@ def test_the_uncertainty_covers_what_noise_does():
     for _ in range(40):
         walks = np.abs(np.cumsum(dice.normal(size=(16, 10_000)), axis=1))
         members = [[walk[int(t) - 1] for t in TIMES] for walk in walks]
-        found = long_run.exponent(TIMES, members, 100.0)
-        pulls.append((found.exponent - 0.5) / found.uncertainty)
+        fitted = long_run.exponent(TIMES, members, 100.0)
+        pulls.append((fitted.exponent - 0.5) / fitted.uncertainty)
     assert abs(np.mean(pulls)) < 0.6
     assert 0.5 < np.std(pulls) < 1.8
 
@@ -102,10 +98,10 @@ def test_departures_have_signs():
     rows = np.array([[float(x) for x in scene.start]] * 3)
     rows[:2, :3] *= np.array([[1 + 1e-10], [1 - 1e-10]])
     rows[2, 3:] *= 1 + 1e-10
-    found = departures(scene, rows)
+    relative = polhode.departures(scene, rows)
     for name, sizes in (("h", (2, -2, 0)), ("|G|^2", (2, -2, 0)), ("|gamma|^2", (0, 0, 2))):
-        assert np.allclose(np.array(found[name], float) / 1e-10, sizes, atol=1e-4), name
-    assert float(found["f"][0]) == pytest.approx(-float(found["f"][1]), rel=1e-4)
+        assert np.allclose(np.array(relative[name], float) / 1e-10, sizes, atol=1e-4), name
+    assert float(relative["f"][0]) == pytest.approx(-float(relative["f"][1]), rel=1e-4)
 
 
 # starts
@@ -122,8 +118,8 @@ def test_starts_are_exact_alike_every_time_and_all_different(top):
     inexact = [s for s in scenes if any(float(x) != x for x in s.body.moments)]
     assert len(inexact) > long_run.STARTS / 2
     for scene in scenes:
-        assert dot(scene.gamma, scene.gamma) == 1
-        truth = reference(scene)
+        assert sum(x * x for x in scene.gamma) == 1
+        truth = polhode.reference(scene)
         assert truth.is_closed_form
         assert truth.kind == top
 
@@ -131,12 +127,12 @@ def test_starts_are_exact_alike_every_time_and_all_different(top):
 def test_a_projected_member_beside_what_rounding_its_inputs_leaves():
     """Exact inputs leave nothing; the others an error that the run's own is of the size of."""
     start = long_run.RunStart("lagrange", 2, (Fraction(100), Fraction(300)), (long_run.PROJECTED,))
-    found = long_run.follow(start)
-    assert all(1e-17 < x < 1e-13 for x in found.inputs)
-    every = integrate(start.scene, "double").projection.every
-    left = conditioning(start.scene).inputs("double", every)
-    assert found.inputs == [10.0**-x for x in left]
-    assert left != conditioning(start.scene).inputs("double")
+    member = long_run.follow(start)
+    assert all(1e-17 < x < 1e-13 for x in member.inputs)
+    every = polhode.integrate(start.scene, "double").projection.every
+    left = polhode.conditioning(start.scene).inputs("double", every)
+    assert member.inputs == [10.0**-x for x in left]
+    assert left != polhode.conditioning(start.scene).inputs("double")
 
 
 # the study

@@ -7,9 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from draws import draw
+import polhode
+from tops import draw
+
+pytest.importorskip("numba")
 from peers import splitting
-from polhode.judging.reference import reference
 
 
 def power_sum(order: int, power: int) -> float:
@@ -27,18 +29,17 @@ def test_the_weights_fulfil_the_conditions_on_power_sums(order):
 
 
 def error(kind: str, word: str, tol: float, end: int = 10, start: int = 2) -> float:
-    pytest.importorskip("numba")
-    one = draw(kind, start, end, 2)
+    top = draw(kind, start, end, 2)
     run = splitting.prepared([], word)
-    found = run(one.top, one.start, np.array([0.0, end]), tol)[-1]
-    true = reference(one.scene).at(one.scene.times, 20)[-1]
-    return max(abs(float(x) - float(y)) for x, y in zip(found, true, strict=True))
+    ends = run(top.top, top.start, np.array([0.0, end]), tol)[-1]
+    true = polhode.reference(top.scene).at(top.scene.times, 20)[-1]
+    return max(abs(float(x) - float(y)) for x, y in zip(ends, true, strict=True))
 
 
 def steps(kind: str, order: int, tol: float, end: int = 10, start: int = 2) -> int:
-    one = draw(kind, start, end, 2)
-    pull = math.sqrt(math.hypot(*one.top.torque) / min(one.top.moments))
-    return math.ceil(end * max(math.hypot(*one.start[:3]), pull) / tol ** (1 / order))
+    top = draw(kind, start, end, 2)
+    pull = math.sqrt(math.hypot(*top.top.torque) / min(top.top.moments))
+    return math.ceil(end * max(math.hypot(*top.start[:3]), pull) / tol ** (1 / order))
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ import copy
 import json
 import re
 import shlex
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -21,12 +22,11 @@ import events
 import make
 import polhode
 import stability
-from kit import Column, JsonObject, Only, PageTable, filled, table, yes
-from polhode.common.provenance import digest
+from kit import TYPES, Column, JsonObject, Only, PageTable, filled, table, yes
 from polhode.judging.limits import selected
-from polhode.numbers.number_types import named
-from polhode.scenes import library
 from shared.reports import COMMITTED, committed
+
+CASES = polhode.cases().column("scene")
 
 # -- tables ----------------------------------------------------------------------------------------
 
@@ -56,9 +56,9 @@ def test_a_cell_is_a_value_of_the_row_in_the_form_of_its_column(value, form, cel
 
 def test_a_table_is_rows_of_columns_with_what_they_hold_and_how_to_make_them_again():
     columns = Column("a|b", "name", "code"), Column("p", "digits", ".1f", "so *much*")
-    made = table([ROW, {"name": "b"}], columns, "x {0} '{1}'")
-    assert made.command(made.rows[1]) == "x b '–'"
-    assert made.markdown == (
+    page_table = table([ROW, {"name": "b"}], columns, "x {0} '{1}'")
+    assert page_table.command(page_table.rows[1]) == "x b '–'"
+    assert page_table.markdown == (
         "| a\\|b | p |\n|---|--:|\n| `a` | 12.3 |\n| `b` | – |\n\n"
         "Columns: *p*: so *much*.\nTo make rows again, here the first: `x a '12.3'`."
     )
@@ -90,9 +90,9 @@ def test_every_study_is_committed_with_its_page_and_figures(name):
         assert (COMMITTED / f"{figure}.svg").read_text().startswith("<?xml")
     for case in results.get("cases", []):
         assert f"\n| {case['case']} | " in page, case["case"]
-        assert case["sha256"] == digest(library.load(case["case"]).source), case["case"]
+        assert case["sha256"] == polhode.load(case["case"]).provenance()["case"], case["case"]
     if name == "accuracy":
-        assert [case["case"] for case in results["cases"]] == library.names()
+        assert [case["case"] for case in results["cases"]] == CASES
 
 
 def test_the_table_in_readme_is_of_the_committed_rows():
@@ -123,9 +123,9 @@ def test_every_table_and_every_fact_stands_on_the_page_once_and_is_explained(nam
     assert not {*tables} & {*facts}
     assert sorted(field for field in named if field in tables) == sorted(tables)
     assert {field.partition("[")[0] for field in named} == {*tables, *facts, "question", "origin"}
-    assert any(meaning for made in tables.values() for meaning in made.meanings)
-    for made in tables.values():  # two columns of one name tell a reader nothing
-        assert len({*made.header}) == len(made.header)
+    assert any(meaning for x in tables.values() for meaning in x.meanings)
+    for x in tables.values():  # two columns of one name tell a reader nothing
+        assert len({*x.header}) == len(x.header)
 
 
 class Listed(Only):
@@ -173,14 +173,14 @@ def rows_in(results: JsonObject) -> Iterator[tuple[JsonObject, str]]:
 
 @pytest.mark.sample(3)
 @pytest.mark.parametrize("name", make.STUDIES)
-@pytest.mark.parametrize("kept", [0, 1])
-def test_a_page_of_no_rows_and_of_one_row_of_each_kind_can_be_made(name, kept):
+@pytest.mark.parametrize("count", [0, 1])
+def test_a_page_of_no_rows_and_of_one_row_of_each_kind_can_be_made(name, count):
     whole = committed(name)
     for k in range(len([*rows_in(whole)])):
         results = copy.deepcopy(whole)
         for j, (place, key) in enumerate(rows_in(results)):
             if not (name == "stability" and key == "cases"):  # which its kinds name
-                place[key] = place[key][: kept * (j == k)]
+                place[key] = place[key][: count * (j == k)]
         assert make.page(results).startswith(make.page(whole).partition("\n")[0])
 
 
@@ -295,16 +295,29 @@ def test_rows_made_today_agree_with_the_committed_ones():
 def test_a_quick_study_is_made(name, tmp_path):
     """From outside, as CONTRIBUTING tells; each wrote its page, which is of its rows."""
     command = [sys.executable, make.__file__, name, "--quick", "-o", str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    ended = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert ended.returncode == 0, ended.stderr
     results = make.results_of(tmp_path, name)
     assert results["quick"]
     assert (tmp_path / f"{name}.md").read_text() == make.page(results)
     assert (tmp_path / f"{name}.svg").exists()
 
 
+@pytest.mark.slow
+def test_ctrl_c_ends_a_study_and_writes_nothing(tmp_path):
+    """While its processes work: within seconds, where a row takes longer."""
+    command = [sys.executable, make.__file__, "long-run", "-o", str(tmp_path)]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        process.stderr.readline()
+        process.send_signal(signal.SIGINT)
+        _, message = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert message.endswith("make.py: stopped; the study that was being made is not written\n")
+    assert [*tmp_path.iterdir()] == []
+
+
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (["acuracy"], "expected speed, accuracy"),
         (["--only", "x"], "NAME of one study"),
@@ -312,14 +325,14 @@ def test_a_quick_study_is_made(name, tmp_path):
         (["benchmark", "--only", "lagrange", "-o", "x"], "expected euler-largest-axis"),
     ],
 )
-def test_what_is_asked_wrongly_is_refused_in_words(words, told, monkeypatch, tmp_path, capsys):
+def test_what_is_asked_wrongly_is_refused_in_words(words, message, monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
     try:
         code = make.main(words)
     except SystemExit as end:
         code = end.code
     assert code == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 # -- what would be seen ----------------------------------------------------------------------------
@@ -328,8 +341,8 @@ def test_what_is_asked_wrongly_is_refused_in_words(words, told, monkeypatch, tmp
 def test_every_case_tagged_hard_is_in_the_study_of_stability_once():
     names = stability.hard_names()
     assert len(names) == len(set(names))
-    assert set(names) <= set(library.names())
-    tagged = {name for name in library.names() if "hard" in polhode.load(name).tags}
+    assert set(names) <= set(CASES)
+    tagged = {name for name in CASES if "hard" in polhode.load(name).tags}
     assert tagged <= set(names)
     assert set(stability.QUICK) <= set(names)
 
@@ -356,13 +369,13 @@ def test_a_closed_form_beside_the_motion_is_seen(monkeypatch):
     assert row["inside"]
     assert row["digits"] >= accuracy.PROVEN_DIGITS
     omega = (scene.omega[0] + Fraction(1, 10**15), *scene.omega[1:])
-    other = polhode.reference(replace(scene, omega=omega))
-    monkeypatch.setattr(polhode, "reference", lambda _: other)
+    moved = polhode.reference(replace(scene, omega=omega))
+    monkeypatch.setattr(polhode, "reference", lambda _: moved)
     assert not accuracy.proven_case(scene)["inside"]
 
 
 @pytest.mark.parametrize(("number", "most"), [("double", 1e4), ("extended", 1e4), ("quad", 1e4)])
 def test_a_regular_motion_comes_back(number, most):
     scene = polhode.load("euler/largest-axis")
-    assert 0 < stability.error(scene, named(number)) < most
-    assert stability.error(scene.at((Fraction(1, 8),)), named(number)) < 20
+    assert 0 < stability.error(scene, TYPES[number]) < most
+    assert stability.error(scene.at((Fraction(1, 8),)), TYPES[number]) < 20

@@ -24,25 +24,25 @@ from polhode.results.frames import needed
 from polhode.results.reader import content_of
 from polhode.results.writer import ENDINGS, as_json, csv_text, digest
 
-Told = dict[str, Any]
+Document = dict[str, Any]
 INSERTED = (b"9" * 50, b"null", b"[", b"\0", b'"', b"1e400000", b"{", b"NaN", b"\xff", b",\n", b"-")
 
 
 def mutated(data: bytes, draw: random.Random) -> bytes:
     """With one or several bytes changed, left out or added, or cut."""
-    held = bytearray(data)
+    changed = bytearray(data)
     for _ in range(draw.choice((1, 1, 3))):
-        place = draw.randrange(len(held) or 1)
+        place = draw.randrange(len(changed) or 1)
         how = draw.random()
-        if how < 0.5 and held:
-            held[place] = draw.randrange(256)
+        if how < 0.5 and changed:
+            changed[place] = draw.randrange(256)
         elif how < 0.7:
-            del held[place : place + draw.randrange(40)]
+            del changed[place : place + draw.randrange(40)]
         elif how < 0.9:
-            held[place:place] = draw.choice(INSERTED)
+            changed[place:place] = draw.choice(INSERTED)
         else:
-            del held[place:]
-    return bytes(held)
+            del changed[place:]
+    return bytes(changed)
 
 
 def refusal(path: Path) -> str:
@@ -83,31 +83,31 @@ def test_mutated_files_are_read_or_refused_in_one_line(
     assert not any("\n" in line for line in lines)
 
 
-def told() -> Told:
+def saved_document() -> Document:
     """The JSON of a result."""
-    held: Told = json.loads(Odd().to_json())
-    return held
+    saved: Document = json.loads(Odd().to_json())
+    return saved
 
 
-def fact(name: str, value: Any) -> Callable[[Told], None]:
-    return lambda held: held.update({name: value})
+def fact(name: str, value: Any) -> Callable[[Document], None]:
+    return lambda saved: saved.update({name: value})
 
 
-def column(name: str, values: Any) -> Callable[[Told], None]:
-    return lambda held: held["columns"].update({name: values})
+def column(name: str, values: Any) -> Callable[[Document], None]:
+    return lambda saved: saved["columns"].update({name: values})
 
 
-def typed(name: str, word: Any) -> Callable[[Told], None]:
-    return lambda held: held["about"]["columns"][name].update(type=word)
+def typed(name: str, word: Any) -> Callable[[Document], None]:
+    return lambda saved: saved["about"]["columns"][name].update(type=word)
 
 
-def about(**changes: Any) -> Callable[[Told], None]:
-    return lambda held: held["about"]["facts"].update(changes)
+def about(**changes: Any) -> Callable[[Document], None]:
+    return lambda saved: saved["about"]["facts"].update(changes)
 
 
-CHANGES: dict[str, Callable[[Told], Any]] = {
+CHANGES: dict[str, Callable[[Document], Any]] = {
     "another format": fact("format", "polhode result 3"),
-    "no format": lambda held: held.pop("format"),
+    "no format": lambda saved: saved.pop("format"),
     "a kind of code": fact("result", "os.system"),
     "another kind": fact("result", "Section"),
     "a kind that is a list": fact("result", ["Odd"]),
@@ -120,7 +120,7 @@ CHANGES: dict[str, Callable[[Told], Any]] = {
     "no columns": fact("columns", {}),
     "columns in a list": fact("columns", []),
     "a column more": column("more", [1, 2, 3, 4]),
-    "a column less": lambda held: held["columns"].pop("k"),
+    "a column less": lambda saved: saved["columns"].pop("k"),
     "a short column": column("k", [0, 1, 2]),
     "a column that is none": column("k", 5),
     "a text for an integer": column("k", ["0", 1, 2, 3]),
@@ -148,15 +148,15 @@ CHANGES: dict[str, Callable[[Told], Any]] = {
     "no word": typed("x", "float"),
     "a word that is a list": typed("x", ["double"]),
     "an object in a column": typed("x", "object"),
-    "digits of a terminal": lambda held: held["about"]["columns"]["x"].update(digits=10**9),
-    "a unit that is none": lambda held: held["about"]["columns"]["x"].update(unit=3),
-    "a meaning that is none": lambda held: held["about"]["facts"]["count"].update(meaning=[]),
-    "columns not described": lambda held: held["about"].update(columns=[]),
-    "facts not described": lambda held: held["about"].update(facts=[]),
-    "nothing described": lambda held: held.update(about=5),
+    "digits of a terminal": lambda saved: saved["about"]["columns"]["x"].update(digits=10**9),
+    "a unit that is none": lambda saved: saved["about"]["columns"]["x"].update(unit=3),
+    "a meaning that is none": lambda saved: saved["about"]["facts"]["count"].update(meaning=[]),
+    "columns not described": lambda saved: saved["about"].update(columns=[]),
+    "facts not described": lambda saved: saved["about"].update(facts=[]),
+    "nothing described": lambda saved: saved.update(about=5),
     "a text for a fact": fact("count", "1"),
     "a number for a text": fact("texts", [1]),
-    "a fact that is gone": lambda held: held.pop("count"),
+    "a fact that is gone": lambda saved: saved.pop("count"),
     "a fact of a reserved name": about(columns={"type": "object"}),
     "a long list": about(**{f"fact {k}": {"type": "double"} for k in range(10_001)}),
     "a deep object": fact("provenance", json.loads("[" * 400 + "]" * 400)),
@@ -164,18 +164,18 @@ CHANGES: dict[str, Callable[[Told], Any]] = {
     "a large object": fact("provenance", {str(k): k for k in range(101)}),
     "a table that is none": fact("marks", [1]),
     "a table of two lengths": fact("marks", {"mark": [1], "h": [None, None]}),
-    "the labels of a table": lambda held: held["about"]["facts"]["marks"].update(labels=3),
+    "the labels of a table": lambda saved: saved["about"]["facts"]["marks"].update(labels=3),
 }
 
 
 @pytest.mark.parametrize("name", CHANGES)
 def test_a_changed_json_is_refused_in_one_line(name: str, tmp_path: Path) -> None:
     path = tmp_path / "x.json"
-    held = told()
-    path.write_text(json.dumps(held))
+    saved = saved_document()
+    path.write_text(json.dumps(saved))
     content_of(path, KINDS)
-    CHANGES[name](held)
-    path.write_text(json.dumps(held))
+    CHANGES[name](saved)
+    path.write_text(json.dumps(saved))
     start = time.process_time()
     with pytest.raises(polhode.BadInput, match="a result that polhode saved") as refusal:
         content_of(path, KINDS)
@@ -231,9 +231,9 @@ def test_a_table_with_a_digest_that_is_another_is_refused(rows: str, tmp_path: P
         content_of(path, KINDS)
 
 
-def packed(held: Any, **changes: Any) -> bytes:
+def packed(saved: Any, **changes: Any) -> bytes:
     """An NPZ file with arrays changed."""
-    with np.load(io.BytesIO(held)) as file:
+    with np.load(io.BytesIO(saved)) as file:
         arrays = {name: file[name] for name in file.files}
     out = io.BytesIO()
     np.savez(out, **{k: x for k, x in (arrays | changes).items() if x is not None})
@@ -306,14 +306,14 @@ def test_a_table_without_a_header_is_refused_though_its_sum_is_right(text, tmp_p
     path = tmp_path / "x.csv"
     Odd().save(path)
     beside = writer.beside(path)
-    told = json.loads(beside.read_text()) | {"sha256": writer.digest(text.encode())}
+    facts = json.loads(beside.read_text()) | {"sha256": writer.digest(text.encode())}
     path.write_text(text)
-    beside.write_text(json.dumps(told))
+    beside.write_text(json.dumps(facts))
     with pytest.raises(polhode.BadInput, match="a result that polhode saved"):
         polhode.load_result(path)
 
 
 def test_a_package_that_is_missing_is_named_with_its_extra():
-    told = r"^tables: no_such_package: expected it to be installed: pip install no_such_package$"
-    with pytest.raises(BadInput, match=told):
+    message = r"^tables: no_such_package: expected it to be installed: pip install no_such_package$"
+    with pytest.raises(BadInput, match=message):
         needed("no_such_package")

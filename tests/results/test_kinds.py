@@ -38,7 +38,7 @@ KINDS = [
 ]
 
 
-def told(name: str) -> Storable:
+def result_named(name: str) -> Storable:
     return result_of_kind(name)
 
 
@@ -49,10 +49,10 @@ def is_gap(x: Any) -> bool:
 def saved(content: Content, path: Path) -> dict[Path, bytes]:
     if path.suffix == ".parquet":
         pytest.importorskip("pyarrow")
-    made = files(content, path)
-    for place, data in made.items():
+    written = files(content, path)
+    for place, data in written.items():
         place.write_bytes(data)
-    return made
+    return written
 
 
 @pytest.mark.sample(12, slow=40)
@@ -61,10 +61,10 @@ def saved(content: Content, path: Path) -> dict[Path, bytes]:
 def test_a_result_is_read_and_written_again_to_the_same_bytes(
     name: str, ending: str, tmp_path: Path
 ) -> None:
-    path, content = tmp_path / f"x{ending}", told(name).content()
-    made = saved(content, path)
+    path, content = tmp_path / f"x{ending}", result_named(name).content()
+    written = saved(content, path)
     again = load_result(path)
-    assert files(again.content(), path) == made
+    assert files(again.content(), path) == written
     if isinstance(again, Saved):
         assert again.result == content.kind
         assert repr(again) == f"<Saved {content.title[1:]}"
@@ -75,12 +75,12 @@ def test_a_result_is_read_and_written_again_to_the_same_bytes(
             for name_of in names - {*dir(Saved)}:
                 assert same(getattr(again, name_of), value(name_of))
     else:
-        assert again == told(name)
+        assert again == result_named(name)
     alike = zip(again.content().table.columns, content.table.columns, strict=True)
-    for one, other in alike:
-        assert one.name == other.name
-        if one.type in ("double", "integer", "truth", "text", "exact"):
-            pairs = zip(one.values, other.values, strict=True)
+    for first, second in alike:
+        assert first.name == second.name
+        if first.type in ("double", "integer", "truth", "text", "exact"):
+            pairs = zip(first.values, second.values, strict=True)
             gaps = (np.nan, None, "")
             assert all(
                 a == b or ((a != a or a in gaps) and (b != b or b in gaps)) for a, b in pairs
@@ -90,7 +90,7 @@ def test_a_result_is_read_and_written_again_to_the_same_bytes(
 @pytest.mark.sample(6, slow=12)
 @pytest.mark.parametrize("name", KINDS)
 def test_names_are_names_once_and_the_scene_comes_first(name: str) -> None:
-    content = told(name).content()
+    content = result_named(name).content()
     columns = [x.name for x in content.table.columns]
     facts = [x.name for x in content.facts]
     assert len({*columns}) == len(columns)
@@ -105,7 +105,7 @@ def test_names_are_names_once_and_the_scene_comes_first(name: str) -> None:
         assert facts[-1] == "provenance"
         assert "seconds" not in dict(content.facts[-1].value)
     assert content.kind in reader.KINDS
-    assert name in TABULATED or content.title == repr(told(name))
+    assert name in TABULATED or content.title == repr(result_named(name))
     for column in content.table.columns[: content.table.labels]:
         assert None not in [*column.values]
 
@@ -113,12 +113,12 @@ def test_names_are_names_once_and_the_scene_comes_first(name: str) -> None:
 @pytest.mark.sample(6, slow=12)
 @pytest.mark.parametrize("name", KINDS)
 def test_json_of_a_result_is_that_of_its_file(name: str, tmp_path: Path) -> None:
-    found = told(name)
+    result = result_named(name)
     if name not in CERTIFIED:
         path = tmp_path / "x.json"
-        found.save(path)
-        assert path.read_text() == found.to_json()
-    answer = json.loads(found.to_json(), parse_constant=lambda text: 1 / 0)
+        result.save(path)
+        assert path.read_text() == result.to_json()
+    answer = json.loads(result.to_json(), parse_constant=lambda text: 1 / 0)
     assert answer["about"]["columns"].keys() == answer["columns"].keys()
     assert {*answer["about"]["facts"]} == {*answer} - {*RESERVED}
 
@@ -126,7 +126,7 @@ def test_json_of_a_result_is_that_of_its_file(name: str, tmp_path: Path) -> None
 @pytest.mark.parametrize("ending", [".json", ".csv", ".npz"])
 def test_a_loaded_orbit_has_what_an_orbit_has(ending: str, tmp_path: Path) -> None:
     """It was called <Orbit ...>, was of the kind "Orbit", and had no period."""
-    live, path = told("Orbit"), tmp_path / f"x{ending}"
+    live, path = result_named("Orbit"), tmp_path / f"x{ending}"
     live.save(path)
     again = load_result(path)
     assert repr(again) == repr(live).replace("<", "<Saved ")
@@ -140,7 +140,7 @@ def test_a_loaded_orbit_has_what_an_orbit_has(ending: str, tmp_path: Path) -> No
 
 
 def test_the_class_s_name_is_still_the_kind_of_what_has_none(tmp_path: Path) -> None:
-    told("Levels").save(tmp_path / "x.json")
+    result_named("Levels").save(tmp_path / "x.json")
     with pytest.warns(DeprecationWarning, match="result"):
         assert load_result(tmp_path / "x.json").kind == "Levels"
 
@@ -186,7 +186,7 @@ RUNS: dict[str, dict[str, Any]] = {
 def test_a_run_comes_back_whole(name: str, ending: str, tmp_path: Path) -> None:
     run = polhode.integrate(**RUNS[name])
     path = tmp_path / f"x{ending}"
-    made = saved(run.content(), path)
+    written = saved(run.content(), path)
     again = load_result(path)
     assert again == run
     assert same(again.outputs, run.outputs)
@@ -194,63 +194,60 @@ def test_a_run_comes_back_whole(name: str, ending: str, tmp_path: Path) -> None:
     assert again.digits_expected == run.digits_expected
     assert again.lost_after == run.lost_after
     assert again.scene.source == run.scene.source
-    assert files(again.content(), path) == made
+    assert files(again.content(), path) == written
     half = run.reached / 2
     assert same(list(again(half)), list(run(half)))
 
 
 def test_two_runs_of_one_scene_have_the_same_bytes() -> None:
     path = Path("x.npz")
-    one, other = (polhode.integrate("lagrange/nutation", at=[1, 2]) for _ in range(2))
-    assert one.provenance["seconds"] != other.provenance["seconds"]
-    assert files(one.content(), path) == files(other.content(), path)
+    first, second = (polhode.integrate("lagrange/nutation", at=[1, 2]) for _ in range(2))
+    assert first.provenance["seconds"] != second.provenance["seconds"]
+    assert files(first.content(), path) == files(second.content(), path)
 
 
 RUN_CHANGES = {
-    "another time": lambda held: held["columns"].update(t=[1.0, 3.0]),
-    "times out of order": lambda held: held["columns"].update(t=[2.0, 1.0]),
-    "a state that is none": lambda held: held["columns"].update(p=["inf", None]),
-    "fewer columns": lambda held: (held["columns"].pop("p"), held["about"]["columns"].pop("p")),
-    "a wider state": lambda held: (
-        held["about"]["columns"]["p"].update(type="64 bits"),
-        held["columns"].update(p=["1", "2"]),
+    "another time": lambda run: run["columns"].update(t=[1.0, 3.0]),
+    "times out of order": lambda run: run["columns"].update(t=[2.0, 1.0]),
+    "a state that is none": lambda run: run["columns"].update(p=["inf", None]),
+    "fewer columns": lambda run: (run["columns"].pop("p"), run["about"]["columns"].pop("p")),
+    "a wider state": lambda run: (
+        run["about"]["columns"]["p"].update(type="64 bits"),
+        run["columns"].update(p=["1", "2"]),
     ),
-    "an outcome": lambda held: held.update(outcome="arrived"),
-    "a number type": lambda held: held.update(number="half"),
-    "bits of another type": lambda held: held.update(bits=54),
-    "bits of mp": lambda held: held.update(number="mp", bits=10),
-    "no steps": lambda held: held.update(steps=-1),
-    "a method": lambda held: held.update(method="guess"),
-    "a tolerance": lambda held: held.update(tolerance=-1.0),
-    "digits": lambda held: held.update(digits=10**9),
-    "a provenance": lambda held: (
-        held.update(provenance="x"),
-        held["about"]["facts"]["provenance"].update(type="text"),
+    "an outcome": lambda run: run.update(outcome="arrived"),
+    "a number type": lambda run: run.update(number="half"),
+    "bits of another type": lambda run: run.update(bits=54),
+    "bits of mp": lambda run: run.update(number="mp", bits=10),
+    "no steps": lambda run: run.update(steps=-1),
+    "a method": lambda run: run.update(method="guess"),
+    "a tolerance": lambda run: run.update(tolerance=-1.0),
+    "digits": lambda run: run.update(digits=10**9),
+    "a provenance": lambda run: (
+        run.update(provenance="x"),
+        run["about"]["facts"]["provenance"].update(type="text"),
     ),
-    "a scene": lambda held: held.update(scene_text="schema = 2"),
-    "no scene": lambda held: held.update(scene_text=None),
-    "a scene of other outputs": lambda held: held.update(
-        scene_text=held["scene_text"].replace("[2, 2, 1]", "[1, 1, 9]").replace("1", "x", 1)
+    "a scene": lambda run: run.update(scene_text="schema = 2"),
+    "no scene": lambda run: run.update(scene_text=None),
+    "a scene of other outputs": lambda run: run.update(
+        scene_text=run["scene_text"].replace("[2, 2, 1]", "[1, 1, 9]").replace("1", "x", 1)
     ),
-    "a projection": lambda held: (
-        held.update(projection={"onto": 3}),
-        held["about"]["facts"].update(projection={"type": "object"}),
+    "a projection": lambda run: (
+        run.update(projection={"onto": 3}),
+        run["about"]["facts"].update(projection={"type": "object"}),
     ),
-    "a fact that is gone": lambda held: (
-        held.pop("reached"),
-        held["about"]["facts"].pop("reached"),
-    ),
+    "a fact that is gone": lambda run: (run.pop("reached"), run["about"]["facts"].pop("reached")),
 }
 
 
 @pytest.mark.parametrize("name", RUN_CHANGES)
 def test_a_run_that_is_none_is_refused_in_one_line(name: str, tmp_path: Path) -> None:
-    held = json.loads(told("Trajectory").to_json())
+    run = json.loads(result_named("Trajectory").to_json())
     path = tmp_path / "x.json"
-    path.write_text(json.dumps(held))
+    path.write_text(json.dumps(run))
     load_result(path)
-    RUN_CHANGES[name](held)
-    path.write_text(json.dumps(held))
+    RUN_CHANGES[name](run)
+    path.write_text(json.dumps(run))
     with pytest.raises(polhode.BadInput) as refusal:
         load_result(path)
     assert "\n" not in str(refusal.value)
@@ -266,12 +263,12 @@ EVENT_CHANGES = {
 
 @pytest.mark.parametrize("name", EVENT_CHANGES)
 def test_events_that_are_none_are_refused(name: str, tmp_path: Path) -> None:
-    held = json.loads(polhode.integrate(watched(), number="quad", at=[2]).to_json())
+    run = json.loads(polhode.integrate(watched(), number="quad", at=[2]).to_json())
     path = tmp_path / "x.json"
-    path.write_text(json.dumps(held))
+    path.write_text(json.dumps(run))
     assert load_result(path).events[0].times
-    EVENT_CHANGES[name](held["events"])
-    path.write_text(json.dumps(held))
+    EVENT_CHANGES[name](run["events"])
+    path.write_text(json.dumps(run))
     with pytest.raises(polhode.BadInput):
         load_result(path)
 
@@ -292,18 +289,18 @@ def test_a_ball_in_a_file_holds_the_ball() -> None:
             gap = abs(ball.centre - centre) + Fraction(ball.radius)
             assert gap <= Fraction(radius)
             assert radius <= 1.02 * ball.radius
-    known, far = written_facts([Fact("x", Ball(Fraction(1, 3), np.inf), unit="s")])
-    assert (known.value, far.name, far.value, far.unit) == (0, "x_radius", np.inf, "s")
+    near, far = written_facts([Fact("x", Ball(Fraction(1, 3), np.inf), unit="s")])
+    assert (near.value, far.name, far.value, far.unit) == (0, "x_radius", np.inf, "s")
 
 
 def test_an_enclosure_s_file_holds_its_balls(tmp_path: Path) -> None:
-    found = polhode.certify("euler/largest-axis", at=[1, 2], digits=20)
-    saved(found.content(), tmp_path / "x.npz")
+    result = polhode.certify("euler/largest-axis", at=[1, 2], digits=20)
+    saved(result.content(), tmp_path / "x.npz")
     again = load_result(tmp_path / "x.npz")
-    for k, name in enumerate(found.scene.columns):
+    for k, name in enumerate(result.scene.columns):
         middles, bounds = again.column(name), again.column(f"{name}_radius")
         for i, (middle, bound) in enumerate(zip(middles, bounds, strict=True)):
-            gap = abs(middle - found.centres[i][k]) + Fraction(found.radii[i][k])
+            gap = abs(middle - result.centres[i][k]) + Fraction(result.radii[i][k])
             assert gap <= Fraction(bound)
 
 
@@ -312,14 +309,14 @@ def test_an_enclosure_s_file_holds_its_balls(tmp_path: Path) -> None:
 def test_frames_are_the_table(name: str) -> None:
     pytest.importorskip("pandas")
     pytest.importorskip("xarray")
-    found = told(name)
-    frame, table = found.to_pandas(), found.content().table
+    result = result_named(name)
+    frame, table = result.to_pandas(), result.content().table
     names = [x.name for x in table.columns]
     assert [*frame.index.names, *frame.columns] == names or table.labels == 0
     assert len(frame) == table.rows
-    assert {*frame.columns} <= {*map(str, found.to_xarray().variables)}
-    assert found._repr_html_().startswith(("<table", "<p", "<pre"))
-    assert repr(found).startswith(f"<{type(found).__name__}")
+    assert {*frame.columns} <= {*map(str, result.to_xarray().variables)}
+    assert result._repr_html_().startswith(("<table", "<p", "<pre"))
+    assert repr(result).startswith(f"<{type(result).__name__}")
 
 
 def test_what_is_varied_stands_in_the_rows_of_its_member() -> None:
@@ -341,5 +338,5 @@ def test_what_is_varied_stands_in_the_rows_of_its_member() -> None:
 
 
 def test_a_document_has_a_line_a_column() -> None:
-    text = as_json(document(told("Section").content(), columns=True))
+    text = as_json(document(result_named("Section").content(), columns=True))
     assert '\n  "L_over_G": [' in text

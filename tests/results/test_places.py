@@ -11,7 +11,7 @@ from invented import Bare, Odd
 import polhode
 from polhode.cli import main
 from polhode.results import writer
-from polhode.results.places import check_place
+from polhode.results.reader import check_place
 from polhode.results.writer import ENDINGS
 
 

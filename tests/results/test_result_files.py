@@ -98,24 +98,24 @@ def test_json_is_json_and_a_line_each(tmp_path: Path) -> None:
         raise AssertionError(text)
 
     text = Odd().to_json()
-    told = json.loads(text, parse_constant=refused)
+    facts = json.loads(text, parse_constant=refused)
     assert text.isascii()
-    assert told["format"] == "polhode result 2"
-    assert told["result"] == "Odd"
-    assert told["columns"]["x"] == ["inf", None, -0.0, 5.0]
-    assert told["columns"]["e"] == ["1/3", None, "2.5", str(10**40 + 1)]
-    assert told["columns"]["large"] == ["1", str(2**53), str(-(2**60)), "0"]
+    assert facts["format"] == "polhode result 2"
+    assert facts["result"] == "Odd"
+    assert facts["columns"]["x"] == ["inf", None, -0.0, 5.0]
+    assert facts["columns"]["e"] == ["1/3", None, "2.5", str(10**40 + 1)]
+    assert facts["columns"]["large"] == ["1", str(2**53), str(-(2**60)), "0"]
     assert '"x": ["inf", null, -0.0, 5.0]' in text
-    assert told["exact"] == "3"
-    assert told["whole double"] == 2.0
+    assert facts["exact"] == "3"
+    assert facts["whole double"] == 2.0
     assert '"whole double": 2.0,' in text
-    assert told["about"]["columns"]["x"] == {
+    assert facts["about"]["columns"]["x"] == {
         "type": "double",
         "unit": "m",
         "meaning": "a number",
         "digits": 3,
     }
-    for name in told["columns"]:
+    for name in facts["columns"]:
         assert sum(line.startswith(f"  {json.dumps(name)}: [") for line in text.splitlines()) == 1
     path = tmp_path / "x.json"
     assert writer.files(Odd().content(), path)[path].decode() == text
@@ -166,10 +166,10 @@ def test_npz_is_numpy_s_own(tmp_path: Path) -> None:
         assert file["k"].tolist() == [0, 1, 2, 3]
         assert file["e"].tolist() == ["1/3", "", "2.5", str(10**40 + 1)]
         assert file["marks.h"].tolist() == ["1/3", ""]
-        told = json.loads(bytes(file["about"]))
-    assert "columns" not in told
-    assert "marks" not in told
-    assert told["truth"] is True
+        facts = json.loads(bytes(file["about"]))
+    assert "columns" not in facts
+    assert "marks" not in facts
+    assert facts["truth"] is True
 
 
 def test_an_unknown_ending_is_refused_before_anything(tmp_path: Path) -> None:

@@ -24,13 +24,13 @@ COMMANDS = {
 }
 
 
-def begun(command: str, folder: Path) -> subprocess.Popen[str]:
+def started(command: str, folder: Path) -> subprocess.Popen[str]:
     words = [sys.executable, "-m", "polhode", *shlex.split(command), "-o", "x.npz"]
     return subprocess.Popen(words, cwd=folder, stderr=subprocess.PIPE, text=True)
 
 
 def ended(command: str, folder: Path) -> tuple[int, str]:
-    with begun(command, folder) as process:
+    with started(command, folder) as process:
         said = process.communicate(timeout=300)[1]
     return process.returncode, said
 
@@ -39,12 +39,12 @@ def changed(parts: Path) -> None:
     """Every number of one piece is another, and its sum is right: whoever takes it shows it."""
     manifest = json.loads((parts / MANIFEST).read_text())
     del manifest["versions"]
-    with Checkpoint(parts, manifest, ("jobs", "command")) as kept:
-        place = kept.pieces()[0]
-        arrays = kept.read(place)
+    with Checkpoint(parts, manifest, ("jobs", "command")) as checkpoint:
+        place = checkpoint.pieces()[0]
+        arrays = checkpoint.read(place)
         assert arrays is not None
         moved = {k: x * 1.5 if x.dtype.kind == "f" else x for k, x in arrays.items()}
-        kept.write(place.name, moved)
+        checkpoint.write(place.name, moved)
 
 
 @pytest.mark.sample(0, first=1, slow=1)
@@ -54,7 +54,7 @@ def test_a_command_that_was_interrupted_goes_on(command: str, tmp_path: Path) ->
     stopped.mkdir()
     whole.mkdir()
     parts = stopped / "x.npz.parts"
-    with begun(command, stopped) as process:
+    with started(command, stopped) as process:
         while process.poll() is None and not [*parts.glob("*-*.npz")]:
             time.sleep(0.01)
         assert process.poll() is None  # it is not done yet
@@ -70,6 +70,9 @@ def test_a_command_that_was_interrupted_goes_on(command: str, tmp_path: Path) ->
     assert (stopped / "x.npz").read_bytes() == (whole / "x.npz").read_bytes()
     changed(tmp_path / "other" / "x.npz.parts")
     assert ended(command, tmp_path / "other")[0] == 0
-    with np.load(tmp_path / "other" / "x.npz") as one, np.load(whole / "x.npz") as two:
-        differs = one[COMMANDS[command]] != two[COMMANDS[command]]
+    with (
+        np.load(tmp_path / "other" / "x.npz") as continued,
+        np.load(whole / "x.npz") as uninterrupted,
+    ):
+        differs = continued[COMMANDS[command]] != uninterrupted[COMMANDS[command]]
     assert 0 < differs.sum() < len(differs)

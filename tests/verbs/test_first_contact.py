@@ -21,27 +21,27 @@ TOP = Path(__file__).parents[2]
 
 def said(capsys, *arguments, code=0):
     assert main([*arguments]) == code
-    told = capsys.readouterr()
-    return told.out if code == 0 else told.err
+    output = capsys.readouterr()
+    return output.out if code == 0 else output.err
 
 
 def test_alone_it_says_what_it_is_and_three_commands_that_exist(capsys):
-    told = said(capsys)
-    assert len(told.splitlines()) <= 10
-    commands = re.findall(r"^  polhode (.*?)(?:  |$)", told, re.M)
+    output = said(capsys)
+    assert len(output.splitlines()) <= 10
+    commands = re.findall(r"^  polhode (.*?)(?:  |$)", output, re.M)
     assert len(commands) == 3
     for command in commands:
-        given = shlex.split(command)
-        options, rest = cli._parser(given).parse_known_args(given)
+        words = shlex.split(command)
+        options, rest = cli._parser(words).parse_known_args(words)
         assert not rest
         if getattr(options, "scene", None):
             polhode.load(options.scene)
 
 
 def test_its_version(capsys):
-    with pytest.raises(SystemExit) as done:
+    with pytest.raises(SystemExit) as ending:
         main(["--version"])
-    assert done.value.code == 0
+    assert ending.value.code == 0
     assert capsys.readouterr().out.strip() == f"polhode {polhode.__version__}"
 
 
@@ -59,8 +59,8 @@ def test_every_extra_that_is_named_is_there_and_quoted():
 
 def test_axes_are_shown_as_rows_of_numbers(capsys):
     """They were Python's lists of texts."""
-    told = said(capsys, "show", "lagrange/turned-axes")
-    (line,) = (line for line in told.splitlines() if line.startswith("axes"))
+    output = said(capsys, "show", "lagrange/turned-axes")
+    (line,) = (line for line in output.splitlines() if line.startswith("axes"))
     assert (line.count("["), line.count("'")) == (3, 0)
 
 
@@ -70,17 +70,17 @@ def test_the_citation_is_one_record(capsys):
     version, date = polhode.__version__, provenance.RELEASED
     assert f"\nVersion {version} ({date}) · " in (TOP / "README.md").read_text(encoding="utf-8")
     assert f"\n## {version} ({date})\n" in (TOP / "CHANGELOG.md").read_text(encoding="utf-8")
-    told = said(capsys, "about", "--cite")
-    assert told.count("\n@") == 1
-    assert f"version = {{{polhode.__version__}}}" in told
+    output = said(capsys, "about", "--cite")
+    assert output.count("\n@") == 1
+    assert f"version = {{{polhode.__version__}}}" in output
     assert json.loads(said(capsys, "about", "--cite", "--json"))["bibtex"] == provenance.bibtex()
 
 
 def test_a_shell_completes_verbs_and_options(capsys, monkeypatch):
     pytest.importorskip("shtab")
     for shell in ("bash", "zsh"):
-        told = said(capsys, "--print-completion", shell)
-        assert "--max-steps" in told
-        assert "compare" in told
+        output = said(capsys, "--print-completion", shell)
+        assert "--max-steps" in output
+        assert "compare" in output
     monkeypatch.setitem(sys.modules, "shtab", None)
     assert "pip install 'polhode[shell]'" in said(capsys, "--print-completion", "bash", code=2)

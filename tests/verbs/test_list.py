@@ -15,8 +15,8 @@ from polhode.scenes import library
 @pytest.mark.slow
 def test_the_catalogue_is_of_the_files_as_they_are():
     again = {name: entry_of(name) for name in library.names()}
-    made = "python tests/measure/catalogue.py"
-    assert library.written(again) == (library.folder() / library.FILE).read_text("utf-8"), made
+    maker = "python tests/measure/catalogue.py"
+    assert library.written(again) == (library.folder() / library.FILE).read_text("utf-8"), maker
 
 
 @pytest.fixture

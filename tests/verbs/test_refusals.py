@@ -271,11 +271,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def told(command: str) -> str:
+def message_of(command: str) -> str:
     return ascii(command[:50]).strip("'")
 
 
-@pytest.mark.parametrize("command", REFUSED, ids=told)
+@pytest.mark.parametrize("command", REFUSED, ids=message_of)
 def test_bad_input_is_refused_in_one_line(command, folder, refusal):
     words = [word.replace("{folder}", str(folder)) for word in shlex.split(command)]
     assert REFUSED[command].replace("{folder}", str(folder)) in refusal(*words)

@@ -72,8 +72,8 @@ def test_a_page_of_several_motions_has_each_one_s_page(tmp_path, monkeypatch, ca
     pages = framed(text)
     for page, top in zip(pages, tops, strict=True):
         alone = Path(f"{top[:5]}.html".replace("/", "")).read_text()
-        made = re.compile(r"<code>polhode view [^<]*</code>")
-        assert made.sub("", page) == made.sub("", alone)
+        command = re.compile(r"<code>polhode view [^<]*</code>")
+        assert command.sub("", page) == command.sub("", alone)
     inside = polhode.view(*tops, end=1, title="A <lesson>", text=words)
     assert [len(x) for x in framed(inside.text)] == pytest.approx([len(x) for x in pages], abs=90)
     assert inside.name == "A <lesson>"

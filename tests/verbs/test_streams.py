@@ -38,18 +38,18 @@ def shell(line: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.slow
 def test_the_module_is_the_program():
-    done = ended("about", "--json")
-    assert (done.returncode, done.stderr) == (0, "")
-    assert json.loads(done.stdout)["columns"]["bits"][2] == 113
+    process = ended("about", "--json")
+    assert (process.returncode, process.stderr) == (0, "")
+    assert json.loads(process.stdout)["columns"]["bits"][2] == 113
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 @pytest.mark.parametrize("words", ["list", "run --help", "--version"])
 def test_what_gets_lost_on_a_full_disk_is_no_success(words):
     with Path("/dev/full").open("w") as full:
-        done = ended(*words.split(), stdout=full)
+        process = ended(*words.split(), stdout=full)
     full = "polhode: cannot write to standard output: No space left on device\n"
-    assert (done.returncode, done.stderr) == (2, full)
+    assert (process.returncode, process.stderr) == (2, full)
 
 
 @pytest.mark.sample(0, first=1, slow=1)
@@ -68,28 +68,28 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(monkeypatch, words):
         resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
 
     before = {*Path().iterdir()}
-    done = ended(*words.split(), preexec_fn=full)
-    assert done.returncode == 2, done.stderr
-    assert done.stderr.splitlines()[-1].startswith("polhode: x.")
-    assert "File too large" in done.stderr
-    assert "Traceback" not in done.stderr
+    process = ended(*words.split(), preexec_fn=full)
+    assert process.returncode == 2, process.stderr
+    assert process.stderr.splitlines()[-1].startswith("polhode: x.")
+    assert "File too large" in process.stderr
+    assert "Traceback" not in process.stderr
     assert {*Path().iterdir()} == before
 
 
 def test_a_reader_that_goes_away_is_no_error():
     reader, writer = os.pipe()
     os.close(reader)
-    done = ended("reference", "euler/flat", "--at", "1", "--json", stdout=writer)
+    process = ended("reference", "euler/flat", "--at", "1", "--json", stdout=writer)
     os.close(writer)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (process.returncode, process.stderr) == (0, "")
 
 
 @pytest.mark.slow
 def test_a_closed_stdout_is_a_place_that_cannot_be_written_to():
-    done = shell("polhode run top.toml >&-")
-    assert done.returncode == 2
+    process = shell("polhode run top.toml >&-")
+    assert process.returncode == 2
     expected = "polhode: cannot write to standard output: Bad file descriptor"
-    assert done.stderr.splitlines()[-1] == expected
+    assert process.stderr.splitlines()[-1] == expected
     assert shell("polhode run top.toml -o x.csv >&- 2>&-").returncode == 0
     assert Path("x.csv").exists()
 
@@ -97,9 +97,9 @@ def test_a_closed_stdout_is_a_place_that_cannot_be_written_to():
 @pytest.mark.slow
 def test_a_scene_and_a_table_may_come_through_pipes():
     line = "polhode run <(cat top.toml) -o - | polhode compare /dev/stdin <(cat top.toml)"
-    done = shell(line)
-    assert done.returncode == 0, done.stderr
-    assert "correct digits" in done.stdout
+    process = shell(line)
+    assert process.returncode == 0, process.stderr
+    assert "correct digits" in process.stdout
     assert [*Path().iterdir()] == [Path("top.toml")]
     assert len(shell("polhode run top.toml -o /dev/stdout").stdout.splitlines()) == 3
 
@@ -110,21 +110,21 @@ def test_a_title_takes_any_character_and_commands_no_terminal(encoding):
     title = 'title = "Grüße \\u001b[31m\\u0007 τ"\n'
     Path("odd.toml").write_text(TOP.replace("[body]", title + "[body]"), encoding="utf-8")
     environment = {**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
-    done = ended("show", "odd.toml", env=environment, text=False)
-    assert done.returncode == 0, done.stderr
-    assert b"\x1b" not in done.stdout
-    assert b"\x07" not in done.stdout
-    assert "Grüße ?[31m? τ" in done.stdout.decode() or b"Gr\\xfc\\xdfe ?[31m?" in done.stdout
+    process = ended("show", "odd.toml", env=environment, text=False)
+    assert process.returncode == 0, process.stderr
+    assert b"\x1b" not in process.stdout
+    assert b"\x07" not in process.stdout
+    assert "Grüße ?[31m? τ" in process.stdout.decode() or b"Gr\\xfc\\xdfe ?[31m?" in process.stdout
 
 
 @pytest.mark.slow
 def test_a_backend_that_matplotlib_has_not_is_refused():
     """It reads the variable while it is imported."""
     words = ["plot", "lagrange/nutation", "--what", "angles", "-o", "x.svg"]
-    done = ended(*words, env={**os.environ, "MPLBACKEND": "nonsense"})
+    process = ended(*words, env={**os.environ, "MPLBACKEND": "nonsense"})
     expected = "a backend that matplotlib has, such as agg, or none"
     said = f"polhode: environment: MPLBACKEND = nonsense: expected {expected}\n"
-    assert (done.returncode, done.stderr) == (2, said)
+    assert (process.returncode, process.stderr) == (2, said)
 
 
 # -- where heyoka is not installed -----------------------------------------------------------------
@@ -148,12 +148,12 @@ def test_without_heyoka_all_works_but_what_integrates_says_how_to_get_it():
     program += "try: polhode.integrate('lagrange/nutation')\n"
     program += "except ImportError as fault: print(fault, file=sys.stderr)\n"
     program += "assert main(['section', 'general/asymmetric-regular']) == 2\n"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert "not judged: what limits the digits was not computed: heyoka is not in" in done.stdout
-    told = re.search(r"(\S+) correct digits at worst", done.stdout)
-    assert 20 < float(told[1]) < 27  # some guards
-    in_python, of_verb = done.stderr.splitlines()[-2:]
+    process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert process.returncode == 0, process.stderr
+    assert "not judged: what limits the digits was not computed: heyoka is not in" in process.stdout
+    digits = re.search(r"(\S+) correct digits at worst", process.stdout)
+    assert 20 < float(digits[1]) < 27  # some guards
+    in_python, of_verb = process.stderr.splitlines()[-2:]
     assert in_python.startswith("heyoka: expected to be installed")
     assert of_verb == f"polhode: {in_python}"
     assert min(Path(name).stat().st_size for name in ("x.png", "x.html")) > 1000
@@ -163,12 +163,12 @@ def test_without_heyoka_all_works_but_what_integrates_says_how_to_get_it():
 @pytest.mark.parametrize("words", ["run lagrange/nutation", "reference euler/separatrix --at 1"])
 def test_the_closed_forms_run_where_heyoka_is_missing(words):
     program = f"{HIDDEN}from polhode.cli import command; command()"
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", program, *words.split()], capture_output=True, text=True
     )
     if words.startswith("run"):
-        assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-        assert done.stderr.startswith("polhode: heyoka: expected to be installed")
+        assert (process.returncode, process.stdout, process.stderr.count("\n")) == (2, "", 1)
+        assert process.stderr.startswith("polhode: heyoka: expected to be installed")
     else:
-        assert (done.returncode, done.stderr) == (0, "")
-        assert done.stdout
+        assert (process.returncode, process.stderr) == (0, "")
+        assert process.stdout

@@ -12,7 +12,6 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.runs import integrate_many
 from polhode.verbs import terminal
 from shared.motions import heavy_file
 
@@ -28,8 +27,8 @@ def scene(tmp_path, monkeypatch):
 
 def run(capsys, *arguments):
     code = cli.main(["sweep", *arguments])
-    told = capsys.readouterr()
-    return code, told.out, told.err
+    output = capsys.readouterr()
+    return code, output.out, output.err
 
 
 def test_every_combination_as_json(scene, capsys):
@@ -52,8 +51,8 @@ def test_every_combination_as_json(scene, capsys):
     states = np.array([columns[name][12:15] for name in NAMES]).T
     assert np.allclose(states, single.states, rtol=0, atol=128 * 2.0**-52)
     assert members["outcome"] == ["reached end"] * 6
-    told = {"member", "start.omega[1]", "body.weight", "outcome", "reached", "steps"}
-    assert {*members} == told | {f"drift_{name}" for name in ("h", "f", "gamma", "fourth")}
+    columns = {"member", "start.omega[1]", "body.weight", "outcome", "reached", "steps"}
+    assert {*members} == columns | {f"drift_{name}" for name in ("h", "f", "gamma", "fourth")}
 
 
 def test_a_table_on_stdout_and_a_note_on_stderr(scene, capsys):
@@ -71,15 +70,15 @@ def test_npz(scene, capsys, tmp_path, number):
     code, out, _ = run(capsys, scene, *varied, "--number", number, "-o", "x.npz")
     assert (code, out) == (0, "")
     many = polhode.integrate_many(scene, {"body.weight": [0, 1]}, number=number)
-    with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
-        states = np.stack([held[name].reshape(2, 3) for name in NAMES], axis=-1)
+    with np.load(tmp_path / "x.npz", allow_pickle=False) as arrays:
+        states = np.stack([arrays[name].reshape(2, 3) for name in NAMES], axis=-1)
         if number == "double":
             assert np.array_equal(states, many.states)
         else:
             assert states[1].tolist() == many[1].state_strings()
-        assert held["members.body.weight"].tolist() == ["0", "1"]
-        assert held["members.outcome"].tolist() == ["reached end"] * 2
-        about = json.loads(bytes(held["about"]))
+        assert arrays["members.body.weight"].tolist() == ["0", "1"]
+        assert arrays["members.outcome"].tolist() == ["reached end"] * 2
+        about = json.loads(bytes(arrays["about"]))
     assert (about["number"], about["projected"], about["vary"]) == (number, False, ["body.weight"])
     assert polhode.load_result("x.npz").to_json() == many.to_json()
     assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml", "x.npz"}
@@ -103,9 +102,9 @@ def test_a_member_that_fails_is_told_and_written(scene, capsys, tmp_path):
     assert code == 3
     assert "1 reached end, 1 step limit" in err
     assert "member 2 (body.weight = 1000000): the end needs more steps than the limit" in err
-    with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
-        assert held["members.outcome"].tolist() == ["reached end", "step limit"]
-        assert 3 < len(held["member"]) < 6  # rows that were reached
+    with np.load(tmp_path / "x.npz", allow_pickle=False) as arrays:
+        assert arrays["members.outcome"].tolist() == ["reached end", "step limit"]
+        assert 3 < len(arrays["member"]) < 6  # rows that were reached
 
 
 def test_outputs_are_left_out_and_that_is_said(scene, capsys, tmp_path):
@@ -123,11 +122,11 @@ def test_what_is_finished_at_ctrl_c_is_kept_and_the_same_command_goes_on(
     scene, tmp_path, capsys, monkeypatch
 ):
     """A sweep of seconds, interrupted: no file yet, its finished members in a folder."""
-    told = []
+    sentences = []
 
     def say(_, text):
-        told.append(text)
-        if len(told) == 2:
+        sentences.append(text)
+        if len(sentences) == 2:
             signal.raise_signal(signal.SIGINT)
 
     words = ["--at", "2000", "--vary", "start.omega[3]=0.5:1:400"]
@@ -139,7 +138,7 @@ def test_what_is_finished_at_ctrl_c_is_kept_and_the_same_command_goes_on(
     assert not_run + reached == 400
     assert min(not_run, reached) > 0
     assert "polhode: the same command continues from x.npz.parts\n" in err
-    assert all(re.fullmatch(TOLD, text) for text in told)
+    assert all(re.fullmatch(TOLD, text) for text in sentences)
     assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml", "x.npz.parts"}
     assert run(capsys, scene, *words, "-o", "x.npz")[0] == 0
     assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml", "x.npz"}
@@ -155,7 +154,9 @@ KEEP = ["--vary", "body.weight=0:1:2", "--keep", "largest theta", "--keep", "fir
 
 def test_numbers_of_each_member(scene, capsys, tmp_path):
     """The same numbers as a table, JSON, CSV and NPZ, and as Python has them."""
-    found = polhode.reduce_many(scene, {"body.weight": [0, 1]}, ["largest theta", "first nutation"])
+    reductions = polhode.reduce_many(
+        scene, {"body.weight": [0, 1]}, ["largest theta", "first nutation"]
+    )
     code, out, err = run(capsys, scene, *KEEP)
     header, *lines = out.splitlines()
     assert code == 0
@@ -164,20 +165,20 @@ def test_numbers_of_each_member(scene, capsys, tmp_path):
     assert err == "heavy.toml: 2 members, double (53 bits), not projected; 2 reached end\n"
     answer = json.loads(run(capsys, scene, *KEEP, "--json")[1])
     assert answer["keep"] == ["largest theta", "first nutation"]
-    names = ["member", "body.weight", "outcome", "steps", *found.names]
+    names = ["member", "body.weight", "outcome", "steps", *reductions.names]
     assert [*answer["columns"]] == names
-    for name in found.names:
-        assert answer["columns"][name] == found[name].tolist()
+    for name in reductions.names:
+        assert answer["columns"][name] == reductions[name].tolist()
     assert run(capsys, scene, *KEEP, "-o", "x.csv")[:2] == (0, "")
     rows = [line.split(",") for line in (tmp_path / "x.csv").read_text().splitlines()]
     assert rows[0] == names
-    assert [float(x) for x in rows[2][4:]] == [found[n][1] for n in found.names]
+    assert [float(x) for x in rows[2][4:]] == [reductions[n][1] for n in reductions.names]
     assert json.loads((tmp_path / "x.csv.json").read_text())["keep"] == answer["keep"]
     assert run(capsys, scene, *KEEP, "-o", "x.npz")[:2] == (0, "")
-    with np.load(tmp_path / "x.npz", allow_pickle=False) as held:
-        assert np.array_equal(held["largest theta"], found["largest theta"])
-        assert held["body.weight"].tolist() == ["0", "1"]
-        assert held["outcome"].tolist() == ["reached end"] * 2
+    with np.load(tmp_path / "x.npz", allow_pickle=False) as arrays:
+        assert np.array_equal(arrays["largest theta"], reductions["largest theta"])
+        assert arrays["body.weight"].tolist() == ["0", "1"]
+        assert arrays["outcome"].tolist() == ["reached end"] * 2
     written = {"heavy.toml", "x.csv", "x.csv.json", "x.npz"}
     assert {p.name for p in tmp_path.iterdir()} == written
 
@@ -196,6 +197,7 @@ def test_a_number_that_is_not_there_is_null(scene, capsys):
 
 ROWS = np.array([[0.1, 0.5, k, 0, 0.6, 0.8] for k in range(12)])
 NAMES = ["p", "q", "r", "gamma1", "gamma2", "gamma3"]
+STARTED = [f"start.{word}[{k}]" for word in ("omega", "gamma") for k in (1, 2, 3)]
 
 
 def csv_of(rows, names=()) -> str:
@@ -211,17 +213,17 @@ def test_starts_of_a_csv_or_npy_file(scene, capsys, tmp_path):
     np.save(tmp_path / "rows.npy", ROWS)
     (tmp_path / "plain.csv").write_text(csv_of(ROWS))
     (tmp_path / "named.csv").write_text("\ufeff" + csv_of(ROWS[:, order], header) + "\n\n")
-    for file in ("rows.npy", "plain.csv", "named.csv"):
+    odd = csv_of(ROWS).replace(",", ";").replace(".", ",")
+    (tmp_path / "commas.csv").write_text(f"# of a spreadsheet\n{odd}", "utf-16")
+    for file in ("rows.npy", "plain.csv", "named.csv", "commas.csv"):
         code, out, err = run(capsys, scene, "--starts", file, "-o", "x.npz")
         assert (code, out) == (0, "")
         assert err.startswith("heavy.toml: 12 members, double (53 bits)")
-        with np.load("x.npz", allow_pickle=False) as held:
-            states = np.stack([held[name] for name in NAMES], axis=-1)
+        with np.load("x.npz", allow_pickle=False) as arrays:
+            states = np.stack([arrays[name] for name in NAMES], axis=-1)
             assert np.array_equal(states, many.states.reshape(-1, 6))
-            starts = [
-                f"members.start.{word}[{k}]" for word in ("omega", "gamma") for k in (1, 2, 3)
-            ]
-            assert np.array_equal(np.stack([held[name] for name in starts], axis=-1), ROWS)
+            starts = np.stack([arrays[f"members.{key}"] for key in STARTED], axis=-1)
+            assert np.array_equal(starts, ROWS)
     code, out, _ = run(capsys, scene, "--starts", "rows.npy", "--keep", "final", "-o", "x.csv")
     assert code == 0
     assert (tmp_path / "x.csv").read_text().count("\n") == 13
@@ -240,22 +242,24 @@ def test_starts_in_extended_are_read_in_extended(scene, capsys, tmp_path):
     options = ["--starts", "rows.csv", "--number", "extended", "--at", "0", "-o", "x.npz"]
     code, _, _ = run(capsys, scene, *options)
     assert code == 0
-    with np.load("x.npz", allow_pickle=False) as held:
-        assert np.longdouble(held["members.start.omega[1]"][0]) == np.longdouble("0.1") != 0.1
+    with np.load("x.npz", allow_pickle=False) as arrays:
+        assert np.longdouble(arrays["members.start.omega[1]"][0]) == np.longdouble("0.1") != 0.1
 
 
 @pytest.mark.parametrize("ending", [".csv", ".json", ".npz"])
 @pytest.mark.parametrize("number", ["double", "extended"])
-def test_starts_of_a_result_are_its_states(scene, tmp_path, ending, number):
-    run = polhode.integrate(scene, number, at=[1, 2])
-    path = tmp_path / f"run{ending}"
-    run.save(path)
-    held = integrate_many.read(path, run.scene, extended=number == "extended")
-    assert held.dtype == run.states.dtype
-    assert held.tolist() == run.states.tolist()
-    polhode.levels("lagrange/nutation").save(path.with_name(f"levels{ending}"))
-    with pytest.raises(polhode.BadInput, match="expected columns p,q,r,gamma1,gamma2,gamma3"):
-        integrate_many.read(path.with_name(f"levels{ending}"), run.scene)
+def test_starts_of_a_result_are_its_states(scene, capsys, refusal, ending, number):
+    states = polhode.integrate(scene, number, at=[1, 2])
+    states.save(f"run{ending}")
+    options = ["--starts", f"run{ending}", "--number", number, "--at", "0", "-o", "x.npz"]
+    code, _, _ = run(capsys, scene, *options)
+    assert code == 0
+    with np.load("x.npz", allow_pickle=False) as arrays:
+        starts = [arrays[f"members.{key}"].astype(states.states.dtype) for key in STARTED]
+    assert np.stack(starts, axis=-1).tolist() == states.states.tolist()
+    polhode.levels("lagrange/nutation").save(f"levels{ending}")
+    message = refusal("sweep", scene, "--starts", f"levels{ending}")
+    assert "expected columns p,q,r,gamma1,gamma2,gamma3" in message
 
 
 NO_STARTS = [
@@ -276,15 +280,16 @@ NO_STARTS = [
     (["--starts", "tiny.csv"], "tiny.csv: line 2 = 1e-320,2,3,0,0,1: expected 6 numbers"),
     (["--starts", "none.csv"], "none.csv: line 1 = 1e-400,2,3,0,0,1: expected 6 numbers"),
     (["--starts", "other.csv"], "other.csv: line 1 = \u0661,2,3,0,0,1: expected 6 numbers"),
-    (["--starts", "nan.csv"], "starts, row 2 = [nan, 2.0, 3.0, 0.0, 0.0, 1.0]: expected finite nu"),
+    (["--starts", "nan.csv"], "nan.csv: line 2 = ,2,3,0,0,1: expected 6 numbers p,q,r,gamma1,gamm"),
+    (["--starts", "inf.csv"], "starts, row 2 = [inf, 2.0, 3.0, 0.0, 0.0, 1.0]: expected finite nu"),
     (["--starts", "long.csv"], "start.gamma, row 2 = [0.0, 0.0, 2.0]: expected gamma of length 1"),
     (["--starts", "rows.csv", "--number", "quad"], "number = quad: expected double or extended"),
     (["--starts", "rows.csv", "-o", "rows.csv"], "-o: expected another file than the one"),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("options", "said"), NO_STARTS, ids=range(len(NO_STARTS)))
-def test_what_holds_no_starts_is_refused_in_one_line(scene, refusal, tmp_path, options, said):
+@pytest.mark.parametrize(("options", "message"), NO_STARTS, ids=range(len(NO_STARTS)))
+def test_what_holds_no_starts_is_refused_in_one_line(scene, refusal, tmp_path, options, message):
     good = "1,2,3,0,0,1\n"
     np.save("three.npy", ROWS[:2, :3])
     np.save("objects.npy", np.array([{}]), allow_pickle=True)
@@ -300,10 +305,11 @@ def test_what_holds_no_starts_is_refused_in_one_line(scene, refusal, tmp_path, o
         "none.csv": "1e-400,2,3,0,0,1\n",
         "other.csv": "\u0661,2,3,0,0,1\n",
         "nan.csv": good + "nan,2,3,0,0,1\n",
+        "inf.csv": good + "inf,2,3,0,0,1\n",
         "long.csv": good + "1,2,3,0,0,2\n",
     }
     for name, text in texts.items():
         (tmp_path / name).write_text(text, "utf-8")
     (tmp_path / "two.npy").write_bytes(2 * (tmp_path / "three.npy").read_bytes())
     (tmp_path / "short.npy").write_bytes((tmp_path / "three.npy").read_bytes()[:-8])
-    assert said in refusal("sweep", scene, *options)
+    assert message in refusal("sweep", scene, *options)

@@ -31,12 +31,12 @@ TIMES = {
 }
 
 
-def told(capsys, verb: str, options: str) -> list[Fraction]:
+def times_told(capsys, verb: str, options: str) -> list[Fraction]:
     """The times of a verb's answer."""
     more = ["--vary", "start.omega[1]=0"] if verb == "sweep" else []
     assert main([verb, CASE, *more, *options.split(), "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)["columns"]["t"]
-    return [Fraction(t) for t in found]
+    times = json.loads(capsys.readouterr().out)["columns"]["t"]
+    return [Fraction(t) for t in times]
 
 
 @pytest.mark.parametrize(
@@ -46,7 +46,7 @@ def told(capsys, verb: str, options: str) -> list[Fraction]:
 )
 def test_times_are_those_asked_for(verb, options, capsys):
     """In double, but for the last digit printed."""
-    found = told(capsys, verb, options)
-    assert len(found) == len(TIMES[options])
-    for one, right in zip(found, TIMES[options], strict=True):
-        assert abs(one - right) <= abs(right) * Fraction(2) ** -52
+    times = times_told(capsys, verb, options)
+    assert len(times) == len(TIMES[options])
+    for time, right in zip(times, TIMES[options], strict=True):
+        assert abs(time - right) <= abs(right) * Fraction(2) ** -52

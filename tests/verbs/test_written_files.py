@@ -116,8 +116,8 @@ def test_a_csv_round_trips_and_compare_judges_it(capsys, number, bits):
 def test_drift_of_a_projected_file_is_no_evidence(capsys):
     for options, notes in (((), 1), (("--no-project",), 0)):
         ran(capsys, "run", "kovalevskaya/generic", "--at", "500", "-o", "x.csv", *options)
-        asked = ("compare", "x.csv", "kovalevskaya/generic", "--number", "double", "--details")
-        out, _ = ran(capsys, *asked)
+        words = ("compare", "x.csv", "kovalevskaya/generic", "--number", "double", "--details")
+        out, _ = ran(capsys, *words)
         assert out.count("they were projected") == notes
         assert ("drift h" in out) == (not notes)
 
@@ -179,9 +179,9 @@ def test_what_is_not_in_a_table_is_told_and_not_judged(capsys):
     verdict = judged(capsys, "q2,gamma3,note,t,p\n,0.8,hello,0,0.3\n")
     assert verdict["judged"] == ["p", "gamma3"]
     assert "drift_h" not in verdict
-    told = "\n".join(verdict["not_judged"])
+    sentences = "\n".join(verdict["not_judged"])
     for part in ("attitude was not judged: none", "note", "columns q r gamma1 gamma2 are not in"):
-        assert part in told
+        assert part in sentences
     verdict = judged(capsys, HEAD + "0,0.3,,1.1,0.6,0,0.8\n")
     assert verdict["worst"] >= 3
     assert "empty cells were not judged" in verdict["not_judged"]
@@ -260,9 +260,9 @@ def test_a_certificate_replaces_a_certificate_alone(capsys):
     """Refused before the work."""
     ask = ["certify", "lagrange/nutation", "--at", "1", "--digits", "15", "-o"]
     ran(capsys, *ask, "ref.csv")
-    kept = Path("ref.csv.json").read_bytes()
+    before = Path("ref.csv.json").read_bytes()
     assert "a new file, or a certificate's" in ran(capsys, *ask, "ref.csv.json", code=2)[1]
-    assert Path("ref.csv.json").read_bytes() == kept
+    assert Path("ref.csv.json").read_bytes() == before
     for _ in range(2):  # one certificate in place of another
         ran(capsys, *ask, "own.json")
     run = ["run", "lagrange/nutation", "--at", "1", "-o", "own.json"]
@@ -318,18 +318,18 @@ def no_space(written: dict[Path, object]) -> None:
 
 
 def test_a_first_piece_that_cannot_be_kept_leaves_no_folder(monkeypatch):
-    kept = JobCheckpoint(Path("x.parts"), "section", "key")
+    jobs = JobCheckpoint(Path("x.parts"), "section", "key")
     for piece in range(2):
         with monkeypatch.context() as patch:
             patch.setattr(checkpoint, "write_whole", no_space)
-            kept.save(piece, {"a": [1.0]})
+            jobs.save(piece, {"a": [1.0]})
             with pytest.raises(BadInput, match="No space left"):
-                kept.write_waiting()
+                jobs.write_waiting()
         assert Path("x.parts").exists() == (piece == 1)  # what is finished stays
         if piece == 0:
-            kept.write_waiting()  # it waits still
-    assert kept.load(0)["a"].tolist() == [1.0]
-    assert kept.load(1) is None
+            jobs.write_waiting()  # it waits still
+    assert jobs.load(0)["a"].tolist() == [1.0]
+    assert jobs.load(1) is None
 
 
 # -- names and titles ------------------------------------------------------------------------------
@@ -374,11 +374,11 @@ def test_names_of_any_kind_are_one_line_that_commands_no_terminal(capsys):
     words = f"title = {word}\ntags = [{word}]\ncite = [{word}]"
     Path(f"{ODD}.toml").write_text(TOP.replace("schema = 1", f"schema = 1\n{words}"))
     scene = polhode.load(f"{ODD}.toml")
-    given = replace(scene, name=ODD)
-    assert (scene.title, scene.name, given.name) == (ODD, f"{SHOWN}.toml", SHOWN)
+    renamed = replace(scene, name=ODD)
+    assert (scene.title, scene.name, renamed.name) == (ODD, f"{SHOWN}.toml", SHOWN)
     run = polhode.integrate(scene)
     run.save(f"{ODD}.csv")
-    results = [scene, given, run, polhode.reference(scene), polhode.conditioning(scene)]
+    results = [scene, renamed, run, polhode.reference(scene), polhode.conditioning(scene)]
     results += [polhode.compare(run), polhode.view(scene), polhode.compare(f"{ODD}.csv", scene)]
     for result in results:
         assert repr(result).isprintable()

@@ -8,8 +8,7 @@ from fractions import Fraction
 from functools import partial
 from pathlib import Path
 
-from polhode.checks.published_figures import PrintedFigure, figures
-from polhode.checks.textbook_digits import WANTED, textbook_digits
+from polhode.checks.published_figures import WANTED, PrintedFigure, figures, textbook_digits
 from polhode.common import processes as of_work
 from polhode.common.errors import BadInput, counted, nearest, one_line
 from polhode.common.interrupts import Message
@@ -138,12 +137,12 @@ def check(
     if not scenes:
         raise BadInput("check", "SCENE", None, "a path: no cases are installed")
 
-    def begun(scene: Scene) -> None:
+    def tell(scene: Scene) -> None:
         if tick is not None:
             tick(scene.name)
 
     solve = partial(check_scene, numbers=tuple(numbers), details=details)
-    yield from of_work.in_order(solve, scenes, min(workers, len(scenes)), begun)
+    yield from of_work.in_order(solve, scenes, min(workers, len(scenes)), tell)
 
 
 def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True) -> CaseCheck:

@@ -1,4 +1,4 @@
-"""Figures that somebody printed, beside ours.
+"""What others have, beside ours: figures that somebody printed, and mpmath's closed forms.
 
 Ours comes from the scene's reference (the closed form where there is one), never from a table.
 A printed figure stands when it is ours rounded to its last digit, or cut off there; where only
@@ -8,17 +8,22 @@ that it differs by at most half a unit of the last of them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from typing import Any, NamedTuple
 
+from polhode.common.errors import BadInput
 from polhode.judging.certified import Certified
+from polhode.judging.correct_digits import worst_digits
 from polhode.judging.reference import Reference, column_of
+from polhode.judging.textbook import FAMILIES, Textbook
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_string
+from polhode.numbers.exact import Exact
 from polhode.numbers.expression import decimal
 from polhode.numbers.number_types import Real, bits_for
 from polhode.scenes.scene import Published, Scene
@@ -54,11 +59,11 @@ class TimeLabel(NamedTuple):
 def time_labels(
     scene: Scene,
     reference: Reference | Certified,
-    found: Sequence[PrintedFigure],
+    printed_figures: Sequence[PrintedFigure],
 ) -> Iterator[TimeLabel]:
     """The sources of which a shift of the time explains all figures at once."""
     groups: dict[tuple[str, Any], list[PrintedFigure]] = {}
-    for figure in found:
+    for figure in printed_figures:
         if isinstance(figure.published.t, Fraction):
             groups.setdefault((figure.published.cite, figure.published.t), []).append(figure)
     for (cite, t), figures in groups.items():
@@ -218,3 +223,37 @@ def _digits(published: Published) -> int:
 
 def _key(t: Any) -> Any:
     return t if isinstance(t, Fraction) else exactly(exact.rounded(t, 400)[0])
+
+
+# --- textbook -------------------------------------------------------------------------------------
+#
+# Closed forms beside mpmath's: a second witness of the classical tops.
+
+
+WANTED = 30  # digits
+_MOST_LOG10_ANGLE = 2  # radians turned up to the time of the comparison
+
+
+def textbook_digits(ours: Reference | Certified) -> float | None:
+    """The digits to which a reference and mpmath's closed form agree at one time, at most WANTED.
+
+    At the end of a short run, at a time on the way of a long one.  None of another family, and of
+    motions that the textbook's formulas do not have.
+    """
+    if not isinstance(ours, Reference) or ours.kind not in FAMILIES:
+        return None
+    scene = ours.scene
+    t = time_of(scene)
+    try:
+        rows = Textbook(scene).at([t], digits=WANTED)
+    except BadInput:
+        return None
+    return min(
+        float(WANTED), worst_digits(rows, ours.at([t], digits=WANTED + 5), scene, WANTED + 5)
+    )
+
+
+def time_of(scene: Scene) -> Exact:
+    """The end of a run that turns by at most 100 radians; of a longer one, a time on its way."""
+    excess = scene.log10_angle - _MOST_LOG10_ANGLE
+    return scene.end if excess <= 0 else scene.end / Fraction(2) ** math.ceil(4 * excess)

@@ -39,13 +39,13 @@ from polhode.dynamics.starts import cut_of, starts_of
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.equations.terms import NAMES
+from polhode.judging.tables.table_file import read_starts
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import AnyNumber, Doubles, Integers
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
-from polhode.runs import integrate_many
 from polhode.runs.integrate_many import varied_of
 from polhode.scenes import library, vary
 from polhode.scenes.given_numbers import TIME, reader
@@ -410,7 +410,7 @@ def chaos_map(
             key = "vary" if starts is None else "starts"
             raise BadInput(scene.name, key, None, "no grid, section or level together with it")
         if isinstance(starts, (str, Path)):
-            starts = integrate_many.read(Path(starts), scene)
+            starts = read_starts(Path(starts), scene)
         motions = of_varied(*varied_of(scene, starts, vary), forecast)
     initial, coefficients = motions.starts, motions.coefficients
     forecast(len(initial))

@@ -20,13 +20,22 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from polhode.motion.frame import Frame
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.number_types import Flat, Rows, Scalar, combination
+from polhode.numbers.number_types import (
+    Extendeds,
+    Flat,
+    Objects,
+    Real,
+    Rows,
+    Scalar,
+    States,
+    combination,
+)
 from polhode.numbers.vectors import Vector, dot
 from polhode.scenes import body as classification
 from polhode.scenes.scene import Scene
@@ -214,11 +223,39 @@ def drift(scene: Scene, states: Rows, bits: int) -> Drift:
         return _named(scene, [float(np.max(np.abs(d.astype(float)))) for d in departures_found])
 
 
-def departures(scene: Scene, states: Rows, bits: int = 53) -> dict[str, Any]:
-    """Relative departures of each integral along a run, with their signs, by its name.
+def departures(
+    scene: Scene, states: States | Sequence[Sequence[Real]], bits: int = 53
+) -> dict[str, Extendeds | Objects]:
+    """Tell how far the first integrals depart from those of the start, along states of a motion.
 
-    ``states``, ``bits``: as in :func:`drift`, whose scales these have.  Each answer is an ndarray,
-    one number per row: of long doubles for a run in double, else of mpf.
+    Parameters
+    ----------
+    scene : Scene
+        Whose integrals; its start is exact.
+    states : ndarray or rows
+        p q r gamma1 gamma2 gamma3 in the scene's body axes, as a run has them.
+    bits : int
+        Of the numbers, where they are wider than double.
+
+    Returns
+    -------
+    dict of ndarray
+        The relative departures, with their signs, of each integral by its name: h, f, that of the
+        length of gamma and, where there is one, the fourth.  A number a row: of long doubles for
+        states in double, else of mpf.
+
+    Raises
+    ------
+    ValueError
+        A number that is not finite, of states wider than double.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> run = polhode.integrate("lagrange/nutation", at=[1, 2], project=False)
+    >>> found = polhode.departures(run.scene, run.states)
+    >>> sorted(found), float(abs(found["h"]).max()) < 1e-14
+    (['f', 'h', 'spin', '|gamma|^2'], True)
     """
     import numpy as np
 

@@ -17,6 +17,7 @@ from polhode.common.errors import printable
 from polhode.figures import canvas
 from polhode.figures.canvas import COLOURS, MARKS, SPACE, power_of_ten, time_label
 from polhode.numbers.conversion import to_double
+from polhode.numbers.number_types import Doubles
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
@@ -31,11 +32,10 @@ _SEEN_FROM = np.array([[-0.64, 0.77, 0.0], [-0.3, -0.25, 0.92]])  # across and u
 def digits(plt: Any, scene: Scene | None, rows: Sequence[Row]) -> Any:
     """Correct digits over time of runs and files, over the bands that are expected of the runs.
 
-    ``rows``: scene, name, t, digits, and the band's edges, nan where unknown.
+    ``rows``: name, t, digits, and the band's edges, None where unknown.
     """
     figure, panel = _panel(plt)
-    for name, look, own in _series(rows):
-        t, right, least, most = zip(*(row[2:] for row in own), strict=True)
+    for name, look, (t, right, least, most) in _series(rows):
         style = "-" if name in COLOURS else "--"
         panel.plot(t, right, label=name, ls=style, ms=2.2, **look)
         panel.fill_between(t, least, most, color=look["color"], alpha=0.2, lw=0)
@@ -46,11 +46,11 @@ def digits(plt: Any, scene: Scene | None, rows: Sequence[Row]) -> Any:
 
 
 def work(plt: Any, rows: Sequence[Row]) -> Any:
-    """Processor time over correct digits; ``rows``: scene, name, tolerance, digits, seconds."""
+    """Processor time over correct digits; ``rows``: name, tolerance, digits, seconds."""
     figure, panel = _panel(plt)
-    for name, look, own in _series(rows):
-        points = sorted((row[3], row[4]) for row in own)
-        panel.plot(*zip(*points, strict=True), label=name, ms=4, **look)
+    for name, look, (_, right, seconds) in _series(rows):
+        order = np.argsort(right, kind="stable")
+        panel.plot(right[order], seconds[order], label=name, ms=4, **look)
     panel.set_yscale("log")
     panel.yaxis.set_major_formatter(lambda x, _: power_of_ten(math.log10(x)))
     panel.minorticks_off()
@@ -108,13 +108,13 @@ def _panel(plt: Any) -> tuple[Any, Any]:
     return figure, panel
 
 
-def _series(rows: Sequence[Row]) -> Iterator[tuple[str, dict[str, str], list[Row]]]:
-    """The rows of each run or file, with colour and mark: a number type's own, or another's."""
+def _series(rows: Sequence[Row]) -> Iterator[tuple[str, dict[str, str], Doubles]]:
+    """The columns of each run or file, with colour and mark: a number type's own, or another's."""
     others = cycle(OTHERS)
-    for name in dict.fromkeys(row[1] for row in rows):
+    for name in dict.fromkeys(row[0] for row in rows):
         colour = COLOURS.get(name) or next(others)
         look = {"color": colour, "marker": MARKS.get(name, "x")}
-        yield name, look, [row for row in rows if row[1] == name]
+        yield name, look, np.array([row[1:] for row in rows if row[0] == name], dtype=float).T
 
 
 def _legend(figure: Any) -> None:

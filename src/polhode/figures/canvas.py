@@ -12,6 +12,7 @@ from functools import partial
 from io import BytesIO, StringIO
 from itertools import cycle, groupby, islice
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput, printable
@@ -137,8 +138,30 @@ STYLE = Path(__file__).parent / "paper.mplstyle"
 
 
 @contextmanager
-def paper() -> Iterator[Any]:
-    """matplotlib.pyplot while a printed figure is drawn."""
+def paper() -> Iterator[ModuleType]:
+    """Draw printed figures of your own in the style of polhode's, whatever yours is.
+
+    Returns
+    -------
+    context manager of module
+        ``matplotlib.pyplot``, with text that stays text, thin axes, and SVG in which nothing but
+        the figure counts: the same figure gives the same file.
+
+    Raises
+    ------
+    BadInput
+        matplotlib is not installed.
+
+    Examples
+    --------
+    >>> import io, polhode
+    >>> with polhode.paper() as plt:
+    ...     figure, axes = plt.subplots()
+    ...     line = axes.plot([0, 1], [0, 2])
+    ...     figure.savefig(out := io.StringIO(), format="svg", metadata={"Date": None})
+    >>> out.getvalue()[:5]
+    '<?xml'
+    """
     plt = pyplot()
     with plt.style.context(STYLE):
         yield plt

@@ -15,15 +15,23 @@ from collections.abc import Sequence
 from decimal import Decimal
 from fractions import Fraction
 from itertools import repeat
+from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
+from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.double_double import Pairs, binary_numbers
 from polhode.numbers.exact import sign
-from polhode.numbers.number_types import Doubles, Given, Scalar
+from polhode.numbers.number_types import Doubles, Given, Real, Scalar, States
+from polhode.scenes import library
 from polhode.scenes.scene import Scene
+from polhode.scenes.vocabulary import REQUESTS
+
+#: States of any number type, as a user has them.
+AnyStates: TypeAlias = "States | Sequence[Sequence[Real]]"
 
 _TINIEST = -(1 << 17)  # the binary exponent below which a number is 0: no digit asked for shows it
 
@@ -108,6 +116,48 @@ def worst_digits(states: Given, reference: Given, scene: Scene, cap: float) -> f
     """The fewest correct digits over all rows."""
     errors = log10_errors(states, reference, log10_rate(reference, scene))
     return float(np.fmin.reduce(digits_of(errors, cap), initial=cap))
+
+
+def state_errors(states: AnyStates, true: AnyStates, scene: Scene | str | Path) -> Doubles:
+    """Measure the error of each state: 10 to the power of minus its correct digits.
+
+    Parameters
+    ----------
+    states : array_like, shape (N, 6) or (N, 3)
+        p q r gamma1 gamma2 gamma3 at some times, omega alone of a scene without gamma; numbers of
+        any type, whose differences are exact.
+    true : array_like
+        The true states at these times, of another type if you like, such as those of
+        :func:`polhode.reference`.
+    scene : Scene, str or Path
+        Whose motion it is: where omega vanishes, its error is relative to the rate of the pendulum.
+
+    Returns
+    -------
+    ndarray of double, shape (N,)
+        The larger of the error of omega over the largest size of omega of the true states, and that
+        of gamma.
+
+    Raises
+    ------
+    BadInput
+        A scene that there is not, or states of another shape than the true ones.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> run = polhode.integrate("lagrange/nutation", at=[1, 2])
+    >>> true = polhode.reference("lagrange/nutation").at([1, 2], digits=20)
+    >>> float(polhode.state_errors(run.states, true, "lagrange/nutation").max()) < 1e-14
+    True
+    """
+    scene = library.load(scene, takes=REQUESTS)
+    if len(states) != len(true):
+        raise BadInput(
+            scene.name, "states", f"{len(states)} rows", f"{len(true)}, as the true ones"
+        )
+    errors: Doubles = 10.0 ** log10_errors(states, true, log10_rate(true, scene))
+    return errors
 
 
 def plain_rows(rows: Given | Pairs) -> Given:

@@ -8,10 +8,22 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import NamedTuple, overload
 
+from polhode.common.arguments import whole
+from polhode.common.errors import BadInput
 from polhode.numbers import exact
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import exact_number, exactly, to_double
 from polhode.numbers.exact import Exact, Irrational, Number
-from polhode.numbers.number_types import LOG10_2, Given, NumberType, Rows, Scalar
+from polhode.numbers.number_types import (
+    LOG10_2,
+    MAX_DIGITS,
+    AnyNumber,
+    Given,
+    NumberType,
+    Real,
+    Rows,
+    Scalar,
+    bits_for,
+)
 
 # --- decimals -------------------------------------------------------------------------------------
 #
@@ -61,6 +73,43 @@ def decimal_string(x: Fraction, digits: int) -> str:
     else:
         body = f"{text[0]}.{text[1:]}e{power:+03d}" if digits > 1 else f"{text}e{power:+03d}"
     return "-" + body if x < 0 else body
+
+
+def as_decimal(x: AnyNumber | Real, digits: int = 17) -> str:
+    """Give a number as a decimal of so many significant digits, rounded once, from its exact value.
+
+    Parameters
+    ----------
+    x : number or str
+        A number that polhode takes or gives: a float, Fraction, mpf or long double, which are what
+        they are to the last bit, or an expression such as ``"sqrt(2)"``.
+    digits : int
+        Significant digits.
+
+    Returns
+    -------
+    str
+        Positional where that is short.
+
+    Raises
+    ------
+    BadInput
+        What is no number, infinite, or fewer than one digit.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> polhode.as_decimal(0.1, 20), polhode.as_decimal("sqrt(2)", 30)
+    ('0.10000000000000000555', '1.41421356237309504880168872421')
+    """
+    count = whole("as_decimal", "digits", digits, 1, MAX_DIGITS)
+    try:
+        near = exact_number(x)
+    except ValueError as fault:
+        raise BadInput("as_decimal", "x", x, f"a number ({fault})") from None
+    if isinstance(near, Irrational):
+        near = exact.binary(*exact.rounded(near, bits_for(2 * count) + 64))
+    return decimal_string(near, count)
 
 
 def shown(x: Number) -> str:

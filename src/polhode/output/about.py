@@ -17,9 +17,9 @@ from polhode.scenes import library
 
 @dataclass(frozen=True, repr=False, eq=False)
 class About(Result, ByValue):
-    """What is known of this installation, by name; ``is_citation``: how to cite it, alone."""
+    """What there is to tell of this installation; ``is_citation``: how to cite it, alone."""
 
-    known: Mapping[str, Any]
+    installation: Mapping[str, Any]
     is_citation: bool = False
 
     def __repr__(self) -> str:
@@ -27,12 +27,15 @@ class About(Result, ByValue):
 
     def __str__(self) -> str:
         if self.is_citation:
-            return str(self.known["bibtex"]).rstrip()
-        facts = {**self.known["versions"], "cpu": self.known["cpu"]}
+            return str(self.installation["bibtex"]).rstrip()
+        facts = {**self.installation["versions"], "cpu": self.installation["cpu"]}
         for name, bits, digits in _NUMBERS:
             facts[name] = "any number of bits" if name == "mp" else f"{bits} bits, {digits} digits"
-        facts |= {"cases": self.known["cases"], "cache": _in_words(self.known["cache"])}
-        facts["refined"] = self.known["refined"]
+        facts |= {
+            "cases": self.installation["cases"],
+            "cache": _in_words(self.installation["cache"]),
+        }
+        facts["refined"] = self.installation["refined"]
         return "\n".join(f"{name:<12} {value}" for name, value in facts.items())
 
     def table(self) -> Table:
@@ -42,7 +45,7 @@ class About(Result, ByValue):
 
     def facts(self) -> list[Fact]:
         """Versions, processor, cases, the cache of compiled code; or how to cite."""
-        return [Fact(name, value) for name, value in self.known.items()]
+        return [Fact(name, value) for name, value in self.installation.items()]
 
 
 _NUMBERS = [

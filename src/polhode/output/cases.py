@@ -15,7 +15,13 @@ from polhode.scenes import library
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Cases(Result, ByValue):
-    """Cases by name, each with its title, tags, regime and reference."""
+    """Cases by name, each with its title, tags, regime and reference.
+
+    >>> import polhode
+    >>> cases = polhode.cases()
+    >>> cases.entries["lagrange/nutation"].regime, "lagrange/nutation" in cases.column("scene")
+    ('nutation', True)
+    """
 
     entries: Mapping[str, library.Entry]
 
@@ -46,6 +52,22 @@ def cases(tag: str | None = None) -> Cases:
     ----------
     tag : str, optional
         Only the cases with this tag.
+
+    Returns
+    -------
+    Cases
+        A result with a row for each case.
+
+    Raises
+    ------
+    BadInput
+        A tag that no case has.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> polhode.cases("chaotic").column("scene")[:2]
+    ['general/asymmetric-chaotic', 'general/section']
     """
     entries = library.entries()
     chosen = {name: entries.get(name) or entry_of(name) for name in library.names()}

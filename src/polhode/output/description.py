@@ -35,10 +35,10 @@ _IN_FULL = {"period": "period of omega"}  # in the body
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Description(Result, ByValue):
-    """What a scene is; ``told``: the facts of :func:`described`."""
+    """What a scene is; ``described``: the facts of :func:`described`."""
 
     scene: Scene
-    told: Mapping[str, Any]
+    described: Mapping[str, Any]
 
     def __repr__(self) -> str:
         return f"<Description of {self.scene.name}: {one_line(self.scene.title)}>"
@@ -46,13 +46,13 @@ class Description(Result, ByValue):
     def __str__(self) -> str:
         return "\n".join(
             f"{key:<14}{one_line(_in_words(key, value))}"
-            for key, value in self.told.items()
+            for key, value in self.described.items()
             if value not in (None, "", [])
         )
 
     def table(self) -> Table:
         """A row for each column that a run of the scene gives: its name and unit."""
-        names = self.told["columns"]
+        names = self.described["columns"]
         units = [unit_of(self.scene, name) for name in names]
         return Table([Column("column", names, type=TEXT), Column("unit", units, type=TEXT)])
 
@@ -62,7 +62,7 @@ class Description(Result, ByValue):
         The title is ``scene_title``: every file of a result has a ``title`` of its own.
         """
         named = {"title": "scene_title"}
-        values = {named.get(key, key): x for key, x in self.told.items()}
+        values = {named.get(key, key): x for key, x in self.described.items()}
         values |= values.pop("integrals")
         if "axes" in values:
             values["axes"] = dict(zip("123", values["axes"], strict=True))

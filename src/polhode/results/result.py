@@ -46,11 +46,11 @@ class Storable:
             Another ending, a place that cannot be written to, or a file there that is no result of
             this kind, or was changed since: it is not replaced.
         """
-        from polhode.results import places, writer
+        from polhode.results import reader, writer
 
         of_kind("save", "path", path, (str, Path), "the path of a file")
         path, content = Path(path), self.content()
-        places.check_place(path, content.kind)
+        reader.check_place(path, content.kind)
         write_whole(writer.files(content, path))
 
     def plot(

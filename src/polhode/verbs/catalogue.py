@@ -58,7 +58,7 @@ _MAP = "fli (default), megno, exponent or verdict"
 _PLOT, _FUNCTIONS, _PROOFS = "polhode.verbs.plot", "polhode.verbs.functions", "polhode.proofs"
 
 
-def _what(words: str) -> Mapping[str, str]:
+def _figure_word(words: str) -> Mapping[str, str]:
     return {"metavar": "WORD", "help": f"what a figure shows: {words}"}
 
 
@@ -90,7 +90,7 @@ ROWS = (
         {"at": None, "inputs": None, "proved": "--prove"},
         (TIMES, FORM, OUTPUTS),
         notes="run",
-        figure_options={"--what": _what(_MOTION), **_TITLE},
+        figure_options={"--what": _figure_word(_MOTION), **_TITLE},
         prints_rows=True,
     ),
     Verb(
@@ -177,7 +177,7 @@ ROWS = (
         "a chaos map: growth of one tangent per motion, over a grid or two varied numbers",
         "general/asymmetric-regular --grid 2x2 --end 20 -o map.npz",
         notes="chaos_map",
-        figure_options={"--what": _what(_MAP), "--cmap": _CMAP, **_TITLE},
+        figure_options={"--what": _figure_word(_MAP), "--cmap": _CMAP, **_TITLE},
         counts="motions",
     ),
     Verb(
@@ -244,9 +244,10 @@ ROWS = (
         prints_rows=True,
     ),
     Verb(
-        *("report", _FUNCTIONS, "report", "Report"),
+        *("report", "polhode.output.report", "report", "Report"),
         "an accuracy report of your scenes, and of files that other programs made of their motions",
         "top.toml top.csv -o report.html",
+        named={"at": None},
         scene=(TIMES,),
         notes="nothing",
         own=(".html", ".md"),

@@ -90,7 +90,8 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
             module = import_module(home)
             arguments |= places.extras(function, line)
             try:
-                result, missed = getattr(module, function.name)(**arguments), ""
+                several = arguments.pop(function.several, ())
+                result, missed = getattr(module, function.name)(*several, **arguments), ""
             except NotEnough as fault:
                 result, missed = fault.result, str(fault)
             written = places.write(result, vars(namespace), line)
@@ -156,12 +157,12 @@ class Places:
             elif self._is_own(path):
                 if ".json" in self.verb.own:
                     from polhode.certificates import certificate_file
-                    from polhode.results.places import refuse_facts
+                    from polhode.results.reader import refuse_facts
 
                     certificate_file.refuse_another(path)
                     refuse_facts(path)
             else:
-                from polhode.results.places import check_place
+                from polhode.results.reader import check_place
 
                 check_place(path, self.verb.kind, self.inputs)
 
@@ -192,6 +193,8 @@ class Places:
         }
         extras = {x.name: calls[x.annotation] for x in function.parameters if x.annotation in calls}
         names = {x.name for x in function.parameters}
+        if extras.get("forecast") == line.say:  # which stays
+            extras["forecast"] = lambda text: note(f"{self.verb.name}: {text}")
         if "certificate" in names:
             extras["certificate"] = any(map(self._is_own, self.paths))
         data = [x for x in self.paths if not self._is_figure(x)]
@@ -212,18 +215,18 @@ class Places:
         Files of a kind's own, which are checked as they are made, are written once all others are
         made.
         """
-        kept = getattr(result, "kept", None)
-        if interrupted(result) and kept is not None and kept.folder.exists():
+        checkpoint = getattr(result, "kept", None)
+        if interrupted(result) and checkpoint is not None and checkpoint.folder.exists():
             return ()
         files: dict[Path, str | bytes] = {}
         for path in self.paths:
             if self._is_figure(path):
                 files[path] = _drawn(result, path.suffix.lower(), self.verb, values)
             elif not self._is_own(path):
-                from polhode.results import places, writer
+                from polhode.results import reader, writer
 
                 content = result.content()
-                places.check_place(path, content.kind, self.inputs)
+                reader.check_place(path, content.kind, self.inputs)
                 files |= writer.files(content, path)
         own = [x for x in self.paths if self._is_own(x)]
         if own and not getattr(result, "times", True):  # of nothing there is no certificate
@@ -231,8 +234,8 @@ class Places:
         for path in own:
             self._save(result, path, line)
         write_whole(files)
-        if kept is not None:
-            kept.remove()
+        if checkpoint is not None:
+            checkpoint.remove()
         return [*own, *files]
 
     def _save(self, result: Any, path: Path, line: ProgressLine) -> None:
@@ -298,9 +301,9 @@ def interrupted(result: Result) -> bool:
 def code_of(result: Result) -> int:
     """The exit code that a result means."""
     if interrupted(result):
-        kept = getattr(result, "kept", None)
-        if kept is not None and kept.folder.exists():
-            note(f"polhode: the same command continues from {kept.folder}")
+        checkpoint = getattr(result, "kept", None)
+        if checkpoint is not None and checkpoint.folder.exists():
+            note(f"polhode: the same command continues from {checkpoint.folder}")
         return INTERRUPTED
     if getattr(result, "passed", None) is False:
         return FAILED

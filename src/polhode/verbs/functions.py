@@ -22,9 +22,7 @@ if TYPE_CHECKING:
     from polhode.judging.convergence_order import ObservedOrder
     from polhode.judging.judgement import Judgement
     from polhode.numbers.number_types import AnyNumber
-    from polhode.output.report import Report
     from polhode.runs.ensemble import Ensemble
-    from polhode.runs.trajectory import Trajectory
     from polhode.scenes import vary
     from polhode.scenes.scene import Scene
     from polhode.scenes.start_box import StartBox
@@ -252,7 +250,6 @@ def sweep(
         Called with the fraction of members done and how many.
     """
     from polhode.dynamics.reduce_many import reduce_many
-    from polhode.runs import integrate_many as starts_file
     from polhode.runs.integrate_many import integrate_many, varied_of
 
     if (starts is None) == (vary is None):
@@ -260,7 +257,9 @@ def sweep(
         raise BadInput(scene.name, "--vary", keys, "numbers to vary or --starts FILE, one of them")
     varied: Any = vary
     if starts is not None:
-        rows = starts_file.read(Path(starts), scene, number == "extended")
+        from polhode.judging.tables.table_file import read_starts
+
+        rows = read_starts(Path(starts), scene, number == "extended")
         scene, varied = varied_of(scene, rows)
     how: dict[str, Any] = {
         "number": number,
@@ -345,51 +344,6 @@ def certified(
     if max_seconds is not None:
         how["max_seconds"] = max(1e-3, max_seconds - time.monotonic() + began)
     return replace(enclosure, events=certify_events(top, max(moments, key=abs), **how))
-
-
-def report(
-    what: Sequence[Scene | Trajectory | str | Path] = (),
-    number: str | None = None,
-    digits: int | None = None,
-    columns: Sequence[str] | None = None,
-    read: str | None = None,
-    max_seconds: float = 20.0,
-    line: ProgressLine | None = None,
-) -> Report:
-    """Make an accuracy report of scenes, and of other programs' files of their motions.
-
-    Parameters
-    ----------
-    what : sequence of Scene, Trajectory, str or Path
-        Scenes (cases that ship, or paths), and files of trajectories as for polhode compare, each
-        after the scene that it is judged against (a run that polhode saved may stand first, and is
-        judged against the scene that it holds); mine.csv=0.8s tells what it cost,
-        mine.csv=0.8s,h=0.01 its method's step too; files whose names differ in digits alone are one
-        method's, whose order is told.
-    number : str, optional
-        One number type (double, extended, quad, mp) in place of the first three.
-    digits : int, optional
-        Correct digits wanted: a run to them is made too, and verdicts go by them.
-    columns : sequence of str, optional
-        Of the files: their columns in order, or some of them, as for polhode compare.
-    read : str, optional
-        Of the files: readings to apply, in their words, as for polhode compare.
-    max_seconds : float
-        A limit in seconds on each proof that judges where there is no closed form (20).
-    line : ProgressLine
-        Where progress is shown.
-    """
-    from polhode.output.report import report as made
-
-    shown = line or ProgressLine("report")
-    options: dict[str, Any] = {
-        "number": number,
-        "digits": digits,
-        "columns": columns,
-        "read": read,
-        "max_seconds": max_seconds,
-    }
-    return made(*what, progress=shown.say, forecast=lambda text: note(f"report: {text}"), **options)
 
 
 def orbits(

@@ -30,7 +30,7 @@ def guide(options: Namespace) -> int:
     elif not more and topic in [guide.INDEX, *guide.topics()]:
         text = guide.page(topic)
     else:
-        text = _found(" ".join(options.topic))
+        text = _places(" ".join(options.topic))
     if options.json:
         answer = {"topic": " ".join(options.topic), "topics": guide.topics(), "text": text}
         print_json(answer)
@@ -39,7 +39,7 @@ def guide(options: Namespace) -> int:
     return DONE
 
 
-def _found(words: str) -> str:
+def _places(words: str) -> str:
     """Where the words stand; raises BadInput where they stand nowhere."""
     from polhode.output import guide
 

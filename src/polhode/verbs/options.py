@@ -26,11 +26,12 @@ class Parameter(NamedTuple):
 
 
 class Front(NamedTuple):
-    """A function as its source tells it."""
+    """A function as its source tells it; ``several``: its parameter ``*name``, "" for none."""
 
     name: str
     parameters: Sequence[Parameter]
     docstring: str
+    several: str = ""
 
     @property
     def helps(self) -> dict[str, str]:
@@ -38,7 +39,7 @@ class Front(NamedTuple):
         part = self.docstring.partition("Parameters\n----------\n")[2].partition("\n\n")[0]
         entries = re.findall(r"^([\w*, ]+) : .*\n((?: .*\n?)+)", part + "\n", re.M)
         return {
-            name.strip(): _first_sentence(text)
+            name.strip(" *"): _first_sentence(text)
             for names, text in entries
             for name in names.split(",")
         }
@@ -60,14 +61,16 @@ def front(home: str, name: str) -> Front:
     positional = [*arguments.posonlyargs, *arguments.args]
     lacking = len(positional) - len(arguments.defaults)
     defaults = [*[None] * lacking, *arguments.defaults, *arguments.kw_defaults]
-    return Front(
-        name,
-        [
-            _parameter(x, default)
-            for x, default in zip([*positional, *arguments.kwonlyargs], defaults, strict=True)
-        ],
-        inspect.cleandoc(ast.get_docstring(function) or ""),
-    )
+    parameters = [
+        _parameter(x, default)
+        for x, default in zip([*positional, *arguments.kwonlyargs], defaults, strict=True)
+    ]
+    docstring = inspect.cleandoc(ast.get_docstring(function) or "")
+    if arguments.vararg is None:
+        return Front(name, parameters, docstring)
+    several = _parameter(arguments.vararg, None)
+    first = Parameter(several.name, f"Sequence[{several.annotation}]", "()")
+    return Front(name, [first, *parameters], docstring, several.name)
 
 
 def _parameter(argument: ast.arg, default: ast.expr | None) -> Parameter:

@@ -125,7 +125,7 @@ def _written(options: Namespace, endings: tuple[str, ...]) -> int:
             note(f"polhode: {why}; nothing was written")
             return NOT_REACHED
         drawing = every[0]
-        for line in (line for one in every for line in one.notes):
+        for line in (line for x in every for line in x.notes):
             note(line)
         answer = {"file": str(path), "what": drawing.what, "of": drawing.name} | _span(drawing)
         if suffix == PAGE:

@@ -457,15 +457,17 @@ _ACCEPTED = (
 )
 
 
-class _Sheet(NamedTuple):
+class Sheet(NamedTuple):
     """The cells of a file: its header, and its rows with the numbers of their lines.
 
-    ``remarks``: how they were read.  Decimal commas are points now.
+    ``remarks``: how they were read.  Decimal commas are points now.  ``is_named``: whether the
+    header names columns; else it is the first row.
     """
 
     header: Sequence[str]
     rows: list[tuple[int, list[str]]]
     remarks: tuple[str, ...] = ()
+    is_named: bool = True
 
 
 def read_csv(path: Path, number: NumberType | None, names: Naming) -> Table:
@@ -477,10 +479,7 @@ def read_csv(path: Path, number: NumberType | None, names: Naming) -> Table:
     path = Path(STDIN) if piped else path
     readable = "a readable CSV file"
     content = read_stdin(MAX_BYTES, readable) if piped else read_whole(path, MAX_BYTES, readable)
-    try:
-        sheet = _sheet([*io.StringIO(_text(content), newline="")], names)
-    except (ValueError, csv.Error) as fault:
-        raise BadInput(str(path), "file", None, f"{readable} ({fault})") from None
+    sheet = sheet_of(path, content, names)
     if not sheet.header:
         raise BadInput(str(path), "file", None, "a header line that names the columns")
     places = names.stamp(sheet.header)
@@ -502,6 +501,14 @@ def read_csv(path: Path, number: NumberType | None, names: Naming) -> Table:
     return replace(table, remarks=(*table.remarks, *sheet.remarks))
 
 
+def sheet_of(path: Path, content: bytes, names: Naming) -> Sheet:
+    """The cells of a CSV file; raises BadInput."""
+    try:
+        return _sheet([*io.StringIO(_text(content), newline="")], names)
+    except (ValueError, csv.Error) as fault:
+        raise BadInput(str(path), "file", None, f"a readable CSV file ({fault})") from None
+
+
 def _text(content: bytes) -> str:
     """A file's text, in UTF-8, or in UTF-16 or UTF-32 with their marks; raises ValueError."""
     for beginning, kind in _OTHER_FILES.items():
@@ -519,7 +526,7 @@ def _text(content: bytes) -> str:
     return text
 
 
-def _sheet(lines: list[str], names: Naming) -> _Sheet:
+def _sheet(lines: list[str], names: Naming) -> Sheet:
     """The cells of a file's lines; raises csv.Error for a line without end."""
     if max(map(len, lines), default=0) > MAX_LINE:
         raise csv.Error("not a CSV text: a line without end")
@@ -528,7 +535,7 @@ def _sheet(lines: list[str], names: Naming) -> _Sheet:
     plain = ["\n" if _COMMENT.match(line) else line for line in lines]
     first = next((k for k, line in enumerate(plain) if line.strip(_BLANK)), None)
     if first is None:
-        return _Sheet((), [])
+        return Sheet((), [])
     wide = next((mark for mark in ";\t" if mark in plain[first]), "")
     commas = wide != "" and _have_decimal_commas(plain[first:], wide)
     separator = chosen[1] if chosen else wide if commas else _separator(plain[first])
@@ -537,6 +544,7 @@ def _sheet(lines: list[str], names: Naming) -> _Sheet:
     if _are_numbers(top[1], commas):
         rows = [top, *rows]
         header = header or _commented(lines[:first], len(top[1]), names)
+    is_named = bool(header) or top not in rows
     header = header or top[1]
     remarks = ["read as: decimal commas"] if commas else []
     if {len(row) for _, row in rows} == {len(header) + 1}:
@@ -551,10 +559,10 @@ def _sheet(lines: list[str], names: Naming) -> _Sheet:
     rows = [
         (line, [*map(plain_cell, row)] if _ODD.search(",".join(row)) else row) for line, row in rows
     ]
-    return _Sheet(header, rows, tuple(remarks))
+    return Sheet(header, rows, tuple(remarks), is_named)
 
 
-def _with_whole_stamps(path: Path, sheet: _Sheet, places: tuple[int, int]) -> _Sheet:
+def _with_whole_stamps(path: Path, sheet: Sheet, places: tuple[int, int]) -> Sheet:
     """A sheet whose time is in two columns, seconds and nanoseconds, as one that has it in one."""
     k, rest = places
     rows = []
@@ -616,7 +624,7 @@ def _commented(lines: Sequence[str], count: int, names: Naming) -> Sequence[str]
     return ()
 
 
-def _table(path: Path, sheet: _Sheet, named: list[NamedColumn], number: NumberType | None) -> Table:
+def _table(path: Path, sheet: Sheet, named: list[NamedColumn], number: NumberType | None) -> Table:
     texts = [*zip(*(row for _, row in sheet.rows), strict=True)]
     clock = next(k for k, meant in enumerate(named) if meant.name == "t")
     whole = all(cell.isdecimal() for cell in texts[clock])
@@ -648,7 +656,7 @@ def _table(path: Path, sheet: _Sheet, named: list[NamedColumn], number: NumberTy
 
 def _numbers(
     path: Path,
-    sheet: _Sheet,
+    sheet: Sheet,
     place: int,
     texts: Sequence[str],
     name: str,

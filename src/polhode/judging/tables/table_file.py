@@ -9,16 +9,27 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+import numpy as np
+import numpy.typing as npt
+
 from polhode.common.errors import UNREADABLE, BadInput
-from polhode.common.files import called, read_npz, read_whole
+from polhode.common.files import called, npy_header, read_npz, read_whole
 from polhode.judging.tables.column_aliases import PLAIN, Naming, columns
-from polhode.judging.tables.csv_file import MAX_BYTES, read_csv, refuse_names, table_of_columns
+from polhode.judging.tables.csv_file import (
+    MAX_BYTES,
+    read_csv,
+    refuse_names,
+    sheet_of,
+    table_of_columns,
+)
 from polhode.judging.tables.table import Table, of_run
 from polhode.numbers.number_types import NumberType
 from polhode.results import reader, writer
+from polhode.results.cells import texts, word_of
 from polhode.runs.saved import load_result
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
+from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -91,8 +102,6 @@ def _arrays(path: Path, names: Naming) -> Arrays:
     data = read_whole(path, MAX_BYTES, "a readable file of arrays")
     if path.suffix.lower() == ".parquet":
         return _parquet(path, data)
-    import numpy as np
-
     try:
         if zipfile.is_zipfile(io.BytesIO(data)):
             content: Any = read_npz(data, most=MAX_BYTES)
@@ -157,3 +166,84 @@ def _flat(path: Path, name: str, array: Any) -> dict[str, object]:
         )
         raise BadInput(str(path), name, array.shape, expected)
     return parts
+
+
+# --- starts ---------------------------------------------------------------------------------------
+#
+# The starts of ``polhode sweep --starts FILE``: a row each, in CSV, NPY, or a saved result.
+
+
+_MOST = 1 << 32  # bytes
+
+
+def read_starts(path: Path, scene: Scene, extended: bool = False) -> npt.NDArray[Any]:
+    """The rows of a file; raises BadInput.
+
+    A CSV, written in any way in which a table may be, has the columns of the scene's states, in any
+    order under a header, in theirs without one; its decimals are rounded to doubles, or to
+    longdoubles where ``extended``.  Of a result that
+    polhode saved its columns of those names are taken: the states of a run, the crossings of a
+    section, a family of orbits.
+    """
+    ending = path.suffix.lower()
+    if reader.is_result(path) or (ending == ".json" and path.is_file()):
+        return _starts_of_result(path, scene, extended)
+    if ending not in (".csv", ".npy") and path.exists():
+        expected = "a file .csv or .npy, or a result that polhode saved"
+        raise BadInput(str(path), "--starts", path.suffix or None, expected)
+    data = read_whole(path, _MOST, "a readable file of starts")
+    return _array(path, data) if ending == ".npy" else _starts(path, data, scene, extended)
+
+
+def _starts_of_result(path: Path, scene: Scene, extended: bool) -> npt.NDArray[Any]:
+    columns = {x.name: x for x in load_result(path).table().columns}
+    if any(name not in columns for name in scene.columns):
+        expected = f"columns {','.join(scene.columns)}"
+        raise BadInput(str(path), "columns", ",".join(columns), expected)
+    kind = np.longdouble if extended else np.float64
+    numbers = [columns[name] for name in scene.columns]
+    try:
+        return np.array([[*map(kind, texts(x.values, word_of(x)))] for x in numbers], kind).T
+    except ValueError as fault:
+        expected = f"a number in every cell of {','.join(scene.columns)} ({fault})"
+        raise BadInput(str(path), "columns", None, expected) from None
+
+
+def _array(path: Path, data: bytes) -> npt.NDArray[Any]:
+    try:
+        dtype, count, begin = npy_header(io.BytesIO(data))
+        if begin + count * dtype.itemsize != len(data):
+            raise ValueError("it is not as long as it says")
+        array: npt.NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
+    except _FAULTS as fault:
+        raise BadInput(str(path), "file", None, f"an array that NumPy wrote ({fault})") from None
+    return array
+
+
+def _starts(path: Path, data: bytes, scene: Scene, extended: bool) -> npt.NDArray[Any]:
+    columns, sheet = [*scene.columns], sheet_of(path, data, PLAIN)
+    expected = f"{len(columns)} numbers {','.join(columns)}"
+    rows, order = sheet.rows, [*range(len(columns))]
+    if sorted(sheet.header) == sorted(columns):
+        order = [sheet.header.index(column) for column in columns]
+    elif sheet.header and sheet.is_named:  # of other columns
+        raise BadInput(str(path), "line 1", ",".join(sheet.header), expected)
+    kind = np.longdouble if extended else np.float64
+    starts = np.empty((len(rows), len(columns)), kind)
+    for k, (line, cells) in enumerate(rows):
+        try:
+            if len(cells) != len(columns) or any("_" in x or not x.isascii() for x in cells):
+                raise ValueError
+            starts[k] = [kind(cells[i]) for i in order]
+            if any(_lost(cells[i], x) for i, x in zip(order, starts[k], strict=True)):
+                raise ValueError
+        except ValueError:
+            raise BadInput(str(path), f"line {line}", ",".join(cells), expected) from None
+    return starts
+
+
+def _lost(cell: str, rounded: Any) -> bool:
+    """Whether a decimal that is not 0 is one too small for the type to have its digits."""
+    if abs(rounded) >= np.finfo(type(rounded)).smallest_normal:
+        return False
+    return any(digit in "123456789" for digit in cell.lower().partition("e")[0])
