@@ -12,7 +12,7 @@ import polhode
 from polhode.cli import main
 from polhode.common import checkpoint
 from polhode.dynamics import chaos_map
-from polhode.dynamics.coordinates import tangents_of
+from polhode.dynamics.level_body import LevelBody, tangents_of
 
 GENERIC = polhode.load("general/asymmetric-chaotic")
 LEVEL = {"h": 3, "f": Fraction(1, 2)}
@@ -123,10 +123,10 @@ def test_megno_of_made_up_growth():
 
 
 def test_tangents_begin_across_what_never_grows_apart():
-    from polhode.dynamics import coordinates as geometry
+    from polhode.dynamics import starts as geometry
 
-    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
-    states = geometry.momentum_states(on, *geometry.cells(5, 5), True).states
+    on = LevelBody(GENERIC, Fraction(3), Fraction(1, 2))
+    states = geometry.momentum_states(on, *geometry.cell_centres(5, 5), True).states
     many = (len(states), 1)
     u = tangents_of(states, np.tile(on.moments, many), np.tile(on.torque, many))
     step = 1e-6

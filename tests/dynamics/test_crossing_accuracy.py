@@ -11,8 +11,9 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics import coordinates as geometry
 from polhode.dynamics import section
+from polhode.dynamics import starts as geometry
+from polhode.dynamics.level_body import LevelBody
 from polhode.numbers.conversion import doubles, exactly
 from polhode.scenes import scene_file
 
@@ -29,7 +30,7 @@ def true_digits(scene, found, which):
     The exact motion at the crossing's time is a little before or after its own crossing: an Euler
     step along the flow leads there.  For scenes in principal axes and inner units.
     """
-    on = geometry.ground(scene, found.h, found.f)
+    on = LevelBody(scene, found.h, found.f)
     times = [Fraction(found.times[0, m]) + Fraction(found.times_low[0, m]) for m in which]
     if polhode.reference(scene).is_closed_form:
         exact = polhode.reference(scene).at(times, digits=30)
@@ -38,7 +39,7 @@ def true_digits(scene, found, which):
 
     def zero(state):
         G = [exactly(float(a)) * x for a, x in zip(on.moments, state[:3], strict=True)]
-        a, g = [exactly(float(x)) for x in on.frame[2]], state[3:]
+        a, g = [exactly(float(x)) for x in on.arm_axes[2]], state[3:]
         (i, j, k) = (0, 1, 2)
         cross = [a[j] * G[k] - a[k] * G[j], a[k] * G[i] - a[i] * G[k], a[i] * G[j] - a[j] * G[i]]
         return float(sum(x * y for x, y in zip(g, cross, strict=True)))

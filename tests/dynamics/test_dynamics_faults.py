@@ -11,12 +11,14 @@ import pytest
 
 import polhode
 from polhode.cli import main
+from polhode.dynamics.starts import cut_of
 from polhode.scenes import scene_file
 
 # -- frequencies -----------------------------------------------------------------------------------
 
 FIVE = [0.5, 1.0, 1.7, 2.3, 3.1]
 STEP = 0.1
+CHAOTIC = "general/asymmetric-chaotic"
 
 
 def cosines(rates, t):
@@ -191,9 +193,24 @@ def test_a_centre_barely_off_an_axis_needs_no_exact_levels(off):
     assert polhode.chaos_map(near, grid=(2, 2), end=5).fact("h") == near.integrals.energy
 
 
-def test_of_a_size_beyond_exact_levels_a_level_that_is_none_is_still_refused():
-    with pytest.raises(polhode.BadInput, match=r"above -0\.6164.*, below which"):
-        polhode.section("general/asymmetric-chaotic", h="-0.9", f="1e-60", crossings=2)
+@pytest.mark.parametrize("f", ["0", "1e-60", "31/25", "1.6", "3", "1e9"])
+@pytest.mark.parametrize(
+    "case", ["general/asymmetric-chaotic", "euler/prolate", "lagrange/nutation"]
+)
+def test_a_level_that_is_none_is_refused_by_the_least_energy_of_exact_levels(case, f):
+    """In doubles, without isolating roots; beyond exact levels it was called by a bound."""
+    area = Fraction(f)
+    if f == "1e-60" or (case, f) == ("euler/prolate", "0"):
+        least = {"general": -(0.38**0.5), "lagrange": -1.0, "euler": 0.0}[case.partition("/")[0]]
+    else:
+        least = polhode.levels(case).regions(area)[0][0]
+    size = float(area) ** 2 + 1
+    with pytest.raises(polhode.BadInput, match="the least energy at f") as caught:
+        polhode.section(case, h=least - 1e-10 * size, f=area, crossings=2)
+    told = float(str(caught.value).partition("above ")[2].partition(",")[0])
+    assert told == pytest.approx(least, rel=1e-11, abs=1e-13)
+    above = cut_of(polhode.load(case), None, None, least + 1e-10 * size, area)
+    assert above.on.relative[2][0] > above.on.least
 
 
 # -- precession ------------------------------------------------------------------------------------

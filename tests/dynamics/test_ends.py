@@ -12,7 +12,9 @@ import pytest
 
 import polhode
 from polhode.common import values
-from polhode.dynamics import coordinates, section
+from polhode.dynamics import section
+from polhode.dynamics import starts as geometry
+from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.permanent_rotations import MOST_SPREAD, RationalBody, Reach
 from polhode.dynamics.starts import cut_of
 from polhode.scenes.vocabulary import STATE
@@ -35,8 +37,8 @@ def test_a_pole_or_a_root_on_the_way_is_one_line(refusal, by):
     assert said in err
     l, ratio, t = map(float, re.findall(r"= (-?[\d.]+)(?:,| it|\n)", err)[-3:])
     scene = polhode.load(REGULAR)
-    on = coordinates.ground(scene, scene.integrals.energy, scene.integrals.area)
-    starts = coordinates.momentum_states(on, np.array([l]), np.array([ratio]), True).states
+    on = LevelBody(scene, scene.integrals.energy, scene.integrals.area)
+    starts = geometry.momentum_states(on, np.array([l]), np.array([ratio]), True).states
     near = [abs(_q(scene, start, t) + (by != "1/q")) for start in starts]
     assert min(near) < 1e-4  # q is 0 there, or -1
 
@@ -73,10 +75,10 @@ def test_a_long_expression_is_compiled_in_time(what):
 def section_job():
     scene = polhode.load(REGULAR)
     what = cut_of(scene, "momentum", "max", None, None)
-    on = coordinates.ground(scene, what.h, what.f)
-    starts = coordinates.momentum_states(on, np.array([1.5]), np.array([0.5]), True).states
-    zero = section.zero_of(scene, on, "momentum")
-    (job,) = section.jobs_of(what, on, zero, -1, 5, starts)
+    on = what.on
+    starts = geometry.momentum_states(on, np.array([1.5]), np.array([0.5]), True).states
+    zero = section.zero_of(on, "momentum")
+    (job,) = section.jobs_of(on, zero, -1, 5, starts)
     return job
 
 
@@ -130,9 +132,9 @@ def test_a_large_grid_is_refused_before_its_states_are_found(
 ):
     asked = []
     for name in ("momentum_states", "height_states"):
-        find = getattr(coordinates, name)
+        find = getattr(geometry, name)
         monkeypatch.setattr(
-            coordinates, name, lambda on, *of, find=find: asked.append(len(of[0])) or find(on, *of)
+            geometry, name, lambda on, *of, find=find: asked.append(len(of[0])) or find(on, *of)
         )
     said = refusal(*words.replace("R", REGULAR, 1).split())
     told = re.search(r"= more than (\d+) (orbits|motions) .* in all; a coarser grid", said)

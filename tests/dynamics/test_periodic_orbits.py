@@ -9,9 +9,10 @@ import pytest
 from mpmath import MPContext
 
 import polhode
-from polhode.dynamics import high_precision, newton_shooting, orbit
+from polhode.dynamics import newton_shooting, orbit
 from polhode.dynamics import orbit as periodic_orbit
-from polhode.dynamics.newton_shooting import Surface, at_level, bordered
+from polhode.dynamics.level_body import LevelBody
+from polhode.dynamics.newton_shooting import at_level, bordered
 from polhode.dynamics.orbit import Return
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import exactly
@@ -188,10 +189,10 @@ def test_in_turned_axes_and_in_other_units():
 
 def test_a_type_that_is_too_narrow_is_left_for_a_wider_one(monkeypatch):
     """The error of the decimals decides, not what was foreseen."""
-    monkeypatch.setattr(high_precision, "type_for", lambda digits, least=0: number_types.EXTENDED)
+    monkeypatch.setattr(newton_shooting, "type_for", lambda digits, least=0: number_types.EXTENDED)
     found = polhode.orbit(perturbed(1e-3, 0), digits=22)
     assert 1e-26 < found.error < 1e-22
-    monkeypatch.setattr(high_precision, "MOST_TYPES", 1)
+    monkeypatch.setattr(newton_shooting, "MOST_TYPES", 1)
     with pytest.raises(polhode.BadInput, match="not below 1e-22"):
         polhode.orbit(perturbed(1e-3, 0), digits=22)
 
@@ -226,7 +227,7 @@ def test_the_scene_that_is_written_is_the_orbit(tmp_path, capsys):
 def test_an_orbit_far_from_the_start_is_not_the_one_asked_for():
     """A return that missed by 1e-9 has its orbit there, not a thousandth away."""
     near = perturbed(1e-3, 0)
-    on = Surface(near, *near.integrals[:2])
+    on = LevelBody(near, *near.integrals[:2])
     start = np.array([float(x) for x in on.exact_start])
     time = 2 * np.pi / float(on.unit)
     with pytest.raises(polhode.BadInput, match=r"it led 0\.00.* away from the start"):
@@ -242,18 +243,18 @@ def test_a_motion_that_does_not_come_near_itself(monkeypatch):
 
 def test_digits_are_measured_from_the_decimals_that_are_written():
     """A start that is wrong in its 12th digit is told to be."""
-    on = Surface(GRIOLI, *GRIOLI.integrals[:2])
+    on = LevelBody(GRIOLI, *GRIOLI.integrals[:2])
     x = np.array([float(v) for v in on.exact_start])
     found = newton_shooting.closed(on, x, 2 * np.pi / float(on.unit), at_level(on, x))
-    fine = high_precision.refined(on, found, on.exact_start, 20)
+    fine = newton_shooting.refined(on, found, on.exact_start, 20)
     rows = at_level(on, found.state)(found.state, found.period)[1]
     matrix = bordered(on, found.state, found.state, found.monodromy, rows)
-    chord = high_precision.Chord(
+    chord = newton_shooting.Chord(
         on, found.state, on.exact_start, newton_shooting.inverse_of(matrix)
     )
     wrong = [*fine.state]
     wrong[0] += Fraction(1, 10**12)
-    told = high_precision._written(chord, wrong, fine.time, fine.number, 20, 1)
+    told = newton_shooting._written(chord, wrong, fine.time, fine.number, 20, 1)
     assert 0.1e-12 < told.error < 10e-12
     assert fine.error < 1e-21
 

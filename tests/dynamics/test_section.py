@@ -14,9 +14,9 @@ import polhode
 from polhode.cli import main
 from polhode.common import checkpoint
 from polhode.common.checkpoint import JobCheckpoint
-from polhode.dynamics import coordinates as geometry
 from polhode.dynamics import section as section_jobs
-from polhode.dynamics import starts as section_starts
+from polhode.dynamics import starts as geometry
+from polhode.dynamics.level_body import LevelBody
 from polhode.scenes import scene_file
 from polhode.taylor import event_batches, event_watch
 
@@ -32,7 +32,7 @@ def off_level(on, states, h, f, turning="momentum"):
     """The largest errors of h, f, |gamma|^2 and of the section's zero at states, in eps."""
     w, g = (states[..., k : k + 3].astype(np.longdouble) for k in (0, 3))
     G = w * on.moments
-    zero = np.cross(on.frame[2], G if turning == "momentum" else w)
+    zero = np.cross(on.arm_axes[2], G if turning == "momentum" else w)
     errors = ((w * G).sum(-1) / 2 + g @ on.torque.astype(np.longdouble) - float(h),)
     errors += ((G * g).sum(-1) - float(f), (g * g).sum(-1) - 1, (g * zero).sum(-1))
     return [float(np.abs(x).max() / EPS) for x in errors]
@@ -41,8 +41,8 @@ def off_level(on, states, h, f, turning="momentum"):
 @pytest.mark.parametrize("f", [0, Fraction(1, 2), -1, 2])
 @pytest.mark.parametrize("case", ["general/asymmetric-chaotic", "kovalevskaya/generic"])
 def test_states_are_on_level_and_section(case, f):
-    on = geometry.ground(polhode.load(case), Fraction(3), Fraction(f))
-    l, sig = geometry.cells(30, 30)
+    on = LevelBody(polhode.load(case), Fraction(3), Fraction(f))
+    l, sig = geometry.cell_centres(30, 30)
     counted = 0
     for maxima in (True, False):
         found = geometry.momentum_states(on, l, sig, maxima)
@@ -75,14 +75,13 @@ def test_every_root_of_the_momentum_equation_is_found():
     several = 0
     for _ in range(10):
         h, f = Fraction(int(rng.integers(10, 300)), 100), Fraction(int(rng.integers(0, 150)), 100)
-        on = geometry.ground(GENERIC, h, f)
+        on = LevelBody(GENERIC, h, f)
         l = rng.uniform(0, 2 * np.pi, 40)
         sig = rng.choice([-1, 1], 40) * (1 - 10 ** rng.uniform(-3, 0, 40))
         both = [geometry.momentum_states(on, l, sig, kind).of for kind in (True, False)]
         counts = np.bincount(np.concatenate(both), minlength=40)
         across = np.sqrt(1 - sig * sig)
-        e = np.outer(across * np.sin(l), on.frame[0]) + np.outer(across * np.cos(l), on.frame[1])
-        e = e + np.outer(sig, on.frame[2])
+        e = np.stack([across * np.sin(l), across * np.cos(l), sig], axis=1) @ on.arm_axes
         kappa = (e * e / on.moments).sum(1)[:, None]
         y = np.linspace(-4, 4, 16001)[None, :] + 1e-7
         R = np.hypot(float(f), y)
@@ -96,8 +95,8 @@ def test_every_root_of_the_momentum_equation_is_found():
 
 
 def test_heights_are_extremal():
-    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
-    gamma = geometry.gamma_at(on, *geometry.cells(12, 12))
+    on = LevelBody(GENERIC, Fraction(3), Fraction(1, 2))
+    gamma = geometry.unit_vectors(on, *geometry.cell_centres(12, 12))
     for side, maxima in itertools.product((1.0, -1.0), (True, False)):
         found = geometry.height_states(on, gamma, np.full(len(gamma), side), maxima)
         assert max(off_level(on, found.states, 3, Fraction(1, 2), "velocity")) < 64
@@ -145,7 +144,7 @@ def test_curves_of_integrable_tops_close(case, level, low, high):
 @pytest.mark.parametrize("extremum", ["max", "min"])
 def test_crossings_are_extrema_of_the_kind_asked_for_on_the_level(by, extremum):
     found = polhode.section(GENERIC, by=by, extremum=extremum, grid=(4, 4), crossings=90, **LEVEL)
-    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
+    on = LevelBody(GENERIC, Fraction(3), Fraction(1, 2))
     bend = geometry.momentum_slope if by == "momentum" else geometry.height_bend
     slopes = bend(on, found.states.reshape(-1, 6))
     assert (slopes < 0).all() if extremum == "max" else (slopes > 0).all()
@@ -157,11 +156,11 @@ def test_crossings_are_extrema_of_the_kind_asked_for_on_the_level(by, extremum):
 @pytest.mark.slow
 def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
     """Chunks that end on the first crossing, to the last bit, and 1e-14 to either side of it."""
-    asked = section_starts.cut_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
-    on = geometry.ground(GENERIC, asked.h, asked.f)
-    states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states
-    zero = section_jobs.zero_of(GENERIC, on, "momentum")
-    (job,) = section_jobs.jobs_of(asked, on, zero, -1, 4, states)
+    asked = geometry.cut_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
+    on = asked.on
+    states = geometry.momentum_states(on, *geometry.cell_centres(4, 3), True).states
+    zero = section_jobs.zero_of(on, "momentum")
+    (job,) = section_jobs.jobs_of(on, zero, -1, 4, states)
     plain = event_batches.solve(job)
     for k in range(len(states)):
         for moved in (-1e-14, -1e-15, 0, 1e-15, 1e-14):
@@ -228,11 +227,11 @@ def test_flat_crossings_of_many_orbits_are_looked_at_each_with_its_own_numbers(t
 @pytest.mark.parametrize("lost", [3, 4])
 def test_a_crossing_that_heyoka_loses_is_found_again(lost, monkeypatch):
     """One that is asked for, and one of the other direction: the signs at the ends tell."""
-    asked = section_starts.cut_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
-    on = geometry.ground(GENERIC, asked.h, asked.f)
-    states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states[:1]
-    zero = section_jobs.zero_of(GENERIC, on, "momentum")
-    (job,) = section_jobs.jobs_of(asked, on, zero, -1, 6, states)
+    asked = geometry.cut_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
+    on = asked.on
+    states = geometry.momentum_states(on, *geometry.cell_centres(4, 3), True).states[:1]
+    zero = section_jobs.zero_of(on, "momentum")
+    (job,) = section_jobs.jobs_of(on, zero, -1, 6, states)
     plain = event_batches.solve(job)
     own = job.watched._replace(constants=())
     first = job._replace(watched=own, most=1, end=64.0, level=None, starts=job.starts + 1e-3)
@@ -261,9 +260,9 @@ def test_no_crossing_is_missed():
     end = float(found.times[0, -1])
     run = polhode.integrate(GENERIC, at=np.linspace(0, end + 1e-3, 20_001)[1:])
     states = np.array(run.states, dtype=float)
-    on = geometry.ground(GENERIC, GENERIC.integrals.energy, GENERIC.integrals.area)
+    on = LevelBody(GENERIC, GENERIC.integrals.energy, GENERIC.integrals.area)
     G = states[:, :3] * on.moments
-    D = (states[:, 3:] * np.cross(on.frame[2], G)).sum(axis=1)
+    D = (states[:, 3:] * np.cross(on.arm_axes[2], G)).sum(axis=1)
     assert int(((D[:-1] > 0) & (D[1:] < 0)).sum()) == count
     assert (np.diff(found.times) > 0).all()
 

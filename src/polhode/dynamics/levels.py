@@ -15,6 +15,7 @@ from polhode.common.arguments import each
 from polhode.common.errors import BadInput, aligned, counted
 from polhode.common.values import ByValue
 from polhode.dynamics import permanent_rotations, regions
+from polhode.dynamics.level_body import simplest
 from polhode.dynamics.permanent_rotations import (
     BITS,
     BODY_BITS,
@@ -25,7 +26,6 @@ from polhode.dynamics.permanent_rotations import (
     RationalBody,
     RotationFamily,
     refuse_far,
-    simplest,
 )
 from polhode.dynamics.regions import Region, Undecided
 from polhode.equations.integrals import exact_values, first_integrals

@@ -33,7 +33,6 @@ from polhode.closed_forms.rotation_stability import spectrum
 from polhode.common.errors import BadInput
 from polhode.common.values import cached_property
 from polhode.numbers.decimals import shown
-from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Doubles
 from polhode.numbers.polynomials import Polynomial, fraction_near, middle, rational, real_roots
@@ -48,8 +47,6 @@ from polhode.scenes.body import Body
 BITS = 320  # of balls around what is irrational
 
 BODY_BITS = 1024  # of the numbers of a body that are irrational themselves
-
-_SHORT_BITS = 256  # of the denominator of a level's rational number
 
 MOST_SPREAD = 140.0  # bits between the roots that are looked for: 3 s of FLINT's, no more
 
@@ -83,16 +80,6 @@ class RationalBody(NamedTuple):
     def heavy(self) -> Fraction:
         """|T|^2."""
         return sum((t * t for t in self.torque), Fraction(0))
-
-    def reached(self, f: Fraction) -> Fraction:
-        """An energy at f: that of a rotation about a principal axis that is vertical, the least."""
-        pairs = zip(self.moments, self.torque, strict=True)
-        return min(f * f / (2 * a) - abs(t) for a, t in pairs)
-
-    def below_all(self, f: Fraction) -> Fraction:
-        """An energy below that of every motion at f: f^2/2A - |T|, A the largest moment."""
-        size = Fraction(math.isqrt(math.ceil(self.heavy * 4**BITS)) + 1, 2**BITS)
-        return f * f / (2 * max(self.moments)) - size
 
 
 class Reach(NamedTuple):
@@ -143,17 +130,6 @@ def refuse_far(name: str, key: str, body: RationalBody, f: Fraction) -> None:
     low = f"0, or from {reach.least:.3g}" if reach.least else "0"
     expected = f"of a size within the reach of exact levels: {low} to {reach.most:.3g}"
     raise BadInput(name, key, shown(f), expected)
-
-
-def simplest(x: Exact) -> Exact:
-    """A rational number that x is by the rule for *equal*, if it is a short one; else x.
-
-    A start on a rational level has an irrational omega, from which h and f are computed.
-    """
-    if isinstance(x, Fraction):
-        return x
-    near = fraction_near(x, BODY_BITS)[0].limit_denominator(2**_SHORT_BITS)
-    return near if x == near else x
 
 
 def log2(x: Fraction) -> float:

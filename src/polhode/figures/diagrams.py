@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from polhode.dynamics import coordinates as geometry
 from polhode.dynamics.frequencies import Frequencies
+from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.naff import POWER
 from polhode.dynamics.newton_shooting import BRANCH, DOUBLING, FOLD
+from polhode.dynamics.starts import height_coordinates
 from polhode.equations.section_functions import HEIGHT
 from polhode.figures import canvas
 from polhode.figures.canvas import ink, residue_axis, series
@@ -148,12 +149,9 @@ def crossings(plt: Any, result: Storable, axes: Any = None) -> Any:
 
 def _heights(facts: Saved) -> tuple[Doubles, Doubles]:
     """The azimuth of gamma about r0 and its cosine, of every crossing."""
-    scene = facts.scene
-    on = geometry.ground(scene, facts.fact("h"), facts.fact("f"))
-    rows = np.array([[to_double(x) for x in row] for row in scene.body.axes.rows])
+    on = LevelBody(facts.scene, facts.fact("h"), facts.fact("f"))
     states = np.array([numbers(facts, name) for name in STATE]).T
-    principal = np.concatenate([states[:, :3] @ rows.T, states[:, 3:] @ rows.T], axis=1)
-    return geometry.height_coordinates(on, principal)
+    return height_coordinates(on, on.within(states))
 
 
 # --- orbit family ---------------------------------------------------------------------------------

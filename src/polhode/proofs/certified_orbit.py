@@ -19,8 +19,9 @@ from polhode.certificates import orbit_certificate, verify
 from polhode.certificates.certificate_file import Made
 from polhode.certificates.orbit_certificate import Choice, Problem
 from polhode.common.interrupts import Message
-from polhode.dynamics import high_precision
-from polhode.dynamics.newton_shooting import Closed, NotClosed, Surface, at_level, bordered, closed
+from polhode.dynamics import newton_shooting
+from polhode.dynamics.level_body import LevelBody
+from polhode.dynamics.newton_shooting import Closed, NotClosed, at_level, bordered, closed
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief
@@ -58,7 +59,7 @@ _NARROWEST = 16  # decimals of the last tolerance that is looked at
 class Candidate(NamedTuple):
     """An approximate orbit; ``closed``: in double, or the reason why there is none."""
 
-    on: Surface
+    on: LevelBody
     name: str
     closed: Closed | str
     start: tuple[Fraction, ...]
@@ -77,12 +78,12 @@ class OrbitProof(NamedTuple):
     runs: int
 
 
-def of_closed(on: Surface, orbit: Closed) -> Candidate:
+def of_closed(on: LevelBody, orbit: Closed) -> Candidate:
     """The candidate that a search in double gives."""
     return Candidate(on, on.scene.name, orbit, (), Fraction(0))
 
 
-def of_scene(on: Surface, near: Scene) -> Candidate:
+def of_scene(on: LevelBody, near: Scene) -> Candidate:
     """The candidate near a scene's start whose period is about the scene's time."""
     assert near.gamma is not None
     assert near.end is not None
@@ -147,7 +148,7 @@ def _chosen(candidate: Candidate, place: int, choice: Choice) -> tuple[Problem, 
         return Problem(on.scene.body, on.h, on.f, candidate.start, candidate.period), _ROUGH
     orbit = candidate.closed
     try:
-        fine = high_precision.refined(on, orbit, [exactly(x) for x in orbit.state.tolist()], place)
+        fine = newton_shooting.refined(on, orbit, [exactly(x) for x in orbit.state.tolist()], place)
     except NotClosed as fault:
         raise NotProved(f"{candidate.name}: {_refusal(candidate, str(fault))}") from None
     start = [Fraction(x) for x in (*fine.omega, *fine.gamma)]

@@ -15,7 +15,7 @@ from polhode.certificates.chaos_certificate import Chain, Chart, Rectangle
 from polhode.common.arguments import whole
 from polhode.common.interrupts import Message
 from polhode.dynamics.families import orbit_search
-from polhode.dynamics.newton_shooting import Surface
+from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.orbit import Orbit
 from polhode.dynamics.starts import MAXIMA, cut_of
 from polhode.enclosures.fixed_point_problem import Motion, motion, unit_for, upper
@@ -192,8 +192,7 @@ def prove_chaos(
     """
     scene = library.load(scene, takes=REQUESTS)
     most = whole(scene.name, "tries", tries, 1, MOST_TRIES)
-    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
-    on = Surface(scene, cut.h, cut.f)
+    on = cut_of(scene, MOMENTUM, MAXIMA, h, f).on
     if orbit is not None:
         near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit, takes=REQUESTS)
         return _ChaosSearch(on, most, progress).found([near_scene(on, near)])
@@ -213,7 +212,7 @@ def prove_chaos(
 class _ChaosSearch:
     """The tries of one proof."""
 
-    def __init__(self, on: Surface, most: int, progress: Message | None) -> None:
+    def __init__(self, on: LevelBody, most: int, progress: Message | None) -> None:
         self.on, self.most, self.progress = on, most, progress
         self.tried = self.seen = 0
         self.began = time.process_time()

@@ -12,7 +12,7 @@ from polhode.common.errors import BadInput, aligned
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
 from polhode.dynamics.families import OrbitSearch, orbit_search
-from polhode.dynamics.newton_shooting import Surface
+from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.orbit import Orbit
 from polhode.dynamics.orbit import orbit as approximate
 from polhode.dynamics.starts import MAXIMA, cut_of
@@ -101,8 +101,7 @@ def prove_orbit(
         orbit = approximate(scene, h=h, f=f, period=period, returns=returns, progress=progress)
     elif period is not None or returns is not None:
         raise BadInput(scene.name, "orbit", None, "no period, returns with it")
-    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
-    on = Surface(scene, cut.h, cut.f)
+    on = cut_of(scene, MOMENTUM, MAXIMA, h, f).on
     if isinstance(orbit, Orbit) and _alike(orbit.surface, on):
         candidate = certified_orbit.of_closed(on, orbit.closed)
     else:
@@ -150,13 +149,13 @@ def prove_all(
     return proofs
 
 
-def _alike(first: Surface, second: Surface) -> bool:
+def _alike(first: LevelBody, second: LevelBody) -> bool:
     """Whether states of both are of one body, one level and one unit of time."""
     levels = [(on.scene.body, on.h, on.f, on.unit) for on in (first, second)]
     return levels[0] == levels[1]
 
 
-def near_scene(on: Surface, near: Scene) -> Candidate:
+def near_scene(on: LevelBody, near: Scene) -> Candidate:
     """The candidate near a scene that ends after about one period; raises BadInput."""
     if near.gamma is None or near.end is None or sign(near.end) <= 0:
         raise BadInput(near.name, "orbit", None, "a start with gamma, and run.end, its period")

@@ -15,7 +15,7 @@ from flint import arb
 from polhode.certificates import orbit_certificate, verify
 from polhode.certificates.certificate_file import Made
 from polhode.common.values import ByValue
-from polhode.dynamics.newton_shooting import Surface
+from polhode.dynamics.level_body import LevelBody
 from polhode.enclosures.fixed_point_problem import upper
 from polhode.enclosures.polynomial import ball
 from polhode.numbers.decimals import Ball, brief, shown
@@ -201,7 +201,7 @@ class ProvedOrbit(ProvedResult, ByValue):
 
 
 def of_proof(
-    on: Surface, proof: certified_orbit.OrbitProof, tolerance: Fraction, seconds: float
+    on: LevelBody, proof: certified_orbit.OrbitProof, tolerance: Fraction, seconds: float
 ) -> ProvedOrbit:
     """What the checker proved, stated in its certificate; raises NotProved."""
     zero, name = proof.zero, on.scene.name
