@@ -39,7 +39,7 @@ def test_a_logarithmic_axis_has_labels_each_of_its_value(low, high, least):
 
 
 def test_methods_of_a_figure_look_different_and_no_other_program_like_a_number_type():
-    types = {way.name.removeprefix("polhode ") for way in speed.WAYS}
+    types = {program.name.removeprefix("polhode ") for program in speed.WAYS}
     runs = [long_run.PLAIN, long_run.PROJECTED]
     drawn = [*dict.fromkeys(program.line for program in PROGRAMS if program.line)]
     assert {*types, *runs, *drawn} == LOOKS.keys()
@@ -55,17 +55,17 @@ def test_no_program_of_the_diagram_is_left_out_without_a_word():
     left_out = {p.name for p in PROGRAMS if not p.line}
     assert left_out == {RUN, "SciPy DOP853, Python", "CyRK DOP853, Python"}
     points = [[6.0, 1e-3], [9.0, 2e-3]]
-    found = lines({**{p.name: points for p in PROGRAMS}, "program of 2030": points})
-    assert {*found} == {p.line for p in PROGRAMS if p.line} | {"program of 2030"}
-    assert "program of 2030" in work_precision({"Euler, t = 1": found}, "seconds")
+    result = lines({**{p.name: points for p in PROGRAMS}, "program of 2030": points})
+    assert {*result} == {p.line for p in PROGRAMS if p.line} | {"program of 2030"}
+    assert "program of 2030" in work_precision({"Euler, t = 1": result}, "seconds")
 
 
 @pytest.mark.parametrize("by", ["momentum", "height"])
 def test_axes_of_a_map_and_of_a_section_are_the_same_and_say_what_they_are(by):
     level = {"h": 3, "f": "1/2", "by": by}
-    found = polhode.chaos_map("kovalevskaya/generic", (1, 2), end=5, **level)
+    chart = polhode.chaos_map("kovalevskaya/generic", (1, 2), end=5, **level)
     cut = polhode.section("kovalevskaya/generic", grid=(1, 2), crossings=2, **level)
-    words = [(axes.get_xlabel(), axes.get_ylabel()) for axes in (found.plot(), cut.plot())]
+    words = [(axes.get_xlabel(), axes.get_ylabel()) for axes in (chart.plot(), cut.plot())]
     assert words[0] == words[1]
     vector = {"momentum": "G", "height": "γ"}[by]
     assert f"azimuth of {vector} about r₀" in words[0][0]
@@ -73,8 +73,8 @@ def test_axes_of_a_map_and_of_a_section_are_the_same_and_say_what_they_are(by):
 
 
 def test_a_free_body_has_its_third_axis_where_a_heavy_one_has_its_centre():
-    found = polhode.section("euler/largest-axis", grid=(1, 2), crossings=2)
-    assert "third axis" in found.plot().get_ylabel()
+    cut = polhode.section("euler/largest-axis", grid=(1, 2), crossings=2)
+    assert "third axis" in cut.plot().get_ylabel()
 
 
 @pytest.mark.sample(2)
@@ -82,8 +82,8 @@ def test_a_free_body_has_its_third_axis_where_a_heavy_one_has_its_centre():
 def test_the_axis_of_residues_holds_0_and_1_and_all_of_them(residues):
     """Its labels are plain, and rounding errors are not apart."""
     search = polhode.orbit_search("general/asymmetric-regular", (1, 2), crossings=1)
-    one = search.orbits[0]
-    orbits = [one._replace(residue=x, period=2.5 + 1e-13 * k) for k, x in enumerate(residues)]
+    first = search.orbits[0]
+    orbits = [first._replace(residue=x, period=2.5 + 1e-13 * k) for k, x in enumerate(residues)]
     axes = replace(search, orbits=tuple(orbits)).plot()
     axes.figure.canvas.draw()
     low, high = axes.get_ylim()
