@@ -36,8 +36,8 @@ from polhode.enclosures.events import certify_events as certify_events
 from polhode.enclosures.result import CertifiedEvents as CertifiedEvents
 from polhode.enclosures.result import Enclosure as Enclosure
 from polhode.equations.form import field as field
-from polhode.figures.drawing import plot as plot
-from polhode.figures.drawing import view as view
+from polhode.figures.motion_page import view as view
+from polhode.figures.source import plot as plot
 from polhode.judging.adaptive_precision import integrate as integrate
 from polhode.judging.certified import Certified as Certified
 from polhode.judging.compare import compare as compare

@@ -9,8 +9,8 @@ import pytest
 from flint import arb
 
 import polhode
-from polhode.dynamics import regions
-from polhode.dynamics.permanent_rotations import RationalBody, families
+from polhode.dynamics import exact_levels
+from polhode.dynamics.exact_levels import RationalBody
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle
 from polhode.scenes.body import Body
@@ -171,12 +171,12 @@ def test_an_arc_lies_below_an_energy_above_all_of_its_own_and_below_no_lower_one
         inner += 0 < most < 2000
         with ctx.workprec(128):
             first, second = (
-                regions.Critical(tuple(arb(x) for x in end), arb(value), 0)
+                exact_levels.Critical(tuple(arb(x) for x in end), arb(value), 0)
                 for end, value in ((ends[0].tolist(), along[0]), (ends[1].tolist(), along[-1]))
             )
             for off in (1e-5, -1e-5):
                 h = Fraction(float(along[most] + off * (1 + along.max() - along.min())))
-                assert regions.arc_below(body, h, Fraction(f), first, second) == (off > 0)
+                assert exact_levels.arc_below(body, h, Fraction(f), first, second) == (off > 0)
     assert inner > 60  # its largest energy is not always at an end
 
 
@@ -184,16 +184,18 @@ def test_minima_are_joined_only_over_a_saddle_whose_arcs_are_below():
     """Two minima and a saddle below two maxima and a saddle: one disc, or an annulus and a disc."""
     moments, torque = ((Fraction(x) for x in v) for v in ((2, "2.01", 1), (1, 0, 0)))
     body = RationalBody(tuple(moments), tuple(torque), True)
-    at = regions.critical_points(body, families(body), Fraction(21))
+    at = exact_levels.critical_points(body, Fraction(21))
     assert [point.morse for point in at.points] == [0, 0, 1, 1, 2, 2]
-    assert regions.parts(body, at, 3) == (1,)
+    assert exact_levels.parts(body, at, 3) == (1,)
     low, second, saddle, *above = at.points
     elsewhere = saddle._replace(gamma=above[-1].gamma)  # arcs from there come down from above
     false = at._replace(points=[low, second, elsewhere, *above])
-    with pytest.raises(regions.Undecided, match="parts is not known"):
-        regions.parts(body, false, 3)
+    with pytest.raises(exact_levels.Undecided, match="parts is not known"):
+        exact_levels.parts(body, false, 3)
     one_maximum = at._replace(points=[low, second, elsewhere, above[-1]])
-    assert regions.parts(body, one_maximum, 3) == (1,)  # what is left is one disc: no arc is asked
+    assert exact_levels.parts(body, one_maximum, 3) == (
+        1,
+    )  # what is left is one disc: no arc is asked
 
 
 @pytest.mark.parametrize("unit", [Fraction(1), Fraction(2) ** 900])
@@ -202,11 +204,11 @@ def test_two_discs_join_by_a_chain_where_no_arc_lies_below(unit):
     f = Fraction("2.8585818648") * unit
     moments = tuple(Fraction(x) * unit for x in ("2", "0.7", "1.6"))
     body = RationalBody(moments, tuple(Fraction(x) * unit for x in ("0.8", "0.4", "1e-6")), True)
-    at = regions.critical_points(body, families(body), f)
+    at = exact_levels.critical_points(body, f)
     low, second, saddle = at.points[:3]
     h = (middle(saddle.value) + middle(at.points[3].value)) / 2
-    assert [regions.arc_below(body, h, f, saddle, m) for m in (low, second)] == [False, True]
-    assert [regions.parts(body, at, count) for count in range(1, 7)] == [
+    assert [exact_levels.arc_below(body, h, f, saddle, m) for m in (low, second)] == [False, True]
+    assert [exact_levels.parts(body, at, count) for count in range(1, 7)] == [
         *((1,), (1, 1), (1,), (2,), (1,), (0,))
     ]
 
@@ -255,14 +257,14 @@ def test_the_figure_shows_the_regions_of_close_rotations():
 @pytest.mark.slow
 def test_an_undecided_column_is_hatched(monkeypatch):
     """It is not filled with a neighbour's colour."""
-    decided = regions.regions_between
+    decided = exact_levels.regions_between
 
-    def partly(body, top, f):
+    def partly(body, f):
         if Fraction("20.5") < f < Fraction("21.5"):
-            raise regions.Undecided("for a test")
-        return decided(body, top, f)
+            raise exact_levels.Undecided("for a test")
+        return decided(body, f)
 
-    monkeypatch.setattr(regions, "regions_between", partly)
+    monkeypatch.setattr(exact_levels, "regions_between", partly)
     result = found_of(NEAR)
     axes = drawn(result).axes[0]
     assert [shades_at(axes, place) for place in PLACES] == [{"not decided"}] * 4

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode.dynamics.exact_levels import BODY_BITS, RationalBody
 from polhode.dynamics.levels import fourth_integral
-from polhode.dynamics.permanent_rotations import BODY_BITS, RationalBody
 from polhode.numbers.conversion import to_double
 from polhode.numbers.polynomials import fraction_near
 from polhode.scenes import scene_file

@@ -13,8 +13,7 @@ from flint import arb
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics.permanent_rotations import RationalBody, between, families
-from polhode.dynamics.regions import region, regions_between
+from polhode.dynamics.exact_levels import RationalBody, between, region, regions_between
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import rational
 from polhode.scenes.body import Body
@@ -39,7 +38,7 @@ def body(name):
 @pytest.mark.parametrize("name", BODIES)
 def test_energy_grows_by_omega_times_area(name):
     """dh = om df, by differences of 1e-25 in balls of 320 bits: an error of their square."""
-    for family in families(body(name)):
+    for family in body(name).families:
         for piece in family.pieces:
             with ctx.workprec(320):
                 at = between(piece.first, piece.last)
@@ -53,7 +52,7 @@ def test_energy_grows_by_omega_times_area(name):
 def test_the_points_are_permanent_rotations_of_their_type(name):
     """At gamma and om the field vanishes; the eigenvalues of its derivative say the type."""
     top = body(name)
-    for family in families(top):
+    for family in top.families:
         for piece in family.pieces:
             with ctx.workprec(320):
                 point = family.at(arb(rational(between(piece.first, piece.last))))
@@ -69,7 +68,9 @@ def test_the_points_are_permanent_rotations_of_their_type(name):
 
 
 def field(top, w, g):
-    moments, torque = (np.array([float(x) for x in numbers]) for numbers in top[:2])
+    moments, torque = (
+        np.array([float(x) for x in numbers]) for numbers in (top.moments, top.torque)
+    )
     turning = (np.cross(g, torque) - np.cross(w, moments * w)) / moments
     return np.concatenate([turning, np.cross(g, w)])
 
@@ -165,7 +166,9 @@ def parts(mask):
 
 
 def region_on_a_grid(top, h, f):
-    moments, torque = (np.array([float(x) for x in numbers]) for numbers in top[:2])
+    moments, torque = (
+        np.array([float(x) for x in numbers]) for numbers in (top.moments, top.torque)
+    )
     inertia = np.tensordot(moments, GAMMA**2, 1)
     potential = f * f / (2 * inertia) + np.tensordot(torque, GAMMA, 1)
     label, count = parts(potential <= h)
@@ -186,8 +189,7 @@ FS = {
 @pytest.mark.parametrize(("name", "f"), [(name, f) for name, fs in FS.items() for f in fs])
 def test_regions_by_counting_on_a_grid(name, f):
     top, f = body(name), Fraction(f)
-    result = families(top)
-    column = regions_between(top, result, f)
+    column = regions_between(top, f)
     energies = [h for h, _ in column]
     gap = (energies[-1] - energies[0]) / 30
     looked = 0
@@ -196,18 +198,18 @@ def test_regions_by_counting_on_a_grid(name, f):
         if high - low > gap:  # the grid does not see less
             h = (low + high) / 2
             assert region_on_a_grid(top, h, float(f)) == shape, h
-            assert region(top, result, Fraction(h), f) == shape
+            assert region(top, Fraction(h), f) == shape
             looked += 1
     assert looked >= 2
-    assert region(top, result, Fraction(energies[0] - gap), f) == ()
+    assert region(top, Fraction(energies[0] - gap), f) == ()
 
 
 def test_a_level_has_two_discs_or_three_edges():
     """The levels at which the number of critical points alone would mislead."""
     generic = body("generic")
-    assert region(generic, families(generic), Fraction("1.495"), Fraction("2.3")) == (1, 1)
+    assert region(generic, Fraction("1.495"), Fraction("2.3")) == (1, 1)
     kovalevskaya = body("kovalevskaya")
-    assert region(kovalevskaya, families(kovalevskaya), Fraction("1.9"), Fraction("1.9")) == (3,)
+    assert region(kovalevskaya, Fraction("1.9"), Fraction("1.9")) == (3,)
 
 
 def test_on_a_bifurcation_there_is_no_region():

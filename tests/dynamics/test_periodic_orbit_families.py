@@ -75,7 +75,7 @@ def test_a_period_doubles_where_the_residue_passes_one():
     # at R = 1 + d, the same orbit taken twice has R2 = 4 R (1 - R) = -4 d + ...
     last = family.points[-1]
     twice = 4 * last.residue * (1 - last.residue)
-    matrix = family.members[-1].found.monodromy
+    matrix = family.members[-1].orbit.monodromy
     assert (6 - np.trace(matrix @ matrix)) / 4 == pytest.approx(twice, rel=1e-9)
 
 

@@ -151,7 +151,7 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
     starts, moments, torques = (np.array(column) for column in zip(*rows_of, strict=True))
     names = tuple(name for name in NAMES if any(name in k for k in numbers))
 
-    def known(k: int) -> bool:
+    def is_member_known(k: int) -> bool:
         member = members[k]
         return is_integrable(member.body) or is_known(member)
 
@@ -164,7 +164,7 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
         tangents=tangents_of(starts, moments, torques),
         names=names,
         coefficients=np.array([[k.get(name, 0.0) for name in names] for k in numbers]),
-        is_known=known,
+        is_known=is_member_known,
     )
 
 

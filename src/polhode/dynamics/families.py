@@ -175,7 +175,7 @@ class OrbitFamily(Result, ByValue):
         h, f = exactly(point.h), exactly(point.f)
         surface = self.surface
         on = replace(surface, h=h) if self.by == "h" else replace(surface, f=f)
-        double_orbit = self.members[k].found
+        double_orbit = self.members[k].orbit
         anchor = [exactly(x) for x in double_orbit.state.tolist()]
         return completed(on, double_orbit, anchor, digits, self.scene.name, 0.0)
 
@@ -275,7 +275,7 @@ def _followed(
                 if mark.what == TARGET:
                     break
                 special.append(
-                    Bifurcation(mark.what, point_of(on, mark.member.found), len(members))
+                    Bifurcation(mark.what, point_of(on, mark.member.orbit), len(members))
                 )
             if targets:
                 last, back = targets[0].member, targets[0].member.value
@@ -295,7 +295,7 @@ def _followed(
     return OrbitFamily(
         on.scene,
         by,
-        tuple(point_of(on, mark.found) for mark in members),
+        tuple(point_of(on, mark.orbit) for mark in members),
         tuple(special),
         ended,
         interrupted,
@@ -308,9 +308,9 @@ def _followed(
 def _exactly_there(on: LevelBody, arc: Arc, last: Member, by: str, value: Exact) -> Member:
     """The member with just this value: along the arc it is met to a few digits less."""
     level = LevelBody(on.scene, value, on.f) if by == "h" else LevelBody(on.scene, on.h, value)
-    state = last.found.state
+    state = last.orbit.state
     try:
-        orbit = closed(level, state, last.found.period, at_level(level, state))
+        orbit = closed(level, state, last.orbit.period, at_level(level, state))
         return arc.member(orbit, last.tangent)
     except NotClosed:
         return last
@@ -353,12 +353,11 @@ ALIKE = 1e-7  # relative: periods and residues of one orbit
 
 
 class OrbitGuess(NamedTuple):
-    """A start, a time, the distance at that time, and after how many crossings."""
+    """A start, a time, and the distance at that time."""
 
     state: Doubles
     time: float
     distance: float
-    crossings: int
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -471,7 +470,7 @@ def orbit_search(
                 progress(f"{tried} guesses, {len(orbits)} orbits")
     except KeyboardInterrupt:
         interrupted = True
-    orbits.sort(key=lambda one: float(one.period))
+    orbits.sort(key=lambda orbit: orbit.period)
     points = tuple(point_of(on, x) for x in orbits)
     return OrbitSearch(scene, points, tried, interrupted, tuple(orbits), on, scene.provenance())
 
@@ -491,7 +490,7 @@ def _guesses(cut: Cut, grid: tuple[int, int], most: int) -> Iterator[OrbitGuess]
         least = _least_around(cells.reshape(grid)).ravel()
         for k in np.flatnonzero((distance <= least[first.of]) & (distance < FARTHEST)).tolist():
             time = float(crossed.times[k, n]) / float(on.unit)
-            yield OrbitGuess(first.states[k], time, float(distance[k]), n + 1)
+            yield OrbitGuess(first.states[k], time, float(distance[k]))
 
 
 def _least_around(cells: Doubles) -> Doubles:

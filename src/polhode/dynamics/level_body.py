@@ -334,14 +334,14 @@ class LevelBody(ByValue):
 
     def outside(self, states: Doubles) -> Doubles:
         """States (..., 6) in the scene's axes and units."""
-        return _turned(states, self.axes, float(self.unit))
+        return _rotated(states, self.axes, float(self.unit))
 
     def within(self, states: Doubles) -> Doubles:
         """States (..., 6) of the scene's axes and units in these."""
-        return _turned(states, self.axes.T, 1 / float(self.unit))
+        return _rotated(states, self.axes.T, 1 / float(self.unit))
 
 
-def _turned(states: Doubles, rows: Doubles, unit: float) -> Doubles:
+def _rotated(states: Doubles, rows: Doubles, unit: float) -> Doubles:
     return np.concatenate([states[..., :3] @ rows / unit, states[..., 3:] @ rows], axis=-1)
 
 

@@ -346,12 +346,12 @@ def _written(
     rows = [[binary(x, bits) for x in row] for row in on.scene.body.axes.rows]
     unit, written = on.unit, digits + SPARE_DIGITS
 
-    def turned(vector: Fractions) -> list[Fraction]:
+    def in_scene_axes(vector: Fractions) -> list[Fraction]:
         return [sum((rows[i][j] * vector[i] for i in range(3)), Fraction(0)) for j in range(3)]
 
     scale = Fraction(float(on.scale(chord.reference)[0])) / unit
-    omega = [decimal(w / unit, scale, written) for w in turned(state[:3])]
-    gamma = [decimal(g, Fraction(1), written) for g in turned(state[3:])]
+    omega = [decimal(w / unit, scale, written) for w in in_scene_axes(state[:3])]
+    gamma = [decimal(g, Fraction(1), written) for g in in_scene_axes(state[3:])]
     period = decimal_string(time * unit, written)
     # the way back from the decimals; gamma of length one, as the scene file has it
     w = [unit * Fraction(x) for x in omega]
@@ -438,7 +438,7 @@ FOLD, BRANCH, DOUBLING, TARGET = "fold", "branch point", "period doubling", "tar
 class Member(NamedTuple):
     """An orbit of a family: tangent to it (unit, scaled), the parameter and its slope along it."""
 
-    found: Closed
+    orbit: Closed
     tangent: Doubles
     value: float
     slope: float
@@ -446,7 +446,7 @@ class Member(NamedTuple):
     @property
     def residue(self) -> float:
         """Greene's residue."""
-        return self.found.residue
+        return self.orbit.residue
 
 
 class Passed(NamedTuple):
@@ -468,9 +468,9 @@ class Arc:
 
     def next(self, member: Member, length: float) -> Member:
         """The member so far along the tangent; raises NotClosed."""
-        ahead = np.append(member.found.state, member.found.period)
+        ahead = np.append(member.orbit.state, member.orbit.period)
         ahead = ahead + length * self.metric * member.tangent
-        ways = np.array([np.append(self.on.rates(member.found.state), 0.0), member.tangent])
+        ways = np.array([np.append(self.on.rates(member.orbit.state), 0.0), member.tangent])
         ways[1] /= self.metric
         along = conditions(self.held, self.on, self.level, ways, ahead)
         orbit = closed(self.on, ahead[:6], float(ahead[6]), along)
@@ -484,7 +484,7 @@ class Arc:
         (near, at_near), (far, at_far) = (first, off(first)), (last, off(last))
         best, least = (near, at_near) if abs(at_near) < abs(at_far) else (far, at_far)
         for _ in range(40):
-            length = self.way(near, far)
+            length = self.distance(near, far)
             if abs(length) < 1e-14:
                 break
             try:
@@ -503,10 +503,10 @@ class Arc:
                 far, at_far, at_near = member, value, at_near / 2
         return best
 
-    def way(self, base: Member, member: Member) -> float:
+    def distance(self, base: Member, member: Member) -> float:
         """How far another member lies along a member's tangent."""
         ahead = np.append(
-            member.found.state - base.found.state, member.found.period - base.found.period
+            member.orbit.state - base.orbit.state, member.orbit.period - base.orbit.period
         )
         return float(base.tangent @ (ahead / self.metric))
 
@@ -554,7 +554,7 @@ def stepped(arc: Arc, member: Member, length: float, ends: tuple[float, ...]) ->
             continue
         passed = sorted(_passed(arc, member, after, ends), key=lambda pair: pair[0])
         special = tuple(passage for _, passage in passed)
-        corrections = after.found.corrections
+        corrections = after.orbit.corrections
         if corrections <= EASY:
             length = min(LONGEST_STEP, 1.5 * length)
         elif corrections >= HARD:
@@ -578,5 +578,5 @@ def _passed(
             continue
         at = arc.between(member, after, off)
         folds = member.slope * after.slope < 0
-        special.append((arc.way(member, at), Passed(kind or (FOLD if folds else BRANCH), at)))
+        special.append((arc.distance(member, at), Passed(kind or (FOLD if folds else BRANCH), at)))
     return special

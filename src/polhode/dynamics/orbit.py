@@ -118,7 +118,7 @@ class Return(NamedTuple):
 class Returns(NamedTuple):
     """Near returns by rising time; ``nearest``: the least distance of all over the largest."""
 
-    found: tuple[Return, ...]
+    returns: tuple[Return, ...]
     nearest: float
     followed: float
 
@@ -478,14 +478,14 @@ def orbit(
 
 def _guesses(on: LevelBody, start: Doubles, most: int) -> list[Return]:
     returns = near_returns(on, start, most)
-    if not returns.found:
+    if not returns.returns:
         end = returns.followed * float(on.unit)
         expected = (
             f"a start near which the motion returns: up to t = {end:.3g} it stays "
             f"{returns.nearest:.2g} of its size away"
         )
         raise BadInput(on.scene.name, "start", None, expected)
-    return [*returns.found]
+    return [*returns.returns]
 
 
 def _first(on: LevelBody, start: Doubles, guesses: list[Return]) -> Closed:

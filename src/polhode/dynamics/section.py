@@ -168,13 +168,11 @@ STRAIGHT = 10.0  # so much more does the scatter of errors hide
 LOST = math.log(1 / EPS)  # of ln G
 
 
-def digits(
-    on: LevelBody, starts: Doubles, times: Doubles, slants: Doubles, workers: int | None = None
-) -> Doubles:
+def digits(on: LevelBody, starts: Doubles, times: Doubles, slants: Doubles) -> Doubles:
     """Correct digits to be expected of each crossing, nan where there is none: (n, m).
 
     ``starts`` (n, 6); ``times`` (n, m): of the crossings, nan past an orbit's last one.  ``slants``
-    (n, m): see :func:`slant`.  ``workers``: threads.
+    (n, m): see :func:`slant`.
     """
     from polhode.taylor import variations
 
@@ -203,7 +201,7 @@ def digits(
             )
         )
     sizes = [len(group) for group in groups]
-    finished = run_jobs(variations.solve, jobs, sizes, workers)
+    finished = run_jobs(variations.solve, jobs, sizes)
     if finished.interrupted:
         raise KeyboardInterrupt
     for group, span, result in zip(groups, spans, finished.done, strict=True):
@@ -234,13 +232,6 @@ def slant(on: LevelBody, zero: SectionZero, states: Doubles) -> Doubles:
             speed = speed + (rate / scale) ** 2
         slants: Doubles = np.sqrt(across * speed) / np.abs(slope)
     return slants
-
-
-def none_left_from(digits: Doubles) -> Integers:
-    """The number, from 1 on, of the first crossing with less than one digit; 0: all have one."""
-    gone = digits < 1
-    first: Integers = np.where(gone.any(axis=1), gone.argmax(axis=1) + 1, 0)
-    return first
 
 
 # --- section --------------------------------------------------------------------------------------
@@ -325,7 +316,9 @@ class Section(Result, ByValue):
 
         0: of none, or of a section that was interrupted, whose digits are not known.
         """
-        return none_left_from(self.digits)
+        gone = self.digits < 1
+        first: Integers = np.where(gone.any(axis=1), gone.argmax(axis=1) + 1, 0)
+        return first
 
     @property
     def complete(self) -> bool:

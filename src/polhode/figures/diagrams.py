@@ -14,7 +14,7 @@ from polhode.dynamics.starts import height_coordinates
 from polhode.equations.section_functions import HEIGHT
 from polhode.figures import canvas
 from polhode.figures.canvas import ink, residue_axis, series
-from polhode.figures.results import numbers, told
+from polhode.figures.results import numbers, saved_of
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import Doubles
 from polhode.results.result import Storable
@@ -34,17 +34,17 @@ SHADES = ("#cfe3f2", "#f5e6b3", "#b2182b", "#ef8a62")  # regular, undecided, cha
 
 def fli(plt: Any, result: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """The fast Lyapunov indicator."""
-    return _scaled(plt, told(result), axes, "fli", cmap)
+    return _scaled(plt, saved_of(result), axes, "fli", cmap)
 
 
 def megno(plt: Any, result: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """The mean exponential growth of nearby orbits."""
-    return _scaled(plt, told(result), axes, "megno", cmap)
+    return _scaled(plt, saved_of(result), axes, "megno", cmap)
 
 
 def exponent(plt: Any, result: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """Lyapunov's largest exponent."""
-    return _scaled(plt, told(result), axes, "exponent", cmap)
+    return _scaled(plt, saved_of(result), axes, "exponent", cmap)
 
 
 def verdict(plt: Any, result: Storable, axes: Any = None) -> Any:
@@ -52,7 +52,7 @@ def verdict(plt: Any, result: Storable, axes: Any = None) -> Any:
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
-    facts = told(result)
+    facts = saved_of(result)
     figure, panels = canvas.panels(plt, axes, 1, figsize=(6.0, 4.4))
     legend, panel = canvas.legend_of(figure, axes), panels[0, 0]
     counts = facts.fact("counts")
@@ -125,7 +125,7 @@ def _edges(facts: Saved, k: int) -> Doubles:
 
 def crossings(plt: Any, result: Storable, axes: Any = None) -> Any:
     """l and L/G; of a section by height the azimuth of the vertical about r0 and its cosine."""
-    facts = told(result)
+    facts = saved_of(result)
     figure, panels = canvas.panels(plt, axes, 1, figsize=(5.6, 4.2))
     panel, by = panels[0, 0], facts.fact("by")
     height = by == HEIGHT
@@ -164,7 +164,7 @@ _MARKS = {FOLD: "s", BRANCH: "D", DOUBLING: "o"}
 
 def family(plt: Any, result: Storable, axes: Any = None) -> Any:
     """Period above, residue below; elliptic between 0 and 1."""
-    facts = told(result)
+    facts = saved_of(result)
     figure, panels = canvas.panels(plt, axes, 2, figsize=(4.8, 4.8), sharex=True)
     by, passed = facts.fact("by"), facts.fact("bifurcations")
     first, *others = series(3)
@@ -200,7 +200,7 @@ def lines(plt: Any, result: Storable, axes: Any = None) -> Any:
 
     Of a file, which has no samples, the lines alone.
     """
-    facts = told(result)
+    facts = saved_of(result)
     signal = np.array(facts.column("signal"), dtype=np.str_)
     frequency, amplitude = (numbers(facts, name) for name in ("frequency", "amplitude"))
     samples = result.signals if isinstance(result, Frequencies) else {}

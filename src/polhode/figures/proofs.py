@@ -15,7 +15,7 @@ from polhode.dynamics.section import Section, section
 from polhode.dynamics.starts import height_coordinates, momentum_states
 from polhode.equations.section_functions import MOMENTUM
 from polhode.figures import canvas
-from polhode.figures.results import told
+from polhode.figures.results import saved_of
 from polhode.numbers.number_types import Doubles
 from polhode.proofs import homoclinic
 from polhode.proofs.homoclinic import backward
@@ -145,7 +145,7 @@ class Curves(NamedTuple):
 
 def stability(plt: Any, proof: Storable, axes: Any = None) -> Figure:
     """Left the curves, as computed in double; right their turns, and what the proved twist says."""
-    saved = told(proof)
+    saved = saved_of(proof)
     rotation, twist = (float(saved.column(name)[0]) for name in ("rotation", "twist"))
     curves = curves_around(saved)
     figure: Figure
