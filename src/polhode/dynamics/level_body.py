@@ -262,19 +262,11 @@ class LevelBody(ByValue):
     def check(self) -> None:
         """Raise BadInput for an h below all motions, or one that doubles have no room for."""
         name = self.scene.name
-        if np.isfinite(self.least):
-            if self.relative[2][0] <= self.least:
-                least = to_double(
-                    Fraction(self.least) * self.units[0] * Fraction(self.moments.max())
-                )
-                words = f"above {least:.12g}, the least energy"
-                raise BadInput(name, "h", shown(self.h), f"{words} at f = {shown(self.f)}")
-        else:  # f^2/2A - |T| at least, A the largest moment
-            torque = exact.sqrt(dot(self.scene.body.torque, self.scene.body.torque))
-            low = self.f * self.f / (2 * max(self.scene.body.moments)) - torque
-            if sign(self.h - low) <= 0:
-                words = f"above {shown(low)}, below which there is no motion"
-                raise BadInput(name, "h", shown(self.h), f"{words} at f = {shown(self.f)}")
+        moments, torque, (h, f, _) = self.relative
+        with np.errstate(over="ignore"):  # about a principal axis that is vertical there is motion
+            reached = float((f * f / (2 * moments) - np.abs(torque)).min())
+        if not h > reached and (bound := self._bound()):
+            raise BadInput(name, "h", shown(self.h), f"above {bound} at f = {shown(self.f)}")
         momentum, speed = self.largest_momentum, self.fastest
         if not (1 / _LARGEST < momentum < _LARGEST and 1 / _FASTEST < speed < _FASTEST):
             bounds = (
@@ -286,6 +278,17 @@ class LevelBody(ByValue):
             least = to_double(half * max(a / Fraction(top) ** 2 for top, a in bounds))
             expected = f"of a size that doubles have room for: from {least:.3g} to {most:.3g}"
             raise BadInput(name, "h", shown(self.h), expected)
+
+    def _bound(self) -> str:
+        """What h is to be above, in words; empty where it is."""
+        body = self.scene.body
+        if np.isfinite(self.least):
+            least = to_double(Fraction(self.least) * self.units[0] * Fraction(self.moments.max()))
+            exists = self.relative[2][0] > self.least
+            return "" if exists else f"{least:.12g}, the least energy"
+        # f^2/2A - |T| at least, A the largest moment
+        low = self.f * self.f / (2 * max(body.moments)) - exact.sqrt(dot(body.torque, body.torque))
+        return "" if sign(self.h - low) > 0 else f"{shown(low)}, below which there is no motion"
 
     # -- of states
 
