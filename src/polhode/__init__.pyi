@@ -38,8 +38,8 @@ from polhode.enclosures.result import Enclosure as Enclosure
 from polhode.equations.form import field as field
 from polhode.equations.integrals import departures as departures
 from polhode.figures.canvas import paper as paper
-from polhode.figures.drawing import plot as plot
-from polhode.figures.drawing import view as view
+from polhode.figures.motion_page import view as view
+from polhode.figures.source import plot as plot
 from polhode.judging.adaptive_precision import integrate as integrate
 from polhode.judging.certified import Certified as Certified
 from polhode.judging.compare import compare as compare

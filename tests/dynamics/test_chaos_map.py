@@ -12,7 +12,7 @@ import polhode
 from polhode.cli import main
 from polhode.common import checkpoint
 from polhode.dynamics import chaos_map
-from polhode.dynamics.coordinates import tangents_of
+from polhode.dynamics.level_body import LevelBody, tangents_of
 
 GENERIC = polhode.load("general/asymmetric-chaotic")
 LEVEL = {"h": 3, "f": Fraction(1, 2)}
@@ -28,10 +28,10 @@ LEVEL = {"h": 3, "f": Fraction(1, 2)}
 )
 def test_no_motion_of_an_integrable_top_is_chaotic(case):
     level = {"h": 3, "f": 0 if case.startswith("g") else Fraction(6, 5)}
-    found = polhode.chaos_map(case, (8, 8), **level)
-    assert found.counts["chaotic"] == 0
-    assert found.counts["regular"] > 0.9 * len(found.verdict)
-    assert 0.5 < found.growth.max() < 4.5  # a tangent grows like a power of time
+    chart = polhode.chaos_map(case, (8, 8), **level)
+    assert chart.counts["chaotic"] == 0
+    assert chart.counts["regular"] > 0.9 * len(chart.verdict)
+    assert 0.5 < chart.growth.max() < 4.5  # a tangent grows like a power of time
 
 
 @pytest.mark.campaign
@@ -39,18 +39,18 @@ def test_growing_motions_that_are_known_are_unstable_and_others_chaotic():
     """So lyapunov calls them, too: on a separatrix, and a sleeping top that spins too slowly."""
     sleeping = polhode.load("lagrange/sleeping-unstable")
     varied = {"start.omega[3]": ["1/100", "1/10", 1000]}
-    found = polhode.chaos_map(sleeping, vary=varied, end=2000)
-    assert found.shape == (3,)
-    assert found.column("verdict")[:2] == ["unstable", "unstable"]
-    assert found.counts["chaotic"] == 0
+    chart = polhode.chaos_map(sleeping, vary=varied, end=2000)
+    assert chart.shape == (3,)
+    assert chart.column("verdict")[:2] == ["unstable", "unstable"]
+    assert chart.counts["chaotic"] == 0
     assert polhode.lyapunov(sleeping).verdict == "unstable"
     still = {"omega": [1, 0, 0], "gamma": [1, 0, 0], "moments": ["3/2", 2, 1]}  # Staude's, unstable
     scene = polhode.top(**still, centre=["-1/10", 0, 0], weight=1)
-    found = polhode.chaos_map(scene, vary={"start.omega[1]": [1, "9/8"]}, end=1000)
-    assert found.counts == {"regular": 0, "undecided": 0, "chaotic": 0, "unstable": 2}
-    found = polhode.chaos_map(GENERIC, (4, 4), end=1000, **LEVEL)
-    assert found.counts["chaotic"] > 6
-    assert found.counts["unstable"] == 0
+    chart = polhode.chaos_map(scene, vary={"start.omega[1]": [1, "9/8"]}, end=1000)
+    assert chart.counts == {"regular": 0, "undecided": 0, "chaotic": 0, "unstable": 2}
+    chart = polhode.chaos_map(GENERIC, (4, 4), end=1000, **LEVEL)
+    assert chart.counts["chaotic"] > 6
+    assert chart.counts["unstable"] == 0
 
 
 def test_own_starts_are_the_motions_that_a_grid_has(tmp_path):
@@ -61,26 +61,26 @@ def test_own_starts_are_the_motions_that_a_grid_has(tmp_path):
     path.write_text("\n".join(",".join(map(repr, row)) for row in rows.tolist()))
     keys = [f"start.{name}[{k}]" for name in ("omega", "gamma") for k in (1, 2, 3)]
     varied = dict(zip(keys, np.split(rows, 6, axis=1), strict=True))
-    found = [
-        polhode.chaos_map(GENERIC, end=50, **asked)
-        for asked in ({"starts": rows}, {"starts": path}, {"vary": varied})
+    maps = [
+        polhode.chaos_map(GENERIC, end=50, **options)
+        for options in ({"starts": rows}, {"starts": path}, {"vary": varied})
     ]
-    for own in found:
+    for own in maps:
         assert own.keys == tuple(keys)
         assert own.shape == (len(rows),)
         assert (own.at == rows).all()
-        assert (own.growth == found[0].growth).all()
-    off = np.abs(found[0].growth - grid.growth)
+        assert (own.growth == maps[0].growth).all()
+    off = np.abs(maps[0].growth - grid.growth)
     assert 0 < off.max() < 1e-9
 
 
 def test_bodies_vary_beside_own_starts_and_a_wrong_row_is_named():
     rows = [[1.0, 0.5, 2.0, 0.6, 0.0, 0.8]] * 2
-    found = polhode.chaos_map(
+    chart = polhode.chaos_map(
         GENERIC, starts=rows, vary={"body.weight": np.array([1.0, 3.0])}, end=50
     )
-    assert found.growth[0] != found.growth[1]
-    for asked, words in (
+    assert chart.growth[0] != chart.growth[1]
+    for options, words in (
         ({"starts": rows, "grid": (2, 2)}, "no grid"),
         ({"starts": rows, "by": "height"}, "no grid"),
         ({"starts": [[1.0, 0.5, 2.0]]}, r"shape \(N, 6\)"),
@@ -89,7 +89,7 @@ def test_bodies_vary_beside_own_starts_and_a_wrong_row_is_named():
         ({"starts": np.empty((0, 6))}, "at least one start"),
     ):
         with pytest.raises(polhode.BadInput, match=words):
-            polhode.chaos_map(GENERIC, end=10, **asked)
+            polhode.chaos_map(GENERIC, end=10, **options)
 
 
 @pytest.mark.slow
@@ -98,14 +98,14 @@ def test_own_starts_are_drawn_as_dots(tmp_path, capsys):
     starts, figure = tmp_path / "s.csv", tmp_path / "m.svg"
     starts.write_text("1,0.5,2,0.6,0,0.8\n0.1,0,3,0,0.6,0.8\n")
     command = ["map", "general/asymmetric-chaotic", "--starts", str(starts), "--end", "50"]
-    for what in ("exponent", "verdict"):
-        assert main([*command, "--what", what, "-o", str(figure)]) == 0
+    for quantity in ("exponent", "verdict"):
+        assert main([*command, "--what", quantity, "-o", str(figure)]) == 0
         assert "start.omega[2]" in figure.read_text()
     capsys.readouterr()
     assert main([*command, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["grid"] == [2]
-    assert len(found["columns"]["exponent"]) == 2
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["grid"] == [2]
+    assert len(printed["columns"]["exponent"]) == 2
 
 
 def test_megno_of_made_up_growth():
@@ -123,10 +123,10 @@ def test_megno_of_made_up_growth():
 
 
 def test_tangents_begin_across_what_never_grows_apart():
-    from polhode.dynamics import coordinates as geometry
+    from polhode.dynamics import starts as geometry
 
-    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
-    states = geometry.momentum_states(on, *geometry.cells(5, 5), True).states
+    on = LevelBody(GENERIC, Fraction(3), Fraction(1, 2))
+    states = geometry.momentum_states(on, *geometry.cell_centres(5, 5), True).states
     many = (len(states), 1)
     u = tangents_of(states, np.tile(on.moments, many), np.tile(on.torque, many))
     step = 1e-6
@@ -142,35 +142,35 @@ def test_tangents_begin_across_what_never_grows_apart():
 
 
 def test_nothing_is_called_regular_early_and_a_chaotic_motion_is_left_early():
-    found = polhode.chaos_map(GENERIC, (6, 6), end=500, **LEVEL)
-    assert found.counts["regular"] == 0
-    assert found.counts["chaotic"] > 5
-    found = polhode.chaos_map(GENERIC, (6, 6), end=2000, **LEVEL)
-    early = found.until < 2000
+    chart = polhode.chaos_map(GENERIC, (6, 6), end=500, **LEVEL)
+    assert chart.counts["regular"] == 0
+    assert chart.counts["chaotic"] > 5
+    chart = polhode.chaos_map(GENERIC, (6, 6), end=2000, **LEVEL)
+    early = chart.until < 2000
     assert early.sum() > 5
-    assert (found.verdict[early] == 2).all()
-    assert set(found.until) <= {250.0, 500.0, 1000.0, 2000.0}
+    assert (chart.verdict[early] == 2).all()
+    assert set(chart.until) <= {250.0, 500.0, 1000.0, 2000.0}
 
 
 @pytest.mark.slow
 def test_the_same_in_any_company_and_after_a_stop(tmp_path, monkeypatch):
     """Bit for bit, whatever the neighbours: bodies of two weights in turn, one of them another."""
-    asked = {"end": 200, "vary": {"start.omega[3]": "0.5:3:21", "body.weight": [1, "5/4"]}}
-    plain = polhode.chaos_map(GENERIC, **asked)
+    options = {"end": 200, "vary": {"start.omega[3]": "0.5:3:21", "body.weight": [1, "5/4"]}}
+    plain = polhode.chaos_map(GENERIC, **options)
     assert plain.shape == (21, 2)
-    asked["vary"]["body.weight"] = [1, 2]
-    other = polhode.chaos_map(GENERIC, **asked)
-    for one, again in ((plain.growth, other.growth), (plain.fli, other.fli)):
-        assert (one[::2] == again[::2]).all()
-        assert (one[1::2] != again[1::2]).all()
-    asked["vary"] = {"start.omega[3]": "0.5:3:40", "start.omega[1]": "0.1:1:8"}
-    plain, folder = polhode.chaos_map(GENERIC, **asked), tmp_path / "m.part"
+    options["vary"]["body.weight"] = [1, 2]
+    joint = polhode.chaos_map(GENERIC, **options)
+    for alone, again in ((plain.growth, joint.growth), (plain.fli, joint.fli)):
+        assert (alone[::2] == again[::2]).all()
+        assert (alone[1::2] != again[1::2]).all()
+    options["vary"] = {"start.omega[3]": "0.5:3:40", "start.omega[1]": "0.1:1:8"}
+    plain, folder = polhode.chaos_map(GENERIC, **options), tmp_path / "m.part"
     monkeypatch.setattr(checkpoint, "EVERY", 0.0)
-    polhode.chaos_map(GENERIC, parts=folder, **asked)
+    polhode.chaos_map(GENERIC, parts=folder, **options)
     jobs = sorted(folder.glob("job-*.npz"))
     assert len(jobs) == 2
     jobs[1].unlink()
-    again = polhode.chaos_map(GENERIC, parts=folder, workers=1, **asked)
+    again = polhode.chaos_map(GENERIC, parts=folder, workers=1, **options)
     assert (again.growth == plain.growth).all()
     assert (again.fli == plain.fli).all()
 
@@ -179,27 +179,27 @@ def test_bodies_can_vary():
     """From a Lagrange top across asymmetric bodies: the integrable column alone has no chaos."""
     scene = polhode.load("general/asymmetric-chaotic")
     varied = {"body.moments[1]": ["1.5", "2"], "start.omega[3]": "1:1.3:6"}
-    found = polhode.chaos_map(scene, vary=varied, end=1000)
-    assert found.keys == ("body.moments[1]", "start.omega[3]")
-    assert found.at[0].tolist() == [1.5, 1.0]
-    assert len(found.verdict) == 12
+    chart = polhode.chaos_map(scene, vary=varied, end=1000)
+    assert chart.keys == ("body.moments[1]", "start.omega[3]")
+    assert chart.at[0].tolist() == [1.5, 1.0]
+    assert len(chart.verdict) == 12
 
 
 @pytest.mark.slow
 def test_map_verb(tmp_path, capsys):
-    held, figure = tmp_path / "m.npz", tmp_path / "m.svg"
+    file, figure = tmp_path / "m.npz", tmp_path / "m.svg"
     command = ["map", "lagrange/nutation", "--grid", "3x2", "--end", "500"]
     assert main([*command, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["counts"]["chaotic"] == 0
-    columns = found["columns"]
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["counts"]["chaotic"] == 0
+    columns = printed["columns"]
     assert len(columns["megno"]) == len(columns["cell"])
-    assert main([*command, "-o", str(held)]) == 0
-    with np.load(held) as arrays:
+    assert main([*command, "-o", str(file)]) == 0
+    with np.load(file) as arrays:
         assert arrays["fli"].tolist() == columns["fli"]
     pytest.importorskip("matplotlib")
-    for what in ("fli", "verdict"):
-        assert main([*command, "--what", what, "-o", str(figure)]) == 0
+    for quantity in ("fli", "verdict"):
+        assert main([*command, "--what", quantity, "-o", str(figure)]) == 0
         assert "0 chaotic" in figure.read_text()
     assert not list(tmp_path.glob("*.parts"))
 
@@ -217,25 +217,25 @@ KNOWN = [
 @pytest.mark.parametrize(("by", "extremum", "grid", "until", "motions", "most"), KNOWN)
 def test_verdicts_of_known_motions(by, extremum, grid, until, motions, most):
     """At T = 1000, beside those far later."""
-    asked = {"grid": grid, "by": by, "extremum": extremum, **LEVEL}
-    known = polhode.chaos_map(GENERIC, end=until, tol=1e-8, **asked).verdict
-    found = polhode.chaos_map(GENERIC, end=1000, **asked).verdict
-    assert len(found) > motions
-    assert not ((found == 2) & (known == 0)).any()
-    assert ((found == 0) & (known == 2)).sum() + ((found == 1) & (known != 1)).sum() <= most
+    options = {"grid": grid, "by": by, "extremum": extremum, **LEVEL}
+    precise = polhode.chaos_map(GENERIC, end=until, tol=1e-8, **options).verdict
+    chart = polhode.chaos_map(GENERIC, end=1000, **options).verdict
+    assert len(chart) > motions
+    assert not ((chart == 2) & (precise == 0)).any()
+    assert ((chart == 0) & (precise == 2)).sum() + ((chart == 1) & (precise != 1)).sum() <= most
 
 
 def test_an_end_that_is_too_short_to_decide_is_named(capsys):
     """In the scene's own time: a body in other units has another least end."""
     scene = "general/asymmetric-regular"
     assert main(["map", scene, "--grid", "2x2", "--end", "20", "--json"]) == 0
-    told = capsys.readouterr()
-    found = json.loads(told.out)
+    output = capsys.readouterr()
+    printed = json.loads(output.out)
     least = 1000 * 2.0 ** polhode.load(scene).time_unit
-    assert found["least_end"] == least
-    assert found["counts"]["undecided"] == 4
-    assert found["meaning"] in told.err
-    assert f"t = 20 is too short, none is called regular before t = {least:g}" in told.err
+    assert printed["least_end"] == least
+    assert printed["counts"]["undecided"] == 4
+    assert printed["meaning"] in output.err
+    assert f"t = 20 is too short, none is called regular before t = {least:g}" in output.err
 
 
 def test_the_least_end_decides_and_needs_no_note():
@@ -249,8 +249,8 @@ def test_the_least_end_decides_and_needs_no_note():
     )
     least = polhode.chaos_map(slow, (2, 1), end=1).enough
     assert least > 4000
-    found = polhode.chaos_map(slow, (2, 1), end=least)
-    assert not found.too_short
-    assert found.counts["regular"] == len(found.verdict)
-    assert "too short" not in found.meaning
+    chart = polhode.chaos_map(slow, (2, 1), end=least)
+    assert not chart.too_short
+    assert chart.counts["regular"] == len(chart.verdict)
+    assert "too short" not in chart.meaning
     assert polhode.chaos_map(slow, (2, 1), end=least * 0.999).counts["regular"] == 0

@@ -9,8 +9,8 @@ import pytest
 from flint import arb
 
 import polhode
-from polhode.dynamics import regions
-from polhode.dynamics.permanent_rotations import RationalBody, families
+from polhode.dynamics import exact_levels
+from polhode.dynamics.exact_levels import RationalBody
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle
 from polhode.scenes.body import Body
@@ -43,8 +43,8 @@ def counted(moments, f):
 
     def hessian(g):
         i = (a * g * g).sum(axis=1)[:, None, None]
-        turned = (a * g)[:, :, None] * (a * g)[:, None, :]
-        return 4 * f * f / i**3 * turned - f * f / i**2 * np.diag(a)
+        rotated = (a * g)[:, :, None] * (a * g)[:, None, :]
+        return 4 * f * f / i**3 * rotated - f * f / i**2 * np.diag(a)
 
     mu = (gradient(g) * g).sum(axis=1)
     for _ in range(60):
@@ -62,7 +62,7 @@ def counted(moments, f):
     small &= np.abs(np.linalg.norm(g, axis=1) - 1) < 1e-12
     points = []
     for place, multiplier in zip(g[small], mu[small], strict=True):
-        if all(np.linalg.norm(place - other) > 1e-4 for _, other, _ in points):
+        if all(np.linalg.norm(place - place_before) > 1e-4 for _, place_before, _ in points):
             across = np.linalg.svd(place[None])[2][1:]
             second = across @ (hessian(place[None])[0] - multiplier * np.eye(3)) @ across.T
             value = f * f / (2 * (a * place * place).sum()) + push @ place
@@ -83,13 +83,13 @@ def test_regions_by_counting_critical_points(moments, f):
     """Their energies, and sum (2 - k) over the parts = minima - saddles + maxima below."""
     points = counted(moments, float(f))
     assert sum((-1) ** index for _, _, index in points) == 2  # none is missed
-    found = found_of(moments).regions(f)
+    result = found_of(moments).regions(f)
     energies = []
     for value, _, _ in points:
         if not energies or value - energies[-1] > 1e-12 * abs(value):
             energies.append(value)
-    assert [h for h, _ in found] == pytest.approx(energies, rel=1e-14)
-    for low, region in found:
+    assert [h for h, _ in result] == pytest.approx(energies, rel=1e-14)
+    for low, region in result:
         below = [index for value, _, index in points if value <= low + 1e-13 * abs(low)]
         assert sum(2 - k for k in region) == sum((-1) ** index for index in below)
         if set(below) == {0}:
@@ -100,28 +100,28 @@ def test_regions_by_counting_critical_points(moments, f):
 def test_two_discs_join_over_the_saddle_between_them(f):
     """Along the circle gamma3 = 0 from one minimum to the other W_f is highest at (-1, 0, 0)."""
     points = counted(NEAR, float(f))
-    (one, place, _), (_, other, _), (saddle, middle, index) = points[:3]
+    (first, place, _), (_, second, _), (saddle, middle, index) = points[:3]
     assert index == 1
     assert np.allclose(middle, [-1, 0, 0], atol=1e-12)
     assert abs(place[2]) < 1e-12
-    assert np.allclose(place * [1, -1, 1], other)
+    assert np.allclose(place * [1, -1, 1], second)
     angle = np.linspace(-1, 1, 2001) * np.arctan2(abs(place[1]), -place[0])
     along = float(f) ** 2 / (2 * (2 * np.cos(angle) ** 2 + 2.01 * np.sin(angle) ** 2))
     along -= np.cos(angle)
     assert along.max() <= saddle * (1 + 1e-15)
     assert [region for _, region in found_of(NEAR).regions(f)] == [(1, 1), (1,), (2,), (0,)]
-    assert saddle > one
+    assert saddle > first
 
 
 @pytest.mark.parametrize("beside", [Fraction(1, 10**3), Fraction(1, 10**9), Fraction(1, 10**30)])
 def test_regions_just_beside_and_at_a_branch(beside):
     """At f = 20 a second family leaves rest: below it one disc, above it two until they join."""
-    found = found_of(NEAR)
+    result = found_of(NEAR)
     after = [(1,), (2,), (0,)]
-    assert [region for _, region in found.regions(20 - beside)] == after
-    assert [region for _, region in found.regions(20)] == after
-    assert [region for _, region in found.regions(20 + beside)] == [(1, 1), *after]
-    assert [h for h, _ in found.regions(20)] == pytest.approx([99, 101, 200.00125000781264])
+    assert [region for _, region in result.regions(20 - beside)] == after
+    assert [region for _, region in result.regions(20)] == after
+    assert [region for _, region in result.regions(20 + beside)] == [(1, 1), *after]
+    assert [h for h, _ in result.regions(20)] == pytest.approx([99, 101, 200.00125000781264])
 
 
 def test_a_level_at_the_f_of_a_branch_is_decided():
@@ -139,13 +139,13 @@ def test_a_rational_level_is_called_so(tmp_path, capsys):
         "schema = 1\ntitle = 'near'\n[body]\nmoments = [2, 2.01, 1]\ncentre = [1, 0, 0]\n"
         "weight = 1\n[start]\nh = 117\nf = 21\ngamma = [0, 1, 0]\n[run]\nend = 1\nsamples = 2\n"
     )
-    found = polhode.levels(scene)
-    assert found.exact
-    assert (found.here.h, found.here.f, found.here.region) == (117, 21, (2,))
+    diagram = polhode.levels(scene)
+    assert diagram.exact
+    assert (diagram.here.h, diagram.here.f, diagram.here.region) == (117, 21, (2,))
     scene.write_text(scene.read_text().replace("h = 117", "h = 'sqrt(13690)'"))
-    found = polhode.levels(scene)
-    assert not found.exact
-    assert found.here.region == (2,)
+    diagram = polhode.levels(scene)
+    assert not diagram.exact
+    assert diagram.here.region == (2,)
 
 
 # -- which minima are joined -----------------------------------------------------------------------
@@ -170,13 +170,13 @@ def test_an_arc_lies_below_an_energy_above_all_of_its_own_and_below_no_lower_one
         most = int(np.argmax(along))
         inner += 0 < most < 2000
         with ctx.workprec(128):
-            one, other = (
-                regions.Critical(tuple(arb(x) for x in end), arb(value), 0)
+            first, second = (
+                exact_levels.Critical(tuple(arb(x) for x in end), arb(value), 0)
                 for end, value in ((ends[0].tolist(), along[0]), (ends[1].tolist(), along[-1]))
             )
             for off in (1e-5, -1e-5):
                 h = Fraction(float(along[most] + off * (1 + along.max() - along.min())))
-                assert regions.arc_below(body, h, Fraction(f), one, other) == (off > 0)
+                assert exact_levels.arc_below(body, h, Fraction(f), first, second) == (off > 0)
     assert inner > 60  # its largest energy is not always at an end
 
 
@@ -184,16 +184,18 @@ def test_minima_are_joined_only_over_a_saddle_whose_arcs_are_below():
     """Two minima and a saddle below two maxima and a saddle: one disc, or an annulus and a disc."""
     moments, torque = ((Fraction(x) for x in v) for v in ((2, "2.01", 1), (1, 0, 0)))
     body = RationalBody(tuple(moments), tuple(torque), True)
-    at = regions.critical_points(body, families(body), Fraction(21))
+    at = exact_levels.critical_points(body, Fraction(21))
     assert [point.morse for point in at.points] == [0, 0, 1, 1, 2, 2]
-    assert regions.parts(body, at, 3) == (1,)
-    low, other, saddle, *above = at.points
+    assert exact_levels.parts(body, at, 3) == (1,)
+    low, second, saddle, *above = at.points
     elsewhere = saddle._replace(gamma=above[-1].gamma)  # arcs from there come down from above
-    false = at._replace(points=[low, other, elsewhere, *above])
-    with pytest.raises(regions.Undecided, match="parts is not known"):
-        regions.parts(body, false, 3)
-    one_maximum = at._replace(points=[low, other, elsewhere, above[-1]])
-    assert regions.parts(body, one_maximum, 3) == (1,)  # what is left is one disc: no arc is asked
+    false = at._replace(points=[low, second, elsewhere, *above])
+    with pytest.raises(exact_levels.Undecided, match="parts is not known"):
+        exact_levels.parts(body, false, 3)
+    one_maximum = at._replace(points=[low, second, elsewhere, above[-1]])
+    assert exact_levels.parts(body, one_maximum, 3) == (
+        1,
+    )  # what is left is one disc: no arc is asked
 
 
 @pytest.mark.parametrize("unit", [Fraction(1), Fraction(2) ** 900])
@@ -202,11 +204,11 @@ def test_two_discs_join_by_a_chain_where_no_arc_lies_below(unit):
     f = Fraction("2.8585818648") * unit
     moments = tuple(Fraction(x) * unit for x in ("2", "0.7", "1.6"))
     body = RationalBody(moments, tuple(Fraction(x) * unit for x in ("0.8", "0.4", "1e-6")), True)
-    at = regions.critical_points(body, families(body), f)
-    low, other, saddle = at.points[:3]
+    at = exact_levels.critical_points(body, f)
+    low, second, saddle = at.points[:3]
     h = (middle(saddle.value) + middle(at.points[3].value)) / 2
-    assert [regions.arc_below(body, h, f, saddle, m) for m in (low, other)] == [False, True]
-    assert [regions.parts(body, at, count) for count in range(1, 7)] == [
+    assert [exact_levels.arc_below(body, h, f, saddle, m) for m in (low, second)] == [False, True]
+    assert [exact_levels.parts(body, at, count) for count in range(1, 7)] == [
         *((1,), (1, 1), (1,), (2,), (1,), (0,))
     ]
 
@@ -235,38 +237,38 @@ def shades_at(axes, place):
     }
 
 
-def drawn(found):
+def drawn(diagram):
     plt = pytest.importorskip("matplotlib.pyplot")
     from polhode.figures import levels as figure
 
-    made = figure.draw(plt, found, f_range=F, h_range=H)
-    plt.close(made)
-    return made
+    picture = figure.draw(plt, diagram, f_range=F, h_range=H)
+    plt.close(picture)
+    return picture
 
 
 @pytest.mark.slow
 def test_the_figure_shows_the_regions_of_close_rotations():
-    found = found_of(NEAR)
-    assert all(column.regions for column in found.columns(*F, 41))
-    axes = drawn(found).axes[0]
+    result = found_of(NEAR)
+    assert all(column.regions for column in result.columns(*F, 41))
+    axes = drawn(result).axes[0]
     assert {place: shades_at(axes, place) for place in PLACES} == PLACES
 
 
 @pytest.mark.slow
 def test_an_undecided_column_is_hatched(monkeypatch):
     """It is not filled with a neighbour's colour."""
-    decided = regions.regions_between
+    decided = exact_levels.regions_between
 
-    def partly(body, known, f):
+    def partly(body, f):
         if Fraction("20.5") < f < Fraction("21.5"):
-            raise regions.Undecided("for a test")
-        return decided(body, known, f)
+            raise exact_levels.Undecided("for a test")
+        return decided(body, f)
 
-    monkeypatch.setattr(regions, "regions_between", partly)
-    found = found_of(NEAR)
-    axes = drawn(found).axes[0]
+    monkeypatch.setattr(exact_levels, "regions_between", partly)
+    result = found_of(NEAR)
+    axes = drawn(result).axes[0]
     assert [shades_at(axes, place) for place in PLACES] == [{"not decided"}] * 4
     assert shades_at(axes, (20.4, 250.0)) == {"RP³"}
     assert shades_at(axes, (21.6, 150.0)) == {"S²×S¹"}
     with pytest.raises(polhode.BadInput, match="the regions are decided"):
-        found.regions(21)
+        result.regions(21)

@@ -11,8 +11,8 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics import coordinates as geometry
-from polhode.dynamics import section
+from polhode.dynamics import starts as geometry
+from polhode.dynamics.level_body import LevelBody
 from polhode.numbers.conversion import doubles, exactly
 from polhode.scenes import scene_file
 
@@ -23,14 +23,14 @@ TOP = (
 )
 
 
-def true_digits(scene, found, which):
+def true_digits(scene, cut, which):
     """-log10 of the largest error of a crossing's state, beside the crossing of the exact motion.
 
     The exact motion at the crossing's time is a little before or after its own crossing: an Euler
     step along the flow leads there.  For scenes in principal axes and inner units.
     """
-    on = geometry.ground(scene, found.h, found.f)
-    times = [Fraction(found.times[0, m]) + Fraction(found.times_low[0, m]) for m in which]
+    on = LevelBody(scene, cut.h, cut.f)
+    times = [Fraction(cut.times[0, m]) + Fraction(cut.times_low[0, m]) for m in which]
     if polhode.reference(scene).is_closed_form:
         exact = polhode.reference(scene).at(times, digits=30)
     else:
@@ -38,7 +38,7 @@ def true_digits(scene, found, which):
 
     def zero(state):
         G = [exactly(float(a)) * x for a, x in zip(on.moments, state[:3], strict=True)]
-        a, g = [exactly(float(x)) for x in on.frame[2]], state[3:]
+        a, g = [exactly(float(x)) for x in on.arm_axes[2]], state[3:]
         (i, j, k) = (0, 1, 2)
         cross = [a[j] * G[k] - a[k] * G[j], a[k] * G[i] - a[i] * G[k], a[i] * G[j] - a[j] * G[i]]
         return float(sum(x * y for x, y in zip(g, cross, strict=True)))
@@ -48,7 +48,7 @@ def true_digits(scene, found, which):
         state = [exactly(x) for x in state]
         x = np.array([float(v) for v in state])
         error = np.array(
-            [float(exactly(v) - y) for v, y in zip(found.states[0, m], state, strict=True)]
+            [float(exactly(v) - y) for v, y in zip(cut.states[0, m], state, strict=True)]
         )
         w, g = x[:3], x[3:]
         turning = (np.cross(g, on.torque) - np.cross(w, w * on.moments)) / on.moments
@@ -77,10 +77,10 @@ def generic(*omega):
 )
 def test_true_digits_lie_in_a_band_about_those_told(scene, crossings):
     scene = polhode.load(scene) if isinstance(scene, str) else scene
-    found = polhode.section(scene, starts="scene", crossings=crossings)
-    told = found.digits[0]
-    which = sorted({*np.linspace(4, int((told > 0.5).sum()) - 1, 9).astype(int).tolist()})
-    more = true_digits(scene, found, which) - told[which]
+    cut = polhode.section(scene, starts="scene", crossings=crossings)
+    expected = cut.digits[0]
+    which = sorted({*np.linspace(4, int((expected > 0.5).sum()) - 1, 9).astype(int).tolist()})
+    more = true_digits(scene, cut, which) - expected[which]
     assert more.min() > -2.5
     assert more.max() < 1.5
     assert -2.0 < more.mean() < 1.0
@@ -92,33 +92,34 @@ def test_a_crossing_that_grazes_the_section_has_fewer_digits(below):
     scene = polhode.load("general/asymmetric-regular")
     level = Fraction(TOP) - Fraction(below).limit_denominator(10**12)
     by = f"gamma3 - {level.numerator}/{level.denominator}"
-    found = polhode.section(scene, by=by, starts="scene", crossings=2)
+    cut = polhode.section(scene, by=by, starts="scene", crossings=2)
     watched = replace(scene, events=(polhode.Event("level", by),)).at([Fraction(27, 20)])
     rows = doubles(polhode.integrate(watched, number="quad").events[0].states)
-    true = -np.log10(np.abs(rows[:2] - found.states[0]).max(axis=1))
-    assert np.abs(true - found.digits[0]).max() < 1
-    assert found.digits[0].max() < (14 if below > 1e-9 else 11.5)
+    true = -np.log10(np.abs(rows[:2] - cut.states[0]).max(axis=1))
+    assert np.abs(true - cut.digits[0]).max() < 1
+    assert cut.digits[0].max() < (14 if below > 1e-9 else 11.5)
 
 
 def test_no_digit_is_left_where_the_true_ones_end():
     """The first crossing without a digit, beside that of a quad run."""
     scene = generic("0.3", "0.2", "0.9")
-    found = polhode.section(scene, starts="scene", crossings=110)
-    (first,) = found.none_left_from.tolist()
+    cut = polhode.section(scene, starts="scene", crossings=110)
+    (first,) = cut.none_left_from.tolist()
+    assert cut.digits[0, first - 1] < 1 <= cut.digits[0, : first - 1].min()
     near = list(range(first - 25, first + 15, 3))
-    true = true_digits(scene, found, near)
+    true = true_digits(scene, cut, near)
     gone = near[int((true < 1).argmax())] + 1
     assert true[0] > 1.5
     assert abs(gone - first) < 15
-    assert (found.digits[0, first + 20 :] == 0).all()
+    assert (cut.digits[0, first + 20 :] == 0).all()
 
 
 @pytest.mark.slow
 def test_regular_orbits_keep_their_digits():
-    found = polhode.section("lagrange/nutation", grid=(3, 3), crossings=200)
-    assert (found.none_left_from == 0).all()
-    assert found.digits.min() > 12
-    assert found.digits[:, 0].min() > 14.5
+    cut = polhode.section("lagrange/nutation", grid=(3, 3), crossings=200)
+    assert (cut.none_left_from == 0).all()
+    assert cut.digits.min() > 12
+    assert cut.digits[:, 0].min() > 14.5
 
 
 def test_digits_are_the_same_in_any_unit_of_time():
@@ -127,30 +128,25 @@ def test_digits_are_the_same_in_any_unit_of_time():
         "[start]\nomega = [307.2, 204.8, 1126.4]\ngamma = [0.6, 0, 0.8]\n"
     )
     plain = polhode.section(GENERIC, starts="scene", crossings=12)
-    other = polhode.section(quick, starts="scene", crossings=12)
-    assert other.start_states[0].tolist() == [307.2, 204.8, 1126.4, 0.6, 0.0, 0.8]
-    assert (other.times * 1024 == plain.times).all()
-    assert (other.digits == plain.digits).all()
-
-
-def test_none_left_from_counts_from_one():
-    digits = np.array([[15.0, 3, 0.9, 0], [0.2, 0, 0, np.nan], [9, 8, 7, 6]])
-    assert section.none_left_from(digits).tolist() == [3, 1, 0]
+    second = polhode.section(quick, starts="scene", crossings=12)
+    assert second.start_states[0].tolist() == [307.2, 204.8, 1126.4, 0.6, 0.0, 0.8]
+    assert (second.times * 1024 == plain.times).all()
+    assert (second.digits == plain.digits).all()
 
 
 def test_the_verb_tells_them(tmp_path, capsys):
-    held = tmp_path / "s.npz"
+    file = tmp_path / "s.npz"
     command = ["section", "general/asymmetric-chaotic", "--starts", "scene", "--crossings", "80"]
     assert main([*command, "--json"]) == 0
     printed = capsys.readouterr()
-    found = json.loads(printed.out)
-    digits = found["columns"]["digits_expected"]
+    content = json.loads(printed.out)
+    digits = content["columns"]["digits_expected"]
     assert len(digits) == 80
-    (first,) = found["orbits"]["none_left_from"]
+    (first,) = content["orbits"]["none_left_from"]
     assert digits[first - 1] < 1 <= digits[first - 2]
     assert f"no digits are left from crossing {first} on in 1 of 1 orbits" in printed.err
-    assert main([*command, "-o", str(held)]) == 0
-    with np.load(held) as arrays:
+    assert main([*command, "-o", str(file)]) == 0
+    with np.load(file) as arrays:
         assert arrays["digits_expected"].tolist() == digits
         assert arrays["orbits.none_left_from"].tolist() == [first]
         assert arrays["orbits.start_p"].shape == (1,)
@@ -164,6 +160,6 @@ def test_the_verb_tells_them(tmp_path, capsys):
 
 def test_crossings_soon_after_the_start_are_not_told_of_what_comes_later():
     """On a high level a unit of time holds thousands of turns; two crossings lose nothing."""
-    found = polhode.section("general/asymmetric-regular", h="1e10", f=0, grid=(2, 2), crossings=2)
-    assert np.nanmax(found.times) < 1e-3
-    assert np.nanmin(found.digits) > 15.4
+    cut = polhode.section("general/asymmetric-regular", h="1e10", f=0, grid=(2, 2), crossings=2)
+    assert np.nanmax(cut.times) < 1e-3
+    assert np.nanmin(cut.digits) > 15.4

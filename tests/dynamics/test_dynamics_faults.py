@@ -11,12 +11,14 @@ import pytest
 
 import polhode
 from polhode.cli import main
+from polhode.dynamics.starts import cut_of
 from polhode.scenes import scene_file
 
 # -- frequencies -----------------------------------------------------------------------------------
 
 FIVE = [0.5, 1.0, 1.7, 2.3, 3.1]
 STEP = 0.1
+CHAOTIC = "general/asymmetric-chaotic"
 
 
 def cosines(rates, t):
@@ -52,9 +54,9 @@ def test_so_many_lines_of_a_real_signal_are_so_many_frequencies(count, sign, tmp
     t = sign * STEP * np.arange(2000)
     file = sampled(tmp_path / "x.csv", {"t": t, "r": 7 + cosines(FIVE, t)})
     lines = polhode.frequencies(file, of=["r"], lines=count).lines["r"]
-    found = sorted(line.frequency for line in lines)
-    assert len(found) == count
-    nearest = [min(FIVE, key=lambda rate: abs(rate - x)) for x in found]
+    result = sorted(line.frequency for line in lines)
+    assert len(result) == count
+    nearest = [min(FIVE, key=lambda rate: abs(rate - x)) for x in result]
     assert len({*nearest}) == count
     for line in lines:
         k = int(np.argmin(np.abs(np.array(FIVE) - line.frequency)))
@@ -75,10 +77,10 @@ def test_of_a_complex_signal_both_signs_are_lines_and_so_is_a_constant(tmp_path)
     t = STEP * np.arange(2000)
     columns = {"t": t, "p": 0.1 + 3 * np.cos(t), "q": np.sin(t)}
     lines = polhode.frequencies(sampled(tmp_path / "x.csv", columns), of=["p+iq"]).lines["p+iq"]
-    found = [(line.frequency, abs(line.amplitude)) for line in lines[:3]]
-    for (rate, size), wanted in zip(found, [(1, 2), (-1, 1), (0, 0.1)], strict=True):
-        assert rate == pytest.approx(wanted[0], abs=1e-10)
-        assert size == pytest.approx(wanted[1], rel=1e-9)
+    result = [(line.frequency, abs(line.amplitude)) for line in lines[:3]]
+    for (rate, size), expected in zip(result, [(1, 2), (-1, 1), (0, 0.1)], strict=True):
+        assert rate == pytest.approx(expected[0], abs=1e-10)
+        assert size == pytest.approx(expected[1], rel=1e-9)
     assert all(abs(line.amplitude) < 1e-12 for line in lines[3:])
 
 
@@ -96,9 +98,9 @@ def test_a_real_signal_of_a_top_has_a_line(case, signal):
 def test_the_verb_tells_a_line_of_each_signal(capsys):
     command = ["frequencies", "lagrange/nutation", "--of", "gamma3", "--end", "200"]
     assert main([*command, "--lines", "1", "--json"]) == 0
-    told = capsys.readouterr()
-    assert json.loads(told.out)["columns"]["combination"] == ["nutation"]
-    assert "no line above rounding" not in told.err
+    output = capsys.readouterr()
+    assert json.loads(output.out)["columns"]["combination"] == ["nutation"]
+    assert "no line above rounding" not in output.err
 
 
 def test_slow_lines_beside_a_constant_claim_no_digits_that_they_lack():
@@ -125,17 +127,17 @@ def test_slow_lines_beside_a_constant_claim_no_digits_that_they_lack():
 def test_stamps_that_are_rounded_are_equally_spaced(rate, decimals, tmp_path):
     """60 Hz in 6 decimals was refused; 128 Hz has stamps halfway between two of them."""
     t = np.arange(1200) / rate
-    wanted = 2 * math.pi * rate / 17.3
-    file = sampled(tmp_path / "x.csv", {"t": t, "r": np.cos(wanted * t)}, decimals)
-    found = polhode.frequencies(file, lines=1)
-    (line,) = found.lines["r"]
-    assert abs(found.step - 1 / rate) <= found.step_error + 2**-50 / rate
+    expected = 2 * math.pi * rate / 17.3
+    file = sampled(tmp_path / "x.csv", {"t": t, "r": np.cos(expected * t)}, decimals)
+    analysis = polhode.frequencies(file, lines=1)
+    (line,) = analysis.lines["r"]
+    assert abs(analysis.step - 1 / rate) <= analysis.step_error + 2**-50 / rate
     # halves of two units, over 1200 steps: no spacing farther off fits
-    assert found.step_error <= 10.0**-decimals / 600
-    assert found.fact("step_error") == found.step_error
-    assert abs(line.frequency - wanted) <= line.error
-    assert line.error >= wanted * rate * found.step_error
-    assert line.error < wanted * rate * found.step_error + 1e-9 * wanted
+    assert analysis.step_error <= 10.0**-decimals / 600
+    assert analysis.fact("step_error") == analysis.step_error
+    assert abs(line.frequency - expected) <= line.error
+    assert line.error >= expected * rate * analysis.step_error
+    assert line.error < expected * rate * analysis.step_error + 1e-9 * expected
 
 
 @pytest.mark.parametrize("off", [2, 40])
@@ -165,12 +167,16 @@ def test_a_level_that_the_scene_says_is_not_rounded():
     """omega is a root there: h and f were computed from it, and were "(rounded)"."""
     scene = scene_file.parse(LEVEL, "top.toml")
     here = polhode.levels(scene).here
-    for found in (
+    for closed_orbit in (
         polhode.orbit(scene, digits=18),
         polhode.section(scene, starts="scene", crossings=2),
         polhode.chaos_map(scene, grid=(2, 2), end=5),
     ):
-        assert (found.fact("h"), found.fact("f")) == (here.h, here.f) == (2, Fraction(3, 10))
+        assert (
+            (closed_orbit.fact("h"), closed_orbit.fact("f"))
+            == (here.h, here.f)
+            == (2, Fraction(3, 10))
+        )
 
 
 @pytest.mark.slow
@@ -186,14 +192,29 @@ def test_a_centre_barely_off_an_axis_needs_no_exact_levels(off):
     start = {"omega": ["0.3", "0.2", 1], "gamma": ["4/5", 0, "3/5"]}
     near, on = (polhode.top(**body, centre=[x, 0, 1], **start) for x in (off, 0))
     for more in ({"starts": "scene"}, {"grid": (2, 2)}, {"starts": "scene", "by": "height"}):
-        one, other = (polhode.section(top, crossings=3, **more) for top in (near, on))
-        assert np.abs(one.states - other.states).max() < 1e-12
+        first, second = (polhode.section(top, crossings=3, **more) for top in (near, on))
+        assert np.abs(first.states - second.states).max() < 1e-12
     assert polhode.chaos_map(near, grid=(2, 2), end=5).fact("h") == near.integrals.energy
 
 
-def test_of_a_size_beyond_exact_levels_a_level_that_is_none_is_still_refused():
-    with pytest.raises(polhode.BadInput, match=r"above -0\.6164.*, below which"):
-        polhode.section("general/asymmetric-chaotic", h="-0.9", f="1e-60", crossings=2)
+@pytest.mark.parametrize("f", ["0", "1e-60", "31/25", "1.6", "3", "1e9"])
+@pytest.mark.parametrize(
+    "case", ["general/asymmetric-chaotic", "euler/prolate", "lagrange/nutation"]
+)
+def test_a_level_that_is_none_is_refused_by_the_least_energy_of_exact_levels(case, f):
+    """In doubles, without isolating roots; beyond exact levels it was called by a bound."""
+    area = Fraction(f)
+    if f == "1e-60" or (case, f) == ("euler/prolate", "0"):
+        least = {"general": -(0.38**0.5), "lagrange": -1.0, "euler": 0.0}[case.partition("/")[0]]
+    else:
+        least = polhode.levels(case).regions(area)[0][0]
+    size = float(area) ** 2 + 1
+    with pytest.raises(polhode.BadInput, match="the least energy at f") as caught:
+        polhode.section(case, h=least - 1e-10 * size, f=area, crossings=2)
+    text = float(str(caught.value).partition("above ")[2].partition(",")[0])
+    assert text == pytest.approx(least, rel=1e-11, abs=1e-13)
+    above = cut_of(polhode.load(case), None, None, least + 1e-10 * size, area)
+    assert above.on.relative[2][0] > above.on.least
 
 
 # -- precession ------------------------------------------------------------------------------------
@@ -237,9 +258,10 @@ def test_show_and_frequencies_tell_it(capsys):
     assert main(["show", "euler/attitude"]) == 0
     assert "precession = of principal axis 3 (of the largest moment)" in capsys.readouterr().out
     assert main(["frequencies", "lagrange/nutation", "--end", "100", "--of", "gamma3"]) == 0
-    told = capsys.readouterr().err
+    output = capsys.readouterr().err
     assert (
-        "precession of the axis of symmetry through the centre of mass about the vertical =" in told
+        "precession of the axis of symmetry through the centre of mass about the vertical ="
+        in output
     )
 
 

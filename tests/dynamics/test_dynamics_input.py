@@ -80,12 +80,12 @@ DOORS = {
 
 
 @pytest.mark.parametrize(
-    ("door", "scene", "asked", "said"),
+    ("door", "scene", "options", "said"),
     [(door, *row) for door, rows in DOORS.items() for row in rows],
 )
-def test_a_door_refuses_in_one_line(door, scene, asked, said):
+def test_a_door_refuses_in_one_line(door, scene, options, said):
     with pytest.raises(polhode.BadInput) as caught:
-        door(scene, **asked)
+        door(scene, **options)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
 

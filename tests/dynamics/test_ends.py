@@ -12,8 +12,10 @@ import pytest
 
 import polhode
 from polhode.common import values
-from polhode.dynamics import coordinates, section
-from polhode.dynamics.permanent_rotations import MOST_SPREAD, RationalBody, Reach
+from polhode.dynamics import section
+from polhode.dynamics import starts as geometry
+from polhode.dynamics.exact_levels import MOST_SPREAD, RationalBody, Reach
+from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.starts import cut_of
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import batches, variations
@@ -35,8 +37,8 @@ def test_a_pole_or_a_root_on_the_way_is_one_line(refusal, by):
     assert said in err
     l, ratio, t = map(float, re.findall(r"= (-?[\d.]+)(?:,| it|\n)", err)[-3:])
     scene = polhode.load(REGULAR)
-    on = coordinates.ground(scene, scene.integrals.energy, scene.integrals.area)
-    starts = coordinates.momentum_states(on, np.array([l]), np.array([ratio]), True).states
+    on = LevelBody(scene, scene.integrals.energy, scene.integrals.area)
+    starts = geometry.momentum_states(on, np.array([l]), np.array([ratio]), True).states
     near = [abs(_q(scene, start, t) + (by != "1/q")) for start in starts]
     assert min(near) < 1e-4  # q is 0 there, or -1
 
@@ -57,11 +59,11 @@ def _q(scene, start, t) -> float:
 
 
 @pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize("what", ["section", "run"])
-def test_a_long_expression_is_compiled_in_time(what):
+@pytest.mark.parametrize("quantity", ["section", "run"])
+def test_a_long_expression_is_compiled_in_time(quantity):
     by = "+".join(f"sin({k}*p)*q" for k in range(1, 76))
     began = time.process_time()
-    if what == "section":
+    if quantity == "section":
         assert polhode.section(REGULAR, by=by, grid=(2, 2), crossings=2).complete
     else:
         scene = replace(polhode.load(REGULAR), events=(polhode.Event("x", by),))
@@ -72,11 +74,11 @@ def test_a_long_expression_is_compiled_in_time(what):
 @pytest.fixture
 def section_job():
     scene = polhode.load(REGULAR)
-    what = cut_of(scene, "momentum", "max", None, None)
-    on = coordinates.ground(scene, what.h, what.f)
-    starts = coordinates.momentum_states(on, np.array([1.5]), np.array([0.5]), True).states
-    zero = section.zero_of(scene, on, "momentum")
-    (job,) = section.jobs_of(what, on, zero, -1, 5, starts)
+    plan = cut_of(scene, "momentum", "max", None, None)
+    on = plan.on
+    starts = geometry.momentum_states(on, np.array([1.5]), np.array([0.5]), True).states
+    zero = section.zero_of(on, "momentum")
+    (job,) = section.jobs_of(on, zero, -1, 5, starts)
     return job
 
 
@@ -89,29 +91,29 @@ def first_job(job, zero, end):
 def test_jobs_look_between_blocks_whether_to_stop(monkeypatch, section_job):
     """Each of them asked only between stretches, which have no longest time."""
     monkeypatch.setattr(batches, "BLOCK", 5)
-    asked: list[bool] = []
+    options: list[bool] = []
 
     def stop() -> bool:
-        asked.append(True)
-        return len(asked) == 3
+        options.append(True)
+        return len(options) == 3
 
     assert taylor.solve(section_job, stop).outcomes == (taylor.STOPPED,)
-    assert len(asked) == 3
-    asked.clear()
+    assert len(options) == 3
+    options.clear()
     names, own, tangent = section_job.watched.names, section_job.coefficients[:1], np.ones((1, 6))
     far = variations.TangentJob(names, own, section_job.starts[:1], tangent, 1e9, 1, None, (), 1.0)
     assert variations.solve(far, stop).last.tolist() == [0]
-    asked.clear()
+    options.clear()
     first = taylor.solve(first_job(section_job, "q-100", 1e9), stop)
     assert np.isnan(first.times).all()
-    assert len(asked) == 3
+    assert len(options) == 3
 
 
 @pytest.mark.slow
 def test_a_first_crossing_beyond_a_pole_is_left_to_a_run(section_job):
     """The steps were zero for ever, a hundred million of them."""
-    found = taylor.solve(first_job(section_job, "1/q", 64.0))
-    assert found.outcomes == (taylor.UNSURE,)
+    result = taylor.solve(first_job(section_job, "1/q", 64.0))
+    assert result.outcomes == (taylor.UNSURE,)
 
 
 # -- sizes ----------------------------------------------------------------------------------------
@@ -128,17 +130,17 @@ def test_a_first_crossing_beyond_a_pole_is_left_to_a_run(section_job):
 def test_a_large_grid_is_refused_before_its_states_are_found(
     refusal, monkeypatch, words, least, most
 ):
-    asked = []
+    options = []
     for name in ("momentum_states", "height_states"):
-        find = getattr(coordinates, name)
+        find = getattr(geometry, name)
         monkeypatch.setattr(
-            coordinates, name, lambda on, *of, find=find: asked.append(len(of[0])) or find(on, *of)
+            geometry, name, lambda on, *of, find=find: options.append(len(of[0])) or find(on, *of)
         )
     said = refusal(*words.replace("R", REGULAR, 1).split())
-    told = re.search(r"= more than (\d+) (orbits|motions) .* in all; a coarser grid", said)
-    assert told, said
-    assert least < int(told[1]) < most
-    assert 0 < sum(asked) <= 10_000
+    text = re.search(r"= more than (\d+) (orbits|motions) .* in all; a coarser grid", said)
+    assert text, said
+    assert least < int(text[1]) < most
+    assert 0 < sum(options) <= 10_000
 
 
 def test_what_is_refused_for_its_size_says_the_largest_that_works(monkeypatch):
@@ -154,8 +156,8 @@ def test_what_is_refused_for_its_size_says_the_largest_that_works(monkeypatch):
 
 def test_energies_at_the_edge_of_doubles_are_cut_or_refused():
     """Beyond, the powers of w in a Taylor step overflow: "not finite", and no crossing."""
-    found = polhode.section(REGULAR, h=10**30, f=0, starts=[[1.5, 0.5]], crossings=2)
-    assert found.complete
+    cut = polhode.section(REGULAR, h=10**30, f=0, starts=[[1.5, 0.5]], crossings=2)
+    assert cut.complete
     with pytest.raises(polhode.BadInput, match=r"h = 1.0+e\+31: .* from 2e-30 to 2e\+30"):
         polhode.section(REGULAR, h=10**31, f=0, starts=[[1.5, 0.5]], crossings=2)
 
@@ -163,10 +165,10 @@ def test_energies_at_the_edge_of_doubles_are_cut_or_refused():
 @pytest.mark.slow
 def test_a_level_far_slower_than_the_scene_is_looked_at_as_often():
     """Looks at its tangent by the level's own rate; a ten-thousandth took minutes."""
-    kept = {"f": 0, "starts": [[1, 0.2]], "crossings": 3}
-    found, slow = (polhode.section("euler/prolate", h=h, **kept) for h in (1, "1e-20"))
-    assert slow.times == pytest.approx(1e10 * found.times, rel=1e-12)
-    assert slow.digits == pytest.approx(found.digits, abs=1.2)
+    options = {"f": 0, "starts": [[1, 0.2]], "crossings": 3}
+    cut, slow = (polhode.section("euler/prolate", h=h, **options) for h in (1, "1e-20"))
+    assert slow.times == pytest.approx(1e10 * cut.times, rel=1e-12)
+    assert slow.digits == pytest.approx(cut.digits, abs=1.2)
 
 
 def test_reach_of_exact_levels():
@@ -177,15 +179,15 @@ def test_reach_of_exact_levels():
     assert [x in reach for x in inside] == [True] * 3
     assert Fraction(10) ** 42 not in reach
     assert Fraction(10) ** -42 not in reach
-    near = body._replace(moments=(1 + Fraction(1, 2**60), Fraction(1), Fraction(3, 2)))
+    near = replace(body, moments=(1 + Fraction(1, 2**60), Fraction(1), Fraction(3, 2)))
     narrow = Reach.of(near)
     bits = MOST_SPREAD - 2 * (60 + np.log2(1.5))
     assert np.log2(narrow.most / narrow.least) == pytest.approx(2 * bits, abs=1e-6)
-    none = Reach.of(near._replace(moments=(1 + Fraction(1, 2**80), Fraction(1), Fraction(2))))
+    none = Reach.of(replace(near, moments=(1 + Fraction(1, 2**80), Fraction(1), Fraction(2))))
     assert none.most < none.least
-    assert Fraction(10) ** 400 in Reach.of(body._replace(torque=(Fraction(0),) * 3))
+    assert Fraction(10) ** 400 in Reach.of(replace(body, torque=(Fraction(0),) * 3))
     # the exact roots of a symmetric top: 1e-120 took 6 s, 1e-150 had no end
-    axial = Reach.of(body._replace(torque=(Fraction(0), Fraction(0), Fraction(1))))
+    axial = Reach.of(replace(body, torque=(Fraction(0), Fraction(0), Fraction(1))))
     assert [Fraction(10) ** -n in axial for n in (80, 90)] == [True, False]
 
 
@@ -199,7 +201,7 @@ def test_a_body_out_of_reach_is_said_so():
 
 def test_energies_are_told_apart_at_any_f():
     """Two rotations were taken for one and its mirror image: three energies of six."""
-    found = polhode.levels(REGULAR)
-    regions = [[region for _, region in found.regions(f)] for f in (10**2, 10**16, 10**28)]
+    diagram = polhode.levels(REGULAR)
+    regions = [[region for _, region in diagram.regions(f)] for f in (10**2, 10**16, 10**28)]
     assert regions[0] == regions[1] == regions[2]
     assert len(regions[0]) == 6

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode.dynamics.exact_levels import BODY_BITS, RationalBody
 from polhode.dynamics.levels import fourth_integral
-from polhode.dynamics.permanent_rotations import BODY_BITS, RationalBody
 from polhode.numbers.conversion import to_double
 from polhode.numbers.polynomials import fraction_near
 from polhode.scenes import scene_file
@@ -77,7 +77,7 @@ def on_the_level(scene, name, starts, seed=18):
         ]
         return np.concatenate([own - l @ np.array(gradients), np.array(levels)])
 
-    found = []
+    result = []
     for _ in range(starts):
         z = np.concatenate([rng.normal(size=3) * np.sqrt(2 * abs(h)), rng.normal(size=6)])
         z[3:6] /= np.linalg.norm(z[3:6])
@@ -86,9 +86,9 @@ def on_the_level(scene, name, starts, seed=18):
             step = np.linalg.lstsq(jacobian, equations(z), rcond=1e-12)[0]
             z = z - step * min(1, 1 / np.linalg.norm(step))
             if np.linalg.norm(step) < 1e-9 and np.linalg.norm(equations(z)) < 1e-9:
-                found.append(FOURTH[name](z[:6], moments, c)[0])
+                result.append(FOURTH[name](z[:6], moments, c)[0])
                 break
-    return np.array(found)
+    return np.array(result)
 
 
 @pytest.mark.sample(0, slow=2)
@@ -108,14 +108,14 @@ def test_critical_values_are_those_that_newton_finds(case, starts):
     here = polhode.levels(scene).here.fourth
     values = np.array([value.value for value in here.critical])
     scale = max(1.0, np.abs(values).max())
-    found = on_the_level(scene, here.name, starts)
-    nearest = np.abs(found[:, None] - values).argmin(axis=1)
-    assert np.abs(found - values[nearest]).max() < 3e-7 * scale  # a double root: half the digits
+    result = on_the_level(scene, here.name, starts)
+    nearest = np.abs(result[:, None] - values).argmin(axis=1)
+    assert np.abs(result - values[nearest]).max() < 3e-7 * scale  # a double root: half the digits
     assert set(nearest) == set(range(len(values)))
 
 
 @pytest.mark.parametrize(
-    ("case", "what"),
+    ("case", "family"),
     [
         ("kovalevskaya/delaunay", "I"),
         ("kovalevskaya/appelrot", "II"),
@@ -127,10 +127,10 @@ def test_critical_values_are_those_that_newton_finds(case, starts):
         ("euler/separatrix", "rotation about axis 2"),
     ],
 )
-def test_special_motions_lie_on_a_critical_value(case, what):
+def test_special_motions_lie_on_a_critical_value(case, family):
     here = polhode.levels(case).here.fourth
     near = [v.what for v in here.critical if abs(v.value - here.value) < 1e-14 * max(1, here.value)]
-    assert any(kind.startswith(what) for kind in near)
+    assert any(kind.startswith(family) for kind in near)
 
 
 def critical(scene):
@@ -165,12 +165,12 @@ def test_another_unit_of_mass_and_of_time_scales_every_value(case):
         12 * scene.body.weight,
     )
     larger = replace(scene, body=body, omega=tuple(2 * w for w in scene.omega))
-    one, two = critical(scene), critical(larger)
-    by = GROWTH[one.name]
-    assert two.name == one.name
-    assert two.value == pytest.approx(by * one.value, rel=1e-15)
-    assert [x.what for x in two.critical] == [x.what for x in one.critical]
-    values = [by * x.value for x in one.critical]
+    first, two = critical(scene), critical(larger)
+    by = GROWTH[first.name]
+    assert two.name == first.name
+    assert two.value == pytest.approx(by * first.value, rel=1e-15)
+    assert [x.what for x in two.critical] == [x.what for x in first.critical]
+    values = [by * x.value for x in first.critical]
     assert [x.value for x in two.critical] == pytest.approx(values, rel=1e-15, abs=1e-300)
 
 
@@ -197,12 +197,12 @@ def test_a_sphere_s_axis_runs_through_its_centre_of_mass():
     along = critical(top([2, 2, 2], [0, 0, 5], ["1/3", 1, 2]))
     # the turn that takes z to (3/5, 0, 4/5), applied to centre, omega and gamma
     omega = [("1/3", 1, 2), ("22/15", 1, "7/5")][1]
-    turned = critical(top([2, 2, 2], [3, 0, 4], omega, gamma=("24/25", 0, "7/25")))
-    assert along.name == turned.name == "L"
+    rotated = critical(top([2, 2, 2], [3, 0, 4], omega, gamma=("24/25", 0, "7/25")))
+    assert along.name == rotated.name == "L"
     assert along.value == pytest.approx(4, rel=1e-15)
-    assert turned.value == pytest.approx(4, rel=1e-15)
-    assert [x.what for x in turned.critical] == [x.what for x in along.critical]
-    assert [x.value for x in turned.critical] == pytest.approx([x.value for x in along.critical])
+    assert rotated.value == pytest.approx(4, rel=1e-15)
+    assert [x.what for x in rotated.critical] == [x.what for x in along.critical]
+    assert [x.value for x in rotated.critical] == pytest.approx([x.value for x in along.critical])
 
 
 def test_a_top_s_vertical_motions():
@@ -225,9 +225,9 @@ def test_a_top_s_vertical_motions():
     ],
 )
 def test_a_free_body_s_rotations_and_vertical_momentum(omega, gamma, axes, vertical):
-    found = [x.what for x in critical(top([1, 2, 3], [0, 0, 0], omega, gamma, 0)).critical]
+    result = [x.what for x in critical(top([1, 2, 3], [0, 0, 0], omega, gamma, 0)).critical]
     expected = {f"rotation about axis {k}" for k in axes} | ({"G vertical"} if vertical else set())
-    assert set(found) == expected
+    assert set(result) == expected
 
 
 @pytest.mark.parametrize(
@@ -240,20 +240,20 @@ def test_a_free_body_s_rotations_and_vertical_momentum(omega, gamma, axes, verti
 )
 def test_appelrots_classes_of_a_pendulum_swinging_from_its_lowest_point(speed, expected):
     """f = 0, C = a = 1: K^2 = (1 - q^2)^2 = k1^2 of the motion itself."""
-    found = critical(top([2, 2, 1], [1, 0, 0], [0, speed, 0], gamma=(-1, 0, 0)))
-    assert [(x.value, x.what) for x in found.critical] == expected
+    result = critical(top([2, 2, 1], [1, 0, 0], [0, speed, 0], gamma=(-1, 0, 0)))
+    assert [(x.value, x.what) for x in result.critical] == expected
 
 
 @pytest.mark.parametrize(("p", "r", "real"), [(1, 1, True), (1, "1.1", False)])
 def test_class_ii_is_real_up_to_its_bound(p, r, real):
     """C = a = 1, gamma along the axis: k1 = p^2 = 1, and 4 m^2 = f^2 = r^2 is 1, and more."""
-    found = critical(top([2, 2, 1], [1, 0, 0], [p, 0, r], gamma=(0, 0, 1)))
-    assert ("II" in [x.what for x in found.critical]) == real
+    result = critical(top([2, 2, 1], [1, 0, 0], [p, 0, r], gamma=(0, 0, 1)))
+    assert ("II" in [x.what for x in result.critical]) == real
 
 
 def test_an_edge_that_has_shrunk_to_f_0_is_none():
     """2h/C - 2a = 0, with the centre of mass above and at rest."""
-    found = critical(top([4, 4, 1], [1, 0, 0], [0, 0, 0], gamma=(1, 0, 0)))
+    result = critical(top([4, 4, 1], [1, 0, 0], [0, 0, 0], gamma=(1, 0, 0)))
     edge = (4**3 / 108) ** 0.5
-    assert [x.what for x in found.critical] == ["edge", "F = 0", "edge"]
-    assert [x.value for x in found.critical] == pytest.approx([-edge, 0, edge], rel=1e-15)
+    assert [x.what for x in result.critical] == ["edge", "F = 0", "edge"]
+    assert [x.value for x in result.critical] == pytest.approx([-edge, 0, edge], rel=1e-15)

@@ -28,27 +28,27 @@ def test_which_lines_a_top_has():
 def test_the_axis_of_a_run_that_begins_later_has_the_same_lines():
     """G of the first sample, not of the scene's start."""
     scene = polhode.load("euler/attitude")
-    asked = replace(scene, outputs=("attitude",), events=())
-    found = [
+    options = replace(scene, outputs=("attitude",), events=())
+    analysis = [
         polhode.frequencies(
-            polhode.integrate(asked, at=[first + k * Fraction(1, 8) for k in range(1601)]),
+            polhode.integrate(options, at=[first + k * Fraction(1, 8) for k in range(1601)]),
             of=["axis"],
             lines=3,
         ).lines["axis"]
         for first in (0, Fraction(7, 3))
     ]
-    for one, other in zip(*found, strict=True):
-        assert abs(one.frequency - other.frequency) < 2 * (one.error + other.error)
-        assert abs(one.amplitude) == pytest.approx(abs(other.amplitude), rel=1e-9)
-        assert dict(one.combination) == dict(other.combination)
+    for line, again in zip(*analysis, strict=True):
+        assert abs(line.frequency - again.frequency) < 2 * (line.error + again.error)
+        assert abs(line.amplitude) == pytest.approx(abs(again.amplitude), rel=1e-9)
+        assert dict(line.combination) == dict(again.combination)
 
 
 @pytest.mark.slow
 def test_without_a_closed_form_lines_are_named_by_each_other():
-    found = polhode.frequencies("general/asymmetric-regular", end=1500, lines=4)
-    assert not found.closed_form
-    assert len(found.known) == 2
-    named = [line for lines in found.lines.values() for line in lines if line.combination]
+    analysis = polhode.frequencies("general/asymmetric-regular", end=1500, lines=4)
+    assert not analysis.closed_form
+    assert len(analysis.known) == 2
+    named = [line for lines in analysis.lines.values() for line in lines if line.combination]
     assert len(named) >= 5
 
 
@@ -63,15 +63,15 @@ def test_a_chaotic_motion_has_no_sharp_lines():
 @pytest.mark.slow
 def test_frequencies_verb(tmp_path, capsys):
     assert main(["frequencies", "euler/attitude", "--end", "200", "--of", "r", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["columns"]["combination"][0] == "2 polhode"
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["columns"]["combination"][0] == "2 polhode"
     pytest.importorskip("matplotlib")
     figure = tmp_path / "f.svg"
     assert main(["frequencies", "euler/attitude", "--end", "200", "-o", str(figure)]) == 0
     assert main(["frequencies", "euler/attitude", "--end", "200"]) == 0
-    told = capsys.readouterr()
-    assert "- polhode" in told.out
-    assert "closed form: precession" in told.err
+    output = capsys.readouterr()
+    assert "- polhode" in output.out
+    assert "closed form: precession" in output.err
     assert "spectrum p+iq" in figure.read_text()
 
 
@@ -91,8 +91,8 @@ ON_THE_WAY = {
 }
 
 
-@pytest.mark.parametrize("asked", ON_THE_WAY)
-def test_ctrl_c_is_not_the_scene_s_fault(asked, monkeypatch):
+@pytest.mark.parametrize("options", ON_THE_WAY)
+def test_ctrl_c_is_not_the_scene_s_fault(options, monkeypatch):
     """The run on the way was interrupted: so is what was asked for, and no key is bad."""
 
     def pressed(motion, times, most, rows, *_):
@@ -100,4 +100,4 @@ def test_ctrl_c_is_not_the_scene_s_fault(asked, monkeypatch):
 
     monkeypatch.setattr(Motion, "advance", pressed)
     with pytest.raises(KeyboardInterrupt):
-        ON_THE_WAY[asked]()
+        ON_THE_WAY[options]()

@@ -18,9 +18,9 @@ def against(case: str, of: list[str], end: str, count: int = 4) -> list[tuple[fl
     """(frequency, its true error, the claimed one) of each line that is named."""
     exact = polhode.reference(case).frequencies
     exact |= {f"{name}/2": value / 2 for name, value in exact.items() if name in HALVES}
-    found = polhode.frequencies(case, of=of, end=end, lines=count)
+    analysis = polhode.frequencies(case, of=of, end=end, lines=count)
     rows = []
-    for line in (line for lines in found.lines.values() for line in lines if line.combination):
+    for line in (line for lines in analysis.lines.values() for line in lines if line.combination):
         right = sum(k * exact[name] for name, k in line.combination.items())
         rows.append((line.frequency, abs(float(right - line.frequency)), line.error))
     return rows
@@ -29,10 +29,10 @@ def against(case: str, of: list[str], end: str, count: int = 4) -> list[tuple[fl
 def test_lines_of_a_made_up_signal():
     """Frequencies of t, whichever way the samples run; amplitudes at the first of them."""
     t = 0.1 * np.arange(4001)
-    made = [(1.2345678901234567, 1.0), (-0.76543210987654321, 0.3j), (2.7182818284590452, -1e-3)]
+    results = [(1.2345678901234567, 1.0), (-0.76543210987654321, 0.3j), (2.7182818284590452, -1e-3)]
     for step in (0.1, -0.1):
-        signal = sum(a * np.exp(1j * om * t * math.copysign(1, step)) for om, a in made)
-        for line, (om, a) in zip(naff.lines(signal, step, 3), made, strict=True):
+        signal = sum(a * np.exp(1j * om * t * math.copysign(1, step)) for om, a in results)
+        for line, (om, a) in zip(naff.lines(signal, step, 3), results, strict=True):
             assert abs(line.frequency - om) < 3e-14
             assert abs(line.frequency - om) <= line.error < 1e-9
             assert abs(line.amplitude - a) < 1e-11 * abs(a) + 1e-13
@@ -43,12 +43,12 @@ def test_lines_of_a_made_up_signal():
 def test_no_unit_costs_a_digit(unit):
     t = np.arange(801)
     signal = np.exp(0.3j * t) + 0.1 * np.exp(-1.1j * t)
-    for one, other in zip(
+    for first, second in zip(
         naff.lines(signal, 1.0, 2), naff.lines(signal * unit, unit, 2), strict=True
     ):
-        assert abs(one.frequency - other.frequency * unit) <= 2**-50 * abs(one.frequency)
-        assert abs(one.amplitude - other.amplitude / unit) <= 1e-13
-        assert other.error * unit == pytest.approx(one.error, rel=0.1)
+        assert abs(first.frequency - second.frequency * unit) <= 2**-50 * abs(first.frequency)
+        assert abs(first.amplitude - second.amplitude / unit) <= 1e-13
+        assert second.error * unit == pytest.approx(first.error, rel=0.1)
 
 
 def test_nothing_has_no_lines():
@@ -90,10 +90,10 @@ def test_a_file_with_falling_times(tmp_path):
     exact = polhode.reference("lagrange/nutation").frequencies
     by_file = polhode.frequencies(path).lines["gamma3"][0]
     assert by_file.combination
-    for found in (polhode.frequencies(path), polhode.frequencies(run)):
-        line = found.lines["p+iq"][0]
+    for result in (polhode.frequencies(path), polhode.frequencies(run)):
+        line = result.lines["p+iq"][0]
         assert abs(line.frequency + float(exact["proper rotation"])) <= line.error < 1e-11
-        (line, *_) = found.lines["gamma3"]
+        (line, *_) = result.lines["gamma3"]
         assert abs(line.frequency - float(exact["nutation"])) <= line.error < 1e-11
         assert abs(line.frequency - by_file.frequency) < 1e-14
 
@@ -153,9 +153,9 @@ def test_a_stuck_refinement_cannot_claim_digits(monkeypatch):
     """The nearest point of the grid, which the second window does not share."""
     monkeypatch.setattr(naff, "_refined", lambda weighted, time, start, cell, most: start)
     signal, step, om = quasi_periodic(np.random.default_rng(4), 20)
-    found = naff.lines(signal, step, len(om))
-    assert any(np.min(np.abs(om - line.frequency)) > 1e-3 for line in found)
-    assert all(np.min(np.abs(om - line.frequency)) <= line.error for line in found)
+    result = naff.lines(signal, step, len(om))
+    assert any(np.min(np.abs(om - line.frequency)) > 1e-3 for line in result)
+    assert all(np.min(np.abs(om - line.frequency)) <= line.error for line in result)
 
 
 def test_how_far_a_line_shifts_another():
@@ -165,8 +165,8 @@ def test_how_far_a_line_shifts_another():
     for bins in (1.6, 4.0, 9.0, 14.0):
         shifts = []
         for phase in np.linspace(0, 2 * np.pi, 24, endpoint=False):
-            other = 1e-3 * np.exp(1j * (phase + bins * window.bin * window.time))
-            shifts.append(window.line(1 + other, 0.0)[0] / window.bin)
+            second = 1e-3 * np.exp(1j * (phase + bins * window.bin * window.time))
+            shifts.append(window.line(1 + second, 0.0)[0] / window.bin)
         largest = max(map(abs, shifts)) / 1e-3
         bound = float(leak(np.array([bins]), naff.POWER)[0])
         assert 0.5 * bound < largest < 1.02 * bound

@@ -9,9 +9,10 @@ import pytest
 from mpmath import MPContext
 
 import polhode
-from polhode.dynamics import high_precision, newton_shooting, orbit
+from polhode.dynamics import newton_shooting, orbit
 from polhode.dynamics import orbit as periodic_orbit
-from polhode.dynamics.newton_shooting import Surface, at_level, bordered
+from polhode.dynamics.level_body import LevelBody
+from polhode.dynamics.newton_shooting import at_level, bordered
 from polhode.dynamics.orbit import Return
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import exactly
@@ -50,10 +51,10 @@ def grioli_orbit(mp, q):
     s = q
     co = mp.sqrt(1 - s * s)
     i11, j = a + c - b, (c - a) * e1[0] * e1[1]
-    one, two = -j * co, i11 * co - j * s * s
+    first, two = -j * co, i11 * co - j * s * s
     return [
         *(e1[0] + co * e2[0], s, e1[1] + co * e2[1]),
-        *(one * e1[0] + two * e2[0], s * (i11 + j * co), one * e1[1] + two * e2[1]),
+        *(first * e1[0] + two * e2[0], s * (i11 + j * co), first * e1[1] + two * e2[1]),
     ]
 
 
@@ -68,19 +69,19 @@ def test_griolis_orbit_to_thirty_digits_from_a_start_off_by_a_thousandth(seed):
     mp = mp_of(50)
     near = perturbed(1e-3, seed)
     level = GRIOLI.integrals
-    found = polhode.orbit(near, digits=30, h=level.energy, f=level.area)
-    assert 1e-4 < found.moved < 1e-2
-    off = abs(value(mp, found.period) / (2 * mp.pi) - 1)
-    state = [value(mp, x) for x in found.scene.omega]
-    gamma = [value(mp, x) for x in gamma_of(found.scene, 40)]
+    closed_orbit = polhode.orbit(near, digits=30, h=level.energy, f=level.area)
+    assert 1e-4 < closed_orbit.moved < 1e-2
+    off = abs(value(mp, closed_orbit.period) / (2 * mp.pi) - 1)
+    state = [value(mp, x) for x in closed_orbit.scene.omega]
+    gamma = [value(mp, x) for x in gamma_of(closed_orbit.scene, 40)]
     exact = grioli_orbit(mp, state[1])
     worst = max(off, *(abs(a - b) for a, b in zip([*state, *gamma], exact, strict=True)))
     assert 1e-35 < worst < 1e-30
-    assert worst < 5 * found.error < 5e-30
-    assert found.residue == pytest.approx(0.002448416424848809, rel=1e-14)
-    assert found.turns == 1  # of psi, from 1/3 on
-    assert abs(value(mp, found.psi) / (2 * mp.pi) - 1) < 1e-25
-    assert found.scene.psi == Fraction(1, 3)
+    assert worst < 5 * closed_orbit.error < 5e-30
+    assert closed_orbit.residue == pytest.approx(0.002448416424848809, rel=1e-14)
+    assert closed_orbit.turns == 1  # of psi, from 1/3 on
+    assert abs(value(mp, closed_orbit.psi) / (2 * mp.pi) - 1) < 1e-25
+    assert closed_orbit.scene.psi == Fraction(1, 3)
 
 
 def test_another_orbit_of_griolis_whose_residue_is_known():
@@ -94,11 +95,11 @@ def test_another_orbit_of_griolis_whose_residue_is_known():
         gamma=["-0.3162", "0.0003", "0.9487"],
         normalise=True,
     )
-    found = polhode.orbit(near, digits=30, h="2*sqrt(2/5)", f="sqrt(9/5*sqrt(2/5))")
-    known = mp.mpf("0.07633098281651145408432311840734126483")
-    assert abs(value(mp, found.residue) - known) < found.residue_error < 1e-28
+    closed_orbit = polhode.orbit(near, digits=30, h="2*sqrt(2/5)", f="sqrt(9/5*sqrt(2/5))")
+    top = mp.mpf("0.07633098281651145408432311840734126483")
+    assert abs(value(mp, closed_orbit.residue) - top) < closed_orbit.residue_error < 1e-28
     exact = 2 * mp.pi * mp.mpf("2.5") ** 0.25
-    assert abs(value(mp, found.period) / exact - 1) < 1e-30
+    assert abs(value(mp, closed_orbit.period) / exact - 1) < 1e-30
 
 
 def gamma_of(scene, digits):
@@ -109,14 +110,14 @@ def gamma_of(scene, digits):
 @pytest.mark.parametrize("digits", [30, pytest.param(60, marks=pytest.mark.campaign)])
 def test_what_the_monodromy_matrix_keeps_exactly(digits):
     """grad F M = grad F, M x' = x', det M = 1; of the period as many digits are right."""
-    found = polhode.orbit(GRIOLI, digits=digits)
-    assert 10.0 ** -(digits + 3) < found.error < 10.0**-digits
-    assert found.residue_error < 10.0 ** (2 - digits)
-    assert found.determinant < 10.0 ** -(digits - 1)
+    closed_orbit = polhode.orbit(GRIOLI, digits=digits)
+    assert 10.0 ** -(digits + 3) < closed_orbit.error < 10.0**-digits
+    assert closed_orbit.residue_error < 10.0 ** (2 - digits)
+    assert closed_orbit.determinant < 10.0 ** -(digits - 1)
     mp = mp_of(80)
-    assert abs(value(mp, found.period) / (2 * mp.pi) - 1) < 10.0**-digits
-    other = polhode.orbit(GRIOLI, digits=20)
-    assert abs(value(mp, found.residue) - value(mp, other.residue)) < other.residue_error
+    assert abs(value(mp, closed_orbit.period) / (2 * mp.pi) - 1) < 10.0**-digits
+    second = polhode.orbit(GRIOLI, digits=20)
+    assert abs(value(mp, closed_orbit.residue) - value(mp, second.residue)) < second.residue_error
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -126,34 +127,34 @@ def test_residues_of_rotations_of_a_free_body(axis):
     moments = [Fraction(2), Fraction(3, 2), Fraction(1)]
     omega, gamma = [0, 0, 0], [0, 0, 0]
     omega[axis], gamma[axis], gamma[(axis + 1) % 3] = 2, Fraction(3, 5), Fraction(4, 5)
-    found = polhode.orbit(polhode.top(moments=moments, omega=omega, gamma=gamma), digits=30)
+    closed_orbit = polhode.orbit(polhode.top(moments=moments, omega=omega, gamma=gamma), digits=30)
     a, b, c = (moments[(axis + k) % 3] for k in range(3))
     ratio = (a - b) * (a - c) / (b * c)
     exact = mp.sin(mp.pi * mp.sqrt(mp.mpf(ratio.numerator) / ratio.denominator)) ** 2
     exact = mp.re(exact)
-    assert abs(value(mp, found.residue) - exact) < found.residue_error < 1e-28
-    assert abs(value(mp, found.period) / mp.pi - 1) < 1e-30
-    assert found.kind == ("hyperbolic" if axis == 1 else "elliptic")
-    one, other = (mp.mpc(*(value(mp, x) for x in parts)) for parts in found.multipliers)
-    assert abs(one * other - 1) < 1e-30
+    assert abs(value(mp, closed_orbit.residue) - exact) < closed_orbit.residue_error < 1e-28
+    assert abs(value(mp, closed_orbit.period) / mp.pi - 1) < 1e-30
+    assert closed_orbit.kind == ("hyperbolic" if axis == 1 else "elliptic")
+    first, second = (mp.mpc(*(value(mp, x) for x in parts)) for parts in closed_orbit.multipliers)
+    assert abs(first * second - 1) < 1e-30
     if axis != 1:
-        assert abs(abs(one) - 1) < 1e-30
-        assert abs(mp.arg(one) - mp.acos(1 - 2 * exact)) < 1e-28
+        assert abs(abs(first) - 1) < 1e-30
+        assert abs(mp.arg(first) - mp.acos(1 - 2 * exact)) < 1e-28
     else:
         root = mp.acosh(1 - 2 * exact)
-        assert abs(one / mp.exp(root) - 1) < 1e-28
+        assert abs(first / mp.exp(root) - 1) < 1e-28
 
 
 @pytest.mark.parametrize("residue", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_the_way_back_and_the_residue_by_somebody_elses_integrator(residue):
     """By tests/shared/plain_taylor: the start again; tr M by central differences of 1e-10."""
-    found = polhode.orbit("general/asymmetric-regular", digits=25)
-    body = found.scene.body
-    start = [*found.scene.omega, *gamma_of(found.scene, 40)]
+    closed_orbit = polhode.orbit("general/asymmetric-regular", digits=25)
+    body = closed_orbit.scene.body
+    start = [*closed_orbit.scene.omega, *gamma_of(closed_orbit.scene, 40)]
 
     def end(state):
         own = body.moments, body.torque, state[:3], state[3:]
-        return plain_taylor.integrate(*own, [found.period], 34)[0]
+        return plain_taylor.integrate(*own, [closed_orbit.period], 34)[0]
 
     if not residue:
         off = max(abs(float(a - b)) for a, b in zip(start, end(start), strict=True))
@@ -165,42 +166,42 @@ def test_the_way_back_and_the_residue_by_somebody_elses_integrator(residue):
             end([x + side * (k == i) for k, x in enumerate(start)])[i] for side in (step, -step)
         )
         trace += (ahead - behind) / (2 * step)
-    assert abs((6 - trace) / 4 - exactly(found.residue)) < Fraction(1, 10**17)
+    assert abs((6 - trace) / 4 - exactly(closed_orbit.residue)) < Fraction(1, 10**17)
 
 
 @pytest.mark.slow
 def test_in_turned_axes_and_in_other_units():
     """The same orbit of the same body: its axes turned; time three times as fast, mass fivefold."""
-    turned = polhode.orbit("grioli/turned-axes", digits=20)
-    assert float(turned.residue) == pytest.approx(0.002448416424848809, rel=1e-14)
-    assert float(turned.period) == pytest.approx(2 * np.pi, rel=1e-15)
+    rotated = polhode.orbit("grioli/turned-axes", digits=20)
+    assert float(rotated.residue) == pytest.approx(0.002448416424848809, rel=1e-14)
+    assert float(rotated.period) == pytest.approx(2 * np.pi, rel=1e-15)
     body = GRIOLI.body
-    other = polhode.Body.of_moments([5 * x for x in body.moments], body.centre, 45 * body.weight)
-    start = polhode.Scene(other, [3 * x for x in GRIOLI.omega], GRIOLI.gamma)
-    found = polhode.orbit(start, digits=20)
-    assert float(found.residue) == pytest.approx(0.002448416424848809, rel=1e-14)
-    assert float(found.period) == pytest.approx(2 * np.pi / 3, rel=1e-15)
-    assert found.h == 45 * GRIOLI.integrals.energy
-    last = polhode.orbit_family(found, "h", float(found.h) * 1.01).points[-1]
+    second = polhode.Body.of_moments([5 * x for x in body.moments], body.centre, 45 * body.weight)
+    start = polhode.Scene(second, [3 * x for x in GRIOLI.omega], GRIOLI.gamma)
+    closed_orbit = polhode.orbit(start, digits=20)
+    assert float(closed_orbit.residue) == pytest.approx(0.002448416424848809, rel=1e-14)
+    assert float(closed_orbit.period) == pytest.approx(2 * np.pi / 3, rel=1e-15)
+    assert closed_orbit.h == 45 * GRIOLI.integrals.energy
+    last = polhode.orbit_family(closed_orbit, "h", float(closed_orbit.h) * 1.01).points[-1]
     assert last.h / 45 == pytest.approx(63 / 74 * 1.01, rel=1e-13)
     assert last.f / 15 == pytest.approx(836 / 1369, rel=1e-13)
 
 
 def test_a_type_that_is_too_narrow_is_left_for_a_wider_one(monkeypatch):
     """The error of the decimals decides, not what was foreseen."""
-    monkeypatch.setattr(high_precision, "type_for", lambda digits, least=0: number_types.EXTENDED)
-    found = polhode.orbit(perturbed(1e-3, 0), digits=22)
-    assert 1e-26 < found.error < 1e-22
-    monkeypatch.setattr(high_precision, "MOST_TYPES", 1)
+    monkeypatch.setattr(newton_shooting, "type_for", lambda digits, least=0: number_types.EXTENDED)
+    closed_orbit = polhode.orbit(perturbed(1e-3, 0), digits=22)
+    assert 1e-26 < closed_orbit.error < 1e-22
+    monkeypatch.setattr(newton_shooting, "MOST_TYPES", 1)
     with pytest.raises(polhode.BadInput, match="not below 1e-22"):
         polhode.orbit(perturbed(1e-3, 0), digits=22)
 
 
 def test_a_start_on_the_orbit_is_returned_as_it_is_and_the_period_is_the_shortest():
-    found = polhode.orbit(GRIOLI, period="18.85")  # three periods
-    assert float(found.period) == pytest.approx(2 * np.pi, rel=1e-15)
-    assert found.scene.omega == GRIOLI.omega
-    assert found.scene.gamma[1] == 0
+    closed_orbit = polhode.orbit(GRIOLI, period="18.85")  # three periods
+    assert float(closed_orbit.period) == pytest.approx(2 * np.pi, rel=1e-15)
+    assert closed_orbit.scene.omega == GRIOLI.omega
+    assert closed_orbit.scene.gamma[1] == 0
 
 
 @pytest.mark.slow
@@ -208,11 +209,11 @@ def test_the_scene_that_is_written_is_the_orbit(tmp_path, capsys):
     from polhode.cli import main
 
     path = tmp_path / "orbit.toml"
-    asked = ["orbit", "grioli/precession", "--digits", "30"]
-    assert main([*asked, "-o", str(path)]) == main(asked) == 0
-    told = capsys.readouterr()
-    assert "period      6.283185307179586476925286766559\n" in told.out
-    assert "the motion in space closes after 1 period" in told.out
+    command = ["orbit", "grioli/precession", "--digits", "30"]
+    assert main([*command, "-o", str(path)]) == main(command) == 0
+    output = capsys.readouterr()
+    assert "period      6.283185307179586476925286766559\n" in output.out
+    assert "the motion in space closes after 1 period" in output.out
     scene = polhode.load(path)
     run = polhode.integrate(scene.at([scene.end]), number_types.mp(36), project=False)
     off = max(
@@ -226,7 +227,7 @@ def test_the_scene_that_is_written_is_the_orbit(tmp_path, capsys):
 def test_an_orbit_far_from_the_start_is_not_the_one_asked_for():
     """A return that missed by 1e-9 has its orbit there, not a thousandth away."""
     near = perturbed(1e-3, 0)
-    on = Surface(near, *near.integrals[:2])
+    on = LevelBody(near, *near.integrals[:2])
     start = np.array([float(x) for x in on.exact_start])
     time = 2 * np.pi / float(on.unit)
     with pytest.raises(polhode.BadInput, match=r"it led 0\.00.* away from the start"):
@@ -242,19 +243,19 @@ def test_a_motion_that_does_not_come_near_itself(monkeypatch):
 
 def test_digits_are_measured_from_the_decimals_that_are_written():
     """A start that is wrong in its 12th digit is told to be."""
-    on = Surface(GRIOLI, *GRIOLI.integrals[:2])
+    on = LevelBody(GRIOLI, *GRIOLI.integrals[:2])
     x = np.array([float(v) for v in on.exact_start])
-    found = newton_shooting.closed(on, x, 2 * np.pi / float(on.unit), at_level(on, x))
-    fine = high_precision.refined(on, found, on.exact_start, 20)
-    rows = at_level(on, found.state)(found.state, found.period)[1]
-    matrix = bordered(on, found.state, found.state, found.monodromy, rows)
-    chord = high_precision.Chord(
-        on, found.state, on.exact_start, newton_shooting.inverse_of(matrix)
+    result = newton_shooting.closed(on, x, 2 * np.pi / float(on.unit), at_level(on, x))
+    fine = newton_shooting.refined(on, result, on.exact_start, 20)
+    rows = at_level(on, result.state)(result.state, result.period)[1]
+    matrix = bordered(on, result.state, result.state, result.monodromy, rows)
+    chord = newton_shooting.Chord(
+        on, result.state, on.exact_start, newton_shooting.inverse_of(matrix)
     )
     wrong = [*fine.state]
     wrong[0] += Fraction(1, 10**12)
-    told = high_precision._written(chord, wrong, fine.time, fine.number, 20, 1)
-    assert 0.1e-12 < told.error < 10e-12
+    text = newton_shooting._written(chord, wrong, fine.time, fine.number, 20, 1)
+    assert 0.1e-12 < text.error < 10e-12
     assert fine.error < 1e-21
 
 
@@ -264,17 +265,17 @@ def test_psi_of_a_motion_about_the_vertical_is_the_attitude_s(turn):
     asleep = polhode.top(
         moments=[2, 2, 1], centre=[0, 0, 1], weight=1, omega=[0, 0, turn], gamma=[0, 0, 1], end=1
     )
-    found = orbit.advance(asleep, number_types.DOUBLE)
-    assert not found.whole
-    assert float(found.psi) == pytest.approx(float(turn), abs=1e-13)
+    result = orbit.advance(asleep, number_types.DOUBLE)
+    assert not result.whole
+    assert float(result.psi) == pytest.approx(float(turn), abs=1e-13)
 
 
 @pytest.mark.slow
 def test_the_advance_of_psi_is_told_as_far_as_it_is_known():
     """Of few digits it was printed to as many places, and was nearly always called closed."""
-    found = polhode.orbit_search("general/asymmetric-chaotic", (12, 12), 2)
+    search = polhode.orbit_search("general/asymmetric-chaotic", (12, 12), 2)
     for k in (1, 3):
-        few, many = (found.orbit(k, digits) for digits in (5, 20))
+        few, many = (search.orbit(k, digits) for digits in (5, 20))
         off = abs(float(few.psi) - float(many.psi))
         assert few.psi_error / 1e3 < off < few.psi_error < 1e-3
         line = str(few).splitlines()[-1]

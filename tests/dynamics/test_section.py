@@ -14,9 +14,9 @@ import polhode
 from polhode.cli import main
 from polhode.common import checkpoint
 from polhode.common.checkpoint import JobCheckpoint
-from polhode.dynamics import coordinates as geometry
 from polhode.dynamics import section as section_jobs
-from polhode.dynamics import starts as section_starts
+from polhode.dynamics import starts as geometry
+from polhode.dynamics.level_body import LevelBody
 from polhode.scenes import scene_file
 from polhode.taylor import event_batches, event_watch
 
@@ -32,7 +32,7 @@ def off_level(on, states, h, f, turning="momentum"):
     """The largest errors of h, f, |gamma|^2 and of the section's zero at states, in eps."""
     w, g = (states[..., k : k + 3].astype(np.longdouble) for k in (0, 3))
     G = w * on.moments
-    zero = np.cross(on.frame[2], G if turning == "momentum" else w)
+    zero = np.cross(on.arm_axes[2], G if turning == "momentum" else w)
     errors = ((w * G).sum(-1) / 2 + g @ on.torque.astype(np.longdouble) - float(h),)
     errors += ((G * g).sum(-1) - float(f), (g * g).sum(-1) - 1, (g * zero).sum(-1))
     return [float(np.abs(x).max() / EPS) for x in errors]
@@ -41,18 +41,18 @@ def off_level(on, states, h, f, turning="momentum"):
 @pytest.mark.parametrize("f", [0, Fraction(1, 2), -1, 2])
 @pytest.mark.parametrize("case", ["general/asymmetric-chaotic", "kovalevskaya/generic"])
 def test_states_are_on_level_and_section(case, f):
-    on = geometry.ground(polhode.load(case), Fraction(3), Fraction(f))
-    l, sig = geometry.cells(30, 30)
+    on = LevelBody(polhode.load(case), Fraction(3), Fraction(f))
+    l, sig = geometry.cell_centres(30, 30)
     counted = 0
     for maxima in (True, False):
-        found = geometry.momentum_states(on, l, sig, maxima)
-        assert max(off_level(on, found.states, 3, f)) < 48
-        again = geometry.coordinates(on, found.states)
-        assert np.abs(again[0] - l[found.of]).max() < 32 * EPS
-        assert np.abs(again[1] - sig[found.of]).max() < 16 * EPS
-        rate = squares_rate_of_rate(on, found.states)
+        result = geometry.momentum_states(on, l, sig, maxima)
+        assert max(off_level(on, result.states, 3, f)) < 48
+        again = geometry.coordinates(on, result.states)
+        assert np.abs(again[0] - l[result.of]).max() < 32 * EPS
+        assert np.abs(again[1] - sig[result.of]).max() < 16 * EPS
+        rate = squares_rate_of_rate(on, result.states)
         assert (rate < 0).all() if maxima else (rate > 0).all()
-        counted += len(found.states)
+        counted += len(result.states)
     assert counted >= 2 * len(l) - 60  # y has two roots, four at some, none where h is too low
 
 
@@ -75,14 +75,13 @@ def test_every_root_of_the_momentum_equation_is_found():
     several = 0
     for _ in range(10):
         h, f = Fraction(int(rng.integers(10, 300)), 100), Fraction(int(rng.integers(0, 150)), 100)
-        on = geometry.ground(GENERIC, h, f)
+        on = LevelBody(GENERIC, h, f)
         l = rng.uniform(0, 2 * np.pi, 40)
         sig = rng.choice([-1, 1], 40) * (1 - 10 ** rng.uniform(-3, 0, 40))
         both = [geometry.momentum_states(on, l, sig, kind).of for kind in (True, False)]
         counts = np.bincount(np.concatenate(both), minlength=40)
         across = np.sqrt(1 - sig * sig)
-        e = np.outer(across * np.sin(l), on.frame[0]) + np.outer(across * np.cos(l), on.frame[1])
-        e = e + np.outer(sig, on.frame[2])
+        e = np.stack([across * np.sin(l), across * np.cos(l), sig], axis=1) @ on.arm_axes
         kappa = (e * e / on.moments).sum(1)[:, None]
         y = np.linspace(-4, 4, 16001)[None, :] + 1e-7
         R = np.hypot(float(f), y)
@@ -96,11 +95,11 @@ def test_every_root_of_the_momentum_equation_is_found():
 
 
 def test_heights_are_extremal():
-    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
-    gamma = geometry.gamma_at(on, *geometry.cells(12, 12))
+    on = LevelBody(GENERIC, Fraction(3), Fraction(1, 2))
+    gamma = geometry.unit_vectors(on, *geometry.cell_centres(12, 12))
     for side, maxima in itertools.product((1.0, -1.0), (True, False)):
-        found = geometry.height_states(on, gamma, np.full(len(gamma), side), maxima)
-        assert max(off_level(on, found.states, 3, Fraction(1, 2), "velocity")) < 64
+        result = geometry.height_states(on, gamma, np.full(len(gamma), side), maxima)
+        assert max(off_level(on, result.states, 3, Fraction(1, 2), "velocity")) < 64
 
 
 # -- crossings against closed forms ----------------------------------------------------------------
@@ -123,9 +122,9 @@ def spread(values):
 def test_curves_of_integrable_tops_close(case, level, low, high):
     """To the rounding of a state: the invariant's gradient, at most 200 of |state|, times eps."""
     scene = polhode.load(case)
-    found = polhode.section(scene, grid=(4, 4), crossings=300, **level)
-    assert found.complete
-    wide = found.states.astype(np.longdouble)
+    cut = polhode.section(scene, grid=(4, 4), crossings=300, **level)
+    assert cut.complete
+    wide = cut.states.astype(np.longdouble)
     p, q, r, g1, g2, g3 = np.moveaxis(wide, -1, 0)
     G = wide[..., :3] * np.array([float(a) for a in scene.body.moments])
     if case.startswith("lagrange"):
@@ -144,49 +143,49 @@ def test_curves_of_integrable_tops_close(case, level, low, high):
 @pytest.mark.parametrize("by", ["momentum", "height"])
 @pytest.mark.parametrize("extremum", ["max", "min"])
 def test_crossings_are_extrema_of_the_kind_asked_for_on_the_level(by, extremum):
-    found = polhode.section(GENERIC, by=by, extremum=extremum, grid=(4, 4), crossings=90, **LEVEL)
-    on = geometry.ground(GENERIC, Fraction(3), Fraction(1, 2))
+    cut = polhode.section(GENERIC, by=by, extremum=extremum, grid=(4, 4), crossings=90, **LEVEL)
+    on = LevelBody(GENERIC, Fraction(3), Fraction(1, 2))
     bend = geometry.momentum_slope if by == "momentum" else geometry.height_bend
-    slopes = bend(on, found.states.reshape(-1, 6))
+    slopes = bend(on, cut.states.reshape(-1, 6))
     assert (slopes < 0).all() if extremum == "max" else (slopes > 0).all()
-    assert found.times[:, 0].min() > 0.1  # a start is no crossing
-    errors = off_level(on, found.states, 3, Fraction(1, 2), by)
+    assert cut.times[:, 0].min() > 0.1  # a start is no crossing
+    errors = off_level(on, cut.states, 3, Fraction(1, 2), by)
     assert all(x < most for x, most in zip(errors, (4, 2, 1, 4), strict=True))
 
 
 @pytest.mark.slow
 def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
     """Chunks that end on the first crossing, to the last bit, and 1e-14 to either side of it."""
-    asked = section_starts.cut_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
-    on = geometry.ground(GENERIC, asked.h, asked.f)
-    states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states
-    zero = section_jobs.zero_of(GENERIC, on, "momentum")
-    (job,) = section_jobs.jobs_of(asked, on, zero, -1, 4, states)
+    options = geometry.cut_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
+    on = options.on
+    states = geometry.momentum_states(on, *geometry.cell_centres(4, 3), True).states
+    zero = section_jobs.zero_of(on, "momentum")
+    (job,) = section_jobs.jobs_of(on, zero, -1, 4, states)
     plain = event_batches.solve(job)
     for k in range(len(states)):
         for moved in (-1e-14, -1e-15, 0, 1e-15, 1e-14):
             chunk = float(plain.times[k, 0]) * (1 + moved)
-            other = event_batches.solve(
+            second = event_batches.solve(
                 job._replace(
                     stretch=chunk, coefficients=job.coefficients[:1], starts=states[k : k + 1]
                 )
             )
-            assert np.abs(other.times[0] + other.rests[0] - plain.times[k]).max() < 1e-11
+            assert np.abs(second.times[0] + second.rests[0] - plain.times[k]).max() < 1e-11
 
 
 def test_flat_crossings_count_and_contacts_do_not():
     """Where q vanishes q**3 has a triple zero, and gamma3 q**2 touches zero."""
     for by, plain, off in (("q**3", "q", 1e-6), ("gamma3*q**2", "gamma3", 1e-11)):
-        asked = {"starts": "scene", "crossings": 8}
-        flat, found = (polhode.section(GENERIC, by=x, **asked) for x in (by, plain))
-        assert np.abs(flat.times - found.times).max() < off
+        options = {"starts": "scene", "crossings": 8}
+        flat, cut = (polhode.section(GENERIC, by=x, **options) for x in (by, plain))
+        assert np.abs(flat.times - cut.times).max() < off
 
 
 def test_an_expression_as_small_as_doubles_have_is_none_that_stays():
     """It was refused as a constant: a complex step of 1e-30 along it was 0."""
-    asked = {"starts": "scene", "crossings": 4}
-    small, found = (polhode.section(GENERIC, by=by, **asked) for by in ("1e-300*q**3", "q"))
-    assert np.abs(small.times - found.times).max() < 1e-11
+    options = {"starts": "scene", "crossings": 4}
+    small, cut = (polhode.section(GENERIC, by=by, **options) for by in ("1e-300*q**3", "q"))
+    assert np.abs(small.times - cut.times).max() < 1e-11
 
 
 _TILTED = """schema = 1
@@ -207,65 +206,65 @@ end = 20
 def test_no_triple_zero_is_taken_for_a_contact(times, tmp_path):
     """gamma3**3 is 0 to 1e-51 where gamma3 is: its rounding error there says nothing of a side."""
     (tmp_path / "tilted.toml").write_text(_TILTED)
-    asked = {"starts": "scene", "crossings": 12}
-    flat, found = (
-        polhode.section(tmp_path / "tilted.toml", by=by, **asked)
+    options = {"starts": "scene", "crossings": 12}
+    flat, cut = (
+        polhode.section(tmp_path / "tilted.toml", by=by, **options)
         for by in (f"{times}*gamma3**3", "gamma3")
     )
-    assert np.abs(flat.times - found.times).max() < 1e-5
-    assert flat.outcomes == found.outcomes
+    assert np.abs(flat.times - cut.times).max() < 1e-5
+    assert flat.outcomes == cut.outcomes
 
 
 def test_flat_crossings_of_many_orbits_are_looked_at_each_with_its_own_numbers(tmp_path):
     """A crossing of the fifth order is looked at beside the others; its place may be any."""
     (tmp_path / "tilted.toml").write_text(_TILTED)
-    found = polhode.section(
+    cut = polhode.section(
         tmp_path / "tilted.toml", by="gamma3**5", starts="scene", crossings=12, workers=1
     )
-    assert found.counts.tolist() == [12]
+    assert cut.counts.tolist() == [12]
 
 
 @pytest.mark.parametrize("lost", [3, 4])
 def test_a_crossing_that_heyoka_loses_is_found_again(lost, monkeypatch):
     """One that is asked for, and one of the other direction: the signs at the ends tell."""
-    asked = section_starts.cut_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
-    on = geometry.ground(GENERIC, asked.h, asked.f)
-    states = geometry.momentum_states(on, *geometry.cells(4, 3), True).states[:1]
-    zero = section_jobs.zero_of(GENERIC, on, "momentum")
-    (job,) = section_jobs.jobs_of(asked, on, zero, -1, 6, states)
+    options = geometry.cut_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
+    on = options.on
+    states = geometry.momentum_states(on, *geometry.cell_centres(4, 3), True).states[:1]
+    zero = section_jobs.zero_of(on, "momentum")
+    (job,) = section_jobs.jobs_of(on, zero, -1, 6, states)
     plain = event_batches.solve(job)
     own = job.watched._replace(constants=())
     first = job._replace(watched=own, most=1, end=64.0, level=None, starts=job.starts + 1e-3)
     plain_first = event_batches.solve(first)
-    told, met = [], event_watch.Callback.__call__
+    text, met = [], event_watch.Callback.__call__
 
     def losing(self, ta, time, sign, lane):
-        told.extend([time] * (self.order == 0))
-        if self.order or len(told) != lost:
+        text.extend([time] * (self.order == 0))
+        if self.order or len(text) != lost:
             met(self, ta, time, sign, lane)
 
     monkeypatch.setattr(event_watch.Callback, "__call__", losing)
-    found = event_batches.solve(job)
-    assert found.outcomes == plain.outcomes == (event_batches.DONE,)
-    assert np.abs(found.times + found.rests - plain.times - plain.rests).max() < 1e-11
-    told[:] = [0.0, 0.0]  # then its first or second zero is lost
-    found = event_batches.solve(first)
-    assert found.outcomes == plain_first.outcomes == (event_batches.DONE,)
-    assert np.abs(found.times - plain_first.times).max() < 1e-11
+    result = event_batches.solve(job)
+    assert result.outcomes == plain.outcomes == (event_batches.DONE,)
+    assert np.abs(result.times + result.rests - plain.times - plain.rests).max() < 1e-11
+    text[:] = [0.0, 0.0]  # then its first or second zero is lost
+    result = event_batches.solve(first)
+    assert result.outcomes == plain_first.outcomes == (event_batches.DONE,)
+    assert np.abs(result.times - plain_first.times).max() < 1e-11
 
 
 def test_no_crossing_is_missed():
     """Against sign changes of D on dense output, on a chaotic orbit, while both have digits."""
     count = 48  # from there on doubles part: at 56 their crossings are 2 apart, and from quad's too
-    found = polhode.section(GENERIC, starts="scene", crossings=count)
-    end = float(found.times[0, -1])
+    cut = polhode.section(GENERIC, starts="scene", crossings=count)
+    end = float(cut.times[0, -1])
     run = polhode.integrate(GENERIC, at=np.linspace(0, end + 1e-3, 20_001)[1:])
     states = np.array(run.states, dtype=float)
-    on = geometry.ground(GENERIC, GENERIC.integrals.energy, GENERIC.integrals.area)
+    on = LevelBody(GENERIC, GENERIC.integrals.energy, GENERIC.integrals.area)
     G = states[:, :3] * on.moments
-    D = (states[:, 3:] * np.cross(on.frame[2], G)).sum(axis=1)
+    D = (states[:, 3:] * np.cross(on.arm_axes[2], G)).sum(axis=1)
     assert int(((D[:-1] > 0) & (D[1:] < 0)).sum()) == count
-    assert (np.diff(found.times) > 0).all()
+    assert (np.diff(cut.times) > 0).all()
 
 
 # -- the same everywhere ---------------------------------------------------------------------------
@@ -288,22 +287,22 @@ def test_a_lane_does_not_depend_on_its_neighbours(case):
 
 @pytest.mark.slow
 def test_an_executor_and_parts_give_the_same(tmp_path, monkeypatch):
-    asked = {"grid": (10, 8), "crossings": 3, **LEVEL}
-    plain = polhode.section(GENERIC, **asked)
+    options = {"grid": (10, 8), "crossings": 3, **LEVEL}
+    plain = polhode.section(GENERIC, **options)
     with ThreadPoolExecutor(1) as pool:
-        assert (polhode.section(GENERIC, executor=pool, **asked).states == plain.states).all()
+        assert (polhode.section(GENERIC, executor=pool, **options).states == plain.states).all()
     folder = tmp_path / "x.npz.parts"
     monkeypatch.setattr(checkpoint, "EVERY", 0.0)
-    polhode.section(GENERIC, parts=folder, **asked)
+    polhode.section(GENERIC, parts=folder, **options)
     jobs = sorted(folder.glob("job-*.npz"))
     assert len(jobs) == 2
     jobs[0].unlink()
     jobs[1].write_bytes(b"torn")
-    again = polhode.section(GENERIC, parts=folder, **asked)
+    again = polhode.section(GENERIC, parts=folder, **options)
     assert (again.states == plain.states).all()
     with monkeypatch.context() as patch:
         patch.setattr(event_batches, "solve", None)  # nothing is left to be done
-        assert (polhode.section(GENERIC, parts=folder, **asked).states == plain.states).all()
+        assert (polhode.section(GENERIC, parts=folder, **options).states == plain.states).all()
     with pytest.raises(polhode.BadInput, match="the jobs of the same command"):
         polhode.section(GENERIC, parts=folder, grid=(9, 8), crossings=3, **LEVEL)
 
@@ -311,14 +310,14 @@ def test_an_executor_and_parts_give_the_same(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_an_expression_in_turned_axes_and_other_units():
     """The same motion in axes turned by 90 degrees about the third, in a unit of 1024 seconds."""
-    turned = scene_file.parse(
+    rotated = scene_file.parse(
         "schema = 1\n[body]\nmoments = [1.5, 2, 1]\ncentre = [-0.2, 0.3, 0.5]\nweight = 1048576\n"
         "[start]\nomega = [-204.8, 307.2, 1126.4]\ngamma = [0, 0.6, 0.8]\n"
     )
     plain = polhode.section(GENERIC, by="p - q/2 - 1/10", starts="scene", crossings=12)
     by = "q/1024 + p/2048 - 1/10"
-    found = polhode.section(turned, by=by, starts="scene", crossings=12)
-    assert np.allclose(found.times * 1024, plain.times, rtol=0, atol=1e-11)
+    cut = polhode.section(rotated, by=by, starts="scene", crossings=12)
+    assert np.allclose(cut.times * 1024, plain.times, rtol=0, atol=1e-11)
     assert np.abs(plain.states[..., 0] - plain.states[..., 1] / 2 - 0.1).max() < 8 * EPS
 
 
@@ -326,16 +325,16 @@ def test_an_expression_in_turned_axes_and_other_units():
 
 
 def test_section_verb(tmp_path, capsys):
-    held, figure = tmp_path / "s.npz", tmp_path / "s.svg"
+    file, figure = tmp_path / "s.npz", tmp_path / "s.svg"
     command = ["section", "lagrange/nutation", "--grid", "3x2", "--crossings", "7"]
     assert main([*command, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["columns"]["orbit"] == [k for k in range(1, 7) for _ in range(7)]
-    assert found["orbits"]["crossings"] == [7] * 6
-    assert main([*command, "-o", str(held)]) == 0
-    with np.load(held) as arrays:
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["columns"]["orbit"] == [k for k in range(1, 7) for _ in range(7)]
+    assert printed["orbits"]["crossings"] == [7] * 6
+    assert main([*command, "-o", str(file)]) == 0
+    with np.load(file) as arrays:
         for name in ("t", "l", "L_over_G", "p", "gamma3"):
-            assert arrays[name].tolist() == found["columns"][name]
+            assert arrays[name].tolist() == printed["columns"][name]
     assert not list(tmp_path.glob("*.parts"))
     pytest.importorskip("matplotlib")
     assert main([*command, "-o", str(figure)]) == 0
@@ -346,8 +345,8 @@ def test_the_scene_file_says_what_is_cut(capsys):
     text = GENERIC.source + '[section]\nby = "height"\ncrossings = 4\nstarts = [[1, 0, 0, -1]]\n'
     scene = scene_file.parse(text)
     assert scene.section == polhode.SectionPlan("height", "max", 4, ((1, 0, 0, -1),))
-    found = polhode.section(scene, **LEVEL)
-    assert found.states.shape == (1, 4, 6)
+    cut = polhode.section(scene, **LEVEL)
+    assert cut.states.shape == (1, 4, 6)
     for fault, message in (
         ('extremum = "most"', "section.extremum = most: expected max, min"),
         ("crossings = 0", "section.crossings = 0"),
@@ -360,12 +359,12 @@ def test_the_scene_file_says_what_is_cut(capsys):
 
 def test_no_two_commands_share_a_folder(tmp_path):
     """The second one is refused while the first is at work, and not after it."""
-    one = JobCheckpoint(tmp_path / "jobs", "section", "key")
-    one.save(0, {"x": np.zeros(1)})
-    one.write_waiting()
+    first = JobCheckpoint(tmp_path / "jobs", "section", "key")
+    first.save(0, {"x": np.zeros(1)})
+    first.write_waiting()
     with pytest.raises(polhode.BadInput, match="no other command running in this folder"):
         JobCheckpoint(tmp_path / "jobs", "section", "key")
-    one.release()
+    first.release()
     with JobCheckpoint(tmp_path / "jobs", "section", "key") as again:
         assert again.load(0)["x"].shape == (1,)
         assert again.load(1) is None
@@ -376,14 +375,14 @@ def test_no_two_commands_share_a_folder(tmp_path):
 def test_an_interrupted_section_ends_without_digits():
     """They take as long as the section: whoever interrupts does not wait for them."""
 
-    def stop(fraction, done):
+    def stop(fraction, count):
         raise KeyboardInterrupt
 
-    found = polhode.section(
+    cut = polhode.section(
         "general/asymmetric-chaotic", grid=(6, 6), crossings=20, workers=1, progress=stop
     )
-    assert found.interrupted
-    assert np.isnan(found.digits).all()
-    assert found.digits.shape == found.times.shape
-    told = json.loads(found.to_json())
-    assert {*told["columns"]["digits_expected"]} <= {None}
+    assert cut.interrupted
+    assert np.isnan(cut.digits).all()
+    assert cut.digits.shape == cut.times.shape
+    printed = json.loads(cut.to_json())
+    assert {*printed["columns"]["digits_expected"]} <= {None}

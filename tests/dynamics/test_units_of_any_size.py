@@ -32,39 +32,39 @@ def scene(inertia=1, rate=1):
 @pytest.mark.parametrize(("inertia", "rate"), UNITS)
 def test_a_section_is_to_the_bit_that_in_other_units(inertia, rate):
     plain = polhode.section(scene(), grid=(2, 2), crossings=2)
-    found = polhode.section(scene(inertia, rate), grid=(2, 2), crossings=2)
+    cut = polhode.section(scene(inertia, rate), grid=(2, 2), crossings=2)
     assert len(plain.counts) > 1
     for name in ("l", "L_over_G", "counts", "starts"):
-        assert np.array_equal(getattr(found, name), getattr(plain, name))
-    assert np.array_equal(found.times * float(rate), plain.times)
+        assert np.array_equal(getattr(cut, name), getattr(plain, name))
+    assert np.array_equal(cut.times * float(rate), plain.times)
 
 
 @pytest.mark.sample(1, slow=2)
 @pytest.mark.parametrize(("inertia", "rate"), UNITS)
 def test_a_map_and_frequencies_are_those_in_other_units(inertia, rate):
-    plain, found = (
+    plain, chart = (
         polhode.chaos_map(top, (2, 2), end=20 / Fraction(by))
         for top, by in ((scene(), 1), (scene(inertia, rate), rate))
     )
-    assert np.array_equal(found.fli, plain.fli)
+    assert np.array_equal(chart.fli, plain.fli)
     lines = polhode.frequencies(scene(), of=["gamma3"], end=50, lines=2).lines["gamma3"]
-    other = polhode.frequencies(
+    second = polhode.frequencies(
         scene(inertia, rate), of=["gamma3"], end=50 / Fraction(rate), lines=2
     )
-    for one, again in zip(lines, other.lines["gamma3"], strict=True):
-        assert again.frequency == one.frequency * float(rate)
+    for first, again in zip(lines, second.lines["gamma3"], strict=True):
+        assert again.frequency == first.frequency * float(rate)
 
 
 @pytest.mark.sample(2, first=1, slow=1)
 @pytest.mark.parametrize(("inertia", "rate"), UNITS)
 def test_levels_are_those_in_other_units(inertia, rate):
-    plain, found = polhode.levels(scene()), polhode.levels(scene(inertia, rate))
-    assert [mark.kind for mark in found.marks] == [mark.kind for mark in plain.marks]
-    assert found.here.region == plain.here.region
+    plain, diagram = polhode.levels(scene()), polhode.levels(scene(inertia, rate))
+    assert [mark.kind for mark in diagram.marks] == [mark.kind for mark in plain.marks]
+    assert diagram.here.region == plain.here.region
     unit = np.array([float(Fraction(inertia) * Fraction(rate) ** k) for k in (1, 2)])
-    for curve, other in zip(found.curves, plain.curves, strict=True):
+    for curve, second in zip(diagram.curves, plain.curves, strict=True):
         assert len(curve.points) > 200
-        np.testing.assert_allclose(curve.points / unit, other.points, rtol=1e-14, atol=1e-14)
+        np.testing.assert_allclose(curve.points / unit, second.points, rtol=1e-14, atol=1e-14)
 
 
 def test_a_gamma_that_the_level_forbids_is_told_the_least_energy_in_the_scenes_units():
@@ -86,18 +86,18 @@ def test_a_branch_is_a_branch_whatever_the_denominators(by):
         gamma=[0, "3/5", "4/5"],
         end=1,
     )
-    found = polhode.levels(top)
-    assert [(mark.kind, mark.family) for mark in found.marks] == [
+    diagram = polhode.levels(top)
+    assert [(mark.kind, mark.family) for mark in diagram.marks] == [
         *(("branch", "first"), ("branch", "first"), ("cusp", "second"))
     ]
-    assert [float(mark.parameter / by) for mark in found.marks[:2]] == [1.0, 2.0]
+    assert [float(mark.parameter / by) for mark in diagram.marks[:2]] == [1.0, 2.0]
 
 
 @pytest.mark.slow
 def test_results_are_values():
     """Equal to themselves when read again, every digit of mpmath numbers included."""
     top = scene()
-    made = [
+    results = [
         polhode.levels(top),
         polhode.section(top, grid=(2, 1), crossings=2),
         polhode.chaos_map(top, (1, 2), end=10),
@@ -105,12 +105,12 @@ def test_results_are_values():
         polhode.orbit("grioli/precession", digits=20),
         polhode.orbit_family("grioli/precession", "h", "0.85"),
     ]
-    for one in made:
+    for result in results:
         with mpmath.workprec(53):  # what a process begins with
-            again = pickle.loads(pickle.dumps(one))
-        assert again == one
-        assert all(again != other for other in made if other is not one)
-    assert made[0].marks[-1].f._mpf_[3] > 100  # bits
+            again = pickle.loads(pickle.dumps(result))
+        assert again == result
+        assert all(again != second for second in results if second is not result)
+    assert results[0].marks[-1].f._mpf_[3] > 100  # bits
     assert repr(polhode.field(top)) == "<field of top: f(t, y)>"
 
 
@@ -122,12 +122,12 @@ def test_a_level_far_from_the_scenes_own_is_cut_in_its_own_unit_of_time(by, far)
     """
     free = polhode.top(moments=[4, 3, 2], omega=[1, 1, 0], gamma=[0, "3/5", "4/5"], end=1)
     rate = Fraction(2) ** far
-    plain, found = (
+    plain, cut = (
         polhode.section(*(free, by, None, None, (2, 2), 3, 2 * x * x, 0), workers=1, accuracy=False)
         for x in (1, rate)
     )
     assert plain.complete
     for name in ("l", "L_over_G", "starts", "outcomes"):
-        assert np.array_equal(getattr(found, name), getattr(plain, name))
-    assert np.array_equal(found.times * float(rate), plain.times)
-    assert np.array_equal(found.states[..., :3] / float(rate), plain.states[..., :3])
+        assert np.array_equal(getattr(cut, name), getattr(plain, name))
+    assert np.array_equal(cut.times * float(rate), plain.times)
+    assert np.array_equal(cut.states[..., :3] / float(rate), plain.states[..., :3])

@@ -32,9 +32,9 @@ def chaos():
 
 
 def test_every_kind_has_figures_or_is_known_to_have_none():
-    known = set(catalogue.FIGURES) - {"Certified", "Reference"}
-    assert known | WITHOUT == set(KINDS)
-    assert not known & WITHOUT
+    drawn = set(catalogue.FIGURES) - {"Certified", "Reference"}
+    assert drawn | WITHOUT == set(KINDS)
+    assert not drawn & WITHOUT
 
 
 #: Drawn twice in every way that there is, they take seconds.
@@ -50,24 +50,24 @@ FROM_COLUMNS = [
 @pytest.mark.sample(2, slow=6)
 @pytest.mark.parametrize("name", [pytest.param(x, marks=DEAR.get(x, ())) for x in FROM_COLUMNS])
 def test_a_file_is_drawn_as_the_result_was(tmp_path, name):
-    found = result_of_kind(name)
-    found.save(tmp_path / "x.csv")
+    result = result_of_kind(name)
+    result.save(tmp_path / "x.csv")
     again = polhode.load_result(tmp_path / "x.csv")
-    for what in catalogue.words(again.result):
-        one = catalogue.drawn(found, ".svg", "x", what)
-        assert one == catalogue.drawn(again, ".svg", "x", what)
-        assert len(one) > 5000
+    for word in catalogue.words(again.result):
+        svg = catalogue.drawn(result, ".svg", "x", word)
+        assert svg == catalogue.drawn(again, ".svg", "x", word)
+        assert len(svg) > 5000
 
 
 def test_the_file_of_frequencies_has_the_lines_without_a_spectrum(tmp_path):
-    found = result_of_kind("Frequencies")
-    found.save(tmp_path / "x.json")
-    assert isinstance(found, Frequencies)
-    panels = [found.plot(), polhode.plot(tmp_path / "x.json")]
+    analysis = result_of_kind("Frequencies")
+    analysis.save(tmp_path / "x.json")
+    assert isinstance(analysis, Frequencies)
+    panels = [analysis.plot(), polhode.plot(tmp_path / "x.json")]
     own, read = ({x.get_gid(): x.get_xydata() for x in axes.lines} for axes in panels)
     assert {*own} - {*read} == {"spectrum gamma3"}
     assert read["gamma3"].tolist() == own["gamma3"].tolist()
-    true = [(x.frequency, abs(x.amplitude)) for x in found.lines["gamma3"]]
+    true = [(x.frequency, abs(x.amplitude)) for x in analysis.lines["gamma3"]]
     assert own["gamma3"].tolist() == pytest.approx(np.array(true))
 
 
@@ -120,17 +120,17 @@ def test_a_runs_file_is_drawn_as_the_run(tmp_path):
     assert panel.lines[-1].get_ydata()[0] == pytest.approx(np.log10(float(run.number.eps)))
 
 
-@pytest.mark.parametrize("what", ["fli", "megno", "exponent", "verdict"])
-def test_a_map_shows_the_number_that_is_asked_for(chaos, what):
-    axes = chaos.plot(what, title="mine")
+@pytest.mark.parametrize("quantity", ["fli", "megno", "exponent", "verdict"])
+def test_a_map_shows_the_number_that_is_asked_for(chaos, quantity):
+    axes = chaos.plot(quantity, title="mine")
     assert axes.get_title() == "mine"
     (mesh,) = axes.collections
     cells = np.ma.filled(mesh.get_array(), np.nan).T.ravel()
-    values = np.asarray(getattr(chaos, what), dtype=float)
+    values = np.asarray(getattr(chaos, quantity), dtype=float)
     early = chaos.until < chaos.end * (1 - 1e-9)
-    kept = ~early if what in ("fli", "megno") else np.full(len(values), True)
-    assert kept.any()
-    assert cells[chaos.cell[kept]] == pytest.approx(values[kept])
+    options = ~early if quantity in ("fli", "megno") else np.full(len(values), True)
+    assert options.any()
+    assert cells[chaos.cell[options]] == pytest.approx(values[options])
     assert np.isnan(np.delete(cells, chaos.cell)).all()
 
 
@@ -141,8 +141,8 @@ def test_colours_of_maps_and_of_a_style_are_taken(chaos):
     plain = polhode.plot(TOP, "omega", end=1)
     with plt.style.context("ggplot"):
         styled = polhode.plot(TOP, "omega", end=1)
-        wanted = plt.rcParams["axes.prop_cycle"].by_key()["color"][:3]
-    assert [line.get_color() for line in styled.lines[:3]] == wanted
+        expected = plt.rcParams["axes.prop_cycle"].by_key()["color"][:3]
+    assert [line.get_color() for line in styled.lines[:3]] == expected
     assert [line.get_color() for line in plain.lines[:3]] == ["#0072b2", "#d55e00", "#009e73"]
 
 
@@ -166,13 +166,13 @@ def test_a_map_takes_the_colours_of_the_style_and_a_map_of_colours_of_ones_own(c
 
 @pytest.mark.slow
 def test_levels_show_the_range_that_is_asked_for():
-    found = polhode.levels("general/asymmetric-chaotic")
-    axes = found.plot(f_range=(0, "1/2"), h_range="1:2")
+    diagram = polhode.levels("general/asymmetric-chaotic")
+    axes = diagram.plot(f_range=(0, "1/2"), h_range="1:2")
     assert (axes.get_xlim(), axes.get_ylim()) == ((0, 0.5), (1, 2))
 
 
 @pytest.mark.parametrize(
-    ("asked", "said"),
+    ("options", "said"),
     [
         ({"what": "flu"}, "--what = flu: expected fli, megno, exponent, verdict .did you mean"),
         ({"cmap": "magna"}, "cmap = magna: .*did you mean 'magma'"),
@@ -182,9 +182,9 @@ def test_levels_show_the_range_that_is_asked_for():
         ({"ax": [1, 2]}, "axes = 2 things: expected 1 matplotlib axes"),
     ],
 )
-def test_what_a_map_does_not_have_is_refused(chaos, asked, said):
+def test_what_a_map_does_not_have_is_refused(chaos, options, said):
     with pytest.raises(polhode.BadInput, match=said):
-        chaos.plot(**asked)
+        chaos.plot(**options)
 
 
 def test_kinds_without_a_figure_say_so():

@@ -15,8 +15,8 @@ from polhode.scenes import library
 
 def said(name, kind=None):
     scene = library.load(name) if isinstance(name, str) else name
-    known = reference(scene)
-    return explained(kind or known.kind, known.regime, scene)
+    top = reference(scene)
+    return explained(kind or top.kind, top.regime, scene)
 
 
 @pytest.mark.slow
@@ -35,8 +35,8 @@ def test_every_case_of_the_library_has_words_of_its_own_kind_and_all_words_are_u
 
 def upward(**changes):
     """A top whose weight pulls upward, or another one."""
-    given = {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": -1, "omega": [0, 0, 1]}
-    return polhode.top(**given | changes, gamma=[0, 0, 1], end=1)
+    options = {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": -1, "omega": [0, 0, 1]}
+    return polhode.top(**options | changes, gamma=[0, 0, 1], end=1)
 
 
 @pytest.mark.parametrize(

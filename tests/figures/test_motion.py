@@ -24,7 +24,7 @@ pytest.importorskip("matplotlib")
 TOP = "lagrange/looping"
 
 
-def told(text):
+def page_parts(text):
     """The JSON of a page, its samples as an array."""
     data = json.loads(re.search(r'<script type="application/json"[^>]*>(.*?)</script>', text)[1])
     numbers = np.frombuffer(base64.b64decode(data["samples"]), "<f4").astype(float)
@@ -39,7 +39,7 @@ def of_scripts(text, expression):
     """What an expression is in the page's own scripts, run by Node.js; none of them draws."""
     if shutil.which("node") is None:
         pytest.skip("no Node.js here")
-    data, _ = told(text)
+    data, _ = page_parts(text)
     scripts = text[text.rindex("<script>") + 8 : text.index("// Two views of a motion")]
     lines = (
         "const document = {createElement: () => ({getContext: () => null})};",
@@ -48,8 +48,8 @@ def of_scripts(text, expression):
         f"console.log(JSON.stringify({expression}));",
     )
     command = ["node", "-e", "\n".join(lines)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=100, check=True)
-    return json.loads(done.stdout)
+    process = subprocess.run(command, capture_output=True, text=True, timeout=100, check=True)
+    return json.loads(process.stdout)
 
 
 # -- pages --------------------------------------------------------------------------------------
@@ -58,7 +58,7 @@ def of_scripts(text, expression):
 @pytest.mark.parametrize("name", [TOP, "euler/largest-axis"])
 def test_a_page_shows_the_closed_forms_attitude_between_its_samples(name):
     page, exact = polhode.view(name, end=10), polhode.reference(name)
-    data, rows = told(page.text)
+    data, rows = page_parts(page.text)
     assert (data["begin"], data["end"]) == (0, 10)
     last = floats(exact.attitude([10], 15))[0]
     assert min(np.max(np.abs(rows[-1, :4] - sign * last)) for sign in (1, -1)) < 1e-6
@@ -97,11 +97,11 @@ PREVIEW = "preview(own, ...new Start(own).at(new Start(own).first{}, new Start(o
 )
 def test_a_preview_of_the_scenes_own_start_is_polhodes_motion_to_a_line_and_not_beyond(name, end):
     text = polhode.view(name, end=end).text
-    data, rows = told(text)
+    data, rows = page_parts(text)
     assert data["start"]["t"] == 0
-    found = of_scripts(text, f"[...{PREVIEW.format('', '')}.numbers]")
+    result = of_scripts(text, f"[...{PREVIEW.format('', '')}.numbers]")
     size = np.array([1.0] * 4 + [np.max(np.abs(rows[:, 4:]))] * 3)
-    off = np.max(np.abs(np.reshape(found, rows.shape) - rows) / size)
+    off = np.max(np.abs(np.reshape(result, rows.shape) - rows) / size)
     assert 1e-8 < off < 1e-4
 
 
@@ -144,9 +144,9 @@ def test_what_a_preview_looks_like_is_decided_by_its_start(name, words):
 def test_a_preview_of_another_start_is_the_motion_that_polhode_computes_from_it(first, second):
     """The numbers that the page shows, put into a scene, give the preview's motion."""
     text = polhode.view(TOP, end=8).text
-    made = PREVIEW.format(f" + {first}", f" + {second}")
-    start = made.replace("preview(own, ...", "(")
-    (attitude, omega), found = of_scripts(text, f"[{start}, [...{made}.numbers]]")
+    results = PREVIEW.format(f" + {first}", f" + {second}")
+    start = results.replace("preview(own, ...", "(")
+    (attitude, omega), result = of_scripts(text, f"[{start}, [...{results}.numbers]]")
     old, (a, b, c, d) = polhode.load(TOP), attitude
     gamma = [2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d]
     tilt = np.arccos(gamma[2]) - np.arccos(float(old.gamma[2]))
@@ -154,7 +154,7 @@ def test_a_preview_of_another_start_is_the_motion_that_polhode_computes_from_it(
     assert omega[2] - float(old.omega[2]) == pytest.approx(first, abs=1e-9)
     body = {"moments": old.body.moments, "centre": old.body.centre, "weight": old.body.weight}
     scene = polhode.top(**body, omega=omega, gamma=gamma, end=8, samples=2001)
-    q, w = np.split(np.reshape(found, (-1, 7)), [4], axis=1)
+    q, w = np.split(np.reshape(result, (-1, 7)), [4], axis=1)
     vertical = np.array(turned((q * [1, -1, -1, -1]).T, [0.0, 0.0, 1.0])).T
     off = np.max(np.abs(np.hstack([w, vertical]) - polhode.integrate(scene).states))
     assert 1e-8 < off < 2e-4
@@ -174,21 +174,21 @@ def test_angles_do_not_climb_by_passing_the_pole():
     """A pendulum in a plane: psi and phi jump by half a turn there, and back."""
     text = polhode.view("lagrange/planar-rotating", end=40).text
     for row in of_scripts(text, "own.angles()")[1:]:
-        seen = np.array([x for x in row if x is not None])
-        assert len(seen) < len(row)  # the jumps are gaps
-        assert np.ptp(seen) < 3.2
+        shown = np.array([x for x in row if x is not None])
+        assert len(shown) < len(row)  # the jumps are gaps
+        assert np.ptp(shown) < 3.2
     assert '"not shown: at a pole, or rows too far apart"' in text
 
 
 def test_the_ellipsoid_of_energy_touches_its_plane():
     text = polhode.view("euler/largest-axis", end=10).text
-    data, rows = told(text)
-    found = of_scripts(text, "poinsot(own)")
+    data, rows = page_parts(text)
+    result = of_scripts(text, "poinsot(own)")
     assert data["poinsot"]
-    along = rows[:, 4:] @ np.array(data["axes"]).T / found["semi"]
+    along = rows[:, 4:] @ np.array(data["axes"]).T / result["semi"]
     assert np.sum(along**2, axis=1) == pytest.approx(1, abs=1e-6)
-    height = found["upward"] @ np.array(turned(rows[:, :4].T, rows[:, 4:].T))
-    assert height == pytest.approx(found["height"], rel=1e-6)
+    height = result["upward"] @ np.array(turned(rows[:, :4].T, rows[:, 4:].T))
+    assert height == pytest.approx(result["height"], rel=1e-6)
 
 
 def test_a_body_of_parts_is_drawn_as_it_is_and_texts_stay_texts(tmp_path, capsys):
@@ -198,10 +198,10 @@ def test_a_body_of_parts_is_drawn_as_it_is_and_texts_stay_texts(tmp_path, capsys
     box = polhode.as_toml(polhode.top(parts=[solid], g=0, title="A <box> & more", **start))
     scene.write_text(box)
     assert main(["view", str(scene), "-o", str(page), "--json"]) == 0
-    made = json.loads(capsys.readouterr().out)
+    printed = json.loads(capsys.readouterr().out)
     text = page.read_text(encoding="utf-8")
-    data, rows = told(text)
-    assert (made["bytes"], made["samples"]) == (len(text.encode()), len(rows))
+    data, rows = page_parts(text)
+    assert (printed["bytes"], printed["samples"]) == (len(text.encode()), len(rows))
     (own,) = data["solids"]
     assert (own["kind"], own["place"][3]) == ("box", [0, 0, 0])
     assert np.array(own["numbers"]) / own["numbers"][2] == pytest.approx([3, 2, 1])
@@ -235,7 +235,7 @@ def test_what_is_drawn_of_a_part_has_its_volume():
 
 
 def test_a_motion_backwards_in_time_is_shown_forwards():
-    data, rows = told(polhode.view("euler/largest-axis", end=-5).text)
+    data, rows = page_parts(polhode.view("euler/largest-axis", end=-5).text)
     assert (data["begin"], data["end"]) == (-5, 0)
     start = [float(x) for x in polhode.load("euler/largest-axis").omega]
     assert rows[-1, 4:] == pytest.approx(start, rel=1e-7)
@@ -261,7 +261,7 @@ def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
 
     assert said(view, TOP) == ""
     text = page.read_text(encoding="utf-8")
-    assert len(told(text)[1]) == 101
+    assert len(page_parts(text)[1]) == 101
     assert "as the file has them" in text
     assert "makes loops" in text
     for command in (view, film):
@@ -292,7 +292,7 @@ def test_a_file_is_shown_in_the_conventions_that_are_told(tmp_path, capsys):
         command = ["view", str(table), "--scene", TOP, "-o", str(page)]
         assert main([*command, *(read if name == "clock" else [])]) == 0
         assert capsys.readouterr().err == ""
-        shown.append(told(page.read_text(encoding="utf-8"))[1])
+        shown.append(page_parts(page.read_text(encoding="utf-8"))[1])
     assert shown[1] == pytest.approx(shown[0], abs=1e-6)
     plot = ["plot", str(table), "--what", "omega", "--scene", TOP, *read]
     assert main([*plot, "-o", str(tmp_path / "x.svg")]) == 0
@@ -304,10 +304,10 @@ def test_a_file_is_shown_in_the_conventions_that_are_told(tmp_path, capsys):
 def gif_pictures(path):
     from PIL import Image
 
-    with Image.open(path) as made:
-        for k in range(made.n_frames):
-            made.seek(k)
-            yield np.array(made.convert("RGB")).astype(int)
+    with Image.open(path) as results:
+        for k in range(results.n_frames):
+            results.seek(k)
+            yield np.array(results.convert("RGB")).astype(int)
 
 
 def test_a_film_shows_the_motion_to_its_end(tmp_path, monkeypatch):
@@ -358,9 +358,9 @@ def test_what_is_nearer_is_drawn_later(tmp_path, monkeypatch):
     """The faces of a sphere that are seen well, whose depths follow from where they are drawn."""
     from matplotlib import collections
 
-    drawn, made = [], collections.PolyCollection
+    drawn, results = [], collections.PolyCollection
     monkeypatch.setattr(
-        collections, "PolyCollection", lambda x, **how: drawn.append(x) or made(x, **how)
+        collections, "PolyCollection", lambda x, **how: drawn.append(x) or results(x, **how)
     )
     command = ["plot", "euler/sphere", "--what", "motion", "--end", "1"]
     assert main([*command, "-o", str(tmp_path / "x.gif")]) == 0
@@ -391,8 +391,8 @@ def test_a_browser_draws_it(tmp_path):
 
     page, shot = tmp_path / "x.html", tmp_path / "x.png"
     polhode.view(TOP).save(page)
-    given = ["--virtual-time-budget=3000", f"--user-data-dir={tmp_path / 'profile'}"]
-    command = [browser, *SWITCHES, *given, "--window-size=400,1300"]
+    options = ["--virtual-time-budget=3000", f"--user-data-dir={tmp_path / 'profile'}"]
+    command = [browser, *SWITCHES, *options, "--window-size=400,1300"]
     address = f"{page.as_uri()}#t=9&play=0"
     subprocess.run([*command, f"--screenshot={shot}", address], capture_output=True, timeout=100)
     r, g, b = np.moveaxis(np.array(Image.open(shot).convert("RGB")).astype(int), -1, 0)

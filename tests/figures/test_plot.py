@@ -31,9 +31,9 @@ def closed():
     plt.close("all")
 
 
-def curves(what_of, what, **options):
+def curves(what_of, quantity, **options):
     """The panels of a figure, and the points of its curves by their names."""
-    panels = np.ravel(polhode.plot(what_of, what, **options))
+    panels = np.ravel(polhode.plot(what_of, quantity, **options))
     lines = [line for panel in panels for line in panel.lines]
     return panels, {line.get_gid(): line.get_xydata() for line in lines if line.get_gid()}
 
@@ -51,20 +51,22 @@ def floats(rows):
 # -- contents -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("what", ["angles", "omega", "momentum", "attitude"])
-def test_curves_over_time_are_those_of_the_closed_form(what):
+@pytest.mark.parametrize("quantity", ["angles", "omega", "momentum", "attitude"])
+def test_curves_over_time_are_those_of_the_closed_form(quantity):
     name = "lagrange/turned-axes"
-    panels = np.ravel(polhode.plot(name, what, end=5))
+    panels = np.ravel(polhode.plot(name, quantity, end=5))
     assert panels[-1].get_xlabel() == "t (units of the scene)"
     lines = [line for panel in panels for line in panel.lines]
-    assert len(lines) == {"angles": 3}.get(what, 4)
+    assert len(lines) == {"angles": 3}.get(quantity, 4)
     t, exact = lines[0].get_xdata(), polhode.reference(name)
     assert (t[0], t[-1]) == pytest.approx((0, 5))
     some = [len(t) // 3, len(t) - 1]
-    asked = {"angles": exact.angles, "attitude": exact.attitude}.get(what, exact.at)
-    true = floats(asked([Fraction(t[k]) for k in some], 15))
-    if what in ("omega", "momentum"):
-        true = true[:, :3] @ (floats(exact.scene.body.inertia) if what == "momentum" else np.eye(3))
+    rows_at = {"angles": exact.angles, "attitude": exact.attitude}.get(quantity, exact.at)
+    true = floats(rows_at([Fraction(t[k]) for k in some], 15))
+    if quantity in ("omega", "momentum"):
+        true = true[:, :3] @ (
+            floats(exact.scene.body.inertia) if quantity == "momentum" else np.eye(3)
+        )
         true = np.c_[true, np.linalg.norm(true, axis=1)]
     own = np.array([line.get_ydata()[some] for line in lines]).T
     assert own == pytest.approx(true, abs=1e-11)
@@ -121,8 +123,8 @@ def test_cusps_and_loops_of_the_apex_stand_on_the_sphere(name):
     assert np.hypot(*drawn["outline"].T) == pytest.approx(1)
     for points in (drawn["gamma"], drawn["gamma-hidden"]):
         assert np.nanmax(np.hypot(*points.T)) <= 1 + 1e-9
-    seen, hidden = (np.isfinite(drawn[key][:, 0]).sum() for key in ("apex", "apex-hidden"))
-    assert seen > hidden > 50
+    shown, hidden = (np.isfinite(drawn[key][:, 0]).sum() for key in ("apex", "apex-hidden"))
+    assert shown > hidden > 50
     # seen face on, in the middle of its disc, only a cusp turns back between two samples
     apex = drawn["apex"]
     steps = np.diff(apex, axis=0)
@@ -189,14 +191,14 @@ def test_axes_of_a_scene_in_si_have_seconds():
 
 
 def test_a_figure_is_drawn_into_axes_that_are_given():
-    _, given = plt.subplots(3, 2)
-    back = polhode.plot(polhode.load(TOP), "angles", given[:, 1], end=2)
-    assert list(back) == list(given[:, 1])
-    assert all(panel.lines for panel in given[:, 1])
-    assert not any(panel.lines for panel in given[:, 0])
-    assert polhode.integrate("lagrange/nutation", at=[1, 2]).plot(ax=given[0, 0]) is given[0, 0]
-    assert given[0, 0].lines
-    for axes in (given[0], 3):
+    _, grid = plt.subplots(3, 2)
+    back = polhode.plot(polhode.load(TOP), "angles", grid[:, 1], end=2)
+    assert list(back) == list(grid[:, 1])
+    assert all(panel.lines for panel in grid[:, 1])
+    assert not any(panel.lines for panel in grid[:, 0])
+    assert polhode.integrate("lagrange/nutation", at=[1, 2]).plot(ax=grid[0, 0]) is grid[0, 0]
+    assert grid[0, 0].lines
+    for axes in (grid[0], 3):
         with pytest.raises(polhode.BadInput, match="3 matplotlib axes"):
             polhode.plot(TOP, "angles", axes, end=2)
     with pytest.raises(polhode.BadInput, match="did you mean 'angles'"):
@@ -218,8 +220,8 @@ def test_the_outline_of_an_ellipsoid_is_where_the_view_grazes():
 
 def texts(path):
     """The texts of an SVG that are no numbers."""
-    found = re.findall(r"<text[^>]*>([^<]*)</text>", path.read_text(encoding="utf-8"))
-    return [text for text in found if not re.match(r"[−\d]", text)]
+    result = re.findall(r"<text[^>]*>([^<]*)</text>", path.read_text(encoding="utf-8"))
+    return [text for text in result if not re.match(r"[−\d]", text)]
 
 
 def paths(path):
@@ -231,34 +233,34 @@ def paths(path):
 def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
     run = polhode.integrate(polhode.load(TOP).at([Fraction(k, 10) for k in range(31)]))
     columns = of_run(run)
-    turned = {name: x[::-1] for name, x in columns.items()}  # in no order
-    one, other = (
+    rotated = {name: x[::-1] for name, x in columns.items()}  # in no order
+    first, second = (
         paths(plotted(tmp_path, str(table), "--what", "omega", name=f"{table.name}.svg"))
-        for table in (through(ending, columns, tmp_path), through("csv", turned, tmp_path))
+        for table in (through(ending, columns, tmp_path), through("csv", rotated, tmp_path))
     )
-    assert one == other
-    assert max(map(len, one)) > 300
+    assert first == second
+    assert max(map(len, first)) > 300
 
 
 @pytest.mark.sample(0, first=1, slow=1)
-@pytest.mark.parametrize("what", ["angles", "hodographs", "sphere", "integrals", "error"])
-def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, what):
+@pytest.mark.parametrize("quantity", ["angles", "hodographs", "sphere", "integrals", "error"])
+def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, quantity):
     path, times = tmp_path / "run.csv", ",".join(f"{k}/10" for k in range(101))
-    asked = ["run", TOP, "--at", times, "--outputs", "angles,attitude", "-o", str(path)]
-    assert main(asked) == 0
-    own = [] if what in ("angles", "hodographs", "sphere") else ["--scene", TOP]
+    command = ["run", TOP, "--at", times, "--outputs", "angles,attitude", "-o", str(path)]
+    assert main(command) == 0
+    own = [] if quantity in ("angles", "hodographs", "sphere") else ["--scene", TOP]
     own += ["--number", "double"] if own else []
-    drawn = texts(plotted(tmp_path, str(path), "--what", what, *own))
+    drawn = texts(plotted(tmp_path, str(path), "--what", quantity, *own))
     assert drawn
-    theirs = texts(plotted(tmp_path, TOP, "--what", what, "--end", "10", name="y.svg"))
+    theirs = texts(plotted(tmp_path, TOP, "--what", quantity, "--end", "10", name="y.svg"))
     assert [text.replace("third axis", "centre of mass") for text in drawn] == theirs
 
 
 @pytest.mark.slow
 def test_a_file_with_the_space_hodograph_needs_no_attitude(tmp_path):
     path = tmp_path / "run.csv"
-    asked = ["run", TOP, "--at", "1,2,3,4,5", "--outputs", "hodographs", "-o", str(path)]
-    assert main(asked) == 0
+    command = ["run", TOP, "--at", "1,2,3,4,5", "--outputs", "hodographs", "-o", str(path)]
+    assert main(command) == 0
     assert "in space" in texts(plotted(tmp_path, str(path), "--what", "hodographs"))
 
 
@@ -266,10 +268,10 @@ def test_a_file_with_the_space_hodograph_needs_no_attitude(tmp_path):
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_the_same_motion_gives_the_same_bytes(tmp_path, suffix):
     arguments = (TOP, "--what", "angles", "--end", "3")
-    one = plotted(tmp_path, *arguments, name=f"a{suffix}").read_bytes()
-    assert one == plotted(tmp_path, *arguments, name=f"b{suffix}").read_bytes()
-    assert one.startswith({".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}[suffix])
-    assert len(one) < 500_000
+    first = plotted(tmp_path, *arguments, name=f"a{suffix}").read_bytes()
+    assert first == plotted(tmp_path, *arguments, name=f"b{suffix}").read_bytes()
+    assert first.startswith({".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}[suffix])
+    assert len(first) < 500_000
 
 
 def test_json_says_what_was_drawn(tmp_path, capsys):
@@ -366,17 +368,17 @@ def test_labels_are_plain_text_where_the_font_has_it(style):
 
 @pytest.mark.parametrize("style", WITHOUT_GREEK)
 @pytest.mark.parametrize(
-    ("scene", "what"),
+    ("scene", "quantity"),
     [
         *(("lagrange/nutation", x) for x in ("angles", "omega", "sphere", "hodographs")),
         *(("lagrange/nutation", x) for x in ("integrals", "error")),
         ("euler/largest-axis", "hodographs"),
     ],
 )
-def test_no_letter_is_a_box(scene, what, style):
+def test_no_letter_is_a_box(scene, quantity, style):
     with plt.rc_context(style | {"axes.formatter.use_mathtext": True}), warnings.catch_warnings():
         warnings.simplefilter("error")  # "Glyph 968 missing from font(s)"
-        polhode.plot(scene, what, end=1)
+        polhode.plot(scene, quantity, end=1)
         plt.gcf().canvas.draw()
 
 

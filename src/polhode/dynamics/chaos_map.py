@@ -32,17 +32,15 @@ from polhode.common.errors import BadInput, counted
 from polhode.common.interrupts import Progress
 from polhode.common.processes import run_jobs
 from polhode.common.values import ByValue, refuse_too_much
-from polhode.dynamics import coordinates as geometry
-from polhode.dynamics.coordinates import tangents_of
+from polhode.dynamics.level_body import LevelBody, tangents_of
 from polhode.dynamics.lyapunov import SHORTEST, UNSTABLE, UNSTABLE_GROWTH, is_integrable, is_known
-from polhode.dynamics.starts import cut_of, starts_of
-from polhode.equations.forms import principal
+from polhode.dynamics.starts import cell_centres, cut_of, starts_of
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.equations.terms import NAMES
 from polhode.judging.tables.table_file import read_starts
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
-from polhode.numbers.exact import Exact
+from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.number_types import AnyNumber, Doubles, Integers
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
@@ -66,32 +64,23 @@ MOST_MOTIONS = 1_000_000
 class Motions(NamedTuple):
     """Motions, a row each, and where on a map they are.
 
-    ``keys``, ``shape``, ``at``, ``cell``, ``h``, ``f``: as a ChaosMap has them.  ``starts`` (n, 6),
-    ``moments``, ``torques`` (n, 3): in principal axes and the run's unit of time.
-    ``coefficients``: of the equations in their principal form, a column for each of ``names``.
-    ``members``: the scenes of motions that are not those of one level.
+    ``keys``, ``shape``, ``at``, ``cell``, ``h``, ``f``: as a ChaosMap has them.  ``starts``,
+    ``tangents`` (n, 6): in principal axes and the run's unit of time.  ``coefficients``: of the
+    equations in their principal form, a column for each of ``names``.  ``is_known``: whether the
+    k-th is a motion that is not called chaotic, however nearby ones separate.
     """
 
-    scene: Scene
     keys: tuple[str, ...]
     shape: tuple[int, ...]
     at: Doubles
     cell: Integers
     starts: Doubles
-    moments: Doubles
-    torques: Doubles
+    tangents: Doubles
     names: tuple[str, ...]
     coefficients: Doubles
+    is_known: Callable[[int], bool]
     h: Exact | None = None
     f: Exact | None = None
-    members: Members | None = None
-
-    def is_known(self, k: int) -> bool:
-        """Whether the k-th is a motion that is not called chaotic, however nearby ones separate."""
-        if self.members is None:
-            return is_integrable(self.scene.body)
-        member = self.members[k]
-        return is_integrable(member.body) or is_known(member)
 
 
 def on_section(
@@ -107,30 +96,25 @@ def on_section(
 
     ``foretold``: see :func:`starts_of`.
     """
-    plan = cut_of(scene, by, extremum, h, f)
-    if plan.by not in (MOMENTUM, HEIGHT):
-        raise BadInput(scene.name, "by", plan.by, "momentum or height, for a map")
-    on = geometry.ground(scene, plan.h, plan.f)
+    cut = cut_of(scene, by, extremum, h, f)
+    if cut.by not in (MOMENTUM, HEIGHT):
+        raise BadInput(scene.name, "by", cut.by, "momentum or height, for a map")
     first, second = cells(scene.name, GRID if grid is None else grid, MOST_MOTIONS)
-    points = starts_of(plan, on, None, (first, second), foretold)
-    of = points.of // 2 if plan.by == HEIGHT else points.of
-    angle, cosine = geometry.cells(first, second)
-    inside = Frame.of(scene).inside(scene)
-    k = {n: to_double(x) for n, x in principal.coefficients(inside.body).items()}
-    many = (len(points.states), 1)
+    points, on = starts_of(cut, None, (first, second), foretold), cut.on
+    of = points.of // 2 if cut.by == HEIGHT else points.of
+    integrable = is_integrable(scene.body)
     return Motions(
-        scene,
-        keys=("azimuth", "u") if plan.by == HEIGHT else ("l", "L_over_G"),
+        keys=("azimuth", "u") if cut.by == HEIGHT else ("l", "L_over_G"),
         shape=(first, second),
-        at=np.stack([angle[of], cosine[of]], axis=1),
+        at=np.stack(cell_centres(first, second), axis=1)[of],
         cell=of,
         starts=points.states,
-        moments=np.tile(on.moments, many),
-        torques=np.tile(on.torque, many),
-        names=tuple(k),
-        coefficients=np.tile(np.array([*k.values()]), many),
-        h=plan.h,
-        f=plan.f,
+        tangents=tangents_of(points.states, on.moments, on.torque),
+        names=tuple(on.numbers),
+        coefficients=np.tile([*on.numbers.values()], (len(of), 1)),
+        is_known=lambda _: integrable,
+        h=on.h,
+        f=on.f,
     )
 
 
@@ -150,7 +134,7 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
         raise BadInput(scene.name, "start.gamma", None, "a unit vector, for a map")
     foretold(len(grid.rows))
     members = Members(scene, grid)
-    exponent = Frame.of(scene).exponent  # of all members
+    unit = Frame.of(scene).exponent  # of all members
     rows = np.array([[to_double(x) for x in row] for row in grid.rows])
     shape: tuple[int, ...] = (len(rows),)
     cell = np.arange(len(rows))
@@ -159,27 +143,28 @@ def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]
         first, second = (np.searchsorted(*pair) for pair in zip(axes, rows.T, strict=True))
         shape = (len(axes[0]), len(axes[1]))
         cell = first * len(axes[1]) + second
-    starts, moments, torques, every = [], [], [], []
+    numbers, rows_of = [], []
     for member in members:
-        inside = Frame(member.body.axes, exponent).inside(member)
-        starts.append([to_double(x) for x in inside.start])
-        moments.append([to_double(a) for a in inside.body.moments])
-        torques.append([to_double(x) for x in inside.body.torque])
-        every.append(principal.coefficients(inside.body))
-    names = tuple(name for name in NAMES if any(name in k for k in every))
-    values = np.array([[to_double(k.get(name, 0)) for name in names] for k in every])
+        on = LevelBody(member, ZERO, ZERO, unit - Frame.of(member).exponent)
+        numbers.append(on.numbers)
+        rows_of.append((on.start, on.moments, on.torque))
+    starts, moments, torques = (np.array(column) for column in zip(*rows_of, strict=True))
+    names = tuple(name for name in NAMES if any(name in k for k in numbers))
+
+    def is_member_known(k: int) -> bool:
+        member = members[k]
+        return is_integrable(member.body) or is_known(member)
+
     return Motions(
-        scene,
         keys=tuple(grid.keys),
         shape=shape,
         at=rows,
         cell=cell,
-        starts=np.array(starts),
-        moments=np.array(moments),
-        torques=np.array(torques),
+        starts=starts,
+        tangents=tangents_of(starts, moments, torques),
         names=names,
-        coefficients=values,
-        members=members,
+        coefficients=np.array([[k.get(name, 0.0) for name in names] for k in numbers]),
+        is_known=is_member_known,
     )
 
 
@@ -254,8 +239,6 @@ class ChaosMap(Result, ByValue):
 
     def table(self) -> Table:
         """One row per motion: where it starts, its verdict, and what that rests on."""
-        import numpy as np
-
         return Table(
             [
                 Column("motion", np.arange(1, len(self.verdict) + 1)),
@@ -414,14 +397,13 @@ def chaos_map(
         motions = of_varied(*varied_of(scene, starts, vary), forecast)
     initial, coefficients = motions.starts, motions.coefficients
     forecast(len(initial))
-    first = tangents_of(initial, motions.moments, motions.torques)
     early = (looks // 8, looks // 4, looks // 2)
     jobs = [
         variations.TangentJob(
             motions.names,
             coefficients[k : k + LANES],
             initial[k : k + LANES],
-            first[k : k + LANES],
+            motions.tangents[k : k + LANES],
             length,
             looks,
             tol,

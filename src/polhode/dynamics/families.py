@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,8 +13,7 @@ from polhode.common.arguments import cells, each, whole
 from polhode.common.errors import BadInput, counted, nearest
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
-from polhode.dynamics import coordinates as geometry
-from polhode.dynamics.coordinates import turned
+from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.newton_shooting import (
     BY,
     FIRST_STEP,
@@ -23,7 +22,6 @@ from polhode.dynamics.newton_shooting import (
     Closed,
     Member,
     NotClosed,
-    Surface,
     at_level,
     closed,
     stepped,
@@ -39,7 +37,7 @@ from polhode.dynamics.orbit import (
     primitive,
 )
 from polhode.dynamics.section import section
-from polhode.dynamics.starts import MAXIMA, MOST_STARTS, cut_of, starts_of
+from polhode.dynamics.starts import MAXIMA, MOST_STARTS, Cut, cut_of, starts_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import shown
@@ -135,7 +133,7 @@ class OrbitFamily(Result, ByValue):
     ended: str
     interrupted: bool
     members: tuple[Member, ...]
-    surface: Surface
+    surface: LevelBody
     provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -174,12 +172,10 @@ class OrbitFamily(Result, ByValue):
     def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
         """The k-th point's orbit to ``digits`` digits, on exactly the level of its doubles."""
         point = self.points[k]
-        levels = self.surface.h, self.surface.f
-        level: list[Exact] = [exactly(point.h), exactly(point.f)]
-        fixed = 1 - BY.index(self.by)
-        level[fixed] = levels[fixed]
-        on = Surface(self.scene, *level)
-        double_orbit = self.members[k].found
+        h, f = exactly(point.h), exactly(point.f)
+        surface = self.surface
+        on = replace(surface, h=h) if self.by == "h" else replace(surface, f=f)
+        double_orbit = self.members[k].orbit
         anchor = [exactly(x) for x in double_orbit.state.tolist()]
         return completed(on, double_orbit, anchor, digits, self.scene.name, 0.0)
 
@@ -261,7 +257,7 @@ def orbit_family(
 
 
 def _followed(
-    on: Surface, arc: Arc, by: str, begin: Exact, end: Exact, most: int, progress: Message | None
+    on: LevelBody, arc: Arc, by: str, begin: Exact, end: Exact, most: int, progress: Message | None
 ) -> OrbitFamily:
     """The family from the first member towards one value, within both."""
     member, factor = arc.first, _factor(on, by)
@@ -279,7 +275,7 @@ def _followed(
                 if mark.what == TARGET:
                     break
                 special.append(
-                    Bifurcation(mark.what, point_of(on, mark.member.found), len(members))
+                    Bifurcation(mark.what, point_of(on, mark.member.orbit), len(members))
                 )
             if targets:
                 last, back = targets[0].member, targets[0].member.value
@@ -299,7 +295,7 @@ def _followed(
     return OrbitFamily(
         on.scene,
         by,
-        tuple(point_of(on, mark.found) for mark in members),
+        tuple(point_of(on, mark.orbit) for mark in members),
         tuple(special),
         ended,
         interrupted,
@@ -309,27 +305,26 @@ def _followed(
     )
 
 
-def _exactly_there(on: Surface, arc: Arc, last: Member, by: str, value: Exact) -> Member:
+def _exactly_there(on: LevelBody, arc: Arc, last: Member, by: str, value: Exact) -> Member:
     """The member with just this value: along the arc it is met to a few digits less."""
-    level = Surface(on.scene, value, on.f) if by == "h" else Surface(on.scene, on.h, value)
-    state = last.found.state
+    level = LevelBody(on.scene, value, on.f) if by == "h" else LevelBody(on.scene, on.h, value)
+    state = last.orbit.state
     try:
-        orbit = closed(level, state, last.found.period, at_level(level, state))
+        orbit = closed(level, state, last.orbit.period, at_level(level, state))
         return arc.member(orbit, last.tangent)
     except NotClosed:
         return last
 
 
-def _factor(on: Surface, by: str) -> float:
-    """What h (or f) of the surface is multiplied by to be in the scene's units."""
-    largest, unit = to_double(max(on.scene.body.moments)), float(on.unit)
-    return largest / unit**2 if by == "h" else largest / unit
+def _factor(on: LevelBody, by: str) -> float:
+    """What h (or f) over the largest moment is multiplied by to be in the scene's units."""
+    return float(on.moments.max()) * float(on.units[BY.index(by)])
 
 
-def point_of(on: Surface, orbit: Closed) -> FamilyPoint:
+def point_of(on: LevelBody, orbit: Closed) -> FamilyPoint:
     """An orbit in the units and axes of its scene."""
     h, f, _ = on.integrals(orbit.state)
-    state = turned(on.scene, orbit.state)
+    state = on.outside(orbit.state)
     return FamilyPoint(
         float(h) * _factor(on, "h"),
         float(f) * _factor(on, "f"),
@@ -358,12 +353,11 @@ ALIKE = 1e-7  # relative: periods and residues of one orbit
 
 
 class OrbitGuess(NamedTuple):
-    """A start, a time, the distance at that time, and after how many crossings."""
+    """A start, a time, and the distance at that time."""
 
     state: Doubles
     time: float
     distance: float
-    crossings: int
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -386,7 +380,7 @@ class OrbitSearch(Result, ByValue):
     guesses: int
     interrupted: bool
     closed: tuple[Closed, ...]
-    surface: Surface
+    surface: LevelBody
     provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
@@ -463,11 +457,11 @@ def orbit_search(
     most = whole(scene.name, "crossings", most, 1, MOST_CROSSINGS)
     across = cells(scene.name, GRID if grid is None else grid, MOST_STARTS)
     cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
-    on = Surface(scene, cut.h, cut.f)
+    on = cut.on
     orbits: list[Closed] = []
     tried, interrupted = 0, False
     try:
-        for guess in _guesses(on, across, most):
+        for guess in _guesses(cut, across, most):
             tried += 1
             orbit = _closed(on, guess)
             if orbit is not None and not any(_same(on, orbit, earlier) for earlier in orbits):
@@ -476,30 +470,18 @@ def orbit_search(
                 progress(f"{tried} guesses, {len(orbits)} orbits")
     except KeyboardInterrupt:
         interrupted = True
-    orbits.sort(key=lambda one: float(one.period))
+    orbits.sort(key=lambda orbit: orbit.period)
     points = tuple(point_of(on, x) for x in orbits)
     return OrbitSearch(scene, points, tried, interrupted, tuple(orbits), on, scene.provenance())
 
 
-def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[OrbitGuess]:
+def _guesses(cut: Cut, grid: tuple[int, int], most: int) -> Iterator[OrbitGuess]:
     """Starts whose return is nearer than those of the cells around, by rising number of it."""
-    scene, unit = on.scene, float(on.unit)
-    plan = cut_of(scene, MOMENTUM, MAXIMA, on.h, on.f)
-    first = starts_of(plan, geometry.ground(scene, on.h, on.f), None, grid)
-    cut = section(
-        scene,
-        MOMENTUM,
-        MAXIMA,
-        grid=grid,
-        crossings=most,
-        h=on.h,
-        f=on.f,
-        workers=1,
-        accuracy=False,
-    )
-    if cut.interrupted:
+    on, first = cut.on, starts_of(cut, None, grid)
+    crossed = section(on.scene, *cut[1:], None, grid, most, on.h, on.f, workers=1, accuracy=False)
+    if crossed.interrupted:
         raise KeyboardInterrupt
-    states = geometry.turned(scene, cut.states, back=True)
+    states = on.within(crossed.states)
     for n in range(most):
         off = (states[:, n] - first.states) / on.scale(first.states[0])
         distance = np.where(np.isnan(off).any(axis=1), np.inf, np.sqrt((off**2).sum(axis=1)))
@@ -507,8 +489,8 @@ def _guesses(on: Surface, grid: tuple[int, int], most: int) -> Iterator[OrbitGue
         np.minimum.at(cells, first.of, distance)
         least = _least_around(cells.reshape(grid)).ravel()
         for k in np.flatnonzero((distance <= least[first.of]) & (distance < FARTHEST)).tolist():
-            time = float(cut.times[k, n]) / unit
-            yield OrbitGuess(first.states[k], time, float(distance[k]), n + 1)
+            time = float(crossed.times[k, n]) / float(on.unit)
+            yield OrbitGuess(first.states[k], time, float(distance[k]))
 
 
 def _least_around(cells: Doubles) -> Doubles:
@@ -520,7 +502,7 @@ def _least_around(cells: Doubles) -> Doubles:
     return least
 
 
-def _closed(on: Surface, guess: OrbitGuess) -> Closed | None:
+def _closed(on: LevelBody, guess: OrbitGuess) -> Closed | None:
     """The orbit near a guess, with its shortest period; None where there is none."""
     try:
         orbit = closed(on, guess.state, guess.time, at_level(on, guess.state))
@@ -531,7 +513,7 @@ def _closed(on: Surface, guess: OrbitGuess) -> Closed | None:
     return primitive(on, orbit)
 
 
-def _same(on: Surface, first: Closed, second: Closed) -> bool:
+def _same(on: LevelBody, first: Closed, second: Closed) -> bool:
     """Whether a state of one orbit lies on another: mirror images have period and residue alike."""
     alike = abs(first.period - second.period) < ALIKE * second.period
     if not alike or abs(first.residue - second.residue) > ALIKE * np.linalg.norm(second.monodromy):

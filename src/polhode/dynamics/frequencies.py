@@ -17,11 +17,10 @@ from polhode.common.errors import BadInput, nearest
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue
 from polhode.dynamics import naff
-from polhode.dynamics.spacing import Spacing, spacing
+from polhode.dynamics.level_body import LevelBody
 from polhode.judging.reference import Reference, reference
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.table_file import is_table, read_table
-from polhode.motion.frame import Frame
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact, sign
@@ -221,7 +220,8 @@ def frequencies(
     if sign(last) == 0:
         raise BadInput(scene.name, "end", "0", "a time other than 0")
     outputs = ("attitude",) if AXIS in names else ()
-    speed = _fastest(scene)
+    on = LevelBody.of(scene)
+    speed = max(on.fastest, on.swing) / float(on.unit) or 1.0
     samples_needed = PER_LINE * speed * abs(to_double(last))
     samples = math.ceil(min(samples_needed, MOST_SAMPLES)) + 2
     if samples > MOST_SAMPLES:
@@ -249,19 +249,6 @@ def _names(source: str, of: Sequence[str] | None, scene: Scene | None) -> tuple[
     if not names:
         raise BadInput(source, "of", None, "at least one signal")
     return names
-
-
-def _fastest(scene: Scene) -> float:
-    """A rate that |w| hardly exceeds: its bound by the energy."""
-    frame = Frame.of(scene)
-    body, unit = scene.body, frame.unit
-    largest = max(body.moments)  # and the run's unit of time: all numbers are of order one
-    torque = math.sqrt(sum(to_double(unit * unit * x / largest) ** 2 for x in body.torque))
-    least = to_double(min(body.moments) / largest)
-    energy = to_double(unit * unit * scene.integrals.energy / largest)
-    energy += torque if scene.gamma is not None else 0.0
-    fastest = max(math.sqrt(max(0.0, 2 * energy / least)), math.sqrt(torque))
-    return math.ldexp(fastest, -frame.exponent) or 1.0
 
 
 def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
@@ -397,3 +384,80 @@ def combined(frequency: float, error: float, rates: Mapping[str, float]) -> dict
         if abs(value - frequency) < _SURE * error + 2.0**-48 * abs(frequency):
             best = order, {n: k for n, k in zip(names, factors, strict=True) if k}
     return {} if best is None else best[1]
+
+
+# --- spacing --------------------------------------------------------------------------------------
+#
+# The spacing of sample times, of rounded ones, too.
+#
+# Times t_k that are equally spaced before they are rounded by up to e_k admit every spacing s for
+# which some c has |t_k - c - k s| <= e_k for all k.  These s are an interval, the set in which
+#
+#     room(s) = min (t_k + e_k - k s) - max (t_k - e_k - k s),
+#
+# a concave function of s, is not negative; Newton's method ends at both its edges.
+
+
+LEAST_SAMPLES = 64  # samples
+_NEWTON = 100  # steps, of which about ten are made
+_TIES = 1 + 1e-9  # times the errors: a double halfway between two decimals may go either way
+_EVEN = 10**9  # off by less than this part of a step, times need no rounding to be equally spaced
+
+
+class Spacing(NamedTuple):
+    """The time between two samples, and what it may be off."""
+
+    step: float
+    error: float
+
+    @property
+    def relative_error(self) -> float:
+        """Of the step, and of a frequency that is told by it."""
+        return abs(self.error / self.step)
+
+
+def spacing(name: str, times: Sequence[Fraction], errors: Sequence[float] = ()) -> Spacing:
+    """The spacing of times that are rounded by up to ``errors``, none if empty.
+
+    Raises BadInput, which calls the source of the times by ``name``, unless one fits all.
+
+    >>> sixtieths = [Fraction(round(k * 1000 / 60), 1000) for k in range(100)]
+    >>> even = spacing("clock", sixtieths, [0.0005] * 100)
+    >>> abs(even.step - 1 / 60) < even.error < 1e-5
+    True
+    """
+    if len(times) < LEAST_SAMPLES:
+        raise BadInput(name, "times", len(times), f"{LEAST_SAMPLES} samples or more")
+    last = len(times) - 1
+    step = (times[-1] - times[0]) / last
+    off = [t - times[0] - k * step for k, t in enumerate(times)]
+    farthest = max(map(abs, off))
+    if farthest <= abs(step) / _EVEN:
+        return Spacing(to_double(step), to_double(2 * farthest / last))
+    if errors:
+        # in parts of the largest error, from the chord: no digit is lost
+        size = max(errors)
+        own = np.array([to_double(x / Fraction(size)) for x in off])
+        wide = _TIES * np.array(errors) / size
+        lowest, highest = (_edge(own, wide, side) for side in (-1, 1))
+        if lowest <= highest:
+            middle, half = (highest + lowest) / 2 * size, (highest - lowest) / 2 * size
+            return Spacing(to_double(step + Fraction(middle)), half)
+    expected = "equally spaced times, to a billionth of their step or their last printed decimal"
+    raise BadInput(name, "times", None, expected)
+
+
+def _edge(off: Doubles, errors: Doubles, side: int) -> float:
+    """The largest spacing that fits (``side`` 1), or the smallest (-1); beyond it if none fits."""
+    count = np.arange(len(off))
+    low, high = off - errors, off + errors
+    s = side * float(np.ptp(off) + 2 * errors.max())  # no pair of times allows more
+    for _ in range(_NEWTON):
+        first, then = int(np.argmax(low - count * s)), int(np.argmin(high - count * s))
+        if side * (then - first) <= 0:
+            break  # none fits, or all do
+        edge = float(high[then] - low[first]) / (then - first)
+        if side * (s - edge) <= 0:
+            break
+        s = edge
+    return s

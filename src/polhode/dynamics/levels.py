@@ -13,21 +13,23 @@ from flint import arb, arb_poly, fmpq_poly
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput, aligned, counted
-from polhode.common.values import ByValue
-from polhode.dynamics import permanent_rotations, regions
-from polhode.dynamics.permanent_rotations import (
+from polhode.common.values import ByValue, cached_property
+from polhode.dynamics import exact_levels
+from polhode.dynamics.exact_levels import (
     BITS,
     BODY_BITS,
+    CUSP,
     POLE,
     START,
     Piece,
     PieceEnd,
     RationalBody,
+    Region,
     RotationFamily,
+    Undecided,
     refuse_far,
-    simplest,
 )
-from polhode.dynamics.regions import Region, Undecided
+from polhode.dynamics.level_body import LevelBody
 from polhode.equations.integrals import exact_values, first_integrals
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
@@ -53,43 +55,6 @@ from polhode.scenes.given_numbers import AREA, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column
 from polhode.scenes.vocabulary import REQUESTS
-
-# --- report ---------------------------------------------------------------------------------------
-#
-# The levels of a body for people: special points, branches, and where the scene lies.
-
-
-def report(levels: Any, topology: str) -> str:
-    """Two tables, and lines about the scene, of levels; ``topology``: of the scene's."""
-    lines: list[str] = []
-    rows = [
-        [mark.kind, mark.family, *(f"{float(x):.12g}" for x in (mark.parameter, mark.f, mark.h))]
-        for mark in levels.marks
-    ]
-    if rows:
-        lines += aligned(["special point", "family", "s or om", "f", "h"], rows)
-    rows = [
-        [
-            curve.family + ("" if curve.axis is None else f" (axis {curve.axis + 1})"),
-            curve.type + (", Liapunov stable" if curve.morse == 0 else ""),
-            "-inf" if curve.first is None else f"{float(curve.first):.6g}",
-            "inf" if curve.last is None else f"{float(curve.last):.6g}",
-        ]
-        for curve in levels.curves
-    ]
-    lines += aligned(["permanent rotations", "type", "from s or om", "to"], rows)
-    here = levels.here
-    edges = "" if here.region is None else f": edges {', '.join(map(str, here.region))}"
-    least = f"least h at this f {here.least:.12g}"
-    lines.append(f"scene  f = {shown(here.f)}, h = {shown(here.h)}, {least}")
-    lines.append(f"level  {topology}{edges}{here.remark and f' ({here.remark})'}")
-    if here.fourth is not None:
-        lines.append(f"fourth integral  {here.fourth.name} = {here.fourth.value:.12g}; critical:")
-        lines += (f"  {value.value:<20.12g}{value.what}" for value in here.fourth.critical)
-    if not levels.exact:
-        lines.append("irrational numbers of the body, or h and f, were rounded to 1024 bits")
-    return "\n".join(lines)
-
 
 # --- fourth integral ------------------------------------------------------------------------------
 #
@@ -330,13 +295,46 @@ class Levels(Result, ByValue):
         return f"<Levels of {self.scene.name}: {curves}, {counted(len(self.cusps), 'cusp')}>"
 
     def __str__(self) -> str:
+        """Special points, branches, and lines about the scene."""
+        lines: list[str] = []
+        rows = [
+            [x.kind, x.family, *(f"{float(y):.12g}" for y in (x.parameter, x.f, x.h))]
+            for x in self.marks
+        ]
+        if rows:
+            lines += aligned(["special point", "family", "s or om", "f", "h"], rows)
+        rows = [
+            [
+                x.family + ("" if x.axis is None else f" (axis {x.axis + 1})"),
+                x.type + (", Liapunov stable" if x.morse == 0 else ""),
+                "-inf" if x.first is None else f"{float(x.first):.6g}",
+                "inf" if x.last is None else f"{float(x.last):.6g}",
+            ]
+            for x in self.curves
+        ]
+        lines += aligned(["permanent rotations", "type", "from s or om", "to"], rows)
+        here = self.here
+        edges = "" if here.region is None else f": edges {', '.join(map(str, here.region))}"
+        least = f"least h at this f {here.least:.12g}"
+        lines.append(f"scene  f = {shown(here.f)}, h = {shown(here.h)}, {least}")
+        remark = here.remark and f" ({here.remark})"
+        lines.append(f"level  {topology(here.region)}{edges}{remark}")
+        if here.fourth is not None:
+            name, own = here.fourth.name, here.fourth.value
+            lines.append(f"fourth integral  {name} = {own:.12g}; critical:")
+            lines += (f"  {value.value:<20.12g}{value.what}" for value in here.fourth.critical)
+        if not self.exact:
+            lines.append("irrational numbers of the body, or h and f, were rounded to 1024 bits")
+        return "\n".join(lines)
 
-        return report(self, topology(self.here.region))
+    @cached_property
+    def _body(self) -> RationalBody:
+        return RationalBody.of(self.scene.body)
 
     @property
     def cusps(self) -> tuple[Mark, ...]:
         """The cusps, where two permanent rotations meet."""
-        return tuple(mark for mark in self.marks if mark.kind == permanent_rotations.CUSP)
+        return tuple(mark for mark in self.marks if mark.kind == CUSP)
 
     def table(self) -> Table:
         """One row per point of the branches of permanent rotations."""
@@ -423,25 +421,24 @@ class Levels(Result, ByValue):
         are not decided, such as f = 0 of a free body, where every position is a rotation's.
         """
         (area,) = each(self.scene.name, "f", (f,), reader(self.scene.units, AREA), "a number")
-        near, body = fraction_near(area, BODY_BITS)[0], RationalBody.of(self.scene.body)
-        refuse_far(self.scene.name, "f", body, near)
+        near = fraction_near(area, BODY_BITS)[0]
+        refuse_far(self.scene.name, "f", self._body, near)
         try:
-            return regions.regions_between(body, permanent_rotations.families(body), near)
+            return exact_levels.regions_between(self._body, near)
         except Undecided as fault:
             expected = f"an f at which the regions are decided ({fault})"
             raise BadInput(self.scene.name, "f", shown(area), expected) from None
 
     def columns(self, first: float, last: float, count: int = COLUMNS) -> list[DiagramColumn]:
         """The regions at ``count`` evenly spaced f; none in a column where they are not decided."""
-        body = RationalBody.of(self.scene.body)
+        body, columns = self._body, []
         for end in (first, last):
             refuse_far(self.scene.name, "f", body, Fraction(end))
         step = (Fraction(last) - Fraction(first)) / max(1, count - 1)
-        families, columns = permanent_rotations.families(body), []
         for f in (Fraction(first) + k * step for k in range(count)):
             pairs: tuple[Any, ...] = ((), ())
             with suppress(Undecided):
-                pairs = (*zip(*regions.regions_between(body, families, f), strict=True),)
+                pairs = (*zip(*exact_levels.regions_between(body, f), strict=True),)
             columns.append(DiagramColumn(float(f), *pairs))
         return columns
 
@@ -488,15 +485,14 @@ def levels(scene: Scene | str | Path) -> Levels:
     area = scene.integrals.area
     assert area is not None
     refuse_far(scene.name, "start: f", body, fraction_near(area, BODY_BITS)[0])
-    families = permanent_rotations.families(body)
-    curves = tuple(_curve(family, piece) for family in families for piece in family.pieces)
+    curves = tuple(_curve(family, piece) for family in body.families for piece in family.pieces)
     marks = tuple(
         _mark(family, end)
-        for family in families
+        for family in body.families
         for end in family.ends
         if end.kind not in (POLE, START)
     )
-    here, exact = _here(scene, body, families)
+    here, exact = _here(scene, body)
     return Levels(scene, curves, marks, here, body.exact and exact, scene.provenance())
 
 
@@ -518,18 +514,14 @@ def _parameter(family: RotationFamily, end: PieceEnd) -> mpf:
         return nearest(family.parameter(end.x), DIGIT_BITS)
 
 
-def _here(
-    scene: Scene, body: RationalBody, families: Sequence[RotationFamily]
-) -> tuple[Here, bool]:
-    energy, area = scene.integrals.energy, scene.integrals.area
-    assert area is not None
-    energy, area = simplest(energy), simplest(area)
-    (h, h_exact), (f, f_exact) = (fraction_near(x, BODY_BITS) for x in (energy, area))
+def _here(scene: Scene, body: RationalBody) -> tuple[Here, bool]:
+    own = LevelBody.of(scene)
+    (h, h_exact), (f, f_exact) = (fraction_near(x, BODY_BITS) for x in (own.h, own.f))
     region, remark = None, ""
     try:
-        region = regions.region(body, families, h, f)
+        region = exact_levels.region(body, h, f)
     except Undecided as fault:
         remark = str(fault)
-    least = regions.least_energy(body, families, f)
+    least = exact_levels.least_energy(body, f)
     fourth = fourth_integral(scene, body, h, f)
-    return Here(area, energy, least, region, remark, fourth), h_exact and f_exact
+    return Here(own.f, own.h, least, region, remark, fourth), h_exact and f_exact

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -26,8 +26,8 @@ from polhode.equations.readout import at_rest
 from polhode.judging.reference import Reference, reference
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
-from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.numbers.number_types import EXACT, FLOATS, AnyNumber, Doubles
+from polhode.numbers.exact import ZERO, sign
+from polhode.numbers.number_types import EXACT, FLOATS, AnyNumber, Doubles, Functions, Scalar
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
@@ -119,26 +119,29 @@ def known_stability(scene: Scene, plain: System, most: int) -> Known:
 def growth_about(plain: System, state: Doubles) -> float:
     """The largest growth rate of the linear equations at a state of principal axes, in double."""
     numbers = {name: to_double(x) for name, x in plain.coefficients.items()}
-    count = len(plain.start)
-    matrix = np.empty((count, count))
-    for k, unit in enumerate(np.eye(count)):
-        ahead, behind = (principal.field([*(state + x)], numbers, FLOATS) for x in (unit, -unit))
-        matrix[:, k] = (np.array(ahead) - behind) / 2  # exact but for rounding: rates are quadratic
-    return float(np.linalg.eigvals(matrix).real.max())
+    columns = _jacobian(numbers, state.tolist(), FLOATS)
+    return float(np.linalg.eigvals(np.array(columns).T).real.max())
+
+
+def _jacobian(
+    coefficients: Mapping[str, Scalar], state: Sequence[Scalar], fn: Functions
+) -> list[list[Scalar]]:
+    """The derivatives of the rates, a column each: exact, for rates are quadratic."""
+    columns = []
+    for place in range(len(state)):
+        ahead, behind = [*state], [*state]
+        ahead[place], behind[place] = state[place] + 1, state[place] - 1
+        pair = (principal.field(x, coefficients, fn) for x in (ahead, behind))
+        columns.append([(upper - lower) / 2 for upper, lower in zip(*pair, strict=True)])
+    return columns
 
 
 def _growth_at_rest(plain: System, count: int) -> float:
     """The largest real part of an eigenvalue at the start, of the first ``count`` variables."""
-    k, start = plain.coefficients, [*plain.start[:count]]
-    columns = []
-    for place in range(count):
-        ahead, behind = ([*start], [*start])
-        ahead[place], behind[place] = start[place] + 1, start[place] - 1
-        pair = (principal.field(x, k, EXACT) for x in (ahead, behind))
-        columns.append([(upper - lower) / 2 for upper, lower in zip(*pair, strict=True)])
-    square = [[_sum(columns, i, row) for i in range(count)] for row in range(count)]
-    s = _total(square[i][i] for i in range(count)) / 2
-    t = _total(square[i][j] * square[j][i] for i in range(count) for j in range(count)) / 2
+    columns = _jacobian(plain.coefficients, plain.start[:count], EXACT)
+    square = [[_sum(row, column) for column in columns] for row in zip(*columns, strict=True)]
+    s = sum((square[i][i] for i in range(count)), ZERO) / 2
+    t = sum((_sum(*pair) for pair in zip(square, zip(*square, strict=True), strict=True)), ZERO) / 2
     product, gap = (s * s - t) / 2, 2 * t - s * s
     if sign(s) <= 0 <= min(sign(product), sign(gap)):
         return 0.0
@@ -147,12 +150,8 @@ def _growth_at_rest(plain: System, count: int) -> float:
     return max(abs(cmath.sqrt(x).real) for x in squares) or math.ulp(0.0)
 
 
-def _sum(columns: Sequence[Sequence[Exact]], column: int, row: int) -> Exact:
-    return _total(columns[k][row] * columns[column][k] for k in range(len(columns)))
-
-
-def _total(terms: Iterable[Exact]) -> Exact:
-    return sum(terms, ZERO)
+def _sum(row: Sequence[Scalar], column: Sequence[Scalar]) -> Scalar:
+    return sum((x * y for x, y in zip(row, column, strict=True)), ZERO)
 
 
 def _growth_of_period(plain: System, period: float, most: int) -> float | None:

@@ -8,178 +8,46 @@ are independent: at a closed orbit the gradients of the integrals are left null 
 
 is square in (x, T, a); at its solutions a = 0. Held at a level the conditions are h, f, n and
 (x - x0)·x' = 0: the matrix is then regular unless M has a further multiplier 1. Along a family
-(:mod:`polhode.dynamics.newton_shooting`) one of h and f gives way to a length of
+one of h and f gives way to a length of
 arc, and it stays regular through folds. (Borders as in W. Govaerts, Numerical Methods for
 Bifurcations of Dynamical Equilibria, SIAM 2000, chapter 3.)
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import itertools
+import math
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
+from flint import fmpq_mat
 
-from polhode.common.values import ByValue, cached_property
+from polhode.dynamics.level_body import LevelBody, gradients, integrals
 from polhode.equations.forms import principal
-from polhode.motion.frame import Frame
+from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import to_double
+from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import DOUBLE, FLOATS, Doubles, GivenRow, Scalar, double_array
-from polhode.numbers.vectors import dot
-from polhode.scenes.scene import Scene
-from polhode.taylor.heyoka import OutOfRange
+from polhode.numbers.number_types import (
+    DOUBLE,
+    EXACT,
+    EXTENDED,
+    QUAD,
+    Doubles,
+    NumberType,
+    double_array,
+)
+from polhode.numbers.polynomials import rational
 from polhode.taylor.variations import Flow, NotFollowed
-
-# --- level set ------------------------------------------------------------------------------------
-#
-# The surface of one level on which orbits close: h, f and |gamma|^2, their gradients, the rates.
-#
-# In principal axes and the run's unit of time, moments and Mg r0 divided by the largest moment, so
-# that everything is of order one:
-#
-#     h = ½ w·I w + Mg r0·gamma,  f = I w·gamma,  n = |gamma|²
-#     grad h = (I w, Mg r0),  grad f = (I gamma, I w),  grad n = (0, 2 gamma)
-
-
-@dataclass(frozen=True, eq=False)
-class Surface(ByValue):
-    """The level (h, f) of a scene's body; ``h`` and ``f`` exact, in the scene's units."""
-
-    scene: Scene
-    h: Exact
-    f: Exact
-
-    @cached_property
-    def inside(self) -> Scene:
-        """The scene inside its frame."""
-        return Frame.of(self.scene).inside(self.scene)
-
-    @cached_property
-    def unit(self) -> Fraction:
-        """The run's unit of time in the scene's."""
-        return Frame.of(self.scene).unit
-
-    @cached_property
-    def exact_moments(self) -> tuple[Exact, ...]:
-        """A, B, C over the largest."""
-        largest = max(self.scene.body.moments)
-        return tuple(a / largest for a in self.scene.body.moments)
-
-    @cached_property
-    def exact_torque(self) -> tuple[Exact, ...]:
-        """Mg r0 over the largest moment."""
-        body = self.inside.body
-        return tuple(x / max(body.moments) for x in body.torque)
-
-    @cached_property
-    def exact_level(self) -> tuple[Exact, Exact]:
-        """h and f."""
-        largest = max(self.scene.body.moments)
-        return self.h * self.unit * self.unit / largest, self.f * self.unit / largest
-
-    @cached_property
-    def exact_start(self) -> tuple[Exact, ...]:
-        """The scene's own start."""
-        return self.inside.start
-
-    @cached_property
-    def coefficients(self) -> dict[str, Exact]:
-        """Of the equations."""
-        return principal.coefficients(self.inside.body)
-
-    @cached_property
-    def moments(self) -> Doubles:
-        """A, B, C over the largest."""
-        return np.array([to_double(a) for a in self.exact_moments])
-
-    @cached_property
-    def torque(self) -> Doubles:
-        """Mg r0 over the largest moment."""
-        return np.array([to_double(x) for x in self.exact_torque])
-
-    @cached_property
-    def level(self) -> Doubles:
-        """h, f and 1."""
-        return np.array([*(to_double(x) for x in self.exact_level), 1.0])
-
-    @cached_property
-    def shortest(self) -> float:
-        """No orbit on the level closes in less, by 2 pi over a Lipschitz constant of the rates.
-
-        (J. A. Yorke, Proc. Amer. Math. Soc. 22 (1969) 509.)  With W above every |w| and
-        W^2 >= 2|T|/C, T = Mg r0 and C the least moment, the Jacobian of the rates of (w/W, gamma)
-        has four blocks no larger than sqrt(2) W, W/2, W and W: L < 2.07 W.
-        """
-        least, torque = float(self.moments.min()), float(np.linalg.norm(self.torque))
-        fastest = (2 * (max(0.0, float(self.level[0])) + torque) / least) ** 0.5
-        return 2 * np.pi / (2.07 * fastest) if fastest else np.inf
-
-    @cached_property
-    def flow(self) -> Flow:
-        """The flow with its derivative, in double."""
-        return self._flow(derivative=True)
-
-    @cached_property
-    def plain_flow(self) -> Flow:
-        """The flow alone, in double."""
-        return self._flow(derivative=False)
-
-    def _flow(self, derivative: bool) -> Flow:
-        """The flow in double; raises BadInput for a body whose numbers doubles do not hold."""
-        try:
-            return Flow(self.coefficients, DOUBLE, derivative)
-        except OutOfRange as fault:
-            raise fault.refusal(self.scene.name, DOUBLE) from None
-
-    def rates(self, state: Doubles) -> Doubles:
-        """The time derivative of a state."""
-        return np.array(principal.field([*state], self._numbers, FLOATS))
-
-    @cached_property
-    def _numbers(self) -> dict[str, float]:
-        return {name: to_double(x) for name, x in self.coefficients.items()}
-
-    def integrals(self, state: Doubles) -> Doubles:
-        """h, f and |gamma|^2 of a state."""
-        return np.array(integrals(self.moments, self.torque, state))
-
-    def gradients(self, state: Doubles) -> Doubles:
-        """Their gradients, three rows of six."""
-        return np.array(gradients(self.moments, self.torque, state))
-
-    def scale(self, state: Doubles) -> Doubles:
-        """What an error of each component is measured by: the rates' scale, and 1."""
-        fastest = max(float(np.linalg.norm(state[:3])), float(np.linalg.norm(self.torque)) ** 0.5)
-        return np.array([fastest] * 3 + [1.0] * 3)
-
-
-def integrals(moments: GivenRow, torque: GivenRow, state: GivenRow) -> list[Scalar]:
-    """h, f and |gamma|^2 of one state, for any scalars."""
-    w, g = state[:3], state[3:]
-    momentum = [a * x for a, x in zip(moments, w, strict=True)]
-    return [dot(momentum, w) / 2 + dot(torque, g), dot(momentum, g), dot(g, g)]
-
-
-def gradients(moments: GivenRow, torque: GivenRow, state: GivenRow) -> list[list[Scalar]]:
-    """Their gradients, for any scalars."""
-    w, g = state[:3], state[3:]
-    momentum, inertial = ([a * x for a, x in zip(moments, v, strict=True)] for v in (w, g))
-    return [
-        [*momentum, *torque],
-        [*inertial, *momentum],
-        [*(0 * x for x in g), *(2 * x for x in g)],
-    ]
-
 
 # --- newton shooting ------------------------------------------------------------------------------
 
 
 MOST_CORRECTIONS = 25
 CLOSED = 1e-9  # a correction of this size that no longer falls is rounding
-EXACT = 1e-14
+ROUNDING = 1e-14
 SINGULAR = 1e-11  # singular values below this part of the largest count as zero
 WILDEST = 1e11  # entry of a monodromy matrix that double can do something with
 STILL = 1e-6  # of a rate: below it a state is a permanent rotation
@@ -211,14 +79,14 @@ class Closed(NamedTuple):
         return (6.0 - float(np.trace(self.monodromy))) / 4
 
 
-def at_level(on: Surface, reference: Doubles) -> Conditions:
+def at_level(on: LevelBody, reference: Doubles) -> Conditions:
     """h, f and |gamma|^2 of the level; no way along the motion at a reference."""
     along = np.append(on.rates(reference), 0.0)
-    return conditions([0, 1, 2], on, on.level, along[None], np.append(reference, 0.0))
+    return conditions([0, 1, 2], on, on.relative[2], along[None], np.append(reference, 0.0))
 
 
 def conditions(
-    fixed: list[int], on: Surface, level: Doubles, ways: Doubles, reference: Doubles
+    fixed: list[int], on: LevelBody, level: Doubles, ways: Doubles, reference: Doubles
 ) -> Conditions:
     """Some of h, f and |gamma|^2 held at their values, no way from a reference along others.
 
@@ -236,7 +104,7 @@ def conditions(
 
 
 def bordered(
-    on: Surface, state: Doubles, end: Doubles, monodromy: Doubles, rows: Doubles
+    on: LevelBody, state: Doubles, end: Doubles, monodromy: Doubles, rows: Doubles
 ) -> Doubles:
     """The matrix of the ten equations in x, T and the three multipliers."""
     matrix = np.zeros((10, 10))
@@ -255,7 +123,7 @@ def inverse_of(matrix: Doubles) -> Doubles:
     return inverse
 
 
-def closed(on: Surface, state: Doubles, period: float, conditions: Conditions) -> Closed:
+def closed(on: LevelBody, state: Doubles, period: float, conditions: Conditions) -> Closed:
     """The closed orbit to which Newton's method leads from a guess; raises NotClosed."""
     last, guess, miss = np.inf, period, np.inf
     for count in range(MOST_CORRECTIONS):
@@ -274,7 +142,7 @@ def closed(on: Surface, state: Doubles, period: float, conditions: Conditions) -
         inverse = inverse_of(bordered(on, state, end, monodromy, rows))
         step = -(inverse @ residual)[:7]
         size = float(np.linalg.norm(step / _measure(on, state, period)))
-        if size < EXACT or (size < CLOSED and size > last / 4):
+        if size < ROUNDING or (size < CLOSED and size > last / 4):
             return Closed(state + step[:6], period + step[6], monodromy, inverse, count)
         last = size
         state, period = _damped(on, state, period, step, miss, conditions)
@@ -283,12 +151,12 @@ def closed(on: Surface, state: Doubles, period: float, conditions: Conditions) -
     raise NotClosed(f"after {MOST_CORRECTIONS} corrections the motion still misses by {miss:.1e}")
 
 
-def _measure(on: Surface, state: Doubles, period: float) -> Doubles:
+def _measure(on: LevelBody, state: Doubles, period: float) -> Doubles:
     return np.append(on.scale(state), period)
 
 
 def _damped(
-    on: Surface, state: Doubles, period: float, step: Doubles, miss: float, conditions: Conditions
+    on: LevelBody, state: Doubles, period: float, step: Doubles, miss: float, conditions: Conditions
 ) -> tuple[Doubles, float]:
     """A step that is not too long and does not lead farther away."""
     size = float(np.max(np.abs(step / _measure(on, state, period))))
@@ -308,17 +176,243 @@ def _damped(
     return state + part * step[:6], period + part * step[6]
 
 
-def _refuse_still(on: Surface, state: Doubles) -> None:
-    if is_still(on, state):
+def _refuse_still(on: LevelBody, state: Doubles) -> None:
+    if on.is_still(state, STILL):
         raise NotClosed("it led to a permanent rotation")
 
 
-def is_still(on: Surface, state: Doubles, within: float = STILL) -> bool:
-    """Whether a state is a permanent rotation: no rate but zero."""
-    scale = on.scale(state)
-    with np.errstate(all="ignore"):  # a body at rest has no scale of omega: nan, and no rotation
-        rate = np.max(np.abs(on.rates(state) / scale))
-    return bool(rate < within * max(1e-300, float(scale[0])))
+# --- more digits ----------------------------------------------------------------------------------
+#
+# A closed orbit in double carried on to any number of digits.
+#
+# The chord method: the ten residuals in a type wide enough, by the six equations alone, and
+# corrections by the inverse that is known in double. A correction gains about ten digits. How far
+# off the numbers are that are written down is then told by one more correction, computed from just
+# these decimals in a wider type. The monodromy matrix is integrated once at the end; what its exact
+# properties miss tells its digits.
+
+
+SPARE_DIGITS = 2  # written beside those asked for
+MOST_TYPES = 3  # tried until the digits are reached
+DIGITS_OF_TURNS = 8  # at least: by chance one advance in 3000 is a fraction of a turn to so many
+HELD = 15  # digits up to which a monodromy matrix in double is enough
+
+Fractions = Sequence[Fraction]
+
+
+class Refined(NamedTuple):
+    """A start and a period as decimals, in the scene's axes and units, and how good they are.
+
+    ``omega``, ``gamma``, ``period``: decimals of the digits asked for and two more; of a component
+    that is smaller than its scale as many as make its place the same.  ``error``: the
+    largest of their errors, w relative to its scale, gamma as it is, the period relative to itself.
+    ``state``, ``time``: the numbers of ``number`` before they were rounded.
+    """
+
+    omega: tuple[str, ...]
+    gamma: tuple[str, ...]
+    period: str
+    error: float
+    state: tuple[Fraction, ...]
+    time: Fraction
+    number: NumberType
+    corrections: int
+
+
+class Monodromy(NamedTuple):
+    """The monodromy matrix of a closed orbit: its trace and what its exact properties miss.
+
+    ``determinant``: |det M - 1|.  ``missed``: the largest of |grad F M - grad F| over the three
+    integrals F and |M x' - x'|, relative to the gradients and x'.
+    """
+
+    trace: Fraction
+    determinant: float
+    missed: float
+    number: NumberType
+
+    @property
+    def residue(self) -> Fraction:
+        """Greene's residue (6 - tr M)/4."""
+        return (6 - self.trace) / 4
+
+
+def refined(
+    on: LevelBody,
+    closed: Closed,
+    anchor: Sequence[Exact],
+    digits: int,
+    tell: Callable[[str], None] | None = None,
+) -> Refined:
+    """So many digits of a closed orbit; raises NotClosed.
+
+    ``anchor``: a state near the orbit, exact; the orbit's start x is where (x - anchor)·x' = 0 with
+    x' the rates at the anchor, so that it is the same to all digits whatever double makes of it.
+    """
+    near = np.array([to_double(x) for x in anchor])
+    rows = at_level(on, near)(closed.state, closed.period)[1]
+    matrix = bordered(on, closed.state, closed.state, closed.monodromy, rows)
+    chord = Chord(on, closed.state, tuple(anchor), inverse_of(matrix))
+    norms = (float(np.linalg.norm(x, 2)) for x in (chord.inverse, closed.monodromy))
+    lost = sum(math.log10(max(1.0, norm)) for norm in norms)
+    kind = type_for(math.ceil(digits + lost + 0.5))
+    for _ in range(MOST_TYPES):
+        state, time, count = _solved(chord, kind, closed.period, digits, tell)
+        solution = _written(chord, state, time, kind, digits, count)
+        if solution.error <= 10.0**-digits:
+            return solution
+        kind = number_types.wider(kind)
+    raise NotClosed(f"in {kind.name} the error is {solution.error:.1e}, not below 1e-{digits}")
+
+
+class Chord(NamedTuple):
+    """What corrections are made of: a state near the orbit, the inverse of the system there.
+
+    ``anchor``: see :func:`refined`.
+    """
+
+    on: LevelBody
+    reference: Doubles
+    anchor: tuple[Exact, ...]
+    inverse: Doubles
+
+    def correction(self, flow: Flow, state: Fractions, time: Fraction) -> list[Fraction]:
+        """The step in x and T, its residual computed from numbers of the flow's type."""
+        on, bits = self.on, flow.number.bits + 64
+        try:
+            end = flow.after(state, time).state
+        except NotFollowed as fault:
+            raise NotClosed(f"its motion could not be followed: {fault}") from None
+        moments, torque, level = (
+            [binary(x, bits) for x in v]
+            for v in (on.exact_moments, on.exact_torque, (*on.exact_level, Fraction(1)))
+        )
+        values = integrals(moments, torque, state)
+        anchor = [binary(x, bits) for x in self.anchor]
+        numbers = {name: binary(x, bits) for name, x in on.coefficients.items()}
+        rates = principal.field(anchor, numbers, EXACT)
+        length = Fraction(math.hypot(*map(float, rates)))
+        displacements = zip(rates, state, anchor, strict=True)
+        residual = [
+            *(a - b for a, b in zip(end, state, strict=True)),
+            *(a - b for a, b in zip(values, level, strict=True)),
+            sum((a * (x - r) for a, x, r in displacements), Fraction(0)) / length,
+        ]
+        size = max(map(abs, residual))
+        if not size:
+            return [Fraction(0)] * 7
+        step = -(self.inverse @ np.array([float(x / size) for x in residual]))[:7]
+        return [Fraction(x) * size for x in step.tolist()]
+
+
+def _solved(
+    chord: Chord,
+    kind: NumberType,
+    period: float,
+    digits: int,
+    tell: Callable[[str], None] | None,
+) -> tuple[list[Fraction], Fraction, int]:
+    """State and period in one type, and the number of corrections: as many as bring something."""
+    flow = Flow(chord.on.coefficients, kind)
+    state = [kind.rounded(Fraction(x)) for x in chord.reference.tolist()]
+    time, goal = kind.rounded(Fraction(period)), Fraction(1, 10 ** (digits + 1))
+    last: Fraction | None = None
+    for count in itertools.count(1):
+        step = chord.correction(flow, state, time)
+        size = max(map(abs, step))
+        if last is not None and size > last / 2:  # rounding, or no way to an orbit
+            return state, time, count
+        state = [kind.rounded(x + d) for x, d in zip(state, step, strict=False)]
+        time, last = kind.rounded(time + step[6]), size
+        if tell is not None:
+            tell(f"correction {count}, {-exact.log10(size) if size else digits:.0f} digits")
+        if size < goal:
+            break
+    return state, time, count
+
+
+def _written(
+    chord: Chord,
+    state: Fractions,
+    time: Fraction,
+    kind: NumberType,
+    digits: int,
+    count: int,
+) -> Refined:
+    """As decimals in the scene's axes and units; their error from a correction in a wider type."""
+    on = chord.on
+    wide = number_types.wider(kind)
+    bits = wide.bits + 64
+    rows = [[binary(x, bits) for x in row] for row in on.scene.body.axes.rows]
+    unit, written = on.unit, digits + SPARE_DIGITS
+
+    def in_scene_axes(vector: Fractions) -> list[Fraction]:
+        return [sum((rows[i][j] * vector[i] for i in range(3)), Fraction(0)) for j in range(3)]
+
+    scale = Fraction(float(on.scale(chord.reference)[0])) / unit
+    omega = [decimal(w / unit, scale, written) for w in in_scene_axes(state[:3])]
+    gamma = [decimal(g, Fraction(1), written) for g in in_scene_axes(state[3:])]
+    period = decimal_string(time * unit, written)
+    # the way back from the decimals; gamma of length one, as the scene file has it
+    w = [unit * Fraction(x) for x in omega]
+    g = [Fraction(x) for x in gamma]
+    length = binary(exact.sqrt(sum((x * x for x in g), Fraction(0))), bits)
+    inside = [
+        sum((a * b for a, b in zip(row, v, strict=True)), Fraction(0))
+        for v in (w, g)
+        for row in rows
+    ]
+    again = [wide.rounded(x / (1 if i < 3 else length)) for i, x in enumerate(inside)]
+    own = wide.rounded(Fraction(period) / unit)
+    step = chord.correction(Flow(on.coefficients, wide), again, own)
+    measures = [*on.scale(chord.reference).tolist(), float(own)]
+    error = max(float(abs(d)) / m for d, m in zip(step, measures, strict=True))
+    return Refined(tuple(omega), tuple(gamma), period, error, tuple(state), time, kind, count)
+
+
+def monodromy(on: LevelBody, state: Fractions, time: Fraction, digits: int) -> Monodromy:
+    """The monodromy matrix at a closed orbit's start, for about so many digits of its trace."""
+    kind = DOUBLE if digits <= HELD else type_for(digits + SPARE_DIGITS, QUAD.bits)
+    flow = Flow(on.coefficients, kind, derivative=True)
+    start = [kind.rounded(x) for x in state]
+    rounded = [float(x) for x in start] if kind == DOUBLE else start
+    matrix = flow.after(rounded, kind.rounded(time)).derivative
+    assert matrix is not None
+    rows = [[Fraction(x) for x in row] for row in matrix]
+    moments, torque = (
+        [binary(x, kind.bits) for x in v] for v in (on.exact_moments, on.exact_torque)
+    )
+    missed = Fraction(0)
+    for row in gradients(moments, torque, start):
+        moved = [sum((row[i] * rows[i][j] for i in range(6)), Fraction(0)) for j in range(6)]
+        off = max(abs(a - b) for a, b in zip(moved, row, strict=True))
+        missed = max(missed, off / max(map(abs, row)))
+    off = abs(fmpq_mat([[rational(x) for x in row] for row in rows]).det() - 1)
+    determinant = float(Fraction(int(off.p), int(off.q)))
+    trace = sum((rows[i][i] for i in range(6)), Fraction(0))
+    return Monodromy(trace, determinant, float(missed), kind)
+
+
+def type_for(digits: int, least_bits: int = 0) -> NumberType:
+    """The cheapest type wider than double that holds so many digits."""
+    for kind in (EXTENDED, QUAD):
+        there = kind != EXTENDED or number_types.extended_here()
+        if there and kind.bits >= least_bits and digits <= kind.most_digits - 0.5:
+            return kind
+    return number_types.mp(digits)
+
+
+def decimal(x: Fraction, scale: Fraction, digits: int) -> str:
+    """x with the decimals that so many digits of a number of size ``scale`` have."""
+    if not x:
+        return "0"
+    fewer = math.floor(exact.log10(abs(x) / scale))
+    return decimal_string(x, min(digits, digits + fewer)) if digits + fewer > 0 else "0"
+
+
+def binary(x: Exact, bits: int) -> Fraction:
+    """x rounded to so many bits."""
+    return exact.binary(*exact.rounded(x, bits)) if x else Fraction(0)
 
 
 # --- continuation ---------------------------------------------------------------------------------
@@ -326,12 +420,11 @@ def is_still(on: Surface, state: Doubles, within: float = STILL) -> bool:
 # Families of periodic orbits: one of h and f changes, the other is held, folds are passed.
 #
 # Steps of pseudo-arclength: from a closed orbit a step along the family's tangent, then Newton's
-# method at right angles to it (H. B. Keller 1977), in the bordered system of
-# :mod:`polhode.dynamics.newton_shooting`, which needs no parameter: h and f are
-# functions of the state. Where Greene's residue R passes 0 or 1 a further multiplier is 1 or -1:
-# a fold where the parameter turns there, else a branch point; a period doubling at 1. Between two
-# points they are found by regula falsi along the arc. A residue that touches 0 or 1 without
-# passing is not seen.
+# method at right angles to it (H. B. Keller 1977), in the bordered system, which needs no
+# parameter: h and f are functions of the state. Where Greene's residue R passes 0 or 1 a further
+# multiplier is 1 or -1: a fold where the parameter turns there, else a branch point; a period
+# doubling at 1. Between two points they are found by regula falsi along the arc. A residue that
+# touches 0 or 1 without passing is not seen.
 
 
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.1, 1e-6
@@ -345,7 +438,7 @@ FOLD, BRANCH, DOUBLING, TARGET = "fold", "branch point", "period doubling", "tar
 class Member(NamedTuple):
     """An orbit of a family: tangent to it (unit, scaled), the parameter and its slope along it."""
 
-    found: Closed
+    orbit: Closed
     tangent: Doubles
     value: float
     slope: float
@@ -353,7 +446,7 @@ class Member(NamedTuple):
     @property
     def residue(self) -> float:
         """Greene's residue."""
-        return self.found.residue
+        return self.orbit.residue
 
 
 class Passed(NamedTuple):
@@ -366,7 +459,7 @@ class Passed(NamedTuple):
 class Arc:
     """The family through one orbit.  ``by``: h or f, what changes; the other one is held."""
 
-    def __init__(self, on: Surface, first: Closed, by: str) -> None:
+    def __init__(self, on: LevelBody, first: Closed, by: str) -> None:
         self.on, self.index = on, BY.index(by)
         self.held = [1 - self.index, 2]
         self.level = np.append(on.integrals(first.state)[:2], 1.0)
@@ -375,9 +468,9 @@ class Arc:
 
     def next(self, member: Member, length: float) -> Member:
         """The member so far along the tangent; raises NotClosed."""
-        ahead = np.append(member.found.state, member.found.period)
+        ahead = np.append(member.orbit.state, member.orbit.period)
         ahead = ahead + length * self.metric * member.tangent
-        ways = np.array([np.append(self.on.rates(member.found.state), 0.0), member.tangent])
+        ways = np.array([np.append(self.on.rates(member.orbit.state), 0.0), member.tangent])
         ways[1] /= self.metric
         along = conditions(self.held, self.on, self.level, ways, ahead)
         orbit = closed(self.on, ahead[:6], float(ahead[6]), along)
@@ -391,7 +484,7 @@ class Arc:
         (near, at_near), (far, at_far) = (first, off(first)), (last, off(last))
         best, least = (near, at_near) if abs(at_near) < abs(at_far) else (far, at_far)
         for _ in range(40):
-            length = self.way(near, far)
+            length = self.distance(near, far)
             if abs(length) < 1e-14:
                 break
             try:
@@ -410,10 +503,10 @@ class Arc:
                 far, at_far, at_near = member, value, at_near / 2
         return best
 
-    def way(self, base: Member, member: Member) -> float:
+    def distance(self, base: Member, member: Member) -> float:
         """How far another member lies along a member's tangent."""
         ahead = np.append(
-            member.found.state - base.found.state, member.found.period - base.found.period
+            member.orbit.state - base.orbit.state, member.orbit.period - base.orbit.period
         )
         return float(base.tangent @ (ahead / self.metric))
 
@@ -461,7 +554,7 @@ def stepped(arc: Arc, member: Member, length: float, ends: tuple[float, ...]) ->
             continue
         passed = sorted(_passed(arc, member, after, ends), key=lambda pair: pair[0])
         special = tuple(passage for _, passage in passed)
-        corrections = after.found.corrections
+        corrections = after.orbit.corrections
         if corrections <= EASY:
             length = min(LONGEST_STEP, 1.5 * length)
         elif corrections >= HARD:
@@ -485,5 +578,5 @@ def _passed(
             continue
         at = arc.between(member, after, off)
         folds = member.slope * after.slope < 0
-        special.append((arc.way(member, at), Passed(kind or (FOLD if folds else BRANCH), at)))
+        special.append((arc.distance(member, at), Passed(kind or (FOLD if folds else BRANCH), at)))
     return special

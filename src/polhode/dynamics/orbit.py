@@ -16,10 +16,17 @@ from polhode.common.errors import BadInput, counted
 from polhode.common.files import check_writable, write_whole
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
-from polhode.dynamics import high_precision
-from polhode.dynamics.coordinates import ground
-from polhode.dynamics.high_precision import Monodromy, Refined
-from polhode.dynamics.newton_shooting import Closed, NotClosed, Surface, at_level, closed, is_still
+from polhode.dynamics import newton_shooting as newton
+from polhode.dynamics.level_body import LevelBody
+from polhode.dynamics.newton_shooting import (
+    Closed,
+    Monodromy,
+    NotClosed,
+    Refined,
+    at_level,
+    binary,
+    closed,
+)
 from polhode.dynamics.starts import MAXIMA, cut_of
 from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers import exact
@@ -111,12 +118,12 @@ class Return(NamedTuple):
 class Returns(NamedTuple):
     """Near returns by rising time; ``nearest``: the least distance of all over the largest."""
 
-    found: tuple[Return, ...]
+    returns: tuple[Return, ...]
     nearest: float
     followed: float
 
 
-def near_returns(on: Surface, start: Doubles, most: int) -> Returns:
+def near_returns(on: LevelBody, start: Doubles, most: int) -> Returns:
     """Follow a motion in double until it has come near its start so many times, or too far."""
     scale = on.scale(start)
     dt = STEP / float(scale[0])
@@ -178,7 +185,7 @@ def _advance(orbit: Orbit) -> str:
     if orbit.psi is None or places < 1:
         return "not known"
     closes = "the motion in space does not close in few periods"
-    if orbit.digits < high_precision.DIGITS_OF_TURNS:
+    if orbit.digits < newton.DIGITS_OF_TURNS:
         closes = "too few digits to tell whether the motion in space closes"
     if orbit.turns is not None:
         count = counted(orbit.turns.denominator, "period")
@@ -205,13 +212,12 @@ def _decimal(x: Exact, digits: int) -> str:
         text = in_full(x)
         if "/" not in text and len(text.strip("-0.")) <= digits:
             return text
-    return decimal_string(exact.binary(*exact.rounded(x, 4 * digits + 8)), digits)
+    return decimal_string(binary(x, 4 * digits + 8), digits)
 
 
 def _to_places(x: Exact, digits: int) -> str:
     """A component of a unit vector to so many places."""
-    near = exact.binary(*exact.rounded(x, 4 * digits + 8)) if x else Fraction(0)
-    return high_precision.decimal(near, Fraction(1), digits)
+    return newton.decimal(binary(x, 4 * digits + 8), Fraction(1), digits)
 
 
 def _sure_digits(x: Fraction, error: float, most: int) -> str:
@@ -279,7 +285,7 @@ class Orbit(Result, ByValue):
     psi_whole: bool
     moved: float
     corrections: tuple[int, int]
-    surface: Surface
+    surface: LevelBody
     closed: Closed
     provenance: Mapping[str, object] = field(default_factory=dict)
 
@@ -313,7 +319,7 @@ class Orbit(Result, ByValue):
         With k below, the motion in space closes after k periods.  Of fewer than eight digits nearly
         every advance is near some fraction: none is told.
         """
-        if self.psi is None or self.digits < high_precision.DIGITS_OF_TURNS:
+        if self.psi is None or self.digits < newton.DIGITS_OF_TURNS:
             return None
         with mpmath.workprec(bits_for(self.digits) + 20):
             ratio = to_mpf(exactly(self.psi), bits_for(self.digits) + 20)
@@ -447,11 +453,11 @@ def orbit(
     digit_count = whole(scene.name, "digits", digits, 1, MAX_DIGITS)
     most = RETURNS if returns is None else whole(scene.name, "returns", returns, 1, MOST_RETURNS)
     if scene.gamma is not None:
-        _refuse_permanent(scene)
-    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
-    ground(scene, cut.h, cut.f)  # refuses a level that doubles cannot hold
-    on = Surface(scene, cut.h, cut.f)
-    start = np.array([to_double(x) for x in on.exact_start])
+        own = LevelBody.of(scene)
+        if own.is_still(own.start, 1e-9):
+            raise BadInput(scene.name, "start", None, "a motion: this is a permanent rotation")
+    on = cut_of(scene, MOMENTUM, MAXIMA, h, f).on
+    start = on.start
     if period is None:
         guesses = _guesses(on, start, most)
     else:
@@ -470,27 +476,21 @@ def orbit(
     return completed(on, double_orbit, on.exact_start, digit_count, scene.name, moved, progress)
 
 
-def _refuse_permanent(scene: Scene) -> None:
-    on = Surface(scene, ZERO, ZERO)
-    if is_still(on, np.array([to_double(x) for x in on.exact_start]), 1e-9):
-        raise BadInput(scene.name, "start", None, "a motion: this is a permanent rotation")
-
-
-def _guesses(on: Surface, start: Doubles, most: int) -> list[Return]:
+def _guesses(on: LevelBody, start: Doubles, most: int) -> list[Return]:
     returns = near_returns(on, start, most)
-    if not returns.found:
+    if not returns.returns:
         end = returns.followed * float(on.unit)
         expected = (
             f"a start near which the motion returns: up to t = {end:.3g} it stays "
             f"{returns.nearest:.2g} of its size away"
         )
         raise BadInput(on.scene.name, "start", None, expected)
-    return [*returns.found]
+    return [*returns.returns]
 
 
-def _first(on: Surface, start: Doubles, guesses: list[Return]) -> Closed:
+def _first(on: LevelBody, start: Doubles, guesses: list[Return]) -> Closed:
     """The orbit of the first guess that leads to one near the start; raises BadInput."""
-    off = float(np.linalg.norm(on.integrals(start) - on.level))
+    off = float(np.linalg.norm(on.integrals(start) - on.relative[2]))
     why = ""
     for guess in guesses:
         try:
@@ -505,12 +505,12 @@ def _first(on: Surface, start: Doubles, guesses: list[Return]) -> Closed:
     raise BadInput(on.scene.name, "start", None, expected)
 
 
-def moved_from(on: Surface, orbit: Closed, start: Doubles) -> float:
+def moved_from(on: LevelBody, orbit: Closed, start: Doubles) -> float:
     """How far a found start lies from another one, scaled."""
     return float(np.linalg.norm((orbit.state - start) / on.scale(start)))
 
 
-def primitive(on: Surface, orbit: Closed) -> Closed:
+def primitive(on: LevelBody, orbit: Closed) -> Closed:
     """The same orbit with its shortest period."""
     scale = on.scale(orbit.state)
     for part in PARTS:
@@ -527,7 +527,7 @@ def primitive(on: Surface, orbit: Closed) -> Closed:
 
 
 def completed(
-    on: Surface,
+    on: LevelBody,
     orbit: Closed,
     anchor: Sequence[Exact],
     digits: int,
@@ -537,13 +537,13 @@ def completed(
 ) -> Orbit:
     """An orbit known in double, to all digits, with residue and advance of psi; raises BadInput.
 
-    ``anchor``: see :func:`polhode.dynamics.high_precision.refined`.
+    ``anchor``: see :func:`polhode.dynamics.newton_shooting.refined`.
     """
     try:
-        fine = high_precision.refined(on, orbit, anchor, digits, progress)
+        fine = newton.refined(on, orbit, anchor, digits, progress)
         if progress is not None:
             progress("the monodromy matrix")
-        matrix = high_precision.monodromy(on, fine.state, fine.time, digits)
+        matrix = newton.monodromy(on, fine.state, fine.time, digits)
     except (NotClosed, NotFollowed) as fault:
         expected = f"an orbit that can be computed to {digits} digits ({fault})"
         raise BadInput(name, "digits", digits, expected) from None
@@ -584,18 +584,16 @@ def kind_of(residue: float, error: float) -> str:
     return HYPERBOLIC if residue < 0 else ELLIPTIC if residue < 1 else INVERSE
 
 
-def _short(psi: Exact, digits: int) -> Literal:
-    return Literal(decimal_string(exact.binary(*exact.rounded(psi, 4 * digits)), digits))
-
-
 def _scene(near: Scene, name: str, fine: Refined) -> Scene:
     """The found start as a scene: the body as it was given, decimals, one period."""
-    tables = tables_of(near)
+    tables, psi, places = tables_of(near), near.psi, len(fine.period)
     tables["start"] = {
         "omega": [Literal(x) for x in fine.omega],
         "gamma": [Literal(x) for x in fine.gamma],
         "normalise": True,
-        "psi": near.psi if isinstance(near.psi, Fraction) else _short(near.psi, len(fine.period)),
+        "psi": psi
+        if isinstance(psi, Fraction)
+        else Literal(decimal_string(binary(psi, 4 * places), places)),
     }
     data: dict[str, Any] = {"title": f"A periodic orbit near {name}", "run": {}, **tables}
     data["run"] = {"end": Literal(fine.period), "samples": 101}

@@ -17,16 +17,22 @@ from polhode.common.arguments import whole
 from polhode.common.checkpoint import Arrays, JobCheckpoint
 from polhode.common.errors import BadInput, counted
 from polhode.common.interrupts import Progress
-from polhode.common.processes import run_jobs
+from polhode.common.processes import cores, run_jobs
 from polhode.common.values import ByValue, cached_property, refuse_too_much
-from polhode.dynamics import coordinates as geometry
-from polhode.dynamics.coordinates import Ground, tangents_of
-from polhode.dynamics.starts import MAXIMA, Cut, cut_of, starts_of
+from polhode.dynamics.level_body import LevelBody, tangents_of
+from polhode.dynamics.starts import (
+    Cut,
+    cell_centres,
+    coordinates,
+    cut_of,
+    height_coordinates,
+    momentum_states,
+    starts_of,
+)
 from polhode.equations.forms import principal
-from polhode.equations.integrals import first_integrals
+from polhode.equations.integrals import CHAPLYGIN, FirstIntegrals, first_integrals
 from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
-from polhode.motion.frame import Frame
-from polhode.numbers.conversion import to_double, to_extended
+from polhode.numbers.conversion import to_extended
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import odd_part
 from polhode.numbers.number_types import (
@@ -40,7 +46,6 @@ from polhode.numbers.number_types import (
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
-from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
     provenance_fact,
@@ -69,28 +74,19 @@ PATIENCE = 1000.0  # the level's units of time without a crossing until an orbit
 
 
 def jobs_of(
-    cut: Cut, on: Ground, zero: SectionZero, direction: int, count: int, states: Doubles
+    on: LevelBody, zero: SectionZero, direction: int, count: int, states: Doubles
 ) -> list[SearchJob]:
-    """The jobs of orbits from ``states``, LANES of them each, in principal axes and inner units.
+    """The jobs of orbits from ``states``, LANES of them each.
 
-    They are in the level's own unit of time, 2**``on.slower`` inner ones: what is a step there, and
-    what rounding adds up to in it, is measured by that.
+    What is a step, and what rounding adds up to in it, is measured by the unit of time.
     """
     from polhode.taylor.event_batches import SearchJob, Watched
 
-    scene = cut.scene
-    frame, slower = Frame.of(scene).slower(on.slower), 2.0**on.slower
-    level = level_of(scene, cut.h, cut.f, frame)
-    k = principal.coefficients(frame.inside(scene).body)
-    constants = tuple(map(to_double, k.values()))
+    constants = tuple(on.numbers.values())
+    watched = Watched((*on.numbers,), STATE, zero, constants=constants)
     own = np.tile(constants, (len(states), 1))
-    x, y, z = zero.arm
-    arm = (x / slower, y / slower, z / slower)
-    own_zero = zero._replace(arm=arm, unit=float(frame.unit))
-    watched = Watched((*k,), STATE, own_zero, constants=constants)
-    states = states * np.repeat([slower, 1.0], 3)
-    chunk = 2.0 ** round(np.log2(CHUNK / (on.fastest * slower or 1.0)))
-    patience = int(-(-PATIENCE // chunk))
+    chunk = 2.0 ** round(np.log2(CHUNK / (on.fastest or 1.0)))
+    patience, level = int(-(-PATIENCE // chunk)), integrals_of(on)
     return [
         SearchJob(
             *(watched, direction, count, np.inf, chunk, own[first : first + LANES]),
@@ -102,33 +98,26 @@ def jobs_of(
     ]
 
 
-def level_of(scene: Scene, h: Exact, f: Exact, frame: Frame) -> Level:
-    """The integrals of a level, as those of a scene on it, inside a frame."""
-    from polhode.equations import integrals
+def integrals_of(on: LevelBody) -> Level:
+    """The integrals that orbits are put back to: those of a scene on the level."""
     from polhode.taylor.projection import Level
 
-    conserved = first_integrals(frame.inside(scene))
-    if integrals.CHAPLYGIN in conserved.onto and f != 0:
-        conserved = integrals.FirstIntegrals(
-            conserved.onto[:-1], conserved.order, conserved.coefficients
-        )
-    unit, largest = frame.unit, max(scene.body.moments)
-    targets = (2 * h * unit * unit / largest, f * unit / largest, Fraction(1))
+    conserved = first_integrals(on.inside)
+    if CHAPLYGIN in conserved.onto and on.f != 0:
+        conserved = FirstIntegrals(conserved.onto[:-1], conserved.order, conserved.coefficients)
+    h, f = on.exact_level
     coefficients = {name: to_extended(x) for name, x in conserved.coefficients.items()}
-    return Level(conserved, coefficients, tuple(to_extended(x) for x in targets))
+    return Level(conserved, coefficients, tuple(to_extended(x) for x in (2 * h, f, Fraction(1))))
 
 
-def zero_of(scene: Scene, on: Ground, by: str) -> SectionZero:
+def zero_of(on: LevelBody, by: str) -> SectionZero:
     """A section's function, scaled to order one; of an expression the odd part."""
-    from polhode.equations.section_functions import SectionZero
-
-    moments = tuple(float(a) for a in on.moments)
     side = -1.0 if on.weight < 0 and by != HEIGHT else 1.0
     size = on.largest_momentum if by == MOMENTUM else on.fastest
-    arm = tuple(float(side * x / (size or 1.0)) for x in on.frame[2])
-    frame = Frame.of(scene)
-    rows = tuple(tuple(to_double(x) for x in row) for row in frame.axes.rows)
-    return SectionZero(odd_part(by), moments, arm, rows, float(frame.unit))  # type: ignore[arg-type]
+    a, b, c = on.moments.tolist()
+    x, y, z = (side * on.arm_axes[2] / (size or 1.0)).tolist()
+    rows = tuple(map(tuple, on.frame.matrix(DOUBLE).tolist()))
+    return SectionZero(odd_part(by), (a, b, c), (x, y, z), rows, float(on.unit))
 
 
 def worker_count(jobs: int, crossings: int) -> int:
@@ -136,8 +125,6 @@ def worker_count(jobs: int, crossings: int) -> int:
 
     Threads would not do: at every crossing they wait for each other.
     """
-    from polhode.common.processes import cores
-
     return max(1, min(cores(), jobs, jobs * LANES * crossings // WORTH_A_PROCESS))
 
 
@@ -181,16 +168,12 @@ STRAIGHT = 10.0  # so much more does the scatter of errors hide
 LOST = math.log(1 / EPS)  # of ln G
 
 
-def digits(
-    scene: Scene, starts: Doubles, times: Doubles, slants: Doubles, workers: int | None = None
-) -> Doubles:
+def digits(on: LevelBody, starts: Doubles, times: Doubles, slants: Doubles) -> Doubles:
     """Correct digits to be expected of each crossing, nan where there is none: (n, m).
 
-    ``starts`` (n, 6): states in principal axes and the run's unit of time; ``times`` (n, m): of the
-    crossings in that unit, nan past an orbit's last one.  ``slants`` (n, m): see :func:`slant`.
-    ``workers``: threads.
+    ``starts`` (n, 6); ``times`` (n, m): of the crossings, nan past an orbit's last one.  ``slants``
+    (n, m): see :func:`slant`.
     """
-    from polhode.common.processes import run_jobs
     from polhode.taylor import variations
 
     digits_left: Doubles = np.full(times.shape, np.nan)
@@ -201,60 +184,47 @@ def digits(
     orbits = orbits[last[orbits] > 0]
     if len(orbits) == 0:
         return digits_left
-    frame = Frame.of(scene)
-    moments, torque = _numbers_of(frame.inside(scene).body)
-    slower = _slowness(starts, torque, moments)
-    starts, times = starts * np.repeat([2.0**slower, 1.0], 3), times * 2.0**-slower
-    last *= 2.0**-slower
-    body = frame.slower(slower).inside(scene).body
-    moments, torque = _numbers_of(body)
-    k = {n: to_double(x) for n, x in principal.coefficients(body).items()}
+    names, constants = tuple(on.numbers), [*on.numbers.values()]
     groups = [orbits[first : first + LANES] for first in range(0, len(orbits), LANES)]
     jobs, spans = [], []
     for group in groups:
         # no further than the last crossing: on a high level a whole look holds millions of turns
         span = min(LOOK, float(last[group].max()))
         spans.append(span)
-        many, looks = (len(group), 1), math.ceil(last[group].max() / span)
-        bodies = np.tile(moments, many), np.tile(torque, many)
-        first = tangents_of(starts[group], *bodies, alike=True)
-        coefficients = np.tile(np.array([*k.values()]), many)
+        looks = math.ceil(last[group].max() / span)
+        first = tangents_of(starts[group], on.moments, on.torque, alike=True)
+        coefficients = np.tile(constants, (len(group), 1))
         end, early = looks * span, tuple(range(2, looks, 2))
         jobs.append(
             variations.TangentJob(
-                tuple(k), coefficients, starts[group], first, end, looks, None, early, LOST
+                names, coefficients, starts[group], first, end, looks, None, early, LOST
             )
         )
     sizes = [len(group) for group in groups]
-    finished = run_jobs(variations.solve, jobs, sizes, workers)
+    finished = run_jobs(variations.solve, jobs, sizes)
     if finished.interrupted:
         raise KeyboardInterrupt
     for group, span, result in zip(groups, spans, finished.done, strict=True):
         least = np.minimum.accumulate(np.where(np.isfinite(result.sizes), result.sizes, np.inf), 1)
         grown = np.where(np.isfinite(result.sizes), result.sizes - least, LOST)
         grown = np.maximum.accumulate(grown, axis=1)
-        looks = np.ceil(np.where(is_crossing[group], times[group], 0.0) / span).astype(int)
-        at = np.take_along_axis(grown, looks, axis=1)
+        looks_at = np.ceil(np.where(is_crossing[group], times[group], 0.0) / span).astype(int)
+        at = np.take_along_axis(grown, looks_at, axis=1)
         right = np.clip((LOST - at - grazing[group]) / math.log(10), 0.0, DOUBLE.most_digits)
         digits_left[group] = np.where(is_crossing[group], right, np.nan)
     return digits_left
 
 
-def slant(scene: Scene, zero: SectionZero, states: Doubles, fastest: float) -> Doubles:
-    """|x'| |grad z|/|z'| of states (n, m, 6) in principal axes and the run's unit of time.
-
-    ``fastest``: what w is measured by.
-    """
+def slant(on: LevelBody, zero: SectionZero, states: Doubles) -> Doubles:
+    """|x'| |grad z|/|z'| of states (n, m, 6), w measured by its bound."""
     from polhode.taylor.projection import ARRAYS, TINY
 
-    body = Frame.of(scene).inside(scene).body
-    k = {n: to_double(x) for n, x in principal.coefficients(body).items()}
-    scales = np.array([fastest or 1.0] * 3 + [1.0] * 3)
+    scales = np.array([on.fastest or 1.0] * 3 + [1.0] * 3)
     x = np.moveaxis(states, -1, 0)
     steps = TINY * 1j * np.diag(scales)[:, :, None, None]
     across = slope = speed = 0.0 * x[0]
     with np.errstate(all="ignore"):
-        rates = principal.field([*x], k, ARRAYS)
+        rates = principal.field([*x], on.numbers, ARRAYS)
         for step, rate, scale in zip(steps, rates, scales, strict=True):
             gradient = np.imag(zero.value([*(x + step)], ARRAYS)) / TINY
             across = across + gradient**2
@@ -262,29 +232,6 @@ def slant(scene: Scene, zero: SectionZero, states: Doubles, fastest: float) -> D
             speed = speed + (rate / scale) ** 2
         slants: Doubles = np.sqrt(across * speed) / np.abs(slope)
     return slants
-
-
-def _numbers_of(body: Body) -> tuple[Doubles, Doubles]:
-    """Moments and Mg r0 of a body inside its frame."""
-    moments, torque = (np.array([to_double(x) for x in v]) for v in (body.moments, body.torque))
-    return moments, torque
-
-
-def _slowness(starts: Doubles, torque: Doubles, moments: Doubles) -> int:
-    """The power of two by which a level is slower than the unit of time, if by far, else 0.
-
-    The unit is the scene's, which may be on another level.
-    """
-    spin = float(np.linalg.norm(starts[:, :3], axis=1).max())
-    speed = max(spin, math.sqrt(float(np.linalg.norm(torque)) / float(moments.min())))
-    return max(0, -4 - math.floor(math.log2(speed)))
-
-
-def none_left_from(digits: Doubles) -> Integers:
-    """The number, from 1 on, of the first crossing with less than one digit; 0: all have one."""
-    gone = digits < 1
-    first: Integers = np.where(gone.any(axis=1), gone.argmax(axis=1) + 1, 0)
-    return first
 
 
 # --- section --------------------------------------------------------------------------------------
@@ -359,15 +306,9 @@ class Section(Result, ByValue):
         """
         if self.interrupted:
             return self.times * float("nan")
-        scene = self.scene
-        starts, states = (
-            geometry.turned(scene, x, back=True) for x in (self.start_states, self.states)
-        )
-        on = geometry.ground(scene, self.h, self.f)
-        zero = zero_of(scene, on, self.by)
-        slants = slant(scene, zero, states, on.fastest)
-        times = self.times / float(Frame.of(scene).unit)
-        return digits(scene, starts, times, slants)
+        on = LevelBody(self.scene, self.h, self.f).in_own_time
+        slants = slant(on, zero_of(on, self.by), on.within(self.states))
+        return digits(on, on.within(self.start_states), self.times / float(on.unit), slants)
 
     @property
     def none_left_from(self) -> Integers:
@@ -375,7 +316,9 @@ class Section(Result, ByValue):
 
         0: of none, or of a section that was interrupted, whose digits are not known.
         """
-        return none_left_from(self.digits)
+        gone = self.digits < 1
+        first: Integers = np.where(gone.any(axis=1), gone.argmax(axis=1) + 1, 0)
+        return first
 
     @property
     def complete(self) -> bool:
@@ -384,8 +327,6 @@ class Section(Result, ByValue):
 
     def table(self) -> Table:
         """One row per crossing: its orbit, time, coordinates, and state."""
-        import numpy as np
-
         there = np.arange(self.times.shape[1]) < self.counts[:, None]
         orbit, crossing = np.nonzero(there)
         columns = [
@@ -403,8 +344,6 @@ class Section(Result, ByValue):
 
     def facts(self) -> list[Fact]:
         """The level, the section, and of each orbit its start and its end."""
-        import numpy as np
-
         first, second = ("azimuth", "cosine") if self.by == "height" else ("l", "L_over_G")
         starts = [f"start_{name}" for name in (first, second, *STATE)]
         values = np.concatenate([self.starts, self.start_states], axis=1)
@@ -509,24 +448,25 @@ def section(
     count = whole(scene.name, "crossings", count, 1, MOST_CROSSINGS)
     if starts is None and grid is None and plan.starts:
         starts = plan.starts
-    on = geometry.ground(scene, cut.h, cut.f)
+    on = cut.on.in_own_time
+    cut = cut._replace(on=on)
 
     def forecast(orbits: int, more_than: str = "") -> None:
         work = f"{more_than}{orbits} orbits to {count} crossings"
         words = "crossings in all; a coarser grid, or fewer of each orbit"
         refuse_too_much(scene.name, "section", work, orbits * count, _BYTES, words)
 
-    initial = starts_of(cut, on, starts, grid, lambda orbits: forecast(orbits, "more than "))
+    initial = starts_of(cut, starts, grid, lambda orbits: forecast(orbits, "more than "))
     forecast(len(initial.states))
-    zero = zero_of(cut.scene, on, cut.by)
+    zero = zero_of(on, cut.by)
     direction = 0
     if cut.by in (MOMENTUM, HEIGHT):
-        direction = -1 if cut.extremum == MAXIMA else 1
-    _refuse_constant(cut, on, zero, initial.states)
-    jobs = jobs_of(cut, on, zero, direction, count, initial.states)
-    key = scene.text, str(cut[1:]), count, direction, initial.states
+        direction = -1 if cut.maxima else 1
+    _refuse_constant(cut, zero, initial.states)
+    jobs = jobs_of(on, zero, direction, count, initial.states)
+    key = scene.text, str((on.h, on.f, *cut[1:])), count, direction, initial.states
     checkpoint = JobCheckpoint.at(parts, "section", *key)
-    with _refused(cut, on, checkpoint):
+    with _refused(cut, checkpoint):
         finished = run_jobs(
             event_batches.solve,
             jobs,
@@ -540,23 +480,21 @@ def section(
             processes=True,
         )
     crossed = event_batches.joined(finished.done)
-    crossed.states[..., :3] *= 2.0**-on.slower
     if cut.by not in (MOMENTUM, HEIGHT) and not crossed.found.any():
-        with _refused(cut, on, checkpoint):
-            _refuse_never_zero(cut, on, zero)
+        with _refused(cut, checkpoint):
+            _refuse_never_zero(cut, zero)
     states = initial.states[finished.rows]
-    angles = geometry.height_coordinates if cut.by == HEIGHT else geometry.coordinates
-    l, ratio = geometry.coordinates(on, crossed.states)
-    unit = float(Frame.of(scene).slower(on.slower).unit)
+    angles = height_coordinates if cut.by == HEIGHT else coordinates
+    l, ratio = coordinates(on, crossed.states)
+    unit = float(on.unit)
     result = Section(
         scene,
-        cut.h,
-        cut.f,
-        cut.by,
-        cut.extremum,
+        on.h,
+        on.f,
+        *cut[1:],
         np.stack(angles(on, states), axis=-1),
-        geometry.turned(scene, states),
-        geometry.turned(scene, crossed.states),
+        on.outside(states),
+        on.outside(crossed.states),
         crossed.times * unit,
         crossed.rests * unit,
         l,
@@ -574,33 +512,31 @@ def section(
     return result
 
 
-def _refuse_constant(cut: Cut, on: Ground, zero: SectionZero, states: Doubles) -> None:
+def _refuse_constant(cut: Cut, zero: SectionZero, states: Doubles) -> None:
     """Raise BadInput for an expression that has no value at a start, or no rate at any of them."""
     from polhode.taylor.projection import ARRAYS
 
     if cut.by in (MOMENTUM, HEIGHT):
         return
-    inside = Frame.of(cut.scene).inside(cut.scene)
-    k = {name: to_double(x) for name, x in principal.coefficients(inside.body).items()}
     moved = states.T + 1e-3 * np.random.default_rng(0).normal(size=states.T.shape)
     try:
         with np.errstate(all="ignore"):
-            rates = principal.field([*moved], k, ARRAYS)
+            rates = principal.field([*moved], cut.on.numbers, ARRAYS)
             ahead = np.array([x + _STEP * 1j * rate for x, rate in zip(moved, rates, strict=True)])
             speed = np.imag(zero.value([*ahead], ARRAYS)) / _STEP
             value = np.real(zero.value(list(moved), ARRAYS))
             here = zero.value(list(states.T), ARRAYS) + 0 * states[:, 0]
         if not np.isfinite(here).all():
-            raise _not_finite(cut, on, states[int(np.argmin(np.isfinite(here)))], 0.0)
+            raise _not_finite(cut, states[int(np.argmin(np.isfinite(here)))], 0.0)
     except (ArithmeticError, AttributeError, TypeError):  # no name in it
         speed = value = np.zeros(1)
     if not np.any(np.abs(speed) > 1e-12 * np.maximum(1e-300, np.abs(value))):
         expected = "an expression that changes along the motion; this one is constant"
-        raise BadInput(cut.scene.name, "by", cut.by, expected)
+        raise BadInput(cut.on.scene.name, "by", cut.by, expected)
 
 
 @contextmanager
-def _refused(cut: Cut, on: Ground, checkpoint: JobCheckpoint | None) -> Iterator[None]:
+def _refused(cut: Cut, checkpoint: JobCheckpoint | None) -> Iterator[None]:
     """Leave nothing behind where the section's function is refused, on the way too."""
     from polhode.taylor.event_batches import Singular
 
@@ -608,32 +544,32 @@ def _refused(cut: Cut, on: Ground, checkpoint: JobCheckpoint | None) -> Iterator
         try:
             yield
         except Singular as met:
-            raise _not_finite(cut, on, met.start, met.time) from None
+            raise _not_finite(cut, met.start, met.time) from None
     except BadInput:
         if checkpoint is not None:
             checkpoint.remove()
         raise
 
 
-def _not_finite(cut: Cut, on: Ground, start: Sequence[float], time: float) -> BadInput:
+def _not_finite(cut: Cut, start: Sequence[float], time: float) -> BadInput:
     """The refusal of an expression that has no finite value on an orbit, at a time of the run."""
-    l, ratio = (float(x) for x in geometry.coordinates(on, np.array(start)))
-    t = math.ldexp(time, Frame.of(cut.scene).exponent + on.slower)
+    l, ratio = (float(x) for x in coordinates(cut.on, np.array(start)))
+    t = math.ldexp(time, cut.on.frame.exponent)
     expected = (
         "an expression that is real and finite on all orbits; on the one from "
         f"l = {l:.6g}, L/G = {ratio:.6g} it has a pole or stops being real at t = {t:.6g}"
     )
-    return BadInput(cut.scene.name, "by", cut.by, expected)
+    return BadInput(cut.on.scene.name, "by", cut.by, expected)
 
 
-def _refuse_never_zero(cut: Cut, on: Ground, zero: SectionZero) -> None:
+def _refuse_never_zero(cut: Cut, zero: SectionZero) -> None:
     from polhode.taylor.projection import ARRAYS
 
-    grid = geometry.cells(60, 60)
-    states = [geometry.momentum_states(on, *grid, kind).states for kind in (True, False)]
+    grid = cell_centres(60, 60)
+    states = [momentum_states(cut.on, *grid, kind).states for kind in (True, False)]
     values = np.real(zero.value(list(np.concatenate(states).T), ARRAYS))
     expected = (
         "an expression that becomes zero; at the extrema of |G| on this level it is from "
         f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g}, and no orbit crosses 0"
     )
-    raise BadInput(cut.scene.name, "by", cut.by, expected)
+    raise BadInput(cut.on.scene.name, "by", cut.by, expected)

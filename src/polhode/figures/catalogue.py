@@ -86,17 +86,17 @@ def draw(
     what: str | None = None,
     *,
     title: str = "",
-    **asked: Any,
+    **given_options: Any,
 ) -> Any:
     """Draw a result, or samples of a motion; raises BadInput for what it cannot show.
 
-    ``axes``: to draw into.  ``title``: in place of the figure's own.  ``asked``: options of the
+    ``axes``: to draw into.  ``title``: in place of the figure's own.  ``given_options``: of the
     figure; None is as not given.
     """
     kind = kind_of(subject)
     what = chosen(kind, what)
     make = _function(*FIGURES[kind][what])
-    options = {key: value for key, value in asked.items() if value is not None}
+    options = {key: value for key, value in given_options.items() if value is not None}
     names = [k for k, x in inspect.signature(make).parameters.items() if x.kind is x.KEYWORD_ONLY]
     for key, value in options.items():
         if key not in names:

@@ -6,14 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from polhode.dynamics import coordinates as geometry
 from polhode.dynamics.frequencies import Frequencies
+from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.naff import POWER
 from polhode.dynamics.newton_shooting import BRANCH, DOUBLING, FOLD
+from polhode.dynamics.starts import height_coordinates
 from polhode.equations.section_functions import HEIGHT
 from polhode.figures import canvas
 from polhode.figures.canvas import ink, residue_axis, series
-from polhode.figures.results import numbers, told
+from polhode.figures.results import numbers, saved_of
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import Doubles
 from polhode.results.result import Storable
@@ -33,17 +34,17 @@ SHADES = ("#cfe3f2", "#f5e6b3", "#b2182b", "#ef8a62")  # regular, undecided, cha
 
 def fli(plt: Any, result: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """The fast Lyapunov indicator."""
-    return _scaled(plt, told(result), axes, "fli", cmap)
+    return _scaled(plt, saved_of(result), axes, "fli", cmap)
 
 
 def megno(plt: Any, result: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """The mean exponential growth of nearby orbits."""
-    return _scaled(plt, told(result), axes, "megno", cmap)
+    return _scaled(plt, saved_of(result), axes, "megno", cmap)
 
 
 def exponent(plt: Any, result: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """Lyapunov's largest exponent."""
-    return _scaled(plt, told(result), axes, "exponent", cmap)
+    return _scaled(plt, saved_of(result), axes, "exponent", cmap)
 
 
 def verdict(plt: Any, result: Storable, axes: Any = None) -> Any:
@@ -51,7 +52,7 @@ def verdict(plt: Any, result: Storable, axes: Any = None) -> Any:
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
-    facts = told(result)
+    facts = saved_of(result)
     figure, panels = canvas.panels(plt, axes, 1, figsize=(6.0, 4.4))
     legend, panel = canvas.legend_of(figure, axes), panels[0, 0]
     counts = facts.fact("counts")
@@ -124,7 +125,7 @@ def _edges(facts: Saved, k: int) -> Doubles:
 
 def crossings(plt: Any, result: Storable, axes: Any = None) -> Any:
     """l and L/G; of a section by height the azimuth of the vertical about r0 and its cosine."""
-    facts = told(result)
+    facts = saved_of(result)
     figure, panels = canvas.panels(plt, axes, 1, figsize=(5.6, 4.2))
     panel, by = panels[0, 0], facts.fact("by")
     height = by == HEIGHT
@@ -148,12 +149,9 @@ def crossings(plt: Any, result: Storable, axes: Any = None) -> Any:
 
 def _heights(facts: Saved) -> tuple[Doubles, Doubles]:
     """The azimuth of gamma about r0 and its cosine, of every crossing."""
-    scene = facts.scene
-    on = geometry.ground(scene, facts.fact("h"), facts.fact("f"))
-    rows = np.array([[to_double(x) for x in row] for row in scene.body.axes.rows])
+    on = LevelBody(facts.scene, facts.fact("h"), facts.fact("f"))
     states = np.array([numbers(facts, name) for name in STATE]).T
-    principal = np.concatenate([states[:, :3] @ rows.T, states[:, 3:] @ rows.T], axis=1)
-    return geometry.height_coordinates(on, principal)
+    return height_coordinates(on, on.within(states))
 
 
 # --- orbit family ---------------------------------------------------------------------------------
@@ -166,7 +164,7 @@ _MARKS = {FOLD: "s", BRANCH: "D", DOUBLING: "o"}
 
 def family(plt: Any, result: Storable, axes: Any = None) -> Any:
     """Period above, residue below; elliptic between 0 and 1."""
-    facts = told(result)
+    facts = saved_of(result)
     figure, panels = canvas.panels(plt, axes, 2, figsize=(4.8, 4.8), sharex=True)
     by, passed = facts.fact("by"), facts.fact("bifurcations")
     first, *others = series(3)
@@ -202,7 +200,7 @@ def lines(plt: Any, result: Storable, axes: Any = None) -> Any:
 
     Of a file, which has no samples, the lines alone.
     """
-    facts = told(result)
+    facts = saved_of(result)
     signal = np.array(facts.column("signal"), dtype=np.str_)
     frequency, amplitude = (numbers(facts, name) for name in ("frequency", "amplitude"))
     samples = result.signals if isinstance(result, Frequencies) else {}

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from polhode.common.errors import BadInput
+from polhode.dynamics.exact_levels import Region
 from polhode.dynamics.levels import DiagramColumn, Levels, levels
-from polhode.dynamics.regions import Region
 from polhode.figures import canvas
 from polhode.figures.canvas import label_text, series
-from polhode.figures.results import told
+from polhode.figures.results import saved_of
 from polhode.numbers import expression
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.results.result import Storable
@@ -55,7 +55,7 @@ def draw(
     scene.  The levels of a file are found anew.
     """
     if not isinstance(result, Levels):
-        result = levels(told(result).scene)
+        result = levels(saved_of(result).scene)
     shown = window(result, f_range, h_range)
     figure, panels = canvas.panels(plt, axes, 1, figsize=(6.6, 4.4))
     place, axes = canvas.legend_of(figure, axes), panels[0, 0]

@@ -11,6 +11,7 @@ import json
 import math
 import tomllib
 from collections.abc import Sequence
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,12 +20,15 @@ import numpy as np
 
 from polhode.common.errors import BadInput, printable
 from polhode.common.provenance import __version__
-from polhode.figures.samples import ShownMotion
+from polhode.common.texts import Page, together
+from polhode.figures.samples import ANOTHER, ShownMotion, of_samples
 from polhode.figures.solids import solids, unit
+from polhode.figures.source import MOTION, Drawing, Request, Source, drawing_of
 from polhode.figures.sphere import apex
+from polhode.judging.reference import reference as reference_of
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import sign
-from polhode.numbers.number_types import Doubles
+from polhode.numbers.number_types import AnyNumber, Doubles
 from polhode.numbers.vectors import dot
 from polhode.scenes.body import CHAPLYGIN, LAGRANGE, SPHERE, Body, kind_of_body
 from polhode.scenes.scene import Scene
@@ -170,6 +174,66 @@ def _centre(body: Body) -> list[float] | None:
         return None
     size = unit(body)
     return [x / size for x in centre] if body.parts else [0.5 * x / length for x in centre]
+
+
+# --- view -----------------------------------------------------------------------------------------
+
+
+def view(
+    what_of: Source,
+    *others: Source,
+    end: AnyNumber | None = None,
+    title: str = "",
+    text: str = "",
+) -> Page:
+    """Show a motion, or several, as one page that moves: no network, nothing else needed.
+
+    Parameters
+    ----------
+    what_of : Scene, Trajectory, str or Path
+        A scene, a run, or the file of a run.
+    *others
+        More of them, one below the other.
+    end : number, optional
+        The last time shown, as for :func:`polhode.plot`.
+    title : str
+        A heading above the motions.
+    text : str
+        Words below the heading, with empty lines between paragraphs.
+
+    Returns
+    -------
+    Page
+        A page of HTML, to be saved or shown in a notebook.
+
+    Raises
+    ------
+    BadInput
+        A scene that cannot be integrated.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> polhode.view("euler/largest-axis").save("motion.html")  # doctest: +SKIP
+    """
+    every = [drawing_of(source, MOTION, Request(end=end)) for source in (what_of, *others)]
+    pages = [Page(drawing.name, page_of(drawing, "polhode.view")) for drawing in every]
+    return together(pages, title, text)
+
+
+def page_of(drawing: Drawing, command: str) -> str:
+    """The page of a motion in columns, a run's or a file's."""
+    motion = of_samples(drawing.motion)
+    scene = motion.scene
+    origin = "Attitude and omega by heyoka's Taylor method, in double."
+    if drawing.measured:
+        origin = "Attitude and omega as the file has them."
+    reference = reference_of(replace(scene, reference="auto"))
+    title, regime = scene.title or scene.name, reference.regime
+    words = explained(reference.kind, regime, scene)
+    if drawing.measured and not motion.on_level():
+        words = regime = ANOTHER
+    return page(motion, title, regime, words, origin, command)
 
 
 # --- explanations ---------------------------------------------------------------------------------

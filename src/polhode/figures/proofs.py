@@ -10,12 +10,12 @@ import numpy as np
 
 from polhode.certificates import verify
 from polhode.common.errors import BadInput
-from polhode.dynamics import coordinates as geometry
+from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.section import Section, section
+from polhode.dynamics.starts import height_coordinates, momentum_states
 from polhode.equations.section_functions import MOMENTUM
 from polhode.figures import canvas
-from polhode.figures.results import told
-from polhode.numbers.conversion import to_double
+from polhode.figures.results import saved_of
 from polhode.numbers.number_types import Doubles
 from polhode.proofs import homoclinic
 from polhode.proofs.proved_chaos import ProvedChaos
@@ -64,12 +64,12 @@ def crossings(proof: ProvedChaos) -> SectionCrossings:
     """Where the proof's guess of both manifolds crosses the section, and the sets of the proof."""
     surface, saddle, charts, sets, _ = proof.guess
     out, into, _ = homoclinic.manifolds(surface, saddle)
-    on = geometry.ground(proof.scene, proof.h, proof.f)
+    on = LevelBody(proof.scene, proof.h, proof.f)
     centres = [charts[x.chart].centre + charts[x.chart].wide[:, 0] * x.middle for x in sets]
     return SectionCrossings(
-        geometry.height_coordinates(on, out.state.T),
-        geometry.height_coordinates(on, into.state.T),
-        geometry.height_coordinates(on, np.array(centres)),
+        height_coordinates(on, out.state.T),
+        height_coordinates(on, into.state.T),
+        height_coordinates(on, np.array(centres)),
     )
 
 
@@ -144,7 +144,7 @@ class Curves(NamedTuple):
 
 def stability(plt: Any, proof: Storable, axes: Any = None) -> Figure:
     """Left the curves, as computed in double; right their turns, and what the proved twist says."""
-    saved = told(proof)
+    saved = saved_of(proof)
     rotation, twist = (float(saved.column(name)[0]) for name in ("rotation", "twist"))
     curves = curves_around(saved)
     figure: Figure
@@ -203,19 +203,18 @@ def _crossings(scene: Any, starts: Any, count: int) -> Section:
 
 def _row(orbit: Section) -> list[float]:
     """The first crossing as a start: l, L/G, and which of the states there it is."""
-    on = geometry.ground(orbit.scene, orbit.h, orbit.f)
-    state = geometry.turned(orbit.scene, orbit.states[0, 0], back=True)
+    on = LevelBody(orbit.scene, orbit.h, orbit.f)
+    state = on.within(orbit.states[0, 0])
     l, ratio = orbit.l[0, :1], orbit.L_over_G[0, :1]
-    off = np.abs(geometry.momentum_states(on, l, ratio, maxima=True).states - state).max(axis=1)
+    off = np.abs(momentum_states(on, l, ratio, maxima=True).states - state).max(axis=1)
     return [float(l[0]), float(ratio[0]), float(np.argmin(off))]
 
 
 def _canonical(cut: Section) -> Doubles:
     """l and L of crossings, in the scene's units: (orbits, crossings, 2)."""
-    on, body = geometry.ground(cut.scene, cut.h, cut.f), cut.scene.body
-    rates = geometry.turned(cut.scene, cut.states, back=True)[..., :3]
-    unit = to_double(max(body.moments)) / on.moments.max() / 2.0**cut.scene.time_unit
-    size = np.linalg.norm(rates * on.moments, axis=-1) * unit
+    on = LevelBody(cut.scene, cut.h, cut.f)
+    momentum = on.within(cut.states)[..., :3] * on.moments
+    size = np.linalg.norm(momentum, axis=-1) * float(on.units[1])
     return np.stack([cut.l, cut.L_over_G * size], axis=-1)
 
 

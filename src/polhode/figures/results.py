@@ -22,7 +22,7 @@ MOST = 200  # times of a period; members of a sweep
 GREY = "#999999"
 
 
-def told(result: Storable) -> Saved:
+def saved_of(result: Storable) -> Saved:
     """What a result tells, as its file does."""
     return result if isinstance(result, Saved) else Saved(result.content())
 
@@ -55,7 +55,7 @@ def _curves(
 
 def period(plt: Any, result: Storable, axes: Any = None) -> Any:
     """omega over one period of a periodic orbit, found or proved."""
-    orbit = told(result)
+    orbit = saved_of(result)
     scene = orbit.scene
     p, q, r, *gamma = (orbit.column(name)[0] for name in scene.columns)
     start: dict[str, Any] = {"omega": (p, q, r), "gamma": gamma or None, "normalise": bool(gamma)}
@@ -69,7 +69,7 @@ def period(plt: Any, result: Storable, axes: Any = None) -> Any:
 
 def reference(plt: Any, result: Storable, axes: Any = None) -> Any:
     """omega by the reference alone, at times of the scene."""
-    facts = told(result)
+    facts = saved_of(result)
     rows = [numbers(facts, name) for name in "pqr"]
     figure = _omega(plt, axes, numbers(facts, "t"), rows, facts.scene)
     figure.axes[0].set_title(f"{facts.fact('reference')}: {facts.fact('regime')}")
@@ -83,7 +83,7 @@ def _omega(plt: Any, axes: Any, t: Any, rows: Any, scene: Any) -> Any:
 
 def digits(plt: Any, result: Storable, axes: Any = None) -> Any:
     """Correct digits over time, and the band that is expected."""
-    facts = told(result)
+    facts = saved_of(result)
     t, word = numbers(facts, "t"), "correct_digits"
     shown = {"correct digits": numbers(facts, word)} if word in names(facts) else {}
     where = {"xlabel": time_label(facts.scene), "ylabel": "correct digits"}
@@ -101,7 +101,7 @@ def digits(plt: Any, result: Storable, axes: Any = None) -> Any:
 
 def proven(plt: Any, result: Storable, axes: Any = None) -> Any:
     """Proven digits over time."""
-    facts = told(result)
+    facts = saved_of(result)
     shown = {"proven digits": numbers(facts, "digits_proven")}
     where = {"xlabel": time_label(facts.scene), "ylabel": "proven digits (dotted: asked for)"}
     figure, panel = _curves(plt, axes, numbers(facts, "t"), shown, ".-", **where)
@@ -111,7 +111,7 @@ def proven(plt: Any, result: Storable, axes: Any = None) -> Any:
 
 def intervals(plt: Any, result: Storable, axes: Any = None) -> Any:
     """The time from each event to the next."""
-    facts = told(result)
+    facts = saved_of(result)
     t = numbers(facts, "t")
     name = facts.fact("event" if facts.kind == "CertifiedEvents" else "name")
     where = {"xlabel": time_label(None), "ylabel": "time since the one before"}
@@ -122,7 +122,7 @@ def intervals(plt: Any, result: Storable, axes: Any = None) -> Any:
 
 def members(plt: Any, result: Storable, axes: Any = None, *, cmap: str | None = None) -> Any:
     """The height of the third axis of each member over time, r of a free body without gamma."""
-    facts = told(result)
+    facts = saved_of(result)
     figure, ((panel,),) = canvas.panels(plt, axes, 1)
     count = facts.fact("members").rows
     column = facts.scene.columns[-1]
@@ -139,7 +139,7 @@ def members(plt: Any, result: Storable, axes: Any = None, *, cmap: str | None = 
 
 def reductions(plt: Any, result: Storable, axes: Any = None) -> Any:
     """Each number that was kept over what is varied first."""
-    facts = told(result)
+    facts = saved_of(result)
     key, columns = facts.fact("vary")[0], names(facts)
     curves = {name: numbers(facts, name) for name in columns[columns.index("steps") + 1 :]}
     alone = {"ylabel": next(iter(curves))} if len(curves) == 1 else {}
@@ -148,7 +148,7 @@ def reductions(plt: Any, result: Storable, axes: Any = None) -> Any:
 
 def residues(plt: Any, result: Storable, axes: Any = None) -> Any:
     """Residue over period."""
-    facts = told(result)
+    facts = saved_of(result)
     periods, shown = numbers(facts, "period"), {"residue": numbers(facts, "residue")}
     figure, panel = _curves(plt, axes, periods, shown, "o", xlabel="period", ylabel="residue")
     residue_axis(panel)

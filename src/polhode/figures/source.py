@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, overload
 
 import numpy as np
 
 from polhode.common.errors import BadInput, nearest
 from polhode.common.interrupts import Progress
 from polhode.equations import integrals
-from polhode.figures import catalogue
+from polhode.figures import canvas, catalogue
 from polhode.figures import samples as sampling
 from polhode.figures.samples import ANOTHER, Samples, of_samples
 from polhode.judging.certified import Certified
@@ -40,7 +40,11 @@ from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME
 from polhode.scenes.given_numbers import reader as read_times
 from polhode.scenes.scene import Scene
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, REQUESTS, SPACE, STATE
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, REQUESTS, SPACE, STATE, Several, Single
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+    from matplotlib.axes import Axes
 
 # --- departures -----------------------------------------------------------------------------------
 #
@@ -170,6 +174,13 @@ class Drawing(NamedTuple):
     name: str
     notes: tuple[str, ...] = ()
     measured: bool = False
+
+    @property
+    def motion(self) -> Samples:
+        """The samples of a motion that is shown; raises BadInput where that is none."""
+        if not isinstance(self.subject, Samples):
+            raise BadInput(self.name, "--what", MOTION, "a scene, a run, or a table of a motion")
+        return self.subject
 
 
 def drawing_of(
@@ -348,3 +359,73 @@ def _refuse_what_is_missing(samples: Samples, word: str) -> None:
         raise BadInput(samples.name, "header", ",".join(samples.columns), expected)
     if len(samples.columns["t"]) < 3:
         raise BadInput(samples.name, "file", None, "three rows or more, to draw a curve")
+
+
+# --- plot -----------------------------------------------------------------------------------------
+
+
+_REQUEST = [x.name for x in fields(Request)]
+
+
+@overload
+def plot(
+    what_of: Source, what: Several, ax: object = None, **options: object
+) -> npt.NDArray[np.object_]: ...
+@overload
+def plot(what_of: Source, what: Single, ax: object = None, **options: object) -> Axes: ...
+@overload
+def plot(
+    what_of: Source, what: str | None = None, ax: object = None, **options: object
+) -> Axes | npt.NDArray[np.object_]: ...
+def plot(
+    what_of: Source, what: str | None = None, ax: object = None, **options: object
+) -> Axes | npt.NDArray[np.object_]:
+    """Draw a figure with matplotlib; the colours of a style that is in use are taken.
+
+    Parameters
+    ----------
+    what_of : Scene, str, Path or any result
+        A scene; a run, whose scene is integrated anew in its number type at as many times as curves
+        need; any other result; or the path of the file of one, or of a table as for
+        :func:`polhode.compare`.
+    what : str, optional
+        Of a scene or a run: angles, omega, momentum, attitude, hodographs, sphere, integrals or
+        error; of a map: fli, megno, exponent or verdict; any other result has one figure.  Unless
+        given the first of these, of a motion omega into one pair of axes.
+    ax : matplotlib axes, optional
+        As many as the figure has panels, to draw into; new ones unless given.
+    **options
+        ``title``, in place of the figure's own.  Of a motion: ``end``, the last time drawn, in the
+        scene's unit (unless given the scene's own, but no more than 100 radians; of integrals and
+        error all), ``number``, ``digits``; of a table also ``scene``, ``read`` and ``columns``.  Of
+        a map and an ensemble ``cmap``; of levels ``f_range`` and ``h_range``, two numbers each.
+
+    Returns
+    -------
+    Axes or ndarray of Axes
+        The axes drawn into, an array of them where there are several.
+
+    Raises
+    ------
+    BadInput
+        A figure that there is not, or that the scene cannot have.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> panels = polhode.plot("lagrange/looping", "angles", end=4)
+    >>> [panel.get_ylabel() for panel in panels]
+    ['ψ (rad)', 'θ (rad)', 'φ (rad)']
+    """
+    plt = canvas.pyplot(own=False)
+    drawn: dict[str, Any] = dict(options)
+    request = {name: drawn.pop(name) for name in _REQUEST if name in options}
+    usual = "omega" if hasattr(ax, "plot") else "angles"
+    drawing = drawing_of(what_of, what, Request(**request), usual=usual)
+    figure = catalogue.draw(plt, drawing.subject, ax, drawing.what, **drawn)
+    panels = catalogue.own_panels(figure) if ax is None else ax
+    several: npt.NDArray[np.object_] = np.ravel(np.asarray(panels, dtype=object))
+    if len(several) != 1:
+        return several
+    only: Axes = several[0]
+    return only

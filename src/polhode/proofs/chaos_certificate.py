@@ -15,7 +15,7 @@ from flint import arb
 
 from polhode.certificates import certificate_file, verify
 from polhode.certificates.certificate_file import JsonObject, by_checker
-from polhode.dynamics.newton_shooting import Surface
+from polhode.dynamics.level_body import LevelBody
 from polhode.motion.frame import Frame
 from polhode.numbers.exact import ONE, Exact
 from polhode.numbers.flint_context import ctx
@@ -141,7 +141,7 @@ class Guess(NamedTuple):
     ``sets``: N0, M1, ..., Mk; ``times``: of each to the next one's plane.
     """
 
-    surface: Surface
+    surface: LevelBody
     saddle: Saddle
     charts: list[Chart]
     sets: list[Rectangle]
@@ -160,7 +160,7 @@ class Guess(NamedTuple):
         return Chain(on.scene.body, on.h, on.f, charts, self.sets, [x * by for x in self.times])
 
 
-def guess_along(on: Surface, at: Saddle, orbit: Homoclinic, size: float) -> Guess:
+def guess_along(on: LevelBody, at: Saddle, orbit: Homoclinic, size: float) -> Guess:
     """Charts and sets along a homoclinic orbit; ``size``: of N0."""
     count = max(2, round(orbit.time / at.period))
     time = orbit.time / count
@@ -208,7 +208,7 @@ def _fitted(derivative: Doubles, source: Rectangle, size: float) -> Rectangle:
     return Rectangle(0, 0.0, float(wide), float(max(_HIGHER * (c + d), _LEAST_HEIGHT * size)))
 
 
-def chart_at(on: Surface, state: Doubles, out: Doubles, into: Doubles) -> Chart:
+def chart_at(on: LevelBody, state: Doubles, out: Doubles, into: Doubles) -> Chart:
     """A chart across the motion, with two directions in the level."""
     rates = on.rates(state)
     wide = np.column_stack([_flat(on, state, v) for v in (out, into)])
@@ -216,7 +216,7 @@ def chart_at(on: Surface, state: Doubles, out: Doubles, into: Doubles) -> Chart:
     return Chart(state, wide, deep, rates, ETA)
 
 
-def _flat(on: Surface, state: Doubles, v: Doubles) -> Doubles:
+def _flat(on: LevelBody, state: Doubles, v: Doubles) -> Doubles:
     """A direction in the level and in the plane across the motion, of length 1."""
     rates = on.rates(state)
     rows = np.vstack([on.gradients(state), rates])

@@ -5,7 +5,7 @@ followed to the maxima of the height of the centre of mass; neighbours on one ma
 segments there, and two segments of different manifolds that pass through each other
 transversally are a guess. It is corrected by Newton's method in log |s_u|, log |s_s| and the
 time, and moved towards the orbit by powers of the multiplier. All in principal axes and the unit of
-time of a :class:`~polhode.dynamics.newton_shooting.Surface`, whose flow the engine gives.
+time of a :class:`~polhode.dynamics.level_body.LevelBody`, whose flow the engine gives.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polhode.dynamics.newton_shooting import Surface
+from polhode.dynamics.level_body import LevelBody
 from polhode.equations.section_functions import HEIGHT, SectionZero
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import Doubles, Indices, double_array
@@ -74,14 +74,14 @@ class Homoclinic(NamedTuple):
         return self.ahead + self.behind
 
 
-def flow_with_derivative(on: Surface, start: Doubles, time: float) -> tuple[Doubles, Doubles]:
+def flow_with_derivative(on: LevelBody, start: Doubles, time: float) -> tuple[Doubles, Doubles]:
     """Where the flow leads in a time of any sign, and its derivative; raises NotFollowed."""
     reached = on.flow.after(start, time)
     assert reached.derivative is not None
     return double_array(reached.state), double_array(reached.derivative)
 
 
-def saddle(on: Surface, point: Doubles, period: float) -> Saddle | None:
+def saddle(on: LevelBody, point: Doubles, period: float) -> Saddle | None:
     """The directions at a hyperbolic orbit; None where double tells none."""
     values, vectors = np.linalg.eig(flow_with_derivative(on, point, period)[1])
     order = np.argsort(np.abs(values))
@@ -99,7 +99,7 @@ def saddle(on: Surface, point: Doubles, period: float) -> Saddle | None:
     return Saddle(point, period, multiplier, pair[0], pair[1], rates)
 
 
-def search(on: Surface, at: Saddle) -> Iterator[Homoclinic]:
+def search(on: LevelBody, at: Saddle) -> Iterator[Homoclinic]:
     """Transversal homoclinic orbits, one of each class, short ones first."""
     guesses: list[Homoclinic] = []
     for guess in sorted(_guesses(on, at), key=lambda x: _length(at, x)):
@@ -113,7 +113,7 @@ def search(on: Surface, at: Saddle) -> Iterator[Homoclinic]:
             yield orbit
 
 
-def manifolds(on: Surface, at: Saddle) -> tuple[Crossings, Crossings, Doubles]:
+def manifolds(on: LevelBody, at: Saddle) -> tuple[Crossings, Crossings, Doubles]:
     """Where the unstable and the stable manifold meet the section; the lanes' s."""
     factor = abs(at.multiplier)
     grown = at.period * (math.log(1.0 / _SIZE) / math.log(factor) - 1.0)  # to a size of 1
@@ -125,10 +125,10 @@ def manifolds(on: Surface, at: Saddle) -> tuple[Crossings, Crossings, Doubles]:
     return out, into, both
 
 
-def _crossings(on: Surface, starts: Doubles, end: float, late: float) -> Crossings:
+def _crossings(on: LevelBody, starts: Doubles, end: float, late: float) -> Crossings:
     """Maxima of the height of the centre of mass, later than some time, to the end."""
     constants = tuple(map(to_double, on.coefficients.values()))
-    (a, b, c), (x, y, z) = on.moments.tolist(), on.torque.tolist()
+    (a, b, c), (x, y, z) = (v.tolist() for v in on.relative[:2])
     zero = SectionZero(HEIGHT, (a, b, c), (x, y, z))
     watched = Watched((*on.coefficients,), STATE, zero, constants=constants)
     numbers = np.tile(constants, (len(starts), 1))
@@ -138,7 +138,7 @@ def _crossings(on: Surface, starts: Doubles, end: float, late: float) -> Crossin
     return Crossings(lane, number, times[lane, number], crossed.states[lane, number].T)
 
 
-def _guesses(on: Surface, at: Saddle) -> list[Homoclinic]:
+def _guesses(on: LevelBody, at: Saddle) -> list[Homoclinic]:
     out, into, both = manifolds(on, at)
     u, s = _segments(out, both), _segments(into, both)
     guesses = []
@@ -222,7 +222,7 @@ def _through(
         yield int(i[n]), int(j[n]), float(a[n]), float(b[n]), float(sine[n])
 
 
-def connection_near(on: Surface, at: Saddle, near: Homoclinic) -> Homoclinic | None:
+def connection_near(on: LevelBody, at: Saddle, near: Homoclinic) -> Homoclinic | None:
     """Newton's method; None where it does not converge to a transversal one."""
     su, ss, tu = near.unstable, near.stable, near.ahead
     last, angle = math.inf, 0.0

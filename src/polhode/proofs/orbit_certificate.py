@@ -19,8 +19,9 @@ from polhode.certificates import certificate_file, verify
 from polhode.certificates.certificate_file import JsonObject, by_checker
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Message
-from polhode.dynamics import high_precision
-from polhode.dynamics.newton_shooting import Closed, NotClosed, Surface, at_level, bordered, closed
+from polhode.dynamics import newton_shooting
+from polhode.dynamics.level_body import LevelBody
+from polhode.dynamics.newton_shooting import Closed, NotClosed, at_level, bordered, closed
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.exact import ONE, Exact, sign
@@ -129,7 +130,7 @@ _BINARY = 200  # bits of such a guess
 class Candidate(NamedTuple):
     """An approximate orbit; ``closed``: in double, or the reason why there is none."""
 
-    on: Surface
+    on: LevelBody
     closed: Closed | str
     start: tuple[Fraction, ...]
     period: Fraction
@@ -144,12 +145,12 @@ class OrbitProof(NamedTuple):
     runs: int
 
 
-def of_closed(on: Surface, orbit: Closed) -> Candidate:
+def of_closed(on: LevelBody, orbit: Closed) -> Candidate:
     """The candidate that a search in double gives."""
     return Candidate(on, orbit, (), Fraction(0))
 
 
-def of_scene(on: Surface, near: Scene) -> Candidate:
+def of_scene(on: LevelBody, near: Scene) -> Candidate:
     """The candidate near a scene's start whose period is about its end; raises BadInput."""
     if near.gamma is None or near.end is None or sign(near.end) <= 0:
         raise BadInput(near.name, "orbit", None, "a start with gamma, and run.end, its period")
@@ -204,7 +205,7 @@ def _chosen(candidate: Candidate, place: int, choice: Choice) -> tuple[Problem, 
         return Problem(on.scene.body, on.h, on.f, candidate.start, candidate.period), _ROUGH
     orbit = candidate.closed
     try:
-        fine = high_precision.refined(on, orbit, [exactly(x) for x in orbit.state.tolist()], place)
+        fine = newton_shooting.refined(on, orbit, [exactly(x) for x in orbit.state.tolist()], place)
     except NotClosed as fault:
         raise NotProved(f"{candidate.on.scene.name}: {_refusal(candidate, str(fault))}") from None
     start = [Fraction(x) for x in (*fine.omega, *fine.gamma)]

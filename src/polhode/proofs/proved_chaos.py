@@ -18,7 +18,7 @@ from polhode.common.errors import counted
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
 from polhode.dynamics.families import orbit_search
-from polhode.dynamics.newton_shooting import Surface
+from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.orbit import Orbit
 from polhode.dynamics.starts import MAXIMA, cut_of
 from polhode.enclosures.fixed_point_problem import upper
@@ -202,8 +202,7 @@ def prove_chaos(
     """
     scene = library.load(scene, takes=REQUESTS)
     most = whole(scene.name, "tries", tries, 1, MOST_TRIES)
-    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
-    on = Surface(scene, cut.h, cut.f)
+    on = cut_of(scene, MOMENTUM, MAXIMA, h, f).on
     if orbit is not None:
         near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit, takes=REQUESTS)
         return _ChaosSearch(on, most, progress).first([of_scene(on, near)])
@@ -223,7 +222,7 @@ def prove_chaos(
 class _ChaosSearch:
     """The tries of one proof."""
 
-    def __init__(self, on: Surface, most: int, progress: Message | None) -> None:
+    def __init__(self, on: LevelBody, most: int, progress: Message | None) -> None:
         self.on, self.most, self.progress = on, most, progress
         self.tried = self.seen = 0
         self.began = time.process_time()
@@ -253,7 +252,7 @@ class _ChaosSearch:
         if orbit.kind == "elliptic":
             self.causes.append("the periodic orbit is elliptic")
             return None
-        on = Surface(orbit.near, orbit.h, orbit.f)
+        on = LevelBody(orbit.near, orbit.h, orbit.f)
         place = np.array([to_double(x) for x in on.exact_start])
         at = homoclinic.saddle(on, place, float(orbit.period) / float(on.unit))
         if at is None:

@@ -21,7 +21,7 @@ from polhode.common.errors import BadInput, aligned
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
 from polhode.dynamics.families import OrbitSearch, orbit_search
-from polhode.dynamics.newton_shooting import Surface
+from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.orbit import Orbit
 from polhode.dynamics.orbit import orbit as approximate
 from polhode.dynamics.starts import MAXIMA, cut_of
@@ -205,7 +205,7 @@ class ProvedOrbit(Theorem, ByValue):
         )
 
 
-def of_proof(on: Surface, proof: OrbitProof, seconds: float) -> ProvedOrbit:
+def of_proof(on: LevelBody, proof: OrbitProof, seconds: float) -> ProvedOrbit:
     """What the checker proved, stated in its certificate; raises NotProved."""
     zero, name = proof.zero, on.scene.name
     tests = verify.STABILITY.items()
@@ -338,8 +338,7 @@ def prove_orbit(
         orbit = approximate(scene, h=h, f=f, period=period, returns=returns, progress=progress)
     elif period is not None or returns is not None:
         raise BadInput(scene.name, "orbit", None, "no period, returns with it")
-    cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
-    on = Surface(scene, cut.h, cut.f)
+    on = cut_of(scene, MOMENTUM, MAXIMA, h, f).on
     if isinstance(orbit, Orbit) and _alike(orbit.surface, on):
         candidate = orbit_certificate.of_closed(on, orbit.closed)
     else:
@@ -348,7 +347,7 @@ def prove_orbit(
     return theorem_of(candidate, digit_count, progress)
 
 
-def _alike(first: Surface, second: Surface) -> bool:
+def _alike(first: LevelBody, second: LevelBody) -> bool:
     """Whether states of both are of one body, one level and one unit of time."""
     levels = [(on.scene.body, on.h, on.f, on.unit) for on in (first, second)]
     return levels[0] == levels[1]

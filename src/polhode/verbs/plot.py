@@ -103,7 +103,6 @@ def _written(options: Namespace, endings: tuple[str, ...]) -> int:
     """Write one file of these endings."""
     from polhode.common.files import called, check_writable, is_stdout, write_whole
     from polhode.figures import canvas, catalogue, film
-    from polhode.figures.drawing import samples_of
     from polhode.figures.source import Request, Unreached, drawing_of
 
     path = Path(options.file)
@@ -132,9 +131,7 @@ def _written(options: Namespace, endings: tuple[str, ...]) -> int:
             command = ("polhode", options.verb, *(called(Path(x)) for x in options.sources))
             data = _page(every, " ".join(command), options).encode()
         elif suffix == FILM:
-            filmed = film.filmed(
-                samples_of(drawing), lambda share: progress.say(f"{100 * share:.0f} %")
-            )
+            filmed = film.filmed(drawing.motion, lambda share: progress.say(f"{100 * share:.0f} %"))
             data = filmed.data
             if filmed.closed:
                 answer["to"] = filmed.end
@@ -156,7 +153,7 @@ def _written(options: Namespace, endings: tuple[str, ...]) -> int:
 def _page(every: Sequence[Drawing], command: str, options: Namespace) -> str:
     """The page of a motion; of several, or with words of one's own, one that has them in frames."""
     from polhode.common.texts import Page, together
-    from polhode.figures.drawing import page_of
+    from polhode.figures.motion_page import page_of
 
     pages = [Page(drawing.name, page_of(drawing, command)) for drawing in every]
     return together(pages, options.title or "", options.text or "").text
