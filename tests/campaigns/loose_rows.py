@@ -60,8 +60,8 @@ def times(dice: np.random.Generator, end: float) -> np.ndarray:
         np.sort(dice.random(count)),
         10 ** np.sort(dice.uniform(-9, 0, count)),
     )
-    found = np.unique(parts[dice.integers(3)])
-    return np.concatenate([[0.0][: dice.integers(2)], found]) * end
+    fractions = np.unique(parts[dice.integers(3)])
+    return np.concatenate([[0.0][: dice.integers(2)], fractions]) * end
 
 
 def main() -> None:
@@ -85,16 +85,18 @@ def main() -> None:
         off = np.abs(states[picked] - np.array(true))
         off[:, :3] /= rate
         long = any(steps._kept for steps in go._long_steps)
-        way = "long steps" if long else "higher order" if "_higher" in vars(go) else "heyoka's own"
-        errors[way].append((off.max() / tol, f"tol {tol:.0e}, {radians:.3g} radians, {len(at)}"))
+        route = (
+            "long steps" if long else "higher order" if "_higher" in vars(go) else "heyoka's own"
+        )
+        errors[route].append((off.max() / tol, f"tol {tol:.0e}, {radians:.3g} radians, {len(at)}"))
         rows += len(picked)
     print(f"{rows} rows")
-    for way, calls in errors.items():
+    for route, calls in errors.items():
         calls.sort(reverse=True)
         size = [error for error, _ in calls]
-        print(f"{way}: {len(calls)} calls, median {np.median(size):.2g}, worst:")
-        for error, told in calls[:3]:
-            print(f"    {error:.2g} tolerances ({told} times)")
+        print(f"{route}: {len(calls)} calls, median {np.median(size):.2g}, worst:")
+        for error, words in calls[:3]:
+            print(f"    {error:.2g} tolerances ({words} times)")
 
 
 if __name__ == "__main__":
