@@ -177,9 +177,15 @@ def abandon(setting: Setting, changed: Meanwhile[int]) -> None:
     assert setting.value == 1
 
 
-@pytest.mark.sample(1)
 @pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
-@pytest.mark.parametrize("place", Place)
+@pytest.mark.parametrize(
+    "place",
+    [
+        Place.COMPILING,
+        pytest.param(Place.PRECISION, marks=pytest.mark.slow),
+        pytest.param(Place.STORE, marks=pytest.mark.slow),
+    ],
+)
 def test_a_setting_is_put_back_by_a_garbage_collection_under_any_lock(place):
     setting = Setting()
     changed = setting.meanwhile()

@@ -40,7 +40,6 @@ def test_the_promise_is_kept_by_some_texts(kind):
     trials.keep_many(kind, 4)
 
 
-@pytest.mark.sample(3, slow=4)
 @pytest.mark.filterwarnings("ignore")  # those of matplotlib's own, of numbers like these
 @pytest.mark.parametrize(
     ("words", "body"),

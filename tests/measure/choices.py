@@ -51,9 +51,9 @@ def least(job: Callable[[], Any], rounds: int, clock: Callable[[], float] = time
     best = float("inf")
     for _ in range(rounds):
         began = clock()
-        answer = job()
+        found = job()
         best = min(best, clock() - began)
-    return best, answer
+    return best, found
 
 
 def table(header: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
@@ -75,11 +75,11 @@ def no_disk_cache():
 
 def built(scene: polhode.Scene, number: Any, **options: Any) -> Any:
     """heyoka's integrator of a scene with options of its own, and the seconds of its build."""
-    plain = system(scene, ())
-    variables = hy.make_vars(*plain.names)
-    k = {name: hy.expression(heyoka.scalar(x, number)) for name, x in plain.coefficients.items()}
-    rates = plain.field(variables, k, heyoka.EXPRESSIONS)
-    start = heyoka.array([heyoka.scalar(x, number) for x in plain.start], number)
+    what = system(scene, ())
+    variables = hy.make_vars(*what.names)
+    k = {name: hy.expression(heyoka.scalar(x, number)) for name, x in what.coefficients.items()}
+    rates = what.field(variables, k, heyoka.EXPRESSIONS)
+    start = heyoka.array([heyoka.scalar(x, number) for x in what.start], number)
     chosen = heyoka.type_options(number) | options
     equations = list(zip(variables, rates, strict=True))
     with no_disk_cache():
@@ -97,11 +97,11 @@ def tolerances() -> None:
     scenes = [heavy(1000, f"1.{k}1") for k in range(7)]
     true = []
     for scene in scenes:
-        prepared = system_of(scene, number_types.QUAD, inputs=number_types.DOUBLE)
+        made = system_of(scene, number_types.QUAD, inputs=number_types.DOUBLE)
         true.append(
-            TaylorMotion(prepared, scene, options=Options(project=False)).advance(
-                prepared.times(scene)
-            )[0][-1]
+            TaylorMotion(made, scene, options=Options(project=False)).advance(made.times(scene))[0][
+                -1
+            ]
         )
     rows = []
     for name, tol in [
@@ -116,17 +116,17 @@ def tolerances() -> None:
     ]:
         best, errors = float("inf"), []
         for scene, exact in [*zip(scenes, true, strict=True), *[(scenes[0], true[0])] * 14]:
-            prepared = system_of(scene, number_types.DOUBLE, tol)
+            made = system_of(scene, number_types.DOUBLE, tol)
             motion, began = (
-                TaylorMotion(prepared, scene, options=Options(project=False)),
+                TaylorMotion(made, scene, options=Options(project=False)),
                 time.perf_counter(),
             )
-            row = motion.advance(prepared.times(scene))[0][-1]
-            seconds = time.perf_counter() - began
+            row = motion.advance(made.times(scene))[0][-1]
+            taken = time.perf_counter() - began
             pairs = zip(row, exact, strict=True)
             errors.append(max(abs(float(exactly(a) - exactly(b))) for a, b in pairs))
             if scene is scenes[0]:
-                steps, seconds = motion.steps, seconds - motion.build_seconds
+                steps, seconds = motion.steps, taken - motion.build_seconds
                 best = min(best, seconds)
         rows.append([name, steps, f"{best * 1e3:.2f}", f"{np.median(errors[:7]):.1e}"])
     table(["tolerance", "steps", "ms", "error"], rows)
@@ -163,21 +163,21 @@ def digits() -> None:
     )
     cases = ["lagrange/nutation", "euler/largest-axis", "kovalevskaya/generic"]
     rows = []
-    for asked_digits in (8, 12, 15, 18, 25, 33, 50):
+    for wanted in (8, 12, 15, 18, 25, 33, 50):
         for angle in (100, 1000):
-            if asked_digits == 50 and angle == 1000:
+            if wanted == 50 and angle == 1000:
                 continue
             cells = []
             for case in cases:
                 scene = library.load(case)
                 end = Fraction(round(angle * 10**-scene.log10_rate * 2**20), 2**20)
                 scene = scene.at((end,))
-                run = polhode.integrate(scene, digits=asked_digits)
+                run = polhode.integrate(scene, digits=wanted)
                 judged = polhode.compare(run, polhode.reference(scene))
                 right = min(judged.digits)
-                short = " (short)" if right < asked_digits else ""
+                short = " (short)" if right < wanted else ""
                 cells.append(f"{right:.1f}{short}, {run.number.name} ({run.number.bits})")
-            rows.append([asked_digits, angle, *cells])
+            rows.append([wanted, angle, *cells])
     table(["wanted", "radians", *cases], rows)
 
 
@@ -226,7 +226,7 @@ def cadences() -> None:
                 cells = [f"1/{plain / error:.0f}", f"{seconds / slow:.2f}"]
                 rows.setdefault(label, []).extend(cells)
         print(f"{name}:\n")
-        tops = [f"{top}, {measure}" for top in long_run.TOPS for measure in ("error", "time")]
+        tops = [f"{top}, {what}" for top in long_run.TOPS for what in ("error", "time")]
         table(["steps", *tops], [[label, *cells] for label, cells in rows.items()])
 
 
@@ -248,13 +248,13 @@ def lanes() -> None:
         "parameters for comparison.\n"
     )
     scene, n = heavy(1), 20_000
-    plain = system(scene, ())
-    names = sorted(plain.coefficients)
-    values = [float(plain.coefficients[name]) for name in names]
-    variables = hy.make_vars(*plain.names)
+    what = system(scene, ())
+    names = sorted(what.coefficients)
+    values = [float(what.coefficients[name]) for name in names]
+    variables = hy.make_vars(*what.names)
     k = {name: hy.par[i] for i, name in enumerate(names)}
-    equations = list(zip(variables, plain.field(variables, k, heyoka.EXPRESSIONS), strict=True))
-    start = np.array([float(x) for x in plain.start])
+    equations = list(zip(variables, what.field(variables, k, heyoka.EXPRESSIONS), strict=True))
+    start = np.array([float(x) for x in what.start])
     rows = []
     build, ta = built(scene, number_types.DOUBLE)
     seconds, _ = least(lambda: ta.propagate_until(1e9, max_steps=n), 9)

@@ -17,7 +17,6 @@ from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.vectors import Matrix, Vector, cross, dot
 from polhode.scenes.body import OWN_AXES, Body, UnphysicalBody, diagonal
 from polhode.scenes.shapes import Part
-from shared.examples import examples
 from shared.members import rotation
 
 small = st.integers(-6, 6)
@@ -79,7 +78,7 @@ FLAT = Fraction(1, 3), Fraction(2, 7), Fraction(13, 21)
 SOME = Fraction(1), Fraction(-2), Fraction(1, 2)
 
 
-@settings(max_examples=examples(40), deadline=None)
+@settings(max_examples=15)
 @given(three_moments(), rotations(), st.tuples(entries, entries, entries))
 @example(FLAT, OWN_AXES.rows, SOME)
 def test_rational_moments_are_found_exactly_after_any_rotation(
@@ -92,7 +91,7 @@ def test_rational_moments_are_found_exactly_after_any_rotation(
     assert body.omega(body.momentum(w)) == w == body.momentum(body.omega(w))
 
 
-@settings(max_examples=examples(40), deadline=None)
+@settings(max_examples=15)
 @given(three_moments(), rotations())
 def test_equal_moments_are_recognised_and_the_axis_of_symmetry_is_the_third(
     moments: Vector, rotation: Matrix
@@ -106,7 +105,7 @@ def test_equal_moments_are_recognised_and_the_axis_of_symmetry_is_the_third(
     assert_principal(body)
 
 
-@settings(max_examples=examples(40), deadline=None)
+@settings(max_examples=15)
 @given(three_moments(), rotations(), st.integers(0, 2), entries)
 def test_a_centre_on_an_axis_is_recognised_exactly(
     moments: Vector, rotation: Matrix, axis: int, height: Fraction
@@ -124,7 +123,7 @@ def test_a_centre_on_an_axis_is_recognised_exactly(
     assert moment == moments[axis]
 
 
-@settings(max_examples=examples(30), deadline=None)
+@settings(max_examples=15)
 @given(rotations(), entries, entries)
 def test_with_two_equal_moments_the_second_axis_is_across_the_centre(
     rotation: Matrix, x: Fraction, z: Fraction
@@ -139,7 +138,7 @@ def test_with_two_equal_moments_the_second_axis_is_across_the_centre(
     assert abs(components[2]) == abs(z)
 
 
-@settings(max_examples=examples(40), deadline=None)
+@settings(max_examples=15)
 @given(st.lists(entries, min_size=6, max_size=6))
 def test_any_symmetric_matrix_has_axes_or_is_refused(six: list[Fraction]) -> None:
     a, b, c, d, e, f = six
@@ -298,7 +297,6 @@ def test_the_free_body_that_is_named_has_the_same_path_of_the_momentum(moments):
         assert w == x / i + Fraction(c) * x
 
 
-@settings(max_examples=examples(100))
 @given(st.lists(st.fractions("1e-6", "1e6"), min_size=3, max_size=3))
 @example([Fraction(1), Fraction(1, 10**40), Fraction(10**40)])
 @example([Fraction(1), Fraction(1), 2 + Fraction(1, 10**9)])

@@ -22,14 +22,14 @@ _TERMS = 130
 _PARTS = 16
 
 
-def checked(bounds: Bounds, n: int, constants: Sequence[Fraction]) -> dict[str, tuple[Any, float]]:
+def checked(known: Bounds, n: int, constants: Sequence[Fraction]) -> dict[str, tuple[Any, float]]:
     """For a step: what was claimed and its exact value, which may not be larger, by name."""
-    noise, pieces = bounds.problem.noise, bounds.pieces
+    noise, pieces = known.problem.noise, known.pieces
     h = fmpq(pieces.times[n + 1] - pieces.times[n], 1 << CLOCK)
     k = [fmpq(x.numerator, x.denominator) for x in constants]
     scale = fmpq(1, fmpz(1) << pieces.level)
     x = [fmpq_poly(row) * scale for row in pieces.polynomials(n)]
-    e = [_poly(bounds.correction[n, :, i], fmpq(1, fmpz(1) << noise)) for i in range(6)]
+    e = [_poly(known.correction[n, :, i], fmpq(1, fmpz(1) << noise)) for i in range(6)]
     a = _jacobian(x, k, h)
     residual = []
     for i in range(6):
@@ -38,29 +38,29 @@ def checked(bounds: Bounds, n: int, constants: Sequence[Fraction]) -> dict[str, 
             row -= a[i][j] * e[j]
         residual.append(row)
     big = fmpq(fmpz(1) << noise)
-    claims: dict[str, tuple[Any, float]] = {}
+    found: dict[str, tuple[Any, float]] = {}
     with ctx.workprec(BITS):
         alpha = sum((_norm(a, j) / (j + 1) for j in range(_length(a))), fmpq(0))
-        claims["alpha"] = arb(alpha), bounds.alpha[n]
-        claims["majorant"] = arb(alpha).exp(), bounds.majorant[n]
-        log = _logarithmic(a, bounds.problem.weights)
+        found["alpha"] = arb(alpha), known.alpha[n]
+        found["majorant"] = arb(alpha).exp(), known.majorant[n]
+        log = _logarithmic(a, known.problem.weights)
         least = log if bool(log < arb(alpha).exp()) else arb(alpha).exp()
-        claims["growth"] = least, bounds.growth[n]
+        found["growth"] = least, known.growth[n]
         delta = _least_integral(residual)
-        claims["delta"] = delta * arb(big), bounds.delta[n]
+        found["delta"] = delta * arb(big), known.delta[n]
         sigma = sum(max(abs(row[j]) for row in e) for j in range(max(len(row) for row in e)))
-        claims["sigma"] = arb(sigma * big), bounds.sigma[n]
-        v = [[_poly(bounds.matrices[n, :, i, j], fmpq(1)) for j in range(6)] for i in range(6)]
-        claims["matrix residual"] = least * arb(_matrix_residual(a, v)), bounds.rho[n]
+        found["sigma"] = arb(sigma * big), known.sigma[n]
+        v = [[_poly(known.matrices[n, :, i, j], fmpq(1)) for j in range(6)] for i in range(6)]
+        found["matrix residual"] = least * arb(_matrix_residual(a, v)), known.rho[n]
         flow = _flow(a)
         sizes = [sum(abs(flow[i, j]) for j in range(6)).lower() for i in range(6)]
-        claims["flow"] = max(sizes), bounds.growth[n]
+        found["flow"] = max(sizes), known.growth[n]
         miss = max(
-            sum(abs(flow[i, j] - arb(float(bounds.ends[n, i, j]))) for j in range(6)).upper()
+            sum(abs(flow[i, j] - arb(float(known.ends[n, i, j]))) for j in range(6)).upper()
             for i in range(6)
         )
-        claims["matrix"] = miss, bounds.rho[n]
-    return claims
+        found["matrix"] = miss, known.rho[n]
+    return found
 
 
 def _logarithmic(a: Any, weights: Sequence[float]) -> Any:
@@ -75,25 +75,25 @@ def _logarithmic(a: Any, weights: Sequence[float]) -> Any:
     return sum((x * x for x in q), arb(0)).sqrt() / arb(least) * m.exp()
 
 
-def jump(bounds: Bounds, n: int, centre: Sequence[int]) -> list[Fraction]:
+def jump(known: Bounds, n: int, centre: Sequence[int]) -> list[Fraction]:
     """The jump at the beginning of a step, exactly, in units of 2**-noise."""
-    noise, pieces = bounds.problem.noise, bounds.pieces
+    noise, pieces = known.problem.noise, known.pieces
 
     def value(step: int, i: int, at: int) -> Fraction:
         x = pieces.polynomials(step)[i]
         whole = Fraction(int(x(at)), 1 << pieces.level) * 2**noise
-        coefficients = bounds.correction[step, :, i]
+        coefficients = known.correction[step, :, i]
         return whole + sum(map(Fraction, coefficients if at else coefficients[:1]))
 
-    jumps = []
+    found = []
     for i in range(6):
         before = (
             value(n - 1, i, 1)
             if n
-            else Fraction(int(centre[i]), 1 << bounds.problem.fine) * 2**noise
+            else Fraction(int(centre[i]), 1 << known.problem.fine) * 2**noise
         )
-        jumps.append(before - value(n, i, 0))
-    return jumps
+        found.append(before - value(n, i, 0))
+    return found
 
 
 def _least_integral(rows: list[Any]) -> Any:

@@ -40,12 +40,12 @@ class Hoard:
     def around(self, honest: Callable[..., Any]) -> Callable[..., Any]:
         """The same part, which writes into what is kept and keeps all that it comes to see."""
 
-        def faulty(*arguments: Any) -> Any:
+        def faulty(*given: Any) -> Any:
             self.write(self.kept)
-            result = honest(*arguments)
-            self.write(arrays(arguments))
-            self.kept = [*arrays(arguments), *arrays(result), *self.kept][:40]
-            return result
+            found = honest(*given)
+            self.write(arrays(given))
+            self.kept = [*arrays(given), *arrays(found), *self.kept][:40]
+            return found
 
         return faulty
 
@@ -75,10 +75,10 @@ def random_fault(rng: random.Random) -> tuple[str, Untrusted]:
     often = rng.choice((1.0, 0.3))
     honest = getattr(Untrusted(), part)
 
-    def faulty(*arguments: Any) -> Any:
+    def faulty(*given: Any) -> Any:
         if rng.random() > often:
-            return honest(*arguments)
-        return fault(rng, honest, *arguments)
+            return honest(*given)
+        return fault(rng, honest, *given)
 
     return f"{part}: {name}", replace(Untrusted(), **{part: faulty})
 
@@ -90,16 +90,16 @@ def _somewhere(rng: random.Random, values: Any) -> tuple[int, ...]:
 def _altered(rng: random.Random, values: Any) -> Any:
     """One number altered by a part of the largest of its step, or by a part of itself."""
     place, by = _somewhere(rng, values), rng.choice(SIZES) * rng.choice((-1, 1))
-    copy = values.copy()
+    found = values.copy()
     own = rng.random() < 0.5
-    copy[place] += by * (copy[place] if own else np.max(np.abs(values[place[0]])))
-    return copy
+    found[place] += by * (found[place] if own else np.max(np.abs(values[place[0]])))
+    return found
 
 
 def _with(values: Any, place: Any, value: float) -> Any:
-    copy = values.copy()
-    copy[place] = value
-    return copy
+    found = values.copy()
+    found[place] = value
+    return found
 
 
 def _normal(rng: random.Random, shape: tuple[int, ...]) -> Any:
@@ -112,10 +112,10 @@ def _not_a_number(rng: random.Random, values: Any) -> Any:
 
 def _start(rng: random.Random, values: Any) -> Any:
     """The constant terms alone: a start, a V(0)."""
-    copy = values.copy()
+    found = values.copy()
     place = _somewhere(rng, values[:, 0])
-    copy[place[0], 0][place[1:]] += rng.choice(SIZES)
-    return copy
+    found[place[0], 0][place[1:]] += rng.choice(SIZES)
+    return found
 
 
 CHANGES = {
@@ -131,58 +131,58 @@ CHANGES = {
 
 
 def _of_result(change: Callable[..., Any]) -> Callable[..., Any]:
-    return lambda rng, honest, *arguments: change(rng, honest(*arguments))
+    return lambda rng, honest, *given: change(rng, honest(*given))
 
 
 def _of_series(change: Callable[..., Any]) -> Callable[..., Any]:
-    def fault(rng: random.Random, honest: Any, *arguments: Any) -> Any:
-        result = honest(*arguments)
-        return None if result is None else result._replace(series=change(rng, result.series))
+    def fault(rng: random.Random, honest: Any, *given: Any) -> Any:
+        found = honest(*given)
+        return None if found is None else found._replace(series=change(rng, found.series))
 
     return fault
 
 
-def _wrong_body(rng: random.Random, honest: Any, problem: Any, *arguments: Any) -> Any:
+def _wrong_body(rng: random.Random, honest: Any, problem: Any, *given: Any) -> Any:
     """heyoka's run and the series with one constant wrong."""
     factors = list(problem.factors)
     factors[rng.randrange(9)] += rng.choice(SIZES)
-    return honest(replace(problem, factors=tuple(factors)), *arguments)
+    return honest(replace(problem, factors=tuple(factors)), *given)
 
 
-def _wrong_start(rng: random.Random, honest: Any, problem: Any, state: Any, *arguments: Any) -> Any:
+def _wrong_start(rng: random.Random, honest: Any, problem: Any, state: Any, *given: Any) -> Any:
     """heyoka's run from another state."""
     centre = list(state.centre)
     centre[rng.randrange(6)] += int(rng.choice(SIZES) * 2.0**50) << (problem.fine - 50)
-    return honest(problem, replace(state, centre=tuple(centre)), *arguments)
+    return honest(problem, replace(state, centre=tuple(centre)), *given)
 
 
-def _odd_grid(rng: random.Random, honest: Any, *arguments: Any) -> Any:
+def _odd_grid(rng: random.Random, honest: Any, *given: Any) -> Any:
     """The times of the grid moved, the series as they were: right for other times."""
-    result = honest(*arguments)
-    if result is None or len(result.times) < 3:
-        return result
-    times = list(result.times)
+    found = honest(*given)
+    if found is None or len(found.times) < 3:
+        return found
+    times = list(found.times)
     n = rng.randrange(1, len(times) - 1)
     times[n] = (times[n - 1] + times[n + 1]) // 2
-    return result._replace(times=tuple(times))
+    return found._replace(times=tuple(times))
 
 
-def _long_steps(rng: random.Random, honest: Any, *arguments: Any) -> Any:
-    before = approximation.MOST_TURN
+def _long_steps(rng: random.Random, honest: Any, *given: Any) -> Any:
+    kept = approximation.MOST_TURN
     approximation.MOST_TURN = rng.choice((0.1, 8.0, 20.0))
     try:
-        return honest(*arguments)
+        return honest(*given)
     finally:
-        approximation.MOST_TURN = before
+        approximation.MOST_TURN = kept
 
 
-def _few_terms(rng: random.Random, honest: Any, *arguments: Any) -> Any:
-    before = approximation.LEAST_TERM
+def _few_terms(rng: random.Random, honest: Any, *given: Any) -> Any:
+    kept = approximation.LEAST_TERM
     approximation.LEAST_TERM = rng.choice((1e-2, 1e-5, 1e-9))
     try:
-        return honest(*arguments)
+        return honest(*given)
     finally:
-        approximation.LEAST_TERM = before
+        approximation.LEAST_TERM = kept
 
 
 FAULTS: list[tuple[str, str, Callable[..., Any]]] = [

@@ -80,10 +80,10 @@ def random_scene(rng: random.Random, kind: str) -> Scene:
 
 def truth(scene: Scene, times: Sequence[Any], bits: int) -> list[list[Fraction]]:
     """States in the scene's axes at times away from 0 in order, exact values of MPFR numbers."""
-    moved = scene.at(tuple(exact.exact(t) for t in times))
-    run = integrate(moved, NumberType("mp", bits), max_steps=10**6)
-    assert run.outcome.done
-    return [[exactly(x) for x in row] for row in run.states]
+    asked = scene.at(tuple(exact.exact(t) for t in times))
+    found = integrate(asked, NumberType("mp", bits), max_steps=10**6)
+    assert found.outcome.done
+    return [[exactly(x) for x in row] for row in found.states]
 
 
 class Trial(NamedTuple):
@@ -99,25 +99,25 @@ def trial(scene: Scene, times: Sequence[Fraction], bits: int) -> Trial:
     """The true states of a scene given in principal axes, ready for proofs of any noise level."""
     motion = fixed_point_problem.motion(scene)
     by = Fraction(2) ** motion.unit
-    scene_times = [t * by for t in times]
-    rows = truth(replace(scene, outputs=()), scene_times, bits)
+    asked = [t * by for t in times]
+    rows = truth(replace(scene, outputs=()), asked, bits)
     return Trial(motion, list(times), [[*(by * x for x in r[:3]), *r[3:]] for r in rows], bits)
 
 
-def asked(motion_trial: Trial, problem: Problem) -> list[Any]:
+def asked(what: Trial, problem: Problem) -> list[Any]:
     """The times of a trial as balls."""
-    return [fixed_point_problem.ball(t, problem.noise + 200) for t in motion_trial.times]
+    return [fixed_point_problem.ball(t, problem.noise + 200) for t in what.times]
 
 
 def ratios(balls: Sequence[Sequence[Any]], states: Sequence[Sequence[Any]]) -> list[float]:
     """|truth - midpoint|/radius of every component; at most 1 where the truth is inside."""
-    values = []
+    found = []
     with ctx.workprec(2000):
         for row, true in zip(balls, states, strict=True):
             for x, y in zip(row, true, strict=True):
                 off = abs(fixed_point_problem.ball(y, 2000) - x.mid())
                 if x.rad() == 0:
-                    values.append(0.0 if off == 0 else float("inf"))
+                    found.append(0.0 if off == 0 else float("inf"))
                 else:
-                    values.append(float((off / arb(x.rad())).mid()))
-    return values
+                    found.append(float((off / arb(x.rad())).mid()))
+    return found

@@ -16,8 +16,8 @@ def without(module: Any, name: str, old: str, new: str) -> Iterator[None]:
     """``module.name``, or ``module.Class.name``, with ``old``, found there once, as ``new``."""
     owner, _, attribute = name.rpartition(".")
     home = getattr(module, owner) if owner else module
-    original = getattr(home, attribute)
-    source = textwrap.dedent(inspect.getsource(original))
+    kept = getattr(home, attribute)
+    source = textwrap.dedent(inspect.getsource(kept))
     assert source.count(old) == 1, f"{name} no longer says {old!r} once"
     local: dict[str, Any] = {}
     exec(compile(source.replace(old, new), f"<{name}>", "exec"), module.__dict__, local)
@@ -25,17 +25,17 @@ def without(module: Any, name: str, old: str, new: str) -> Iterator[None]:
     try:
         yield
     finally:
-        setattr(home, attribute, original)
+        setattr(home, attribute, kept)
 
 
-def altered(document: Any, place: str, value: Any) -> Any:
+def altered(given: Any, place: str, value: Any) -> Any:
     """A JSON value with another one at a place, or made of the one there.
 
     ``place``: keys and numbers, as ``statement start 0``.
     """
-    result = parent = copy.deepcopy(document)
+    found = parent = copy.deepcopy(given)
     *path, last = (int(key) if key.isdigit() else key for key in place.split())
     for key in path:
         parent = parent[key]
     parent[last] = value(parent[last]) if callable(value) else value
-    return result
+    return found

@@ -53,9 +53,9 @@ def precession(A, B, C, P, cos, sin, backward=False, signs=(1, 1)):
     n = exact.sqrt(P / exact.sqrt(I11 * I11 + J * J))
     n = -n if backward else n
     share = n * n / P
-    along, across = -share * J * cos, share * (I11 * cos - J * sin * sin)
+    one, two = -share * J * cos, share * (I11 * cos - J * sin * sin)
     omega = [n * (a + cos * b) for a, b in zip(e1, e2, strict=True)]
-    gamma = [along * a + across * b for a, b in zip(e1, e2, strict=True)]
+    gamma = [one * a + two * b for a, b in zip(e1, e2, strict=True)]
     return (
         (A, B, C),
         (P * x, ZERO, P * z),

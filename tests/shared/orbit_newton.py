@@ -52,11 +52,11 @@ def derivative(
 def rates(moments: Vector, torque: Vector, x: Vector) -> list[Fraction]:
     """The right-hand sides, from the vector equations."""
     w, g = x[:3], x[3:]
-    accelerations = [
+    found = [
         ((moments[j] - moments[k]) * w[j] * w[k] + g[j] * torque[k] - g[k] * torque[j]) / moments[i]
         for i, j, k in CYCLE
     ]
-    return accelerations + [g[j] * w[k] - g[k] * w[j] for i, j, k in CYCLE]
+    return found + [g[j] * w[k] - g[k] * w[j] for i, j, k in CYCLE]
 
 
 def corrected(
@@ -93,13 +93,13 @@ def corrected(
     speed = rates(moments, torque, end)
     rows = [[d[i][j] - (i == j) for j in range(6)] + [speed[i]] for i in range(6)]
     rows += [[*a, Fraction(0)], *([*row, Fraction(0)] for row in gradients)]
-    misses = [x - y for x, y in zip(end, near, strict=True)]
-    misses.append(sum(x * (y - z) for x, y, z in zip(a, near, point, strict=True)))
-    misses += [x - y for x, y in zip(values, level, strict=True)]
+    wanted = [x - y for x, y in zip(end, near, strict=True)]
+    wanted.append(sum(x * (y - z) for x, y, z in zip(a, near, point, strict=True)))
+    wanted += [x - y for x, y in zip(values, level, strict=True)]
     matrix = mp.matrix([[number(x) for x in row] for row in rows])
     # ten equations for seven unknowns, of which three depend on the others at an orbit
     normal = matrix.T * matrix
-    step = mp.lu_solve(normal, matrix.T * mp.matrix([number(-x) for x in misses]))
+    step = mp.lu_solve(normal, matrix.T * mp.matrix([number(-x) for x in wanted]))
     steps = [plain_taylor.exact(x) for x in step]
     trace = sum(d[i][i] for i in range(6))
     return Truth(

@@ -47,5 +47,5 @@ def stability() -> ProvedStability:
 
 def certificate() -> dict[str, Any]:
     """The certificate, of which everyone may change a copy."""
-    document: dict[str, Any] = json.loads(stability().certificate)
-    return document
+    held: dict[str, Any] = json.loads(stability().certificate)
+    return held
