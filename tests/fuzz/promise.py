@@ -98,13 +98,13 @@ def broken(
 
 
 def of_command(arguments: list[str]) -> tuple[list[str], int | None]:
-    """The faults of a command, and its exit code; unless refused, it may write its -o."""
+    """The faults of a command, and its exit code; unless refused, it may write its -o, or new's."""
     out, err = (io.TextIOWrapper(io.BytesIO(), encoding="utf-8") for _ in range(2))
 
     def outputs(code: int | None) -> set[Path]:
         if code not in CODES - {2}:
             return set()
-        named = {Path(name) for flag, name in pairwise(arguments) if flag == "-o"}
+        named = {Path(name) for flag, name in pairwise(arguments) if flag in ("-o", "new")}
         return named | {path.with_name(f"{path.name}.json") for path in named if path.name}
 
     def work() -> int:
