@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 import polhode
+from campaigns import more_cases
 from polhode.scenes.vocabulary import REFERENCES
 
 TOP = Path(__file__).parents[1]
@@ -307,6 +308,13 @@ def test_every_fault_made_by_hand_stands_once_in_its_file():
     assert len(rows) > 200
     counts = {row["id"]: (TOP / row["file"]).read_text().count(row["old"]) for row in rows}
     assert {name for name, count in counts.items() if count != 1} == set()
+
+
+@pytest.mark.parametrize("name", more_cases.CAMPAIGNS)
+def test_a_campaign_calls_a_check_that_stands_in_its_file(name):
+    path, call = more_cases.CAMPAIGNS[name]
+    check = re.search(r"\b(?:test_)?(\w{20,})\(", call)[1]
+    assert re.search(rf"^def (test_)?{check}\(", (TOP / f"tests/{path}.py").read_text(), re.M)
 
 
 #: Rooms whose functions are asked with a scene and answer with a motion's numbers.

@@ -6,7 +6,14 @@ tries SHARE (1 if it is not said) of the counts below, of the classes that are n
 then as many extreme scenes of each kind; it prints how the cases of a class ended, and every fault
 with the input that makes it.  The exit code is 1 where there was one.
 
-LAST
+Last printed, with SHARE 0.004 of six classes; a whole run takes hours and has not been made since:
+
+    scene: ended with {0, 2}
+    toml: ended with {2}
+    table: ended with {0, 2}
+    command: ended with {2}
+    body: ended with {False, True}
+    event: ended with {False}
 """
 
 from __future__ import annotations
@@ -58,7 +65,7 @@ def main(share: str = "1", *names: str) -> int:
             cases.prepared(Path(folder))
             try:
                 print(f"{name}: ended with {job() or 'no fault'}", flush=True)
-            except AssertionError:
+            except Exception:  # several faults of a class come as a group
                 faults += 1
                 print(f"{name}: FAULT\n{traceback.format_exc()}", flush=True)
     return int(faults > 0)

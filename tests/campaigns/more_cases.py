@@ -5,7 +5,9 @@
 runs the campaigns below that are named, or lists them where none is; ``all`` is all of them.  Each
 prints how long it took, or the fault; the exit code is 1 where there was one.
 
-LAST
+Last printed, of one of them:
+
+    moved data: no fault, 6 s of the processor
 """
 
 from __future__ import annotations

@@ -6,7 +6,8 @@ asks forty times for each pair with the verbs that are named, or for all pairs, 
 whose answers differ; then it asks all of them in pools of processes, begun in each way.  The exit
 code is 1 where one differs.
 
-LAST
+Last printed, of ``show`` with each of the verbs and of the pools (begun by fork, spawn and
+forkserver): no verb whose answer differs.
 """
 
 from __future__ import annotations

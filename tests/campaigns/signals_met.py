@@ -6,7 +6,11 @@ sends so many signals (50 if it is not said) to each work of :mod:`fuzz.signals`
 are named, and prints how often it ended with which code, and each fault.  Works that end by
 themselves are killed, too, and given again.  The exit code is 1 where there was a fault.
 
-LAST
+Last printed, with 2 signals each:
+
+    list: codes 0: 1, 130: 1
+    guide: codes 0: 2
+    show: codes 130: 2
 """
 
 from __future__ import annotations

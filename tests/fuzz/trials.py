@@ -39,7 +39,8 @@ CLASSES = {
     "event": motions.event(),
     "proof": motions.proof(),
 }
-OPTIONS: dict[str, Any] = {"database": None, "suppress_health_check": [*HealthCheck]}
+OPTIONS: dict[str, Any] = {"database": None, "deadline": None}
+OPTIONS |= {"suppress_health_check": [*HealthCheck]}
 DIGITS = 25
 
 
