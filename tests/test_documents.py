@@ -49,10 +49,10 @@ def blocks(text: str) -> list[Block]:
 BLOCKS = {name: blocks(text) for name, text in DOCUMENTS.items()}
 #: A block of commands; or one of Python, and what it prints.
 EXAMPLES = [
-    (name, one, other.text)
+    (name, block, following.text)
     for name in DOCUMENTS
-    for one, other in pairwise([*BLOCKS[name], Block("", "", "")])
-    if one.language == "python" or one.text.startswith("$ ")
+    for block, following in pairwise([*BLOCKS[name], Block("", "", "")])
+    if block.language == "python" or block.text.startswith("$ ")
 ]
 
 

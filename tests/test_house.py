@@ -94,7 +94,9 @@ def test_a_room_s_docstring_names_what_is_there():
             folders = (source, file.parent, *(f for f in file.parent.iterdir() if f.is_dir()))
             assert any((folder / name).is_file() for folder in folders), (file, name)
         if file.parent.parent == source:
-            (row,) = (told for rooms, told in floors if f"`{file.parent.name}/`" in rooms)
+            (row,) = (
+                description for rooms, description in floors if f"`{file.parent.name}/`" in rooms
+            )
             first = docstring.partition("\n")[0].lower()
             assert any(x in row.lower() for x in re.findall(r"[a-z]{5,}", first)), file
 

@@ -1,8 +1,9 @@
 """Rows of propagators of random bodies, starts, tolerances and times, beside runs in quad.
 
 ``python tests/campaigns/loose_rows.py [SECONDS] [SEED]`` prints, for each way a call can go, the
-errors over the tolerance: of gamma, and of omega over the bound of the rate; and the worst calls.  Last printed, in 40 seconds of a busy
-machine (29 rows):
+errors over the tolerance: of gamma, and of omega over the bound of the rate; and the worst calls.
+
+Last printed, in 40 seconds of a busy machine (29 rows):
 
     heyoka's own: 3 calls, median 2.5e-09, worst: 0.0032 tolerances
     higher order: 1 calls, median 0.11, worst: 0.11 tolerances

@@ -43,7 +43,7 @@ class Sized:
     value: float
     error: float = 0.0
 
-    def _with(self, other: object, value: float, error: float) -> Sized:
+    def _with(self, term: object, value: float, error: float) -> Sized:
         return Sized(value, error + abs(value))
 
     def __add__(self, other: Any) -> Sized:
