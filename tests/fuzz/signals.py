@@ -34,18 +34,18 @@ HANGS = 120.0  # seconds of the clock after which a command never ends
 OBEYED = (signal.SIGINT, signal.SIGTERM)
 
 #: ``polhode``, but that it tells when it is ready for signals, and keeps parts of a sweep often.
-TOLD = """
+READY = """
 import os, sys
 from polhode import cli
 from polhode.common import checkpoint
 from polhode.verbs import terminal
 checkpoint.EVERY = 0.02
 prepare = terminal.prepare
-def told():
+def announced():
     prepare()
-    os.write(int(told_to), b"!")
-terminal.prepare = told
-told_to = sys.argv.pop(1)
+    os.write(int(reader_of), b"!")
+terminal.prepare = announced
+reader_of = sys.argv.pop(1)
 sys.argv[0] = "polhode"
 cli.command()
 """
@@ -143,7 +143,7 @@ def carried_out(command: str, moment: float = HANGS, by: int = 0, group: bool = 
     words = [_NAMES.get(word, word) for word in command.split()]
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         process = subprocess.Popen(
-            [sys.executable, "-c", TOLD, str(writer), *words],
+            [sys.executable, "-c", READY, str(writer), *words],
             stdout=out,
             stderr=err,
             pass_fds=[writer],
