@@ -19,13 +19,13 @@ from hypothesis import HealthCheck, settings
 for library in ("OPENBLAS", "OMP", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
-# no example fails for a slow machine; CI draws the same ones each time, everybody else new ones,
-# a quarter as many
+# no example fails for a slow machine; CI draws the same ones each time and twice as many as others,
+# who draw new ones
 settings.register_profile(
     "polhode",
     deadline=None,
     derandomize="CI" in os.environ,
-    max_examples=100 if "CI" in os.environ else 25,
+    max_examples=50 if "CI" in os.environ else 25,
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("polhode")
@@ -57,15 +57,17 @@ def handlers_of_signals() -> Iterator[None]:
 
 
 @pytest.fixture(autouse=True, scope="session")
-def little_optimised() -> Iterator[None]:
-    """Code in the wider types is compiled unoptimised: the same bits, sooner.
+def engines() -> Iterator[None]:
+    """Few idle engines, and code in the wider types unoptimised: the same bits, sooner.
 
-    An x87 or library operation has no faster form.  Doubles are left alone: theirs are contracted.
-    Quad is never optimised, by polhode's own choice.
+    An engine takes 5 to 15 megabytes with its code, and tests ask for hundreds.  An x87 or library
+    operation has no faster form.  Doubles are left alone: theirs are contracted.  Quad is never
+    optimised, by polhode's own choice.
     """
-    from polhode.taylor import heyoka
+    from polhode.taylor import engine, heyoka
 
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(engine, "MOST", 12)
         for name in ("extended", "mp"):
             options = heyoka._TYPES[name]
             patch.setitem(heyoka._TYPES, name, lambda n, o=options: o(n) | {"opt_level": 0})

@@ -32,10 +32,10 @@ RECORD = golden.text_of(
 
 def compared(tmp_path, capsys, change):
     """What ``diff`` returns and prints where the second file is changed so."""
-    other = copy.deepcopy(RECORD)
-    change(other)
+    changed = copy.deepcopy(RECORD)
+    change(changed)
     files = []
-    for name, record in (("a", RECORD), ("b", other)):
+    for name, record in (("a", RECORD), ("b", changed)):
         files.append(tmp_path / f"{name}.json.gz")
         files[-1].write_bytes(gzip.compress(json.dumps(record).encode()))
     code = golden.main(["diff", *map(str, files)])

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 import polhode
+from campaigns import more_cases
 from polhode.scenes.vocabulary import REFERENCES
 
 TOP = Path(__file__).parents[1]
@@ -45,13 +46,13 @@ def test_the_table_of_rooms_is_that_of_the_folders():
     source, text = TOP / "src/polhode", (TOP / "src/polhode/README.md").read_text()
     rooms = dict(re.findall(r"^\| `(\w+/\w+)/` \| (.*) \|$", text, re.M))
     families = {name.replace("-", "_") for name in REFERENCES}
-    found = {}
+    inner_rooms = {}
     for path in source.glob("*/*/__init__.py"):
         room, inner = path.parts[-3:-1]
         if room != "closed_forms" or inner not in families:
             docstring = ast.get_docstring(ast.parse(path.read_text())) or ""
-            found[f"{room}/{inner}"] = docstring.partition("\n")[0].rstrip(".")
-    assert rooms == found
+            inner_rooms[f"{room}/{inner}"] = docstring.partition("\n")[0].rstrip(".")
+    assert rooms == inner_rooms
     text += (TOP / "CONTRIBUTING.md").read_text()
     for name in re.findall(r"`([\w./]+/[\w./]*)`", text):
         assert any((top / name).exists() for top in (TOP, source)), name
@@ -70,10 +71,10 @@ def signatures() -> Iterator[tuple[str, object]]:
             for key, value in vars(owner).items():
                 if key.startswith("_") and key not in ("__call__", "__getitem__", "__iter__"):
                     continue
-                held = getattr(value, "fget", None) or getattr(value, "func", value)
-                held = getattr(held, "__func__", held)
-                if callable(held):
-                    kinds = getattr(held, "__annotations__", {}).values()
+                function = getattr(value, "fget", None) or getattr(value, "func", value)
+                function = getattr(function, "__func__", function)
+                if callable(function):
+                    kinds = getattr(function, "__annotations__", {}).values()
                     yield from ((f"{name}.{key}", kind) for kind in kinds)
         fields = inspect.get_annotations(thing)
         yield from ((f"{name}.{key}", kind) for key, kind in fields.items() if key[0] != "_")
@@ -93,16 +94,18 @@ def test_a_room_s_docstring_names_what_is_there():
             folders = (source, file.parent, *(f for f in file.parent.iterdir() if f.is_dir()))
             assert any((folder / name).is_file() for folder in folders), (file, name)
         if file.parent.parent == source:
-            (row,) = (told for rooms, told in floors if f"`{file.parent.name}/`" in rooms)
+            (row,) = (
+                description for rooms, description in floors if f"`{file.parent.name}/`" in rooms
+            )
             first = docstring.partition("\n")[0].lower()
             assert any(x in row.lower() for x in re.findall(r"[a-z]{5,}", first)), file
 
 
 def test_the_front_door_is_typed():
     """No ``Any`` in what a user gives and gets."""
-    found = list(signatures())
-    assert len(found) > 400
-    assert {name for name, kind in found if re.search(r"\bAny\b", str(kind))} == set()
+    annotations = list(signatures())
+    assert len(annotations) > 400
+    assert {name for name, kind in annotations if re.search(r"\bAny\b", str(kind))} == set()
 
 
 USED = """\
@@ -169,7 +172,7 @@ WRONG = {
 }
 
 
-def revealed(told: str) -> list[str]:
+def revealed(output: str) -> list[str]:
     """The types that the checker named, as short as they can be."""
     short = {
         r"tuple\[Any, \.\.\.\], ": "",
@@ -177,10 +180,10 @@ def revealed(told: str) -> list[str]:
         r"(\w+\.)+": "",
         r"floating\[_64Bit \| [^]]*\]": "longdouble",
     }
-    found = re.findall(r'note: Revealed type is "(.*)"', told)
+    types = re.findall(r'note: Revealed type is "(.*)"', output)
     for long, text in short.items():
-        found = [re.sub(long, text, x) for x in found]
-    return found
+        types = [re.sub(long, text, x) for x in types]
+    return types
 
 
 @pytest.mark.slow
@@ -195,22 +198,22 @@ def test_types_tell_a_user_what_is_wrong(tmp_path):
     right.write_text(USED + every + "".join(f"reveal_type({text})\n" for text in REVEALED))
     wrong = tmp_path / "wrong.py"
     wrong.write_text(USED + "\n".join(WRONG) + "\n")
-    done = subprocess.run(
+    check = subprocess.run(
         [mypy, "src/polhode", right, wrong],
         cwd=TOP,
         capture_output=True,
         text=True,
         env={**os.environ, "MYPYPATH": "src"},
     )
-    lines = [x for x in done.stdout.splitlines() if ": error:" in x]
-    assert [x for x in lines if "right.py" in x] == [], done.stdout
-    assert revealed(done.stdout) == [*REVEALED.values()]
+    lines = [x for x in check.stdout.splitlines() if ": error:" in x]
+    assert [x for x in lines if "right.py" in x] == [], check.stdout
+    assert revealed(check.stdout) == [*REVEALED.values()]
     first = USED.count("\n") + 1
-    told = {
+    codes = {
         int(number): code
-        for number, code in re.findall(r"wrong\.py:(\d+): error: .*\[([\w-]+)\]", done.stdout)
+        for number, code in re.findall(r"wrong\.py:(\d+): error: .*\[([\w-]+)\]", check.stdout)
     }
-    assert told == dict(enumerate(WRONG.values(), first)), done.stdout
+    assert codes == dict(enumerate(WRONG.values(), first)), check.stdout
 
 
 def test_nobody_computes_at_a_precision_that_others_share():
@@ -226,21 +229,21 @@ def test_nobody_computes_at_a_precision_that_others_share():
 
 def test_locks_stand_in_one_place_and_properties_hold_none():
     """Two locks that two threads take in different orders are a wait without end."""
-    asked = r"^[ \w]*import .*\b({0})\b|\b(functools|threading|multiprocessing)\.({0})\b"
+    imports = r"^[ \w]*import .*\b({0})\b|\b(functools|threading|multiprocessing)\.({0})\b"
     banned = {
         "common/values.py": "cached_property",
         "common/interrupts.py": "R?Lock|Condition|Semaphore|BoundedSemaphore",
     }
     for place, words in banned.items():
-        pattern = re.compile(asked.format(words), re.M)
-        found = set()
+        pattern = re.compile(imports.format(words), re.M)
+        files = set()
         for path in (TOP / "src/polhode").rglob("*.py"):
             text = re.sub(
                 r"^from polhode\.common\.\w+ import .*$", "", path.read_text(), flags=re.M
             )
             if pattern.search(text):
-                found.add(path.relative_to(TOP / "src/polhode").as_posix())
-        assert found == {place}
+                files.add(path.relative_to(TOP / "src/polhode").as_posix())
+        assert files == {place}
 
 
 def test_tracked_text_names_no_machine():
@@ -258,8 +261,10 @@ def imported_by(*commands: list[str]) -> set[str]:
         f"assert [main(one) for one in {commands!r}] == [0] * {len(commands)}; "
         "print(*sorted(sys.modules), file=sys.stderr)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    return set(done.stderr.splitlines()[-1].split())
+    process = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    return set(process.stderr.splitlines()[-1].split())
 
 
 @pytest.mark.slow
@@ -275,8 +280,8 @@ def test_a_verb_imports_nothing_heavy_that_it_does_not_need():
 @pytest.mark.slow
 def test_a_run_imports_no_room_that_it_does_not_need():
     """A warm run is to cost little more than importing heyoka."""
-    found = imported_by(["run", "kovalevskaya/generic", "--at", "1"])
-    own = {name.removeprefix("polhode.") for name in found if name.startswith("polhode.")}
+    modules = imported_by(["run", "kovalevskaya/generic", "--at", "1"])
+    own = {name.removeprefix("polhode.") for name in modules if name.startswith("polhode.")}
     needless = {"figures", "dynamics", "checks", "enclosures", "refined"}
     needless |= {"closed_forms"}
     assert not needless & {name.partition(".")[0] for name in own}
@@ -292,8 +297,10 @@ def test_a_run_imports_no_room_that_it_does_not_need():
         )
     }
     code = "import polhode, sys; polhode.integrate('euler/sphere'); print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert not re.findall(r"polhode\.(?:closed_forms|verbs|output)[.\w]*", done.stdout)
+    process = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert not re.findall(r"polhode\.(?:closed_forms|verbs|output)[.\w]*", process.stdout)
 
 
 def test_every_fault_made_by_hand_stands_once_in_its_file():
@@ -305,10 +312,18 @@ def test_every_fault_made_by_hand_stands_once_in_its_file():
     assert {name for name, count in counts.items() if count != 1} == set()
 
 
+@pytest.mark.parametrize("name", more_cases.CAMPAIGNS)
+def test_a_campaign_calls_a_check_that_stands_in_its_file(name):
+    path, call = more_cases.CAMPAIGNS[name]
+    check = re.search(r"\b(?:test_)?(\w{20,})\(", call)[1]
+    assert re.search(rf"^def (test_)?{check}\(", (TOP / f"tests/{path}.py").read_text(), re.M)
+
+
 #: Rooms whose functions are asked with a scene and answer with a motion's numbers.
 _DOORS = ("runs", "dynamics", "judging", "proofs", "equations", "enclosures", "figures", "output")
 
 
+@pytest.mark.slow
 def test_a_door_says_what_of_a_scene_it_takes():
     """So that what a body gets beyond today's is refused where it is not known, not ignored."""
     silent = []
@@ -318,9 +333,9 @@ def test_a_door_says_what_of_a_scene_it_takes():
             named = {id(x.value) for x in ast.walk(tree) if isinstance(x, ast.Attribute)}
             for call in ast.walk(tree):
                 if isinstance(call, ast.Call) and ast.unparse(call.func) == "library.load":
-                    given = ast.unparse(call.args[0])
+                    argument = ast.unparse(call.args[0])
                     takes = any(x.arg == "takes" for x in call.keywords)
-                    if not takes and id(call) not in named and given != "name":  # its name alone
+                    if not takes and id(call) not in named and argument != "name":  # its name alone
                         silent.append(f"{path.name}: {ast.unparse(call)}")
     assert not silent
 
@@ -354,32 +369,28 @@ _MOST_VAGUE = {
 }
 
 
-def _bound_names(tree: ast.AST) -> Iterator[str]:
-    """Names of functions, classes, parameters and variables where they are bound."""
+def _vague_bindings(tree: ast.AST) -> int:
+    """How often a vague name is bound, but for ``other`` of Python's operators, its own word."""
+    count = 0
     for node in ast.walk(tree):
+        name = ""
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            yield node.name
+            name = node.name
+            if isinstance(node, ast.FunctionDef) and name.startswith("__"):
+                count -= [a.arg for a in node.args.args] == ["self", "other"]
         elif isinstance(node, ast.arg):
-            yield node.arg
+            name = node.arg
         elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            yield node.id
+            name = node.id
+        count += bool(_VAGUE.fullmatch(name))
+    return count
 
 
-def _operators(tree: ast.AST) -> int:
-    """How many of Python's operators have an ``other``, which is Python's word for it."""
-    functions = (x for x in ast.walk(tree) if isinstance(x, ast.FunctionDef))
-    return sum(
-        x.name.startswith("__") and [a.arg for a in x.args.args] == ["self", "other"]
-        for x in functions
-    )
-
-
+@pytest.mark.slow
 def test_names_do_not_get_vaguer():
     """A local variable, too, is named by what it is: CONTRIBUTING has ten examples."""
     counts = dict.fromkeys(_MOST_VAGUE, 0)
     for path in (TOP / "src/polhode").rglob("*.py"):
-        tree = ast.parse(path.read_text())
-        count = sum(bool(_VAGUE.fullmatch(name)) for name in _bound_names(tree))
         room = path.relative_to(TOP / "src/polhode").parts[0].removesuffix(".py")
-        counts[room] = counts.get(room, 0) + count - _operators(tree)
+        counts[room] = counts.get(room, 0) + _vague_bindings(ast.parse(path.read_text()))
     assert {room: n for room, n in counts.items() if n > _MOST_VAGUE.get(room, 0)} == {}

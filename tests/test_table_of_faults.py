@@ -66,7 +66,7 @@ class Nothing:
     """Of no kind that anything takes."""
 
 
-def given(name, *values, **more):
+def call_of(name, *values, **more):
     """A call of the front door, and how it is written."""
     written = re.sub(" object at 0x[0-9a-f]+", "", f"{name} {values[-1:]} {more}")
     return pytest.param(getattr(polhode, name), values, more, id=written[:70])
@@ -74,43 +74,43 @@ def given(name, *values, **more):
 
 #: Wrong kinds gave TypeErrors from deep inside; some numbers took minutes.
 KINDS = [
-    given("load", None),
-    given("load", Nothing()),
-    given("load_run", 1.5),
-    given("load_result", None),
-    given("integrate", FREE, 3),
-    given("integrate", FREE, "quad", digits="10"),
-    given("integrate", FREE, max_steps=0),
-    given("integrate", FREE, max_steps="5"),
-    given("integrate", FREE, project="often"),
-    given("integrate", FREE, at=1),
-    given("integrate", FREE, at=["1", None]),
-    given("integrate", FREE, at=[np.bytes_(b"1")]),
-    given("compare", Nothing(), FREE, at=[0]),
-    given("compare", [ROW], Nothing(), at=[0]),
-    given("compare", [ROW], FREE, at=0),
-    given("compare", [ROW], FREE, at=[0], columns=3),
-    given("compare", [ROW], FREE, at=[0], columns=[]),
-    given("compare", [ROW[:3]], FREE, at=[0], columns=np.eye(3)),
-    given("compare", [ROW[:2]], FREE, at=[0], columns={"p", "q"}),
-    given("compare", [ROW], FREE, at=[0], number=3),
-    given("compare", [ROW], FREE, at=[0], as_it_stands=pd.NA),
-    given("compare", pd.Series([1.0, 2.0]), FREE, at=[0, 1]),
-    given("compare", FREE, FREE),
-    given("integrate_many", FREE, 3, at=[0]),
-    given("integrate_many", FREE, iter([1]), at=[0]),
-    given("lyapunov", FREE, float("inf")),
-    given("rolling", None),
-    given("compare_field", None, FREE),
-    given("compare_field", int, FREE),
-    given("compare_field", lambda t, y: y, FREE, ["omega"]),
-    given("compare_field", lambda t, y: y, Nothing()),
-    given("as_toml", 1),
-    given("top", moments=np.bytes_(b"1"), omega=[1, 1, 1]),
-    given("Body", [[1, 0], [0, 1]]),
-    given("section", FREE, by=1.5),
-    given("section", FREE, extremum=np.array(["max"])),
-    given("chaos_map", FREE, (2, 2), end=1, parts="folder"),
+    call_of("load", None),
+    call_of("load", Nothing()),
+    call_of("load_run", 1.5),
+    call_of("load_result", None),
+    call_of("integrate", FREE, 3),
+    call_of("integrate", FREE, "quad", digits="10"),
+    call_of("integrate", FREE, max_steps=0),
+    call_of("integrate", FREE, max_steps="5"),
+    call_of("integrate", FREE, project="often"),
+    call_of("integrate", FREE, at=1),
+    call_of("integrate", FREE, at=["1", None]),
+    call_of("integrate", FREE, at=[np.bytes_(b"1")]),
+    call_of("compare", Nothing(), FREE, at=[0]),
+    call_of("compare", [ROW], Nothing(), at=[0]),
+    call_of("compare", [ROW], FREE, at=0),
+    call_of("compare", [ROW], FREE, at=[0], columns=3),
+    call_of("compare", [ROW], FREE, at=[0], columns=[]),
+    call_of("compare", [ROW[:3]], FREE, at=[0], columns=np.eye(3)),
+    call_of("compare", [ROW[:2]], FREE, at=[0], columns={"p", "q"}),
+    call_of("compare", [ROW], FREE, at=[0], number=3),
+    call_of("compare", [ROW], FREE, at=[0], as_it_stands=pd.NA),
+    call_of("compare", pd.Series([1.0, 2.0]), FREE, at=[0, 1]),
+    call_of("compare", FREE, FREE),
+    call_of("integrate_many", FREE, 3, at=[0]),
+    call_of("integrate_many", FREE, iter([1]), at=[0]),
+    call_of("lyapunov", FREE, float("inf")),
+    call_of("rolling", None),
+    call_of("compare_field", None, FREE),
+    call_of("compare_field", int, FREE),
+    call_of("compare_field", lambda t, y: y, FREE, ["omega"]),
+    call_of("compare_field", lambda t, y: y, Nothing()),
+    call_of("as_toml", 1),
+    call_of("top", moments=np.bytes_(b"1"), omega=[1, 1, 1]),
+    call_of("Body", [[1, 0], [0, 1]]),
+    call_of("section", FREE, by=1.5),
+    call_of("section", FREE, extremum=np.array(["max"])),
+    call_of("chaos_map", FREE, (2, 2), end=1, parts="folder"),
 ]
 #: A call, and words of the refusal.
 CALLS = [
@@ -217,15 +217,15 @@ def test_a_sweep_over_numbers_beyond_doubles_has_members():
 
 
 def test_one_long_cell_costs_no_reference_of_as_many_digits(monkeypatch, tmp_path):
-    asked = []
+    precisions = []
     exact = polhode.reference(FREE)
     at = exact.at
-    monkeypatch.setattr(exact, "at", lambda t, digits: asked.append(digits) or at(t, digits))
+    monkeypatch.setattr(exact, "at", lambda t, digits: precisions.append(digits) or at(t, digits))
     file = tmp_path / "long.csv"
     file.write_text(f"t,p\n0,0.3\n1,0.{'3' * 3000}\n")
     verdict = polhode.compare(file, exact)
     assert verdict.worst < 2
-    assert max(asked) == 100
+    assert max(precisions) == 100
     assert verdict.digits[0] == 1000  # the start is exact, and known as such
 
 
@@ -247,8 +247,8 @@ def test_a_table_of_many_right_digits_is_given_them_all(tmp_path):
 def test_a_right_table_of_another_scene_is_told_first(scene, words):
     """It had its digits, all 0, and only then that it was wrong in the first one."""
     run = polhode.integrate("lagrange/looping", at=[0, 1, 2, 3])
-    told = {"t": run.t, **{name: run.states[:, k] for k, name in enumerate(run.columns)}}
-    first, *_ = str(polhode.compare(told, scene)).splitlines()
+    table = {"t": run.t, **{name: run.states[:, k] for k, name in enumerate(run.columns)}}
+    first, *_ = str(polhode.compare(table, scene)).splitlines()
     assert words in first
     assert ("lagrange/looping" in first) == ("begin" in first) == bool(words)
 

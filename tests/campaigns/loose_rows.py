@@ -2,6 +2,12 @@
 
 ``python tests/campaigns/loose_rows.py [SECONDS] [SEED]`` prints, for each way a call can go, the
 errors over the tolerance: of gamma, and of omega over the bound of the rate; and the worst calls.
+
+Last printed, in 40 seconds of a busy machine (29 rows):
+
+    heyoka's own: 3 calls, median 2.5e-09, worst: 0.0032 tolerances
+    higher order: 1 calls, median 0.11, worst: 0.11 tolerances
+    long steps: 2 calls, median 2.3e-07, worst: 4.5e-07 tolerances
 """
 
 from __future__ import annotations
@@ -60,8 +66,8 @@ def times(dice: np.random.Generator, end: float) -> np.ndarray:
         np.sort(dice.random(count)),
         10 ** np.sort(dice.uniform(-9, 0, count)),
     )
-    found = np.unique(parts[dice.integers(3)])
-    return np.concatenate([[0.0][: dice.integers(2)], found]) * end
+    fractions = np.unique(parts[dice.integers(3)])
+    return np.concatenate([[0.0][: dice.integers(2)], fractions]) * end
 
 
 def main() -> None:
@@ -85,16 +91,18 @@ def main() -> None:
         off = np.abs(states[picked] - np.array(true))
         off[:, :3] /= rate
         long = any(steps._kept for steps in go._long_steps)
-        way = "long steps" if long else "higher order" if "_higher" in vars(go) else "heyoka's own"
-        errors[way].append((off.max() / tol, f"tol {tol:.0e}, {radians:.3g} radians, {len(at)}"))
+        route = (
+            "long steps" if long else "higher order" if "_higher" in vars(go) else "heyoka's own"
+        )
+        errors[route].append((off.max() / tol, f"tol {tol:.0e}, {radians:.3g} radians, {len(at)}"))
         rows += len(picked)
     print(f"{rows} rows")
-    for way, calls in errors.items():
+    for route, calls in errors.items():
         calls.sort(reverse=True)
         size = [error for error, _ in calls]
-        print(f"{way}: {len(calls)} calls, median {np.median(size):.2g}, worst:")
-        for error, told in calls[:3]:
-            print(f"    {error:.2g} tolerances ({told} times)")
+        print(f"{route}: {len(calls)} calls, median {np.median(size):.2g}, worst:")
+        for error, words in calls[:3]:
+            print(f"    {error:.2g} tolerances ({words} times)")
 
 
 if __name__ == "__main__":

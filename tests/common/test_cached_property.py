@@ -30,20 +30,20 @@ class Counting:
 
 
 def test_it_is_computed_once_and_is_no_field_but_what_raised_again():
-    one = Counting([])
+    counting = Counting([])
     with pytest.raises(ZeroDivisionError):
-        _ = one.value
-    assert one.value is one.value
-    assert one.counted == [1, 1]
-    assert one.value is not Counting([1, 1]).value
-    assert one == Counting([1, 1])
+        _ = counting.value
+    assert counting.value is counting.value
+    assert counting.counted == [1, 1]
+    assert counting.value is not Counting([1, 1]).value
+    assert counting == Counting([1, 1])
     assert Counting.value.__doc__ == "What it is."
 
 
 def test_threads_compute_at_once_and_are_given_the_same():
     """With a lock the first would wait at the barrier for the others for ever."""
-    one = Counting([1, 1], threading.Barrier(4))
+    counting = Counting([1, 1], threading.Barrier(4))
     with ThreadPoolExecutor(4) as pool:
-        values = list(pool.map(lambda _: one.value, range(4)))
-    assert len(one.counted) == 6
-    assert all(x is values[0] is one.value for x in values)
+        values = list(pool.map(lambda _: counting.value, range(4)))
+    assert len(counting.counted) == 6
+    assert all(x is values[0] is counting.value for x in values)

@@ -44,11 +44,11 @@ def test_a_new_file_has_the_kernel_s_permissions_and_an_old_one_keeps_its_own(tm
 @pytest.mark.parametrize("umask", [0o077], indirect=True)
 def test_nobody_else_may_write_what_threads_write_at_once(tmp_path, umask):
     """The umask belongs to the process: other threads' files, of other programs' code too."""
-    interval, done, others = sys.getswitchinterval(), threading.Event(), set()
+    interval, end, others = sys.getswitchinterval(), threading.Event(), set()
 
     def another() -> None:
         k = 0
-        while not done.is_set():
+        while not end.is_set():
             os.close(os.open(tmp_path / f"other{k}", os.O_CREAT | os.O_WRONLY, 0o666))
             others.add(mode(tmp_path / f"other{k}"))
             (tmp_path / f"other{k}").unlink()
@@ -62,7 +62,7 @@ def test_nobody_else_may_write_what_threads_write_at_once(tmp_path, umask):
             paths = [tmp_path / f"file{k}" for k in range(200)]
             list(pool.map(lambda path: write_whole({path: "x"}), paths))
     finally:
-        done.set()
+        end.set()
         beside.join()
         sys.setswitchinterval(interval)
     assert {mode(path) for path in paths} | others == {0o600}

@@ -26,9 +26,9 @@ def free(lock: Lock) -> bool:
     """Whether another thread could take it."""
 
     def tried() -> bool:
-        if taken := lock.bare.acquire(blocking=False):
+        if acquired := lock.bare.acquire(blocking=False):
             lock.bare.release()
-        return taken
+        return acquired
 
     with ThreadPoolExecutor(1) as pool:
         return pool.submit(tried).result()
@@ -36,51 +36,51 @@ def free(lock: Lock) -> bool:
 
 @pytest.mark.parametrize(("first", "second"), [*product(Place, Place)])
 def test_a_later_place_after_an_earlier_one_and_no_other(first, second):
-    one, other = Lock(first), Lock(second)
-    with one.held():
+    lock, inner = Lock(first), Lock(second)
+    with lock.held():
         if second > first:
-            with other.held():
-                assert not free(one)
-                assert not free(other)
+            with inner.held():
+                assert not free(lock)
+                assert not free(inner)
         elif second is not first or first is not Place.PRECISION:
-            with pytest.raises(AssertionError), other.held():
+            with pytest.raises(AssertionError), inner.held():
                 pass
-            assert free(other)
-    assert free(one)
-    with other.held():
-        assert not free(other)  # nothing is remembered
+            assert free(inner)
+    assert free(lock)
+    with inner.held():
+        assert not free(inner)  # nothing is remembered
 
 
 def test_a_precision_is_taken_again_by_its_holder():
-    one = Lock(Place.PRECISION)
-    with one.held(), one.held():
+    lock = Lock(Place.PRECISION)
+    with lock.held(), lock.held():
         pass
-    with one.held(), pytest.raises(AssertionError), Lock(Place.COMPILING).held():
+    with lock.held(), pytest.raises(AssertionError), Lock(Place.COMPILING).held():
         pass
 
 
 def test_what_another_thread_holds_is_its_own_matter():
-    store, precision, found = Lock(Place.STORE), Lock(Place.PRECISION), []
+    store, precision, answers = Lock(Place.STORE), Lock(Place.PRECISION), []
 
     def take() -> None:
         with precision.held():
-            found.append(store.bare.acquire(blocking=False))
+            answers.append(store.bare.acquire(blocking=False))
 
     with store.held():
-        other = threading.Thread(target=take)
-        other.start()
-        other.join()
-    assert found == [False]
+        thread = threading.Thread(target=take)
+        thread.start()
+        thread.join()
+    assert answers == [False]
 
 
 @contextlib.contextmanager
 def another_thread(work: Callable[[Callable[[], object]], None]) -> Iterator[None]:
     """Another thread is in the middle of its work, where it calls what it is given."""
-    ready, done = threading.Event(), threading.Event()
+    ready, end = threading.Event(), threading.Event()
 
     def stay() -> None:
         ready.set()
-        done.wait(60)
+        end.wait(60)
 
     thread = threading.Thread(target=work, args=(stay,))
     thread.start()
@@ -88,7 +88,7 @@ def another_thread(work: Callable[[Callable[[], object]], None]) -> Iterator[Non
     try:
         yield
     finally:
-        done.set()
+        end.set()
         thread.join()
 
 
@@ -136,8 +136,8 @@ def test_in_a_forked_child_nobody_holds_a_lock():
             middle()
 
     with another_thread(hold):
-        taken = in_a_child(lambda: [lock.bare.acquire(blocking=False) for lock in locks])
-    assert taken == [True] * len(locks)
+        acquired = in_a_child(lambda: [lock.bare.acquire(blocking=False) for lock in locks])
+    assert acquired == [True] * len(locks)
 
 
 def test_an_interrupt_at_the_end_of_a_block_gives_back_what_it_held():
@@ -146,13 +146,13 @@ def test_an_interrupt_at_the_end_of_a_block_gives_back_what_it_held():
     before = signal.signal(signal.SIGALRM, signal.default_int_handler)
     try:
         signal.setitimer(signal.ITIMER_REAL, 0.05)
-        with pytest.raises(KeyboardInterrupt) as kept, lock.held():
+        with pytest.raises(KeyboardInterrupt) as fault, lock.held():
             large = large @ large  # half a second in which no signal is heard
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
     assert free(lock)
-    assert kept.traceback
+    assert fault.traceback
 
 
 class Setting:
@@ -177,9 +177,15 @@ def abandon(setting: Setting, changed: Meanwhile[int]) -> None:
     assert setting.value == 1
 
 
-@pytest.mark.sample(1)
 @pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
-@pytest.mark.parametrize("place", Place)
+@pytest.mark.parametrize(
+    "place",
+    [
+        Place.COMPILING,
+        pytest.param(Place.PRECISION, marks=pytest.mark.slow),
+        pytest.param(Place.STORE, marks=pytest.mark.slow),
+    ],
+)
 def test_a_setting_is_put_back_by_a_garbage_collection_under_any_lock(place):
     setting = Setting()
     changed = setting.meanwhile()

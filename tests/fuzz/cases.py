@@ -262,15 +262,15 @@ CALLS: dict[str, tuple[Callable[..., Any], list[Any], dict[str, Any]]] = {
 def call(draw: st.DrawFn) -> Case:
     """A call of the front door with one or two arguments that are wrong."""
     name = draw(of(CALLS))
-    function, given, named = CALLS[name]
-    given = list(given)
+    function, arguments, named = CALLS[name]
+    arguments = list(arguments)
     named = {k: v for k, v in named.items() if v is not None or draw(st.booleans())}
     for _ in draw(several(2)):
         wrong = draw(of(values.PYTHON))
-        where = draw(of([*range(len(given)), *named]))
-        (given if isinstance(where, int) else named)[where] = wrong
-    said = f"{name}(*{given!r}, **{named!r})"
-    return Case(said[:2000], {}, lambda: function(*given, **named))
+        where = draw(of([*range(len(arguments)), *named]))
+        (arguments if isinstance(where, int) else named)[where] = wrong
+    said = f"{name}(*{arguments!r}, **{named!r})"
+    return Case(said[:2000], {}, lambda: function(*arguments, **named))
 
 
 def prepared(folder: Path) -> None:

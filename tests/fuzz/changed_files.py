@@ -61,21 +61,21 @@ def places(value: Any, at: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
 @st.composite
 def altered(draw: st.DrawFn, value: Any) -> Any:
     """A JSON value with one part changed, left out, or another one in its place."""
-    told = {"": copy.deepcopy(value)}
-    at, other = (("", *draw(of(places(value)))) for _ in range(2))
-    parent = functools.reduce(lambda part, key: part[key], at[:-1], told)
+    document = {"": copy.deepcopy(value)}
+    at, second = (("", *draw(of(places(value)))) for _ in range(2))
+    parent = functools.reduce(lambda part, key: part[key], at[:-1], document)
     turn = draw(st.integers(0, 9))
     if turn < 7:
         parent[at[-1]] = copy.deepcopy(draw(of(values.JSON)))
     elif turn < 8 and len(at) > 1:
         del parent[at[-1]]
     else:
-        part = functools.reduce(lambda part, key: part[key], other, told)
+        part = functools.reduce(lambda part, key: part[key], second, document)
         parent[at[-1]] = copy.deepcopy(part)
-    return told[""]
+    return document[""]
 
 
-def asked(name: str) -> None:
+def use_result(name: str) -> None:
     """A result that can be loaded is a run or what it told, and answers."""
     result = polhode.load_result(name)
     assert isinstance(result, (polhode.Trajectory, Saved))
@@ -92,11 +92,11 @@ def asked(name: str) -> None:
 def arrays_changed(draw: st.DrawFn, text: bytes) -> bytes:
     """An NPZ file with arrays changed, or left out, or the JSON in it, or a cell."""
     arrays = unpacked(text)
-    told = json.loads(bytes(arrays["about"])) if "about" in arrays else None
+    about = json.loads(bytes(arrays["about"])) if "about" in arrays else None
     for _ in draw(several(2)):
         name, turn = draw(of(arrays)), draw(st.integers(0, 9))
-        if turn < 4 and told is not None:
-            text = json.dumps(draw(altered(told))).encode()
+        if turn < 4 and about is not None:
+            text = json.dumps(draw(altered(about))).encode()
             arrays["about"] = np.frombuffer(text, dtype=np.uint8)
         elif turn < 6:
             arrays[name] = draw(of(values.arrays(arrays[name])))
@@ -115,8 +115,8 @@ def result(draw: st.DrawFn, names: Sequence[str]) -> Case:
     name, turn = draw(of(names)), draw(st.integers(0, 2))
     suffix = ".npz"
     if turn == 0:
-        told = draw(altered(json.loads(result_of_kind(name).to_json())))
-        text, suffix = json.dumps(told).encode(), ".json"
+        document = draw(altered(json.loads(result_of_kind(name).to_json())))
+        text, suffix = json.dumps(document).encode(), ".json"
     elif turn == 1:
         text = draw(arrays_changed(saved(name, suffix)))
     else:
@@ -124,7 +124,7 @@ def result(draw: st.DrawFn, names: Sequence[str]) -> Case:
         text = draw(mangled(saved(name, suffix)))
     beside_it = {"x.csv": b"t\n0\n"} if suffix == ".csv" else {}
     files = {f"x{suffix}".replace(".csv", ".csv.json"): text} | beside_it
-    return Case(name, files, lambda: asked(f"x{suffix}"))
+    return Case(name, files, lambda: use_result(f"x{suffix}"))
 
 
 # -- finished pieces of a verb's work --------------------------------------------------------------
@@ -156,7 +156,7 @@ def pieces(verb: str) -> tuple[dict[str, bytes], dict[str, Any]]:
 
 
 @st.composite
-def kept(draw: st.DrawFn) -> Case:
+def pieces_found(draw: st.DrawFn) -> Case:
     """A verb that finds pieces of before, one of them changed, and ends as if undisturbed."""
     verb = draw(of(KEEPERS))
     files, right = pieces(verb)
@@ -170,7 +170,7 @@ def kept(draw: st.DrawFn) -> Case:
         del files[name]
     else:
         files[name] = draw(arrays_changed(files[name]))
-    other = files.get("manifest.json") != pieces(verb)[0]["manifest.json"]
+    other_work = files.get("manifest.json") != pieces(verb)[0]["manifest.json"]
 
     def again() -> None:
         folder = Path(f"folder/in/{verb}.npz.parts")
@@ -179,7 +179,7 @@ def kept(draw: st.DrawFn) -> Case:
         for piece, text in files.items():
             (folder / piece).write_bytes(text)
         code = cli.main([*KEEPERS[verb].split(), "-o", f"folder/in/{verb}.npz", "--json"])
-        if code == 2 and other:  # of another work: refused, and left as it is
+        if code == 2 and other_work:  # of another work: refused, and left as it is
             assert {piece.name for piece in folder.iterdir()} == {*files}
             return
         assert code == 0

@@ -41,11 +41,11 @@ def event(draw: st.DrawFn) -> Case:
     def run() -> None:
         scene = replace(top(), events=events)
         result = polhode.integrate(scene, number, at=[0, end], max_steps=500)
-        for one in result.events:
-            sizes = [abs(t) for t in one.times]
+        for crossings in result.events:
+            sizes = [abs(t) for t in crossings.times]
             assert sizes == sorted(sizes), f"events out of order: {sizes}"
             assert all(0 <= t <= abs(result.reached) for t in sizes), f"beyond the run: {sizes}"
-            assert len(one.times) == len(one.states) == len(one.grazing)
+            assert len(crossings.times) == len(crossings.states) == len(crossings.grazing)
 
     return Case(f"{number} to {end}: {events}", {}, run)
 
@@ -73,19 +73,19 @@ def body(draw: st.DrawFn) -> Case:
     parts = []
     for _ in draw(several(2)):
         shape = draw(of(SHAPES))
-        given: dict[str, Any] = {"mass": draw(sizes)}
+        keys: dict[str, Any] = {"mass": draw(sizes)}
         for name in SHAPES[shape].needs:
-            given[name] = draw(three if name in ("size", "semi_axes") else sizes)
+            keys[name] = draw(three if name in ("size", "semi_axes") else sizes)
         if draw(st.booleans()):
-            given["at"] = draw(three)
+            keys["at"] = draw(three)
         if draw(st.integers(0, 19)) == 0:
-            given[draw(of(("radius", "height", "inner", "size", "mass")))] = draw(sizes)
-        parts.append((shape, given))
+            keys[draw(of(("radius", "height", "inner", "size", "mass")))] = draw(sizes)
+        parts.append((shape, keys))
     more = {"rates": [0, 0, draw(sizes)], "g": draw(sizes), "end": draw(sizes)}
 
     def make() -> None:
-        made = [polhode.Part(shape, **given) for shape, given in parts]
-        scene = polhode.top(parts=made, angles=[0, "1/3", 0], **more)
+        solids = [polhode.Part(shape, **keys) for shape, keys in parts]
+        scene = polhode.top(parts=solids, angles=[0, "1/3", 0], **more)
         _ = repr(scene), polhode.as_toml(scene)
         polhode.integrate(scene, max_steps=20)
 

@@ -48,7 +48,7 @@ def limited(seconds: float = SECONDS) -> Iterator[None]:
         signal.signal(signal.SIGVTALRM, before)
 
 
-def held() -> tuple[Any, ...]:
+def leftovers() -> tuple[Any, ...]:
     """What a case must leave as it is: files, threads, processes, open handles."""
     files = {p: (p.stat().st_size, p.stat().st_mtime_ns) for p in Path().iterdir()}
     handles = len(os.listdir("/proc/self/fd")) if Path("/proc/self/fd").is_dir() else 0
@@ -58,33 +58,33 @@ def held() -> tuple[Any, ...]:
 
 def children() -> int:
     """Processes begun by this one that are there, of multiprocessing and others."""
-    found = 0
+    count = 0
     for path in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):  # ended meanwhile
-            found += int(path.read_text().rpartition(")")[2].split()[1]) == os.getpid()
-    return found
+            count += int(path.read_text().rpartition(")")[2].split()[1]) == os.getpid()
+    return count
 
 
 def broken(
-    work: Callable[[], Any], outputs: Callable[[Any], set[Path]] = lambda given: set()
+    work: Callable[[], Any], outputs: Callable[[Any], set[Path]] = lambda answer: set()
 ) -> tuple[list[str], Any]:
     """Which parts of the promise some work breaks, and what it gave.
 
     ``outputs``: the files that may be written by work that gave this.
     """
-    before, peak = held(), _peak()
+    before, peak = leftovers(), _peak()
     faults: list[str] = []
-    given: Any = None
+    answer: Any = None
     try:
         with limited():
-            given = work()
+            answer = work()
     except Slow as slow:
         faults.append(str(slow))
     except Exception:
         faults.append(traceback.format_exc())
-    after = held()
+    after = leftovers()
     for files in (before[0], after[0]):
-        for path in outputs(given):
+        for path in outputs(answer):
             files.pop(path, None)
     names = ("files", "threads", "processes", "open handles")
     for name, old, new in zip(names, before, after, strict=True):
@@ -94,17 +94,17 @@ def broken(
             faults.append(f"{new - old} handles left open")
     if _peak() - peak > MEGABYTES:
         faults.append(f"{_peak() - peak} MB of memory")
-    return faults, given
+    return faults, answer
 
 
 def of_command(arguments: list[str]) -> tuple[list[str], int | None]:
-    """The faults of a command, and its exit code; unless refused, it may write its -o."""
+    """The faults of a command, and its exit code; unless refused, it may write its -o, or new's."""
     out, err = (io.TextIOWrapper(io.BytesIO(), encoding="utf-8") for _ in range(2))
 
     def outputs(code: int | None) -> set[Path]:
         if code not in CODES - {2}:
             return set()
-        named = {Path(given) for flag, given in pairwise(arguments) if flag == "-o"}
+        named = {Path(name) for flag, name in pairwise(arguments) if flag in ("-o", "new")}
         return named | {path.with_name(f"{path.name}.json") for path in named if path.name}
 
     def work() -> int:
@@ -114,17 +114,17 @@ def of_command(arguments: list[str]) -> tuple[list[str], int | None]:
     faults, code = broken(work, outputs)
     if faults:
         return faults, code
-    said, told = (_read(stream) for stream in (out, err))
+    printed, notes = (_read(stream) for stream in (out, err))
     if code not in CODES:
         faults.append(f"exit code {code}")
-    if "Traceback" in told:
-        faults.append(told)
+    if "Traceback" in notes:
+        faults.append(notes)
     if code == 2:
-        if said:
-            faults.append(f"refused, and yet on stdout: {said[:200]!r}")
-        if not REFUSAL.fullmatch(told):
-            faults.append(f"not one line of refusal: {told[:500]!r}")
-    if any(not (c.isprintable() or c == "\n") for c in told + said):
+        if printed:
+            faults.append(f"refused, and yet on stdout: {printed[:200]!r}")
+        if not REFUSAL.fullmatch(notes):
+            faults.append(f"not one line of refusal: {notes[:500]!r}")
+    if any(not (c.isprintable() or c == "\n") for c in notes + printed):
         faults.append("a character that is not for terminals")
     return faults, code
 
@@ -132,8 +132,8 @@ def of_command(arguments: list[str]) -> tuple[list[str], int | None]:
 def _read(stream: io.TextIOWrapper) -> str:
     """What was written; of bytes that are no text (a figure), nothing."""
     stream.flush()
-    held: bytes = stream.buffer.getvalue()  # type: ignore[attr-defined]
-    return "" if b"\0" in held or held.startswith(b"<?xml") else held.decode()
+    content: bytes = stream.buffer.getvalue()  # type: ignore[attr-defined]
+    return "" if b"\0" in content or content.startswith(b"<?xml") else content.decode()
 
 
 def of_call(call: Callable[[], Any]) -> tuple[list[str], bool]:

@@ -34,18 +34,18 @@ HANGS = 120.0  # seconds of the clock after which a command never ends
 OBEYED = (signal.SIGINT, signal.SIGTERM)
 
 #: ``polhode``, but that it tells when it is ready for signals, and keeps parts of a sweep often.
-TOLD = """
+READY = """
 import os, sys
 from polhode import cli
 from polhode.common import checkpoint
 from polhode.verbs import terminal
 checkpoint.EVERY = 0.02
 prepare = terminal.prepare
-def told():
+def announced():
     prepare()
-    os.write(int(told_to), b"!")
-terminal.prepare = told
-told_to = sys.argv.pop(1)
+    os.write(int(reader_of), b"!")
+terminal.prepare = announced
+reader_of = sys.argv.pop(1)
 sys.argv[0] = "polhode"
 cli.command()
 """
@@ -139,19 +139,19 @@ class Ended(NamedTuple):
 
 def carried_out(command: str, moment: float = HANGS, by: int = 0, group: bool = False) -> Ended:
     """A command in the present folder, and a signal once it has used so many seconds."""
-    heard, told = os.pipe()
+    reader, writer = os.pipe()
     words = [_NAMES.get(word, word) for word in command.split()]
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         process = subprocess.Popen(
-            [sys.executable, "-c", TOLD, str(told), *words],
+            [sys.executable, "-c", READY, str(writer), *words],
             stdout=out,
             stderr=err,
-            pass_fds=[told],
+            pass_fds=[writer],
             start_new_session=True,
         )
-        os.close(told)
-        os.read(heard, 1)
-        os.close(heard)
+        os.close(writer)
+        os.read(reader, 1)
+        os.close(reader)
         last = time.monotonic() + HANGS
         while process.poll() is None and _cpu(process.pid) < moment and time.monotonic() < last:
             time.sleep(0.02)
@@ -257,8 +257,8 @@ def undisturbed(work: str) -> tuple[dict[str, Any], Any, float]:
         ended = carried_out(WORKS[work])
         after = os.times()
         assert ended.code == 0, ended
-        taken = sum(after[2:4]) - sum(before[2:4])
-        return outputs(), "--json" in WORKS[work] and timeless(ended.out), taken
+        seconds = sum(after[2:4]) - sum(before[2:4])
+        return outputs(), "--json" in WORKS[work] and timeless(ended.out), seconds
 
 
 def faults_of(work: str, ended: Ended, by: int) -> list[str]:
@@ -298,7 +298,7 @@ def faults_afterwards(work: str, ended: Ended) -> list[str]:
     return faults
 
 
-def sampled(
+def met_at_random(
     work: str, moments: int, seed: int, signals: tuple[int, ...] = OBEYED, longest: float = 8.0
 ) -> tuple[list[int | None], list[str]]:
     """A work met by so many signals, each in a folder of its own: how it ended, and the faults."""

@@ -53,8 +53,6 @@ WITH_FIGURES = (
 )
 #: A process that ends by itself is not waited for where its parent is interrupted.
 WARNINGS = "default,ignore::ResourceWarning"
-#: Seconds after which a command that is to be interrupted is.
-PATIENCE = 5
 
 
 def main() -> int:
@@ -75,9 +73,9 @@ def main() -> int:
         run([*pip, "install", "--no-compile", str(wheel)])
         rows = [*BARE, *examples(python, user, environment), *AFTER]
         faults = [*missing(wheel)]
-        faults += [f for row in rows for f in told(python, *row, user, environment)]
+        faults += [f for row in rows for f in faults_of(python, *row, user, environment)]
         run([*pip, "install", "--no-compile", f"{wheel}[figures]"])
-        faults += [f for row in WITH_FIGURES for f in told(python, *row, user, environment)]
+        faults += [f for row in WITH_FIGURES for f in faults_of(python, *row, user, environment)]
     count = len(rows) + len(WITH_FIGURES)
     print("\n".join(faults) or f"installed: {count} commands passed")
     return 1 if faults else 0
@@ -103,7 +101,7 @@ def examples(python: str, folder: Path, environment: dict[str, str]) -> list[tup
         "import json, polhode; from polhode.verbs.catalogue import ROWS; "
         "print(json.dumps([polhode.__file__, {x.name: x.command for x in ROWS}]))"
     )
-    done = subprocess.run(
+    process = subprocess.run(
         [python, "-c", question],
         cwd=folder,
         env=environment,
@@ -111,7 +109,7 @@ def examples(python: str, folder: Path, environment: dict[str, str]) -> list[tup
         capture_output=True,
         text=True,
     )
-    file, commands = json.loads(done.stdout)
+    file, commands = json.loads(process.stdout)
     if "site-packages" not in file:
         raise SystemExit(f"FAIL {file} is not installed")
     return [
@@ -121,26 +119,20 @@ def examples(python: str, folder: Path, environment: dict[str, str]) -> list[tup
     ]
 
 
-def told(
+def faults_of(
     python: str, expected: int, command: str, folder: Path, environment: dict[str, str]
 ) -> list[str]:
     """What is wrong with a command, if anything."""
     began = time.monotonic()
-    process = subprocess.Popen(
+    process = subprocess.run(
         [str(Path(python).with_name("polhode")), *shlex.split(command)],
         cwd=folder,
         env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        capture_output=True,
         text=True,
     )
-    try:
-        printed, noted = process.communicate(timeout=PATIENCE if expected == 130 else None)
-    except subprocess.TimeoutExpired:
-        process.send_signal(signal.SIGINT)
-        printed, noted = process.communicate()
-    seconds = time.monotonic() - began
-    wrong = process.returncode != expected or "Traceback" in noted or "Warning" in noted
+    seconds, notes = time.monotonic() - began, process.stderr
+    wrong = process.returncode != expected or "Traceback" in notes or "Warning" in notes
     print(
         f"{'FAIL' if wrong else 'ok  '} {seconds:5.1f} s  {f'polhode {command}'.strip()}",
         flush=True,
@@ -148,7 +140,7 @@ def told(
     if not wrong:
         return []
     code = f"FAIL polhode {command}: exit code {process.returncode}, expected {expected}"
-    return ["\n".join([code, *printed.splitlines()[-3:], *noted.splitlines()[-12:]])]
+    return ["\n".join([code, *process.stdout.splitlines()[-3:], *notes.splitlines()[-12:]])]
 
 
 if __name__ == "__main__":

@@ -80,7 +80,7 @@ class Copy:
         return [*map(str, every)]
 
     def _tested(self, files: list[str]) -> tuple[str, str]:
-        done = subprocess.run(
+        process = subprocess.run(
             [sys.executable, "-m", "pytest", "-x", "-n0", *self.options, *files],
             cwd=self.folder,
             env={**os.environ, "PYTHONPATH": "src:tests", "PYTHONDONTWRITEBYTECODE": "1"},
@@ -88,19 +88,19 @@ class Copy:
             capture_output=True,
             text=True,
         )
-        if done.returncode < 0:
+        if process.returncode < 0:
             return "slow", ""
-        if done.returncode == 0:
+        if process.returncode == 0:
             return "survived", ""
-        named = [x for x in done.stdout.splitlines() if x.startswith(("FAILED", "ERROR"))]
+        named = [x for x in process.stdout.splitlines() if x.startswith(("FAILED", "ERROR"))]
         if not named:
-            raise RuntimeError(done.stdout + done.stderr)
+            raise RuntimeError(process.stdout + process.stderr)
         return "killed", named[0]
 
 
 def main(listed: Path, target: Path, options: list[str]) -> None:
     """Run what is not in the result yet; then the count, and every mutant that lives."""
-    chosen = [Mutant(**told) for told in json.loads(listed.read_text())]
+    chosen = [Mutant(**row) for row in json.loads(listed.read_text())]
     results = json.loads(target.read_text()) if target.exists() else {}
     with tempfile.TemporaryDirectory() as folder:
         project = Copy(Path(folder), options)

@@ -137,10 +137,10 @@ def line_of(fault) -> str:
     return line
 
 
-@pytest.mark.parametrize(("given", "words"), NUMBERS, ids=[x[1][:40] for x in NUMBERS])
-def test_what_cannot_be_is_refused_by_the_name_of_its_key(given, words):
+@pytest.mark.parametrize(("keys", "words"), NUMBERS, ids=[x[1][:40] for x in NUMBERS])
+def test_what_cannot_be_is_refused_by_the_name_of_its_key(keys, words):
     with pytest.raises(BadInput) as fault:
-        polhode.top(**(FREE | given))
+        polhode.top(**(FREE | keys))
     assert all(word in line_of(fault) for word in words.split("; "))
 
 
@@ -159,12 +159,12 @@ PARTS = [
 ]
 
 
-@pytest.mark.parametrize(("given", "said"), PARTS, ids=[x[1] for x in PARTS])
-def test_a_part_that_cannot_be_is_refused(given, said):
+@pytest.mark.parametrize(("keys", "said"), PARTS, ids=[x[1] for x in PARTS])
+def test_a_part_that_cannot_be_is_refused(keys, said):
     with pytest.raises(BadInput, match=f"^Part: .*{said}"):
-        polhode.Part(**given)
+        polhode.Part(**keys)
     with pytest.raises(BadInput, match=rf"body\.parts\[1\].*({said}|numbers)"):
-        polhode.top(**(FREE | {"moments": None, "parts": [given], "g": 0}))
+        polhode.top(**(FREE | {"moments": None, "parts": [keys], "g": 0}))
 
 
 def test_parts_that_are_not_the_bodys_are_refused():

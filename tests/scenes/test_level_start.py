@@ -46,9 +46,9 @@ def test_the_least_energy_turns_about_the_vertical():
 def test_numbers_of_a_level_can_be_varied():
     scene = scene_file.parse(HEAD + LEVEL + 'sign = "-"\n')
     grid = vary.grid({"start.h": ["3", "4"], "start.f": "0:1:3"}, "scene")
-    found = Members(scene, grid)
-    assert [m.integrals.energy for m in found] == [3, 3, 3, 4, 4, 4]
-    assert [m.integrals.area for m in found] == [0, Fraction(1, 2), 1] * 2
+    members = Members(scene, grid)
+    assert [m.integrals.energy for m in members] == [3, 3, 3, 4, 4, 4]
+    assert [m.integrals.area for m in members] == [0, Fraction(1, 2), 1] * 2
     with pytest.raises(polhode.BadInput, match=r"start.h.*at least 4569/6800"):
         list(Members(scene, vary.grid({"start.h": ["0"]}, "scene")))
 
@@ -159,8 +159,8 @@ def test_steady_precession_has_one_theta():
 
 def test_momenta_can_be_varied():
     scene = top_of(*NUTATING[0])
-    found = Members(scene, vary.grid({"start.p_phi": ["2", "1"], "start.h": ["5", "6"]}, "scene"))
-    assert [momenta(m)[1:] for m in found] == [(2, 5), (2, 6), (1, 5), (1, 6)]
+    members = Members(scene, vary.grid({"start.p_phi": ["2", "1"], "start.h": ["5", "6"]}, "scene"))
+    assert [momenta(m)[1:] for m in members] == [(2, 5), (2, 6), (1, 5), (1, 6)]
 
 
 ASYMMETRIC = {"moments": [3, 2, 1], "centre": [0, 0, 1], "weight": 1}
@@ -168,7 +168,7 @@ TOP = {"moments": [1, 1, "1/2"], "centre": [0, 0, 1], "weight": 1}
 
 
 @pytest.mark.parametrize(
-    ("given", "words"),
+    ("keys", "words"),
     [
         (TOP | {"h": 3, "f": "6/5", "p_phi": 2}, "start.h = 3: expected as much energy as f and"),
         (
@@ -201,9 +201,9 @@ TOP = {"moments": [1, 1, "1/2"], "centre": [0, 0, 1], "weight": 1}
         (TOP | {"E": 9, "f": 2, "p_phi": 1}, "E = 9: expected h, the energy"),
     ],
 )
-def test_momenta_that_no_start_has_are_refused(given, words):
+def test_momenta_that_no_start_has_are_refused(keys, words):
     with pytest.raises(polhode.BadInput) as fault:
-        polhode.top(**given)
+        polhode.top(**keys)
     assert words in str(fault.value)
 
 

@@ -67,14 +67,14 @@ KINDS: list[ExactNumbers] = [
 
 @pytest.mark.parametrize("times", KINDS, ids=["even", "doubles", "longdoubles", "listed"])
 def test_they_are_as_their_tuple(times: ExactNumbers) -> None:
-    held = tuple(times)
-    assert times + (1,) == (*held, 1)  # noqa: RUF005
-    assert (1,) + times == (1, *held)  # noqa: RUF005
-    assert times + times == held * 2
-    assert times == held == tuple(times[k] for k in range(len(times)))
+    numbers = tuple(times)
+    assert times + (1,) == (*numbers, 1)  # noqa: RUF005
+    assert (1,) + times == (1, *numbers)  # noqa: RUF005
+    assert times + times == numbers * 2
+    assert times == numbers == tuple(times[k] for k in range(len(times)))
     assert (times[-1], times[1:], repr(times), hash(times)) == (
-        *(held[-1], held[1:]),
-        *(repr(held), hash(held)),
+        *(numbers[-1], numbers[1:]),
+        *(repr(numbers), hash(numbers)),
     )
     back = pickle.loads(pickle.dumps(times))
     assert back == times
@@ -85,12 +85,12 @@ def test_they_are_as_their_tuple(times: ExactNumbers) -> None:
 
 
 def test_an_array_is_taken_as_it_is_and_copied(scene: Scene) -> None:
-    given = np.array([0.5, 1.0, 2.0])
-    found = scene.at(given)
-    given[0] = 7
-    assert found.times == (Fraction(1, 2), 1, 2)
+    times = np.array([0.5, 1.0, 2.0])
+    moved = scene.at(times)
+    times[0] = 7
+    assert moved.times == (Fraction(1, 2), 1, 2)
     assert scene.at(np.array([0, 1, 2])).times == (0, 1, 2)
-    assert scene.at(found.times[:0]).times == ()
+    assert scene.at(moved.times[:0]).times == ()
     assert scene.at(np.ma.array([1.0, 2.0])).times == (1, 2)
     with pytest.raises(BadInput, match=r"at\[2\] = --: expected a number"):
         scene.at(np.ma.array([1.0, 2.0, 3.0], mask=[0, 1, 0]))
@@ -121,8 +121,8 @@ def test_spaced_numbers_are_equal_where_their_numbers_are() -> None:
     """Of one number the last is not in it."""
     assert spaced(Fraction(1), Fraction(2), 1) == spaced(Fraction(1), Fraction(3), 1) == (1,)
     assert spaced(Fraction(1), Fraction(2), 3) == (1, Fraction(3, 2), 2)
-    for other in (spaced(Fraction(1), Fraction(3), 3), spaced(Fraction(1), Fraction(2), 2)):
-        assert spaced(Fraction(1), Fraction(2), 3) != other
+    for others in (spaced(Fraction(1), Fraction(3), 3), spaced(Fraction(1), Fraction(2), 2)):
+        assert spaced(Fraction(1), Fraction(2), 3) != others
     uneven = ExactNumbers((Fraction(1), Fraction(5, 4), Fraction(2)))
     assert spaced(Fraction(1), Fraction(2), 3) != uneven != spaced(Fraction(1), Fraction(2), 3)
 
@@ -134,8 +134,8 @@ def scene() -> Scene:
 
 def test_a_place_of_numpy_s_is_a_place() -> None:
     times = even_times(Fraction(0.1) * 8191, 100_001)
-    found = times[np.int64(99_999)]  # once its product went over 2**63
-    assert found == times[99_999] == times[np.int64(-2)]
-    assert type(found.numerator) is int
+    time = times[np.int64(99_999)]  # once its product went over 2**63
+    assert time == times[99_999] == times[np.int64(-2)]
+    assert type(time.numerator) is int
     with pytest.raises(IndexError):
         times[100_001]

@@ -22,7 +22,7 @@ def rotation(rng):
     return q * np.sign(np.linalg.det(q))
 
 
-def turned(rng, moments):
+def rotated_inertia(rng, moments):
     r = rotation(rng)
     return r @ np.diag(moments) @ r.T
 
@@ -33,29 +33,29 @@ def unit(rng, n):
 
 
 def test_inertia_from_numpy_is_made_symmetric_by_the_mean_of_each_pair():
-    rng, made = np.random.default_rng(44), 0
+    rng, changes = np.random.default_rng(44), 0
     for k in range(60):
-        given = turned(rng, rng.uniform(1, 1.9, 3) * 10.0 ** (k % 13 - 6))
-        scene = polhode.top(inertia=given, **FREE)
-        exact = [[Fraction(float(x)) for x in row] for row in given]
+        inertia = rotated_inertia(rng, rng.uniform(1, 1.9, 3) * 10.0 ** (k % 13 - 6))
+        scene = polhode.top(inertia=inertia, **FREE)
+        exact = [[Fraction(float(x)) for x in row] for row in inertia]
         mean = [[(exact[i][j] + exact[j][i]) / 2 for j in range(3)] for i in range(3)]
         assert [[*row] for row in scene.body.inertia] == mean
-        assert bool(scene.notes) == (not np.array_equal(given, given.T))
-        made += bool(scene.notes)
-    assert made > 40
+        assert bool(scene.notes) == (not np.array_equal(inertia, inertia.T))
+        changes += bool(scene.notes)
+    assert changes > 40
 
 
 @pytest.mark.parametrize(("by", "rounding"), [(7, True), (-8, True), (9, False), (-9, False)])
 def test_eight_eps_of_the_largest_number_are_rounding_and_nine_are_not(by, rounding):
-    given = np.array([[1.0, 0.25, 0], [0.25 + by * EPS, 1, 0], [0, 0, 1]])
+    inertia = np.array([[1.0, 0.25, 0], [0.25 + by * EPS, 1, 0], [0, 0, 1]])
     fault = contextlib.nullcontext() if rounding else pytest.raises(polhode.BadInput, match="symm")
     with fault:
-        assert polhode.top(inertia=given, **FREE).notes
+        assert polhode.top(inertia=inertia, **FREE).notes
 
 
 @pytest.mark.parametrize("places", [(0, 1, 2), (2, 0, 1), (1, 2, 0)])
 def test_thin_plates_are_flat_exactly(places):
-    rng, made = np.random.default_rng(44), 0
+    rng, changes = np.random.default_rng(44), 0
     for _ in range(100):
         a, b = rng.uniform(0.01, 1, 2)
         moments = np.array([a, b, a + b])[[*places]]
@@ -65,11 +65,11 @@ def test_thin_plates_are_flat_exactly(places):
         left = 2 * max(scene.body.moments) - sum(scene.body.moments)
         assert left == min(over, 0)  # one that is thicker by rounding is a body as it is
         assert all(abs(x - y) <= EPS for x, y in zip(moments, scene.body.moments, strict=True))
-        made += bool(scene.notes)
-    assert 10 < made < 90
+        changes += bool(scene.notes)
+    assert 10 < changes < 90
     for _ in range(10):
-        given = turned(rng, [a, b, a + b])
-        sizes = [float(x) for x in polhode.Body(given).moments]
+        inertia = rotated_inertia(rng, [a, b, a + b])
+        sizes = [float(x) for x in polhode.Body(inertia).moments]
         assert max(sizes) <= sum(sizes) - max(sizes) + 2 * EPS
 
 
@@ -77,11 +77,11 @@ def test_thin_plates_are_flat_exactly(places):
 def test_unit_vectors_from_numpy_are_of_length_one_exactly(key):
     rng = np.random.default_rng(44)
     for _ in range(60):
-        given = unit(rng, 3 if key == "gamma" else 4)
-        scene = polhode.top(**TOP, **{key: given})
+        vector = unit(rng, 3 if key == "gamma" else 4)
+        scene = polhode.top(**TOP, **{key: vector})
         assert sum(x * x for x in scene.gamma) == 1
         if key == "gamma":
-            assert np.allclose([float(x) for x in scene.gamma], given, rtol=0, atol=2 * EPS)
+            assert np.allclose([float(x) for x in scene.gamma], vector, rtol=0, atol=2 * EPS)
         again = scene_file.parse(scene.source, "top")
         assert again == scene
     for row in rotation(rng):  # of a rotation matrix
@@ -108,8 +108,8 @@ def test_a_sweep_over_directions_from_numpy_is_read_and_told(capsys):
     vary = [{f"start.gamma[{i + 1}]": x for i, x in enumerate(unit(rng, 3))} for _ in range(60)]
     scene = polhode.top(**TOP, gamma=[0, 0, 1], name="directions")
     many = polhode.integrate_many(scene, vary, at=[0, 0.5])
-    given = np.array([[*row.values()] for row in vary])
-    assert np.allclose(many.states[:, 0, 3:], given, rtol=0, atol=2 * EPS)
+    directions = np.array([[*row.values()] for row in vary])
+    assert np.allclose(many.states[:, 0, 3:], directions, rtol=0, atol=2 * EPS)
     (note,) = many.provenance["notes"]
     assert note.startswith("members: start.gamma brought to length 1 (its square was 1 ")
     assert capsys.readouterr().err.count("directions: members: start.gamma brought") == 1
@@ -123,8 +123,8 @@ def test_a_sweep_over_directions_from_numpy_is_read_and_told(capsys):
 
 def test_exact_numbers_are_held_to_what_they_say():
     """Texts, Fractions and Decimals of a Body are not rounded, so nothing is forgiven."""
-    for one in (Fraction(1, 10), Decimal("0.1"), "0.1"):
-        rows = [[2, one, 0], [Fraction(1, 10) + Fraction(1, 10**17), 2, 0], [0, 0, 3]]
+    for tenth in (Fraction(1, 10), Decimal("0.1"), "0.1"):
+        rows = [[2, tenth, 0], [Fraction(1, 10) + Fraction(1, 10**17), 2, 0], [0, 0, 3]]
         with pytest.raises(polhode.BadInput, match="differ by 1e-17"):
             polhode.Body(rows)
     with pytest.raises(polhode.BadInput, match="normalise = true"):

@@ -19,14 +19,16 @@ def test_it_is_the_scene_made_with_those_times(case: str, used: bool) -> None:
         polhode.integrate(scene, at=[0.25])
         polhode.integrate(scene)
         scene.text, scene.integrals  # noqa: B018
-    found = scene.at([1, "7/3"])
-    made = replace(scene, times=(Fraction(1), Fraction(7, 3)))
-    assert found == made
-    assert [getattr(found, x.name) for x in fields(Scene)] == [
-        getattr(made, x.name) for x in fields(Scene)
+    scene_at = scene.at([1, "7/3"])
+    replaced = replace(scene, times=(Fraction(1), Fraction(7, 3)))
+    assert scene_at == replaced
+    assert [getattr(scene_at, x.name) for x in fields(Scene)] == [
+        getattr(replaced, x.name) for x in fields(Scene)
     ]
-    assert found.text == made.text
-    assert found.end == Fraction(7, 3)
-    assert found.log10_angle == made.log10_angle
-    assert found.identity is scene.identity is not made.identity
-    assert polhode.integrate(found).states.tolist() == polhode.integrate(made).states.tolist()
+    assert scene_at.text == replaced.text
+    assert scene_at.end == Fraction(7, 3)
+    assert scene_at.log10_angle == replaced.log10_angle
+    assert scene_at.identity is scene.identity is not replaced.identity
+    assert (
+        polhode.integrate(scene_at).states.tolist() == polhode.integrate(replaced).states.tolist()
+    )

@@ -104,11 +104,11 @@ def test_angles_and_rates_give_the_kinematic_equations() -> None:
     assert scene.psi == Fraction(1, 3)
 
 
-@pytest.mark.parametrize(("theta", "way"), [("0", 1), ("'pi'", -1), ("'-2*pi'", 1)])
-def test_at_a_pole_phi_counts_as_psi(theta: str, way: int) -> None:
+@pytest.mark.parametrize(("theta", "sense"), [("0", 1), ("'pi'", -1), ("'-2*pi'", 1)])
+def test_at_a_pole_phi_counts_as_psi(theta: str, sense: int) -> None:
     scene = in_angles(f"['1/3', {theta}, 0.2]")
-    assert all(x == y for x, y in zip(scene.gamma, (0, 0, way), strict=True))
-    assert scene.psi == Fraction(1, 3) + way * Fraction(1, 5)
+    assert all(x == y for x, y in zip(scene.gamma, (0, 0, sense), strict=True))
+    assert scene.psi == Fraction(1, 3) + sense * Fraction(1, 5)
     assert sign(scene.omega[0] - Fraction(-3, 10)) == sign(scene.omega[1]) == 0
 
 

@@ -30,7 +30,7 @@ def box(size):
     ]
 
 
-def turned(inner, outer, low, high):
+def solid_of_revolution(inner, outer, low, high):
     """A solid of revolution about z: radii and heights, the radii functions of z."""
     return [
         ((r * np.cos(p), r * np.sin(p), z), u * v * r)
@@ -56,13 +56,16 @@ SOLIDS = [
     ({"shape": "box", "size": (3, 2, 1.25)}, box((3, 2, 1.25))),
     (
         {"shape": "cylinder", "radius": 1.5, "height": 2},
-        turned(lambda _: 0, lambda _: 1.5, -1, 1),
+        solid_of_revolution(lambda _: 0, lambda _: 1.5, -1, 1),
     ),
     (
         {"shape": "cylinder", "radius": 1.5, "height": 2, "inner": 0.5},
-        turned(lambda _: 0.5, lambda _: 1.5, -1, 1),
+        solid_of_revolution(lambda _: 0.5, lambda _: 1.5, -1, 1),
     ),
-    ({"shape": "cone", "radius": 1.5, "height": 2}, turned(lambda _: 0, lambda z: 0.75 * z, 0, 2)),
+    (
+        {"shape": "cone", "radius": 1.5, "height": 2},
+        solid_of_revolution(lambda _: 0, lambda z: 0.75 * z, 0, 2),
+    ),
     ({"shape": "ellipsoid", "semi_axes": (3, 2, 1.25)}, ball((3, 2, 1.25))),
     ({"shape": "sphere", "radius": 2}, ball((2, 2, 2))),
     ({"shape": "sphere", "radius": 2, "inner": 1.5}, ball((2, 2, 2), 0.75)),
@@ -95,12 +98,12 @@ def integrated(points, mass, at, axis):
     return weights @ places / mass, inertia
 
 
-@pytest.mark.parametrize(("given", "points"), SOLIDS, ids=lambda x: str(x)[:40])
+@pytest.mark.parametrize(("keys", "points"), SOLIDS, ids=lambda x: str(x)[:40])
 @pytest.mark.parametrize("axis", [*TURNS])
-def test_moments_are_the_integrals_over_the_solid(given, points, axis):
-    if axis != "z" and not SHAPES[given["shape"]].round:
+def test_moments_are_the_integrals_over_the_solid(keys, points, axis):
+    if axis != "z" and not SHAPES[keys["shape"]].round:
         pytest.skip("has no axis")
-    part = polhode.Part(mass=2.5, at=(0.5, -1, 3), axis=axis, **given)
+    part = polhode.Part(mass=2.5, at=(0.5, -1, 3), axis=axis, **keys)
     centre, inertia = integrated(points, 2.5, (0.5, -1, 3), axis)
     own = np.array([[float(x) for x in row] for row in part.inertia])
     assert np.max(np.abs(own - inertia)) < 200 * EPS * np.max(np.abs(inertia))
@@ -108,7 +111,7 @@ def test_moments_are_the_integrals_over_the_solid(given, points, axis):
 
 
 def test_every_shape_is_integrated():
-    assert {given["shape"] for given, _ in SOLIDS} == set(SHAPES) - {"point"}
+    assert {keys["shape"] for keys, _ in SOLIDS} == set(SHAPES) - {"point"}
 
 
 def test_a_shell_is_the_limit_of_hollow_spheres():

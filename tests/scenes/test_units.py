@@ -41,11 +41,15 @@ samples = 3
 
 
 def test_a_scene_with_units_is_the_scene_in_si():
-    found, plain = scene_file.parse(TEXT), scene_file.parse(PLAIN)
-    assert (found.units, plain.units) == ("SI", "")
-    assert (found.body, found.omega, found.gamma) == (plain.body, plain.omega, plain.gamma)
-    assert found.times == plain.times
-    text = polhode.as_toml(found.at([1, 2]))  # units survive other times
+    with_units, plain = scene_file.parse(TEXT), scene_file.parse(PLAIN)
+    assert (with_units.units, plain.units) == ("SI", "")
+    assert (with_units.body, with_units.omega, with_units.gamma) == (
+        plain.body,
+        plain.omega,
+        plain.gamma,
+    )
+    assert with_units.times == plain.times
+    text = polhode.as_toml(with_units.at([1, 2]))  # units survive other times
     assert '"600 rpm"' in text
     assert scene_file.parse(text).units == "SI"
     top = polhode.top(moments=[1, 1, "500 g m**2"], omega=["1 rev/s", 0, 1], end="1 min")
@@ -53,7 +57,7 @@ def test_a_scene_with_units_is_the_scene_in_si():
 
 
 @pytest.mark.parametrize(
-    ("unit", "given"),
+    ("unit", "keys"),
     [
         ("", {"angles": [0, "25°", 0], "rates": [0, 0, 5]}),
         ("", {"angles": ["90 deg", "25 degrees", "pi/6"], "rates": [0, 0, 5]}),
@@ -62,15 +66,15 @@ def test_a_scene_with_units_is_the_scene_in_si():
         ("SI", {"angles": [0, "25°", 0], "rates": [0, 0, 5], "end": "1 hr"}),
     ],
 )
-def test_an_angle_alone_makes_no_scene_in_si(unit, given):
-    scene = polhode.top(moments=[1, 1, 0.5], centre=[0, 0, 1], weight=1, **given)
+def test_an_angle_alone_makes_no_scene_in_si(unit, keys):
+    scene = polhode.top(moments=[1, 1, 0.5], centre=[0, 0, 1], weight=1, **keys)
     assert scene.units == unit == scene_file.parse(scene.source, "top").units
     assert float(scene.gamma[2]) == pytest.approx(np.cos(np.radians(25)), rel=4e-16)
 
 
 def _in_si(**more):
-    given = {"moments": [2, 2, 1], "centre": [0, 0, "10 cm"], "weight": 1, "gamma": [0.6, 0, 0.8]}
-    return polhode.top(**given, omega=[0, 0, 1], end=1, **more)
+    keys = {"moments": [2, 2, 1], "centre": [0, 0, "10 cm"], "weight": 1, "gamma": [0.6, 0, 0.8]}
+    return polhode.top(**keys, omega=[0, 0, 1], end=1, **more)
 
 
 def test_numbers_given_beside_a_scene_in_si_have_units_too():

@@ -9,7 +9,7 @@ _PART = "correct_digits_"
 
 def judged(text):
     """Facts and columns by name, and under ``parts`` the correct digits of each part."""
-    found = json.loads(text)
-    columns = found["columns"]
+    judgement = json.loads(text)
+    columns = judgement["columns"]
     parts = {k.removeprefix(_PART): x for k, x in columns.items() if k.startswith(_PART)}
-    return found | columns | {"parts": parts}
+    return judgement | columns | {"parts": parts}

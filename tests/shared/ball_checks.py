@@ -33,7 +33,7 @@ def made(family, plain):
 def form(family, moments, torque, omega, gamma, psi=exact.ZERO, axes=None):
     """The closed form of a family, or of one by its name, of any exact numbers."""
     if isinstance(family, str):
-        (family,) = (known for known in FAMILIES if known.name == family)
+        (family,) = (member for member in FAMILIES if member.name == family)
     into = Frame(within=axes).into
     scene = PrincipalScene(moments, torque, into(omega), into(gamma))
     return form_of(family, scene, (omega, gamma, psi), axes)
@@ -65,16 +65,16 @@ def every_ball_holds_its_value(motion, times=TIMES, few=FEW_BITS, many=900, sure
 
 def agrees_with_taylor(motion, plain, digits=28):
     """The state, and the attitude of a family that has it; the run is long where |w| is large."""
-    t, kept = TIMES[0], 6 + 4 * motion.place.has_attitude
+    t, columns = TIMES[0], 6 + 4 * motion.place.has_attitude
     identity = (mpf(1), mpf(0), mpf(0), mpf(0)) if motion.place.has_attitude else None
     (row,) = motion.at([t], digits + 4)
     with mpmath.workdps(60):
-        given = [[number(x) for x in row] for row in plain]
-        (right,) = fast_series.integrate(*given, [number(t)], digits + 2, identity)
+        start = [[number(x) for x in row] for row in plain]
+        (right,) = fast_series.integrate(*start, [number(t)], digits + 2, identity)
         largest = max([mpf(1), *(abs(x) for x in right[:3])])
         if motion.place.has_attitude:
             q0, q = motion.attitude([0, t], digits + 4)
             row = [*row, *quaternion_product(conjugate(q0), q)]
-        sizes = [*[largest] * 3, *[1] * (kept - 3)]
-        off = [abs(x - y) / size for x, y, size in zip(row, right[:kept], sizes, strict=True)]
+        sizes = [*[largest] * 3, *[1] * (columns - 3)]
+        off = [abs(x - y) / size for x, y, size in zip(row, right[:columns], sizes, strict=True)]
         assert max(off) < mpf(10) ** -digits

@@ -83,14 +83,14 @@ def all_motions() -> tuple[Motion, ...]:
 
 def _motions() -> Iterator[Motion]:
     """The library's, those of the file, those by formulas."""
-    known = members.motion_table()
+    table = members.motion_table()
     library: dict[str, list[Motion]] = {}
-    for case, words in known.pop("library").items():
+    for case, words in table.pop("library").items():
         family, _, regime = words.partition(": ")
         library.setdefault(family, []).append(Motion(family, case, regime))
     for family in library:
         yield from library[family]
-        for name, texts in known.get(family, {}).items():
+        for name, texts in table.get(family, {}).items():
             yield Motion(family, name, texts[4], members.read_start(texts))
         for name, start in members.MOTIONS.get(family, {}).items():
             yield Motion(family, name, "", start)
@@ -138,8 +138,16 @@ def start_quaternion(scene: polhode.Scene) -> list[mpf]:
     phi = mpmath.atan2(g1, g2) if across else mpf(0)
     large = mpmath.sqrt((1 + abs(g3)) / 2)
     c, s = (large, across / large / 2) if g3 > 0 else (across / large / 2, large)
-    one, other = c * mpmath.expj((psi + phi) / 2), s * mpmath.expj((psi - phi) / 2)
-    parts = [one.real, other.real, other.imag, one.imag]
+    scalar_and_third, first_and_second = (
+        c * mpmath.expj((psi + phi) / 2),
+        s * mpmath.expj((psi - phi) / 2),
+    )
+    parts = [
+        scalar_and_third.real,
+        first_and_second.real,
+        first_and_second.imag,
+        scalar_and_third.imag,
+    ]
     first = next(x for x in parts if abs(x) > mpmath.eps * 2**20)
     return [x if first > 0 else -x for x in parts]
 
@@ -161,11 +169,11 @@ def by_series(
     with mpmath.workdps(digits + 60):
         moments, axes = principal_axes(motion)
         torque = [number(x / unit**2) / moments[0] for x in body.torque]
-        given = [[mpmath.fdot(axis, v) for axis in axes] for v in (torque, omega, gamma)]
-        given = [x / moments[0] for x in moments], *given, [number(t * unit) for t in times]
+        vectors = [[mpmath.fdot(axis, v) for axis in axes] for v in (torque, omega, gamma)]
+        vectors = [x / moments[0] for x in moments], *vectors, [number(t * unit) for t in times]
         principal = motion.principal is not None
         begin = turn if principal or not attitude else [1, 0, 0, 0]
-        rows = fast_series.integrate(*given, digits + 8, begin)
+        rows = fast_series.integrate(*vectors, digits + 8, begin)
         if not principal:
             for row in rows:
                 row[:6] = [*in_scene(row[:3], axes), *in_scene(row[3:6], axes)]
@@ -182,32 +190,37 @@ def principal_axes(motion: Motion) -> tuple[list[mpf], list[list[mpf]]]:
         return [number(x) for x in body.moments], [[mpf(x) for x in axis] for axis in IDENTITY]
     tensor = mpmath.matrix([[number(x) for x in row] for row in body.inertia])
     moments, columns = mpmath.eigsy(tensor)
-    one, two, three = columns.T.tolist()
-    return list(moments), [one, two, [mpmath.det(columns) * x for x in three]]
+    first, second, third = columns.T.tolist()
+    return list(moments), [first, second, [mpmath.det(columns) * x for x in third]]
 
 
-def gap(one: Sequence[Any], other: Sequence[Any]) -> mpf:
+def gap(first: Sequence[Any], second: Sequence[Any]) -> mpf:
     """The largest difference of two rows."""
     with mpmath.workdps(400):
-        return max(abs(x - y) for x, y in zip(one, other, strict=True))
+        return max(abs(x - y) for x, y in zip(first, second, strict=True))
 
 
-def table_gap(one: Sequence[Any], other: Sequence[Any], rate: Any = 1) -> mpf:
+def table_gap(first: Sequence[Any], second: Sequence[Any], rate: Any = 1) -> mpf:
     """The largest difference of two tables of states: w over its largest value, or ``rate``."""
     with mpmath.workdps(400):
-        largest = max(abs(x) for row in (*one, *other) for x in row[:3])
+        largest = max(abs(x) for row in (*first, *second) for x in row[:3])
         scale = largest if largest > number(rate) * mpf("1e-45") else number(rate)
         return max(
             max(gap(a[:3], b[:3]) / scale, gap(a[3:], b[3:]) if len(b) > 3 else mpf(0))
-            for a, b in zip(one, other, strict=True)
+            for a, b in zip(first, second, strict=True)
         )
 
 
 def quaternion_of(psi: Any, theta: Any, phi: Any) -> list[mpf]:
     """Of Rz(psi) Rx(theta) Rz(phi); one of both signs."""
-    one = mpmath.expj((psi + phi) / 2) * mpmath.cos(theta / 2)
-    other = mpmath.expj((psi - phi) / 2) * mpmath.sin(theta / 2)
-    return [one.real, other.real, other.imag, one.imag]
+    scalar_and_third = mpmath.expj((psi + phi) / 2) * mpmath.cos(theta / 2)
+    first_and_second = mpmath.expj((psi - phi) / 2) * mpmath.sin(theta / 2)
+    return [
+        scalar_and_third.real,
+        first_and_second.real,
+        first_and_second.imag,
+        scalar_and_third.imag,
+    ]
 
 
 def vertical_of(q: Sequence[Any]) -> list[mpf]:

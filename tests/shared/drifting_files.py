@@ -123,9 +123,9 @@ def run(top, times, step, longest):
             y = step(top, y, (t - now) / count)
         now = t
         rows.append(y)
-    held = np.array(rows)
-    turn = held[:, 3:] / np.linalg.norm(held[:, 3:], axis=1, keepdims=True)
-    return Motion(np.array(times), held[:, :3], vertical(turn), turn)
+    states = np.array(rows)
+    turn = states[:, 3:] / np.linalg.norm(states[:, 3:], axis=1, keepdims=True)
+    return Motion(np.array(times), states[:, :3], vertical(turn), turn)
 
 
 def random_unit(random, count=4):
@@ -321,14 +321,14 @@ def another(random, top, times):
 
 def another_plain_one(random, top, times):
     """A body that spins about other axes, and not as fast: else its first rows are the scene's."""
-    other = plain_top(random)
-    return run(replace(other, omega=0.7 * other.omega), times, rk4, 0.02)
+    second_top = plain_top(random)
+    return run(replace(second_top, omega=0.7 * second_top.omega), times, rk4, 0.02)
 
 
 def another_body(random, top, times):
     """The same start of another body."""
-    other = random_top(random, "full")
-    return run(replace(top, inertia=other.inertia, centre=other.centre), times, rk4, 0.01)
+    second_top = random_top(random, "full")
+    return run(replace(top, inertia=second_top.inertia, centre=second_top.centre), times, rk4, 0.01)
 
 
 def another_weight(random, top, times):
@@ -350,8 +350,8 @@ def noise(random, top, times):
     size = random.choice([0.1, 1.0, 3.0])
     turn = random.normal(size=(len(times), 4))
     turn = turn / np.linalg.norm(turn, axis=1, keepdims=True)
-    held = np.array(times)
-    return Motion(held, size * random.normal(size=(len(times), 3)), vertical(turn), turn)
+    instants = np.array(times)
+    return Motion(instants, size * random.normal(size=(len(times), 3)), vertical(turn), turn)
 
 
 def wandering(random, top, times):
@@ -375,8 +375,8 @@ def right(random, top, times):
 
 
 WRONG = {
-    one.__name__.replace("_", " "): one
-    for one in (
+    program.__name__.replace("_", " "): program
+    for program in (
         *(another, another_plain_one, another_body, another_weight, another_start),
         another_attitude,
         *(noise, wandering, stuck, right),
@@ -446,7 +446,7 @@ def file_of(name, top, own, times, drift, random):
         motion, exact = (change(m, np.random.default_rng(rotation)) for m in (motion, exact))
     both = [columns(motion), {name: x[:EXACT_ROWS] for name, x in columns(exact).items()}]
     if [*words] == ["attitude"] and random.random() < 0.3:
-        both = [{n: x for n, x in one.items() if n in ("t", *QUATERNION)} for one in both]
+        both = [{n: x for n, x in table.items() if n in ("t", *QUATERNION)} for table in both]
     return File(top, turn, both[0], words, both[1])
 
 
@@ -457,10 +457,10 @@ def wrong_file(seed, name):
         top = plain_top(random)
     else:
         top = random_top(random, random.choice(["full", "principal", "symmetric"]))
-    held = columns(WRONG[name](random, top, random_times(random)))
-    some = [[*held], ["t", *QUATERNION], ["t", *"pqr"]][random.integers(3)]
-    held = {n: held[n] for n in some}
-    return File(top, top.turn, held, {}, held)
+    table = columns(WRONG[name](random, top, random_times(random)))
+    some = [[*table], ["t", *QUATERNION], ["t", *"pqr"]][random.integers(3)]
+    table = {n: table[n] for n in some}
+    return File(top, top.turn, table, {}, table)
 
 
 EXACT_ROWS = 12

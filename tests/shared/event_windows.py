@@ -43,7 +43,7 @@ class Sized:
     value: float
     error: float = 0.0
 
-    def _with(self, other: object, value: float, error: float) -> Sized:
+    def _with(self, term: object, value: float, error: float) -> Sized:
         return Sized(value, error + abs(value))
 
     def __add__(self, other: Any) -> Sized:
@@ -128,8 +128,8 @@ class Truth:
         )
         options = {"fp_type": QUAD, "compact_mode": True}
         self.plain = hy.cfunc([plain], vars=[*variables, t], **options)
-        seen = hy.subs(rate, {t: hy.time}) * hy.expression(QUAD(2.0**-56)) + hy.par[6]
-        event = hy.nt_event(seen, _Note(self.met), fp_type=QUAD)
+        height = hy.subs(rate, {t: hy.time}) * hy.expression(QUAD(2.0**-56)) + hy.par[6]
+        event = hy.nt_event(height, _Note(self.met), fp_type=QUAD)
         state, pars = np.array([QUAD(0)] * 6), np.array([QUAD(1)] * 7)
         equations = [*zip(variables, field_, strict=True)]
         self.heyoka = hy.taylor_adaptive(equations, state, pars=pars, nt_events=[event], **options)
@@ -168,12 +168,12 @@ def windows(
     truth: Truth,
     places: Sequence[tuple[float, Any, np.ndarray]],
     k: Sequence[float],
-    made: Callable[[Any], Any],
+    function: Callable[[Any], Any],
     off: float,
     u: float,
 ) -> list[Window]:
     """The windows of ``made`` of the text; ``off``: how far the run's state may be off."""
-    found: list[Window] = []
+    between: list[Window] = []
     last: tuple[float, int] | None = None
     unsure = 0
     for i, (t, plain, row) in enumerate(places):
@@ -183,16 +183,16 @@ def windows(
             for v, rate in zip(x, rates([Sized(v, abs(v)) for v in x], k), strict=True)
         ]
         clock = Sized(float(t), abs(float(t)))
-        error = made(value(truth.text, leaves, clock)).error
+        error = function(value(truth.text, leaves, clock)).error
         moved = [Sized(v, max(1.0, np.max(np.abs(x)))) for v in x]
-        reach = made(value(truth.text, moved, Sized(float(t)))).error
-        height = float(made(plain))
+        reach = function(value(truth.text, moved, Sized(float(t)))).error
+        height = float(function(plain))
         exact = i == 0 and height != 0 and abs(height) > 64 * u * error
         if not exact and abs(height) <= 64 * u * error + 4 * off * reach:
             unsure += 1
             continue
         side = 1 if height > 0 else -1
         if last is not None:
-            found.append(Window(last[0], abs(float(t)), last[1], side, unsure))
+            between.append(Window(last[0], abs(float(t)), last[1], side, unsure))
         last, unsure = (abs(float(t)), side), 0
-    return found
+    return between

@@ -25,44 +25,44 @@ _COLUMNS = 2
 def field_error(compiled: Kernels, limbs: Limbs) -> float:
     """The largest error of H f, over max(1, H), at random states; all in integers beside it."""
     draw = random.Random(1)
-    one = 1 << limbs.finest
-    k = [[draw.randint(-one, one) for _ in range(NODES)] for _ in range(COEFFICIENTS)]
-    x = [[draw.randint(-one, one) for _ in range(NODES)] for _ in range(VARIABLES)]
+    unit = 1 << limbs.finest
+    k = [[draw.randint(-unit, unit) for _ in range(NODES)] for _ in range(COEFFICIENTS)]
+    x = [[draw.randint(-unit, unit) for _ in range(NODES)] for _ in range(VARIABLES)]
     lengths, exact = [], []
     for n in range(NODES):
-        rates = field([row[n] for row in x], [row[n] for row in k], one)
+        rates = field([row[n] for row in x], [row[n] for row in k], unit)
         largest = max(1, *map(abs, rates))
-        most = int(LARGEST_FIELD) * one**4 // largest
-        length = min(draw.randint(0, LONGEST * one), most)
+        most = int(LARGEST_FIELD) * unit**4 // largest
+        length = min(draw.randint(0, LONGEST * unit), most)
         lengths.append(length)
         exact.append([rate * length for rate in rates])
-    given = _columns(limbs, x)
+    columns = _columns(limbs, x)
     parameters = _columns(limbs, [*k, lengths])
-    found = np.empty((VARIABLES * limbs.count, NODES))
-    compiled.field(given, pars=parameters, outputs=found)
-    if not np.isfinite(found).all():
+    outputs = np.empty((VARIABLES * limbs.count, NODES))
+    compiled.field(columns, pars=parameters, outputs=outputs)
+    if not np.isfinite(outputs).all():
         return float("inf")
     worst = Fraction(0)
     for n in range(NODES):
         for v in range(VARIABLES):
-            value = limbs.value(found[v * limbs.count : (v + 1) * limbs.count, n])
-            error = abs(value - Fraction(exact[n][v], one**4))
-            worst = max(worst, error / max(Fraction(1), Fraction(lengths[n], one)))
+            value = limbs.value(outputs[v * limbs.count : (v + 1) * limbs.count, n])
+            error = abs(value - Fraction(exact[n][v], unit**4))
+            worst = max(worst, error / max(Fraction(1), Fraction(lengths[n], unit)))
     return float(worst)
 
 
-def field(x: list[int], k: list[int], one: int) -> list[int]:
+def field(x: list[int], k: list[int], unit: int) -> list[int]:
     """The rates (3.29) in integers: x and k in units of 1/one, the rates in units of 1/one³."""
     w, g = x[:3], x[3:]
-    found = []
+    values = []
     for a in range(3):
         b, c = (a + 1) % 3, (a + 2) % 3
         weight = k[3 + 2 * a] * g[b] + k[4 + 2 * a] * g[c]
-        found.append(k[a] * w[b] * w[c] + one * weight)
+        values.append(k[a] * w[b] * w[c] + unit * weight)
     for a in range(3):
         b, c = (a + 1) % 3, (a + 2) % 3
-        found.append(one * (g[b] * w[c] - g[c] * w[b]))
-    return found
+        values.append(unit * (g[b] * w[c] - g[c] * w[b]))
+    return values
 
 
 def _columns(limbs: Limbs, rows: list[list[int]]) -> Doubles:
@@ -78,12 +78,12 @@ def products_are_exact(table: Tables, limbs: Limbs) -> bool:
     draw = random.Random(1)
     shape = (VARIABLES, len(table.nodes), _COLUMNS, limbs.count)
     numbers = [kind.split_integer(draw.randint(-most, most)) for _ in range(np.prod(shape[:3]))]
-    given = np.ascontiguousarray(np.array(numbers).reshape(shape).transpose(0, 3, 1, 2))
-    levels = table.integrated(given)[:-1]
+    fields = np.ascontiguousarray(np.array(numbers).reshape(shape).transpose(0, 3, 1, 2))
+    levels = table.integrated(fields)[:-1]
     row = int(np.abs(table.levels[-1]).sum(axis=1).argmax())
     return all(
         level[0, row, 0] * 2.0 ** limbs.place(i + 2)
-        == exact_product(rows[row], given[0, :, :, 0], limbs)
+        == exact_product(rows[row], fields[0, :, :, 0], limbs)
         for i, (level, rows) in enumerate(zip(levels, table.levels, strict=True))
     )
 
@@ -96,6 +96,6 @@ def exact_product(row: Doubles, field: Doubles, limbs: Limbs) -> int:
     total = 0
     for j in range(1, top + 1):
         part = row[(j - 1) * nodes : j * nodes] * 2.0 ** table.place(top + 1 - j)
-        other = field[j - 1] * 2.0 ** kind.place(j)
-        total += sum(int(a) * int(f) for a, f in zip(part.tolist(), other.tolist(), strict=True))
+        factor = field[j - 1] * 2.0 ** kind.place(j)
+        total += sum(int(a) * int(f) for a, f in zip(part.tolist(), factor.tolist(), strict=True))
     return total

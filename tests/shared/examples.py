@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from hypothesis import settings
 
-_CI = 100  # conftest's profile of CI
+_CI = 100  # of which CI draws a half
 
 
 def examples(count: int) -> int:
-    """So many in CI; elsewhere a quarter as many, as of those that say nothing."""
+    """A half of so many in CI; elsewhere a quarter, as of those that say nothing."""
     return max(1, count * settings.default.max_examples // _CI)

@@ -32,7 +32,7 @@ def integrate(moments, torque, omega, gamma, times, digits, quaternion=None):
         spin = [fixed((A[j] - A[k]) / A[i]) for i, (j, k) in enumerate(CYCLE)]
         pull = [(fixed(T[k] / A[i]), fixed(T[j] / A[i])) for i, (j, k) in enumerate(CYCLE)]
         state = [fixed(x) for x in (*omega, *gamma, *(quaternion or ()))]
-        now, rows, turned = mpf(0), [], [0.0, 0.0]
+        now, rows, turns = mpf(0), [], [0.0, 0.0]
         for time in times:
             while now != time:
                 series = _series(state, spin, pull, order, bits)
@@ -45,13 +45,13 @@ def integrate(moments, torque, omega, gamma, times, digits, quaternion=None):
                 now = time if step == left else now + step
                 if quaternion is not None:
                     for n, (i, j) in enumerate(((6, 9), (7, 8))):
-                        one, other = (
+                        start, end = (
                             complex(s[i] / 2**bits, s[j] / 2**bits) for s in (before, state)
                         )
-                        z = other * one.conjugate()
-                        turned[n] += math.atan2(z.imag, z.real)
+                        z = end * start.conjugate()
+                        turns[n] += math.atan2(z.imag, z.real)
             row = [mpf(x) / scale for x in state]
-            rows.append(row + (turned[:] if quaternion is not None else []))
+            rows.append(row + (turns[:] if quaternion is not None else []))
     return rows
 
 
@@ -89,9 +89,9 @@ def _sum(series, step, bits):
 
 def _length(series, order, bits):
     """A step over which the last terms are below the precision: all numbers are of order 1."""
-    found = mpf(1) / 2
+    step = mpf(1) / 2
     for n in (order - 1, order):
         last = max(abs(row[n]) for row in series)
         if last:
-            found = min(found, (mpf(1) / last) ** (mpf(1) / n))
-    return found
+            step = min(step, (mpf(1) / last) ** (mpf(1) / n))
+    return step

@@ -118,8 +118,8 @@ def derivative(function, values, rates):
     return [(a - b) / (2 * STEP) for a, b in zip(*ends, strict=True)]
 
 
-def close(found, expected, digits=DIGITS):
+def close(vector, expected, digits=DIGITS):
     """Whether two vectors agree, by the size of the second or by 1."""
     scale = 1 + max(abs(x) for x in expected)
-    worst = max(abs(a - b) for a, b in zip(found, expected, strict=True))
+    worst = max(abs(a - b) for a, b in zip(vector, expected, strict=True))
     return worst < scale * 10 ** mpf(-digits)

@@ -57,7 +57,7 @@ def rotation(a, b, c, d):
     return tuple(tuple(x / n for x in row) for row in rows)
 
 
-def turned(pick, v, size):
+def rotated_vector(pick, v, size):
     """A vector, turned by about ``size``."""
     rows = rotation(F(1), *(size * pick.randint(-3, 3) for _ in range(3)))
     return tuple(sum(x * y for x, y in zip(row, v, strict=True)) for row in rows)
@@ -65,7 +65,7 @@ def turned(pick, v, size):
 
 def vertical(pick):
     """gamma in any direction."""
-    return turned(pick, (F(0), F(0), F(1)), F(1, pick.randint(1, 3)))
+    return rotated_vector(pick, (F(0), F(0), F(1)), F(1, pick.randint(1, 3)))
 
 
 def rates(pick, how):
@@ -112,7 +112,7 @@ def lagrange(pick):
     A, up = F(pick.randint(1, 40), pick.randint(1, 9)), vertical(pick)
     w, kind = rates(pick, pick.choice(HOW)), pick.choice(("any", "any", "upright", "cusp"))
     if kind == "upright":
-        up = turned(pick, (F(0), F(0), F(pick.choice((1, -1)))), tiny(pick))
+        up = rotated_vector(pick, (F(0), F(0), F(pick.choice((1, -1)))), tiny(pick))
     if kind == "cusp":
         w = pick.choice((F(0), tiny(pick))), F(0), ratio(pick)
     torque = F(0), F(0), pick.choice((1, -1)) * F(pick.randint(1, 30), 7)
@@ -143,16 +143,16 @@ def kovalevskaya(pick):
         C, weight = F(pick.randint(1, 9), pick.randint(1, 9)), F(pick.randint(1, 9), 4)
         torque = *(weight * x for x in pick.choice(DIRECTIONS)), F(0)
         return (2 * C, 2 * C, C), torque, rates(pick, pick.choice(HOW)), vertical(pick)
-    known = motion_table()["kovalevskaya"].values()
-    near = [texts for texts in known if texts[1] == "1 0 0" and "e-" not in "".join(texts[2:4])]
+    motions = motion_table()["kovalevskaya"].values()
+    near = [texts for texts in motions if texts[1] == "1 0 0" and "e-" not in "".join(texts[2:4])]
     body, torque, w, up = read_start(pick.choice(near))
     if pick.random() < 0.3:  # Bobylev and Steklov's: q = 0, gamma3 = p r
         up, r = vertical(pick), pick.choice((1, -1)) * F(pick.randint(1, 250), 6)
         w = up[2] / r, F(0), r
-    size, kept = tiny(pick), pick.randrange(3)
-    if kept != 1:
-        up = turned(pick, up, size)
-    if kept != 2:
+    size, fixed = tiny(pick), pick.randrange(3)
+    if fixed != 1:
+        up = rotated_vector(pick, up, size)
+    if fixed != 2:
         w = tuple(x + size * pick.randint(-3, 3) for x in w)
     return body, torque, w, up
 

@@ -69,8 +69,8 @@ def in_other_units(scene: Scene, exponent: int) -> Scene:
     )
 
 
-def same_bits(one: Trajectory, other: Trajectory, exponent: int) -> bool:
+def same_bits(run: Trajectory, shifted_run: Trajectory, exponent: int) -> bool:
     """Whether the run of ``in_other_units`` is the run itself, shifted."""
-    shifted = other.states.copy()
+    shifted = shifted_run.states.copy()
     shifted[:, :3] *= 2.0**exponent
-    return one.steps == other.steps and np.array_equal(one.states, shifted)
+    return run.steps == shifted_run.steps and np.array_equal(run.states, shifted)

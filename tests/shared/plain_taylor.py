@@ -78,18 +78,18 @@ def terms(mp: Any, state: Sequence[Any], body: Any, order: int) -> list[list[Any
 
 def total(row: Sequence[Any], step: Any) -> Any:
     """A series at a step, by Horner's rule."""
-    return reduce(lambda found, coefficient: found * step + coefficient, reversed(row))
+    return reduce(lambda partial, coefficient: partial * step + coefficient, reversed(row))
 
 
 def length(mp: Any, series: Sequence[Sequence[Any]]) -> Any:
     """A step over which the last two terms are below the precision of the largest number."""
     size, order = max(abs(row[0]) for row in series), len(series[0]) - 1
-    found = []
+    steps = []
     for n in (order - 1, order):
         last = max(abs(row[n]) for row in series)
         if last:
-            found.append((size * mp.eps / last) ** (mp.mpf(1) / n))
-    return min(found) if found else mp.inf
+            steps.append((size * mp.eps / last) ** (mp.mpf(1) / n))
+    return min(steps) if steps else mp.inf
 
 
 def exact(x: Any) -> Fraction:

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+import functools
+import multiprocessing
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
 from enum import Enum
 from fractions import Fraction
 from typing import Any
@@ -15,6 +20,8 @@ from polhode.numbers.exact import Irrational, rounded
 from polhode.numbers.exact_sequences import ExactNumbers
 
 GENERAL = "general/asymmetric-regular"
+THREADS = 16
+PATIENCE = 600.0  # seconds, for what ends in a few if at all
 
 
 def bits(value: Any) -> Any:
@@ -63,7 +70,7 @@ def events() -> Any:
     event = polhode.Event("level", "gamma1")
     scene = dataclasses.replace(polhode.load(GENERAL), events=(event,))
     run = polhode.integrate(scene, at=[0, 5])
-    return [found.times for found in run.events], run.states
+    return [crossings.times for crossings in run.events], run.states
 
 
 def reference() -> Any:
@@ -77,8 +84,8 @@ def enclosed() -> Any:
 
 
 def certify() -> Any:
-    found = polhode.certify(GENERAL, at=[1], digits=20)
-    return found.midpoints, found.fewest
+    enclosure = polhode.certify(GENERAL, at=[1], digits=20)
+    return enclosure.midpoints, enclosure.fewest
 
 
 def compare() -> Any:
@@ -87,50 +94,50 @@ def compare() -> Any:
 
 
 def levels() -> Any:
-    found = polhode.levels(GENERAL)
-    return found.curves, found.marks, found.exact, found.here
+    surfaces = polhode.levels(GENERAL)
+    return surfaces.curves, surfaces.marks, surfaces.exact, surfaces.here
 
 
 def section() -> Any:
-    found = polhode.section(GENERAL, grid=(2, 2), crossings=2, workers=1)
-    return found.states, found.times, found.outcomes
+    crossings = polhode.section(GENERAL, grid=(2, 2), crossings=2, workers=1)
+    return crossings.states, crossings.times, crossings.outcomes
 
 
 def chaos_map() -> Any:
-    found = polhode.chaos_map(GENERAL, (2, 2), end=10, workers=1)
-    return found.fli, found.growth
+    picture = polhode.chaos_map(GENERAL, (2, 2), end=10, workers=1)
+    return picture.fli, picture.growth
 
 
 def orbit() -> Any:
-    found = polhode.orbit("grioli/precession")
-    return found.multipliers, found.residue, found.period
+    periodic = polhode.orbit("grioli/precession")
+    return periodic.multipliers, periodic.residue, periodic.period
 
 
 def frequencies() -> Any:
-    found = polhode.frequencies("lagrange/nutation", of=["p+iq"], end=20)
-    return found.lines
+    spectrum = polhode.frequencies("lagrange/nutation", of=["p+iq"], end=20)
+    return spectrum.lines
 
 
 def integrate_many() -> Any:
-    found = polhode.integrate_many(GENERAL, {"start.omega[1]": "0:1:5"}, at=[0, 1, 2], workers=1)
-    return found.states, found.drift, found.steps
+    ensemble = polhode.integrate_many(GENERAL, {"start.omega[1]": "0:1:5"}, at=[0, 1, 2], workers=1)
+    return ensemble.states, ensemble.drift, ensemble.steps
 
 
 def reduce_many() -> Any:
-    found = polhode.reduce_many(
+    reductions = polhode.reduce_many(
         GENERAL, {"start.omega[1]": "0:1:5"}, ["smallest gamma3", "lyapunov"], at=[0, 5], workers=1
     )
-    return [found[name] for name in found.names]
+    return [reductions[name] for name in reductions.names]
 
 
 def lyapunov() -> Any:
-    found = polhode.lyapunov(polhode.load(GENERAL), max_steps=400)
-    return found
+    exponent = polhode.lyapunov(polhode.load(GENERAL), max_steps=400)
+    return exponent
 
 
 def conditioning() -> Any:
-    found = polhode.conditioning(polhode.load(GENERAL).at([0, 1, 2]))
-    return found.kappa
+    condition = polhode.conditioning(polhode.load(GENERAL).at([0, 1, 2]))
+    return condition.kappa
 
 
 def show() -> Any:
@@ -151,3 +158,41 @@ VERBS: dict[str, Callable[[], Any]] = {
 def answer(name: str) -> Any:
     """What a verb says, to the bit."""
     return bits(VERBS[name]())
+
+
+alone = functools.cache(answer)
+
+
+def together(names: Sequence[str], jobs: int) -> set[str]:
+    """Ask so many times in threads: the verbs whose answers differ from those of one thread."""
+    waiting, wrong = deque(list(names) * (jobs // len(names))), set()
+
+    def work() -> None:
+        while True:
+            try:
+                name = waiting.popleft()
+            except IndexError:
+                return
+            try:
+                if answer(name) != alone(name):
+                    wrong.add(name)
+            except BaseException as fault:
+                wrong.add(f"{name}: {fault!r}")
+
+    for name in names:
+        alone(name)
+    threads = [threading.Thread(target=work, daemon=True) for _ in range(THREADS)]
+    for thread in threads:
+        thread.start()
+    until = time.monotonic() + PATIENCE
+    for thread in threads:
+        thread.join(max(0.0, until - time.monotonic()))
+    left = sum(thread.is_alive() for thread in threads)
+    assert left == 0, f"{left} threads wait for each other: {names}"
+    return wrong
+
+
+def in_pool(start: str, names: Sequence[str]) -> list[Any]:
+    """The answers of a pool of two processes that begin in one of Python's ways."""
+    with multiprocessing.get_context(start).Pool(2) as pool:
+        return pool.map_async(answer, names, chunksize=1).get(PATIENCE)

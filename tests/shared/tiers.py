@@ -1,0 +1,19 @@
+"""Cases of a parametrized test, by tier: those of every run, and those that CI runs beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import pytest
+
+
+def tiers(fast: Iterable[Any], slow: Iterable[Any]) -> list[Any]:
+    """The fast cases, then the slow ones; the values of several parameters are a tuple."""
+    return [*fast, *(slow_case(case) for case in slow)]
+
+
+def slow_case(case: Any) -> Any:
+    """A case with the mark of the slow tier."""
+    values = case if isinstance(case, tuple) else (case,)
+    return pytest.param(*values, marks=pytest.mark.slow)
