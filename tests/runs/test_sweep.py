@@ -209,10 +209,11 @@ def test_members_by_their_scenes_have_the_bound_of_their_energy(end):
     scene = polhode.top(moments=[1, 1, "1e-12"], centre=[1, 0, 0], weight=own**2, **start)
     given = {"body.weight": [f"sqrt(2)*{own**2}"]}
     if own == 1:
-        same = sweep_plan.planned(
-            scene, {"body.weight": [math.sqrt(2)]}, None, None, None, None
-        ).rates
-        assert sweep_plan.planned(scene, given, None, None, None, None).rates == pytest.approx(same)
+        rates, same = (
+            sweep_plan.planned(scene, vary.grid(x, scene.name), None, None, None, None).rates
+            for x in (given, {"body.weight": [math.sqrt(2)]})
+        )
+        assert rates == pytest.approx(same)
     begun = time.process_time()
     many = polhode.integrate_many(scene, given, at=[end], max_steps=5000)
     assert many.outcomes == (polhode.Outcome.STEP_LIMIT,)
@@ -238,7 +239,8 @@ def test_the_unit_of_time_next_to_a_power_of_two():
     many = polhode.integrate_many(scene, {"start.omega[1]": rates})
     assert len({member.time_unit for member in many.members}) == 2
     assert_own_runs(many)
-    plan = sweep_plan.planned(scene, {"start.omega[1]": rates}, None, None, None, None)
+    varied = vary.grid({"start.omega[1]": rates}, scene.name)
+    plan = sweep_plan.planned(scene, varied, None, None, None, None)
     assert plan.exponents.tolist() == [m.time_unit for m in plan.members]
 
 
@@ -248,7 +250,7 @@ def test_what_cancels_along_turned_axes_is_exactly_nothing(number):
     inertia = [["66/25", "-12/25", 0], ["-12/25", "59/25", 0], [0, 0, 4]]
     scene = polhode.top(inertia=inertia, omega=[1, "5/17", 1], end=1)
     given = {"start.omega[1]": ["-20/51", "4/3"]}
-    plan = sweep_plan.planned(scene, given, number, None, None, None)
+    plan = sweep_plan.planned(scene, vary.grid(given, scene.name), number, None, None, None)
     exact = [member.body.axes.components(member.omega) for member in plan.members]
     assert [[x == 0 for x in row] for row in exact] == (plan.motions.starts == 0).tolist()
     assert (plan.motions.starts[0] == 0).any()

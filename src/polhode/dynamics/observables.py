@@ -223,7 +223,7 @@ def _of_event(
     watched = Watched(plan.names, scene.columns, odd, 2.0**largest, turns is not None)
     job = SearchJob(
         *(watched, _DIRECTIONS[event.direction], 1, end, STRETCH),
-        *(double_array(motions.coefficients), double_array(motions.starts)),
+        *(double_array(motions.rows), double_array(motions.starts)),
         *(int(plan.exponents[group[0]]), turns),
         max_steps=plan.max_steps,
     )
@@ -254,7 +254,7 @@ def _tangents(plan: Plan, motions: Columns, end: float) -> TangentJob:
     tangents[:, :columns] = lyapunov.TANGENT[:columns]
     tangents /= np.linalg.norm(tangents, axis=1)[:, None]
     return TangentJob(
-        plan.names, double_array(motions.coefficients), six, tangents, end, _LOOKS, None, (), 0.0
+        plan.names, double_array(motions.rows), six, tangents, end, _LOOKS, None, (), 0.0
     )
 
 

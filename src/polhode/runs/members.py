@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from polhode.common.arguments import unit_rows
 from polhode.common.errors import BadInput
-from polhode.common.values import cached_property, refuse_too_much
+from polhode.common.values import Recent, cached_property, refuse_too_much
 from polhode.equations.forms import principal
 from polhode.equations.terms import NAMES, coefficients_of
 from polhode.motion.frame import Frame
@@ -33,9 +33,9 @@ from polhode.numbers.vectors import scaled
 from polhode.runs.options import choose_number, refuse_other_rounding, rounded_tolerance
 from polhode.scenes import vary
 from polhode.scenes.body import PrincipalAxes
-from polhode.scenes.members import Blocks, Members
+from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
-from polhode.taylor import defaults
+from polhode.taylor import defaults, lanes
 from polhode.taylor.time_grid import rounded_times
 
 if TYPE_CHECKING:
@@ -60,7 +60,6 @@ class Plan:
     unit of the scene's time; both 0 above extended.
     """
 
-    varied: vary.Grid
     members: Members
     number: NumberType
     tolerance: Fraction | None
@@ -85,8 +84,9 @@ class Plan:
 
     def bodies(self, members: npt.NDArray[np.int64]) -> list[npt.NDArray[np.int64]]:
         """Of some members which value of each of the body's keys they have: arrays, one a key."""
-        rows = self.varied.rows
-        each = zip(self.varied.keys, rows.columns, rows.repeats, strict=True)
+        varied = self.members.varied
+        rows = varied.rows
+        each = zip(varied.keys, rows.columns, rows.repeats, strict=True)
         return [members // n % len(x) for key, x, n in each if key.startswith("body.")]
 
     def groups(self, size: int, most: int, mixed: bool = False) -> Iterator[npt.NDArray[np.int64]]:
@@ -95,16 +95,20 @@ class Plan:
         Each is a multiple of ``size`` members but the last of a unit; about ``most`` groups.
         """
         size *= max(1, -(-len(self.rates) // (size * most)))
-        units = np.zeros_like(self.exponents) if mixed else self.exponents
-        order = np.lexsort((-self.rates, units))
-        ends = np.flatnonzero(np.diff(units[order])) + 1
-        for alike in np.split(order, ends):
-            yield from (alike[i : i + size] for i in range(0, len(alike), size))
+        units = self.exponents
+        if mixed or (len(units) and (units == units[0]).all()):
+            order = (-self.rates).argsort(kind="stable")
+            alike = [order]
+        else:
+            order = np.lexsort((-self.rates, units))
+            alike = np.split(order, np.flatnonzero(np.diff(units[order])) + 1)
+        for members in alike:
+            yield from (members[i : i + size] for i in range(0, len(members), size))
 
 
 def planned(
     scene: Scene,
-    given: vary.Vary,
+    varied: vary.Grid,
     number: str | NumberType | None,
     digits: int | None,
     tol: AnyNumber | None,
@@ -121,17 +125,18 @@ def planned(
     if scene.events:
         expected = "none in a sweep: a step size of its own for each event; run members singly"
         raise BadInput(scene.name, "events", scene.events[0].name, expected)
-    varied = vary.grid(given, scene.name, scene.units)
-    numbers = (len(varied.rows) if kept else 1) * len(scene.times) * len(scene.columns)
-    what = f"{len(varied.rows)} members at {len(scene.times)} times"
+    members = Members(scene, varied)
+    count = len(members)
+    numbers = (count if kept else 1) * len(scene.times) * len(scene.columns)
+    what = f"{count} members at {len(scene.times)} times"
     words = "numbers of states; fewer samples, or split the sweep"
     refuse_too_much(scene.name, "vary", what, numbers, _BYTES, words)
-    members = Members(scene, varied)
     _ = members.tables  # a key that is none is refused before anything else
     chosen = choose_number(scene, number, None)
-    if digits is not None and len(members):
+    if digits is not None and count:
         chosen = choose_number(fastest(members).at(scene.times), number, digits)
-    _check_arrays(scene.name, varied, chosen)
+    if members.arrays:
+        _check_arrays(members, chosen)
     times = tuple(rounded_times(scene, chosen))
     tolerance = rounded_tolerance(scene, chosen, tol)
 
@@ -139,31 +144,26 @@ def planned(
         names, motions, units, rates = columns_of(members, times, chosen)
     else:
         names, motions = (), Columns(np.empty((0, 0)), np.empty((0, 0)))
-        units, rates = np.zeros(len(members), dtype=np.int64), np.zeros(len(members))
+        units, rates = np.zeros(count, dtype=np.int64), np.zeros(count)
     limit = max_steps if max_steps is not None else defaults.of(chosen).max_steps
-    return Plan(
-        varied, members, chosen, tolerance, limit, times, scene.times, names, motions, units, rates
-    )
+    return Plan(members, chosen, tolerance, limit, times, scene.times, names, motions, units, rates)
 
 
-def _check_arrays(name: str, varied: vary.Grid, number: NumberType) -> None:
+def _check_arrays(members: Members, number: NumberType) -> None:
     """Refuse arrays that are not of the run's number type; raises BadInput.
 
     Gamma is of length 1 to 8 eps of it.
     """
-    each = zip(varied.keys, varied.rows.columns, strict=True)
-    arrays = {key: column.floats for key, column in each if column.floats is not None}
-    if not arrays:
-        return
+    name, arrays = members.scene.name, members.arrays
     if not number.flat:
         expected = "double or extended with arrays; other values, or members one by one, are exact"
         raise BadInput(name, "number", number.name, expected)
     for key, values in arrays.items():
         if number.name == "double" and values.dtype.itemsize > 8:
             raise BadInput(name, key, f"numbers of {values.dtype}", "float64, or number = extended")
-    gamma = [arrays[key] for key in arrays if key.startswith("start.gamma")]
-    if len(gamma) == 3:
-        unit_rows(name, "start.gamma", np.stack(gamma, axis=1), number.eps)
+    if members.given_as_array("start.gamma"):
+        gamma = np.array([arrays[f"start.gamma[{i}]"] for i in (1, 2, 3)])
+        unit_rows(name, "start.gamma", gamma.T, number.eps)
 
 
 # --- columns --------------------------------------------------------------------------------------
@@ -198,29 +198,35 @@ def columns_of(
     """
     from polhode.taylor.batches import Columns
 
-    made = _Made(members, number)
-    for block in Blocks(members):
-        left = made.fill(block)
-        for k in np.flatnonzero(left):
-            made.one(block, int(k))
+    tables = _Tables(members, number)
+    for block in members.blocks():
+        left = tables.fill(block)
+        if left.any():
+            tables.alike = False
+            for k in np.flatnonzero(left):
+                tables.put(block, int(k))
+    exponents = tables.exponents
     ends = [*[t for t in times if t][:1], times[-1]]  # the least and the largest that are not 0
-    extremes = [(made.exponents.min(initial=0), made.exponents.max(initial=0))]
+    extremes = [(exponents.min(initial=0), exponents.max(initial=0))]
     with np.errstate(all="ignore"):
         sizes = np.ldexp([[to_double(t)] for t in ends], -np.array(extremes))
-    if len(_out_of_range(sizes)):
-        for exponent, first in zip(*np.unique(made.exponents, return_index=True), strict=True):
+    if _out_of_range(sizes).any():
+        for exponent, first in zip(*np.unique(exponents, return_index=True), strict=True):
             own = [t / Fraction(2) ** int(exponent) for t in ends]
             refuse_out_of_range(members, int(first), number, own)
-    present = np.flatnonzero((made.coefficients != 0).any(axis=0)).tolist()
+    coefficients = tables.coefficients
+    if tables.alike and extremes[0][0] == extremes[0][1]:  # one row serves all
+        coefficients = coefficients[:1]
+    present = np.flatnonzero((coefficients != 0).any(axis=0)).tolist()
     present.sort(key=NAMES.__getitem__)
-    columns = Columns(made.coefficients.take(present, axis=1), made.starts)
-    return tuple(NAMES[i] for i in present), columns, made.exponents, made.rates
+    columns = Columns(coefficients.take(present, axis=1), tables.starts)
+    return tuple(NAMES[i] for i in present), columns, exponents, tables.rates
 
 
 def fastest(members: Members) -> Scene:
     """The member of a sweep that turns fastest at the start."""
     rate, scene = -1.0, members[0]
-    for block in Blocks(members):
+    for block in members.blocks():
         with np.errstate(all="ignore"):
             fourth = _fourth(block)
         left = block.left | ~np.isfinite(fourth)  # doubles do not tell
@@ -234,12 +240,34 @@ def fastest(members: Members) -> Scene:
     return scene
 
 
-class _Made:
-    """Columns of all members, filled block by block."""
+class _Body(NamedTuple):
+    """The body that all members have: its coefficients, and what bounds their rates."""
+
+    coefficients: Flat
+    bound: lanes.Bound
+
+    @classmethod
+    def of(cls, scene: Scene, number: NumberType) -> _Body:
+        """The body of a scene, in the scene's unit of time."""
+        body = scene.body
+        torque = body.axes.components(body.torque)
+        exact = coefficients_of([*body.moments, *torque])
+        coefficients = np.array([number_value(x, number) for x in exact], kind_of(number))
+        return cls(coefficients, _bound(body.moments, torque))
+
+
+_bodies: Recent[_Body] = Recent(4)
+
+
+class _Tables:
+    """Starts, coefficients, units of time and rates of all members, filled block by block.
+
+    ``alike``: whether all members have the coefficients of the scene, but for their units of time.
+    """
 
     def __init__(self, members: Members, number: NumberType) -> None:
         count, kind = len(members), kind_of(number)
-        self.members, self.number = members, number
+        self.members, self.number, self.alike = members, number, members.same_body
         self.coefficients: Flat = np.zeros((count, len(NAMES)), kind, order="F")
         self.starts: Flat = np.zeros((count, len(members.scene.columns)), kind)
         self.exponents = np.zeros(count, dtype=np.int64)
@@ -258,8 +286,14 @@ class _Made:
                     if vector is not None
                 )
                 self._put(starts, [x for vector in start for x in vector])
-                self._put(coefficients, _coefficients(block.moments, torque, unsure))
-                self.rates[here] = _rates(block, torque, starts)
+                if self.members.same_body:
+                    scene, number = self.members.scene, self.number
+                    body = _bodies.get(scene.identity, number, lambda: _Body.of(scene, number))
+                    coefficients[:], bound = body
+                else:
+                    self._put(coefficients, _coefficients(block.moments, torque, unsure))
+                    bound = _bound(block.moments, torque)
+                self.rates[here] = lanes.rates(starts, bound)
             except (OverflowError, ZeroDivisionError):  # beyond doubles, here or on the way
                 return np.ones(len(block), dtype=bool)
             if exponents.any():
@@ -267,7 +301,7 @@ class _Made:
                 coefficients[:, 3:] = np.ldexp(coefficients[:, 3:], 2 * exponents[:, None])
             left: npt.NDArray[np.bool_] = block.left | unsure
             for table in (starts, coefficients):
-                left[_out_of_range(table)] = True
+                left |= _out_of_range(table)
         self.exponents[here] = exponents
         return left
 
@@ -285,7 +319,7 @@ class _Made:
             else:
                 table[:, i] = column.doubles()
 
-    def one(self, block: Block, k: int) -> None:
+    def put(self, block: Block, k: int) -> None:
         """Put a member in by its scene, and by what arrays say of its start."""
         index = block.first + k
         member = self.members[index]
@@ -372,43 +406,35 @@ def _note(unsure: Booleans, size: Doubles, lost: Booleans | bool = False) -> Non
     unsure |= (size != 0) & (~((size > _LEAST) & (size < _MOST)) | lost)
 
 
-def _out_of_range(table: Flat) -> npt.NDArray[np.int64]:
-    """Rows with a number that is not 0 and not between a double's limits, or nearly so."""
+def _out_of_range(table: Flat) -> Booleans:
+    """Which rows have a number that is not 0 and not between a double's limits, or nearly so."""
     sizes = np.abs(table)
-    rows: npt.NDArray[np.int64] = np.nonzero(
-        (sizes != 0) & ~((sizes >= _SMALLEST) & (sizes <= _LARGEST))
-    )[0]
+    wrong = (sizes < _SMALLEST) & (sizes != 0) | ~(sizes <= _LARGEST)
+    rows: Booleans = wrong.any(axis=1)
     return rows
 
 
-def _rates(block: Block, torque: Sequence[Numbers], starts: Flat) -> Doubles:
-    """Bounds of the members' fastest rates, in the scene's unit of time."""
-    from polhode.taylor import lanes
-
-    moments, weight = (
+def _bound(moments: Vector, torque: Sequence[Numbers]) -> lanes.Bound:
+    """What bounds the rates of members, in the scene's unit of time."""
+    inertia, weight = (
         np.stack(np.broadcast_arrays(*map(_doubles, vector)), axis=-1)
-        for vector in (block.moments, torque)
+        for vector in (moments, torque)
     )
-    largest = moments.max(axis=-1, keepdims=True)
-    return lanes.rates(starts, lanes.Bound.of(moments / largest, weight / largest))
+    largest = inertia.max(axis=-1, keepdims=True)
+    return lanes.Bound.of(inertia / largest, weight / largest)
 
 
 def _rate(member: Scene, start: Flat) -> float:
-    """The same of a member by its scene: from its start in its own unit of time.
+    """A bound of a member's rate by its scene: from its start in its own unit of time.
 
     One that doubles cannot hold in the scene's is the least or the largest of _SIZES.
     """
-    from polhode.taylor import lanes
-
     frame = Frame.of(member)
     body = frame.inside(member).body
     part = 1 / max(body.moments)
     inertia, moment = (
-        np.array([to_double(x) for x in scaled(size, vector)])
-        for size, vector in (
-            (part, body.moments),
-            (part, body.torque),
-        )
+        np.array([to_double(x) for x in scaled(part, vector)])
+        for vector in (body.moments, body.torque)
     )
     with np.errstate(all="ignore"):
         rate = np.ldexp(lanes.rates(start[None], lanes.Bound.of(inertia, moment)), -frame.exponent)
@@ -431,7 +457,7 @@ def _fourth(block: Block) -> Doubles:
     (p, q, r), (x, y, z), (a, b, c) = (map(_doubles, vector) for vector in vectors)
     square, largest = p**2 + q**2 + r**2, np.maximum(np.maximum(a, b), c)
     fourth = np.maximum(square * square, (x**2 + y**2 + z**2) / (largest * largest))
-    return np.broadcast_to(fourth, len(block))
+    return np.broadcast_to(fourth, len(block)) if np.ndim(fourth) == 0 else fourth
 
 
 def _exponents(block: Block) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.bool_]]:

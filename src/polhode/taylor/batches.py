@@ -97,6 +97,11 @@ class Columns(NamedTuple):
         """How many."""
         return len(self.starts)
 
+    @property
+    def rows(self) -> Stack:
+        """The coefficients, a row for each motion."""
+        return np.broadcast_to(self.coefficients, (self.many, self.coefficients.shape[1]))
+
     def some(self, which: npt.NDArray[np.int64] | slice | int) -> Columns:
         """Those of some indices."""
         own = self.coefficients
@@ -349,15 +354,18 @@ _HOPELESS = 10.0  # times the limit of steps: what would need so many is given u
 
 def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
     """Integrate a job's motions; those that ``stop`` kept from being finished are NOT_RUN."""
-    found = Solved.undone(
-        np.full((job.motions.many, len(job.times), job.columns), np.nan, kind_of(job.number))
-    )
+    many = job.motions.many
     if job.sure:
-        found.states[:] = at_once(job, np.arange(len(found.steps)), stop, found.steps)
-        there = np.isfinite(found.states[:, -1]).all(axis=1) & (found.steps <= job.max_steps)
+        steps = np.zeros(many, dtype=np.int64)
+        found = Solved.undone(at_once(job, np.arange(many), stop, steps))
+        found.steps = steps
+        there = np.isfinite(found.states[:, -1]).all(axis=1) & (steps <= job.max_steps)
         _note(job, there, found)
         if there.all():
             return found
+    else:
+        shape = (many, len(job.times), job.columns)
+        found = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
     with prepared(job) as ready:
         for which, own in job.in_units(np.flatnonzero(found.outcomes != _THERE)):
             some = Solved.undone(found.states[which])
