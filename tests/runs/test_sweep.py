@@ -210,7 +210,7 @@ def test_members_by_their_scenes_have_the_bound_of_their_energy(end):
     given = {"body.weight": [f"sqrt(2)*{own**2}"]}
     if own == 1:
         rates, same = (
-            sweep_plan.planned(scene, vary.grid(x, scene.name), None, None, None, None).rates
+            sweep_plan.planned(scene, vary.grid(x, scene.name), None, None, None, None).tables.rates
             for x in (given, {"body.weight": [math.sqrt(2)]})
         )
         assert rates == pytest.approx(same)
@@ -241,7 +241,7 @@ def test_the_unit_of_time_next_to_a_power_of_two():
     assert_own_runs(many)
     varied = vary.grid({"start.omega[1]": rates}, scene.name)
     plan = sweep_plan.planned(scene, varied, None, None, None, None)
-    assert plan.exponents.tolist() == [m.time_unit for m in plan.members]
+    assert plan.tables.exponents.tolist() == [m.time_unit for m in plan.members]
 
 
 @pytest.mark.parametrize("number", ["double", "extended"])
@@ -252,11 +252,11 @@ def test_what_cancels_along_turned_axes_is_exactly_nothing(number):
     given = {"start.omega[1]": ["-20/51", "4/3"]}
     plan = sweep_plan.planned(scene, vary.grid(given, scene.name), number, None, None, None)
     exact = [member.body.axes.components(member.omega) for member in plan.members]
-    assert [[x == 0 for x in row] for row in exact] == (plan.motions.starts == 0).tolist()
-    assert (plan.motions.starts[0] == 0).any()
-    units = [Fraction(2) ** int(n) for n in plan.exponents]
+    assert [[x == 0 for x in row] for row in exact] == (plan.tables.starts == 0).tolist()
+    assert (plan.tables.starts[0] == 0).any()
+    units = [Fraction(2) ** int(n) for n in plan.tables.exponents]
     near = [[float(x * unit) for x in row] for row, unit in zip(exact, units, strict=True)]
-    assert np.array_equal(plan.motions.starts.astype(float), near)
+    assert np.array_equal(plan.tables.starts.astype(float), near)
 
 
 def test_members_are_as_right_as_their_closed_forms_say():

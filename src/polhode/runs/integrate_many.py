@@ -290,7 +290,7 @@ def integrate_many(
     prepared = time.perf_counter()
     here = executor is None and parts is None
     size, most = LANES if plan.number.name == "double" else 1, _most_jobs(plan, here)
-    single = most == 1 and plan.number.flat and plan.steps.sure
+    single = most == 1 and plan.number.flat and plan.shared.sure
     groups = list(plan.groups(size, most, single))
     if here and most == 1:  # not worth a second thread
         workers = workers or 1
@@ -357,7 +357,7 @@ def _most_jobs(plan: Plan, here: bool) -> int:
     least, most = _JOBS
     if not plan.number.flat:
         return most
-    radians = float(plan.rates.sum()) * abs(float(plan.times[-1]))
+    radians = float(plan.tables.rates.sum()) * abs(float(plan.times[-1]))
     share = _SHARE if plan.number.name == "double" else 1.0
     seconds = share * defaults.seconds(plan.number, _STEPS_PER_RADIAN * radians)
     if here:

@@ -140,7 +140,8 @@ class Reader:
 
 def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
     """What reads the rows of some members of a sweep."""
-    exponents, base, stay = plan.exponents[members], plan.members.scene, plan.members.axes_stay
+    exponents, base = plan.tables.exponents[members], plan.members.scene
+    stay = plan.members.axes_stay
     if stay and base.body.axes.trivial:  # a reading knows the axes alone
         return Reader(plan.number, exponents, ())
     which = [exponents, *([] if stay else plan.bodies(members))]
@@ -171,14 +172,7 @@ class FlatJob(NamedTuple):
 
 def flat_job(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
     """The job of some members, which have a unit of time in common or are sure to arrive."""
-    from polhode.taylor import lanes
-
-    job = plan.steps.some(group)
-    if not job.sure:
-        with np.errstate(over="ignore"):  # of a rate that is only known to be so small
-            fastest = float(np.ldexp(plan.rates[group].max(), plan.exponents[group[0]]))
-        job = job._replace(sure=lanes.surely(job, fastest))
-    return FlatJob(job, reader(plan, group))
+    return FlatJob(plan.job(group), reader(plan, group))
 
 
 # --- wide members ---------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from polhode.common.arguments import unit_rows
 from polhode.common.errors import BadInput
 from polhode.common.values import Recent, cached_property, refuse_too_much
 from polhode.equations.forms import principal
-from polhode.equations.terms import NAMES, coefficients_of
+from polhode.equations.terms import COEFFICIENTS, NAMES, coefficients_of
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import number_value, to_double
 from polhode.numbers.double_double import Pairs, pairs
@@ -24,6 +24,7 @@ from polhode.numbers.number_types import (
     Booleans,
     Doubles,
     Flat,
+    Indices,
     NumberType,
     Scalar,
     kind_of,
@@ -51,14 +52,48 @@ if TYPE_CHECKING:
 _BYTES = 40  # of a number of the states, while they are gathered and written
 
 
+class Tables(NamedTuple):
+    """The members in numbers, none of them above extended.
+
+    ``coefficients``: of these ``names``, a row for each member in its own unit of time; one row in
+    the scene's where all have its body, which 2**(unit ``powers``) brings into a member's.
+    ``starts``: (members, columns) in principal axes and each member's unit.  ``exponents``: of
+    these units, powers of two; ``rates``: the fastest rate at most, radians for each unit of the
+    scene's time; both 0 above extended.
+    """
+
+    names: tuple[str, ...]
+    coefficients: Flat
+    powers: Indices
+    starts: Flat
+    exponents: Indices
+    rates: Doubles
+
+    @classmethod
+    def without_numbers(cls, count: int) -> Tables:
+        """Those of members above extended."""
+        nothing, zeros = np.empty((0, 0)), np.zeros(count)
+        exponents = zeros.astype(np.int64)
+        return cls((), nothing, exponents[:0], nothing, exponents, zeros)
+
+    def motions(self, members: Indices) -> Columns:
+        """Some members, each in its own unit of time."""
+        from polhode.taylor.batches import Columns
+
+        own = self.coefficients
+        if len(own) == 1:
+            units = self.exponents[members]
+            if not (units != units[0]).any():
+                units = units[:1]
+            own = np.ldexp(own, self.powers * units[:, None])
+        else:
+            own = own.take(members, axis=0)
+        return Columns(own, self.starts.take(members, axis=0))
+
+
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A sweep, checked: what there is to integrate.
-
-    ``motions``: the members in numbers, none above extended.  ``exponents``: of each
-    member's unit of time, a power of two; ``rates``: its fastest rate at most, radians for each
-    unit of the scene's time; both 0 above extended.
-    """
+    """A sweep, checked: what there is to integrate."""
 
     members: Members
     number: NumberType
@@ -66,41 +101,48 @@ class Plan:
     max_steps: int
     times: tuple[Fraction, ...]
     asked: Sequence[Exact]
-    names: tuple[str, ...]
-    motions: Columns
-    exponents: npt.NDArray[np.int64]
-    rates: npt.NDArray[np.float64]
+    tables: Tables
 
     @cached_property
-    def steps(self) -> BatchJob:
-        """The job of all members, of a type that numpy holds."""
-        from polhode.taylor import lanes
-        from polhode.taylor.batches import BatchJob
+    def shared(self) -> BatchJob:
+        """What the jobs of members have in common, of a type that numpy holds."""
+        from polhode.taylor.batches import BatchJob, Columns
 
-        grid = np.array([number_value(t, self.number) for t in self.times], kind_of(self.number))
-        how = self.names, self.number, self.tolerance, self.max_steps, grid, Fraction(1)
-        job = BatchJob(*how, self.motions, exponents=self.exponents)
-        return job._replace(sure=lanes.surely(job, float(self.rates.max(initial=0.0))))
+        tables, number = self.tables, self.number
+        grid = np.array([number_value(t, number) for t in self.times], kind_of(number))
+        how = tables.names, number, self.tolerance, self.max_steps, grid, Fraction(1)
+        job = BatchJob(*how, Columns(tables.coefficients, tables.starts[:0]))
+        job = job._replace(exponents=tables.exponents)
+        return job._replace(sure=lanes.surely(job, float(tables.rates.max(initial=0.0))))
 
-    def bodies(self, members: npt.NDArray[np.int64]) -> list[npt.NDArray[np.int64]]:
+    def job(self, members: Indices) -> BatchJob:
+        """The job of some members, which have a unit of time in common or are sure to arrive."""
+        tables = self.tables
+        job = self.shared.of(tables.motions(members), tables.exponents[members])
+        if not job.sure:
+            with np.errstate(over="ignore"):  # of a rate that is only known to be so small
+                rate = np.ldexp(tables.rates[members].max(), tables.exponents[members[0]])
+            job = job._replace(sure=lanes.surely(job, float(rate)))
+        return job
+
+    def bodies(self, members: Indices) -> list[Indices]:
         """Of some members which value of each of the body's keys they have: arrays, one a key."""
         varied = self.members.varied
         rows = varied.rows
         each = zip(varied.keys, rows.columns, rows.repeats, strict=True)
         return [members // n % len(x) for key, x, n in each if key.startswith("body.")]
 
-    def groups(self, size: int, most: int, mixed: bool = False) -> Iterator[npt.NDArray[np.int64]]:
+    def groups(self, size: int, most: int, mixed: bool = False) -> Iterator[Indices]:
         """The members in groups of about the same rate, and of one unit of time if not ``mixed``.
 
         Each is a multiple of ``size`` members but the last of a unit; about ``most`` groups.
         """
-        size *= max(1, -(-len(self.rates) // (size * most)))
-        units = self.exponents
+        units, rates = self.tables.exponents, self.tables.rates
+        size *= max(1, -(-len(rates) // (size * most)))
         if mixed or (len(units) and (units == units[0]).all()):
-            order = (-self.rates).argsort(kind="stable")
-            alike = [order]
+            alike = [(-rates).argsort(kind="stable")]
         else:
-            order = np.lexsort((-self.rates, units))
+            order = np.lexsort((-rates, units))
             alike = np.split(order, np.flatnonzero(np.diff(units[order])) + 1)
         for members in alike:
             yield from (members[i : i + size] for i in range(0, len(members), size))
@@ -119,8 +161,6 @@ def planned(
 
     ``kept``: whether the states of all members are held at once.
     """
-    from polhode.taylor.batches import Columns
-
     refuse_other_rounding(scene)
     if scene.events:
         expected = "none in a sweep: a step size of its own for each event; run members singly"
@@ -140,13 +180,9 @@ def planned(
     times = tuple(rounded_times(scene, chosen))
     tolerance = rounded_tolerance(scene, chosen, tol)
 
-    if chosen.flat:
-        names, motions, units, rates = columns_of(members, times, chosen)
-    else:
-        names, motions = (), Columns(np.empty((0, 0)), np.empty((0, 0)))
-        units, rates = np.zeros(count, dtype=np.int64), np.zeros(count)
+    tables = tables_of(members, times, chosen) if chosen.flat else Tables.without_numbers(count)
     limit = max_steps if max_steps is not None else defaults.of(chosen).max_steps
-    return Plan(members, chosen, tolerance, limit, times, scene.times, names, motions, units, rates)
+    return Plan(members, chosen, tolerance, limit, times, scene.times, tables)
 
 
 def _check_arrays(members: Members, number: NumberType) -> None:
@@ -183,44 +219,37 @@ _NEXT_POWER = 1 - 2.0**-9  # from this part of a power of two on, eight bits rou
 _UNSURE = 1e-9  # of that, in doubles
 _SMALLEST, _LARGEST = 2.0**-1022, 2.0**1023
 _LEAST, _MOST = 2.0**-400, 2.0**400  # between these pairs, and their quotients, hold all bits
+_POWERS = np.array([coefficient.power for coefficient in COEFFICIENTS])  # of 1/time
 _SIZES = 2.0**-1000, 2.0**1000  # of a rate
 _CANCELLED = 2.0**-20  # of a sum's terms: what is less has lost bits
 
 
-def columns_of(
-    members: Members, times: Sequence[Fraction], number: NumberType
-) -> tuple[tuple[str, ...], Columns, npt.NDArray[np.int64], npt.NDArray[np.float64]]:
-    """Coefficients' names, columns, units of time (exponents of two) and rates of all members.
+def tables_of(members: Members, times: Sequence[Fraction], number: NumberType) -> Tables:
+    """All members in numbers of a type, double or extended; ``times``: away from 0.
 
-    The rates are bounds, by the members' energy, in radians for each unit of the scene's time.
-    ``times``: away from 0.  ``number``: double or extended.  Raises BadInput for a member, or a
-    time in a member's unit, that it cannot hold.
+    Raises BadInput for a member, or a time in a member's unit, that the type cannot hold.
     """
-    from polhode.taylor.batches import Columns
-
-    tables = _Tables(members, number)
+    making = _Making(members, number)
     for block in members.blocks():
-        left = tables.fill(block)
-        if left.any():
-            tables.alike = False
-            for k in np.flatnonzero(left):
-                tables.put(block, int(k))
-    exponents = tables.exponents
+        left = making.fill(block)
+        for k in np.flatnonzero(left):
+            making.put(block, int(k))
+    exponents = making.exponents
     ends = [*[t for t in times if t][:1], times[-1]]  # the least and the largest that are not 0
-    extremes = [(exponents.min(initial=0), exponents.max(initial=0))]
+    extremes = exponents.min(initial=0), exponents.max(initial=0)
     with np.errstate(all="ignore"):
-        sizes = np.ldexp([[to_double(t)] for t in ends], -np.array(extremes))
+        sizes = np.ldexp([[to_double(t)] for t in ends], -np.array([extremes]))
     if _out_of_range(sizes).any():
         for exponent, first in zip(*np.unique(exponents, return_index=True), strict=True):
             own = [t / Fraction(2) ** int(exponent) for t in ends]
             refuse_out_of_range(members, int(first), number, own)
-    coefficients = tables.coefficients
-    if tables.alike and extremes[0][0] == extremes[0][1]:  # one row serves all
-        coefficients = coefficients[:1]
+    coefficients = making.coefficients
+    powers = np.zeros_like(_POWERS) if making.alike is None else _POWERS
     present = np.flatnonzero((coefficients != 0).any(axis=0)).tolist()
     present.sort(key=NAMES.__getitem__)
-    columns = Columns(coefficients.take(present, axis=1), tables.starts)
-    return tuple(NAMES[i] for i in present), columns, exponents, tables.rates
+    names = tuple(NAMES[i] for i in present)
+    columns = coefficients.take(present, axis=1), powers.take(present)
+    return Tables(names, *columns, making.starts, exponents, making.rates)
 
 
 def fastest(members: Members) -> Scene:
@@ -241,7 +270,7 @@ def fastest(members: Members) -> Scene:
 
 
 class _Body(NamedTuple):
-    """The body that all members have: its coefficients, and what bounds their rates."""
+    """The body that all members have: a row of its coefficients, and what bounds their rates."""
 
     coefficients: Flat
     bound: lanes.Bound
@@ -252,31 +281,43 @@ class _Body(NamedTuple):
         body = scene.body
         torque = body.axes.components(body.torque)
         exact = coefficients_of([*body.moments, *torque])
-        coefficients = np.array([number_value(x, number) for x in exact], kind_of(number))
+        coefficients = np.array([[number_value(x, number) for x in exact]], kind_of(number))
         return cls(coefficients, _bound(body.moments, torque))
+
+    def rows(self, exponents: npt.ArrayLike) -> Flat:
+        """Its coefficients in units of time."""
+        units = np.asarray(exponents)[:, None]
+        rows: Flat = np.ldexp(self.coefficients, _POWERS * units)
+        return rows
 
 
 _bodies: Recent[_Body] = Recent(4)
 
 
-class _Tables:
-    """Starts, coefficients, units of time and rates of all members, filled block by block.
+class _Making:
+    """The numbers of all members, filled block by block.
 
-    ``alike``: whether all members have the coefficients of the scene, but for their units of time.
+    ``alike``: the body of all members, as long as they have one and none has been put in by its
+    scene: ``coefficients`` are then its row in the scene's unit of time, else a row for each.
     """
 
     def __init__(self, members: Members, number: NumberType) -> None:
-        count, kind = len(members), kind_of(number)
-        self.members, self.number, self.alike = members, number, members.same_body
-        self.coefficients: Flat = np.zeros((count, len(NAMES)), kind, order="F")
-        self.starts: Flat = np.zeros((count, len(members.scene.columns)), kind)
+        count, kind, scene = len(members), kind_of(number), members.scene
+        self.members, self.number = members, number
+        self.starts: Flat = np.zeros((count, len(scene.columns)), kind)
         self.exponents = np.zeros(count, dtype=np.int64)
         self.rates = np.zeros(count)
+        self.alike: _Body | None = None
+        if members.same_body:
+            self.alike = _bodies.get(scene.identity, number, lambda: _Body.of(scene, number))
+            self.coefficients = self.alike.coefficients
+        else:
+            self.coefficients = np.zeros((count, len(NAMES)), kind, order="F")
 
-    def fill(self, block: Block) -> npt.NDArray[np.bool_]:
+    def fill(self, block: Block) -> Booleans:
         """Put a block of members in; which of them are left."""
         here = slice(block.first, block.last)
-        starts, coefficients = self.starts[here], self.coefficients[here]
+        starts, alike = self.starts[here], self.alike
         with np.errstate(all="ignore"):
             try:
                 exponents, unsure = _exponents(block)
@@ -286,22 +327,22 @@ class _Tables:
                     if vector is not None
                 )
                 self._put(starts, [x for vector in start for x in vector])
-                if self.members.same_body:
-                    scene, number = self.members.scene, self.number
-                    body = _bodies.get(scene.identity, number, lambda: _Body.of(scene, number))
-                    coefficients[:], bound = body
-                else:
-                    self._put(coefficients, _coefficients(block.moments, torque, unsure))
-                    bound = _bound(block.moments, torque)
+                if alike is None:
+                    numbers = _coefficients(block.moments, torque, unsure)
+                    self._put(self.coefficients[here], numbers)
+                bound = _bound(block.moments, torque) if alike is None else alike.bound
                 self.rates[here] = lanes.rates(starts, bound)
             except (OverflowError, ZeroDivisionError):  # beyond doubles, here or on the way
                 return np.ones(len(block), dtype=bool)
             if exponents.any():
                 starts[:, :3] = np.ldexp(starts[:, :3], exponents[:, None])
-                coefficients[:, 3:] = np.ldexp(coefficients[:, 3:], 2 * exponents[:, None])
-            left: npt.NDArray[np.bool_] = block.left | unsure
-            for table in (starts, coefficients):
-                left |= _out_of_range(table)
+            left: Booleans = block.left | unsure | _out_of_range(starts)
+            if alike is None:
+                rows = self.coefficients[here]
+                rows[:] = np.ldexp(rows, _POWERS * exponents[:, None])
+                left |= _out_of_range(rows)
+            elif _out_of_range(alike.rows([exponents.min(), exponents.max()])).any():
+                left |= _out_of_range(alike.rows(exponents))
         self.exponents[here] = exponents
         return left
 
@@ -321,6 +362,8 @@ class _Tables:
 
     def put(self, block: Block, k: int) -> None:
         """Put a member in by its scene, and by what arrays say of its start."""
+        if self.alike is not None:
+            self.coefficients, self.alike = self.alike.rows(self.exponents), None
         index = block.first + k
         member = self.members[index]
         start, coefficients = exact_numbers(member, block.given_gamma(k))
@@ -460,7 +503,7 @@ def _fourth(block: Block) -> Doubles:
     return np.broadcast_to(fourth, len(block)) if np.ndim(fourth) == 0 else fourth
 
 
-def _exponents(block: Block) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.bool_]]:
+def _exponents(block: Block) -> tuple[Indices, Booleans]:
     """The exponents of :attr:`Scene.time_unit`, and where doubles do not tell them."""
     fourth = _fourth(block)
     part, exponent = np.frexp(fourth)

@@ -128,17 +128,21 @@ class BatchJob(NamedTuple):
     order: int = 0
     exponents: Indices | None = None
 
-    def some(self, which: Indices) -> BatchJob:
-        """The job of some of the motions, in their own unit of time if they have one in common."""
-        job = self._replace(motions=self.motions.some(which))
-        if self.exponents is None:
+    def of(self, motions: Columns, exponents: Indices | None) -> BatchJob:
+        """The job of other motions, in their own unit of time if they have one in common."""
+        exponent = 0 if exponents is None else int(exponents[0])
+        if exponents is None or (exponents != exponent).any():
+            return self._replace(motions=motions, exponents=exponents)
+        job = self._replace(motions=motions, exponents=None)
+        if not exponent:
             return job
-        exponents = self.exponents[which]
-        exponent = int(exponents[0])
-        if (exponents != exponent).any():
-            return job._replace(exponents=exponents)
-        times, unit = np.ldexp(self.times, -exponent), self.unit * Fraction(2) ** exponent
-        return job._replace(times=times, unit=unit, exponents=None)
+        unit = self.unit * Fraction(2) ** exponent
+        return job._replace(times=np.ldexp(self.times, -exponent), unit=unit)
+
+    def some(self, which: Indices) -> BatchJob:
+        """The job of some of the motions."""
+        exponents = None if self.exponents is None else self.exponents[which]
+        return self.of(self.motions.some(which), exponents)
 
     def in_units(self, which: Indices) -> Iterator[tuple[Indices, BatchJob]]:
         """Some of the motions, and their job, for each unit of time."""
