@@ -266,7 +266,7 @@ class Propagator:
                     self.outcome = _REACHED_END
                     if engine is not self._engine:
                         rows = rows[:, : engine.columns].copy()
-                    states: Flat = rows[-grid.size :]
+                    states: Flat = rows if len(rows) == grid.size else rows[1:]
                     return states if self._plain else self._read(states)
             given, several = numbers_given(t)
             if self._long_steps and _plain_numbers(given, self._kind) is None:
@@ -356,7 +356,7 @@ class Propagator:
         times = t
         if type(times) is not np.ndarray or times.dtype is not self._kind:
             times = _plain_numbers(t.tolist() if type(t) is np.ndarray else t, self._kind)
-        if times is None or times.ndim != 1:
+        if times is None or times.ndim != 1 or not times.size:
             return None
         value = times.tobytes()
         if value != self._last[0]:
