@@ -36,7 +36,8 @@ BLOCK = 1 << 16  # members that are read at once: a bound on what planning holds
 _BODIES = 1024  # that are remembered
 _LOOKED_AT = 64  # members, for notes
 _NOT_FLAT = 1 - Fraction(1, 1 << 40)
-_MAY_BE_ROUNDED = {"body.moments", "body.inertia", "start.gamma", "start.quaternion"}
+_OF_BODY = {"body.moments", "body.inertia"}  # of what a member's rounding may be taken off
+_OF_START = {"start.gamma", "start.quaternion"}
 
 _SECTIONS = ("body", "start")
 _KEY = re.compile(r"(body|start)\.[a-z_]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
@@ -99,6 +100,8 @@ class Members(LazySequence[Scene]):
         A body of parts, or one whose inertia is given about its centre of mass, turns its axes with
         nearly every number.  Two equal moments leave a choice, which the centre of mass makes.
         """
+        if self.same_body:
+            return True
         varied = {key for key in self.vectors if key.startswith("body.")}
         varied -= {"body.weight", "body.g"}
         if not varied:
@@ -114,13 +117,11 @@ class Members(LazySequence[Scene]):
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """The notes of the scene, and what was changed of the first members, as of one of them."""
+        of_body, of_start = self.vectors & _OF_BODY, self.vectors & _OF_START
         as_is = any(key.startswith("start.") for key in self.arrays)
-        rounded = self.vectors & _MAY_BE_ROUNDED
-        if as_is:  # members begin at the numbers of the arrays
-            rounded = {key for key in rounded if key.startswith("body.")}
-        if not rounded:
+        starts = bool(of_start) and not as_is  # else members begin at the numbers of the arrays
+        if not of_body and not starts:
             return self.scene.notes
-        starts = any(key.startswith("start.") for key in rounded)
         few = range(min(len(self), _LOOKED_AT))
         members = (self[k] for k in few if starts or self._body_may_be_changed(k))
         of_members = ([*filter(None, [x.body.change])] if as_is else x.changes for x in members)
@@ -189,7 +190,7 @@ class Members(LazySequence[Scene]):
 
     def given_as_array(self, vector: str) -> bool:
         """Whether all of a vector is."""
-        return all(f"{vector}[{i}]" in self.arrays for i in (1, 2, 3))
+        return self.arrays.keys() >= {f"{vector}[1]", f"{vector}[2]", f"{vector}[3]"}
 
     def _block(self, first: int, last: int) -> Block:
         count, scene, rows = last - first, self.scene, self.varied.rows

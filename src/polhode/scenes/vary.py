@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.common.arguments import each, of_kind, rows_of
 from polhode.common.errors import BadInput, plain, say_doubt
-from polhode.numbers import exact
-from polhode.numbers.exact import ZERO, Exact
+from polhode.numbers.exact import ZERO, Exact, pi
 from polhode.numbers.exact_sequences import ExactNumbers, LazySequence, spaced
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import numbers_given
@@ -127,10 +126,9 @@ class Rows(LazySequence[tuple[Exact, ...]]):
     the columns are as long as the rows are many.
     """
 
-    def __init__(self, columns: Sequence[Sequence[Exact]], product: bool) -> None:
-        each = (x if isinstance(x, ExactNumbers) else ExactNumbers(tuple(x)) for x in columns)
-        self.columns, self.product = tuple[ExactNumbers[Exact], ...](each), product
-        self.sizes = sizes = [column.size for column in self.columns]
+    def __init__(self, columns: Sequence[ExactNumbers[Exact]], product: bool) -> None:
+        self.columns, self.product = tuple(columns), product
+        self.sizes = sizes = [column.size for column in columns]
         self._count = math.prod(sizes) if product else sizes[0]
         #: For each column how many rows have the same value in a row of rows.
         self.repeats = [1] * len(sizes)
@@ -231,7 +229,8 @@ def grid(vary: Vary, name: str, units: str = "", starts: Flat | None = None) -> 
         columns = [[_exact(m[key], key, name, units) for m in vary] for key in keys]
     if not keys:
         raise BadInput(name, "vary", None, "at least one number of the scene file to vary")
-    whole = _limited(Grid(keys, Rows(columns, product)), name)
+    exact = [x if isinstance(x, ExactNumbers) else ExactNumbers(tuple(x)) for x in columns]
+    whole = _limited(Grid(keys, Rows(exact, product)), name)
     if THETA in keys:
         _doubt(whole.rows.columns[keys.index(THETA)], name)
     return whole
@@ -248,7 +247,7 @@ def _limited(whole: Grid, name: str) -> Grid:
 def _doubt(column: ExactNumbers[Exact], name: str) -> None:
     """Say where a theta is of more than a turn."""
     largest = max(column.ends or column, key=abs, default=ZERO)
-    if abs(largest) > 2 * exact.pi():
+    if abs(largest) > 2 * pi():
         say_doubt(name, doubtful_theta(largest))
 
 

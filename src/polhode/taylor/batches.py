@@ -81,6 +81,7 @@ class LaneQueue:
 
 
 _START = Fraction(0)
+_NOT_RUN = code(Outcome.NOT_RUN)
 
 
 class Columns(NamedTuple):
@@ -179,7 +180,7 @@ class Solved:
         count = len(states)
         return cls(
             states,
-            np.full(count, code(Outcome.NOT_RUN), dtype=np.uint8),
+            np.full(count, _NOT_RUN, dtype=np.uint8),
             np.zeros(count, dtype=np.int64),
             np.full(count, _START, dtype=object),
         )
@@ -531,7 +532,7 @@ class _Way:
                 break
             self._alone(k, found)
         if not job.times[0]:
-            done = found.outcomes != code(Outcome.NOT_RUN)
+            done = found.outcomes != _NOT_RUN
             found.states[done, 0] = job.motions.starts[done]
 
     def _stopped(self) -> bool:
