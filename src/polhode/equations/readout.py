@@ -190,7 +190,10 @@ class Readout:
             return []
         if self.number.flat:
             rows_of_angles = self._flat_angles(self._array(rows), flat(states))
-            poles = (~flat(states)[:, 3:5].any(axis=1)).nonzero()[0].tolist()
+            import numpy as np
+
+            across = flat(states)[:, 3:5].T
+            poles = np.flatnonzero((across[0] == 0) & (across[1] == 0)).tolist()
         else:
             rows_of_angles = [self._angles(*pair) for pair in zip(rows, states, strict=True)]
             poles = [k for k, state in enumerate(states) if state[3] == 0 == state[4]]

@@ -131,8 +131,10 @@ class Propagator:
         loose = 0.0
         if system.tolerance is not None and self.number == DOUBLE and every is None:
             loose = float(system.tolerance) if system.tolerance > DOUBLE.eps else 0.0
-        state: Any = self._state
-        self._long_steps = [LongSteps(system, x, state, back) for x in defaults.long_steps(loose)]
+        self._long_steps = [
+            LongSteps(system, choice, double_array(self._state), back)
+            for choice in defaults.long_steps(loose)
+        ]
         self._far = math.inf  # (radians)**2 from where on heyoka's own order is not the fastest
         if loose > defaults.ABOVE:
             self._far, self._order = defaults.FAR**2, order_of(loose) + defaults.MORE

@@ -208,7 +208,7 @@ class Members(LazySequence[Scene]):
             if odd is not None:
                 left |= odd[at]
 
-        def vector(name: str, fixed: Sequence[Exact]) -> Vector:
+        def vector(name: str, fixed: Vector) -> Vector:
             if name not in self.vectors:
                 return fixed
             a, b, c = (columns.get(f"{name}[{i + 1}]", x) for i, x in enumerate(fixed))

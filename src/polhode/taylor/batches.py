@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from itertools import count
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -101,7 +101,8 @@ class Columns(NamedTuple):
     @property
     def rows(self) -> Stack:
         """The coefficients, a row for each motion."""
-        return np.broadcast_to(self.coefficients, (self.many, self.coefficients.shape[1]))
+        shape = self.many, self.coefficients.shape[1]
+        return cast(Stack, np.broadcast_to(self.coefficients, shape))
 
     def some(self, which: npt.NDArray[np.int64] | slice | int) -> Columns:
         """Those of some indices."""

@@ -107,7 +107,7 @@ class LongSteps:
         backs: Doubles | None,
     ) -> None:
         self._system, self._backs = system, backs
-        self._start, self._begin = start, memoryview(start)
+        self._start, self._begin = start, start.data
         self._order, self._outputs = choice
         radians = float(system.tolerance or 0) ** (1 / self._order)
         self._sure = defaults.LONG_REACH * radians  # of a step of the first attempt
@@ -141,7 +141,10 @@ class LongSteps:
             granted = step(length, count == 1)[1]
             if granted == length:  # no powers are made before
                 powers = self._kept.get(count) or self._powers(grid, count)
-                rows = None if powers.product else np.empty((grid.size, len(self._start)))
+                product: Any = powers.product
+                rows: Any = None
+                if product is None:
+                    rows = np.empty((grid.size, len(self._start)))
                 for k, blocks in enumerate(powers.parts):
                     if k and (granted := step(length, len(blocks) > 0)[1]) != length:
                         break
@@ -151,8 +154,8 @@ class LongSteps:
                         for matrix, block in blocks:
                             np.dot(matrix, coefficients, rows[block])
                 else:
-                    if rows is None:
-                        rows = powers.product(coefficients)
+                    if product is not None:
+                        rows = product(coefficients)
                     if powers.begins:  # with the start itself, no polynomial's
                         rows[0] = self._start if self._backs is None else self._start * self._backs
                     return rows, count
