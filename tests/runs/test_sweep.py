@@ -21,7 +21,7 @@ from polhode.equations import integrals
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.runs import members as sweep_plan
 from polhode.runs.members import fastest
-from polhode.scenes import scene_file, vary
+from polhode.scenes import members, scene_file, vary
 from shared.examples import examples
 from shared.motions import free_file, heavy, heavy_file
 from shared.policies import change_policy
@@ -242,6 +242,18 @@ def test_the_unit_of_time_next_to_a_power_of_two():
     varied = vary.grid({"start.omega[1]": rates}, scene.name)
     plan = sweep_plan.planned(scene, varied, None, None, None, None)
     assert plan.tables.exponents.tolist() == [m.time_unit for m in plan.members]
+
+
+@pytest.mark.parametrize("key", ["start.omega[2]", "body.weight"])
+def test_members_are_the_same_in_however_many_blocks_they_are_read(monkeypatch, key):
+    """One in a later block is put in by its scene, after others of the same body and none."""
+    given = {"start.omega[1]": ["1/3", 8], key: [1, 3, 5, "sqrt(2)", 7]}
+    whole = polhode.integrate_many(heavy("9"), given, at=[1])
+    monkeypatch.setattr(members, "BLOCK", 2)
+    parts = polhode.integrate_many(heavy("9"), given, at=[1])
+    assert parts.states.tobytes() == whole.states.tobytes()
+    assert parts.steps == whole.steps
+    assert len({member.time_unit for member in whole.members}) > 1
 
 
 @pytest.mark.parametrize("number", ["double", "extended"])
