@@ -11,7 +11,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -37,10 +37,7 @@ from polhode.scenes.members import Members, numbers_of
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor import defaults
-
-if TYPE_CHECKING:
-    from polhode.taylor.batches import Solved
-
+from polhode.taylor.batches import LANES, Solved
 
 # --- array starts ---------------------------------------------------------------------------------
 #
@@ -282,8 +279,6 @@ def integrate_many(
         workers = whole(scene.name, "workers", workers, 1)
     check_method(scene, method)
     scene, varied = varied_of(scene, starts, vary)
-    from polhode.taylor.batches import LANES
-
     plan = planned(scene, varied, number, digits, tol, max_steps)
     if method == "refined" and plan.number.flat:
         raise BadInput(scene.name, "method", method, "quad or more digits, or the method taylor")

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,10 +24,8 @@ from polhode.runs.members import Plan, exact_numbers, refuse_out_of_range
 from polhode.runs.options import Options
 from polhode.runs.solve import solve
 from polhode.scenes.scene import Scene
-
-if TYPE_CHECKING:
-    from polhode.taylor.batches import BatchJob, Solved
-
+from polhode.taylor import batches
+from polhode.taylor.batches import BatchJob, Solved
 
 # --- results --------------------------------------------------------------------------------------
 #
@@ -45,8 +43,6 @@ def no_states(number: NumberType, shape: tuple[int, ...]) -> Stack:
 
 def none_of(number: NumberType, members: int, times: int, columns: int) -> Solved:
     """Nothing done yet."""
-    from polhode.taylor.batches import Solved
-
     return Solved.undone(no_states(number, (members, times, columns)))
 
 
@@ -85,8 +81,6 @@ def packed(found: Solved, number: NumberType) -> Mapping[str, npt.ArrayLike]:
 
 def unpacked(held: Arrays, number: NumberType) -> Solved:
     """The same back."""
-    from polhode.taylor.batches import Solved
-
     told = json.loads(str(held["errors"]))
     return Solved(
         flat(held["states"]) if number.flat else _numbers(held["states"], number),
@@ -164,8 +158,6 @@ class FlatJob(NamedTuple):
 
     def solved(self, stop: Stop | None = None) -> Solved:
         """What became of the members, in the scene's axes and units; ``stop`` ends it sooner."""
-        from polhode.taylor import batches
-
         solved = batches.solve(self.steps, stop)
         return replace(solved, states=self.read.states(solved.states))
 

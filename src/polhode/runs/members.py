@@ -36,12 +36,12 @@ from polhode.scenes import vary
 from polhode.scenes.body import PrincipalAxes
 from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
-from polhode.taylor import defaults, lanes
+from polhode.taylor import defaults, heyoka, lanes
+from polhode.taylor.batches import BatchJob, Columns
 from polhode.taylor.time_grid import rounded_times
 
 if TYPE_CHECKING:
     from polhode.scenes.members import Block, Vector
-    from polhode.taylor.batches import BatchJob, Columns
 
 
 # --- plan -----------------------------------------------------------------------------------------
@@ -78,8 +78,6 @@ class Tables(NamedTuple):
 
     def motions(self, members: Indices) -> Columns:
         """Some members, each in its own unit of time."""
-        from polhode.taylor.batches import Columns
-
         own = self.coefficients
         if len(own) == 1:
             units = self.exponents[members]
@@ -106,8 +104,6 @@ class Plan:
     @cached_property
     def shared(self) -> BatchJob:
         """What the jobs of members have in common, of a type that numpy holds."""
-        from polhode.taylor.batches import BatchJob, Columns
-
         tables, number = self.tables, self.number
         grid = np.array([number_value(t, number) for t in self.times], kind_of(number))
         how = tables.names, number, self.tolerance, self.max_steps, grid, Fraction(1)
@@ -392,8 +388,6 @@ def refuse_out_of_range(
     members: Members, index: int, number: NumberType, values: Iterable[Exact]
 ) -> None:
     """Refuse a member's numbers that the type cannot hold; raises BadInput."""
-    from polhode.taylor import heyoka
-
     try:
         for x in values:
             heyoka.scalar(x, number)

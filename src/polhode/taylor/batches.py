@@ -363,21 +363,21 @@ def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
     many = job.motions.many
     if job.sure:
         steps = np.zeros(many, dtype=np.int64)
-        found = Solved.undone(at_once(job, np.arange(many), stop, steps))
-        found.steps = steps
-        there = np.isfinite(found.states[:, -1]).all(axis=1) & (steps <= job.max_steps)
-        _note(job, there, found)
+        results = Solved.undone(at_once(job, np.arange(many), stop, steps))
+        results.steps = steps
+        there = np.isfinite(results.states[:, -1]).all(axis=1) & (steps <= job.max_steps)
+        _note(job, there, results)
         if there.all():
-            return found
+            return results
     else:
         shape = (many, len(job.times), job.columns)
-        found = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
+        results = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
     with prepared(job) as ready:
-        for which, own in job.in_units(np.flatnonzero(found.outcomes != _THERE)):
-            some = Solved.undone(found.states[which])
+        for which, own in job.in_units(np.flatnonzero(results.outcomes != _THERE)):
+            some = Solved.undone(results.states[which])
             _Way(own, ready, stop).finish(some)
-            found.put(which, some)
-    return found
+            results.put(which, some)
+    return results
 
 
 def at_once(

@@ -253,16 +253,16 @@ def sweep(
     """
     from polhode.dynamics.reduce_many import reduce_many
     from polhode.runs import integrate_many as starts_file
-    from polhode.runs.integrate_many import integrate_many, varied_of
+    from polhode.runs.integrate_many import integrate_many
 
     if (starts is None) == (vary is None):
         keys = None if vary is None else ", ".join(map(str, vary))
         raise BadInput(scene.name, "--vary", keys, "numbers to vary or --starts FILE, one of them")
-    varied: Any = vary
+    rows = None
     if starts is not None:
         rows = starts_file.read(Path(starts), scene, number == "extended")
-        scene, varied = varied_of(scene, rows)
     how: dict[str, Any] = {
+        "starts": rows,
         "number": number,
         "tol": tol,
         "max_steps": max_steps,
@@ -271,10 +271,10 @@ def sweep(
         "progress": progress,
     }
     if keep is None:
-        return integrate_many(scene, varied, digits=digits, method=method or "auto", **how)
+        return integrate_many(scene, vary, digits=digits, method=method or "auto", **how)
     if digits is not None:
         raise BadInput(scene.name, "--digits", digits, "--number instead, with --keep")
-    return reduce_many(scene, varied, keep, **how)
+    return reduce_many(scene, vary, keep, **how)
 
 
 def certified(
