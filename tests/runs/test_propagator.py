@@ -323,6 +323,8 @@ def test_an_array_of_times_that_lead_nowhere_is_refused(times, start):
         with pytest.raises(polhode.BadInput, match=r"monotone|finite|sign"):
             go(start, t=given)
     assert go(t=np.array([1.0])).shape == (1, 6)  # and it is usable
+    with pytest.raises(polhode.BadInput, match="expected a time"):
+        go(start, t=np.array([]))
 
 
 @pytest.mark.parametrize("number", ["double", "extended"])

@@ -21,7 +21,7 @@ from polhode.equations import integrals
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.runs import members as sweep_plan
 from polhode.runs.members import fastest
-from polhode.scenes import scene_file, vary
+from polhode.scenes import members, scene_file, vary
 from shared.examples import examples
 from shared.motions import free_file, heavy, heavy_file
 from shared.policies import change_policy
@@ -209,10 +209,11 @@ def test_members_by_their_scenes_have_the_bound_of_their_energy(end):
     scene = polhode.top(moments=[1, 1, "1e-12"], centre=[1, 0, 0], weight=own**2, **start)
     given = {"body.weight": [f"sqrt(2)*{own**2}"]}
     if own == 1:
-        same = sweep_plan.planned(
-            scene, {"body.weight": [math.sqrt(2)]}, None, None, None, None
-        ).rates
-        assert sweep_plan.planned(scene, given, None, None, None, None).rates == pytest.approx(same)
+        rates, same = (
+            sweep_plan.planned(scene, vary.grid(x, scene.name), None, None, None, None).tables.rates
+            for x in (given, {"body.weight": [math.sqrt(2)]})
+        )
+        assert rates == pytest.approx(same)
     begun = time.process_time()
     many = polhode.integrate_many(scene, given, at=[end], max_steps=5000)
     assert many.outcomes == (polhode.Outcome.STEP_LIMIT,)
@@ -238,8 +239,21 @@ def test_the_unit_of_time_next_to_a_power_of_two():
     many = polhode.integrate_many(scene, {"start.omega[1]": rates})
     assert len({member.time_unit for member in many.members}) == 2
     assert_own_runs(many)
-    plan = sweep_plan.planned(scene, {"start.omega[1]": rates}, None, None, None, None)
-    assert plan.exponents.tolist() == [m.time_unit for m in plan.members]
+    varied = vary.grid({"start.omega[1]": rates}, scene.name)
+    plan = sweep_plan.planned(scene, varied, None, None, None, None)
+    assert plan.tables.exponents.tolist() == [m.time_unit for m in plan.members]
+
+
+@pytest.mark.parametrize("key", ["start.omega[2]", "body.weight"])
+def test_members_are_the_same_in_however_many_blocks_they_are_read(monkeypatch, key):
+    """One in a later block is put in by its scene, after others of the same body and none."""
+    given = {"start.omega[1]": ["1/3", 8], key: [1, 3, 5, "sqrt(2)", 7]}
+    whole = polhode.integrate_many(heavy("9"), given, at=[1])
+    monkeypatch.setattr(members, "BLOCK", 2)
+    parts = polhode.integrate_many(heavy("9"), given, at=[1])
+    assert parts.states.tobytes() == whole.states.tobytes()
+    assert parts.steps == whole.steps
+    assert len({member.time_unit for member in whole.members}) > 1
 
 
 @pytest.mark.parametrize("number", ["double", "extended"])
@@ -248,13 +262,13 @@ def test_what_cancels_along_turned_axes_is_exactly_nothing(number):
     inertia = [["66/25", "-12/25", 0], ["-12/25", "59/25", 0], [0, 0, 4]]
     scene = polhode.top(inertia=inertia, omega=[1, "5/17", 1], end=1)
     given = {"start.omega[1]": ["-20/51", "4/3"]}
-    plan = sweep_plan.planned(scene, given, number, None, None, None)
+    plan = sweep_plan.planned(scene, vary.grid(given, scene.name), number, None, None, None)
     exact = [member.body.axes.components(member.omega) for member in plan.members]
-    assert [[x == 0 for x in row] for row in exact] == (plan.motions.starts == 0).tolist()
-    assert (plan.motions.starts[0] == 0).any()
-    units = [Fraction(2) ** int(n) for n in plan.exponents]
+    assert [[x == 0 for x in row] for row in exact] == (plan.tables.starts == 0).tolist()
+    assert (plan.tables.starts[0] == 0).any()
+    units = [Fraction(2) ** int(n) for n in plan.tables.exponents]
     near = [[float(x * unit) for x in row] for row, unit in zip(exact, units, strict=True)]
-    assert np.array_equal(plan.motions.starts.astype(float), near)
+    assert np.array_equal(plan.tables.starts.astype(float), near)
 
 
 def test_members_are_as_right_as_their_closed_forms_say():

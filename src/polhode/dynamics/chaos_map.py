@@ -118,13 +118,12 @@ def on_section(
     )
 
 
-def of_varied(scene: Scene, varied: vary.Vary, foretold: Callable[[int], object]) -> Motions:
+def of_varied(scene: Scene, grid: vary.Grid, foretold: Callable[[int], object]) -> Motions:
     """The motions of a scene in which numbers vary; raises BadInput.
 
     All combinations of two numbers make a grid.  ``foretold``: told how many they are before they
     are made, to refuse them.
     """
-    grid = vary.grid(varied, scene.name, scene.units)
     if len(grid.rows) > MOST_MOTIONS:
         expected = f"at most {MOST_MOTIONS}; a coarser grid"
         raise BadInput(scene.name, "vary", f"{len(grid.rows)} motions", expected)

@@ -197,8 +197,8 @@ def job_of(
     scene: Scene, plan: Plan, which: tuple[Reduction, ...], group: npt.NDArray[np.int64]
 ) -> Job:
     """The job of some members that have a unit of time in common."""
-    read, n = reader(plan, group), int(plan.exponents[group[0]])
-    motions, kinds = plan.motions.some(group), {reduction.kind for reduction in which}
+    read, n = reader(plan, group), int(plan.tables.exponents[group[0]])
+    motions, kinds = plan.tables.motions(group), {reduction.kind for reduction in which}
     states = member_jobs.flat_job(plan, group) if kinds - {FIRST, LYAPUNOV} else None
     end = float(plan.times[-1] / Fraction(2) ** n)
     firsts = tuple(
@@ -217,14 +217,14 @@ def _of_event(
     """The job of an event, and what it needs where lanes are not sure."""
     assert event.expression is not None
     odd = odd_part(event.expression)  # it crosses zero where the expression does
-    size, motions = size_of(scene, event._replace(zero=odd)), plan.motions.some(group)
+    size, motions = size_of(scene, event._replace(zero=odd)), plan.tables.motions(group)
     largest = math.frexp(max(float(size.value), float(size.rate)) or 1.0)[1]
     turns = _turns(plan, group)
-    watched = Watched(plan.names, scene.columns, odd, 2.0**largest, turns is not None)
+    watched = Watched(plan.tables.names, scene.columns, odd, 2.0**largest, turns is not None)
     job = SearchJob(
         *(watched, _DIRECTIONS[event.direction], 1, end, STRETCH),
-        *(double_array(motions.coefficients), double_array(motions.starts)),
-        *(int(plan.exponents[group[0]]), turns),
+        *(double_array(motions.rows), double_array(motions.starts)),
+        *(int(plan.tables.exponents[group[0]]), turns),
         max_steps=plan.max_steps,
     )
     stopping = event._replace(stop=True)
@@ -254,7 +254,7 @@ def _tangents(plan: Plan, motions: Columns, end: float) -> TangentJob:
     tangents[:, :columns] = lyapunov.TANGENT[:columns]
     tangents /= np.linalg.norm(tangents, axis=1)[:, None]
     return TangentJob(
-        plan.names, double_array(motions.coefficients), six, tangents, end, _LOOKS, None, (), 0.0
+        plan.tables.names, double_array(motions.rows), six, tangents, end, _LOOKS, None, (), 0.0
     )
 
 

@@ -200,10 +200,10 @@ def reduce_many(
     if at is not None:
         scene = scene.at(at)
     which = asked(scene, keep)
-    scene, vary = varied_of(scene, starts, vary)
+    scene, varied = varied_of(scene, starts, vary)
     plan = planned(
         replace(scene, events=()),
-        vary,
+        varied,
         number,
         None,
         tol,
@@ -216,7 +216,7 @@ def reduce_many(
     size = len(plan.members) * len(plan.times) * len(scene.columns)
     groups = list(plan.groups(LANES, max(_JOBS, -(-size // MOST_AT_ONCE))))
     jobs = [job_of(scene, plan, which, group) for group in groups]
-    key = scene.text, scene.times, which, plan.varied, plan.number, tol, plan.max_steps
+    key = scene.text, scene.times, which, varied, plan.number, tol, plan.max_steps
     checkpoint = JobCheckpoint.at(parts, "sweep", *key)
     finished = run_jobs(
         solve,
@@ -243,7 +243,7 @@ def reduce_many(
     plan.members.speak()
     return Reductions(
         scene,
-        plan.varied,
+        varied,
         plan.members,
         plan.number,
         tuple(reduction.text for reduction in which),

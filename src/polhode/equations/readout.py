@@ -190,11 +190,15 @@ class Readout:
             return []
         if self.number.flat:
             rows_of_angles = self._flat_angles(self._array(rows), flat(states))
+            import numpy as np
+
+            across = flat(states)[:, 3:5].T
+            poles = np.flatnonzero((across[0] == 0) & (across[1] == 0)).tolist()
         else:
             rows_of_angles = [self._angles(*pair) for pair in zip(rows, states, strict=True)]
-        for row, state in zip(rows_of_angles, states, strict=True):
-            if state[3] == 0 == state[4]:
-                row[0] = row[2] = None
+            poles = [k for k, state in enumerate(states) if state[3] == 0 == state[4]]
+        for k in poles:
+            rows_of_angles[k][0] = rows_of_angles[k][2] = None
         return rows_of_angles
 
     def _upright(self, rows: Flat, states: Flat) -> Extendeds:

@@ -40,7 +40,7 @@ from polhode.results.shown import lines
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.trajectory import ERROR, Trajectory
 from polhode.scenes import vary
-from polhode.scenes.members import Blocks, Members
+from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
     provenance_fact,
@@ -108,7 +108,7 @@ def drifts(members: Members, states: Stack, one: Callable[[int], Drift]) -> Doub
     """
     drift = np.full((len(members), 4), np.nan)
     there = states[:, :, 0] == states[:, :, 0]
-    for given in Blocks(members):
+    for given in members.blocks():
         block, unit = given.exact(), not given.arrays
         here = slice(block.first, block.last)
         columns = states.dtype != object and block.axes.trivial and not _irrational(block)

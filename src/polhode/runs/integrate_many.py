@@ -9,7 +9,7 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy.typing as npt
 
@@ -26,15 +26,11 @@ from polhode.runs.member_jobs import FlatJob, WideJob
 from polhode.runs.members import Plan, planned
 from polhode.runs.options import check_method
 from polhode.scenes import library, vary
-from polhode.scenes.members import Members
+from polhode.scenes.members import Members, numbers_of
 from polhode.scenes.scene import Scene
-from polhode.scenes.scene_file import tables_of
 from polhode.scenes.vocabulary import REQUESTS
 from polhode.taylor import defaults
-
-if TYPE_CHECKING:
-    from polhode.taylor.batches import Solved
-
+from polhode.taylor.batches import LANES, Solved
 
 # --- array starts ---------------------------------------------------------------------------------
 #
@@ -43,7 +39,7 @@ if TYPE_CHECKING:
 
 def varied_of(
     scene: Scene, starts: npt.ArrayLike | None, others: vary.Vary | None = None
-) -> tuple[Scene, vary.Vary]:
+) -> tuple[Scene, vary.Grid]:
     """The scene of a sweep and what is varied of it, by keys or by starts; raises BadInput.
 
     ``starts``: (N, 6), or (N, 3) of a scene without gamma; ``others``, beside them, are arrays of
@@ -52,21 +48,17 @@ def varied_of(
     if starts is None:
         if others is None:
             raise BadInput(scene.name, "vary", None, "numbers to vary, or starts")
-        return scene, others
+        return scene, vary.grid(others, scene.name, scene.units)
     rows = rows_of(scene.name, "starts", starts, len(scene.columns))
-    varied: dict[str, Any] = {"start.omega": rows[:, :3]}
-    if scene.gamma is not None:
-        varied["start.gamma"] = rows[:, 3:]
     if others is not None and not isinstance(others, Mapping):
         raise BadInput(scene.name, "vary", "a list", "arrays of the body's numbers, beside starts")
-    for key, given in (others or {}).items():
+    for key in others or ():
         if key.startswith("start.") and key != "start.psi":
             raise BadInput(scene.name, "vary", key, "numbers of the body, beside starts")
-        varied[key] = given
-    own = tables_of(scene)["start"]
+    own = numbers_of(scene)[0]["start"]
     if "omega" not in own or ("gamma" in own) != (scene.gamma is not None):  # angles, a level
         scene = replace(scene, source="")
-    return scene, varied
+    return scene, vary.grid(others or {}, scene.name, scene.units, rows)
 
 
 # --- integrate many -------------------------------------------------------------------------------
@@ -193,22 +185,20 @@ def integrate_many(
     if workers is not None:
         workers = whole(scene.name, "workers", workers, 1)
     check_method(scene, method)
-    scene, vary = varied_of(scene, starts, vary)
-    from polhode.taylor.batches import LANES
-
-    plan = planned(scene, vary, number, digits, tol, max_steps)
+    scene, varied = varied_of(scene, starts, vary)
+    plan = planned(scene, varied, number, digits, tol, max_steps)
     if method == "refined" and plan.number.flat:
         raise BadInput(scene.name, "method", method, "quad or more digits, or the method taylor")
     prepared = time.perf_counter()
     here = executor is None and parts is None
     size, most = LANES if plan.number.name == "double" else 1, _most_jobs(plan, here)
-    single = most == 1 and plan.number.flat and plan.steps.sure
+    single = most == 1 and plan.number.flat and plan.shared.sure
     groups = list(plan.groups(size, most, single))
     if here and most == 1:  # not worth a second thread
         workers = workers or 1
     kept = None
     if parts is not None:  # writing a scene as text takes longer than a small sweep
-        key = scene.text, plan.times, method, plan.varied, plan.number, plan.tolerance
+        key = scene.text, plan.times, method, varied, plan.number, plan.tolerance
         kept = JobCheckpoint(parts, "sweep", *key, plan.max_steps, *groups)
     jobs: list[FlatJob | WideJob] = [
         member_jobs.flat_job(plan, group)
@@ -238,7 +228,7 @@ def integrate_many(
     tolerance = plan.tolerance or plan.number.eps
     return Ensemble(
         scene=scene,
-        varied=plan.varied,
+        varied=varied,
         members=plan.members,
         number=plan.number,
         times=plan.times,
@@ -269,7 +259,7 @@ def _most_jobs(plan: Plan, here: bool) -> int:
     least, most = _JOBS
     if not plan.number.flat:
         return most
-    radians = float(plan.rates.sum()) * abs(float(plan.times[-1]))
+    radians = float(plan.tables.rates.sum()) * abs(float(plan.times[-1]))
     share = _SHARE if plan.number.name == "double" else 1.0
     seconds = share * defaults.seconds(plan.number, _STEPS_PER_RADIAN * radians)
     if here:

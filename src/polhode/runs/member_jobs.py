@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -23,10 +23,8 @@ from polhode.runs.members import Plan, exact_numbers, refuse_out_of_range
 from polhode.runs.options import Options, hindrance_to_refinement
 from polhode.runs.solve import solve
 from polhode.scenes.scene import Scene
-
-if TYPE_CHECKING:
-    from polhode.taylor.batches import BatchJob, Solved
-
+from polhode.taylor import batches
+from polhode.taylor.batches import BatchJob, Solved
 
 # --- results --------------------------------------------------------------------------------------
 #
@@ -44,8 +42,6 @@ def no_states(number: NumberType, shape: tuple[int, ...]) -> Stack:
 
 def none_of(number: NumberType, members: int, times: int, columns: int) -> Solved:
     """Nothing done yet."""
-    from polhode.taylor.batches import Solved
-
     return Solved.undone(no_states(number, (members, times, columns)))
 
 
@@ -84,8 +80,6 @@ def packed(found: Solved, number: NumberType) -> Mapping[str, npt.ArrayLike]:
 
 def unpacked(held: Arrays, number: NumberType) -> Solved:
     """The same back."""
-    from polhode.taylor.batches import Solved
-
     told = json.loads(str(held["errors"]))
     return Solved(
         flat(held["states"]) if number.flat else _numbers(held["states"], number),
@@ -139,7 +133,8 @@ class Reader:
 
 def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
     """What reads the rows of some members of a sweep."""
-    exponents, base, stay = plan.exponents[members], plan.members.scene, plan.members.axes_stay
+    exponents, base = plan.tables.exponents[members], plan.members.scene
+    stay = plan.members.axes_stay
     if stay and base.body.axes.trivial:  # a reading knows the axes alone
         return Reader(plan.number, exponents, ())
     which = [exponents, *([] if stay else plan.bodies(members))]
@@ -162,22 +157,13 @@ class FlatJob(NamedTuple):
 
     def solved(self, stop: Stop | None = None) -> Solved:
         """What became of the members, in the scene's axes and units; ``stop`` ends it sooner."""
-        from polhode.taylor import batches
-
         solved = batches.solve(self.steps, stop)
         return replace(solved, states=self.read.states(solved.states))
 
 
 def flat_job(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
     """The job of some members, which have a unit of time in common or are sure to arrive."""
-    from polhode.taylor import lanes
-
-    job = plan.steps.some(group)
-    if not job.sure:
-        with np.errstate(over="ignore"):  # of a rate that is only known to be so small
-            fastest = float(np.ldexp(plan.rates[group].max(), plan.exponents[group[0]]))
-        job = job._replace(sure=lanes.surely(job, fastest))
-    return FlatJob(job, reader(plan, group))
+    return FlatJob(plan.job(group), reader(plan, group))
 
 
 # --- wide members ---------------------------------------------------------------------------------

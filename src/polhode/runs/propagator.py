@@ -109,7 +109,8 @@ class Propagator:
         self._engine = system.engine()
         finalize(self, self._engine.release).atexit = False  # another body's from then on
         self._state = self._engine.state
-        self._last: tuple[bytes, Grid | None] = b"", None  # several times, by value, and their grid
+        #: several times by value, their grid, which long steps are for so many, how far these are
+        self._last: tuple[bytes, Grid | None, LongSteps | None, float] = b"", None, None, 0.0
         self._memory: Any = memoryview(self._state)  # which takes an array of its own kind alone
         self._first: Flat = self._state.copy()
         self._kind, self._shape = self._first.dtype, self._first.shape
@@ -129,7 +130,10 @@ class Propagator:
         loose = 0.0
         if system.tolerance is not None and self.number == DOUBLE and every is None:
             loose = float(system.tolerance) if system.tolerance > DOUBLE.eps else 0.0
-        self._long_steps = [LongSteps(system, x, back) for x in defaults.long_steps(loose)]
+        self._long_steps = [
+            LongSteps(system, choice, double_array(self._state), back)
+            for choice in defaults.long_steps(loose)
+        ]
         self._far = math.inf  # (radians)**2 from where on heyoka's own order is not the fastest
         if loose > defaults.ABOVE:
             self._far, self._order = defaults.FAR**2, order_of(loose) + defaults.MORE
@@ -250,13 +254,12 @@ class Propagator:
             elif (grid := self._grid(t)) is not None and (
                 square := grid.square * rate
             ) < self._sure:
-                if self._long_steps:
-                    long_steps = self._long_steps[grid.size >= defaults.LONG_MANY]
-                    if (attempt := long_steps.rows(self._memory, grid, square)) is not None:
-                        outputs, self.steps = attempt
-                        self.outcome = _REACHED_END
-                        return outputs if self._turn is None else self._read(outputs)
-                if square > max(self._far, (grid.size / defaults.FAR_OUTPUTS) ** 2):
+                _, _, long_steps, far = self._last
+                if long_steps and (attempt := long_steps.rows(grid, square)) is not None:
+                    outputs, self.steps = attempt
+                    self.outcome = _REACHED_END
+                    return outputs if self._turn is None else self._read(outputs)
+                if square > far:
                     engine = self._higher_at_start()
                 engine.begin()
                 ended, _, _, self.steps, _, rows = engine.heyoka.propagate_grid(grid.ahead)
@@ -264,8 +267,8 @@ class Propagator:
                     self.outcome = _REACHED_END
                     if engine is not self._engine:
                         rows = rows[:, : engine.columns].copy()
-                    states: Flat = rows[-grid.size :]
-                    return self._read(states)
+                    states: Flat = rows if len(rows) == grid.size else rows[1:]
+                    return states if self._plain else self._read(states)
             given, several = numbers_given(t)
             if self._long_steps and _plain_numbers(given, self._kind) is None:
                 times, unit = self._times(t)[0], self._unit
@@ -351,15 +354,19 @@ class Propagator:
 
     def _grid(self, t: object) -> Grid | None:
         """The grid of several plain numbers, kept until others come; None of all else."""
-        if type(t) is not np.ndarray or t.dtype != self._kind:
+        times = t
+        if type(times) is not np.ndarray or times.dtype is not self._kind:
             times = _plain_numbers(t.tolist() if type(t) is np.ndarray else t, self._kind)
-        else:
-            times = t if t.ndim == 1 else None
-        if times is None:
+        if times is None or times.ndim != 1 or not times.size:
             return None
         value = times.tobytes()
         if value != self._last[0]:
-            self._last = value, Grid.of(times, self._unit)
+            grid, long_steps, far = Grid.of(times, self._unit), None, self._far
+            if grid is not None:
+                far = max(far, (grid.size / defaults.FAR_OUTPUTS) ** 2)
+                if self._long_steps:
+                    long_steps = self._long_steps[grid.size >= defaults.LONG_MANY]
+            self._last = value, grid, long_steps, far
         return self._last[1]
 
     def _higher_at_start(self) -> Engine:

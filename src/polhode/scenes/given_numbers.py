@@ -171,7 +171,7 @@ def quantity(text: str) -> Exact | Quantity:
     return value
 
 
-def mentions_unit(text: str) -> bool:
+def in_units(text: str) -> bool:
     """Whether a name in a text follows a number, or is a unit's."""
     text = in_ascii(text)
     return bool(_AFTER_NUMBER.search(text)) or any(x in _NAMED for x in _NAME.findall(text))
@@ -225,12 +225,6 @@ TIME, ENERGY, AREA = "s", "J", "kg*m**2/s"
 _UNITLESS = 'with a unit, and the scene has none; units = "SI" in it says that its numbers are SI'
 
 
-def in_units(text: str) -> bool:
-    """Whether a number is written with a unit."""
-
-    return mentions_unit(text)
-
-
 def reader(units: str, unit: str) -> Callable[[object], Exact]:
     """What reads a number beside a scene of these ``units``; ``unit``: as in ``quantity.in_unit``.
 
@@ -260,6 +254,6 @@ def number_in_text(text: str, unit: str) -> tuple[Exact, bool]:
     try:
         return expression.number(text), False
     except ExpressionError:
-        if not mentions_unit(text):
+        if not in_units(text):
             raise
         return in_unit(text, unit), not is_angle(text)

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from polhode.common.errors import BadInput, FileName, nearest, say_change
-from polhode.common.values import cached_property
+from polhode.common.values import Recent, cached_property
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
@@ -26,15 +26,18 @@ from polhode.scenes.scene_file import exact_value
 from polhode.scenes.vary import Grid
 from polhode.scenes.vocabulary import CENTRE
 
-# --- sweep scenes ---------------------------------------------------------------------------------
+# --- sweep members --------------------------------------------------------------------------------
 #
-# Many scenes from one: the members of a sweep, every one exact, and checked when it is made.
+# The members of a sweep are columns of numbers by key; the scene of one, exact and checked, is made
+# when it is asked for.
 
 
+BLOCK = 1 << 16  # members that are read at once: a bound on what planning holds
 _BODIES = 1024  # that are remembered
 _LOOKED_AT = 64  # members, for notes
 _NOT_FLAT = 1 - Fraction(1, 1 << 40)
-_MAY_BE_ROUNDED = {"body.moments", "body.inertia", "start.gamma", "start.quaternion"}
+_OF_BODY = {"body.moments", "body.inertia"}  # of what a member's rounding may be taken off
+_OF_START = {"start.gamma", "start.quaternion"}
 
 _SECTIONS = ("body", "start")
 _KEY = re.compile(r"(body|start)\.[a-z_]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
@@ -45,7 +48,7 @@ _WORDS = vocabulary.words("body") | vocabulary.words("body.parts") | vocabulary.
 
 
 class Members(LazySequence[Scene]):
-    """The scenes of a sweep, without output times; each made, and checked, when it is asked for."""
+    """The members of a sweep: in columns, and as scenes without output times, made when asked."""
 
     def __init__(self, scene: Scene, varied: Grid) -> None:
         self.scene, self.varied = scene, varied
@@ -58,7 +61,7 @@ class Members(LazySequence[Scene]):
         """The scene of a member."""
         reading: _Reading | None = getattr(self._mine, "reading", None)
         if reading is None:
-            reading = self._mine.reading = _Reading(self.scene, self.varied)
+            reading = self._mine.reading = _Reading(self.scene, self.varied, self.same_body)
         return reading.member(k)
 
     def __eq__(self, other: object) -> bool:
@@ -75,13 +78,31 @@ class Members(LazySequence[Scene]):
         self.__init__(*state)  # type: ignore[misc]
 
     @cached_property
+    def vectors(self) -> frozenset[str]:
+        """The keys of which numbers vary, without the places of the numbers in them."""
+        return frozenset(key.partition("[")[0] for key in self.varied.keys)
+
+    @cached_property
+    def arrays(self) -> dict[str, Flat]:
+        """The columns that were given as floats, by key."""
+        each = zip(self.varied.keys, self.varied.rows.columns, strict=True)
+        return {key: column.floats for key, column in each if column.floats is not None}
+
+    @cached_property
+    def same_body(self) -> bool:
+        """Whether all members have the body of the scene."""
+        return not any(key.startswith("body.") for key in self.vectors)
+
+    @cached_property
     def axes_stay(self) -> bool:
         """Whether all members have the principal axes of the scene.
 
         A body of parts, or one whose inertia is given about its centre of mass, turns its axes with
         nearly every number.  Two equal moments leave a choice, which the centre of mass makes.
         """
-        varied = {key.partition("[")[0] for key in self.varied.keys if key.startswith("body.")}
+        if self.same_body:
+            return True
+        varied = {key for key in self.vectors if key.startswith("body.")}
         varied -= {"body.weight", "body.g"}
         if not varied:
             return True
@@ -96,14 +117,11 @@ class Members(LazySequence[Scene]):
     @cached_property
     def notes(self) -> tuple[str, ...]:
         """The notes of the scene, and what was changed of the first members, as of one of them."""
-        varied = {key.partition("[")[0] for key in self.varied.keys}
-        each = zip(self.varied.keys, self.varied.rows.columns, strict=True)
-        as_is = any(k.startswith("start.") for k, x in each if x.floats is not None)
-        if as_is:  # members begin at the numbers of the arrays
-            varied = {key for key in varied if key.startswith("body.")}
-        if not varied & _MAY_BE_ROUNDED:
+        of_body, of_start = self.vectors & _OF_BODY, self.vectors & _OF_START
+        as_is = any(key.startswith("start.") for key in self.arrays)
+        starts = bool(of_start) and not as_is  # else members begin at the numbers of the arrays
+        if not of_body and not starts:
             return self.scene.notes
-        starts = any(key.startswith("start.") for key in varied & _MAY_BE_ROUNDED)
         few = range(min(len(self), _LOOKED_AT))
         members = (self[k] for k in few if starts or self._body_may_be_changed(k))
         of_members = ([*filter(None, [x.body.change])] if as_is else x.changes for x in members)
@@ -131,23 +149,104 @@ class Members(LazySequence[Scene]):
 
     @cached_property
     def tables(self) -> dict[str, Any]:
-        """The tables that are varied, as they were before; not to be written to."""
-        data = scene_file.tables_of(self.scene)
-        _places(dict(_leaves(data)), self.varied.keys, self.scene.name)
-        return data
+        """The tables that are varied, as they were before; not to be written to.
+
+        Raises BadInput for a key that is none of them.
+        """
+        tables, homes = numbers_of(self.scene)
+        _places(homes, self.varied.keys, self.scene.name)
+        return tables
+
+    # -- in columns -----------------------------------------------------------------------------
+
+    def blocks(self) -> Iterator[Block]:
+        """The members in columns, some at a time; raises BadInput for an impossible one."""
+        count = len(self)
+        for first in range(0, count, BLOCK):
+            yield self._block(first, min(first + BLOCK, count))
+
+    @cached_property
+    def _columns(self) -> dict[str, tuple[Rationals | Flat, Booleans | None]]:
+        """By key its numbers, and where these columns have not got them."""
+        each = zip(self.varied.keys, self.varied.rows.columns, strict=True)
+        return {key: _parts(column, key.startswith(_ARRAYS)) for key, column in each}
+
+    @cached_property
+    def _readable(self) -> bool:
+        """Whether such a scene can be read in columns."""
+        scene, start, body = self.scene, self.tables["start"], self.tables["body"]
+        plain = "omega" in start and start.keys() <= _START and body.keys() <= _BODY
+        if not (self.vectors <= _KEYS and plain and self.axes_stay):
+            return False
+        if not self.same_body:
+            own = scene.body.moments if scene.body.axes.trivial else ()
+            numbers = (scene.body.weight, *own, *scene.body.centre)
+            if not all(isinstance(x, Fraction) for x in numbers):
+                return False
+        if "start.gamma" not in self.vectors or self.given_as_array("start.gamma"):
+            return True
+        gamma = (exact_value(x, "start.gamma", scene.name) for x in start["gamma"])
+        return not start.get("normalise") and all(isinstance(x, Fraction) for x in gamma)
+
+    def given_as_array(self, vector: str) -> bool:
+        """Whether all of a vector is."""
+        return self.arrays.keys() >= {f"{vector}[1]", f"{vector}[2]", f"{vector}[3]"}
+
+    def _block(self, first: int, last: int) -> Block:
+        count, scene, rows = last - first, self.scene, self.varied.rows
+        if not self._readable:
+            return Block(first, last, np.ones(count, bool), _NONE, _NONE, _NONE, None)
+        left = np.zeros(count, dtype=bool)
+        columns: dict[str, Column] = {}
+        for (key, (column, odd)), size, repeat in zip(
+            self._columns.items(), rows.sizes, rows.repeats, strict=True
+        ):
+            at: Any = slice(first, last)
+            if repeat > 1 or size < len(self):
+                at = np.arange(first, last) // repeat % size
+            columns[key] = column[at]
+            if odd is not None:
+                left |= odd[at]
+
+        def vector(name: str, fixed: Vector) -> Vector:
+            if name not in self.vectors:
+                return fixed
+            a, b, c = (columns.get(f"{name}[{i + 1}]", x) for i, x in enumerate(fixed))
+            return a, b, c
+
+        body, vectors = scene.body, self.vectors
+        moments, torque = vector("body.moments", body.moments), body.torque
+        weight, bad = columns.get("body.weight", body.weight), np.zeros(count, dtype=bool)
+        if "body.weight" in vectors or "body.centre" in vectors:
+            x, y, z = (_times(weight, c) for c in vector("body.centre", body.centre))
+            torque = x, y, z
+        omega = vector("start.omega", scene.omega)
+        gamma = None if scene.gamma is None else vector("start.gamma", scene.gamma)
+        if "body.moments" in vectors:
+            bad |= _unphysical(moments)
+        exact_gamma = "start.gamma" in vectors and not self.given_as_array("start.gamma")
+        if gamma is not None and exact_gamma:
+            square = sum((_times(g, g) for g in gamma), Rationals(0, 1)) - 1
+            bad |= np.asarray(_sign(square) != 0)
+        if torque is not body.torque and (gamma is None or "centre" not in self.tables["body"]):
+            for x in (weight, *torque):
+                bad |= np.asarray(_sign(x) != 0)
+        if bad.any():
+            for k in np.flatnonzero(bad & ~left):
+                _ = self[first + int(k)]  # says what is wrong, if it is
+                left[k] = True
+        return Block(first, last, left, moments, torque, omega, gamma, body.axes)
 
 
 class _Reading:
     """A scene's tables in which a member's values are put before it is read."""
 
-    def __init__(self, scene: Scene, varied: Grid) -> None:
-        self.scene, self.varied = scene, varied
-        self.data = scene_file.tables_of(scene)
-        leaves = dict(_leaves(self.data))
+    def __init__(self, scene: Scene, varied: Grid, same_body: bool) -> None:
+        self.scene, self.varied, self.same_body = scene, varied, same_body
+        self.data, leaves = _new_numbers(scene)
         for key, (table, at) in leaves.items():  # read once for all members
             table[at] = scene_file.exact_value(table[at], key, scene.name)
         self.places = _places(leaves, varied.keys, scene.name)
-        self.same_body = not any(key.startswith("body.") for key in varied.keys)
         bare = replace(scene, times=(), published=(), expect={}, source="", outputs=())
         self.bare = replace(bare, change="", doubt="")
         self.bodies: dict[tuple[Any, ...], Body] = {}
@@ -206,6 +305,21 @@ def _places(homes: Mapping[str, Slot], varied: Sequence[str], name: str) -> list
     return places
 
 
+#: The tables of a scene, and by key where each number of theirs stands.
+Numbers: TypeAlias = tuple[dict[str, Any], Mapping[str, Slot]]
+_numbers: Recent[Numbers] = Recent(1)
+
+
+def numbers_of(scene: Scene) -> Numbers:
+    """The tables of body and start and their numbers, read once; not to be written to."""
+    return _numbers.get(scene.identity, "", lambda: _new_numbers(scene))
+
+
+def _new_numbers(scene: Scene) -> Numbers:
+    data = scene_file.tables_of(scene)
+    return data, dict(_leaves(data))
+
+
 def _leaves(data: dict[str, Any]) -> Iterator[tuple[str, Slot]]:
     """Every number of the tables: its key, and where it stands, also of those left out."""
     body, start = data["body"], data["start"]
@@ -232,10 +346,10 @@ def _leaves(data: dict[str, Any]) -> Iterator[tuple[str, Slot]]:
 #
 # The members of a sweep as columns of exact numbers: many at once, and without an object each.
 #
-# Every member is checked as :class:`.sweep_scenes.Members` checks it. What these columns cannot
-# tell (an irrational value, a start in angles, inertia that varies beside principal axes that are
-# not the body's own) they leave to the member's scene, and the words of a fault too. Starts and
-# moments that were given as arrays stay the arrays that they are.
+# Every member is checked as its scene is when it is made. What these columns cannot tell (an
+# irrational value, a start in angles, inertia that varies beside principal axes that are not the
+# body's own) they leave to the member's scene, and the words of a fault too. Starts and moments
+# that were given as arrays stay the arrays that they are.
 
 
 #: A number that all members have in common (Exact), or one for each: Rationals, or the floats of
@@ -244,10 +358,10 @@ Column: TypeAlias = Scalar
 Vector: TypeAlias = tuple[Column, Column, Column]
 
 #: What may be varied here, and what a scene's tables may hold.
-_KEYS = (
+_KEYS = {
     *("body.moments", "body.centre", "body.weight"),
     *("start.omega", "start.gamma", "start.psi"),
-)
+}
 _BODY = {"moments", "inertia", "centre", "weight"}
 _START = {"omega", "gamma", "psi", "normalise"}
 
@@ -298,98 +412,6 @@ class Block:
 
         gamma = None if self.gamma is None else vector(self.gamma)
         return replace(self, moments=vector(self.moments), omega=vector(self.omega), gamma=gamma)
-
-
-class Blocks:
-    """Reads a sweep's members in columns, some at a time; raises BadInput for an impossible one."""
-
-    SIZE = 1 << 16  # members that are read at once: a bound on what planning holds
-
-    def __init__(self, members: Members) -> None:
-        self.members = members
-        self.keys = members.varied.keys
-        self.varied = members.varied.rows
-        self.data = members.tables
-        each = zip(self.keys, self.varied.columns, strict=True)
-        self._known = [_parts(column, key.startswith(_ARRAYS)) for key, column in each]
-
-    @cached_property
-    def readable(self) -> bool:
-        """Whether such a scene can be read in columns."""
-        scene, start, body = self.members.scene, self.data["start"], self.data["body"]
-        readable_keys = all(key.partition("[")[0] in _KEYS for key in self.keys)
-        plain = "omega" in start and {*start} <= _START and {*body} <= _BODY
-        if not (readable_keys and plain and self.members.axes_stay):
-            return False
-        own = scene.body.moments if scene.body.axes.trivial else ()
-        rational = isinstance(scene.body.weight, Fraction) and all(
-            isinstance(x, Fraction) for x in (*own, *scene.body.centre)
-        )
-        if any(key.startswith("body.") for key in self.keys) and not rational:
-            return False
-        return not self._has("start.gamma") or self._array("start.gamma") or self._plain_gamma
-
-    @property
-    def _plain_gamma(self) -> bool:
-        """Whether gamma is rational as it is given, and is not to be normalised."""
-        start, name = self.data["start"], self.members.scene.name
-        numbers = (exact_value(x, "start.gamma", name) for x in start["gamma"])
-        return not start.get("normalise") and all(isinstance(x, Fraction) for x in numbers)
-
-    def _array(self, vector: str) -> bool:
-        """Whether all of a vector is given as an array."""
-        each = zip(self.keys, self.varied.columns, strict=True)
-        return sum(k.startswith(vector) and x.floats is not None for k, x in each) == 3
-
-    def _has(self, start: str) -> bool:
-        return any(key.startswith(start) for key in self.keys)
-
-    def __iter__(self) -> Iterator[Block]:
-        count = len(self.members)
-        for first in range(0, count, self.SIZE):
-            yield self._block(first, min(first + self.SIZE, count))
-
-    def _block(self, first: int, last: int) -> Block:
-        count, scene = last - first, self.members.scene
-        if not self.readable:
-            return Block(first, last, np.ones(count, bool), _NONE, _NONE, _NONE, None)
-        left = np.zeros(count, dtype=bool)
-        columns: dict[str, Column] = {}
-        where = np.arange(first, last)
-        each = zip(self.keys, self._known, self.varied.columns, self.varied.repeats, strict=True)
-        for key, (column, odd), values, repeat in each:
-            at = where // repeat % len(values)
-            columns[key] = column[at]
-            if odd is not None:
-                left |= odd[at]
-
-        def vector(name: str, fixed: Sequence[Exact]) -> Vector:
-            a, b, c = (columns.get(f"{name}[{i + 1}]", x) for i, x in enumerate(fixed))
-            return a, b, c
-
-        moments = vector("body.moments", scene.body.moments)
-        weight = columns.get("body.weight", scene.body.weight)
-        centre = vector("body.centre", scene.body.centre)
-        torque: Vector = scene.body.torque
-        if self._has("body.weight") or self._has("body.centre"):
-            x, y, z = (_times(weight, c) for c in centre)
-            torque = x, y, z
-        omega = vector("start.omega", scene.omega)
-        gamma = None if scene.gamma is None else vector("start.gamma", scene.gamma)
-        bad = np.zeros(count, dtype=bool)
-        if self._has("body.moments"):
-            bad |= _unphysical(moments)
-        if self._has("start.gamma") and gamma is not None and not self._array("start.gamma"):
-            square = sum((_times(g, g) for g in gamma), Rationals(0, 1)) - 1
-            bad |= np.asarray(_sign(square) != 0)
-        if gamma is None or "centre" not in self.data["body"]:
-            bad |= np.any(
-                [np.broadcast_to(_sign(x) != 0, count) for x in (weight, *torque)], axis=0
-            )
-        for k in np.flatnonzero(bad & ~left):
-            _ = self.members[first + int(k)]  # says what is wrong, if it is
-            left[k] = True
-        return Block(first, last, left, moments, torque, omega, gamma, scene.body.axes)
 
 
 def _times(a: Column, b: Column) -> Column:

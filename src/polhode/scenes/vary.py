@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.common.arguments import each, of_kind, rows_of
 from polhode.common.errors import BadInput, plain, say_doubt
-from polhode.numbers import exact
-from polhode.numbers.exact import ZERO, Exact
+from polhode.numbers.exact import ZERO, Exact, pi
 from polhode.numbers.exact_sequences import ExactNumbers, LazySequence, spaced
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import numbers_given
@@ -37,22 +36,31 @@ _WIDTHS = {
     **{f"start.{key}": 3 for key in ("omega", "gamma", "momentum", "angles", "rates")},
     "start.quaternion": 4,
 }
+#: The keys of the numbers of a start, p q r gamma1 gamma2 gamma3.
+START = tuple(f"start.{name}[{i}]" for name in ("omega", "gamma") for i in (1, 2, 3))
 
 
 def row_by_row(
-    vary: Mapping[str, Any], name: str
-) -> tuple[tuple[str, ...], list[ExactNumbers[Fraction]]]:
-    """Keys and columns, where an array of rows is among what is varied; else none of them.
+    vary: Mapping[str, Any], name: str, starts: Flat | None = None
+) -> tuple[list[str], list[ExactNumbers[Fraction]]]:
+    """Keys and columns, where starts are given or an array of rows is among what is varied.
 
-    Raises BadInput, also for two arrays of one length without rows: they may mean either.
+    Else none of them.  Raises BadInput, also for two arrays of one length without rows: they may
+    mean either.
     """
+    keys: list[str] = []
+    columns: list[ExactNumbers[Fraction]] = []
+    if starts is not None:
+        keys += START[: starts.shape[1]]
+        columns += [ExactNumbers(floats=column) for column in starts.T.copy()]
+        if not vary:
+            return keys, columns
     arrays = {key: values for key, values in vary.items() if _dimensions(values) > 0}
     rows = [key for key, values in arrays.items() if _dimensions(values) > 1]
-    if not rows:
+    if not rows and starts is None:
         _ask(arrays, name)
-        return (), []
-    first, keys = rows[0], []
-    columns: list[ExactNumbers[Fraction]] = []
+        return keys, columns
+    first = "starts" if starts is not None else rows[0]
     for key, values in vary.items():
         if key not in arrays:
             expected = f"an array with a row for each of {first}: never every combination"
@@ -64,11 +72,12 @@ def row_by_row(
         if twice:
             raise BadInput(name, key, f"{twice[0]}, given twice", "each number in one array")
         keys += own
-        columns += [ExactNumbers(floats=column.copy()) for column in table.T]
+        columns += [ExactNumbers(floats=column) for column in table.T.copy()]
         if len(columns[-1]) != len(columns[0]):
-            expected = f"{len(columns[0])} rows, as many as {next(iter(vary))} has"
+            longest = first if starts is not None else next(iter(vary))
+            expected = f"{len(columns[0])} rows, as many as {longest} has"
             raise BadInput(name, key, f"{len(columns[-1])} rows", expected)
-    return tuple(keys), columns
+    return keys, columns
 
 
 def _dimensions(values: object) -> int:
@@ -117,13 +126,14 @@ class Rows(LazySequence[tuple[Exact, ...]]):
     the columns are as long as the rows are many.
     """
 
-    def __init__(self, columns: Sequence[Sequence[Exact]], product: bool) -> None:
-        each = (x if isinstance(x, ExactNumbers) else ExactNumbers(tuple(x)) for x in columns)
-        self.columns, self.product = tuple[ExactNumbers[Exact], ...](each), product
-        sizes = [len(column) for column in self.columns]
+    def __init__(self, columns: Sequence[ExactNumbers[Exact]], product: bool) -> None:
+        self.columns, self.product = tuple(columns), product
+        self.sizes = sizes = [column.size for column in columns]
         self._count = math.prod(sizes) if product else sizes[0]
         #: For each column how many rows have the same value in a row of rows.
-        self.repeats = [math.prod(sizes[i + 1 :]) if product else 1 for i in range(len(sizes))]
+        self.repeats = [1] * len(sizes)
+        if product:
+            self.repeats = [math.prod(sizes[i + 1 :]) for i in range(len(sizes))]
 
     def __len__(self) -> int:
         return self._count
@@ -193,15 +203,18 @@ def numbers(text: str, key: str, name: str, units: str, dimension: str) -> Seque
     return parts[0] if len(parts) == 1 else [x for part in parts for x in part]
 
 
-def grid(vary: Vary, name: str, units: str = "") -> Grid:
-    """Keys and rows of what is varied; raises BadInput."""
+def grid(vary: Vary, name: str, units: str = "", starts: Flat | None = None) -> Grid:
+    """Keys and rows of what is varied, beside an array of starts if there is one; raises BadInput.
+
+    ``starts``: (N, columns of a state), finite numbers.
+    """
     if isinstance(vary, (list, tuple)) and vary and all(isinstance(x, str) for x in vary):
         vary = options(vary, name, units)
     product = isinstance(vary, Mapping)
     if isinstance(vary, Mapping):
-        keys, arrays = row_by_row(vary, name)
-        if keys:
-            return _limited(Grid(keys, Rows(arrays, product=False)), name)
+        array_keys, arrays = row_by_row(vary, name, starts)
+        if array_keys:
+            return _limited(Grid(tuple(array_keys), Rows(arrays, product=False)), name)
         columns = [_column(key, values, name, units) for key, values in vary.items()]
         keys = tuple(vary)
     else:
@@ -216,7 +229,8 @@ def grid(vary: Vary, name: str, units: str = "") -> Grid:
         columns = [[_exact(m[key], key, name, units) for m in vary] for key in keys]
     if not keys:
         raise BadInput(name, "vary", None, "at least one number of the scene file to vary")
-    whole = _limited(Grid(keys, Rows(columns, product)), name)
+    exact = [x if isinstance(x, ExactNumbers) else ExactNumbers(tuple(x)) for x in columns]
+    whole = _limited(Grid(keys, Rows(exact, product)), name)
     if THETA in keys:
         _doubt(whole.rows.columns[keys.index(THETA)], name)
     return whole
@@ -233,7 +247,7 @@ def _limited(whole: Grid, name: str) -> Grid:
 def _doubt(column: ExactNumbers[Exact], name: str) -> None:
     """Say where a theta is of more than a turn."""
     largest = max(column.ends or column, key=abs, default=ZERO)
-    if abs(largest) > 2 * exact.pi():
+    if abs(largest) > 2 * pi():
         say_doubt(name, doubtful_theta(largest))
 
 

@@ -40,12 +40,12 @@ class EqualSteps(NamedTuple):
 
     @classmethod
     def of(cls, job: BatchJob, rates: Doubles) -> EqualSteps | None:
-        """That of a job's motions with such bounds of their rates; None for a job of another kind.
+        """That of many motions with such bounds of their rates; None for a job of another kind.
 
         Those that turn too far are left to batches.
         """
         row, tolerance = defaults.ARRAYS, float(job.tolerance or 0)
-        if len(rates) < row.starts or job.number != DOUBLE or tolerance < row.finest:
+        if job.number != DOUBLE or tolerance < row.finest:
             return None
         if np.count_nonzero(job.times) != 1:
             return None

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from itertools import count
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -81,6 +81,7 @@ class LaneQueue:
 
 
 _START = Fraction(0)
+_NOT_RUN = code(Outcome.NOT_RUN)
 
 
 class Columns(NamedTuple):
@@ -96,6 +97,12 @@ class Columns(NamedTuple):
     def many(self) -> int:
         """How many."""
         return len(self.starts)
+
+    @property
+    def rows(self) -> Stack:
+        """The coefficients, a row for each motion."""
+        shape = self.many, self.coefficients.shape[1]
+        return cast(Stack, np.broadcast_to(self.coefficients, shape))
 
     def some(self, which: npt.NDArray[np.int64] | slice | int) -> Columns:
         """Those of some indices."""
@@ -123,17 +130,21 @@ class BatchJob(NamedTuple):
     order: int = 0
     exponents: Indices | None = None
 
-    def some(self, which: Indices) -> BatchJob:
-        """The job of some of the motions, in their own unit of time if they have one in common."""
-        job = self._replace(motions=self.motions.some(which))
-        if self.exponents is None:
+    def of(self, motions: Columns, exponents: Indices | None) -> BatchJob:
+        """The job of other motions, in their own unit of time if they have one in common."""
+        exponent = 0 if exponents is None else int(exponents[0])
+        if exponents is None or (exponents != exponent).any():
+            return self._replace(motions=motions, exponents=exponents)
+        job = self._replace(motions=motions, exponents=None)
+        if not exponent:
             return job
-        exponents = self.exponents[which]
-        exponent = int(exponents[0])
-        if (exponents != exponent).any():
-            return job._replace(exponents=exponents)
-        times, unit = np.ldexp(self.times, -exponent), self.unit * Fraction(2) ** exponent
-        return job._replace(times=times, unit=unit, exponents=None)
+        unit = self.unit * Fraction(2) ** exponent
+        return job._replace(times=np.ldexp(self.times, -exponent), unit=unit)
+
+    def some(self, which: Indices) -> BatchJob:
+        """The job of some of the motions."""
+        exponents = None if self.exponents is None else self.exponents[which]
+        return self.of(self.motions.some(which), exponents)
 
     def in_units(self, which: Indices) -> Iterator[tuple[Indices, BatchJob]]:
         """Some of the motions, and their job, for each unit of time."""
@@ -170,7 +181,7 @@ class Solved:
         count = len(states)
         return cls(
             states,
-            np.full(count, code(Outcome.NOT_RUN), dtype=np.uint8),
+            np.full(count, _NOT_RUN, dtype=np.uint8),
             np.zeros(count, dtype=np.int64),
             np.full(count, _START, dtype=object),
         )
@@ -349,21 +360,24 @@ _HOPELESS = 10.0  # times the limit of steps: what would need so many is given u
 
 def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
     """Integrate a job's motions; those that ``stop`` kept from being finished are NOT_RUN."""
-    found = Solved.undone(
-        np.full((job.motions.many, len(job.times), job.columns), np.nan, kind_of(job.number))
-    )
+    many = job.motions.many
     if job.sure:
-        found.states[:] = at_once(job, np.arange(len(found.steps)), stop, found.steps)
-        there = np.isfinite(found.states[:, -1]).all(axis=1) & (found.steps <= job.max_steps)
-        _note(job, there, found)
+        steps = np.zeros(many, dtype=np.int64)
+        results = Solved.undone(at_once(job, np.arange(many), stop, steps))
+        results.steps = steps
+        there = np.isfinite(results.states[:, -1]).all(axis=1) & (steps <= job.max_steps)
+        _note(job, there, results)
         if there.all():
-            return found
+            return results
+    else:
+        shape = (many, len(job.times), job.columns)
+        results = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
     with prepared(job) as ready:
-        for which, own in job.in_units(np.flatnonzero(found.outcomes != _THERE)):
-            some = Solved.undone(found.states[which])
+        for which, own in job.in_units(np.flatnonzero(results.outcomes != _THERE)):
+            some = Solved.undone(results.states[which])
             _Way(own, ready, stop).finish(some)
-            found.put(which, some)
-    return found
+            results.put(which, some)
+    return results
 
 
 def at_once(
@@ -519,7 +533,7 @@ class _Way:
                 break
             self._alone(k, found)
         if not job.times[0]:
-            done = found.outcomes != code(Outcome.NOT_RUN)
+            done = found.outcomes != _NOT_RUN
             found.states[done, 0] = job.motions.starts[done]
 
     def _stopped(self) -> bool:

@@ -17,7 +17,7 @@ from polhode.common import processes
 from polhode.common.interrupts import Stop
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import Doubles, Indices, Stack
-from polhode.taylor import array_steps
+from polhode.taylor import array_steps, defaults
 from polhode.taylor import batches as batch_integrator
 from polhode.taylor.array_steps import EqualSteps
 from polhode.taylor.batches import LANES, BatchJob
@@ -88,8 +88,8 @@ def states(
     order = fastest.argsort()
     states = np.empty((len(order), len(job.times), job.columns))
     outcomes = np.full(len(order), _REACHED, dtype=np.uint8)
-    steps = EqualSteps.of(job, fastest)
-    if steps is not None:
+    many = len(order) >= defaults.ARRAYS.starts
+    if many and (steps := EqualSteps.of(job, fastest)) is not None:
         good = steps.counts > 0
 
         def together(group: Indices, stop: Stop | None = None) -> None:

@@ -28,12 +28,13 @@ _BLOCK = 1500  # outputs of a product: what they take stays in the caches
 
 
 class Powers:
-    """Powers of the times of a grid since some of ``count`` equal steps began; how long these are.
+    """Powers of the times of a grid since some of ``count`` equal steps began.
 
     A polynomial holds on both sides of where it begins: that of every second step is used, back to
     the beginning of the one before, and that of the last one.  ``parts``: for each step the powers
     and which rows they are of, in blocks.  ``product``: of the powers with anything, where the only
-    ones are those of the last step, in one block.
+    ones are those of the last step, in one block.  ``begins``: whether the first row is the start,
+    which is no polynomial's.
     """
 
     def __init__(self, grid: Grid, count: int, order: int) -> None:
@@ -44,7 +45,8 @@ class Powers:
     def be_about(self, grid: Grid) -> None:
         """Hold the powers of a grid, in the memory of those before as far as it fits."""
         count, before = self._count, self._tables
-        self.step, self._tables = grid.end / count, []
+        step, self._tables = grid.end / count, []
+        self.begins = count > 1 and not grid.times.item(0)
         self.parts: list[list[tuple[Doubles, slice]]] = [[] for _ in range(count)]
         times: Any = grid.times
         first, ahead = 0, np.abs(times) if count > 2 else times
@@ -53,13 +55,13 @@ class Powers:
             if k + 1 < count:
                 if k % 2 == 0:
                     continue
-                last = int(ahead.searchsorted(abs((k + 1) * self.step)))
+                last = int(ahead.searchsorted(abs((k + 1) * step)))
             for i in range(first, last, _BLOCK):
                 block = slice(i, min(i + _BLOCK, last))
                 table = before.pop(0) if before else None
                 if table is None or table.matrix.shape[0] != block.stop - i:
                     table = _Table(block.stop - i, self._order)
-                table.fill(times[block] - k * self.step)
+                table.fill(times[block] - k * step)
                 self._tables.append(table)
                 self.parts[k].append((table.matrix, block))
             first = last
@@ -93,13 +95,19 @@ class _Table:
 class LongSteps:
     """Outputs of the motions of one system by long steps, in doubles.
 
-    ``backs``: what the columns of the states are multiplied by, if anything.
+    ``start``: where a motion begins, written to by who asks.  ``backs``: what the columns of the
+    states are multiplied by, if anything.
     """
 
     def __init__(
-        self, system: System, choice: defaults.LongStepChoice, backs: Doubles | None
+        self,
+        system: System,
+        choice: defaults.LongStepChoice,
+        start: Doubles,
+        backs: Doubles | None,
     ) -> None:
         self._system, self._backs = system, backs
+        self._start, self._begin = start, start.data
         self._order, self._outputs = choice
         radians = float(system.tolerance or 0) ** (1 / self._order)
         self._sure = defaults.LONG_REACH * radians  # of a step of the first attempt
@@ -109,7 +117,7 @@ class LongSteps:
         self._spare: dict[int, Powers] = {}  # of the grid before, whose memory is used again
         self._most, self._farthest = 0, 0.0  # steps that pay, and what these reach
 
-    def rows(self, start: memoryview, grid: Grid, square: float) -> tuple[Doubles, int] | None:
+    def rows(self, grid: Grid, square: float) -> tuple[Doubles, int] | None:
         """States at the times of a grid, and the number of steps; None where others do better.
 
         ``square``: of a bound of the radians to the last time.  By it the first attempt is made;
@@ -126,28 +134,31 @@ class LongSteps:
             count = math.ceil(radians / self._sure)
         state, step, terms, factors, scaled, coefficients, kept = self._prepared
         while count <= self._most:
-            powers = self._kept.get(count) or self._powers(grid, count)
-            length, product = powers.step, powers.product
-            state[:] = start
+            state[:] = self._begin
             if kept:
                 self._engine.tell_kept()
-            if product is None:
-                rows = np.empty((grid.size, len(start)))
-            for blocks in powers.parts:
-                granted = step(length, len(blocks) > 0)[1]
-                if granted != length:
-                    break
-                if factors is not None and blocks:
-                    np.multiply(terms, factors, scaled)
+            length = grid.end / count
+            granted = step(length, count == 1)[1]
+            if granted == length:  # no powers are made before
+                powers = self._kept.get(count) or self._powers(grid, count)
+                product: Any = powers.product
+                rows: Any = None
                 if product is None:
-                    for matrix, block in blocks:
-                        np.dot(matrix, coefficients, rows[block])
-            else:
-                if product is not None:
-                    rows = product(coefficients)
-                if count > 1 and not grid.times.item(0):  # the start itself, no polynomial's
-                    rows[0] = start if self._backs is None else np.multiply(start, self._backs)
-                return rows, count
+                    rows = np.empty((grid.size, len(self._start)))
+                for k, blocks in enumerate(powers.parts):
+                    if k and (granted := step(length, len(blocks) > 0)[1]) != length:
+                        break
+                    if factors is not None and blocks:
+                        np.multiply(terms, factors, scaled)
+                    if rows is not None:
+                        for matrix, block in blocks:
+                            np.dot(matrix, coefficients, rows[block])
+                else:
+                    if product is not None:
+                        rows = product(coefficients)
+                    if powers.begins:  # with the start itself, no polynomial's
+                        rows[0] = self._start if self._backs is None else self._start * self._backs
+                    return rows, count
             if not granted / length > 0:  # not a number
                 self._engine.tell_scale()
                 self._engine.heyoka.time = 0.0

@@ -250,18 +250,18 @@ def sweep(
         Called with the fraction of members done and how many.
     """
     from polhode.dynamics.reduce_many import reduce_many
-    from polhode.runs.integrate_many import integrate_many, varied_of
+    from polhode.runs.integrate_many import integrate_many
 
     if (starts is None) == (vary is None):
         keys = None if vary is None else ", ".join(map(str, vary))
         raise BadInput(scene.name, "--vary", keys, "numbers to vary or --starts FILE, one of them")
-    varied: Any = vary
+    rows = None
     if starts is not None:
         from polhode.judging.tables.table_file import read_starts
 
         rows = read_starts(Path(starts), scene, number == "extended")
-        scene, varied = varied_of(scene, rows)
     how: dict[str, Any] = {
+        "starts": rows,
         "number": number,
         "tol": tol,
         "max_steps": max_steps,
@@ -270,10 +270,10 @@ def sweep(
         "progress": progress,
     }
     if keep is None:
-        return integrate_many(scene, varied, digits=digits, method=method or "auto", **how)
+        return integrate_many(scene, vary, digits=digits, method=method or "auto", **how)
     if digits is not None:
         raise BadInput(scene.name, "--digits", digits, "--number instead, with --keep")
-    return reduce_many(scene, varied, keep, **how)
+    return reduce_many(scene, vary, keep, **how)
 
 
 def certified(
