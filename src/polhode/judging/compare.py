@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Never
+from typing import TYPE_CHECKING, Any, NamedTuple, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput, TooManySteps
@@ -142,63 +141,68 @@ def compare(
     gate = "no threshold: polhode.testing.assert_digits(run, scene, at_least) has one"
     refuse_unknown("compare", compare, unknown, at_least=gate)
     of_kind("compare", "details", details, bool, "True or False")
-    score, offered = scored(
-        what,
-        against,
-        number=number,
-        digits=digits,
-        at=at,
-        columns=columns,
-        progress=progress,
-        as_it_stands=as_it_stands,
-        read=read,
-        max_seconds=max_seconds,
-        forecast=forecast,
+    options = JudgingOptions(
+        number, digits, at, columns, progress, as_it_stands, read, max_seconds, forecast
     )
+    score, offered = scored(what, against, options)
     return judgement(score, offered, details)
+
+
+class JudgingOptions(NamedTuple):
+    """How a table is read and judged; the fields are parameters of :func:`compare`."""
+
+    number: str | NumberType | None = None
+    digits: int | None = None
+    at: Iterable[AnyNumber] | None = None
+    columns: Sequence[str] | None = None
+    progress: Progress | None = None
+    as_it_stands: bool = False
+    read: str | None = None
+    max_seconds: float | None = None
+    forecast: Callable[[float], None] | None = None
+
+    def certified(self, scene: Scene) -> Certified:
+        """The enclosure that judges where there is no closed form."""
+        return Certified(
+            scene,
+            progress=self.progress,
+            max_seconds=self.max_seconds,
+            forecast=self.forecast,
+        )
 
 
 def scored(
     what: Any,
-    against: AnyReference | Scene | str | Path | None = None,
-    *,
-    number: str | NumberType | None = None,
-    digits: int | None = None,
-    at: Iterable[AnyNumber] | None = None,
-    columns: Sequence[str] | None = None,
-    progress: Progress | None = None,
-    as_it_stands: bool = False,
-    read: str | None = None,
-    max_seconds: float | None = None,
-    forecast: Callable[[float], None] | None = None,
+    against: AnyReference | Scene | str | Path | None,
+    options: JudgingOptions,
 ) -> tuple[Score, tuple[Reading, ...]]:
     """The score of what :func:`compare` judges, as it is read; readings that were not applied.
 
     The truth, the table, how it is read, and the score: what follows tells why.  Raises BadInput.
     """
-    of_kind("compare", "as_it_stands", as_it_stands, bool, "True or False")
-    prove = partial(Certified, progress=progress, max_seconds=max_seconds, forecast=forecast)
-    truth = _truth(what, against, prove)
-    table_given = _table(what, truth, number, digits, at, columns, other=bool(read))
-    is_read = not as_it_stands and read is None and table_given.run is None
+    of_kind("compare", "as_it_stands", options.as_it_stands, bool, "True or False")
+    truth = _truth(what, against, options)
+    table_given = _table(what, truth, options)
+    is_foreign, read = table_given.run is None, options.read
+    is_read = is_foreign and read is None and not options.as_it_stands
     table = table_given
     offered: tuple[Reading, ...] = ()
-    if read is not None and table_given.run is None:
+    if is_foreign and read is not None:
         table = read_as_told(table_given, truth, read)
     elif is_read:
         table, offered = as_meant(table_given, truth)
     try:
-        return score(table, truth, progress), offered
+        return score(table, truth, options.progress), offered
     except TooManySteps as fault:
         expected = "; ".join([fault.expected, *clock_remark(table, truth.scene)])
         raise TooManySteps(fault.source, "t", fault.value, expected) from None
     except NoAnswer:
         if not truth.is_closed_form:
             raise
-    truth = prove(truth.scene)
+    truth = options.certified(truth.scene)
     if is_read:
         table, offered = as_meant(table_given, truth)
-    return score(table, truth, progress), offered
+    return score(table, truth, options.progress), offered
 
 
 def judgement(
@@ -269,7 +273,7 @@ def judgement(
 def _truth(
     what: Any,
     against: AnyReference | Scene | str | Path | None,
-    prove: Callable[[Scene], Certified],
+    options: JudgingOptions,
 ) -> AnyReference:
     """The reference that judges; raises BadInput."""
     if against is None:
@@ -289,22 +293,12 @@ def _truth(
     if not isinstance(against, (Scene, str, Path)):
         return against
     truth = reference(against)
-    return prove(truth.scene) if isinstance(truth, Certified) else truth
+    return options.certified(truth.scene) if isinstance(truth, Certified) else truth
 
 
-def _table(
-    what: Any,
-    truth: AnyReference,
-    number: str | NumberType | None,
-    digits: int | None,
-    at: Iterable[AnyNumber] | None,
-    columns: Sequence[str] | None,
-    other: bool,
-) -> Table:
-    """What is judged, as a table of those columns that the scene has; raises BadInput.
-
-    ``other``: whether it is read as another program's in any case.
-    """
+def _table(what: Any, truth: AnyReference, options: JudgingOptions) -> Table:
+    """What is judged, as a table of those columns that the scene has; raises BadInput."""
+    number, digits, columns = options.number, options.digits, options.columns
     scene = truth.scene
     if isinstance(what, Trajectory):
         table = of_run(what)
@@ -318,8 +312,8 @@ def _table(
             what = table_of_columns(what, kind, names=_naming(columns, of_file=False))
         elif not isinstance(what, Table):
             named = scene.columns if columns is None else columns
-            what = table_of_rows(what, at, named, kind)
-        if what.run is not None and (other or not _is_of(what.run.scene, scene)):
+            what = table_of_rows(what, options.at, named, kind)
+        if what.run is not None and (options.read or not _is_of(what.run.scene, scene)):
             what = replace(what, run=None)  # another's table, as it were
         table = as_judged(what, scene)
     if not table.columns:
