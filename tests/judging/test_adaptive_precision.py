@@ -6,12 +6,14 @@ import json
 from dataclasses import replace
 from fractions import Fraction
 
+import mpmath
 import pytest
 
 import polhode
 from polhode import cli
-from polhode.judging import adaptive_precision
+from polhode.judging import adaptive_precision, digit_check
 from polhode.judging.correct_digits import worst_digits
+from polhode.judging.digit_check import checked
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE, mp
 
@@ -20,8 +22,8 @@ from polhode.numbers.number_types import DOUBLE, mp
 @pytest.mark.parametrize(("proved", "by"), [(True, "proof"), (False, "second run")])
 def test_digits_of_a_chaotic_motion_are_had(proved, by):
     """Before: 36 digits printed, none of them right."""
-    asked = {"digits": 15, "at": [200], "method": "taylor"}
-    run = polhode.integrate("general/asymmetric-chaotic", **asked, prove=proved)
+    options = {"digits": 15, "at": [200], "method": "taylor"}
+    run = polhode.integrate("general/asymmetric-chaotic", **options, prove=proved)
     assert run.outcome is Outcome.REACHED_END
     assert run.checked_by == by
     true = polhode.integrate(run.scene, mp(70)).states
@@ -38,20 +40,20 @@ def test_a_run_that_is_short_is_made_again(monkeypatch):
     """Before: at t = 400 told to ask for 31 (extended), and then for more: one run suffices."""
 
     def run():
-        made = polhode.integrate("euler/separatrix", digits=15, at=[400])
-        return made.outcome, made.correct_digits, made.checked_by
+        first_run = polhode.integrate("euler/separatrix", digits=15, at=[400])
+        return first_run.outcome, first_run.correct_digits, first_run.checked_by
 
-    done, digits, by = run()
-    assert (done, by) == (Outcome.REACHED_END, "closed form")
+    outcome, digits, by = run()
+    assert (outcome, by) == (Outcome.REACHED_END, "closed form")
     assert 15 <= digits < 15 + 8
     too_few = adaptive_precision.Need(0.0, 1000.0)
     monkeypatch.setattr(adaptive_precision, "needed", lambda *_: too_few)
-    done, digits, _ = run()
-    assert done is Outcome.REACHED_END
+    outcome, digits, _ = run()
+    assert outcome is Outcome.REACHED_END
     assert 15 <= digits < 150
     monkeypatch.setattr(adaptive_precision, "MOST_RUNS", 1)
-    done, digits, _ = run()
-    assert done is Outcome.TOO_FEW_DIGITS
+    outcome, digits, _ = run()
+    assert outcome is Outcome.TOO_FEW_DIGITS
     assert 0 <= digits < 1
 
 
@@ -151,3 +153,71 @@ def test_digits_are_told_where_no_double_holds_the_time():
     spun = replace(light, omega=(Fraction(0), Fraction(0), Fraction(1)))
     with pytest.raises(polhode.BadInput, match=r"number = double: expected a type of wider range"):
         polhode.integrate(spun, digits=10)
+
+
+# -- Three ways to check the digits of a run: they agree with each other and with the truth
+
+
+#: What a run is told to be checked by, and what checks it.
+WAYS = [(None, "closed form"), (True, "proof"), (False, "second run")]
+
+
+def scene(proved: bool | None) -> polhode.Scene:
+    """A motion with a closed form, which is not used where another way is wanted."""
+    top = polhode.load("kovalevskaya/generic").at([5, 40])
+    return top if proved is None else replace(top, reference="certified")
+
+
+@pytest.mark.sample(2, slow=2)
+@pytest.mark.parametrize("method", ["taylor", "refined"])
+@pytest.mark.parametrize(("proved", "by"), WAYS)
+def test_the_digits_are_those_against_the_closed_form(method, proved, by):
+    run = polhode.integrate(scene(proved), digits=28, method=method, prove=proved)
+    assert run.checked_by == by
+    assert 28 <= run.correct_digits < 28 + 8
+    true = checked(replace(run, scene=scene(None)), 28)
+    assert true.checked_by == "closed form"
+    if proved:  # no more than are right, and hardly more than were wanted
+        assert 28 <= run.correct_digits <= true.correct_digits
+        assert run.correct_digits < 28 + 6
+    else:
+        assert abs(run.correct_digits - true.correct_digits) < 0.01
+
+
+@pytest.mark.parametrize(("proved", "by"), WAYS)
+@pytest.mark.parametrize("off", ["1e-9", "1e-21"])
+def test_a_run_that_is_off_is_noticed(off, proved, by):
+    run = polhode.integrate(scene(proved), "quad")
+    *rest, (p, *others) = run.states
+    with mpmath.workdps(40):
+        p += mpmath.mpf(off)
+    checked_run = checked(replace(run, states=[*rest, [p, *others]]), 28, proved)
+    assert checked_run.checked_by == by
+    assert abs(checked_run.correct_digits + float(off[2:])) < 1.0
+
+
+def test_what_cannot_be_proved_is_not_said_to_be_right(monkeypatch):
+    run = polhode.integrate("general/asymmetric-chaotic", "quad", at=[3])
+    assert checked(run, 28, True).correct_digits > 28
+    monkeypatch.setattr(digit_check, "MOST_SECONDS", 1e-6)
+    checked_run = checked(run, 28, True)
+    assert (checked_run.checked_by, checked_run.correct_digits) == ("proof, which failed", 0.0)
+
+
+def test_digits_are_checked_only_where_they_are_asked_for(capsys):
+    with pytest.raises(polhode.BadInput, match="prove = True: expected digits"):
+        polhode.integrate("euler/sphere", prove=True)
+    assert cli.main(["run", "euler/sphere", "--no-prove"]) == 2
+    capsys.readouterr()
+    assert (
+        cli.main(["run", "general/asymmetric-regular", "--digits", "20", "--at", "3", "--prove"])
+        == 0
+    )
+    assert "are right by the proof" in capsys.readouterr().err
+
+
+def test_an_interrupted_check_is_an_interrupted_run(monkeypatch):
+    run = polhode.integrate(scene(False), "quad")
+    stopped = replace(run, outcome=Outcome.INTERRUPTED)
+    monkeypatch.setattr(digit_check, "solve", lambda *_: stopped)
+    assert checked(run, 28, False).outcome is Outcome.INTERRUPTED

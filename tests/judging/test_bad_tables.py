@@ -120,15 +120,15 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("given", "options", "words"), BAD, ids=[x[2][:40] for x in BAD])
-def test_it_is_refused_in_one_line(given, options, words, tmp_path, refusal):
-    what = given(tmp_path)
+@pytest.mark.parametrize(("table_of", "options", "words"), BAD, ids=[x[2][:40] for x in BAD])
+def test_it_is_refused_in_one_line(table_of, options, words, tmp_path, refusal):
+    table = table_of(tmp_path)
     with pytest.raises(BadInput) as fault:
-        polhode.compare(what, **({"against": CASE} | options))
+        polhode.compare(table, **({"against": CASE} | options))
     said = [str(fault.value)]
-    if isinstance(what, Path):
+    if isinstance(table, Path):
         columns = ["--columns", ",".join(options["columns"])] if options else []
-        said.append(refusal("compare", what, CASE, *columns))
+        said.append(refusal("compare", table, CASE, *columns))
     for line in said:
         assert all(word in line for word in words.split("; ")), line
         assert "\n" not in line.rstrip("\n")
@@ -204,8 +204,8 @@ def test_a_vector_with_a_misspelt_component_passes_no_gate(
     tmp_path, refusal, names, misspelt, there
 ):
     mine = {"gam1" if name == misspelt else name: x for name, x in some(names).items()}
-    told = rf"{misspelt}: expected it beside {there} \(columns that are not known: gam1\)$"
-    with pytest.raises(BadInput, match=told):
+    refusal_text = rf"{misspelt}: expected it beside {there} \(columns that are not known: gam1\)$"
+    with pytest.raises(BadInput, match=refusal_text):
         polhode.testing.assert_digits(mine, CASE, 7)
     file = through("csv", mine, tmp_path)
     assert cli.main(["compare", str(file), CASE]) == 0
@@ -242,14 +242,14 @@ def test_angles_that_the_motion_does_not_have_may_be_missing(tmp_path, refusal):
     assert cli.main(["compare", str(path), sleeping]) == 0
 
 
-@pytest.mark.parametrize("wanted", ["x", "nan", "inf", "12", math.nan])
-def test_a_threshold_that_is_no_number_is_refused(tmp_path, refusal, wanted):
+@pytest.mark.parametrize("threshold", ["x", "nan", "inf", "12", math.nan])
+def test_a_threshold_that_is_no_number_is_refused(tmp_path, refusal, threshold):
     path = through("csv", some(STATE), tmp_path)
     with pytest.raises(BadInput, match=r"^assert_digits: at_least = .* a number of digits"):
-        polhode.testing.assert_digits(path, CASE, at_least=wanted)
-    if wanted != "12":
-        said = refusal("compare", path, CASE, "--at-least", wanted)
-        assert f"--at-least = {wanted}: expected a number" in said
+        polhode.testing.assert_digits(path, CASE, at_least=threshold)
+    if threshold != "12":
+        said = refusal("compare", path, CASE, "--at-least", threshold)
+        assert f"--at-least = {threshold}: expected a number" in said
 
 
 def test_fewer_digits_than_wanted_end_with_three(tmp_path, capsys):
@@ -260,8 +260,8 @@ def test_fewer_digits_than_wanted_end_with_three(tmp_path, capsys):
     command = ["compare", str(path), CASE, "--at-least"]
     assert cli.main([*command, "6"]) == 0
     assert cli.main([*command, "8", "--json"]) == 3
-    told = capsys.readouterr().err.splitlines()[-1]
-    assert "correct digits of attitude at t = 2.5, where at least 8 are wanted" in told
+    output = capsys.readouterr().err.splitlines()[-1]
+    assert "correct digits of attitude at t = 2.5, where at least 8 are wanted" in output
     turns = some(ANGLES)
     for name in ("psi", "phi"):
         turns[name] = np.remainder(turns[name] + np.pi, 2 * np.pi) - np.pi

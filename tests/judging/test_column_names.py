@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import random
+import re
 from dataclasses import replace
 from fractions import Fraction
 
@@ -11,6 +13,11 @@ import pytest
 
 import polhode
 from polhode.judging.tables.column_aliases import columns
+from polhode.judging.tables.csv_file import most_printed, value
+from polhode.judging.tables.table import degree
+from polhode.judging.tables.table_file import read_table
+from polhode.numbers import expression
+from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.tables import right, text, through
 
@@ -71,7 +78,7 @@ HEADERS = [
 
 @pytest.mark.parametrize(("header", "names"), HEADERS)
 def test_what_a_header_means(header, names):
-    assert [found.name or "" for found in columns(header.split("|"))] == names
+    assert [column.name or "" for column in columns(header.split("|"))] == names
 
 
 @pytest.mark.parametrize(
@@ -92,11 +99,11 @@ def test_synonyms_and_degrees_are_judged_as_what_they_are():
     others = ("t", "wx", "wy", "wz", *GAMMA, "qw", "qx", "qy", "qz")
     table = dict(zip(others, plain.values(), strict=False))
     table |= {f"{name}_deg": np.degrees(plain[name]) for name in ANGLES}
-    one, other = (polhode.compare(x, SCENE) for x in (plain, table))
-    assert one.digits == other.digits
-    assert one.parts["attitude"] == other.parts["attitude"] > 15
-    assert 14 < other.parts["angles"] < 16.5
-    assert not other.readings
+    judgement, second = (polhode.compare(x, SCENE) for x in (plain, table))
+    assert judgement.digits == second.digits
+    assert judgement.parts["attitude"] == second.parts["attitude"] > 15
+    assert 14 < second.parts["angles"] < 16.5
+    assert not second.readings
 
 
 # -- forms of the attitude ------------------------------------------------------------------------
@@ -139,10 +146,10 @@ def attitudes():
 def test_an_attitude_in_any_form(form, tmp_path):
     t, q = attitudes()
     table = {"t": t} | forms(q)[form]
-    for what in (table, through("%.17g", table, tmp_path)):
-        found = polhode.compare(what, SCENE)
-        assert 14 < found.worst < 17
-        assert found.worst_part == "attitude"
+    for source in (table, through("%.17g", table, tmp_path)):
+        judgement = polhode.compare(source, SCENE)
+        assert 14 < judgement.worst < 17
+        assert judgement.worst_part == "attitude"
     name = [*table][2]
     table[name] = table[name] + 1e-6
     assert polhode.compare(table, SCENE).worst < 8.5
@@ -151,12 +158,15 @@ def test_an_attitude_in_any_form(form, tmp_path):
 def test_many_matrices_and_arrays_of_them(tmp_path):
     times = [Fraction(k, 10) for k in range(1, 200)]
     t, *q = right(SCENE, times, "attitude").values()
-    turned = np.array(matrix(np.array(q).T)).T.reshape(-1, 3, 3)
-    for r, reading in ((turned, None), (turned.transpose(0, 2, 1), "attitude body from space")):
+    matrices_there = np.array(matrix(np.array(q).T)).T.reshape(-1, 3, 3)
+    for r, reading in (
+        (matrices_there, None),
+        (matrices_there.transpose(0, 2, 1), "attitude body from space"),
+    ):
         np.savez(tmp_path / "x.npz", t=t, R=r)
-        found = polhode.compare(tmp_path / "x.npz", SCENE)
-        assert found.worst > 13.5
-        assert found.reading == reading
+        judgement = polhode.compare(tmp_path / "x.npz", SCENE)
+        assert judgement.worst > 13.5
+        assert judgement.reading == reading
 
 
 @pytest.mark.parametrize("digits", [25, 40])
@@ -177,11 +187,11 @@ def test_a_quaternion_of_another_length_is_said_to_be(tmp_path, length, door):
     t, q = attitudes()
     table = {"t": t} | dict(zip(ATTITUDE, (q * length).T, strict=True))
     table = through(door, table, tmp_path)
-    found = polhode.compare(table, SCENE)
-    assert found.worst > 14
-    assert found.reading == "attitude of length 1"
-    assert "the quaternion's length is " in str(found)
-    assert polhode.compare(table, SCENE, read="attitude of length 1").worst == found.worst
+    judgement = polhode.compare(table, SCENE)
+    assert judgement.worst > 14
+    assert judgement.reading == "attitude of length 1"
+    assert "the quaternion's length is " in str(judgement)
+    assert polhode.compare(table, SCENE, read="attitude of length 1").worst == judgement.worst
     strict = polhode.compare(table, SCENE, as_it_stands=True)
     assert strict.worst < 1
     assert "the quaternion's length is " in str(strict)
@@ -189,9 +199,11 @@ def test_a_quaternion_of_another_length_is_said_to_be(tmp_path, length, door):
 
 def test_a_small_error_of_length_is_an_error():
     t, q = attitudes()
-    found = polhode.compare({"t": t} | dict(zip(ATTITUDE, q.T * (1 + 1e-7), strict=True)), SCENE)
-    assert found.reading is None
-    assert 6.9 < found.worst < 7.5
+    judgement = polhode.compare(
+        {"t": t} | dict(zip(ATTITUDE, q.T * (1 + 1e-7), strict=True)), SCENE
+    )
+    assert judgement.reading is None
+    assert 6.9 < judgement.worst < 7.5
 
 
 def test_gx_beside_a_quaternion_is_what_its_length_says(tmp_path):
@@ -203,12 +215,52 @@ def test_gx_beside_a_quaternion_is_what_its_length_says(tmp_path):
         dict(zip(("gx", "gy", "gz"), x.T, strict=True)) for x in np.split(run.states, 2, 1)
     )
     table = {"t": np.array(run.t), **quaternion}
-    found = polhode.compare(table | rates, scene)
-    assert found.worst > 14
-    assert {"omega", "attitude"} == {*found.part_digits}
-    assert "gx gy gz were read as rates, for they are no unit vector" in str(found)
+    judgement = polhode.compare(table | rates, scene)
+    assert judgement.worst > 14
+    assert {"omega", "attitude"} == {*judgement.part_digits}
+    assert "gx gy gz were read as rates, for they are no unit vector" in str(judgement)
     (tmp_path / "x.csv").write_text(text(table | rates))
     assert polhode.compare(tmp_path / "x.csv", scene).worst > 14
     noisy = {name: x + 0.01 * np.sin(9 * table["t"]) for name, x in gamma.items()}
     for vertical in (gamma, noisy):
         assert {"gamma", "attitude"} == {*polhode.compare(table | vertical, scene).part_digits}
+
+
+# -- Cells of a file: as exact decimals, rounded once, whatever way is taken
+
+
+ODD = ["0", "-0.0", "1.", ".5", "+2e3", "1e-310", "4.9e-324", "1e308", "1e400", "-1E-400", "0e300"]
+HALFWAY = "1.00000000000000011102230246251565404236316680908203125"  # 1 + 2**-53
+
+
+def printed(count: int) -> list[str]:
+    draw = random.Random(5)
+    forms = ("%.17g", "%.16e", "%.3f", "%.20f", "%+.12g")
+    return [
+        draw.choice(forms) % (draw.gauss(0, 1) * 10 ** draw.uniform(-12, 9)) for _ in range(count)
+    ]
+
+
+@pytest.mark.parametrize("number", [DOUBLE, EXTENDED, NumberType("mp", 53)])
+def test_a_cell_is_its_decimal_rounded_once(number):
+    cells = [*printed(2000), *ODD, HALFWAY, HALFWAY + "1", "0." + "3" * 70, "1_000.5"]
+    for cell in cells:
+        decimal = expression.decimal(cell)
+        assert value(cell, number) == number.rounded(decimal)
+
+
+def test_the_most_significant_digits():
+    def significant(cell: str) -> int:
+        digits = re.sub("[^0-9]", "", re.split("[eE]", cell)[0]).lstrip("0")
+        return max(1, len(digits))
+
+    cells = [*printed(500), "-0.00120", "100.", "1e-30", "+12345678901234567890.5", "0"]
+    for k in range(1, len(cells)):
+        assert most_printed([cells[:k]]) == max(map(significant, cells[:k]))
+
+
+def test_a_unit_multiplies_the_decimal_and_not_its_double(tmp_path):
+    path = tmp_path / "degrees.csv"
+    path.write_text("t,p [deg/s]\n0,0.123456789012345678\n")
+    (cell,) = read_table(path).columns["p"]
+    assert cell == Fraction("0.123456789012345678") * degree()

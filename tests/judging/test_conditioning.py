@@ -36,9 +36,9 @@ from shared.tables import of_run, through
 def states(scene: Scene, coefficients: dict, start: list, number) -> np.ndarray:
     """States in scene axes and units from coefficients and a start, in a wide type."""
     plain, unit = system(scene, ()), Fraction(2) ** scene.time_unit
-    what = replace(plain, coefficients=coefficients, start=tuple(start), number=number)
-    motion = Motion(what)
-    motion.begin(what)
+    problem = replace(plain, coefficients=coefficients, start=tuple(start), number=number)
+    motion = Motion(problem)
+    motion.begin(problem)
     rows, _ = motion.advance(ExactNumbers(tuple(t / unit for t in scene.times)), 10**6)
     turn = np.array([[number_of(x) for x in row] for row in scene.body.axes.rows])
     rows = np.array(rows)
@@ -52,19 +52,23 @@ def number_of(x: Fraction):
 def differences(scene: Scene, number=QUAD, step: Fraction = Fraction(1, 10**15)) -> list[float]:
     """Kappa at the scene's times: each input that is not zero changed by ``step`` of itself."""
     body, plain = scene.body, system(scene, ())
-    known, start = dict(plain.coefficients), list(plain.start)
+    coefficients_there, start = dict(plain.coefficients), list(plain.start)
     inputs = [*body.moments, *body.axes.components(body.torque)]
 
-    def changed(given: list, j: int) -> list:
-        return [x * (1 + step) if i == j else x for i, x in enumerate(given)]
+    def changed(inputs_of: list, j: int) -> list:
+        return [x * (1 + step) if i == j else x for i, x in enumerate(inputs_of)]
 
     with mpmath.workprec(number.bits + 20):
-        honest = states(scene, known, start, number)
-        moved = [states(scene, known, changed(start, j), number) for j, x in enumerate(start) if x]
+        honest = states(scene, coefficients_there, start, number)
+        moved = [
+            states(scene, coefficients_there, changed(start, j), number)
+            for j, x in enumerate(start)
+            if x
+        ]
         for j, x in enumerate(inputs):
             if x:
-                other = changed(inputs, j)
-                own = Body.of_moments(other[:3], other[3:], 1)
+                changed_inputs = changed(inputs, j)
+                own = Body.of_moments(changed_inputs[:3], changed_inputs[3:], 1)
                 k = principal.coefficients(
                     Frame.of(replace(scene, body=own)).inside(replace(scene, body=own)).body
                 )
@@ -91,17 +95,17 @@ def test_kappa_is_that_of_perturbed_motions(name):
     scene = SCENES[name]()
     if len(scene.times) > 3:
         scene = scene.at(scene.times[:: len(scene.times) // 2][1:])
-    found, expected = conditioning(scene).kappa, differences(scene)
-    assert np.allclose(found, expected, rtol=1e-6), (found, expected)
+    conditions, expected = conditioning(scene).kappa, differences(scene)
+    assert np.allclose(conditions, expected, rtol=1e-6), (conditions, expected)
 
 
 def test_kappa_in_turned_axes_is_judged_on_the_components_of_the_scene():
     """The same motion in other body axes: another largest component, by sqrt(3) at most."""
     own = polhode.load("euler/largest-axis").at((Fraction(10),))
-    turned = polhode.load("euler/turned-axes").at((Fraction(10),))
-    expected = differences(turned)
-    assert np.allclose(conditioning(turned).kappa, expected, rtol=1e-6)
-    assert conditioning(own).kappa != conditioning(turned).kappa
+    scene_turned = polhode.load("euler/turned-axes").at((Fraction(10),))
+    expected = differences(scene_turned)
+    assert np.allclose(conditioning(scene_turned).kappa, expected, rtol=1e-6)
+    assert conditioning(own).kappa != conditioning(scene_turned).kappa
 
 
 def test_kappa_of_a_body_without_some_coefficients_has_the_others():
@@ -114,10 +118,10 @@ def test_kappa_of_a_body_without_some_coefficients_has_the_others():
 def test_kappa_beyond_what_a_double_can_follow_is_the_scenes_own():
     """kappa 1.2e15 at t = 300: the motion in double is another one by then."""
     scene = asymmetric("1.1", [200, 300])
-    found = conditioning(scene, number="quad")
+    conditions = conditioning(scene, number="quad")
     expected = differences(scene, QUAD, Fraction(1, 10**18))
-    assert np.allclose(found.log10_kappa, np.log10(expected), atol=0.01)
-    assert found.log10_kappa[1] > 15
+    assert np.allclose(conditions.log10_kappa, np.log10(expected), atol=0.01)
+    assert conditions.log10_kappa[1] > 15
     in_double = conditioning(scene)
     assert np.allclose(in_double.log10_kappa[0], math.log10(expected[0]), atol=0.01)
 
@@ -127,8 +131,8 @@ def test_kappa_of_a_free_body_is_that_of_its_closed_form():
     scene, step = polhode.load("euler/no-gamma"), Fraction(1, 10**20)
 
     def at(inputs: list) -> np.ndarray:
-        other = replace(scene, body=Body.of_moments(inputs[:3]), omega=tuple(inputs[3:]))
-        return np.array(polhode.reference(other).at(scene.times[-1:], 60)[0])
+        changed_scene = replace(scene, body=Body.of_moments(inputs[:3]), omega=tuple(inputs[3:]))
+        return np.array(polhode.reference(changed_scene).at(scene.times[-1:], 60)[0])
 
     inputs = [*scene.body.moments, *scene.omega]
     with mpmath.workdps(60):
@@ -174,12 +178,12 @@ def test_a_body_at_rest_upright_stays_the_scenes_own():
     """
     scene = polhode.load("pendulum/upright")
     far = scene.at((Fraction(1000), Fraction(2000)))
-    found = conditioning(far, number=mp(1000))
-    assert found.kappa == (math.inf, math.inf)
-    a, b = found.log10_kappa
+    conditions = conditioning(far, number=mp(1000))
+    assert conditions.kappa == (math.inf, math.inf)
+    a, b = conditions.log10_kappa
     rate = (b - a) * math.log(10) / 1000
     assert math.isclose(rate, math.sqrt(1 / 1.5), rel_tol=1e-12)
-    grown = np.subtract(*found.log10_amplification[::-1])  # about the other axis: sqrt(14/15)
+    grown = np.subtract(*conditions.log10_amplification[::-1])  # about the other axis: sqrt(14/15)
     assert math.isclose(grown * math.log(10) / 1000, math.sqrt(14 / 15), rel_tol=1e-6)
     lost = conditioning(far).lost_after
     assert 40 < lost < 45
@@ -191,15 +195,15 @@ def test_a_body_at_rest_upright_stays_the_scenes_own():
 @pytest.mark.slow
 def test_no_digits_left_is_said_where_kappa_eats_them_all():
     scene = asymmetric("1.1", [100, 280, 320, 360])
-    found = conditioning(scene)
-    assert found.lost == f"no digits left after t = {found.lost_after:.3g}"
-    assert 280 < found.lost_after < 320
-    assert found.kappa[2:] == (None, None)
-    assert found.digits_bound()[2:] == found.inputs()[2:] == (0.0, 0.0)
-    assert found.digits_bound("quad")[2:] == (None, None)  # not asked of this computation
-    assert found.expected("quad")[2:] == found.inputs("quad")[2:] == (None, None)
-    assert str(found).endswith(found.lost)
-    assert "360" not in str(found)
+    conditions = conditioning(scene)
+    assert conditions.lost == f"no digits left after t = {conditions.lost_after:.3g}"
+    assert 280 < conditions.lost_after < 320
+    assert conditions.kappa[2:] == (None, None)
+    assert conditions.digits_bound()[2:] == conditions.inputs()[2:] == (0.0, 0.0)
+    assert conditions.digits_bound("quad")[2:] == (None, None)  # not asked of this computation
+    assert conditions.expected("quad")[2:] == conditions.inputs("quad")[2:] == (None, None)
+    assert str(conditions).endswith(conditions.lost)
+    assert "360" not in str(conditions)
     wider = conditioning(scene, number="quad")
     assert wider.lost == ""
     assert all(12 < d < 30 for d in wider.digits_bound())
@@ -209,22 +213,26 @@ def test_no_digits_left_is_said_where_kappa_eats_them_all():
 @pytest.mark.parametrize(("spin", "end"), [("3", 1), ("3", 40), ("1.1", 40)])
 def test_the_bound_is_kappa_eps(spin, end):
     """And the inputs of one type cost no more."""
-    found = conditioning(asymmetric(spin, [end]))
-    ((least,), (inputs,)) = found.digits_bound(), found.inputs()
+    conditions = conditioning(asymmetric(spin, [end]))
+    ((least,), (inputs,)) = conditions.digits_bound(), conditions.inputs()
     eps = 52 * math.log10(2)
-    assert least == pytest.approx(eps - found.log10_kappa[0], abs=1e-9)
+    assert least == pytest.approx(eps - conditions.log10_kappa[0], abs=1e-9)
     assert least < inputs <= DOUBLE.most_digits
-    assert found.digits_bound("extended")[0] == pytest.approx(least + 11 * math.log10(2), abs=1e-9)
+    assert conditions.digits_bound("extended")[0] == pytest.approx(
+        least + 11 * math.log10(2), abs=1e-9
+    )
 
 
 def test_a_motion_too_long_for_the_steps_allowed_has_no_kappa():
     scene = asymmetric("3", [10, 10**6])
-    found = conditioning(scene, max_steps=500)
-    assert found.kappa[0] is not None
-    assert found.kappa[1] is None
-    assert found.digits_bound()[1] is found.expected()[1] is found.inputs()[1] is None
-    assert "kappa not followed" in found.note
-    assert "500 steps" in str(found)
+    conditions = conditioning(scene, max_steps=500)
+    assert conditions.kappa[0] is not None
+    assert conditions.kappa[1] is None
+    assert (
+        conditions.digits_bound()[1] is conditions.expected()[1] is conditions.inputs()[1] is None
+    )
+    assert "kappa not followed" in conditions.note
+    assert "500 steps" in str(conditions)
 
 
 def test_a_run_is_limited_by_what_its_problem_allows():
@@ -232,8 +240,8 @@ def test_a_run_is_limited_by_what_its_problem_allows():
     apart = polhode.compare(polhode.integrate("euler/separatrix"))
     assert apart.limit == "conditioning"
     assert apart.expected[-1].least < apart.worst < apart.expected[-1].most < 14
-    known = conditioning("euler/separatrix")  # who gives it is told the same
-    assert limits.expectation(apart, known).bands == apart.expected
+    conditions = conditioning("euler/separatrix")  # who gives it is told the same
+    assert limits.expectation(apart, conditions).bands == apart.expected
     loose = polhode.compare(polhode.integrate("euler/largest-axis", at=[10], tol=1e-7))
     assert loose.limit == "method (tolerance 1.0e-07)"
     assert min(loose.inputs) > loose.worst + 3
@@ -258,22 +266,22 @@ def test_a_run_is_limited_by_what_its_problem_allows():
 )
 def test_the_limit_has_a_name(digits, expected, inputs, reference, name):
     band = None if expected is None else Band(*expected)
-    held = DOUBLE.most_digits
-    plain = limits.plain_limit(digits, held, reference)
-    assert (plain or limits.limit(digits, held, band, inputs, "of it")) == name
+    most = DOUBLE.most_digits
+    plain = limits.plain_limit(digits, most, reference)
+    assert (plain or limits.limit(digits, most, band, inputs, "of it")) == name
 
 
 @pytest.mark.parametrize(("times", "digits"), [(1, 0.0), (2, 0.0583), (11, 0.1607), (301, 0.2836)])
 def test_the_worst_of_many_times_may_lie_lower_than_each(times, digits):
     """By twenty thousand runs of independent times: one in twenty falls short at its worst."""
-    found = limits.selected(times)
-    assert abs(found - digits) < 1e-4
+    allowance = limits.selected(times)
+    assert abs(allowance - digits) < 1e-4
     errors = np.abs(np.random.default_rng(times).standard_normal((20_000, times))).max(axis=1)
-    short = np.mean(errors > 10**found * 1.959964)
+    short = np.mean(errors > 10**allowance * 1.959964)
     assert 0.045 < short < 0.054  # three standard deviations are 0.0046
     band = Band(12.0, 12.5, 13.0)
     for below, name in ((0.01, "conditioning"), (-0.01, "method (of it)")):
-        worst = 12.0 - found + below
+        worst = 12.0 - allowance + below
         assert limits.limit(worst, 15.95, band, None, "of it", times) == name
 
 
@@ -348,9 +356,9 @@ def test_a_chaotic_motion_is_told_from_a_regular_one():
 @pytest.mark.campaign
 def test_the_exponents_of_neighbours_scatter_as_the_uncertainty_says():
     spins = [Fraction(11, 10) + Fraction(k, 1000) for k in range(16)]
-    found = [polhode.lyapunov(asymmetric(str(spin), [1]), 2000) for spin in spins]
-    scatter = np.std([x.exponent for x in found], ddof=1)
-    claimed = np.median([x.uncertainty for x in found])  # some stay near an island for long
+    motion = [polhode.lyapunov(asymmetric(str(spin), [1]), 2000) for spin in spins]
+    scatter = np.std([x.exponent for x in motion], ddof=1)
+    claimed = np.median([x.uncertainty for x in motion])  # some stay near an island for long
     assert 0.5 < claimed / scatter < 2
 
 
@@ -389,10 +397,10 @@ REGULAR = {
 @pytest.mark.parametrize("name", REGULAR)
 def test_motions_of_integrable_tops_are_regular(name):
     """A tangent grows like t; kappa too, or faster where other moments make it another top."""
-    found = polhode.lyapunov(name)
-    assert found.verdict == "regular"
-    assert abs(found.exponent) < found.uncertainty
-    assert found.growth == pytest.approx(math.log(2), abs=0.2)
+    motion = polhode.lyapunov(name)
+    assert motion.verdict == "regular"
+    assert abs(motion.exponent) < motion.uncertainty
+    assert motion.growth == pytest.approx(math.log(2), abs=0.2)
     scene, (least, most) = polhode.load(name), REGULAR[name]
     assert least < envelope(scene, 800) / envelope(scene, 100) / 8 < most
 
@@ -401,17 +409,17 @@ def test_motions_of_integrable_tops_are_regular(name):
     "name", ["pendulum/separatrix", "euler/separatrix", "lagrange/sleeping-unstable"]
 )
 def test_unstable_periodic_and_asymptotic_motions_are_called_so(name):
-    found = polhode.lyapunov(name)
-    assert found.verdict == "unstable"
-    assert found.exponent > 10 * found.uncertainty > 0
-    assert str(found).startswith("unstable (periodic or asymptotic): exponent ")
-    assert "(one standard deviation) up to t" in str(found)
+    motion = polhode.lyapunov(name)
+    assert motion.verdict == "unstable"
+    assert motion.exponent > 10 * motion.uncertainty > 0
+    assert str(motion).startswith("unstable (periodic or asymptotic): exponent ")
+    assert "(one standard deviation) up to t" in str(motion)
     if name.endswith("sleeping-unstable"):  # lambda² = Mg z0/A - (C r/2A)², by linear equations
         scene = polhode.load(name)
         a, _, c = (float(x) for x in scene.body.moments)
         rate = math.sqrt(float(scene.body.torque[2]) / a - (c * float(scene.omega[2]) / 2 / a) ** 2)
-        assert abs(found.exponent - rate) < found.uncertainty
-        assert math.isclose(found.exponent, rate, rel_tol=1e-3)
+        assert abs(motion.exponent - rate) < motion.uncertainty
+        assert math.isclose(motion.exponent, rate, rel_tol=1e-3)
 
 
 # -- all exponents ---------------------------------------------------------------------------------
@@ -420,23 +428,27 @@ def test_unstable_periodic_and_asymptotic_motions_are_called_so(name):
 @pytest.mark.slow
 def test_all_exponents_of_a_chaotic_motion_are_one_zeros_and_its_negative():
     """Four zeros: along the motion, and across h, f and |gamma|^2; the flow keeps volume."""
-    found = polhode.lyapunov("general/asymmetric-chaotic", 4000, spectrum=True)
-    first, *zeros, last = found.spectrum
-    assert abs(first - found.exponent) < 2 * found.uncertainty
+    lyapunov = polhode.lyapunov("general/asymmetric-chaotic", 4000, spectrum=True)
+    first, *zeros, last = lyapunov.spectrum
+    assert abs(first - lyapunov.exponent) < 2 * lyapunov.uncertainty
     assert abs(first + last) < 2e-3 < first / 20
     assert max(map(abs, zeros)) < 5e-3
-    assert abs(sum(found.spectrum)) < 1e-9
-    assert list(found.spectrum) == sorted(found.spectrum, reverse=True) == found.fact("spectrum")
+    assert abs(sum(lyapunov.spectrum)) < 1e-9
+    assert (
+        list(lyapunov.spectrum)
+        == sorted(lyapunov.spectrum, reverse=True)
+        == lyapunov.fact("spectrum")
+    )
 
 
 def test_all_exponents_of_a_permanent_rotation_are_real_parts_of_eigenvalues():
     """A sleeping top that is focus-focus: two pairs."""
     scene = polhode.load("lagrange/sleeping-unstable")
-    found = polhode.lyapunov(scene, 400, spectrum=True)
+    motion = polhode.lyapunov(scene, 400, spectrum=True)
     a, _, c = (float(x) for x in scene.body.moments)
     rate = math.sqrt(float(scene.body.torque[2]) / a - (c * float(scene.omega[2]) / 2 / a) ** 2)
     expected = [rate, rate, 0, 0, -rate, -rate]
-    assert np.abs(np.array(found.spectrum) - expected).max() < 2 / 400
+    assert np.abs(np.array(motion.spectrum) - expected).max() < 2 / 400
     free = polhode.lyapunov("euler/no-gamma", 400, spectrum=True)
     assert len(free.spectrum) == 3
     assert max(map(abs, free.spectrum)) < 6 / 400

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import re
+from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 
@@ -13,11 +15,11 @@ import polhode
 from polhode.cli import main
 from polhode.closed_forms.closed_form import ClosedForm
 from polhode.common.errors import BadInput
-from polhode.judging.tables import conventions
+from polhode.judging.tables import explanations
 from polhode.scenes.body import Body
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared import drifting_files as files
-from shared.tables import of_run, right, text
+from shared.tables import of_run, right, text, through
 
 CASE = "lagrange/nutation"
 TIMES = [Fraction(k, 8) for k in range(33)]
@@ -41,7 +43,7 @@ def by(change):
 
 def renamed(**others):
     """Columns that hold what stands in others."""
-    return lambda table: table | {name: table[other] for name, other in others.items()}
+    return lambda table: table | {name: table[source] for name, source in others.items()}
 
 
 def scaled(names, factor):
@@ -193,9 +195,9 @@ def some(table, names):
 
 
 def test_a_right_table_is_read_as_it_stands():
-    found = polhode.compare(whole(), CASE)
-    assert (found.reading, found.readings, found.causes) == (None, (), ())
-    assert found.worst > 14.5
+    judgement = polhode.compare(whole(), CASE)
+    assert (judgement.reading, judgement.readings, judgement.causes) == (None, (), ())
+    assert judgement.worst > 14.5
     run = polhode.integrate(replace(polhode.load(CASE), outputs=()), at=TIMES)
     assert polhode.compare(run).readings == ()
     last = numbered([*ATTITUDE[1:], "q0"])(whole())
@@ -207,37 +209,39 @@ def test_a_right_table_is_read_as_it_stands():
 def test_a_convention_is_named_and_applied_and_can_be_told(name):
     names, change, words = READ[name]
     table = some(change(whole()), names)
-    found = polhode.compare(table, CASE)
-    assert found.reading == words
-    assert found.worst > 14
-    assert found.limit in ("rounding", "")
-    assert f"read as {words}" in str(found)
-    assert all(one.as_it_stands < 1.1 and 14 < one.digits <= 16 for one in found.readings)
+    judgement = polhode.compare(table, CASE)
+    assert judgement.reading == words
+    assert judgement.worst > 14
+    assert judgement.limit in ("rounding", "")
+    assert f"read as {words}" in str(judgement)
+    assert all(
+        reading.as_it_stands < 1.1 and 14 < reading.digits <= 16 for reading in judgement.readings
+    )
     plain = polhode.compare(table, CASE, as_it_stands=True)
     assert (plain.reading, plain.readings) == (None, ())
     assert plain.worst < 1.1
-    assert polhode.compare(table, CASE, read=words).part_digits == found.part_digits
+    assert polhode.compare(table, CASE, read=words).part_digits == judgement.part_digits
 
 
 @pytest.mark.parametrize("name", REPORTED)
 def test_a_convention_that_is_not_applied_is_named(name):
     names, change, words = REPORTED[name]
     table = some(change(whole()), names)
-    found = polhode.compare(table, CASE)
-    (one,) = found.readings
-    assert f"{one.part} {one.convention}" == words
-    assert one.digits > 13
-    assert (found.worst, found.reading) == (0, None)
-    assert f"read as {one.convention}" in str(found)
+    judgement = polhode.compare(table, CASE)
+    (reading,) = judgement.readings
+    assert f"{reading.part} {reading.convention}" == words
+    assert reading.digits > 13
+    assert (judgement.worst, judgement.reading) == (0, None)
+    assert f"read as {reading.convention}" in str(judgement)
     with pytest.raises(BadInput, match="reported, and not applied"):
         polhode.compare(table, CASE, read=words)
 
 
 def test_a_quaternion_and_its_opposite_are_one_attitude():
     table = some(either_sign(whole()), ATTITUDE)
-    found = polhode.compare(table, CASE)
-    assert (found.reading, found.readings) == (None, ())
-    assert found.worst > 14.5
+    judgement = polhode.compare(table, CASE)
+    assert (judgement.reading, judgement.readings) == (None, ())
+    assert judgement.worst > 14.5
     table["q2"][7] += 1e-6
     assert polhode.compare(table, CASE).worst == pytest.approx(6, abs=0.01)
     last = polhode.compare(some(LAST(either_sign(whole())), ATTITUDE), CASE)
@@ -249,8 +253,8 @@ def test_omega_along_space_is_named_where_the_attitude_is_enclosed():
     case, times = "goryachev-chaplygin/rotating", [Fraction(k, 8) for k in range(12)]
     assert polhode.reference(case).encloses_attitude
     table = by(files.along_space)(with_attitude(case, times))
-    (one,) = polhode.compare({n: table[n] for n in ("t", *STATE)}, case).readings
-    assert (one.part, one.convention) == ("omega", "along the axes of space")
+    (judgement,) = polhode.compare({n: table[n] for n in ("t", *STATE)}, case).readings
+    assert (judgement.part, judgement.convention) == ("omega", "along the axes of space")
 
 
 #: Of these, alone in other motions and two at once, the columns are of all parts.
@@ -269,9 +273,9 @@ def mixed(case, *names):
 @pytest.mark.parametrize("case", ["euler/turned-axes", "lagrange/looping"])
 @pytest.mark.parametrize("name", MIXED)
 def test_a_convention_is_named_in_other_motions(case, name):
-    found = mixed(case, name)
-    assert READ[name][2].partition(";")[0] in found.reading
-    assert found.worst > 13
+    judgement = mixed(case, name)
+    assert READ[name][2].partition(";")[0] in judgement.reading
+    assert judgement.worst > 13
 
 
 @pytest.mark.slow
@@ -280,19 +284,19 @@ def test_two_conventions_at_once_are_read():
     pairs = [*itertools.combinations(MIXED, 2)][::3]
     named = 0
     for pair in pairs:
-        found = mixed(CASE, *pair)
-        assert all(one.digits > 9 for one in found.readings), pair
-        named += bool(found.readings)
+        judgement = mixed(CASE, *pair)
+        assert all(reading.digits > 9 for reading in judgement.readings), pair
+        named += bool(judgement.readings)
     assert named >= 0.9 * len(pairs)
 
 
 @pytest.mark.slow
 def test_what_limits_the_digits_of_a_table_that_was_read_is_told():
     """What is left is the error of the table as it is read."""
-    found = polhode.compare(shifted("p", 1e-5)(DEGREES(some(whole(), STATE))), CASE)
-    assert found.reading == "omega degrees"
-    assert found.limit.startswith("method")
-    assert "fewer than double precision allows" in str(found)
+    judgement = polhode.compare(shifted("p", 1e-5)(DEGREES(some(whole(), STATE))), CASE)
+    assert judgement.reading == "omega degrees"
+    assert judgement.limit.startswith("method")
+    assert "fewer than double precision allows" in str(judgement)
 
 
 def test_a_motion_without_a_closed_form_is_read_by_a_short_proof():
@@ -305,20 +309,20 @@ def test_a_motion_without_a_closed_form_is_read_by_a_short_proof():
         (shifted("t", 1234.5), "t from"),
     ):
         forecasts = []
-        found = polhode.compare(change(exchanged), case, forecast=forecasts.append)
-        assert words in found.reading
-        assert "p q r = q p r" in found.reading
-        assert found.worst > 11
+        judgement = polhode.compare(change(exchanged), case, forecast=forecasts.append)
+        assert words in judgement.reading
+        assert "p q r = q p r" in judgement.reading
+        assert judgement.worst > 11
         assert max(forecasts, default=0) < 5
 
 
 def test_a_weight_of_the_other_sign_is_told_and_not_applied():
     scene = polhode.load("lagrange/looping").at(TIMES)
-    other = replace(scene, body=replace(scene.body, weight=-scene.body.weight))
-    found = polhode.compare(of_run(polhode.integrate(other)), scene)
-    assert found.worst < 1
-    assert {one.convention for one in found.readings} == {"a weight of the other sign"}
-    assert found.reading is None
+    upside_down = replace(scene, body=replace(scene.body, weight=-scene.body.weight))
+    judgement = polhode.compare(of_run(polhode.integrate(upside_down)), scene)
+    assert judgement.worst < 1
+    assert {reading.convention for reading in judgement.readings} == {"a weight of the other sign"}
+    assert judgement.reading is None
 
 
 def other_body(inertia, weight):
@@ -338,8 +342,8 @@ def other_body(inertia, weight):
 def full(**others):
     numbers = {"omega": ["0.5", "1.2", "-0.7"], "quaternion": ["0.8", "0.2", "-0.4", "0.4"]}
     inertia = [["1.3", "0.1", "-0.2"], ["0.1", "1.1", "0.15"], ["-0.2", "0.15", "0.9"]]
-    given = {"inertia": inertia, "centre": ["0.1", "0.2", "0.3"], "weight": "1.5"}
-    return polhode.top(**(given | numbers | others), outputs=["attitude"])
+    body = {"inertia": inertia, "centre": ["0.1", "0.2", "0.3"], "weight": "1.5"}
+    return polhode.top(**(body | numbers | others), outputs=["attitude"])
 
 
 SAME = ((1, 1, 1), (1, 1, 1), (1, 1, 1))
@@ -380,15 +384,17 @@ def test_the_digits_under_a_reading_are_those_under_it(which):
     own = replace(polhode.load(own), outputs=("attitude",), events=())
     run = polhode.integrate(change(own), at=[Fraction(k, 4) for k in range(25)])
     table = of_run(run) | dict(zip(ATTITUDE, np.array(run.attitude).T, strict=True))
-    found = polhode.compare(some(table, OMEGA if which == "chaotic" else WHOLE), own)
-    assert found.worst < 3
-    assert found.readings
-    told = {x.name: x.values for x in found.fact("readings").columns}
-    for one, digits in zip(found.readings, told["digits"], strict=True):
-        assert words in one.convention
-        assert one.as_it_stands < 3 < 13.5 < one.digits == digits
-        assert f"; right with {one.convention}: {one.digits:.1f} digits" in str(found)
-        assert one.as_it_stands == pytest.approx(min(found.part_digits[one.part]), abs=1)
+    judgement = polhode.compare(some(table, OMEGA if which == "chaotic" else WHOLE), own)
+    assert judgement.worst < 3
+    assert judgement.readings
+    facts = {x.name: x.values for x in judgement.fact("readings").columns}
+    for reading, digits in zip(judgement.readings, facts["digits"], strict=True):
+        assert words in reading.convention
+        assert reading.as_it_stands < 3 < 13.5 < reading.digits == digits
+        assert f"; right with {reading.convention}: {reading.digits:.1f} digits" in str(judgement)
+        assert reading.as_it_stands == pytest.approx(
+            min(judgement.part_digits[reading.part]), abs=1
+        )
 
 
 # -- conventions that somebody tells ----------------------------------------------------------
@@ -398,16 +404,16 @@ def test_what_is_told_is_applied_whatever_it_gives_and_nothing_else_is():
     table = some(whole(), WHOLE)
     wrong = polhode.compare(table, CASE, read="omega degrees")
     assert (wrong.reading, wrong.worst < 1) == ("omega degrees", True)
-    found = polhode.compare(LAST(DEGREES(table)), CASE, read=" omega  degrees;")
-    assert (found.worst_part, found.worst < 1) == ("attitude", True)
-    assert [one.part for one in found.readings] == ["omega"]
+    judgement = polhode.compare(LAST(DEGREES(table)), CASE, read=" omega  degrees;")
+    assert (judgement.worst_part, judgement.worst < 1) == ("attitude", True)
+    assert [reading.part for reading in judgement.readings] == ["omega"]
     later = after(shifted("t", 5), scaled(["t"], 1000), DEGREES)(table)
-    told = "t milliseconds; t from its first row on (5); omega degrees"
-    assert polhode.compare(later, CASE, read=told).worst > 14
+    words = "t milliseconds; t from its first row on (5); omega degrees"
+    assert polhode.compare(later, CASE, read=words).worst > 14
 
 
 @pytest.mark.parametrize(
-    ("told", "refused"),
+    ("words", "refused"),
     [
         ("sideways", "sideways: expected readings that this table can have: attitude scalar-last"),
         ("attitude scalar-last; sideways", "sideways: expected readings"),
@@ -419,9 +425,9 @@ def test_what_is_told_is_applied_whatever_it_gives_and_nothing_else_is():
         ("attitude scalar-last; attitude scalar-last", "no second reading of attitude"),
     ],
 )
-def test_the_refusal_names_the_word_and_why(told, refused):
+def test_the_refusal_names_the_word_and_why(words, refused):
     with pytest.raises(BadInput) as fault:
-        polhode.compare(some(LAST(whole()), ATTITUDE), CASE, read=told)
+        polhode.compare(some(LAST(whole()), ATTITUDE), CASE, read=words)
     assert "read = " in str(fault.value)
     assert refused in str(fault.value)
 
@@ -439,9 +445,11 @@ def test_the_command_reads_as_it_is_told(tmp_path, capsys):
 
 def test_what_is_told_of_times_beside_no_whole_vector_has_no_digits_of_its_own():
     """It was told 0.0 digits."""
-    found = polhode.compare(some(scaled(["t"], 1000)(whole()), "p"), CASE, read="t milliseconds")
-    assert found.worst > 14
-    assert [*map(str, found.readings)] == ["t read as milliseconds"]
+    judgement = polhode.compare(
+        some(scaled(["t"], 1000)(whole()), "p"), CASE, read="t milliseconds"
+    )
+    assert judgement.worst > 14
+    assert [*map(str, judgement.readings)] == ["t read as milliseconds"]
 
 
 @pytest.mark.sample(0, slow=2)
@@ -450,10 +458,12 @@ def test_a_table_with_an_empty_cell_is_read_by_its_whole_rows(gap):
     """Where one of the rows that tell had it, no convention was found, and no number."""
     table = DEGREES(some(whole(), STATE))
     table["q"][gap] = np.nan
-    found = polhode.compare(table, CASE)
-    assert (found.reading, found.worst > 14) == ("omega degrees", True)
-    told = "drift of the integrals was not judged: it takes all cells of the state, and some are"
-    assert told in str(found)
+    judgement = polhode.compare(table, CASE)
+    assert (judgement.reading, judgement.worst > 14) == ("omega degrees", True)
+    sentence = (
+        "drift of the integrals was not judged: it takes all cells of the state, and some are"
+    )
+    assert sentence in str(judgement)
     assert "it takes all of p, q, r, gamma1, gamma2, gamma3, and the table has no gamma1" in str(
         polhode.compare(some(table, OMEGA), CASE)
     )
@@ -471,21 +481,23 @@ START = {"omega": ["0.16", "0.3", "4.1"], "gamma": ["0.8", 0, "0.6"]}
 def test_times_in_minutes_are_shown_in_full():
     """Sixty times a double: 3.8749999999999996 was shown, and is 3.875."""
     rows = {n: x[[0, 1, 8, 31]] for n, x in some(whole(), STATE).items()}
-    found = polhode.compare(scaled(["t"], 1 / 60)(rows), CASE)
-    lines = found.details().splitlines()[2:6]
+    judgement = polhode.compare(scaled(["t"], 1 / 60)(rows), CASE)
+    lines = judgement.details().splitlines()[2:6]
     assert [line.split()[0] for line in lines] == ["0", "0.125", "1", "3.875"]
 
 
 @pytest.mark.parametrize(("factor", "most"), [(1000, 3), (1e6, 2), (1 / 60, 12)])
 def test_a_unit_is_tried_before_the_times_that_lie_farther_away(monkeypatch, factor, most):
     """All others were followed as far as 100 000 radians, which took a third of a second."""
-    asked = []
-    followed = conventions.integrated
+    followed_times = []
+    followed = explanations.integrated
     monkeypatch.setattr(
-        conventions, "integrated", lambda *given: asked.append(1) or followed(*given)
+        explanations,
+        "integrated",
+        lambda *arguments: followed_times.append(1) or followed(*arguments),
     )
     assert polhode.compare(scaled(["t"], factor)(some(whole(), STATE)), CASE).worst > 14
-    assert 1 <= len(asked) <= most
+    assert 1 <= len(followed_times) <= most
 
 
 # -- wrong tables -----------------------------------------------------------------------------
@@ -516,9 +528,9 @@ def departing(table):
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("wrong", [early_in_part, one_row, noise, departing])
 def test_a_wrong_table_has_no_convention_by_chance(wrong):
-    found = polhode.compare(wrong(some(whole(), STATE)), CASE)
-    assert found.readings == ()
-    assert found.worst < 1.5
+    judgement = polhode.compare(wrong(some(whole(), STATE)), CASE)
+    assert judgement.readings == ()
+    assert judgement.worst < 1.5
 
 
 def with_attitude(case, times):
@@ -532,9 +544,9 @@ def test_an_attitude_that_alone_is_wrong_is_read_without_a_closed_form():
     case = "general/asymmetric-regular"
     table = with_attitude(case, [Fraction(k, 2) for k in range(8)])
     table |= dict(zip(ATTITUDE, [table[n] for n in (*ATTITUDE[1:], ATTITUDE[0])], strict=True))
-    found = polhode.compare(table, case)
-    assert found.reading == "attitude scalar-last"
-    assert found.worst > 13
+    judgement = polhode.compare(table, case)
+    assert judgement.reading == "attitude scalar-last"
+    assert judgement.worst > 13
 
 
 @pytest.mark.slow
@@ -547,6 +559,233 @@ def test_a_closed_form_that_refuses_leaves_the_reading_to_the_enclosure(monkeypa
         table[name] = np.degrees(table[name])
     for question in ("at", "attitude", "pairs"):
         monkeypatch.setattr(ClosedForm, question, refused)
-    found = polhode.compare(table, "euler/attitude")
-    assert (found.reading, found.reference.kind) == ("omega degrees", "certified")
-    assert found.worst > 13
+    judgement = polhode.compare(table, "euler/attitude")
+    assert (judgement.reading, judgement.reference.kind) == ("omega degrees", "certified")
+    assert judgement.worst > 13
+
+
+# -- Times of a clock, in other units, or rounded: what a judgement says of a right program
+
+
+SCENE = "lagrange/nutation"
+CLOCK = 10**6
+
+
+def table(times, scene=SCENE, later=0, shown=float):
+    """The right rows of times, with those of a clock that is so much later."""
+    columns = of_run(polhode.integrate(scene, at=times))
+    return columns | {"t": np.array([shown(t + Fraction(later)) for t in times])}
+
+
+THIRDS = [Fraction(k, 3) for k in range(20)]  # which no clock of doubles holds
+
+
+@pytest.mark.parametrize("door", ["mapping", "npz", "%.18e", "%.17g"])
+def test_rounding_of_a_clocks_time_is_the_limit_whatever_the_door(tmp_path, door):
+    judgement = polhode.compare(through(door, table(THIRDS, later=CLOCK), tmp_path), SCENE)
+    assert judgement.subject.number.name == "double"
+    assert 9 < judgement.worst < 11
+    assert judgement.limit == "rounding (of the times, by up to 2e-10)"
+
+
+@pytest.mark.sample(0, slow=1)
+@pytest.mark.parametrize("size", [1e-8, 1e-5])
+def test_more_than_the_clock_explains_is_not_blamed_on_it(size):
+    columns = table(THIRDS, later=CLOCK)
+    rows = np.column_stack([columns[n] for n in polhode.load(SCENE).columns])
+    beside = polhode.compare(rows, SCENE, at=columns["t"])
+    assert "as many as rounding of the times, by up to 2e-10 leaves" in str(beside)
+    columns["q"] = columns["q"] + size * np.sin(np.arange(20))
+    judgement = polhode.compare(columns, SCENE)
+    assert judgement.limit.startswith("method")
+    assert "fewer than double precision allows: the program's steps, noise, or" in str(judgement)
+
+
+@pytest.mark.sample(0, slow=1)
+@pytest.mark.parametrize(("places", "limit"), [(6, "by up to 1e-06"), (9, "by up to 1e-09")])
+def test_decimals_that_are_not_evenly_spaced_are_rounded(tmp_path, places, limit):
+    columns = table(THIRDS, shown=lambda t: round(float(t), places))
+    path = tmp_path / "x.csv"
+    path.write_text(text(columns))
+    assert polhode.compare(path, SCENE).limit.startswith("rounding (of the times")
+    path.write_text(text(columns | {"t": np.arange(20) / 10}))
+    assert not polhode.compare(path, SCENE).limit.startswith("rounding")
+
+
+def test_a_unit_is_told_by_the_rows_that_a_run_reaches():
+    """The last one is two million radians on, which no run in double goes."""
+    times = [Fraction(k, 8) for k in range(8)] + [Fraction(2_000_000)]
+    rows = np.array(polhode.reference(SCENE).at(times, 20), float)
+    columns = dict(zip(polhode.load(SCENE).columns, rows.T, strict=True))
+    judgement = polhode.compare(columns | {"t": [1000.0 * float(t) for t in times]}, SCENE)
+    assert judgement.reading == "t milliseconds"
+    assert judgement.worst > 14
+
+
+def test_a_clock_of_milliseconds_begins_at_its_first_row_in_words_that_can_be_told():
+    columns = table([Fraction(k, 4) for k in range(20)], later=10**6)
+    columns["t"] = 1000.0 * columns["t"]
+    judgement = polhode.compare(columns, SCENE)
+    assert judgement.reading == "t milliseconds, from its first row on (1e+09)"
+    assert judgement.worst > 9
+    read_so = polhode.compare(columns, SCENE, read=judgement.reading)
+    assert (read_so.worst, read_so.readings) == (judgement.worst, judgement.readings)
+
+
+def test_a_motion_without_a_formula_begins_at_its_first_row_too():
+    """In any order of the rows; a proof that a look at the times asks for is foretold."""
+    scene, forecasts = "general/asymmetric-regular", []
+    columns = table([0, 1, 2, 5], scene, 1234)
+    for some in (columns, {name: x[::-1] for name, x in columns.items()}):
+        judgement = polhode.compare(some, scene, forecast=forecasts.append)
+        assert judgement.reading == "t from its first row on (1234)"
+        assert judgement.worst > 14
+    assert forecasts
+    assert max(forecasts) < 60
+
+
+@pytest.mark.slow
+def test_rows_a_thousand_turns_apart_are_told_their_origin():
+    """Of a body that spins fast the second row lies ten thousand radians away."""
+    times = np.arange(6.0)
+    columns = of_run(polhode.integrate("euler/fast-spin", at=times.tolist()))
+    later = polhode.compare(columns | {"t": times + 12.5}, "euler/fast-spin")
+    assert later.reading == "t from its first row on (12.5)"
+    down = polhode.compare(columns | {"t": 5 - times}, "euler/fast-spin")
+    assert down.reading == "t of the other sense, from its last row on (5)"
+    assert 11 < min(later.worst, down.worst) < 15.96
+
+
+def test_of_a_body_at_rest_no_time_is_told():
+    """A rate of zero has no radian: a division by it ended in a traceback."""
+    judgement = polhode.compare(table(THIRDS), "euler/rest")
+    assert judgement.worst < 1
+
+
+# -- A program that drifts is told its convention by its first rows; a wrong file is told none
+
+
+PARTS = {"omega": STATE[:3], "gamma": STATE[3:], "attitude": ATTITUDE}
+STARTS_RIGHT = 3.0  # digits of the first rows of an exact program
+
+
+def scene_of(file):
+    top = file.top
+    return polhode.top(
+        inertia=[[str(x) for x in row] for row in top.inertia],
+        centre=[str(x) for x in top.centre],
+        weight=str(top.weight),
+        omega=[str(x) for x in top.omega],
+        quaternion=[float(x) for x in file.turn],
+        normalise=True,
+        outputs=["attitude"],
+    )
+
+
+def judged(file):
+    return polhode.compare(file.columns, scene_of(file))
+
+
+def is_named(file, judgement):
+    reading = {x.part: x.convention for x in judgement.readings}
+    return all(words in reading.get(part, "") for part, words in file.words.items())
+
+
+def plainly(convention):
+    """A convention without the numbers of a rotation."""
+    return re.sub(r"rotation of .* in", "rotation in", convention)
+
+
+def right_digits(file, part):
+    """Digits of a program that drifts, by one that does not, in the first rows: of vectors by
+    components, of attitudes by elements of R."""
+    theirs, exact = (
+        np.array([columns[name][: files.EXACT_ROWS] for name in PARTS[part]]).T
+        for columns in (file.columns, file.exact)
+    )
+    if part == "attitude":
+        order = [3, 0, 1, 2] if file.words[part] == "scalar-last" else [0, 1, 2, 3]
+        theirs, exact = (files.matrix(q[:, order]).reshape(-1, 9) for q in (theirs, exact))
+    size = np.linalg.norm(exact, axis=1).max() if part == "omega" else 1
+    with np.errstate(divide="ignore"):
+        return -np.log10(np.abs(theirs - exact).max(axis=1) / size)
+
+
+def is_wrong(file, reading):
+    """Whether a program that does not drift is not right in a reading."""
+    scene = scene_of(file)
+    if any(words in reading.convention for words in file.words.values()):
+        return False
+    if reading.change is None:
+        exact = polhode.compare(file.exact, scene).readings
+        conventions = {(x.part, plainly(x.convention)) for x in exact}
+        return (reading.part, plainly(reading.convention)) not in conventions
+    try:
+        exact = polhode.compare(file.exact, scene, read=f"{reading.part} {reading.convention}")
+    except BadInput:
+        return True
+    return min(exact.part_digits[reading.part]) < STARTS_RIGHT
+
+
+@pytest.mark.sample(0, slow=2)
+@pytest.mark.parametrize("name", files.NAMES)
+def test_a_drifting_file_is_told_its_convention(name):
+    """The digits of its first row and of later ones, in the convention that is named."""
+    file = files.plain_file(name)
+    judgement = judged(file)
+    assert judgement.worst < 3
+    assert is_named(file, judgement), judgement.readings
+    for part in file.words:
+        (reading,) = [x for x in judgement.readings if x.part == part]
+        first, *_, last = reading.rows
+        assert 12 > first[1] > 2 > last[1] or first[1] > 12 > 3 > last[1]
+        assert f"{last[1]:.1f} at t = 4" in str(reading)
+        for t, digits in reading.rows[1:-1]:
+            digits_there = right_digits(file, part)[list(file.columns["t"]).index(float(t))]
+            assert digits == pytest.approx(digits_there, abs=0.4)
+        exact = "turned" not in name  # where the first row tells the rotation
+        assert ("exact at t = 0, " in str(reading)) == exact
+
+
+@pytest.mark.sample(0, slow=1)
+@pytest.mark.parametrize(("moments", "spin"), [([4, 4, "1.5"], 94), ([1, "1.1", "0.4"], -60)])
+def test_a_fast_top_is_told_the_unit_of_omega(moments, spin):
+    """Its spin is hardly moved, so that what comes after the first row says little of the axes."""
+    numbers = {"centre": [0, 0, 1], "weight": 20, "angles": [0, "25°", 0], "rates": [0, 0, spin]}
+    top = polhode.top(moments=moments, **numbers)
+    f, h = polhode.field(top), 2e-4
+    states = [np.array(f.start)]
+    for _ in range(1500):
+        states.append(states[-1] + h * np.array(f(0, states[-1])))
+    rows = np.array(states[::50])
+    for unit, word in ((180 / np.pi, "degrees"), (30 / np.pi, "rpm")):
+        table = {"t": np.arange(31) / 100, **dict(zip("pqr", unit * rows[:, :3].T, strict=True))}
+        (reading,) = polhode.compare(table, top).readings
+        assert reading.convention == word
+        assert reading.rows[0][1] > 12 > 4 > reading.rows[-1][1]
+    table["r"] = table["r"] * 1.3  # a factor that is no unit
+    assert polhode.compare(table, top).readings == ()
+
+
+@pytest.mark.campaign
+def test_drifting_files_are_named_right():
+    """At least 95 in a hundred are named, and none wrongly."""
+    count = 300
+    missed, wrong = Counter(), []
+    for seed in range(count):
+        name = files.NAMES[seed % len(files.NAMES)]
+        file = files.of_convention(seed, name)
+        judgement = judged(file)
+        missed[name] += not is_named(file, judgement)
+        wrong += [
+            (seed, name, str(reading)) for reading in judgement.readings if is_wrong(file, reading)
+        ]
+    assert wrong == []
+    assert missed.total() <= 0.05 * count, +missed
+
+
+@pytest.mark.sample(0, slow=3)
+@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("name", files.WRONG)
+def test_wrong_files_are_told_no_convention(name, seed):
+    assert judged(files.wrong_file(seed, name)).readings == ()

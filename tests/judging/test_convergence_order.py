@@ -34,12 +34,12 @@ def with_step(method):
 @pytest.mark.sample(2)
 @pytest.mark.parametrize(("method", "order"), [(euler, 1), (midpoint, 2), (rk4, 4)])
 def test_the_order_of_a_method_is_seen(method, order):
-    found = order_of(with_step(method), SCENE, [2 / 2**k for k in range(5, 11)], at=[2])
-    assert abs(found.order - order) < 0.15
-    assert order - 0.3 < found.least <= found.order <= found.most < order + 0.3
-    assert sum(found.counted) >= 4
-    assert "between successive steps" in str(found)
-    assert repr(found).startswith(f"<ObservedOrder {found.order:.2f}, ")
+    observed = order_of(with_step(method), SCENE, [2 / 2**k for k in range(5, 11)], at=[2])
+    assert abs(observed.order - order) < 0.15
+    assert order - 0.3 < observed.least <= observed.order <= observed.most < order + 0.3
+    assert sum(observed.counted) >= 4
+    assert "between successive steps" in str(observed)
+    assert repr(observed).startswith(f"<ObservedOrder {observed.order:.2f}, ")
 
 
 def test_a_time_at_which_a_step_has_no_numbers_is_told():
@@ -53,27 +53,27 @@ def test_a_time_at_which_a_step_has_no_numbers_is_told():
             rows.append(y)
         return [rows[0], rows[1] * (np.nan if h > 0.1 else 1)]
 
-    found = order_of(mine, SCENE, [1 / 8, 1 / 16, 1 / 32, 1 / 64], at=[1, 2])
-    assert np.isnan(found.digits).tolist() == [[False, True]] + 3 * [[False, False]]
-    first, *others, last = str(found).splitlines()
-    assert first.endswith(f"{found.digits[0][0]:.2f} digits, no numbers at 1 of 2 times")
+    order = order_of(mine, SCENE, [1 / 8, 1 / 16, 1 / 32, 1 / 64], at=[1, 2])
+    assert np.isnan(order.digits).tolist() == [[False, True]] + 3 * [[False, False]]
+    first, *others, last = str(order).splitlines()
+    assert first.endswith(f"{order.digits[0][0]:.2f} digits, no numbers at 1 of 2 times")
     assert not any("no numbers" in line for line in others)
     assert "at 2 of 2 times" in last
-    assert abs(found.order - 4) < 0.1
+    assert abs(order.order - 4) < 0.1
 
 
 @pytest.mark.slow
 def test_a_wrong_weight_has_no_order_and_steps_at_which_rounding_rules_do_not_count():
     broken = with_step(lambda f, y, h: rk4(f, y, h, 6.006))
-    found = order_of(broken, SCENE, [0.02, 0.01, 0.005, 0.0025], at=[2])
-    assert abs(found.order) < 0.5
-    found = order_of(with_step(rk4), SCENE, [2 / 2**k for k in range(5, 14)], at=[2])
-    assert not found.counted[-1]
-    assert abs(found.order - 4) < 0.1
+    order = order_of(broken, SCENE, [0.02, 0.01, 0.005, 0.0025], at=[2])
+    assert abs(order.order) < 0.5
+    order = order_of(with_step(rk4), SCENE, [2 / 2**k for k in range(5, 14)], at=[2])
+    assert not order.counted[-1]
+    assert abs(order.order - 4) < 0.1
 
 
 @pytest.mark.parametrize(
-    ("what", "given", "expected"),
+    ("method", "options", "expected"),
     [
         (rk4, {"steps": [0.1, 0.05]}, "3 or more, different"),
         (rk4, {"steps": [0.1, 0.1, 0.1]}, "3 or more, different"),
@@ -84,9 +84,9 @@ def test_a_wrong_weight_has_no_order_and_steps_at_which_rounding_rules_do_not_co
         (None, {}, "a function from a step to rows"),
     ],
 )
-def test_what_tells_no_order_is_refused(what, given, expected):
+def test_what_tells_no_order_is_refused(method, options, expected):
     with pytest.raises(BadInput, match=expected):
-        order_of(what and with_step(what), SCENE, **({"at": [2]} | given))
+        order_of(method and with_step(method), SCENE, **({"at": [2]} | options))
 
 
 def written(path, method, h, every=1, until=2.0, header="t,p,q,r,gamma1,gamma2,gamma3"):
@@ -105,13 +105,13 @@ def written(path, method, h, every=1, until=2.0, header="t,p,q,r,gamma1,gamma2,g
 def test_the_order_between_two_files_is_told(method, order, tmp_path, capsys):
     coarse, fine = (written(tmp_path / f"{h}.csv", method, h) for h in (0.02, 0.01))
     assert main(["order", coarse, fine, SCENE]) == 0
-    *table, one, other, last = capsys.readouterr().out.splitlines()
+    *table, output, second_line, last = capsys.readouterr().out.splitlines()
     assert not table
-    found = float(last.split()[1].rstrip(";"))
-    assert abs(found - order) < 0.15
-    assert one.startswith("step 0.02 ")
-    assert one.endswith("digits, 0.02.csv")
-    assert other.endswith("digits, 0.01.csv")
+    number = float(last.split()[1].rstrip(";"))
+    assert abs(number - order) < 0.15
+    assert output.startswith("step 0.02 ")
+    assert output.endswith("digits, 0.02.csv")
+    assert second_line.endswith("digits, 0.01.csv")
     assert last.endswith("between successive steps at 100 of 100 times")
 
 
@@ -122,22 +122,24 @@ def test_steps_may_be_told_and_three_files_given(tmp_path, capsys):
     assert main(command) == 2
     assert "in --steps: the files' rows are 0.5, 0.5, 0.5 apart" in capsys.readouterr().err
     assert main([*command, "--steps", "1/10,0.05,0.025", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["steps"] == [0.1, 0.05, 0.025]
-    columns = found["columns"]
+    output = json.loads(capsys.readouterr().out)
+    assert output["steps"] == [0.1, 0.05, 0.025]
+    columns = output["columns"]
     assert columns["t"] == ["0.5", "1", "1.5", "2"]
     assert [*columns][2:] == ["correct_digits_1", "correct_digits_2", "correct_digits_3"]
-    assert 3.8 < found["order_least"] <= found["order"] <= found["order_most"] < 4.2
+    assert 3.8 < output["order_least"] <= output["order"] <= output["order_most"] < 4.2
 
 
 def test_at_each_time_those_steps_count_that_neither_the_first_digit_nor_rounding_rules():
     digits = (1.0, 2.0), (2.0, 3.3), (3.0, 4.2), (4.0, 5.1), (4.1, 5.2)
-    found = ObservedOrder((16.0, 4.0, 1.0, 0.25, 0.0625), (Fraction(1), Fraction(2)), digits, 4.05)
+    observed = ObservedOrder(
+        (16.0, 4.0, 1.0, 0.25, 0.0625), (Fraction(1), Fraction(2)), digits, 4.05
+    )
     digit = math.log(10, 4)  # the order at which four times the step costs one
-    assert found.counted == (True, True, True, True, False)
-    assert found.orders == (pytest.approx(digit), None)  # of two steps alone
-    assert (found.order, found.least, found.most) == pytest.approx((digit,) * 3)
-    wider = replace(found, rounding=5.15)
+    assert observed.counted == (True, True, True, True, False)
+    assert observed.orders == (pytest.approx(digit), None)  # of two steps alone
+    assert (observed.order, observed.least, observed.most) == pytest.approx((digit,) * 3)
+    wider = replace(observed, rounding=5.15)
     assert wider.counted[-1]
     assert wider.least == pytest.approx(0.1 * digit)  # 4.0 to 4.1 digits
     assert wider.most == pytest.approx(1.3 * digit)
@@ -167,20 +169,20 @@ ERRORS = {
 def test_steps_that_rounding_limits_are_left_out(kind):
     error, count = ERRORS[kind]
     steps = [2.0**-k for k in range(5, 12)]
-    found = order_of(with_error(error), SCENE, steps, at=[2])
-    assert found.left_out == tuple(steps[len(steps) - count :])
-    assert str(found).count(", left out: rounding limits it") == count
-    assert abs(found.order - 4) < 0.2 or kind.startswith("another")
-    assert found.order < 3.9 or not kind.startswith("another")
+    order = order_of(with_error(error), SCENE, steps, at=[2])
+    assert order.left_out == tuple(steps[len(steps) - count :])
+    assert str(order).count(", left out: rounding limits it") == count
+    assert abs(order.order - 4) < 0.2 or kind.startswith("another")
+    assert order.order < 3.9 or not kind.startswith("another")
 
 
 @pytest.mark.parametrize("steps", [[0.02, 0.01, 0.0005], [0.02, 0.01, 0.0005, 0.00025]])
 def test_two_steps_tell_the_order_where_rounding_limits_the_others(steps):
     error, _ = ERRORS["rounding of each step"]
-    found = order_of(with_error(error), SCENE, steps, at=[2])
-    assert found.counted == (True, True, *(False for _ in steps[2:]))
-    assert abs(found.order - 4) < 0.1
-    facts = {fact.name: fact.value for fact in found.facts()}
+    order = order_of(with_error(error), SCENE, steps, at=[2])
+    assert order.counted == (True, True, *(False for _ in steps[2:]))
+    assert abs(order.order - 4) < 0.1
+    facts = {fact.name: fact.value for fact in order.facts()}
     assert facts["left_out"] == steps[2:]
 
 

@@ -42,9 +42,9 @@ TENTH = Fraction(1, 10)
     ],
 )
 def test_a_difference_is_exact(own, true, log):
-    found = log10_differences([[own]], [[true]])
-    assert found.shape == (1, 1)
-    assert found[0, 0] == pytest.approx(log, rel=1e-13, nan_ok=True)
+    logs = log10_differences([[own]], [[true]])
+    assert logs.shape == (1, 1)
+    assert logs[0, 0] == pytest.approx(log, rel=1e-13, nan_ok=True)
 
 
 @pytest.mark.parametrize(("turns", "off"), [(0, 1e-9), (1, 1e-9), (-3, -1e-9), (10**6, 1e-12)])
@@ -52,8 +52,8 @@ def test_whole_turns_are_taken_away(turns, off):
     angle = Fraction(5, 2)
     with mpmath.workprec(200):
         own = mpmath.mpf(angle.numerator) / angle.denominator + 2 * mpmath.pi * turns + off
-    found = log10_differences([[own]], [[angle]], turning=(0,), bits=150)
-    assert found[0, 0] == pytest.approx(math.log10(abs(off)), abs=1e-6)
+    logs = log10_differences([[own]], [[angle]], turning=(0,), bits=150)
+    assert logs[0, 0] == pytest.approx(math.log10(abs(off)), abs=1e-6)
 
 
 def test_of_w_relative_to_its_largest_modulus_and_of_gamma_as_they_are():
@@ -62,8 +62,8 @@ def test_of_w_relative_to_its_largest_modulus_and_of_gamma_as_they_are():
     true = [[3, 0, 4, 0, 0, 1], [0, 0, 1, 0, 0, 1]]
     states = [[3 + 5e-6, 0, 4, 0, 0, 1], [None, 0, 1, 1e-7, 0, 1]]
     assert log10_rate(true, scene) == pytest.approx(math.log10(5), rel=1e-14)
-    found = log10_errors(states, true, log10_rate(true, scene))
-    assert found == pytest.approx([-6, -7], abs=1e-9)
+    logs = log10_errors(states, true, log10_rate(true, scene))
+    assert logs == pytest.approx([-6, -7], abs=1e-9)
     assert worst_digits(states, true, scene, 15.9) == pytest.approx(6, abs=1e-9)
     assert worst_digits(true, true, scene, 15.9) == 15.9
 
@@ -75,9 +75,9 @@ def test_a_table_of_hundreds_of_digits(planted, digits):
     rows = [[exactly(x) for x in row] for row in polhode.reference(case).at(times, 260)]
     for row in rows[1:]:
         row[3] += Fraction(1, 10**planted) if planted else 0
-    found = polhode.compare(rows, case, at=times, number="mp", digits=250)
-    assert found.digits[0] > 249
-    assert found.digits[1:] == pytest.approx((digits, digits), abs=8)
+    judgement = polhode.compare(rows, case, at=times, number="mp", digits=250)
+    assert judgement.digits[0] > 249
+    assert judgement.digits[1:] == pytest.approx((digits, digits), abs=8)
 
 
 @pytest.mark.parametrize("size", [Fraction(1), Fraction(2) ** -1200, Fraction(10) ** 320])

@@ -36,12 +36,12 @@ def verdict(path, capsys, *options, code=0):
 
 @pytest.mark.parametrize("door", [*DOORS, "%.17e", "%.16e", "%.18e", "%.20g"])
 def test_the_same_verdict_through_every_door(tmp_path, door):
-    found = polhode.compare(through(door, table(), tmp_path), CASE)
+    judgement = polhode.compare(through(door, table(), tmp_path), CASE)
     plain = polhode.compare(table(), CASE)
-    assert found.subject.number.name == "double"
-    assert found.part_digits == plain.part_digits
-    assert (found.worst, found.limit) == (plain.worst, "rounding")
-    assert found.worst > 15
+    assert judgement.subject.number.name == "double"
+    assert judgement.part_digits == plain.part_digits
+    assert (judgement.worst, judgement.limit) == (plain.worst, "rounding")
+    assert judgement.worst > 15
 
 
 # -- layouts of texts -------------------------------------------------------------------------
@@ -131,21 +131,21 @@ def test_a_second_form_of_the_attitude_is_said_to_be_one(tmp_path, capsys):
     polhode.integrate(replace(scene, outputs=("mrp", "integrals"))).save(path)
     (tmp_path / "x.csv.json").unlink()
     assert cli.main(["compare", str(path), CASE]) == 0
-    told = capsys.readouterr().out.splitlines()
+    output = capsys.readouterr().out.splitlines()
     said = "not judged: columns sigma1 sigma2 sigma3 were not judged: the quaternion is"
-    assert said in told
-    assert sum("p q r and gamma are" in line for line in told) == 1
+    assert said in output
+    assert sum("p q r and gamma are" in line for line in output) == 1
 
 
 @pytest.mark.slow
 def test_a_table_from_the_standard_input():
     command = [sys.executable, "-m", "polhode", "compare", "-", CASE, "--json"]
-    told = subprocess.run(command, input=lines(), capture_output=True, text=True)
-    assert told.returncode == 0, told.stderr
-    assert json.loads(told.stdout)["file"] == "standard input"
-    told = subprocess.run(command, input="t,p\n0,x\n", capture_output=True, text=True)
-    assert (told.returncode, told.stdout) == (2, "")
-    assert told.stderr.startswith("polhode: standard input:2: p = x: expected a finite")
+    process = subprocess.run(command, input=lines(), capture_output=True, text=True)
+    assert process.returncode == 0, process.stderr
+    assert json.loads(process.stdout)["file"] == "standard input"
+    process = subprocess.run(command, input="t,p\n0,x\n", capture_output=True, text=True)
+    assert (process.returncode, process.stdout) == (2, "")
+    assert process.stderr.startswith("polhode: standard input:2: p = x: expected a finite")
 
 
 # -- arrays -----------------------------------------------------------------------------------
@@ -163,10 +163,10 @@ def arrays_of(*names):
 )
 def test_arrays_of_three_or_four_are_read(tmp_path, names):
     np.savez(tmp_path / "x.npz", **arrays_of(*names), dt=np.array(0.1))
-    found = polhode.compare(tmp_path / "x.npz", CASE)
-    assert found.worst > 15
-    assert set(found.part_digits) >= {"omega", "gamma"}
-    assert len(found.digits) == len(TIMES)
+    judgement = polhode.compare(tmp_path / "x.npz", CASE)
+    assert judgement.worst > 15
+    assert set(judgement.part_digits) >= {"omega", "gamma"}
+    assert len(judgement.digits) == len(TIMES)
 
 
 def test_an_array_without_names_needs_them(tmp_path, capsys):
@@ -186,16 +186,16 @@ def test_a_saved_run_may_have_more_bits_than_digits_can_be_asked_for(tmp_path):
 
 def test_an_array_has_no_column_twice(tmp_path):
     """The last one was judged, without a word."""
-    one, many = tmp_path / "x.npy", tmp_path / "x.npz"
-    np.save(one, np.column_stack([*table().values()]))
+    single, many = tmp_path / "x.npy", tmp_path / "x.npz"
+    np.save(single, np.column_stack([*table().values()]))
     names = [*table()]
     with pytest.raises(BadInput, match=rf"columns = {names[1]}: expected each column once"):
-        polhode.compare(one, CASE, columns=[*names[:2], names[1], *names[3:]])
+        polhode.compare(single, CASE, columns=[*names[:2], names[1], *names[3:]])
     arrays = arrays_of("omega", "gamma", "q")
     for name, again in (("w", arrays["omega"]), ("w_x", arrays["omega"][:, 0])):
         np.savez(many, **arrays, **{name: 2 * again})
-        told = rf"columns = w_x: expected each column once \('{name}' has it again\)"
-        with pytest.raises(BadInput, match=told):
+        refusal_text = rf"columns = w_x: expected each column once \('{name}' has it again\)"
+        with pytest.raises(BadInput, match=refusal_text):
             polhode.compare(many, CASE)
 
 
@@ -218,15 +218,15 @@ def test_parquet_is_read_where_pandas_reads_it(tmp_path, monkeypatch):
 
 def test_a_data_frame_is_judged_with_its_index_as_time():
     frame = pytest.importorskip("pandas").DataFrame(table()).rename(columns={"t": "time"})
-    found = polhode.compare(frame.set_index("time"), CASE)
-    assert found.digits == polhode.compare(frame, CASE).digits
+    judgement = polhode.compare(frame.set_index("time"), CASE)
+    assert judgement.digits == polhode.compare(frame, CASE).digits
 
 
 def test_a_column_that_is_told_is_chosen():
     some = {"t": [0.0], "wx": [0.16], "gyro_x": [7.0], "foo": [0.3]}
-    found = polhode.compare(some, CASE, columns=["wx=p", "foo=q"])
-    assert found.worst > 15
-    assert found.subject.state == ("p", "q")
+    judgement = polhode.compare(some, CASE, columns=["wx=p", "foo=q"])
+    assert judgement.worst > 15
+    assert judgement.subject.state == ("p", "q")
 
 
 # -- types of numbers -------------------------------------------------------------------------
@@ -256,34 +256,34 @@ AS_TYPES = {
 @pytest.mark.sample(5)
 @pytest.mark.parametrize("kind", AS_TYPES)
 def test_rows_are_of_the_widest_type_of_their_cells(kind):
-    made, number = AS_TYPES[kind]
-    found = polhode.compare(made(), CASE, at=TIMES)
-    assert found.subject.number.name == number
-    assert number == "mp" or f"expected in {number}" in found.details()
+    cells, number = AS_TYPES[kind]
+    judgement = polhode.compare(cells(), CASE, at=TIMES)
+    assert judgement.subject.number.name == number
+    assert number == "mp" or f"expected in {number}" in judgement.details()
 
 
 def test_what_is_held_in_single_has_its_digits():
-    found = polhode.compare(rows().astype(np.float32), CASE, at=TIMES)
-    assert 7 < found.worst <= found.subject.number.most_digits < 7.3
-    assert found.limit == "rounding"
+    judgement = polhode.compare(rows().astype(np.float32), CASE, at=TIMES)
+    assert 7 < judgement.worst <= judgement.subject.number.most_digits < 7.3
+    assert judgement.limit == "rounding"
     with pytest.raises(BadInput, match="number = single"):
-        polhode.integrate(CASE, number=found.subject.number)
+        polhode.integrate(CASE, number=judgement.subject.number)
 
 
 @pytest.mark.skipif(not extended_here(), reason="long double is another type here")
 def test_doubles_kept_as_long_doubles_are_short_of_digits():
-    found = polhode.compare(rows().astype(np.longdouble), CASE, at=TIMES)
-    assert found.subject.number == EXTENDED
-    assert found.limit.startswith("method")
+    judgement = polhode.compare(rows().astype(np.longdouble), CASE, at=TIMES)
+    assert judgement.subject.number == EXTENDED
+    assert judgement.limit.startswith("method")
 
 
 @pytest.mark.parametrize("digits", [19, 25, 36])
 def test_more_digits_than_a_doubles_stay_more_digits(tmp_path, digits):
     command = ["reference", CASE, "--at", "1/4,1/2,3/2", "--digits", str(digits), "-o"]
     assert cli.main([*command, str(tmp_path / "x.csv")]) == 0
-    found = polhode.compare(tmp_path / "x.csv", CASE)
-    assert found.subject.number.name == "mp"
-    assert digits - 1 < found.worst < digits + 4
+    judgement = polhode.compare(tmp_path / "x.csv", CASE)
+    assert judgement.subject.number.name == "mp"
+    assert digits - 1 < judgement.worst < digits + 4
 
 
 def test_doubles_printed_longer_than_they_are_are_doubles(tmp_path):
@@ -295,9 +295,9 @@ def test_doubles_printed_longer_than_they_are_are_doubles(tmp_path):
         path.write_text("\n".join([",".join(("t", *STATE)), *body]))
         return polhode.compare(path, CASE)
 
-    found = judged()
-    assert (found.subject.number.name, found.limit) == ("double", "rounding")
-    assert found.subject.remarks == ("read as: numbers of double, printed to 19 digits",)
+    judgement = judged()
+    assert (judgement.subject.number.name, judgement.limit) == ("double", "rounding")
+    assert judgement.subject.remarks == ("read as: numbers of double, printed to 19 digits",)
     cells[7][2] = cells[7][2][:-7] + "1" + cells[7][2][-6:]  # the decimal of no double
     assert judged().subject.number.name == "mp"
     cells = [[f"{np.float32(x):.18e}" for x in row] for row in rows()]
@@ -317,10 +317,10 @@ def test_a_run_its_files_and_its_array_are_judged_alike(tmp_path, number):
     run.save(tmp_path / "y.npz")
     own = polhode.compare(run)
     array = run.states, {"at": run.times, "number": number}
-    for what, options in ((path, {}), (tmp_path / "y.npz", {}), array):
-        found = polhode.compare(what, CASE, **options)
-        assert found.subject.number == run.number
-        assert found.digits == own.digits
+    for source, options in ((path, {}), (tmp_path / "y.npz", {}), array):
+        judgement = polhode.compare(source, CASE, **options)
+        assert judgement.subject.number == run.number
+        assert judgement.digits == own.digits
     lines = path.read_text().splitlines()
     cells = lines[-1].split(",")
     cells[lines[0].split(",").index("gamma3")] += "1" * 9
@@ -335,8 +335,8 @@ def test_a_run_that_is_not_projected_its_file_and_its_array_have_the_same_limits
     assert cli.main(["run", run.scene.name, "--no-project", "-o", str(path)]) == 0
     judged = [polhode.compare(run), polhode.compare(run.states, run.scene, at=run.times)]
     judged.append(polhode.compare(path, run.scene, number="double"))
-    one, *others = ([x.expected, x.inputs, x.limit, x.digits] for x in judged)
-    assert others == [one, one]
+    single, *others = ([x.expected, x.inputs, x.limit, x.digits] for x in judged)
+    assert others == [single, single]
     assert judged[2].drift == judged[0].drift
     assert judged[1].drift == pytest.approx(judged[0].drift, rel=1e-3)
     some = polhode.compare(run.states[:, 3:], run.scene, at=run.times, columns=STATE[3:])
@@ -366,11 +366,11 @@ def test_a_cell_that_is_no_number_is_not_judged_whatever_the_door(tmp_path, cell
     path = tmp_path / "x.csv"
     path.write_text(text(columns, empty=cell))
     array = np.column_stack([columns[n] for n in STATE])
-    given = [(path, {}), (columns, {}), (array, {"at": [0, 1, 2]})]
-    for what, options in given:
-        found = polhode.compare(what, CASE, **options)
-        assert found.worst > 14.5
-        assert "not judged: empty cells were not judged" in str(found)
+    sources = [(path, {}), (columns, {}), (array, {"at": [0, 1, 2]})]
+    for source, options in sources:
+        judgement = polhode.compare(source, CASE, **options)
+        assert judgement.worst > 14.5
+        assert "not judged: empty cells were not judged" in str(judgement)
     rest = text(columns, empty=cell).splitlines()[2:]  # of which the first row has the cell
     path.write_text("\n".join(rest))
     assert len(polhode.compare(path, CASE, columns=["t", *STATE]).times) == 2
@@ -382,11 +382,11 @@ def test_a_time_without_numbers_has_no_digits(count):
     for name in STATE:
         mine[name][4:8] = np.nan
     mine["p"][8:] = np.nan  # of omega q and r are left
-    found = polhode.compare(mine, "euler/largest-axis")
-    for digits in (found.digits, found.part_digits["gamma"]):
+    judgement = polhode.compare(mine, "euler/largest-axis")
+    for digits in (judgement.digits, judgement.part_digits["gamma"]):
         assert [k for k, d in enumerate(digits) if d is None] == [4, 5, 6, 7]
-    assert {*found.part_digits["omega"][4:]} == {None}  # a vector without p is none
-    assert found.worst > 15
+    assert {*judgement.part_digits["omega"][4:]} == {None}  # a vector without p is none
+    assert judgement.worst > 15
 
 
 def without(names, rows):
@@ -436,13 +436,13 @@ def test_rows_without_numbers_are_never_right(table, words, complete, tmp_path, 
     """A run that turned nan, with one column that stays, had as many digits as there are."""
     words = words or "no numbers from t = 1 on (2 of 3 rows); "
     columns = table()
-    found = polhode.compare(columns, CASE)
-    (verdict,) = [line for line in str(found).splitlines() if "no numbers" in line]
+    judgement = polhode.compare(columns, CASE)
+    (verdict,) = [line for line in str(judgement).splitlines() if "no numbers" in line]
     assert verdict.startswith(words)
-    assert words.strip("; ").split(": ")[-1] in repr(found)
-    assert found.complete is complete
-    for part, rows in found.gaps.items():
-        digits = found.part_digits.get(part, [None] * 3)
+    assert words.strip("; ").split(": ")[-1] in repr(judgement)
+    assert judgement.complete is complete
+    for part, rows in judgement.gaps.items():
+        digits = judgement.part_digits.get(part, [None] * 3)
         assert [k for k, d in enumerate(digits) if d is None] == [*rows]
     with pytest.raises(BadInput, match="expected a number in each cell that is judged"):
         polhode.testing.assert_digits(columns, CASE, at_least=3)
@@ -462,10 +462,10 @@ def test_a_pole_has_no_psi_and_phi_to_lack():
 
 def test_a_run_that_ended_early_is_not_right():
     run = polhode.integrate(CASE, at=[1, 20], max_steps=40)
-    found = polhode.compare(run)
+    judgement = polhode.compare(run)
     words = "the run ended early, with 1 of 2 rows: the end needs more steps than the limit allows"
-    assert words in str(found)
-    assert not found.complete
+    assert words in str(judgement)
+    assert not judgement.complete
     with pytest.raises(BadInput, match=words):
         polhode.testing.assert_digits(run, CASE, at_least=3)
 
@@ -496,11 +496,11 @@ def test_a_start_beyond_doubles_is_another_start(tmp_path, capsys):
 
 def test_columns_about_the_vertical_are_named_where_the_scene_has_none():
     some = {"t": [0], "p": [1], "gamma1": [1], "psi": [1]}
-    found = polhode.compare(some, "euler/no-gamma")
+    judgement = polhode.compare(some, "euler/no-gamma")
     unjudged = "columns gamma1 psi were not judged: the scene has no gamma"
     missing = "columns q r are not in the file"
-    assert [x for x in found.notes if x in (unjudged, missing)] == [unjudged, missing]
-    assert found.subject.state == ("p",)
+    assert [x for x in judgement.notes if x in (unjudged, missing)] == [unjudged, missing]
+    assert judgement.subject.state == ("p",)
 
 
 @pytest.mark.slow

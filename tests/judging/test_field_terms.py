@@ -127,23 +127,23 @@ PLANTED = {
 @pytest.mark.parametrize("name", PLANTED)
 def test_a_planted_error_is_named(name):
     which, how, words = PLANTED[name]
-    found = polhode.compare_field(equations(which, **how), SCENES[which][0])
-    assert not found.right
-    assert found.polynomial
-    assert len(found.terms) == len(words), found.terms
-    for told, expected in zip(found.terms, words, strict=True):
-        assert expected in told
-    assert str(found).splitlines()[1:] == list(found.terms)
-    assert found.differences
+    comparison = polhode.compare_field(equations(which, **how), SCENES[which][0])
+    assert not comparison.right
+    assert comparison.polynomial
+    assert len(comparison.terms) == len(words), comparison.terms
+    for term, expected in zip(comparison.terms, words, strict=True):
+        assert expected in term
+    assert str(comparison).splitlines()[1:] == list(comparison.terms)
+    assert comparison.differences
 
 
 @pytest.mark.parametrize("which", SCENES)
 def test_right_equations_are_right(which):
     scene = SCENES[which][0]
     for f in (equations(which), polhode.field(scene), lambda t, y: [*equations(which)(t, y)]):
-        found = polhode.compare_field(f, scene)
-        assert (found.right, found.terms, found.differences) == (True, (), ())
-        assert found.residual < 1e-14
+        comparison = polhode.compare_field(f, scene)
+        assert (comparison.right, comparison.terms, comparison.differences) == (True, (), ())
+        assert comparison.residual < 1e-14
     single = polhode.compare_field(lambda t, y: np.float32(equations(which)(t, y)), scene)
     assert single.right
     assert 1e-9 < single.residual < 1e-6
@@ -179,20 +179,20 @@ def test_undivided_terms_are_named_in_any_unit_and_of_symmetric_bodies(moments, 
         torque = np.cross(y[3:], arm) - np.cross(y[:3], I * y[:3])
         return np.concatenate([torque * I**power, np.cross(y[3:], y[:3])])
 
-    found = polhode.compare_field(f, scene)
-    assert found.right == (power == -1)
-    assert all("-omega x I omega" in told or "torque Mg" in told for told in found.terms)
-    assert len(found.terms) == (0 if power == -1 else 2)
+    comparison = polhode.compare_field(f, scene)
+    assert comparison.right == (power == -1)
+    assert all("-omega x I omega" in term or "torque Mg" in term for term in comparison.terms)
+    assert len(comparison.terms) == (0 if power == -1 else 2)
     if power == 0:
-        assert all("not divided by the moments" in told for told in found.terms)
+        assert all("not divided by the moments" in term for term in comparison.terms)
 
 
 def test_a_full_inertia_along_axes_in_another_order_is_named():
     """Its coefficients were listed, a dozen and more."""
-    turned = INERTIA[np.ix_([1, 2, 0], [1, 2, 0])]
-    found = polhode.compare_field(equations("full", inertia=turned), FULL)
+    reordered = INERTIA[np.ix_([1, 2, 0], [1, 2, 0])]
+    comparison = polhode.compare_field(equations("full", inertia=reordered), FULL)
     words = "a body with an inertia whose axes x y z are y z x of the scene's"
-    assert found.terms == (f"the equations are those of {words}",)
+    assert comparison.terms == (f"the equations are those of {words}",)
 
 
 def test_gamma_of_length_one_is_one():
@@ -202,8 +202,8 @@ def test_gamma_of_length_one_is_one():
 
 @pytest.mark.parametrize("factor", [1, 1 + 1e-8, 1 + 1e-10])
 def test_a_coefficient_counts_from_a_billionth_on(factor):
-    found = polhode.compare_field(equations("lagrange", torque=factor), "lagrange/nutation")
-    assert found.right == (factor - 1 < 1e-9)
+    comparison = polhode.compare_field(equations("lagrange", torque=factor), "lagrange/nutation")
+    assert comparison.right == (factor - 1 < 1e-9)
 
 
 def test_momentum():
@@ -216,30 +216,30 @@ def test_momentum():
         return rates
 
     assert polhode.compare_field(f(1), FULL, "momentum").right
-    found = polhode.compare_field(f(-1), FULL, "momentum")
-    assert found.terms == ("the torque Mg gamma x r0 has the other sign",)
-    assert {one.rate for one in found.differences} == {"G1'", "G2'", "G3'"}
+    comparison = polhode.compare_field(f(-1), FULL, "momentum")
+    assert comparison.terms == ("the torque Mg gamma x r0 has the other sign",)
+    assert {difference.rate for difference in comparison.differences} == {"G1'", "G2'", "G3'"}
     assert not polhode.compare_field(f(1), FULL).right
 
 
 def test_what_is_no_polynomial_and_what_depends_on_time_is_told():
     cubic = equations("full", more=lambda t, y: -0.1 * np.linalg.norm(y[:3]) * y[0] * unit(0))
-    found = polhode.compare_field(cubic, FULL)
-    assert (found.right, found.polynomial) == (False, False)
-    assert found.terms[0].startswith("f is no polynomial of degree two in p q r gamma1")
+    comparison = polhode.compare_field(cubic, FULL)
+    assert (comparison.right, comparison.polynomial) == (False, False)
+    assert comparison.terms[0].startswith("f is no polynomial of degree two in p q r gamma1")
     driven = polhode.compare_field(equations("full", more=lambda t, y: 0.1 * t * unit(2)), FULL)
     assert driven.terms == ("f depends on t",)
 
 
 def test_coefficients_are_those_of_f():
-    found = polhode.compare_field(equations("lagrange", torque=2), "lagrange/nutation")
-    told = {(x.rate, x.term): (x.right, x.coefficient) for x in found.differences}
-    assert told.keys() == {("p'", "gamma2"), ("q'", "gamma1")}
-    assert told["p'", "gamma2"] == pytest.approx((1, 2), rel=1e-13)
-    assert told["q'", "gamma1"] == pytest.approx((-1, -2), rel=1e-13)
-    answer = json.loads(found.to_json())
+    comparison = polhode.compare_field(equations("lagrange", torque=2), "lagrange/nutation")
+    coefficients = {(x.rate, x.term): (x.right, x.coefficient) for x in comparison.differences}
+    assert coefficients.keys() == {("p'", "gamma2"), ("q'", "gamma1")}
+    assert coefficients["p'", "gamma2"] == pytest.approx((1, 2), rel=1e-13)
+    assert coefficients["q'", "gamma1"] == pytest.approx((-1, -2), rel=1e-13)
+    answer = json.loads(comparison.to_json())
     assert answer["columns"]["term"] == ["gamma2", "gamma1"]
-    assert (answer["right"], answer["terms"]) == (False, [*found.terms])
+    assert (answer["right"], answer["terms"]) == (False, [*comparison.terms])
 
 
 @pytest.mark.parametrize(

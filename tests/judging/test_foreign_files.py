@@ -69,9 +69,9 @@ def test_a_number_is_read_however_it_is_spelt(tmp_path, spelling, header):
     }
     rows = [",".join(row) for row in zip(*spelt.values(), strict=True)]
     content = "\n".join([",".join(spelt)] * header + rows)
-    found = read(tmp_path, content, columns=None if header else [*spelt])
-    assert found.digits == polhode.compare(plain, CASE).digits
-    assert found.subject.times == tuple(TIMES)
+    columns_read = read(tmp_path, content, columns=None if header else [*spelt])
+    assert columns_read.digits == polhode.compare(plain, CASE).digits
+    assert columns_read.subject.times == tuple(TIMES)
 
 
 @pytest.mark.parametrize(
@@ -98,16 +98,16 @@ def test_a_cell_as_a_plain_decimal(cell, plain):
 def test_what_says_that_there_is_no_number_is_a_gap(tmp_path, gap):
     lines = text(table()).splitlines()
     lines[4] = ",".join([*lines[4].split(",")[:-1], gap])
-    found = read(tmp_path, "\n".join(lines))
-    assert found.subject.columns["gamma3"][3] is None
-    assert "empty cells were not judged" in found.notes
+    columns_read = read(tmp_path, "\n".join(lines))
+    assert columns_read.subject.columns["gamma3"][3] is None
+    assert "empty cells were not judged" in columns_read.notes
 
 
 def test_asterisks_of_fortran_are_named(tmp_path):
     lines = text(table()).replace("0.8", "******", 1)
-    told = refused(tmp_path, lines)
+    line = refused(tmp_path, lines)
     assert re.search(
-        r"x\.csv:2: gamma1 = \*{6}: .*decimal number \(asterisks .* Fortran was too narrow", told
+        r"x\.csv:2: gamma1 = \*{6}: .*decimal number \(asterisks .* Fortran was too narrow", line
     )
 
 
@@ -122,8 +122,8 @@ def test_a_row_without_a_time_is_no_comment(tmp_path):
 def test_a_text_in_any_unicode_with_its_mark(tmp_path, coding):
     marks = {"utf-16-be": codecs.BOM_UTF16_BE, "utf-32-le": codecs.BOM_UTF32_LE}
     content = text(table()).replace("p,q,r", "ω1,ω2,ω3", 1)
-    found = read(tmp_path, marks.get(coding, b"") + content.encode(coding))
-    assert found.digits == polhode.compare(table(), CASE).digits
+    columns_read = read(tmp_path, marks.get(coding, b"") + content.encode(coding))
+    assert columns_read.digits == polhode.compare(table(), CASE).digits
 
 
 @pytest.mark.parametrize(
@@ -176,10 +176,10 @@ LAYOUTS = {
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_a_layout(tmp_path, layout):
-    found = read(tmp_path, LAYOUTS[layout])
-    assert found.digits == polhode.compare(table(), CASE).digits
+    columns_read = read(tmp_path, LAYOUTS[layout])
+    assert columns_read.digits == polhode.compare(table(), CASE).digits
     named = "read as: the first cell of each row is its name, as R writes them"
-    assert (named in found.subject.remarks) == layout.startswith("R's")
+    assert (named in columns_read.subject.remarks) == layout.startswith("R's")
 
 
 def without_a_name(quote=""):
@@ -223,42 +223,44 @@ ZERO = np.zeros(len(TIMES))
 def euroc(unit=10**9, offset=0, stamp="#timestamp"):
     """The ground truth of EuRoC's data sets: positions, attitude, velocity, biases."""
     mine = table("attitude")
-    found = {stamp: clock(unit, offset)}
-    found |= {f" p_RS_R_{x} [m]": ZERO + 9 for x in "xyz"}
-    found |= {f" q_RS_{x} []": mine[n] for x, n in zip("wxyz", ATTITUDE, strict=True)}
-    found |= {f" v_RS_R_{x} [m s^-1]": ZERO + 9 for x in "xyz"}
-    found |= {f" b_w_RS_S_{x} [rad s^-1]": ZERO + 9 for x in "xyz"}
-    return found | {f" b_a_RS_S_{x} [m s^-2]": ZERO + 9 for x in "xyz"}
+    columns_read = {stamp: clock(unit, offset)}
+    columns_read |= {f" p_RS_R_{x} [m]": ZERO + 9 for x in "xyz"}
+    columns_read |= {f" q_RS_{x} []": mine[n] for x, n in zip("wxyz", ATTITUDE, strict=True)}
+    columns_read |= {f" v_RS_R_{x} [m s^-1]": ZERO + 9 for x in "xyz"}
+    columns_read |= {f" b_w_RS_S_{x} [rad s^-1]": ZERO + 9 for x in "xyz"}
+    return columns_read | {f" b_a_RS_S_{x} [m s^-2]": ZERO + 9 for x in "xyz"}
 
 
 def imu():
     """The gyroscope and the accelerometer of EuRoC's data sets."""
     mine = table()
-    found = {"#timestamp [ns]": clock(10**9)}
-    found |= {f"w_RS_S_{x} [rad s^-1]": mine[n] for x, n in zip("xyz", STATE, strict=False)}
-    return found | {f"a_RS_S_{x} [m s^-2]": ZERO + 9 for x in "xyz"}
+    columns_read = {"#timestamp [ns]": clock(10**9)}
+    columns_read |= {f"w_RS_S_{x} [rad s^-1]": mine[n] for x, n in zip("xyz", STATE, strict=False)}
+    return columns_read | {f"a_RS_S_{x} [m s^-2]": ZERO + 9 for x in "xyz"}
 
 
 def px4(*before, first="timestamp", unit=10**6):
     """An attitude as PX4's logs have it, in columns that ulog2csv writes."""
     mine = table("attitude")
-    found = {first: clock(unit)} | {name: clock(unit) for name in before}
-    found |= {f"q[{k}]": mine[n] for k, n in enumerate(ATTITUDE)}
-    return found
+    columns_read = {first: clock(unit)} | {name: clock(unit) for name in before}
+    columns_read |= {f"q[{k}]": mine[n] for k, n in enumerate(ATTITUDE)}
+    return columns_read
 
 
 def rates_of_px4():
     mine = table()
-    found = {"timestamp": clock(10**6), "timestamp_sample": clock(10**6)}
-    found |= {f"xyz[{k}]": mine[n] for k, n in enumerate(STATE[:3])}
-    return found | {f"xyz_derivative[{k}]": ZERO + 9 for k in range(3)}
+    columns_read = {"timestamp": clock(10**6), "timestamp_sample": clock(10**6)}
+    columns_read |= {f"xyz[{k}]": mine[n] for k, n in enumerate(STATE[:3])}
+    return columns_read | {f"xyz_derivative[{k}]": ZERO + 9 for k in range(3)}
 
 
 def ros(offset=0, names=("header.stamp.sec", "header.stamp.nanosec")):
     mine = table("attitude")
     seconds, rest = zip(*(divmod(t, 10**9) for t in clock(10**9, offset)), strict=True)
-    found = dict(zip(names, (seconds, rest), strict=True))
-    return found | {f"orientation.{x}": mine[n] for x, n in zip("wxyz", ATTITUDE, strict=True)}
+    columns_read = dict(zip(names, (seconds, rest), strict=True))
+    return columns_read | {
+        f"orientation.{x}": mine[n] for x, n in zip("wxyz", ATTITUDE, strict=True)
+    }
 
 
 NANO, MICRO = "nanoseconds, as in EuRoC's data sets", "microseconds, as in PX4's logs"
@@ -276,23 +278,23 @@ DATA_SETS = {
 
 @pytest.mark.parametrize("name", DATA_SETS)
 def test_a_data_set(tmp_path, name):
-    given, part, told = DATA_SETS[name]
-    found = read(tmp_path, spelt(given))
-    assert found.subject.times == tuple(TIMES)
-    assert found.worst > 14.5
-    assert found.worst_part == part or part == "omega"
-    assert any(f"read as: {told}" == x for x in found.subject.remarks) == bool(told)
-    plain = {header.strip(" #"): x for header, x in given.items()}
-    assert polhode.compare(plain, CASE).part_digits == found.part_digits
+    columns_given, part, digits = DATA_SETS[name]
+    table = read(tmp_path, spelt(columns_given))
+    assert table.subject.times == tuple(TIMES)
+    assert table.worst > 14.5
+    assert table.worst_part == part or part == "omega"
+    assert any(f"read as: {digits}" == x for x in table.subject.remarks) == bool(digits)
+    plain = {header.strip(" #"): x for header, x in columns_given.items()}
+    assert polhode.compare(plain, CASE).part_digits == table.part_digits
 
 
 @pytest.mark.parametrize(
-    "given", [euroc(offset=1_403_636_579_758_555_392), ros(1_403_636_579_758_555_392)]
+    "columns_given", [euroc(offset=1_403_636_579_758_555_392), ros(1_403_636_579_758_555_392)]
 )
-def test_a_clock_of_the_year_counts_from_the_first_row(tmp_path, given):
-    found = read(tmp_path, spelt(given))
-    assert found.worst > 14
-    assert found.subject.readings[0].part == "t"
+def test_a_clock_of_the_year_counts_from_the_first_row(tmp_path, columns_given):
+    table = read(tmp_path, spelt(columns_given))
+    assert table.worst > 14
+    assert table.subject.readings[0].part == "t"
 
 
 def test_a_timestamp_in_seconds_stays_one(tmp_path):
@@ -303,25 +305,25 @@ def test_a_timestamp_in_seconds_stays_one(tmp_path):
 
 
 def test_vectors_of_px4_that_may_be_accelerations_are_not_read(tmp_path):
-    given = {n: x for n, x in rates_of_px4().items() if not n.startswith("xyz_d")}
-    told = refused(tmp_path, spelt(given))
-    assert "PX4's xyz[0] is p in vehicle_angular_velocity alone" in told
+    columns_given = {n: x for n, x in rates_of_px4().items() if not n.startswith("xyz_d")}
+    line = refused(tmp_path, spelt(columns_given))
+    assert "PX4's xyz[0] is p in vehicle_angular_velocity alone" in line
     names = ["xyz[0]=p", "xyz[1]=q", "xyz[2]=r"]
-    found = read(tmp_path, spelt(given), columns=names)
-    assert found.worst > 14.5
+    table = read(tmp_path, spelt(columns_given), columns=names)
+    assert table.worst > 14.5
 
 
 @pytest.mark.parametrize("rest", [10**9, -1, "0.5"])
 def test_nanoseconds_are_the_rest_of_a_second(tmp_path, rest):
-    given = ros()
-    given["header.stamp.nanosec"] = [0] * 8 + [rest]
+    columns_given = ros()
+    columns_given["header.stamp.nanosec"] = [0] * 8 + [rest]
     with pytest.raises(BadInput, match=r"header\.stamp\.nanosec.*(whole|number)"):
-        polhode.compare({n.strip(): x for n, x in given.items()}, CASE)
-    told = refused(tmp_path, spelt(given).replace("'", ""))
-    assert "x.csv:10: header.stamp.sec = 2, " in told
-    assert "whole nanoseconds below 1e9" in told
+        polhode.compare({n.strip(): x for n, x in columns_given.items()}, CASE)
+    line = refused(tmp_path, spelt(columns_given).replace("'", ""))
+    assert "x.csv:10: header.stamp.sec = 2, " in line
+    assert "whole nanoseconds below 1e9" in line
 
 
 def test_other_parts_of_names_are_no_parts_of_a_time():
-    found = columns(["time", "stamp.sec", "stamp.nanosec", "b_w_RS_S_x [rad s^-1]", "p_RS_R_x [m]"])
-    assert [one.name for one in found] == ["t", None, None, None, None]
+    table = columns(["time", "stamp.sec", "stamp.nanosec", "b_w_RS_S_x [rad s^-1]", "p_RS_R_x [m]"])
+    assert [column.name for column in table] == ["t", None, None, None, None]

@@ -15,7 +15,7 @@ from polhode.equations import integrals
 from polhode.judging import limits
 from polhode.judging.compare import judgement
 from polhode.judging.score import Answers, score
-from polhode.judging.tables import causes, conventions
+from polhode.judging.tables import explanations, motions
 from polhode.judging.tables.table import of_run
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
@@ -89,8 +89,8 @@ def test_drift_of_quad_states_is_seen_below_the_doubles_eps():
 def test_near_rest_the_drift_of_f_is_measured_by_the_swing_to_come(start):
     """The same body and motion, but for a start that is hardly one: no drift larger by 1/start."""
     body = {"moments": [1, 2, "2.5"], "centre": ["0.1", "0.2", "0.3"], "weight": 3}
-    given = {"omega": [start, 0, 0], "gamma": ["0.6", 0, "0.8"], "end": 5, "samples": 11}
-    scene = polhode.top(**body, **given)
+    start_numbers = {"omega": [start, 0, 0], "gamma": ["0.6", 0, "0.8"], "end": 5, "samples": 11}
+    scene = polhode.top(**body, **start_numbers)
     swing = math.sqrt(3 * math.sqrt(0.14) * 2.5)
     assert float(integrals.scales(scene)[1]) == pytest.approx(swing)
     drift = polhode.integrate(scene).drift
@@ -110,8 +110,8 @@ def test_a_run_is_judged_against_the_exact_scene_not_its_rounded_inputs():
     """One double of rounding in w leaves at most 16 digits: the closed form is not fed doubles."""
     scene = polhode.load("euler/largest-axis").at([100])
     rounded = replace(scene, omega=tuple(DOUBLE.rounded(x) for x in scene.omega))
-    one, two = (polhode.reference(s).at([100], 40)[0] for s in (scene, rounded))
-    assert 1e-17 < max(abs(float(x - y)) for x, y in zip(one, two, strict=True)) < 1e-12
+    first, two = (polhode.reference(s).at([100], 40)[0] for s in (scene, rounded))
+    assert 1e-17 < max(abs(float(x - y)) for x, y in zip(first, two, strict=True)) < 1e-12
     judged = polhode.compare([[float(x) for x in two]], scene, at=[100])
     assert judged.reference.scene.omega == scene.omega
     assert judged.worst < 15
@@ -129,16 +129,16 @@ def test_a_scene_without_closed_form_is_judged_by_a_proven_enclosure(kind):
     rows = proven.at([10], 25)[0], polhode.integrate(scene, "mp", digits=40).states[-1]
     assert 25 <= proven.agreement < 35
     assert max(abs(float(x - y)) for x, y in zip(*rows, strict=True)) < 1e-24
-    found = polhode.compare(polhode.integrate(scene), proven)
-    assert 11 < found.worst < 16
-    assert "proven to" in found.details()
+    judgement = polhode.compare(polhode.integrate(scene), proven)
+    assert 11 < judgement.worst < 16
+    assert "proven to" in judgement.details()
 
 
 def test_a_closed_form_is_enclosed_where_a_scene_asks_for_that():
     scene = polhode.load("kovalevskaya/generic").at([5])
     proven = polhode.reference(replace(scene, reference="certified"))
-    one, two = (truth.at([5], 30)[0] for truth in (proven, polhode.reference(scene)))
-    assert max(abs(float(x - y)) for x, y in zip(one, two, strict=True)) < 1e-29
+    first, two = (truth.at([5], 30)[0] for truth in (proven, polhode.reference(scene)))
+    assert max(abs(float(x - y)) for x, y in zip(first, two, strict=True)) < 1e-29
 
 
 CHAOTIC = "general/asymmetric-chaotic"
@@ -201,14 +201,17 @@ def test_the_curve_of_a_kovalevskaya_top_is_shown(monkeypatch):
 def test_the_attitude_of_a_run_is_judged_with_either_sign_of_the_quaternion(times):
     """q and -q are one attitude."""
     run = polhode.integrate(polhode.load("euler/attitude"), at=times)
-    found = polhode.compare(run)
-    assert set(found.parts) == set(run.scene.outputs)
-    assert 13 < found.parts["attitude"] < 16
-    turned = polhode.compare(replace(run, attitude=-run.attitude))
-    assert turned.parts["attitude"] == found.parts["attitude"]
+    judgement = polhode.compare(run)
+    assert set(judgement.parts) == set(run.scene.outputs)
+    assert 13 < judgement.parts["attitude"] < 16
+    opposite = polhode.compare(replace(run, attitude=-run.attitude))
+    assert opposite.parts["attitude"] == judgement.parts["attitude"]
     half = run.attitude.copy()
     half[len(half) // 2 :] *= -1
-    assert polhode.compare(replace(run, attitude=half)).parts["attitude"] == found.parts["attitude"]
+    assert (
+        polhode.compare(replace(run, attitude=half)).parts["attitude"]
+        == judgement.parts["attitude"]
+    )
 
 
 def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
@@ -216,20 +219,20 @@ def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
     scene, end = polhode.load("kovalevskaya/generic"), [1, 5]
     runs = [polhode.integrate(scene, number, at=end) for number in ("quad", "double")]
     against = polhode.reference(scene)
-    wide, known = score(of_run(runs[0]), against), polhode.conditioning(scene, end, "quad")
+    wide, conditions = score(of_run(runs[0]), against), polhode.conditioning(scene, end, "quad")
     narrow, alone = (score(of_run(runs[1]), against, earlier=x) for x in (wide, None))
     assert narrow.comparison.answers is wide.comparison.answers
     assert alone.comparison.answers is not wide.comparison.answers
     assert narrow.worst == pytest.approx(alone.worst, abs=1e-8)
-    by_known = judgement(narrow, details=True, known=known)
+    by_known = judgement(narrow, details=True, known=conditions)
     assert by_known.details() == judgement(alone, details=True).details()
     again = score(of_run(runs[0]), against, earlier=alone)  # which has too few digits for it
     assert again.worst == pytest.approx(wide.worst, abs=1e-8)
     later = polhode.integrate(scene, at=[1, 6])
-    for run, other in ((later, against), (runs[1], polhode.Certified(scene))):
-        found = score(of_run(run), other, earlier=wide)
-        assert found.comparison.answers is not wide.comparison.answers
-        assert 14 < found.worst <= 16
+    for run, truth in ((later, against), (runs[1], polhode.Certified(scene))):
+        narrower = score(of_run(run), truth, earlier=wide)
+        assert narrower.comparison.answers is not wide.comparison.answers
+        assert 14 < narrower.worst <= 16
 
 
 # -- a judgement is whole --------------------------------------------------------------------------
@@ -246,8 +249,8 @@ def computes_nothing(monkeypatch):
         for home, name in (
             (Answers, "rows"),
             (limits, "conditioning"),
-            (causes, "integrated"),
-            (conventions, "integrated"),
+            (explanations, "integrated"),
+            (motions, "integrated"),
         ):
             monkeypatch.setattr(home, name, refuse)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import polhode
@@ -61,13 +62,13 @@ def test_what_stands_still_is_unstable_by_its_eigenvalues(name):
     scene, rate = AT_REST[name]
     assert verdicts(scene, [1, 10, 100]) == {"unstable"}
     if rate is not None:
-        found = known_stability(scene, system(replace(scene, form="principal"), ()), 1)
-        assert found.rate / 2.0**scene.time_unit == pytest.approx(rate, rel=1e-9)
+        motion = known_stability(scene, system(replace(scene, form="principal"), ()), 1)
+        assert motion.rate / 2.0**scene.time_unit == pytest.approx(rate, rel=1e-9)
     else:
         followed = polhode.lyapunov(scene, 2000)
         short = polhode.lyapunov(scene, 1)
-        told = float(short.reason.split("exp(")[1].split(" t")[0])
-        assert told == pytest.approx(followed.exponent, rel=0.01)
+        exponent = float(short.reason.split("exp(")[1].split(" t")[0])
+        assert exponent == pytest.approx(followed.exponent, rel=0.01)
 
 
 @pytest.mark.parametrize("name", STABLE)
@@ -102,11 +103,49 @@ def test_the_time_that_may_decide_is_told_and_does():
 @pytest.mark.parametrize("case", ["general/asymmetric-regular", "general/asymmetric-chaotic"])
 def test_without_a_closed_form_no_short_time_decides_for_regular(case):
     for end in (1, 30, 100):
-        found = polhode.lyapunov(case, end)
-        assert found.verdict == "undecided"
-        assert "an end of 1.8e+03 may decide" in found.reason
+        motion = polhode.lyapunov(case, end)
+        assert motion.verdict == "undecided"
+        assert "an end of 1.8e+03 may decide" in motion.reason
 
 
 @pytest.mark.slow
 def test_a_regular_motion_is_called_so_in_the_default_time():
     assert polhode.lyapunov("general/asymmetric-regular").verdict == "regular"
+
+
+# -- All six Lyapunov exponents, against those of fixed points and against what symmetry demands
+
+
+GENERIC = "general/asymmetric-chaotic"
+
+
+def test_at_a_fixed_point_they_are_the_rates_of_both_planes():
+    """An upright pendulum may fall two ways: I w' = gamma x Mg r0, gamma' = gamma x w, linear."""
+    scene = polhode.load("pendulum/upright")
+    inertia = np.array([[float(x) for x in row] for row in scene.body.inertia])
+    torque, gamma = (np.array([float(x) for x in v]) for v in (scene.body.torque, scene.gamma))
+    flow = np.zeros((6, 6))
+    flow[:3, 3:] = np.linalg.solve(inertia, -np.cross(torque, np.eye(3)).T)
+    flow[3:, :3] = np.cross(gamma, np.eye(3)).T
+    rates = sorted(np.linalg.eigvals(flow).real, reverse=True)
+    assert 0.5 < rates[1] < rates[0] - 0.1
+    spectrum = polhode.lyapunov(scene, spectrum=True).spectrum
+    assert spectrum == pytest.approx(rates, abs=2e-3)
+
+
+@pytest.mark.sample(1)
+@pytest.mark.parametrize("end", [1000, -1000])
+def test_of_a_chaotic_motion_they_add_up_to_nothing_in_pairs(end):
+    motion = polhode.lyapunov(GENERIC, end, spectrum=True)
+    assert 0.06 < motion.spectrum[0] < 0.16
+    assert sum(motion.spectrum) == pytest.approx(0, abs=1e-10)  # the flow keeps volumes
+    for exponent, opposite in zip(motion.spectrum[:3], motion.spectrum[:2:-1], strict=True):
+        assert exponent == pytest.approx(-opposite, abs=0.01)
+    assert max(map(abs, motion.spectrum[1:5])) < 0.02
+    assert motion.fact("spectrum") == [*motion.spectrum]
+
+
+def test_of_a_regular_motion_none_grows_and_without_asking_there_are_none():
+    motion = polhode.lyapunov("euler/largest-axis", 2000, spectrum=True)
+    assert np.abs(motion.spectrum).max() < 0.005
+    assert polhode.lyapunov("euler/largest-axis", 2000).spectrum is None

@@ -16,6 +16,9 @@ from polhode.common.errors import few
 from polhode.judging import score
 from polhode.judging.conditioning import Band
 from polhode.judging.limits import between
+from polhode.numbers import double_double
+from polhode.numbers.double_double import binary_numbers, of_balls, of_cells
+from polhode.numbers.mpmath_context import mpf
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.tables import right
 
@@ -51,8 +54,8 @@ def rows_of(case, first, last):
         if some:
             run = polhode.integrate(scene, at=some)
             parts = zip(run.states, run.attitude, run.angles, strict=True)
-            found = [[*state, *turn, *angles] for state, turn, angles in parts]
-            rows += found[::sign]
+            whole_rows = [[*state, *turn, *angles] for state, turn, angles in parts]
+            rows += whole_rows[::sign]
     return scene, times, np.array([[np.nan if x is None else float(x) for x in r] for r in rows])
 
 
@@ -71,8 +74,8 @@ def test_the_same_digits_as_one_by_one(case):
     many, one_by_one = judged([*range(COUNT)]), judged(few)
     assert many.part_digits.keys() == one_by_one.part_digits.keys()
     for part, digits in one_by_one.part_digits.items():
-        found = [many.part_digits[part][k] for k in few]
-        assert found == pytest.approx(digits, abs=0.005), part
+        digits_of_many = [many.part_digits[part][k] for k in few]
+        assert digits_of_many == pytest.approx(digits, abs=0.005), part
     assert min(many.part_digits["angles"][:211]) > 10
     planted = [many.part_digits[part][211] for part in ("gamma", "attitude", "angles")]
     assert planted == pytest.approx([8, 7, 6], abs=0.01)
@@ -85,11 +88,11 @@ def test_an_error_in_one_row_of_many_is_found_in_its_part():
         table[name] *= -1
     table["gamma2"][211] += 1e-7
     table["p"][::3] = np.nan
-    found = polhode.compare(table, "euler/attitude")
-    assert 6.9 < found.worst < 7.1
-    assert found.worst_time == times[211]
-    assert found.parts["attitude"] > 15
-    assert sum(d > 14.5 for d in found.digits) == 299
+    judgement = polhode.compare(table, "euler/attitude")
+    assert 6.9 < judgement.worst < 7.1
+    assert judgement.worst_time == times[211]
+    assert judgement.parts["attitude"] > 15
+    assert sum(d > 14.5 for d in judgement.digits) == 299
     alone = {name: table[name] for name in ("t", *ATTITUDE)}
     assert polhode.compare(alone, "euler/attitude").parts["attitude"] > 15
 
@@ -110,8 +113,8 @@ def test_numbers_beyond_doubles_are_judged_too():
     rows = [[Fraction(float(x)) for x in row] for row in zip(*[*table.values()][1:], strict=True)]
     assert polhode.compare(rows, "euler/attitude", at=times).worst > 14.5
     rows[3][1] = Fraction(10) ** 400
-    found = polhode.compare(rows, "euler/attitude", at=times)
-    assert (found.worst, found.worst_time) == (0, times[3])
+    judgement = polhode.compare(rows, "euler/attitude", at=times)
+    assert (judgement.worst, judgement.worst_time) == (0, times[3])
 
 
 DEAR, SPREAD = 180, 60  # rows, and how many of them are evenly spread
@@ -132,19 +135,21 @@ def test_of_very_many_dear_rows_some_are_judged_and_the_worst(monkeypatch, case,
     times = [Fraction(k, 50) for k in range(DEAR)]
     table = right(case, times, "at", *["attitude"] * (column == "q2"))
     table[column][ODD] += amount
-    found = polhode.compare(table, case)
-    told = [k for k, d in enumerate(found.digits) if d is not None]
-    assert ODD in told
-    assert {*few(DEAR, SPREAD), *few(DEAR, 11)} == {*told} - {ODD}
-    assert found.rows_judged == len(told)
-    assert float(found.worst_time) == float(times[ODD])
-    assert found.worst == pytest.approx(-math.log10(amount), abs=0.02)
-    (note,) = found.notes
-    assert note.startswith(f"{DEAR - len(told)} of {DEAR} rows, for their closed form is dear")
+    judgement = polhode.compare(table, case)
+    judged_rows = [k for k, d in enumerate(judgement.digits) if d is not None]
+    assert ODD in judged_rows
+    assert {*few(DEAR, SPREAD), *few(DEAR, 11)} == {*judged_rows} - {ODD}
+    assert judgement.rows_judged == len(judged_rows)
+    assert float(judgement.worst_time) == float(times[ODD])
+    assert judgement.worst == pytest.approx(-math.log10(amount), abs=0.02)
+    (note,) = judgement.notes
+    assert note.startswith(
+        f"{DEAR - len(judged_rows)} of {DEAR} rows, for their closed form is dear"
+    )
     assert "farthest from a run" in note
-    assert f"of {len(told)} rows judged of {DEAR}" in str(found)
-    assert found.fact("rows_judged") == len(told)
-    assert found.column("correct_digits")[1] is None
+    assert f"of {len(judged_rows)} rows judged of {DEAR}" in str(judgement)
+    assert judgement.fact("rows_judged") == len(judged_rows)
+    assert judgement.column("correct_digits")[1] is None
 
 
 @pytest.mark.slow
@@ -154,9 +159,9 @@ def test_the_farthest_row_may_be_one_of_angles_and_whole_turns_put_none_far(monk
     table = right("kovalevskaya/generic", times, "angles")
     table["psi"][::2] += 2 * math.pi
     table["phi"][ODD] += 1e-8
-    found = polhode.compare(table, "kovalevskaya/generic")
-    assert float(found.worst_time) == float(times[ODD])
-    assert 7.9 < found.worst < 8.1
+    judgement = polhode.compare(table, "kovalevskaya/generic")
+    assert float(judgement.worst_time) == float(times[ODD])
+    assert 7.9 < judgement.worst < 8.1
 
 
 def test_an_attitude_that_is_refused_leaves_the_states(monkeypatch):
@@ -168,58 +173,144 @@ def test_an_attitude_that_is_refused_leaves_the_states(monkeypatch):
     table = right("euler/attitude", [Fraction(k, 4) for k in range(9)], "at", "attitude")
     table["q1"][5] += 1e-9
     monkeypatch.setattr(ClosedForm, "attitude", refused)
-    found = polhode.compare(table, "euler/attitude")
-    assert (found.reference.kind, found.agreement) == ("euler", math.inf)
-    assert found.state_worst > 15
-    assert found.parts["attitude"] == pytest.approx(9, abs=0.01)
+    judgement = polhode.compare(table, "euler/attitude")
+    assert (judgement.reference.kind, judgement.agreement) == ("euler", math.inf)
+    assert judgement.state_worst > 15
+    assert judgement.parts["attitude"] == pytest.approx(9, abs=0.01)
 
 
 def test_a_table_in_another_convention_asks_for_each_row_once(monkeypatch):
     """What it means is told by a few rows; all rows were judged before it was read, and after."""
-    asked = []
+    questions = []
     for question in ("at", "pairs"):
         answer = getattr(ClosedForm, question)
 
         def counted(self, times, digits, *, answer=answer, **options):
             if not options.get("attitude"):
-                asked.extend(times)
+                questions.extend(times)
             return answer(self, times, digits, **options)
 
         monkeypatch.setattr(ClosedForm, question, counted)
     count = 400
     table = right("euler/attitude", [Fraction(k, 20) for k in range(count)])
-    asked.clear()
+    questions.clear()
     for name in STATE[:3]:
         table[name] = np.degrees(table[name])
-    found = polhode.compare(table, "euler/attitude")
-    assert (found.reading, found.rows_judged) == ("omega degrees", count)
-    assert found.worst > 14
-    assert count <= len(asked) < 1.2 * count
+    judgement = polhode.compare(table, "euler/attitude")
+    assert (judgement.reading, judgement.rows_judged) == ("omega degrees", count)
+    assert judgement.worst > 14
+    assert count <= len(questions) < 1.2 * count
 
 
 @pytest.mark.parametrize("case", ["euler/attitude", "hess/cone"])
 def test_every_row_is_judged_where_none_is_dear(monkeypatch, case):
     monkeypatch.setattr(score, "MOST_DEAR", SPREAD)
-    found = polhode.compare(right(case, [Fraction(k, 9) for k in range(DEAR)]), case)
-    assert found.rows_judged == sum(d is not None for d in found.digits) == DEAR
-    assert not found.notes
+    judgement = polhode.compare(right(case, [Fraction(k, 9) for k in range(DEAR)]), case)
+    assert judgement.rows_judged == sum(d is not None for d in judgement.digits) == DEAR
+    assert not judgement.notes
 
 
 def test_a_judgement_that_tells_how_far_it_is_pickles_without():
     run = polhode.integrate("steklov/lower", at=[Fraction(k, 4) for k in range(12)])
-    found = polhode.compare(run, progress=lambda *here: None)
-    again = pickle.loads(pickle.dumps(found))
-    assert again == found
+    judgement = polhode.compare(run, progress=lambda *here: None)
+    again = pickle.loads(pickle.dumps(judgement))
+    assert again == judgement
     assert again.comparison is None
-    assert str(again) == str(found)
+    assert str(again) == str(judgement)
 
 
 def test_what_is_expected_between_the_times_that_are_followed():
-    known = {0: Band(1.0, 2.0, 3.0), 2: Band(3.0, 4.0, 5.0), 3: None}
+    nodes = {0: Band(1.0, 2.0, 3.0), 2: Band(3.0, 4.0, 5.0), 3: None}
     times = [Fraction(t) for t in (0, 1, 2, 3)] + [Fraction(5, 2)]
-    assert between(known, times) == (known[0], Band(2.0, 3.0, 4.0), known[2], None, None)
+    assert between(nodes, times) == (nodes[0], Band(2.0, 3.0, 4.0), nodes[2], None, None)
     tiny = Fraction(1, 10**400)  # once two times that are one double were one
-    known = {0: 15.0, 2: 14.0, 3: 12.0}
-    first, near, *others = between(known, [Fraction(0), tiny / 2, tiny, Fraction(1)])
+    nodes = {0: 15.0, 2: 14.0, 3: 12.0}
+    first, near, *others = between(nodes, [Fraction(0), tiny / 2, tiny, Fraction(1)])
     assert (first, others) == (15.0, [14.0, 12.0])
     assert near in (14.0, 15.0)
+
+
+# -- Rows of a closed form as sums of two doubles: the digits that exact numbers give
+
+
+F = Fraction
+CASES_IN_PAIRS = ("euler/largest-axis", "lagrange/nutation", "euler/tiny-units")
+HELD = {"number": "extended"}  # what the cells are held to: 26 digits are asked for
+
+
+def table(case):
+    """Right to different digits row by row, one cell empty, one huge; the sign of q is free."""
+    reference = polhode.reference(case)
+    times = [F(k) / 7 / F(10.0**reference.scene.log10_rate) for k in range(9)]
+    states, turns = reference.at(times, 40), reference.attitude(times, 40)
+    rows = zip(states, turns, strict=True)
+    cells = [
+        [x * (1 + F(1, 10 ** (4 + 2 * k))) for x in exact(state)] + [-x for x in exact(turn)]
+        for k, (state, turn) in enumerate(rows)
+    ]
+    cells[3][1], cells[5][4] = None, F(10) ** 6
+    names = [*reference.scene.columns, *ATTITUDE]
+    return {"t": times} | dict(zip(names, map(list, zip(*cells, strict=True)), strict=True))
+
+
+def exact(row):
+    return [F(*x.as_integer_ratio()) if isinstance(x, float) else fraction(x) for x in row]
+
+
+def fraction(x):
+    sign, mantissa, exponent, _ = x._mpf_
+    return (-1) ** sign * int(mantissa) * F(2) ** exponent
+
+
+@pytest.mark.parametrize("case", CASES_IN_PAIRS)
+def test_the_digits_are_those_of_exact_numbers(case, monkeypatch):
+    columns = table(case)
+    in_pairs = polhode.compare(columns, case, as_it_stands=True, **HELD)
+    assert isinstance(in_pairs.comparison.answers.rows("at", 20), double_double.Pairs)
+    monkeypatch.setattr(double_double, "DIGITS", 0)
+    exactly = polhode.compare(columns, case, as_it_stands=True, **HELD)
+    assert isinstance(exactly.comparison.answers.rows("at", 20), list)
+    assert max(d for d in exactly.digits if d is not None) > 15
+    for name, digits in exactly.part_digits.items():
+        assert in_pairs.part_digits[name] == pytest.approx(digits, abs=1e-9)
+
+
+@pytest.mark.parametrize("size", [F(10) ** 400, F(1.7e308), -F(1e302)])
+@pytest.mark.parametrize("column", ["q", "gamma2", "q1"])
+def test_a_number_beyond_doubles_or_just_below_is_judged(size, column):
+    """One of 1e301 and more has no product in doubles: it was passed over as an empty cell."""
+    case = "lagrange/nutation"
+    columns = table(case)
+    columns[column][2] = size
+    judgement = polhode.compare(columns, case, as_it_stands=True, **HELD)
+    digits = judgement.part_digits["attitude"] if column == "q1" else judgement.digits
+    assert digits[2] == 0
+    assert digits[8] > 15
+
+
+def test_sizes_that_pairs_do_not_hold_are_asked_for_as_numbers(monkeypatch):
+    monkeypatch.setattr(score, "_LEAST", 1e3)  # radians a second
+    judgement = polhode.compare(
+        table(CASES_IN_PAIRS[0]), CASES_IN_PAIRS[0], as_it_stands=True, **HELD
+    )
+    assert isinstance(judgement.comparison.answers.rows("at", 20), list)
+    assert max(d for d in judgement.digits if d is not None) > 15
+
+
+def test_pairs_of_balls_and_cells_are_within_their_digits():
+    from flint import arb
+
+    from polhode.numbers.flint_context import ctx
+
+    with ctx.workprec(200):
+        pairs = of_balls([[arb(1) / 3, arb(2).sqrt()]])
+        for x, right_number in zip(*binary_numbers(pairs), [F(1, 3), None], strict=True):
+            if right_number is not None:
+                assert abs(fraction(x) - right_number) < right_number / 10**31
+    cells = of_cells([F(1, 3), None, 0.1, mpf(2)])
+    assert math.isnan(cells.hi[1])
+    assert abs(F(cells.hi[0]) + F(cells.lo[0]) - F(1, 3)) < F(1, 10**31)
+    assert (cells.hi[2], cells.lo[2], cells.hi[3]) == (0.1, 0, 2)
+    with pytest.raises(ValueError, match="not a finite number"):
+        of_cells([0.5, float("inf")])
+    assert np.isnan(of_cells([None]).hi).all()

@@ -24,7 +24,7 @@ TIMES = [Fraction(k, 50) for k in range(151)]
 def compared(tmp_path, capsys):
     """What the verb says of a table, as JSON and as the whole text."""
 
-    def told(table, scene=CASE, *options):
+    def changed(table, scene=CASE, *options):
         path = tmp_path / "x.csv"
         path.write_text(text(table))
         command = ["compare", str(path), scene, *options]
@@ -33,7 +33,7 @@ def compared(tmp_path, capsys):
         assert cli.main([*command, "--details"]) == 0
         return answer, capsys.readouterr().out
 
-    return told
+    return changed
 
 
 @pytest.mark.slow
@@ -70,16 +70,16 @@ def test_a_part_that_goes_wrong_is_the_headline_and_told_from_when(compared):
 
 def test_a_motion_that_takes_the_digits_itself_is_no_part_that_goes_wrong():
     """The separatrix takes all digits between these times, of any run in double."""
-    found = polhode.compare(polhode.integrate("euler/separatrix", at=[1, 2, 3, 90, 100]))
-    assert found.digits[2] > found.digits[3] + 5
-    assert found.departures == {}
+    judgement = polhode.compare(polhode.integrate("euler/separatrix", at=[1, 2, 3, 90, 100]))
+    assert judgement.digits[2] > judgement.digits[3] + 5
+    assert judgement.departures == {}
 
 
 def test_the_headline_of_the_state_alone_is_that_of_the_state():
-    found = polhode.compare(polhode.integrate("euler/largest-axis"))
-    assert found.worst == min(found.digits)
-    assert found.worst_part == "state"
-    assert found.part_digits.keys() == {"omega", "gamma"}
+    judgement = polhode.compare(polhode.integrate("euler/largest-axis"))
+    assert judgement.worst == min(judgement.digits)
+    assert judgement.worst_part == "state"
+    assert judgement.part_digits.keys() == {"omega", "gamma"}
 
 
 @pytest.mark.sample(1, slow=3)
@@ -96,9 +96,9 @@ def test_angles_are_judged_up_to_whole_turns(strict, off, exchanged, least):
     table["phi"] = np.remainder(table["phi"] + np.pi, 2 * np.pi) - np.pi
     if exchanged:
         table |= {"psi": table["phi"], "phi": table["psi"]}
-    found = polhode.compare(table, CASE, as_it_stands=strict)
-    assert found.reading is None
-    assert least <= round(found.worst, 3) < least + 2
+    judgement = polhode.compare(table, CASE, as_it_stands=strict)
+    assert judgement.reading is None
+    assert least <= round(judgement.worst, 3) < least + 2
 
 
 def test_a_run_through_poles_has_its_angles():
@@ -117,8 +117,8 @@ def test_near_a_pole_the_attitude_has_the_digits_that_psi_and_phi_lose(monkeypat
     top = polhode.top(**body, angles=["1/3", "1e-13", "1/5"], rates=["1/7", 0, 2], end=1)
     rows = [[float(x) for x in row] for row in polhode.reference(top).angles([1], 40)]
     monkeypatch.setattr(Reference, "attitude", rough)
-    found = polhode.compare(rows, top, at=[1], columns=("psi", "theta", "phi"))
-    assert found.parts["angles"] > 14.5
+    judgement = polhode.compare(rows, top, at=[1], columns=("psi", "theta", "phi"))
+    assert judgement.parts["angles"] > 14.5
 
 
 @pytest.mark.parametrize(
@@ -131,12 +131,12 @@ def test_near_a_pole_the_attitude_has_the_digits_that_psi_and_phi_lose(monkeypat
 )
 def test_what_is_wrong_in_the_first_digit_has_no_limit(change):
     table = right(CASE, TIMES[::10])
-    table |= {name: table[other] for name, other in change.items()}
-    found = polhode.compare(table, CASE, as_it_stands=True)
-    assert found.worst < 1
-    assert found.limit == ""
-    assert "limit " not in found.details()
-    assert str(found).splitlines()[-1].endswith("), wrong in the first digit")
+    table |= {name: table[source] for name, source in change.items()}
+    judgement = polhode.compare(table, CASE, as_it_stands=True)
+    assert judgement.worst < 1
+    assert judgement.limit == ""
+    assert "limit " not in judgement.details()
+    assert str(judgement).splitlines()[-1].endswith("), wrong in the first digit")
 
 
 @pytest.mark.slow
@@ -144,8 +144,8 @@ def test_a_rough_method_is_the_limit_still(compared):
     table = right(CASE, TIMES[::10])
     answer, said = compared(table | {"p": table["p"] + 1e-4})
     assert answer["limit"] == "method (steps of the program)"
-    told = "fewer than double precision allows: the program's steps, noise, or another motion"
-    assert told in said
+    sentence = "fewer than double precision allows: the program's steps, noise, or another motion"
+    assert sentence in said
     assert "method" not in said
 
 
@@ -170,11 +170,11 @@ def test_a_closed_form_that_has_no_answer_gives_way_to_an_enclosure(monkeypatch)
     scene = polhode.load("euler/attitude").at([1, 2])
     run = polhode.integrate(replace(scene, outputs=("attitude",)))
     monkeypatch.setattr(Reference, "pairs", refused)
-    found = polhode.compare(run)
-    assert found.worst > 14
-    assert found.parts["attitude"] > 14
-    assert found.reference.kind == "certified"
-    assert "proven to " in found.details()
+    judgement = polhode.compare(run)
+    assert judgement.worst > 14
+    assert judgement.parts["attitude"] > 14
+    assert judgement.reference.kind == "certified"
+    assert "proven to " in judgement.details()
 
 
 def test_a_long_proof_is_foretold(tmp_path, capsys):
@@ -190,10 +190,10 @@ def test_a_long_proof_is_foretold(tmp_path, capsys):
     write(20)
     assert cli.main([*command, "--max-seconds", "0.2"]) == 3
     out, err = capsys.readouterr()
-    told, ended = err.splitlines()
+    forecast, ended = err.splitlines()
     assert out == ""
-    assert "the proof that judges will take about " in told
-    assert told.endswith("--max-seconds S or Ctrl-C ends it sooner")
+    assert "the proof that judges will take about " in forecast
+    assert forecast.endswith("--max-seconds S or Ctrl-C ends it sooner")
     assert "max_seconds = 0.2: expected seconds in which the motion is proven to t = 20000" in ended
     write(200)
     assert cli.main(command) == 2
@@ -214,11 +214,11 @@ def test_a_limit_that_is_not_reached_changes_nothing(compared):
 
 @pytest.mark.slow
 def test_steps_of_a_needle_are_not_blamed_for_what_they_lose_beyond_the_band():
-    found = polhode.compare(polhode.integrate("euler/needle"))
-    expected = found.expected[found.digits.index(found.worst)]
-    assert expected.least - 2 < found.worst < expected.least - 0.3
-    assert found.limit.startswith("unknown (steps of so thin a body")
-    assert found.chance is None
+    judgement = polhode.compare(polhode.integrate("euler/needle"))
+    expected = judgement.expected[judgement.digits.index(judgement.worst)]
+    assert expected.least - 2 < judgement.worst < expected.least - 0.3
+    assert judgement.limit.startswith("unknown (steps of so thin a body")
+    assert judgement.chance is None
     loose = polhode.compare(polhode.integrate("euler/needle", tol=1e-7, project=False))
     assert loose.limit.startswith("method")
 

@@ -35,36 +35,38 @@ def test_white_noise_is_told_with_its_size_and_bias(size):
     """It was called the program's steps, noise, or another motion."""
     columns = with_noise(table(), size)
     columns["q"] += 3 * size
-    found = polhode.compare(columns, SCENE)
-    assert found.limit == "noise (white)"
-    assert "fewer than double precision allows: noise that is white at this level" in str(found)
-    assert (found.causes, found.readings, found.chance) == ((), (), None)
-    assert [one.column for one in found.residuals] == list(STATE)
-    for one in found.residuals:
-        assert one.rms == pytest.approx(size, rel=0.2)
-        assert one.bias_error == pytest.approx(one.rms / math.sqrt(len(TIMES)))
-        assert abs(one.bias - 3 * size * (one.column == "q")) < 4 * one.bias_error
-    told = json.loads(found.to_json())["residuals"]
-    assert told["rms"] == [one.rms for one in found.residuals]
+    judgement = polhode.compare(columns, SCENE)
+    assert judgement.limit == "noise (white)"
+    assert "fewer than double precision allows: noise that is white at this level" in str(judgement)
+    assert (judgement.causes, judgement.readings, judgement.chance) == ((), (), None)
+    assert [residual.column for residual in judgement.residuals] == list(STATE)
+    for residual in judgement.residuals:
+        assert residual.rms == pytest.approx(size, rel=0.2)
+        assert residual.bias_error == pytest.approx(residual.rms / math.sqrt(len(TIMES)))
+        assert abs(residual.bias - 3 * size * (residual.column == "q")) < 4 * residual.bias_error
+    document = json.loads(judgement.to_json())["residuals"]
+    assert document["rms"] == [residual.rms for residual in judgement.residuals]
 
 
 def test_a_bias_that_is_more_than_the_noise_limits_the_digits():
     """It was called noise that is white at this level, with digits that the bias alone costs."""
     columns = with_noise(table(), 1e-6)
     columns["r"] -= 1e-3
-    found = polhode.compare(columns, SCENE)
-    assert (found.limit, found.causes) == ("bias (constant)", ())
-    assert "allows: a constant bias, with white noise about it" in str(found)
-    assert "(-0.001 ± 8e-08), gamma1" in str(found)
+    judgement = polhode.compare(columns, SCENE)
+    assert (judgement.limit, judgement.causes) == ("bias (constant)", ())
+    assert "allows: a constant bias, with white noise about it" in str(judgement)
+    assert "(-0.001 ± 8e-08), gamma1" in str(judgement)
 
 
 def test_a_noisy_attitude_has_its_own_limit():
     columns = with_noise(table("attitude"), 1e-3)
     length = np.sqrt(sum(columns[n] ** 2 for n in ATTITUDE))
-    found = polhode.compare({n: x / length if n != "t" else x for n, x in columns.items()}, SCENE)
-    assert (found.limit, found.attitude_limit) == ("", "noise (white)")
-    assert "of attitude, fewer than double precision allows: noise that is white" in str(found)
-    assert [one.column[:-1] for one in found.residuals] == ["rotation_"] * 3
+    judgement = polhode.compare(
+        {n: x / length if n != "t" else x for n, x in columns.items()}, SCENE
+    )
+    assert (judgement.limit, judgement.attitude_limit) == ("", "noise (white)")
+    assert "of attitude, fewer than double precision allows: noise that is white" in str(judgement)
+    assert [residual.column[:-1] for residual in judgement.residuals] == ["rotation_"] * 3
     exact = polhode.compare(table("at", "attitude"), SCENE)
     assert (exact.limit, exact.attitude_limit) == ("rounding", "rounding")
 
@@ -77,9 +79,12 @@ def test_an_attitude_may_lose_the_digits_of_the_angle_that_was_turned(fewer, lim
     half = 10 ** (fewer - least)
     columns["q1"][-1] += columns["q0"][-1] * half
     columns["q0"][-1] -= columns["q1"][-1] * half
-    found = polhode.compare(columns, SCENE)
-    assert found.attitude_limit.partition(" ")[0] in (limit, limit.replace("condition", "round"))
-    assert found.limit == "rounding"
+    judgement = polhode.compare(columns, SCENE)
+    assert judgement.attitude_limit.partition(" ")[0] in (
+        limit,
+        limit.replace("condition", "round"),
+    )
+    assert judgement.limit == "rounding"
 
 
 def growing(columns):
@@ -110,29 +115,29 @@ def few(columns):
 
 def sampled(columns):
     """Another motion, seen so seldom that neighbours are far apart."""
-    other = polhode.top(
+    pendulum = polhode.top(
         moments=[1, 1, "0.5"],
         centre=[0, 0, 1],
         weight=1,
         omega=["0.16", "0.32", "4.1"],
         gamma=["0.8", 0, "0.6"],
     )
-    states = np.array(polhode.integrate(other, at=[7 * t for t in TIMES[:80]]).states)
+    states = np.array(polhode.integrate(pendulum, at=[7 * t for t in TIMES[:80]]).states)
     true = right(SCENE, [7 * t for t in TIMES[:80]])
     return {"t": true["t"], **dict(zip(STATE, states.T, strict=True))}
 
 
 @pytest.mark.parametrize("wrong", [growing, slow_sine, fast_sine, walk, offset, few, sampled])
 def test_what_is_no_white_noise_is_not_called_so(wrong):
-    found = polhode.compare(wrong(table()), SCENE)
-    assert found.limit.startswith("method") or found.limit == ""
-    assert "white" not in str(found)
+    judgement = polhode.compare(wrong(table()), SCENE)
+    assert judgement.limit.startswith("method") or judgement.limit == ""
+    assert "white" not in str(judgement)
 
 
 def test_noise_is_taken_for_something_else_as_seldom_as_is_said():
     draw = np.random.default_rng(8)
-    kept = [are_white(draw.normal(size=(100, 6))) for _ in range(400)]
-    assert 1 - 4 * SIGNIFICANCE < np.mean(kept) < 1
+    are_noise = [are_white(draw.normal(size=(100, 6))) for _ in range(400)]
+    assert 1 - 4 * SIGNIFICANCE < np.mean(are_noise) < 1
     rows = draw.normal(size=(400, 200, 1))
     coloured = rows[:, 1:] + 0.6 * rows[:, :-1]
     assert np.mean([are_white(x) for x in coloured]) < 0.02
@@ -145,29 +150,29 @@ def test_the_angle_of_rotation_is_that_which_was_planted(degrees, length):
     turn = np.array([math.cos(half), 0, 0.6 * math.sin(half), 0.8 * math.sin(half)])
     columns = table("attitude")
     q = length * files.product(np.array([columns[n] for n in ATTITUDE]).T, turn)
-    found = polhode.compare(
+    judgement = polhode.compare(
         {"t": columns["t"], **dict(zip(ATTITUDE, q.T, strict=True))},
         SCENE,
         as_it_stands=True,
         details=True,
     )
-    angles = found.column("attitude_error")
+    angles = judgement.column("attitude_error")
     assert np.allclose(angles, degrees, rtol=1e-9 + 1e-14 / degrees)
-    assert found.fact("attitude_error") == pytest.approx(degrees, rel=1e-4)
+    assert judgement.fact("attitude_error") == pytest.approx(degrees, rel=1e-4)
     if degrees > 1e-4:
-        assert f"attitude off by {degrees:.3g}° at worst" in str(found)
-    assert f"attitude off by {max(angles):.3g}° at worst" in found.details()
+        assert f"attitude off by {degrees:.3g}° at worst" in str(judgement)
+    assert f"attitude off by {max(angles):.3g}° at worst" in judgement.details()
     assert np.allclose(
-        [x.bias for x in found.residuals], degrees * np.array([0, 0.6, 0.8]), atol=1e-13
+        [x.bias for x in judgement.residuals], degrees * np.array([0, 0.6, 0.8]), atol=1e-13
     )
 
 
 def test_an_angle_beyond_doubles_is_right():
     rows = polhode.reference(SCENE).attitude([1, 2], 60)
     small = Fraction(1, 10**30)
-    turned = [
+    quaternions = [
         [a - small * b, b + small * a, c + small * d, d - small * c]
         for a, b, c, d in ([exactly(x) for x in row] for row in rows)
     ]
-    found = polhode.compare(turned, SCENE, at=[1, 2], columns=ATTITUDE)
-    assert found.rotation_angles == pytest.approx([math.degrees(2e-30)] * 2, rel=1e-9)
+    judgement = polhode.compare(quaternions, SCENE, at=[1, 2], columns=ATTITUDE)
+    assert judgement.rotation_angles == pytest.approx([math.degrees(2e-30)] * 2, rel=1e-9)

@@ -56,14 +56,14 @@ def test_threads_of_mixed_precision_answer_as_one_does():
 
     Another thread of the caller's changes precision meanwhile.
     """
-    asked = [(name, digits) for name in FAMILIES for digits in (15, 20, 33)]
-    asked += [(name, digits) for name in FAMILIES[:2] for digits in (77, 300)]
-    Random(12).shuffle(asked)
-    alone = [answer(q) for q in asked]
-    done, random = threading.Event(), Random(1)
+    questions = [(name, digits) for name in FAMILIES for digits in (15, 20, 33)]
+    questions += [(name, digits) for name in FAMILIES[:2] for digits in (77, 300)]
+    Random(12).shuffle(questions)
+    alone = [answer(q) for q in questions]
+    finished, random = threading.Event(), Random(1)
 
     def busy() -> None:
-        while not done.is_set():
+        while not finished.is_set():
             mpmath.mp.dps = random.randint(3, 200)
             _ = mpmath.sqrt(2) + mpmath.pi + mpmath.exp(mpmath.mpf(1) / 3)
         mpmath.mp.prec = 71
@@ -73,20 +73,20 @@ def test_threads_of_mixed_precision_answer_as_one_does():
     flint.ctx.prec = 53
     try:
         with ThreadPoolExecutor(THREADS) as pool:
-            together = list(pool.map(answer, asked))
+            together = list(pool.map(answer, questions))
     finally:
-        done.set()
+        finished.set()
         caller.join()
     assert together == alone
     assert (mpmath.mp.prec, flint.ctx.prec) == (71, 53)
 
 
 def test_one_reference_may_be_asked_by_many_threads():
-    one, fresh = (polhode.reference("lagrange/nutation") for _ in "ab")
-    asked = [(t, digits) for t in (1, 2, 5, 40) for digits in (15, 60, 200)]
+    shared_reference, fresh = (polhode.reference("lagrange/nutation") for _ in "ab")
+    questions = [(t, digits) for t in (1, 2, 5, 40) for digits in (15, 60, 200)]
     with ThreadPoolExecutor(THREADS) as pool:
-        together = list(pool.map(lambda q: one.at([q[0]], q[1])[0], asked))
-    assert together == [fresh.at([t], digits)[0] for t, digits in asked]
+        together = list(pool.map(lambda q: shared_reference.at([q[0]], q[1])[0], questions))
+    assert together == [fresh.at([t], digits)[0] for t, digits in questions]
 
 
 def whole_run() -> Any:
@@ -96,16 +96,16 @@ def whole_run() -> Any:
     return own, polhode.compare(run).digits
 
 
-def known() -> Any:
+def facts() -> Any:
     reference = polhode.reference("lagrange/nutation")
     rows = [getattr(reference, q)([1], 40) for q in ("at", "angles", "attitude", "hodographs")]
-    other = reference.period, dict(reference.frequencies), reference.error([1], 20)
-    return rows, other, polhode.reference("kovalevskaya/generic").curve
+    values = reference.period, dict(reference.frequencies), reference.error([1], 20)
+    return rows, values, polhode.reference("kovalevskaya/generic").curve
 
 
 QUESTIONS = {
     "a run": whole_run,
-    "a reference": known,
+    "a reference": facts,
     "a proof": lambda: polhode.certify("lagrange/nutation", at=[1], digits=20).midpoints,
     "a sweep": lambda: (
         polhode.integrate_many(
@@ -131,28 +131,28 @@ def leaves(value: Any) -> Iterator[Any]:
 @pytest.mark.sample(2, slow=2)
 @pytest.mark.parametrize("question", QUESTIONS)
 def test_answers_are_ordinary_numbers_whatever_the_callers_precision(question):
-    found = {}
+    answers = {}
     for bits in (20, 53, 400):
         mpmath.mp.prec = bits
-        found[bits] = [*leaves(QUESTIONS[question]())]
+        answers[bits] = [*leaves(QUESTIONS[question]())]
         assert mpmath.mp.prec == bits
-    for x in found[20]:
+    for x in answers[20]:
         assert not isinstance(x, (mpmath_context.mpf, mpmath_context.mpc))
         assert isinstance(x, mpmath.mpf) or not hasattr(x, "_mpf_")
     raw = [
-        [getattr(x, "_mpf_", x) for x in numbers if not callable(x)] for numbers in found.values()
+        [getattr(x, "_mpf_", x) for x in numbers if not callable(x)] for numbers in answers.values()
     ]
     assert raw[0] == raw[1] == raw[2]
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="a system without fork")
 def test_a_fork_while_another_thread_computes_does_not_wait_for_it():
-    ready, done = threading.Event(), threading.Event()
+    ready, finished = threading.Event(), threading.Event()
 
     def hold() -> None:
         with mpmath_context.mpmath.workprec(100):
             ready.set()
-            done.wait(60)
+            finished.wait(60)
 
     holder = threading.Thread(target=hold)
     holder.start()
@@ -161,7 +161,7 @@ def test_a_fork_while_another_thread_computes_does_not_wait_for_it():
     if child == 0:
         row = polhode.reference("euler/largest-axis").at([1], 20)[0]
         os._exit(0 if abs(float(row[0]) - 0.447808688218415) < 1e-15 else 1)
-    done.set()
+    finished.set()
     holder.join()
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 

@@ -22,7 +22,7 @@ from polhode.judging.reference import Reference
 from polhode.judging.reference import reference as reference_of
 from polhode.judging.score import Answers
 from polhode.judging.tables.column_aliases import PLAIN, naming
-from polhode.judging.tables.readings import table_as_told
+from polhode.judging.tables.explanations import table_as_told
 from polhode.judging.tables.table import PARTS, Table, of_run
 from polhode.judging.tables.table_file import is_table, read_table
 from polhode.numbers import exact

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Never
+from typing import TYPE_CHECKING, Any, NamedTuple, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput, TooManySteps
@@ -32,14 +31,13 @@ from polhode.judging.limits import (
 from polhode.judging.reference import AnyReference, Reference, reference
 from polhode.judging.residuals import Residual, ResidualRows, rotation_errors
 from polhode.judging.score import Score, bits_of, score
-from polhode.judging.tables.causes import Cause, other_start
-from polhode.judging.tables.causes import causes as fitted_causes
 from polhode.judging.tables.column_aliases import PLAIN, Naming, naming
 from polhode.judging.tables.csv_file import table_of_columns, table_of_rows
-from polhode.judging.tables.readings import as_meant, read_as_told
+from polhode.judging.tables.explanations import Cause, as_meant, read_as_told
+from polhode.judging.tables.explanations import causes as fitted_causes
+from polhode.judging.tables.motions import clock_remark, other_start
 from polhode.judging.tables.table import Reading, Table, as_judged, of_run
 from polhode.judging.tables.table_file import ENDINGS, read_table
-from polhode.judging.tables.ways import clock_remark
 from polhode.numbers.decimals import brief
 from polhode.numbers.number_types import AnyNumber, AnyVector, NumberType
 from polhode.runs.options import choose_number
@@ -142,63 +140,68 @@ def compare(
     gate = "no threshold: polhode.testing.assert_digits(run, scene, at_least) has one"
     refuse_unknown("compare", compare, unknown, at_least=gate)
     of_kind("compare", "details", details, bool, "True or False")
-    score, offered = scored(
-        what,
-        against,
-        number=number,
-        digits=digits,
-        at=at,
-        columns=columns,
-        progress=progress,
-        as_it_stands=as_it_stands,
-        read=read,
-        max_seconds=max_seconds,
-        forecast=forecast,
+    options = JudgingOptions(
+        number, digits, at, columns, progress, as_it_stands, read, max_seconds, forecast
     )
+    score, offered = scored(what, against, options)
     return judgement(score, offered, details)
 
 
+class JudgingOptions(NamedTuple):
+    """How a table is read and judged; the fields are parameters of :func:`compare`."""
+
+    number: str | NumberType | None = None
+    digits: int | None = None
+    at: Iterable[AnyNumber] | None = None
+    columns: Sequence[str] | None = None
+    progress: Progress | None = None
+    as_it_stands: bool = False
+    read: str | None = None
+    max_seconds: float | None = None
+    forecast: Callable[[float], None] | None = None
+
+    def certified(self, scene: Scene) -> Certified:
+        """The enclosure that judges where there is no closed form."""
+        return Certified(
+            scene,
+            progress=self.progress,
+            max_seconds=self.max_seconds,
+            forecast=self.forecast,
+        )
+
+
 def scored(
-    what: Any,
-    against: AnyReference | Scene | str | Path | None = None,
-    *,
-    number: str | NumberType | None = None,
-    digits: int | None = None,
-    at: Iterable[AnyNumber] | None = None,
-    columns: Sequence[str] | None = None,
-    progress: Progress | None = None,
-    as_it_stands: bool = False,
-    read: str | None = None,
-    max_seconds: float | None = None,
-    forecast: Callable[[float], None] | None = None,
+    source: Any,
+    against: AnyReference | Scene | str | Path | None,
+    options: JudgingOptions,
 ) -> tuple[Score, tuple[Reading, ...]]:
     """The score of what :func:`compare` judges, as it is read; readings that were not applied.
 
     The truth, the table, how it is read, and the score: what follows tells why.  Raises BadInput.
     """
-    of_kind("compare", "as_it_stands", as_it_stands, bool, "True or False")
-    prove = partial(Certified, progress=progress, max_seconds=max_seconds, forecast=forecast)
-    truth = _truth(what, against, prove)
-    table_given = _table(what, truth, number, digits, at, columns, other=bool(read))
-    is_read = not as_it_stands and read is None and table_given.run is None
+    of_kind("compare", "as_it_stands", options.as_it_stands, bool, "True or False")
+    truth = _truth(source, against, options)
+    table_given = _table(source, truth, options)
+    is_foreign, read = table_given.run is None, options.read
+    is_read = is_foreign and read is None and not options.as_it_stands
     table = table_given
     offered: tuple[Reading, ...] = ()
-    if read is not None and table_given.run is None:
+    if is_foreign and read is not None:
         table = read_as_told(table_given, truth, read)
     elif is_read:
         table, offered = as_meant(table_given, truth)
     try:
-        return score(table, truth, progress), offered
+        return score(table, truth, options.progress), offered
     except TooManySteps as fault:
         expected = "; ".join([fault.expected, *clock_remark(table, truth.scene)])
         raise TooManySteps(fault.source, "t", fault.value, expected) from None
     except NoAnswer:
         if not truth.is_closed_form:
             raise
-    truth = prove(truth.scene)
+    truth = options.certified(truth.scene)
     if is_read:
         table, offered = as_meant(table_given, truth)
-    return score(table, truth, progress), offered
+    return score(table, truth, options.progress), offered
 
 
 def judgement(
@@ -267,15 +270,15 @@ def judgement(
 
 
 def _truth(
-    what: Any,
+    source: Any,
     against: AnyReference | Scene | str | Path | None,
-    prove: Callable[[Scene], Certified],
+    options: JudgingOptions,
 ) -> AnyReference:
     """The reference that judges; raises BadInput."""
     if against is None:
-        if not isinstance(what, Trajectory):
+        if not isinstance(source, Trajectory):
             raise BadInput("compare", "against", None, "a reference, or a scene")
-        against = what.scene
+        against = source.scene
     kinds = (Reference, Certified, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
     if isinstance(against, (str, Path)) and Path(against).suffix.lower() in ENDINGS:
@@ -283,55 +286,45 @@ def _truth(
             "a scene, a case's name or a .toml file: a table is judged by a motion, and not by "
             f"another table (polhode compare {against} SCENE judges that one)"
         )
-        if isinstance(what, (str, Path)) and Path(what).suffix.lower() == ".toml":
-            expected = f"the scene after the table: polhode compare {against} {what}"
+        if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".toml":
+            expected = f"the scene after the table: polhode compare {against} {source}"
         raise BadInput("compare", "SCENE", str(against), expected)
     if not isinstance(against, (Scene, str, Path)):
         return against
     truth = reference(against)
-    return prove(truth.scene) if isinstance(truth, Certified) else truth
+    return options.certified(truth.scene) if isinstance(truth, Certified) else truth
 
 
-def _table(
-    what: Any,
-    truth: AnyReference,
-    number: str | NumberType | None,
-    digits: int | None,
-    at: Iterable[AnyNumber] | None,
-    columns: Sequence[str] | None,
-    other: bool,
-) -> Table:
-    """What is judged, as a table of those columns that the scene has; raises BadInput.
-
-    ``other``: whether it is read as another program's in any case.
-    """
+def _table(source: Any, truth: AnyReference, options: JudgingOptions) -> Table:
+    """What is judged, as a table of those columns that the scene has; raises BadInput."""
+    number, digits, columns = options.number, options.digits, options.columns
     scene = truth.scene
-    if isinstance(what, Trajectory):
-        table = of_run(what)
+    if isinstance(source, Trajectory):
+        table = of_run(source)
     else:
         if digits is not None and number is None:
             raise BadInput(scene.name, "digits", digits, "number given with it: mp")
         kind = None if number is None else choose_number(scene, number, digits)
-        if isinstance(what, (str, Path)):
-            what = read_table(Path(what), kind, _naming(columns))
-        elif hasattr(what, "keys"):
-            what = table_of_columns(what, kind, names=_naming(columns, of_file=False))
-        elif not isinstance(what, Table):
+        if isinstance(source, (str, Path)):
+            source = read_table(Path(source), kind, _naming(columns))
+        elif hasattr(source, "keys"):
+            source = table_of_columns(source, kind, names=_naming(columns, of_file=False))
+        elif not isinstance(source, Table):
             named = scene.columns if columns is None else columns
-            what = table_of_rows(what, at, named, kind)
-        if what.run is not None and (other or not _is_of(what.run.scene, scene)):
-            what = replace(what, run=None)  # another's table, as it were
-        table = as_judged(what, scene)
+            source = table_of_rows(source, options.at, named, kind)
+        if source.run is not None and (options.read or not _is_of(source.run.scene, scene)):
+            source = replace(source, run=None)  # another's table, as it were
+        table = as_judged(source, scene)
     if not table.columns:
         expected = f"columns of {', '.join(scene.columns)}, angles or attitude"
         raise BadInput(table.name, "header", None, expected)
     return table
 
 
-def _is_of(scene: Scene, other: Scene) -> bool:
+def _is_of(scene: Scene, second: Scene) -> bool:
     """Whether two scenes have the same motion, in the same units."""
     keys = ("units", "body", "omega", "gamma")
-    return all(getattr(scene, key) == getattr(other, key) for key in keys)
+    return all(getattr(scene, key) == getattr(second, key) for key in keys)
 
 
 def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement, permutations
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -22,7 +22,7 @@ import numpy.typing as npt
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, counted
 from polhode.equations.form import field
-from polhode.judging.tables.conventions import other_scenes, with_body
+from polhode.judging.tables.motions import other_scenes
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import Doubles
 from polhode.results.cells import DOUBLE, TEXT
@@ -391,9 +391,10 @@ class _Fitted:
         """Bodies that may be meant."""
         if not np.any(self._differ(self.own, self.right)):
             return
-        for words, scene in other_scenes(self.scene):
+        for hypothesis in other_scenes(self.scene):
+            scene = hypothesis.scene
             if scene.body.inertia != self.scene.body.inertia:  # the weight is a term of its own
-                yield words, scene
+                yield hypothesis.words, scene
         inertia = self.scene.body.inertia
         full = any(inertia[i][j] for i in range(3) for j in range(i))
         for order in permutations(range(3)):
@@ -403,7 +404,8 @@ class _Fitted:
                 words = f"an inertia whose axes x y z are {names} of the scene's"
                 if not full:
                     words = f"the moments A B C = {names} of the scene"
-                yield words, with_body(self.scene, (x, y, z))
+                body = self.scene.body.replaced(inertia=(x, y, z))
+                yield words, replace(self.scene, body=body)
 
 
 def _name_of_ratio(ratio: float) -> str | None:

@@ -25,7 +25,7 @@ from polhode.judging.limits import (
 )
 from polhode.judging.residuals import Residual
 from polhode.judging.score import SHOWN, STATE_PART, Score
-from polhode.judging.tables.causes import Cause
+from polhode.judging.tables.explanations import Cause
 from polhode.judging.tables.table import WRONG, Reading
 from polhode.numbers.decimals import brief, in_full, shortest
 from polhode.numbers.number_types import Doubles, NumberType
@@ -189,9 +189,9 @@ class Judgement(Result, Score):
     def readings(self) -> tuple[Reading, ...]:
         """Conventions in which parts of a table that is wrong as it stands are right: those that
         were applied, and those in which parts still wrong would be."""
-        known = self.subject.readings
-        read = {reading.part for reading in known}
-        return (*known, *(offer for offer in self.offers if offer.part not in read))
+        applied = self.subject.readings
+        parts = {reading.part for reading in applied}
+        return (*applied, *(offer for offer in self.offers if offer.part not in parts))
 
     def table(self) -> ResultTable:
         """One row per time: the digits that are correct, and what was to be expected."""
@@ -199,14 +199,14 @@ class Judgement(Result, Score):
         columns = [Column("t", list(self.times), "time", unit)]
         if self.digits:
             bands = self.expected
-            known = {
+            digits_of_state = {
                 "correct_digits": self._known_digits,
                 "digits_expected_least": [None if x is None else x.least for x in bands],
                 "digits_expected_median": [None if x is None else x.middle for x in bands],
                 "digits_expected_most": [None if x is None else x.most for x in bands],
                 "digits_inputs": self.inputs,
             }
-            columns += (Column(k, x, type=DOUBLE, digits=4) for k, x in known.items())
+            columns += (Column(k, x, type=DOUBLE, digits=4) for k, x in digits_of_state.items())
         for name, digits in self.part_digits.items():
             columns.append(Column(f"correct_digits_{name}", digits, type=DOUBLE, digits=4))
         if len(self.rotation_errors):

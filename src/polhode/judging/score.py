@@ -27,7 +27,7 @@ from polhode.judging.correct_digits import (
     scaled,
 )
 from polhode.judging.reference import AnyReference, Reference, column_of
-from polhode.judging.tables.double_motion import integrated
+from polhode.judging.tables.motions import integrated
 from polhode.judging.tables.table import PARTS, WRONG, Table
 from polhode.numbers import double_double
 from polhode.numbers.conversion import doubles, to_mpf

@@ -17,7 +17,7 @@ from polhode.common.interrupts import Message, heard
 from polhode.dynamics.lyapunov import Lyapunov, lyapunov
 from polhode.judging.adaptive_precision import integrate
 from polhode.judging.certified import Certified, ProofTooLong
-from polhode.judging.compare import compare, scored
+from polhode.judging.compare import JudgingOptions, compare, scored
 from polhode.judging.conditioning import conditioning
 from polhode.judging.convergence_order import order_between
 from polhode.judging.judgement import Judgement
@@ -381,7 +381,7 @@ def _costed(scene: Scene, against: AnyReference, number: str, tolerance: str | N
         began = time.process_time()
         row = call()
         seconds.append(time.process_time() - began)
-    score, _ = scored([row], against, at=[scene.end], number=number, as_it_stands=True)
+    score, _ = scored([row], against, JudgingOptions(number, at=[scene.end], as_it_stands=True))
     return (number, float(tolerance or named(number).eps), score.worst, min(seconds))
 
 

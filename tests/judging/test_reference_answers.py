@@ -1,0 +1,432 @@
+"""What a reference answers: proven, periodic, whole turns, and alone where no form is known."""
+
+from __future__ import annotations
+
+import ast
+import json
+import random
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import mpmath
+import pytest
+from flint import acb
+
+import polhode
+from polhode.cli import main
+from polhode.closed_forms.kovalevskaya.theta_attitude import EigenspaceChoice, Moment
+from polhode.judging import reference
+from polhode.judging.score import angles_of_attitudes
+from polhode.numbers.conversion import exactly, to_mpf
+from polhode.scenes import library
+from polhode.scenes.vocabulary import STATE
+from shared import plain_taylor
+
+# -- What the answers say of their proof: in Python, in JSON, and in verdicts
+
+
+IRRATIONAL = polhode.top(
+    moments=("2*sqrt(2)*sqrt(3)", "2*sqrt(6)", "sqrt(6)"),
+    centre=(1, 0, 0),
+    weight=1,
+    omega=(1, "1/2", "1/3"),
+    gamma=("3/5", 0, "4/5"),
+    end=1,
+)
+FORMULA = "states are proven; of the attitude the formula is checked"
+ZERO = "if these numbers are 0: |x| < 1e-"
+#: A scene, and what its reference says: yes, no, or words.
+SAID: list[tuple[str | polhode.Scene, bool | tuple[str, ...]]] = [
+    ("euler/largest-axis", True),
+    ("euler/separatrix-irrational", (ZERO,)),
+    ("kovalevskaya/delaunay", True),
+    ("kovalevskaya/generic", (FORMULA,)),
+    ("kovalevskaya/asymptotic", ("the attitude by an enclosure",)),
+    ("bobylev-steklov/asymptotic", (ZERO,)),
+    ("bobylev-steklov/cn", True),
+    ("chaplygin/motion", (ZERO,)),
+    ("grioli/precession", True),
+    ("n-kowalewski/motion", (ZERO,)),
+    ("staude/unstable", True),
+    ("steklov/upper", (ZERO,)),
+    ("hess/loxodrome", True),
+    (IRRATIONAL, (FORMULA, ZERO)),
+    ("goryachev-chaplygin/inner-band", ("the attitude by an enclosure",)),
+]
+
+
+@pytest.mark.sample(2, first=1, slow=2)
+@pytest.mark.parametrize(
+    ("scene", "said"), SAID, ids=[x if isinstance(x, str) else x.name for x, _ in SAID]
+)
+def test_a_verdict_says_what_is_proven_and_only_proofs_have_radii(
+    scene: str | polhode.Scene, said: bool | tuple[str, ...]
+) -> None:
+    truth = polhode.reference(scene)
+    assert isinstance(truth, polhode.Reference)
+    rows = [[float(x) for x in row] for row in truth.at([1], 17)]
+    judged = polhode.compare(rows, scene, at=[1])
+    for claim in (truth.proven, judged.fact("assumed") or judged.fact("proven")):
+        if isinstance(said, bool):
+            assert claim is said
+        else:
+            assert isinstance(claim, str)
+            assert all(words in claim for words in said)
+            assert ("if these" in claim) is (ZERO in said)
+    assert (truth.radii([1], 20) is None) is (said is False)
+
+
+def test_radii_in_json_hold_what_printing_rounds_off() -> None:
+    tables = [
+        polhode.reference_table("kovalevskaya/generic", at=[1, 2, 3], digits=digits)
+        for digits in (5, 40)
+    ]
+    few, many = (json.loads(table.to_json())["columns"] for table in tables)
+    for name in STATE:
+        for x, y, radius in zip(few[name], many[name], few[f"{name}_radius"], strict=True):
+            assert abs(Fraction(x) - Fraction(y)) <= Fraction(radius) < Fraction(1, 10**4)
+
+
+def test_an_attitude_is_answered_after_the_states_at_the_same_times() -> None:
+    truth = polhode.reference("kovalevskaya/generic")
+    truth.at([1], 20)
+    assert [len(row) for row in truth.attitude([1], 20)] == [4]
+
+
+def test_an_attitude_that_has_not_the_gamma_of_the_state_is_no_answer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    right = EigenspaceChoice.at
+
+    def rotated(choice: EigenspaceChoice, moment: Moment) -> tuple[acb, acb]:
+        xi, eta = right(choice, moment)
+        return xi, -eta
+
+    monkeypatch.setattr(EigenspaceChoice, "at", rotated)
+    truth = polhode.reference("kovalevskaya/generic")
+    with pytest.raises(polhode.BadInput, match="has not the gamma of the state"):
+        truth.attitude([1], 20)
+
+
+# -- What a reference keeps: a proof to more digits serves a question for fewer
+
+
+@pytest.mark.parametrize("word", ["at", "attitude"])
+def test_a_proof_to_more_digits_is_not_made_again(word: str) -> None:
+    proven = polhode.Certified(polhode.load("general/asymmetric-regular"))
+    ask = getattr(proven, word)
+    rows, agreement = ask([1], 30), proven.agreement
+    assert 30 <= agreement < 45
+    assert ask([1], 20) == rows  # a proof to 20 digits has other midpoints
+    assert proven.agreement == agreement
+    assert ask([1], 50) != rows
+    assert proven.agreement >= 50
+    assert ask([2], 20) != rows
+
+
+def test_a_time_may_be_irrational() -> None:
+    proven = polhode.Certified(polhode.load("euler/largest-axis"))
+    exact = polhode.reference("euler/largest-axis").at(["sqrt(2)"], 30)
+    rows = proven.at(["sqrt(2)"], 20)
+    assert max(abs(x - y) for x, y in zip(rows[0], exact[0], strict=True)) < 1e-19
+    assert proven.at(["sqrt(2)"], 20) == rows
+
+
+# -- The period of a reference: omega returns after it, and after no part of it, in an integration
+
+
+#: Of each family, and of each kind of motion that a period has.
+FEW = (
+    "lagrange/planar-librating",
+    "lagrange/planar-rotating",
+    "lagrange/steady-slow",
+    "pendulum/librating",
+    "pendulum/rotating",
+    "euler/no-gamma",
+    "grioli/precession",
+    "hess/released",
+)
+DIGITS = 30
+
+
+def returns(scene, period):
+    """By how much omega differs after a period and after parts of it, of the largest omega.
+
+    By an integration, which shares nothing with closed forms.
+    """
+    first = period / 5
+    parts = [period / n for n in (1, 2, 3, 5)]
+    times = sorted({first, *(first + part for part in parts)})
+    run = polhode.integrate(scene, at=times, digits=DIGITS + 2)
+    rows = dict(zip(times, run.states, strict=True))
+    size = max(abs(float(x)) for row in rows.values() for x in row[:3])
+    differences = []
+    for part in parts:
+        pairs = zip(rows[first][:3], rows[first + part][:3], strict=True)
+        differences.append(max(abs(float(x - y)) for x, y in pairs) / size)
+    return differences
+
+
+def check(scene):
+    """Whether there is a period; it is the true one, and the least."""
+    exact = polhode.reference(scene)
+    period = exact.period if exact.is_closed_form else None
+    if period is None:
+        return False
+    whole, *parts = returns(scene, abs(exactly(period)))
+    assert whole < 10.0**-DIGITS, scene.name
+    assert min(parts) > 1e-9, scene.name
+    return True
+
+
+@pytest.mark.sample(3, slow=3)
+@pytest.mark.parametrize("name", FEW)
+def test_omega_returns_after_the_period(name):
+    assert check(polhode.load(name))
+
+
+@pytest.mark.sample(0, slow=3)
+@pytest.mark.parametrize("name", sorted({*library.entries()} - {*FEW}))
+def test_omega_returns_after_the_period_in_every_case(name):
+    check(polhode.load(name))
+
+
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_omega_returns_in_random_motions(seed):
+    """Lagrange tops whose axis stays in a plane or precesses, a pendulum, a body without weight."""
+    chance = random.Random(seed)
+    a, b, spin = (1 + Fraction(chance.randrange(121), 60) for _ in range(3))
+    c = max(a, b) - min(a, b) + Fraction(1, 7)
+    across, along = ["0", "3/5", "4/5"], ["3/5", "0", "4/5"]
+    tops = [
+        ([a, a, a / 2], [0, 0, 1], [spin, 0, 0], across),
+        ([a, a, a / 2], [0, 0, 1], [spin, spin / 3, 1], along),
+        ([a, b, c], [0, 1, 0], [spin, 0, 0], across),
+        ([a, b, c], [0, 0, 0], [spin, b, 1], across),
+    ]
+    names = ("moments", "centre", "omega", "gamma")
+    periodic = [check(polhode.top(**dict(zip(names, x, strict=True)), weight=1)) for x in tops]
+    assert (periodic[1], periodic[2]) == (False, True)  # a top that nutates, a pendulum
+
+
+def test_a_top_that_nutates_has_no_period_of_omega():
+    exact = polhode.reference("lagrange/nutation")
+    assert exact.period is None
+    assert float(exact.frequencies["nutation"]) == pytest.approx(1.697338005283860772, rel=1e-15)
+
+
+def test_show_says_what_the_period_is_of(capsys):
+    assert main(["show", "lagrange/planar-librating"]) == 0
+    assert "period of omega = 9.717146694530" in capsys.readouterr().out
+    assert main(["show", "lagrange/nutation"]) == 0
+    assert "period" not in capsys.readouterr().out
+
+
+# -- Angles at times so late that no run tells their turns: judged up to whole turns
+
+
+SCENE = "euler/turned-symmetric"
+TIMES = 0, 1, 10**9
+
+
+def rows(off=0.0):
+    """psi, theta, phi of the attitude, psi off by so much and some whole turns."""
+    attitude = polhode.reference(SCENE).attitude(TIMES, 30)
+    turn = 6.283185307179586476925286766559
+    return [
+        [float(psi) + off + 3 * turn, float(theta), float(phi)]
+        for psi, theta, phi in angles_of_attitudes(attitude, 100)
+    ]
+
+
+def test_angles_that_are_refused_are_judged_up_to_whole_turns():
+    with pytest.raises(polhode.BadInput, match="ask for the attitude"):
+        polhode.reference(SCENE).angles([TIMES[-1]], 20)
+    right = polhode.compare(rows(), SCENE, at=TIMES, columns=("psi", "theta", "phi"))
+    assert right.parts["angles"] > 14
+    wrong = polhode.compare(rows(1e-5), SCENE, at=TIMES, columns=("psi", "theta", "phi"))
+    assert 4.9 < wrong.parts["angles"] < 5.1
+
+
+def test_at_a_pole_psi_and_phi_are_not_judged():
+    assert angles_of_attitudes([[1, 0, 0, 0], [0, 0.6, 0.8, 0]], 60)[0] == [None, 0, None]
+
+
+@pytest.mark.parametrize("case", ["euler/dzhanibekov", "kovalevskaya/generic", SCENE])
+def test_times_may_be_asked_for_twice_and_in_any_order(case):
+    exact = polhode.reference(case)
+    first, second, back = exact.angles([1, 2, -1], 20)
+    assert exact.angles([2, -1, 1, 1], 20) == [second, back, first, first]
+    judgement = polhode.compare(
+        [first, second, first], case, at=[1, 2, 1], columns=("psi", "theta", "phi")
+    )
+    assert judgement.parts["angles"] > 15
+
+
+def test_a_run_that_leaves_the_motion_tells_no_turns(monkeypatch):
+    """On the separatrix: rounding takes a run in double away from it, and there psi is another."""
+    exact = polhode.reference("euler/separatrix")
+    ((psi, _, phi),) = exact.angles([200], 20)  # by more digits
+    assert (round(float(psi)), round(float(phi))) == (209, 7)
+    monkeypatch.setattr(reference, "_TURNING", reference._TURNING[:1])
+    assert None not in exact.angles([5], 20)[0]
+    with pytest.raises(polhode.BadInput, match="went round to t = 200 is not known"):
+        exact.angles([5, 200], 20)
+
+
+# -- The sign of the quaternion at t = 0: its first component that is not 0 is positive
+
+
+NOT_TURNED = 1e-15
+LAGRANGE = {"moments": [1, 1, 2], "centre": [0, 0, 1], "weight": 1}
+BODIES = {
+    "lagrange": LAGRANGE,
+    "euler": {"moments": [1, 2, 3]},
+    "kovalevskaya": {"moments": [2, 2, 1], "centre": [1, 0, 0], "weight": 1},
+    "general": {"moments": [2, "1.5", 1], "centre": ["0.3", "0.2", "0.5"], "weight": 1},
+}
+#: A start with q0 = 0, and the quaternion's signs.
+STARTS = [
+    ({"angles": ["pi", 0, 0]}, "000+"),
+    ({"angles": ["-pi", 0, 0]}, "000+"),
+    ({"angles": [0, "pi", 0]}, "0+00"),
+    ({"angles": ["-pi/3", "pi", 0]}, "0+-0"),
+    ({"angles": ["pi/2", 1, "pi/2"]}, "0+0+"),
+    ({"angles": ["-pi/2", 1, "-pi/2"]}, "0+0-"),
+    ({"angles": ["-pi", 1, 0]}, "00++"),
+    ({"angles": ["pi/2 + sqrt(2)", 1, "pi/2 - sqrt(2)"]}, "0+++"),
+    ({"quaternion": [0, "-3/5", "4/5", 0]}, "0+-0"),
+    ({"quaternion": [0, 0, "-3/5", "4/5"]}, "00+-"),
+    ({"quaternion": [0, 0, 0, -1]}, "000+"),
+]
+
+
+def signs(row) -> str:
+    return "".join("0" if abs(x) < NOT_TURNED else "+" if x > 0 else "-" for x in row)
+
+
+def scene(body: dict, start: dict):
+    """One body from one start, with its attitude."""
+    omega = ["0.3", "0.2", "1.1"]
+    return polhode.top(**body, **start, omega=omega, end=1, samples=2, outputs=["attitude"])
+
+
+@pytest.mark.sample(4, slow=4)
+@pytest.mark.parametrize("body", [*BODIES])
+@pytest.mark.parametrize(("start", "expected"), STARTS, ids=str)
+def test_runs_of_every_type_and_references_agree_where_q0_is_0(body, start, expected):
+    """So do runs in the quaternion form, and the closed form if there is one."""
+    top = scene(BODIES[body], start)
+    rows = {"form": polhode.integrate(replace(top, form="quaternion"), at=[0]).attitude[0]}
+    for number in ("double", "extended", "quad", "mp"):
+        rows[number] = polhode.integrate(top, number, at=[0]).attitude[0]
+    if body != "general":
+        rows["reference"] = polhode.reference(top).attitude([0], 20)[0]
+    assert {name: signs(row) for name, row in rows.items()} == dict.fromkeys(rows, expected)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("body", ["lagrange", "general"])
+def test_the_sign_stays_that_of_the_start(body):
+    """Later on, refined runs, enclosures and dense output have no sign of their own."""
+    top = scene(BODIES[body], {"angles": ["-pi/2", 1, "-pi/2"]})
+    run = polhode.integrate(top, at=[0, 1])
+    later = run.attitude[1]
+    others = {
+        "extended": polhode.integrate(top, "extended", at=[0, 1]).attitude[1],
+        "refined": polhode.integrate(top, "quad", method="refined", at=[0, 1]).attitude[1],
+        "taylor": polhode.integrate(top, "quad", method="taylor", at=[0, 1]).attitude[1],
+        "dense": run.attitude_at([1])[0],
+        "reference": polhode.reference(top).attitude([1], 20)[0],
+    }
+    assert max(map(abs, later)) > 0.5
+    for row in others.values():
+        assert max(abs(float(x) - float(y)) for x, y in zip(row, later, strict=True)) < 1e-13
+
+
+@pytest.mark.parametrize(("side", "last"), [("+", "-"), ("-", "+")])
+@pytest.mark.parametrize("digits", [60, 700, 1200])
+def test_a_component_that_is_hardly_not_0_decides(digits, side, last):
+    """cos(psi/2) at psi = pi +- 10^-digits: of a run and a closed form the same."""
+    top = scene(LAGRANGE, {"angles": [f"pi {side} 1e-{digits}", 1, 0]})
+    assert signs(polhode.integrate(top, "mp", at=[0]).attitude[0])[3] == last
+    assert signs(polhode.reference(top).attitude([0], 20)[0])[3] == last
+
+
+def test_a_run_in_extended_may_be_its_start_alone():
+    run = polhode.integrate("lagrange/nutation", "extended", at=[0])
+    assert run.times == (0,)
+    assert run(0)[0] == run.states[0][0]
+
+
+# -- Every case without a closed form against an integrator that shares nothing with polhode
+
+
+DIGITS_OF_SERIES = 40
+BITS = 240  # of the scene's numbers where they are irrational
+ANGLE = 16  # how far each motion is followed, in radians
+#: What each case is judged against stands in the catalogue, which ``verbs/test_list.py`` holds to.
+CASES = [name for name, case in library.entries().items() if case.reference == "certified"]
+
+
+def followed(name: str):
+    """A case at two times within the angle, and its motion by the plain series, twice."""
+    scene = replace(library.load(name), outputs=(), events=(), published=())
+    end = scene.end * min(Fraction(1), Fraction(round(ANGLE * 100 / 10**scene.log10_angle), 100))
+    times = (end / 3, end)
+    scene = replace(scene, times=times)
+    parts = (scene.body.moments, scene.body.torque, scene.omega, scene.gamma)
+    numbers = [[exactly(to_mpf(x, BITS)) for x in part] for part in parts]
+    rows = plain_taylor.integrate(*numbers, times, DIGITS_OF_SERIES)
+    finer = plain_taylor.integrate(*numbers, times, DIGITS_OF_SERIES + 10)
+    assert off(rows, finer) < Fraction(1, 10 ** (DIGITS_OF_SERIES - 4))
+    return scene, finer
+
+
+def off(rows, true) -> Fraction:
+    return max(
+        abs(exactly(x) - y)
+        for row, right_row in zip(rows, true, strict=True)
+        for x, y in zip(row, right_row, strict=True)
+    )
+
+
+@pytest.mark.sample(0, slow=1)
+@pytest.mark.parametrize("name", CASES)
+def test_a_motion_without_a_closed_form_is_that_of_the_plain_series(name: str) -> None:
+    """The enclosure holds the motion, and runs in quad are right as far as quad goes."""
+    scene, true = followed(name)
+    proof = polhode.certify(scene, at=scene.times, digits=20)
+    for row, middles, radii in zip(true, proof.centres, proof.radii, strict=True):
+        for x, middle, radius in zip(row, middles, radii, strict=True):
+            assert abs(x - middle) <= Fraction(radius)
+    for method, least in (("refined", 31), ("taylor", 29)):
+        run = polhode.integrate(scene, "quad", method=method)
+        assert Fraction(1, 10**37) < off(run.states, true) < Fraction(1, 10**least)
+
+
+def test_the_plain_series_imports_nothing_of_polhode_and_is_short():
+    text = Path(plain_taylor.__file__).read_text()
+    assert len(text.splitlines()) < 100
+    names = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names.add(node.module)
+    assert names == {"__future__", "collections.abc", "fractions", "functools", "typing", "mpmath"}
+
+
+def test_the_plain_series_is_exact_on_a_motion_that_is_known():
+    """A symmetric free body: p + iq turns with (C - A)/A r."""
+    body, start = ([2, 2, 1], [0, 0, 0]), ([1, 0, 3], [0, 0, 1])
+    numbers = [[Fraction(x) for x in part] for part in (*body, *start)]
+    (row,) = plain_taylor.integrate(*numbers, [Fraction(7)], DIGITS_OF_SERIES)
+    with mpmath.workdps(60):
+        angle = mpmath.mpf(-3) / 2 * 7
+        for x, y in zip(row[:3], (mpmath.cos(angle), mpmath.sin(angle), 3), strict=True):
+            assert (
+                abs(mpmath.mpf(x.numerator) / x.denominator - y)
+                < mpmath.mpf(10) ** -DIGITS_OF_SERIES
+            )
