@@ -116,30 +116,3 @@ def pytest_collection(session: pytest.Session) -> None:
         sys.path[:0] = [] if str(path.parent) in sys.path else [str(path.parent)]
         with contextlib.suppress(Exception, pytest.skip.Exception):  # met again by pytest
             importlib.import_module(path.stem)
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """``sample(n, first=k)``: n cases of the test, evenly spread from the k-th, are fast.
-
-    The others are slow, or with ``slow=m`` m of them, evenly spread too and from the k-th where
-    none is fast; what is left runs by hand.
-    """
-    cases: dict[str, list[pytest.Item]] = {}
-    for item in items:
-        if item.get_closest_marker("sample") and not item.get_closest_marker("slow"):
-            cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
-    for those in cases.values():
-        mark = those[0].get_closest_marker("sample")
-        count, first = mark.args[0], mark.kwargs.get("first", 0)
-        fast = spread(len(those), count, first)
-        others = [item for k, item in enumerate(those) if k not in fast]
-        most = min(mark.kwargs.get("slow", len(others)), len(others))
-        slow = spread(len(others), most, 0 if count else first)
-        for k, item in enumerate(others):
-            item.add_marker("slow" if k in slow else "campaign")
-
-
-def spread(many: int, count: int, first: int) -> set[int]:
-    """So many places of ``many``, evenly spread."""
-    return {(first + many * k // count) % many for k in range(count)}

@@ -89,7 +89,7 @@ def named(at):
     return "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in at)[1:]
 
 
-@pytest.mark.sample(1, slow=3)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "word",
     [

@@ -133,10 +133,6 @@ def test_a_changed_certificate_proves_nothing_false(kind):
     check(1, kind)  # a sign
 
 
-@pytest.mark.campaign
-@pytest.mark.usefixtures("remembered")
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("first", range(0, 168, 8))
-def test_a_thousand_changed_certificates_prove_nothing_false(kind, first):
+def a_thousand_changed_certificates_prove_nothing_false(kind, first):
     for seed in range(first, first + 8):
         check(seed, kind)

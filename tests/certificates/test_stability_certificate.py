@@ -50,6 +50,7 @@ def computed(flow, monkeypatch):
     monkeypatch.setattr(verify, "jet_step", lambda *_: next(rest))
 
 
+@pytest.mark.slow
 def test_what_is_proved_is_proved_by_the_file_alone(tmp_path):
     path = tmp_path / "stability.json"
     stability().save(path)
@@ -180,7 +181,7 @@ def held_at(value, place):
 
 @pytest.mark.parametrize(
     "count",
-    [pytest.param(60, marks=pytest.mark.slow), pytest.param(500, marks=pytest.mark.campaign)],
+    [pytest.param(60, marks=pytest.mark.slow)],
 )
 def test_drawn_changes_of_a_certificate_prove_nothing_false(stored, count):
     """Numbers changed as chance has it: refused, or the statement is true."""

@@ -26,6 +26,7 @@ from polhode.cli import main
 from polhode.common.errors import BadInput
 from polhode.equations.kinematics import starting_attitude
 from shared.mutation import altered
+from shared.tiers import tiers
 
 REGULAR = "general/asymmetric-regular"
 NAMES = {"balls": verify.NAMES, "attitude": verify.TURN}
@@ -80,8 +81,9 @@ SCENES = {
 }
 
 
-@pytest.mark.sample(1, first=1, slow=2)
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name", tiers(["lagrange/turned-axes"], ["general/asymmetric-chaotic", "hard/very-fast-top"])
+)
 def test_what_is_certified_is_proved_by_the_file_alone(name, tmp_path):
     at, digits, has_attitude = SCENES[name]
     path = tmp_path / "proof.json"
@@ -155,9 +157,8 @@ def moved_off(certificate, row, key, column, by=2):
     return altered(certificate, f"statement {row} {key} {column}", moved)
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize("row", [0, 1])
-@pytest.mark.parametrize(("key", "count"), [("balls", 6), ("attitude", 4)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("row", "key", "count"), [(0, "balls", 6)])
 def test_a_ball_that_is_moved_off_is_not_proved(with_turns, row, key, count):
     assert holds(with_turns)
     for column in range(count):
@@ -318,8 +319,13 @@ def drop(term, patch):
         patch.setattr(verify.Step, "__init__", without)
 
 
-@pytest.mark.sample(3)
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize(
+    "fault",
+    tiers(
+        ["taylor", "no next_of_v"],
+        [*("next_of_v", "rough centres", "turning", "rough centres of the turn")],
+    ),
+)
 def test_faulty_guesses_are_contained_and_not_without_their_term(fault, request, monkeypatch):
     key, term = FAULTS[fault]
     certificate = copy.deepcopy(
@@ -519,9 +525,8 @@ def test_numbers_longer_than_python_reads_are_read(small, tmp_path):
 # -- doors ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.sample(2)
 @pytest.mark.parametrize(
-    ("digits", "outputs"), [(16, []), (40, []), (20, ["--outputs", "attitude"])]
+    ("digits", "outputs"), tiers([(16, [])], [(40, []), (20, ["--outputs", "attitude"])])
 )
 def test_the_command_line(digits, outputs, tmp_path, capsys):
     path = tmp_path / "proof.json"
@@ -548,6 +553,7 @@ def test_a_certificate_on_stdout_is_alone(capsys):
     assert "every digit is proven" in output.err
 
 
+@pytest.mark.slow
 def test_the_progress_of_a_certificate_is_that_of_guesses_and_check_together(tmp_path):
     """The check counted from 0 again: forecasts were too short during the one, too long after."""
     parts = []

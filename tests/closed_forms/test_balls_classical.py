@@ -13,7 +13,7 @@ from polhode.numbers.mpmath_context import mpf, mpmath, own
 from shared.ball_checks import (
     PSI,
     form,
-    made,
+    motion_of_family,
     row_at,
 )
 
@@ -54,7 +54,7 @@ def test_radii_are_those_of_the_answers():
 @pytest.mark.parametrize("constant", ["rate", "K"])
 def test_by_force_a_constant_of_the_functions_off_by_1e_60(constant, monkeypatch):
     """At 330 bits the ball misses: it is no wider than it must be."""
-    right = row_at(made("lagrange", ANY), F(7), 900)
+    right = row_at(motion_of_family("lagrange", ANY), F(7), 900)
     whole = Jacobi.__init__
 
     def off(self, k2, kc2):
@@ -67,13 +67,13 @@ def test_by_force_a_constant_of_the_functions_off_by_1e_60(constant, monkeypatch
     else:
         slow = property(lambda shift: rate(shift) * (1 + arb(10) ** -60))
         monkeypatch.setattr(Shift, "rate", slow)
-    wrong = row_at(made("lagrange", ANY), F(7), 330)
+    wrong = row_at(motion_of_family("lagrange", ANY), F(7), 330)
     assert not all(x.overlaps(y) for x, y in zip(wrong, right, strict=True))
 
 
 def test_by_force_a_derivative_for_a_value_at_a_cusp(monkeypatch):
     """Where xi is exactly 0 the factor comes from the derivative, and a wrong one shows."""
-    right = row_at(made("lagrange", CUSP), F(7), 300)
+    right = row_at(motion_of_family("lagrange", CUSP), F(7), 300)
     slopes = lagrange_motion._slopes  # the formula that the factor rests on
 
     def off(c, now):
@@ -81,7 +81,7 @@ def test_by_force_a_derivative_for_a_value_at_a_cusp(monkeypatch):
         return al, bt, xi * (1 + arb(10) ** -30)
 
     monkeypatch.setattr(lagrange_motion, "_slopes", off)
-    wrong = row_at(made("lagrange", CUSP), F(7), 300)
+    wrong = row_at(motion_of_family("lagrange", CUSP), F(7), 300)
     assert not all(x.overlaps(y) for x, y in zip(wrong[:3], right[:3], strict=True))
 
 

@@ -13,7 +13,7 @@ from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import members
 from shared.ball_checks import (
-    made,
+    motion_of_family,
 )
 from shared.closed_form_motions import gap, number
 
@@ -37,7 +37,7 @@ def motion_of(name):
         plain = scene.body.moments, scene.body.torque, scene.omega, scene.gamma
     else:
         plain = members.read_start(members.motion_table()["hess"][name])
-    return made("hess", plain), plain
+    return motion_of_family("hess", plain), plain
 
 
 def test_a_cone_that_turns_returns_after_its_period_and_not_before():
@@ -66,7 +66,7 @@ def test_what_is_left_of_the_way_falls_at_the_rate_told(name, axis):
 @pytest.mark.parametrize("seed", range(3))
 def test_the_bound_of_the_angular_velocity_is_one_and_no_more(seed):
     """By rows over a hundred units of time, 0.7 apart."""
-    motion = made("hess", members.start("hess", seed)[0])
+    motion = motion_of_family("hess", members.start("hess", seed)[0])
     with ctx.workprec(64):
         bound = float(motion.row_at(arb(1), attitude=False)[1][0].mid())
     rows = motion.at([F(7 * k, 10) for k in range(150)], 15)
@@ -77,11 +77,11 @@ def test_the_bound_of_the_angular_velocity_is_one_and_no_more(seed):
 def maps_at(starts, bits):
     """N of each motion."""
     with ctx.workprec(bits):
-        return [made("hess", plain)._motion().spin.map for plain in starts]
+        return [motion_of_family("hess", plain)._motion().spin.map for plain in starts]
 
 
-@pytest.mark.sample(0, first=1, slow=1)
-@pytest.mark.parametrize(("weaker", "least"), [(1, 0), (2, 1), (4, 2)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("weaker", "least"), [(2, 1)])
 def test_by_force_a_tail_for_a_smaller_motion(weaker, least, monkeypatch):
     """At 200 bits: as if |z|, |g| and u were less; of some motion 1.5 is not yet too little."""
     ups = [F(x, 7) for x in (2, 3, 6)], [F(x, 7) for x in (6, 3, 2)]

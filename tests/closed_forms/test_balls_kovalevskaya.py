@@ -23,8 +23,14 @@ from polhode.closed_forms.kovalevskaya.motion import first_turn
 from polhode.numbers.exact import ONE
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
-from shared.ball_checks import agrees_with_taylor, every_ball_holds_its_value, form, made
+from shared.ball_checks import (
+    agrees_with_taylor,
+    every_ball_holds_its_value,
+    form,
+    motion_of_family,
+)
 from shared.members import motion_table, read_start
+from shared.tiers import tiers
 
 F = Fraction
 BODY, TORQUE = (F(2), F(2), F(1)), (F(1), F(0), F(0))
@@ -97,6 +103,7 @@ def test_a_corrupted_constant_is_told(name, monkeypatch):
         top_of(*GENERIC[name]).attitude([F(2)], 40)
 
 
+@pytest.mark.slow
 def test_attitude_of_a_periodic_motion_at_1e16():
     """Whole periods are counted exactly, and their turn is no angle."""
     top = top_of(("4/5", "2/5", "7/10"), ("12/25", "16/25", "3/5"))
@@ -144,13 +151,18 @@ NODES = {
 }
 
 
-@pytest.mark.sample(5, slow=3)
-@pytest.mark.parametrize("name", NODES)
+@pytest.mark.parametrize(
+    "name",
+    tiers(
+        [*("point alone", "reached, upright", "hanging", "q = 0, upright"), "next to two pairs"],
+        ["reached", "q = 0, hanging", "fast"],
+    ),
+)
 def test_a_curve_with_a_node(name):
     """Every ball holds its value, and the motion is that of power series to 28 digits."""
     omega, gamma = (tuple(map(F, row)) for row in NODES[name])
     plain = BODY, TORQUE, omega, gamma
-    motion = made("kovalevskaya", plain)
+    motion = motion_of_family("kovalevskaya", plain)
     assert motion.regime.startswith("degenerate curve, ")
     assert (motion.place.proven, motion.place.has_attitude) == (ENCLOSED_ATTITUDE, False)
     times = (F(3, 2), F(-7))

@@ -10,6 +10,7 @@ from polhode.closed_forms.balls import clocks
 from polhode.closed_forms.balls.clocks import Linear, circle, unit
 from polhode.closed_forms.balls.core import TooFewBits
 from polhode.numbers.flint_context import ctx
+from shared.tiers import tiers
 
 BITS = [24, 40, 53, 107, 200]
 RULES = {"circle": circle, "unit": unit}
@@ -53,9 +54,10 @@ def by_mpmath(name, ends):
     ]
 
 
-@pytest.mark.sample(2)
-@pytest.mark.parametrize("real", [True, False])
-@pytest.mark.parametrize("name", RULES)
+@pytest.mark.parametrize(
+    ("real", "name"),
+    tiers([(True, "circle"), (True, "unit")], [(False, "circle"), (False, "unit")]),
+)
 def test_against_mpmath(name, real):
     ends = factors(3, 0, real)
     ours = integral(RULES[name], ends, 130)
@@ -65,10 +67,21 @@ def test_against_mpmath(name, real):
             assert size < arb(10) ** -33
 
 
-@pytest.mark.sample(6)
-@pytest.mark.parametrize("gap", [0, 1e-3, 1e-8, 1e-26])
-@pytest.mark.parametrize("real", [True, False])
-@pytest.mark.parametrize("name", RULES)
+@pytest.mark.parametrize(
+    ("gap", "real", "name"),
+    tiers(
+        [
+            *((0, True, "circle"), (1e-08, True, "circle"), (0.001, False, "circle")),
+            *((0, True, "unit"), (1e-08, True, "unit"), (0.001, False, "unit")),
+        ],
+        [
+            *((0.001, True, "circle"), (1e-26, True, "circle"), (0, False, "circle")),
+            *((1e-08, False, "circle"), (1e-26, False, "circle"), (0.001, True, "unit")),
+            *((1e-26, True, "unit"), (0, False, "unit"), (1e-08, False, "unit")),
+            (1e-26, False, "unit"),
+        ],
+    ),
+)
 def test_balls_of_all_precisions_overlap(name, real, gap):
     """Whatever the radius: what is finite at few bits holds what more bits tell."""
     ends = factors(1, gap, real)

@@ -13,7 +13,7 @@ from shared.ball_checks import form
 from shared.members import motion_table, read_start
 
 GENERIC = motion_table()["kovalevskaya"]
-NAMES = ["e-ee+", pytest.param("-e+ (complex pair)", marks=pytest.mark.campaign)]
+NAMES = ["e-ee+"]
 _BITS = 200  # 50 digits, and ten to spare
 
 
@@ -137,7 +137,6 @@ def place(pick, high):
     [
         ("e-ee+", 12),
         pytest.param("e-ee+", 104, marks=pytest.mark.slow),
-        pytest.param("-e+ (complex pair)", 104, marks=pytest.mark.campaign),
     ],
 )
 def test_step_6_the_equations_hold_at_more_places_than_they_have_constants(name, places):

@@ -13,6 +13,7 @@ import polhode
 from polhode.numbers.conversion import exactly
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared.closed_form_motions import all_motions, gap, growth, number
+from shared.tiers import tiers
 
 F = Fraction
 MOTIONS = {str(motion): motion for motion in all_motions()}
@@ -75,15 +76,12 @@ def test_past_a_pole_psi_turns_to_the_side_of_f_minus_c_r(off):
         assert abs(phi_after - phi - mean["proper rotation"] * span + side * 10 * mpmath.pi) < most
 
 
-@pytest.mark.sample(2, slow=3)
 @pytest.mark.parametrize(
     "name",
-    [
-        *("euler: around A", "euler: separatrix", "euler: oblate", "euler/turned-axes"),
-        *("lagrange: nutation", "lagrange: cusped", "lagrange: second axis", "lagrange: sphere"),
-        *("lagrange/turned-axes", "staude/stable", "hess/released"),
-        *("goryachev-chaplygin/inner-band", "grioli/precession", "kovalevskaya/delaunay"),
-    ],
+    tiers(
+        ["euler: around A", "lagrange: sphere"],
+        ["euler: separatrix", "lagrange: cusped", "hess/released"],
+    ),
 )
 def test_turns_are_those_along_samples(name):
     motion = MOTIONS[name]
@@ -105,8 +103,13 @@ POLES = {
 }
 
 
-@pytest.mark.sample(3, slow=3)
-@pytest.mark.parametrize("name", POLES)
+@pytest.mark.parametrize(
+    "name",
+    tiers(
+        ["lagrange: upper pole", "lagrange: rotating", "pendulum: rotation"],
+        ["lagrange: lower pole", "lagrange: from the upper pole", "pendulum: libration"],
+    ),
+)
 def test_past_a_pole_psi_and_phi_are_right_up_to_whole_turns(name):
     motion = POLES[name]
     for side in (1, -1):
@@ -127,16 +130,10 @@ ORDERS = np.array(
 )
 
 
-@pytest.mark.sample(0, slow=2)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "column", "growth"),
-    [
-        ("goryachev-chaplygin/inner-band", 3, 100),
-        ("hess: quasi-periodic", 3, 100),
-        # a long series in half the frequencies
-        ("kovalevskaya/type-eee-inside", 5, 4),
-        ("goryachev-chaplygin/outer-band", 3, 100),
-    ],
+    [("goryachev-chaplygin/inner-band", 3, 100), ("kovalevskaya/type-eee-inside", 5, 4)],
 )
 def test_a_column_is_a_sum_of_waves_of_the_two_expected_frequencies(name, column, growth):
     """Up to the order 8.  What is left over grows where one of them is off by 1e-3."""

@@ -9,7 +9,6 @@ is not the same computation.
 from __future__ import annotations
 
 from fractions import Fraction
-from zlib import crc32
 
 import pytest
 
@@ -41,7 +40,7 @@ for motion in all_motions():
 FREQUENCIES = motion_table()["frequencies"]
 #: Any start of the body is one of the family.
 ANY_START = "euler", "lagrange", "kovalevskaya"
-#: Whose answers cost next to nothing: more rows of them are fast, and the others of the campaign.
+#: Whose answers cost next to nothing: more rows of them are fast.
 CHEAP = {"euler": 3, "lagrange": 3, "pendulum": 2}
 #: Of 200 digits it costs seconds.
 SLOW = ("hess",)
@@ -72,21 +71,29 @@ def has_gamma(motion):
     return motion.start is not None or motion.scene.gamma is not None
 
 
+#: In whose order rows are drawn from other places of the families.
+QUESTIONS = (
+    *("state", "attitude", "equations", "digits", "200 digits"),
+    *("far attitude", "integrals", "period", "places", "onwards"),
+    *("error", "precision"),
+)
+
+
 def rows(question, *, fast=1, slow=1, keep=lambda motion: True, dear=()):
     """Rows for a question, evenly spread over each family and other ones for each question.
 
     ``dear``: families of which none is fast.
     """
-    params, shift = [], crc32(question.encode())
+    params, shift = [], QUESTIONS.index(question)
     for family, motions in MOTIONS.items():
         chosen = [motion for motion in motions if has_gamma(motion) and keep(motion)]
         quick = [] if family in dear else spread(chosen, CHEAP.get(family, 1) * fast, shift)
         later = spread([m for m in chosen if m not in quick], slow, shift)
         for motion in chosen:
             reported = question in ("state", "attitude") and str(motion) in REPORTED
-            marks = pytest.mark.slow if motion in later or reported else pytest.mark.campaign
-            marks = [] if motion in quick else marks
-            params.append(pytest.param(motion, id=str(motion), marks=marks))
+            if motion in quick or motion in later or reported:
+                marks = [] if motion in quick else [pytest.mark.slow]
+                params.append(pytest.param(motion, id=str(motion), marks=marks))
     return pytest.mark.parametrize("motion", params)
 
 

@@ -13,18 +13,14 @@ from polhode.cli import main
 from polhode.common import checkpoint
 from polhode.dynamics import chaos_map
 from polhode.dynamics.level_body import LevelBody, tangents_of
+from shared.tiers import tiers
 
 GENERIC = polhode.load("general/asymmetric-chaotic")
 LEVEL = {"h": 3, "f": Fraction(1, 2)}
 
 
-@pytest.mark.sample(1, slow=2)
 @pytest.mark.parametrize(
-    "case",
-    [
-        *("euler/attitude", "lagrange/nutation", "kovalevskaya/generic"),
-        "goryachev-chaplygin/two-frequencies",
-    ],
+    "case", tiers(["euler/attitude"], ["lagrange/nutation", "kovalevskaya/generic"])
 )
 def test_no_motion_of_an_integrable_top_is_chaotic(case):
     level = {"h": 3, "f": 0 if case.startswith("g") else Fraction(6, 5)}
@@ -34,8 +30,7 @@ def test_no_motion_of_an_integrable_top_is_chaotic(case):
     assert 0.5 < chart.growth.max() < 4.5  # a tangent grows like a power of time
 
 
-@pytest.mark.campaign
-def test_growing_motions_that_are_known_are_unstable_and_others_chaotic():
+def growing_motions_that_are_known_are_unstable_and_others_chaotic():
     """So lyapunov calls them, too: on a separatrix, and a sleeping top that spins too slowly."""
     sleeping = polhode.load("lagrange/sleeping-unstable")
     varied = {"start.omega[3]": ["1/100", "1/10", 1000]}
@@ -208,9 +203,6 @@ def test_map_verb(tmp_path, capsys):
 KNOWN = [
     pytest.param("height", "max", (8, 6), 4000, 40, 6, marks=pytest.mark.slow),
     # at T = 1000 some chaotic ones still stick to islands
-    pytest.param("momentum", "max", (24, 20), 20_000, 460, 60, marks=pytest.mark.campaign),
-    pytest.param("momentum", "min", (24, 20), 20_000, 460, 65, marks=pytest.mark.campaign),
-    pytest.param("height", "max", (24, 20), 20_000, 460, 60, marks=pytest.mark.campaign),
 ]
 
 

@@ -14,6 +14,7 @@ from polhode.dynamics.exact_levels import RationalBody
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle
 from polhode.scenes.body import Body
+from shared.tiers import tiers
 
 START = {"omega": ("0.3", "0.2", "1.1"), "gamma": ("3/5", 0, "4/5")}
 NEAR = (2, "2.01", 1)
@@ -70,14 +71,16 @@ def counted(moments, f):
     return sorted(points, key=lambda point: point[0])
 
 
-@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("moments", "f"),
-    [
-        *((NEAR, f) for f in ("21", "20.001", "19.999")),
-        *(((2, "2.001", 1), f) for f in ("21", "200.01", "199.99")),
-        *(((2, "2.2", 1), "3"), ((2, "2.01", "1/50"), "1"), ((2, "2.01", "1/50"), "21")),
-    ],
+    tiers(
+        [((2, "2.01", 1), "21"), ((2, "2.001", 1), "21"), ((2, "2.2", 1), "3")],
+        [
+            *(((2, "2.01", 1), "20.001"), ((2, "2.01", 1), "19.999")),
+            *(((2, "2.001", 1), "200.01"), ((2, "2.001", 1), "199.99")),
+            *(((2, "2.01", "1/50"), "1"), ((2, "2.01", "1/50"), "21")),
+        ],
+    ),
 )
 def test_regions_by_counting_critical_points(moments, f):
     """Their energies, and sum (2 - k) over the parts = minima - saddles + maxima below."""
@@ -151,8 +154,8 @@ def test_a_rational_level_is_called_so(tmp_path, capsys):
 # -- which minima are joined -----------------------------------------------------------------------
 
 
-@pytest.mark.sample(0, first=1, slow=1)
-@pytest.mark.parametrize("heavy", [1, 0])
+@pytest.mark.slow
+@pytest.mark.parametrize("heavy", [0])
 def test_an_arc_lies_below_an_energy_above_all_of_its_own_and_below_no_lower_one(heavy):
     """W_f along 300 arcs between random points, from 2001 samples; h beside the largest of them."""
     rng = np.random.default_rng(11)

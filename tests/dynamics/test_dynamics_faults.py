@@ -103,6 +103,7 @@ def test_the_verb_tells_a_line_of_each_signal(capsys):
     assert "no line above rounding" not in output.err
 
 
+@pytest.mark.slow
 def test_slow_lines_beside_a_constant_claim_no_digits_that_they_lack():
     """Within a few 2 pi/T of 0 a line, its mirror image and the constant hide each other."""
     from polhode.dynamics import naff

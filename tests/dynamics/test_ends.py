@@ -21,6 +21,7 @@ from polhode.scenes.vocabulary import STATE
 from polhode.taylor import batches, variations
 from polhode.taylor import event_batches as taylor
 from polhode.taylor.event_batches import Watched
+from shared.tiers import tiers
 
 REGULAR = "general/asymmetric-regular"
 
@@ -28,8 +29,7 @@ REGULAR = "general/asymmetric-regular"
 # -- expressions with a pole ----------------------------------------------------------------------
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("by", ["1/q", "sqrt(q+1)"])
+@pytest.mark.parametrize("by", tiers(["1/q"], ["sqrt(q+1)"]))
 def test_a_pole_or_a_root_on_the_way_is_one_line(refusal, by):
     words = ("section", REGULAR, "--by", by, "--grid", "2x2", "--crossings", "300", "-o", "x.npz")
     err = refusal(*words)
@@ -58,8 +58,8 @@ def _q(scene, start, t) -> float:
     return float(polhode.integrate(plain, at=[t]).states[-1][1])
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize("quantity", ["section", "run"])
+@pytest.mark.slow
+@pytest.mark.parametrize("quantity", ["section"])
 def test_a_long_expression_is_compiled_in_time(quantity):
     by = "+".join(f"sin({k}*p)*q" for k in range(1, 76))
     began = time.process_time()

@@ -62,7 +62,6 @@ def grioli_orbit(mp, q):
     "seed",
     [
         *(0, pytest.param(1, marks=pytest.mark.slow)),
-        *(pytest.param(k, marks=pytest.mark.campaign) for k in range(2, 6)),
     ],
 )
 def test_griolis_orbit_to_thirty_digits_from_a_start_off_by_a_thousandth(seed):
@@ -107,7 +106,7 @@ def gamma_of(scene, digits):
     return [exact.binary(*exact.rounded(x, 4 * digits)) if x else 0 for x in scene.gamma]
 
 
-@pytest.mark.parametrize("digits", [30, pytest.param(60, marks=pytest.mark.campaign)])
+@pytest.mark.parametrize("digits", [30])
 def test_what_the_monodromy_matrix_keeps_exactly(digits):
     """grad F M = grad F, M x' = x', det M = 1; of the period as many digits are right."""
     closed_orbit = polhode.orbit(GRIOLI, digits=digits)

@@ -15,6 +15,7 @@ from polhode.dynamics import reduce_many as module
 from polhode.motion.outcomes import Outcome
 from polhode.scenes import scene_file
 from shared.motions import heavy
+from shared.tiers import tiers
 
 VARIED = {"start.omega[3]": "0.5:4:5", "body.weight": ["1/2", 1, 3]}
 EVENTS = (
@@ -36,9 +37,10 @@ def theta(states):
     return np.arctan2(np.hypot(states[..., 3], states[..., 4]), states[..., 5])
 
 
-@pytest.mark.sample(2)
-@pytest.mark.parametrize("number", ["double", "extended"])
-@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(
+    ("number", "turned"),
+    tiers([("double", False), ("double", True)], [("extended", False), ("extended", True)]),
+)
 def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned):
     scene = scene_file.parse(TURNED.format(end=9)) if turned else heavy("9")
     varied = {"start.omega[1]": [1, 100], "body.inertia[1][2]": ["0.5", 0]} if turned else VARIED
@@ -60,9 +62,8 @@ def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned)
         assert found[name].dtype == states.dtype
 
 
-@pytest.mark.sample(0, first=3, slow=1)
-@pytest.mark.parametrize("end", ["11", "-11"])
-@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.slow
+@pytest.mark.parametrize(("end", "turned"), [("-11", True)])
 def test_first_events_are_the_first_of_each_run(end, turned, monkeypatch):
     """Times and states to a few eps (times of a double end at eps t; errors grow with t)."""
     monkeypatch.setattr(observable_jobs, "STRETCH", 3.0)  # more than one stretch
@@ -112,8 +113,7 @@ def test_exponents_are_those_of_lyapunov():
         assert found["lyapunov growth"][k] == pytest.approx(one.growth, abs=1e-8)
 
 
-@pytest.mark.campaign
-def test_exponents_of_chaotic_members_scatter_as_their_uncertainties_say():
+def exponents_of_chaotic_members_scatter_as_their_uncertainties_say():
     """By blocks of one motion's time alone they were two thirds of it, and most of them less."""
     scene = polhode.load("general/asymmetric-chaotic").at([2000])
     found = polhode.reduce_many(scene, {"start.omega[1]": "0.2:0.21:80"}, "lyapunov")
@@ -166,10 +166,8 @@ def test_no_more_states_are_held_than_a_job_has(monkeypatch):
     assert held < 96 * 2001 * 48 / 2  # bytes of all states: 9 MB, of which a job has a third
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize(
-    ("keep", "end", "many"), [(["final", "first nutation"], "9", 800), (["lyapunov"], "1", 160)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("keep", "end", "many"), [(["final", "first nutation"], "9", 800)])
 def test_what_was_interrupted_goes_on_to_the_same_bits(keep, end, many, tmp_path):
     """Also where no step is counted: with an exponent alone, all finished jobs were lost."""
     scene = heavy(end)

@@ -19,6 +19,7 @@ from polhode.dynamics import starts as geometry
 from polhode.dynamics.level_body import LevelBody
 from polhode.scenes import scene_file
 from polhode.taylor import event_batches, event_watch
+from shared.tiers import tiers
 
 EPS = 2.0**-52
 GENERIC = polhode.load("general/asymmetric-chaotic")
@@ -109,13 +110,11 @@ def spread(values):
     return float(np.max(np.max(values, axis=1) - np.min(values, axis=1)))
 
 
-@pytest.mark.sample(0, first=1, slow=2)
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("case", "level", "low", "high"),  # in eps
+    ("case", "level", "low", "high"),
     [
-        ("lagrange/nutation", {}, 0, 1),
         ("euler/attitude", {"h": 3, "f": Fraction(6, 5)}, 0.05, 2),
-        ("kovalevskaya/generic", {}, 1, 45),
         ("goryachev-chaplygin/two-frequencies", {"h": 10}, 2, 100),
     ],
 )
@@ -139,9 +138,10 @@ def test_curves_of_integrable_tops_close(case, level, low, high):
     assert low * EPS <= spread(value) < high * EPS
 
 
-@pytest.mark.sample(2)
-@pytest.mark.parametrize("by", ["momentum", "height"])
-@pytest.mark.parametrize("extremum", ["max", "min"])
+@pytest.mark.parametrize(
+    ("by", "extremum"),
+    tiers([("momentum", "max"), ("momentum", "min")], [("height", "max"), ("height", "min")]),
+)
 def test_crossings_are_extrema_of_the_kind_asked_for_on_the_level(by, extremum):
     cut = polhode.section(GENERIC, by=by, extremum=extremum, grid=(4, 4), crossings=90, **LEVEL)
     on = LevelBody(GENERIC, Fraction(3), Fraction(1, 2))
@@ -270,8 +270,7 @@ def test_no_crossing_is_missed():
 # -- the same everywhere ---------------------------------------------------------------------------
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("case", ["general/asymmetric-chaotic", "kovalevskaya/generic"])
+@pytest.mark.parametrize("case", tiers(["general/asymmetric-chaotic"], ["kovalevskaya/generic"]))
 def test_a_lane_does_not_depend_on_its_neighbours(case):
     """The Kovalevskaya top's orbits have each their own K^2, also one that takes a lane over."""
     starts = [[k / 2, 0.1 * k - 0.55] for k in range(11)]

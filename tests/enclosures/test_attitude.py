@@ -35,6 +35,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.scenes.scene import Scene
 from shared import enclosure_trials as trials
 from shared.mutation import without
+from shared.tiers import tiers
 
 OUTPUTS = ("angles", "attitude")
 
@@ -63,7 +64,6 @@ def _random(rng: random.Random, kind: str, digits: int, longest: int) -> list[fl
     "kinds",
     [
         pytest.param(("needle",), marks=pytest.mark.slow),
-        pytest.param(10 * trials.KINDS, marks=pytest.mark.campaign),
     ],
 )
 def test_random_tops_have_their_attitude_and_angles_inside(kinds: Sequence[str]) -> None:
@@ -317,8 +317,7 @@ RELEASED = {
 }
 
 
-@pytest.mark.sample(1, slow=1)
-@pytest.mark.parametrize("name", RELEASED)
+@pytest.mark.parametrize("name", tiers(["from rest"], ["with w across"]))
 def test_a_release_at_a_pole_is_left_as_a_run_leaves_it(name: str) -> None:
     """With w along the third axis gamma' = 0, and gamma'' = gamma x w' is of the second order."""
     (moments, centre, *off), omega, up, side = RELEASED[name]

@@ -20,6 +20,7 @@ from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from shared import enclosure_trials as trials
 from shared.motions import ASYMMETRIC, asymmetric
+from shared.tiers import tiers
 
 
 def top(body: Body = ASYMMETRIC, omega: Any = ("0.3", "0.2", 3), gamma: Any = None) -> Scene:
@@ -34,8 +35,8 @@ def _inside(enclosure: Any, rows: Any) -> bool:
     )
 
 
-@pytest.mark.sample(0, first=2, slow=1)
-@pytest.mark.parametrize("digits", [8, 15, 30, 60])
+@pytest.mark.slow
+@pytest.mark.parametrize("digits", [30])
 def test_the_digits_asked_for_are_proven_and_not_many_more(digits: int) -> None:
     scene = top()
     enclosure = polhode.certify(scene, at=[1, "1/3", 20], digits=digits)
@@ -85,8 +86,7 @@ KINDS = {
 }
 
 
-@pytest.mark.sample(1, slow=1)
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", tiers(["a full inertia matrix"], ["no gamma"]))
 def test_the_truth_is_inside_in_the_scenes_own_axes(kind: str) -> None:
     scene, t = KINDS[kind]
     enclosure = polhode.certify(scene, at=[t], digits=20)

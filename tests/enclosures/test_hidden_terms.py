@@ -25,6 +25,7 @@ from polhode.scenes.scene import Scene
 from shared import enclosure_checker as checker
 from shared.motions import asymmetric
 from shared.mutation import without
+from shared.tiers import tiers
 
 # -- the test of a step: s and r from growth, delta, sigma, rho, eps and h beta -----------------
 
@@ -213,8 +214,13 @@ NUMBERS: list[tuple[str, tuple[Any, ...], tuple[Any, ...]]] = [
 ]
 
 
-@pytest.mark.sample(4, slow=4)
-@pytest.mark.parametrize(("name", "arguments", "change"), NUMBERS)
+@pytest.mark.parametrize(
+    ("name", "arguments", "change"),
+    tiers(
+        [NUMBERS[0], NUMBERS[3], NUMBERS[6], NUMBERS[9]],
+        [NUMBERS[1], NUMBERS[4], NUMBERS[7], NUMBERS[10]],
+    ),
+)
 def test_a_number_of_a_step_holds_alone_and_not_without_its_term(
     name: str, arguments: Any, change: Any
 ) -> None:

@@ -18,6 +18,7 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exactly
 from polhode.scenes import scene_file
 from shared.mutation import without
+from shared.tiers import tiers
 
 RADII = Fraction(1, 10**8), Fraction(3, 10**9), Fraction(1, 10**8)
 SIDES = [*itertools.product((-1, 1), repeat=3), (Fraction(1, 3), Fraction(-2, 5), 0)]
@@ -71,8 +72,7 @@ def farthest(scene, times, outputs=(), radii=RADII):
     return [max(column) for column in zip(*ratios, strict=True)]
 
 
-@pytest.mark.sample(1, first=3, slow=1)
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", tiers(["general/asymmetric-chaotic"], ["tilted"]))
 def test_every_start_of_the_box_is_in_the_balls_and_corners_come_near_their_edges(name):
     for ratio in farthest(SCENES[name], [Fraction(1, 2), 3], ("attitude", "angles")):
         assert 0.01 < ratio <= 1
@@ -106,9 +106,8 @@ def watched(scene, zero):
     return replace(scene, outputs=(), events=(polhode.Event("it", zero),))
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize("radii", [RADII, None])
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.slow
+@pytest.mark.parametrize(("radii", "name"), [(RADII, "tilted")])
 def test_an_event_is_one_of_every_start_and_the_state_then_is_in_its_balls(name, radii):
     """Of one start, nearly as sharply as the motion."""
     scene = watched(SCENES[name], "gamma1 - gamma2/3")

@@ -13,6 +13,7 @@ from polhode.enclosures.fixed_point_problem import CLOCK
 from shared import enclosure_checker as checker
 from shared import enclosure_trials as trials
 from shared.mutation import without
+from shared.tiers import tiers
 
 #: How near the claimed numbers come to the exact ones at worst: neither wrong nor slack.
 LEAST = {"alpha": 0.999, "majorant": 0.999, "growth": 0.999, "sigma": 0.999, "delta": 0.2}
@@ -51,7 +52,6 @@ def _worst(windows: Any, rng: random.Random, each: int) -> dict[str, float]:
     ("kinds", "levels"),
     [
         pytest.param(trials.KINDS[:3], (60, 126), marks=pytest.mark.slow),
-        pytest.param(3 * trials.KINDS, (36, 42, 60, 79, 126, 226), marks=pytest.mark.campaign),
     ],
 )
 def test_no_number_of_a_step_is_below_its_exact_value(kinds: Any, levels: Any) -> None:
@@ -60,18 +60,21 @@ def test_no_number_of_a_step_is_below_its_exact_value(kinds: Any, levels: Any) -
     assert all(ratio <= 1.0 for ratio in worst.values()), worst
 
 
-@pytest.mark.sample(2, slow=2)
 @pytest.mark.parametrize(
     ("name", "change"),
-    [
-        ("majorant", ("exponential", "np.where(usable, power * (1.0 + 1e-7), math.inf)", "usable")),
-        ("alpha", ("bounds", "(a_norms + a_gaps) * weights[:count]", "0.5 * a_norms")),
-        ("growth", ("bounds", "UP * kappa * exponential(m)", "exponential(m)")),
-        ("flow", ("bounds", "UP * kappa * exponential(m)", "1.0 + 0.0 * m")),
-        ("sigma", ("bounds", "sigma = UP * np.sum(e_sizes, axis=1)", "sigma = e_sizes[:, 0]")),
-        ("delta", ("_delta", "pieces.lengths * np.max(missed, axis=1)", "0.0")),
-        ("matrix", ("jacobian", "-scaled[:, :, 3 + b]", "scaled[:, :, 3 + b]")),
-    ],
+    tiers(
+        [
+            (
+                "majorant",
+                ("exponential", "np.where(usable, power * (1.0 + 1e-7), math.inf)", "usable"),
+            ),
+            ("flow", ("bounds", "UP * kappa * exponential(m)", "1.0 + 0.0 * m")),
+        ],
+        [
+            ("alpha", ("bounds", "(a_norms + a_gaps) * weights[:count]", "0.5 * a_norms")),
+            ("sigma", ("bounds", "sigma = UP * np.sum(e_sizes, axis=1)", "sigma = e_sizes[:, 0]")),
+        ],
+    ),
 )
 def test_the_checker_sees_a_dropped_factor(name: str, change: tuple[str, str, str]) -> None:
     rng = random.Random(3)

@@ -26,6 +26,7 @@ from polhode.numbers.row_formulas import mapped
 from polhode.output import guide
 from polhode.results.writer import beside
 from polhode.scenes.vocabulary import COLUMNS, STATE, ColumnWord, column_names
+from shared.tiers import tiers
 
 NUMBERS = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD, "mp": mp(50)}
 TOP = "lagrange/nutation"
@@ -89,8 +90,8 @@ def document(capsys, *arguments):
     return json.loads(out) if "--json" in arguments else [x.split() for x in out.splitlines()]
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.slow
+@pytest.mark.parametrize("number", ["double"])
 def test_a_run_has_the_speed_wherever_it_goes(number, scene, tmp_path, capsys):
     """JSON, CSV and the JSON beside it: the same strings; trajectory, file, frames, notebook."""
     kind, path, at = NUMBERS[number], tmp_path / "x.csv", ["0", "1", "5"]
@@ -177,8 +178,7 @@ def test_a_proof_gives_balls_of_the_speed(scene, capsys):
     assert 14 < judged.parts["speed"] <= DOUBLE.most_digits
 
 
-@pytest.mark.sample(1, slow=0)
-@pytest.mark.parametrize("count", [3, 201])
+@pytest.mark.parametrize("count", [3])
 def test_compare_judges_a_column_of_speed(count, tmp_path, capsys):
     """Few rows one by one, many at once; an error is relative to the largest speed."""
     path, times = tmp_path / "x.csv", [Fraction(5 * k, count - 1) for k in range(count)]
@@ -205,8 +205,7 @@ def test_compare_judges_a_column_of_speed(count, tmp_path, capsys):
     assert "speed was not judged: none of it has a value" in answer["not_judged"]
 
 
-@pytest.mark.sample(1, slow=1)
-@pytest.mark.parametrize("number", ["double", "extended", "quad"])
+@pytest.mark.parametrize("number", tiers(["double"], ["extended"]))
 def test_a_sweep_gives_the_speed_of_each_member(number, scene, tmp_path, capsys):
     kind, vary = NUMBERS[number], {"body.weight": [1, 2]}
     many = polhode.integrate_many(scene, vary, number=number, at=[0, 1])
@@ -254,8 +253,7 @@ def divided(x, k, fn):
     return [k["c"] * x[0] / x[1], fn.sqrt(x[1])]
 
 
-@pytest.mark.sample(2)
-@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("number", tiers(["double", "quad"], ["extended", "mp"]))
 def test_a_row_without_a_finite_real_value_is_a_gap(number):
     """A division by zero, the root of a negative number, a cell that is not there."""
     kind = NUMBERS[number]

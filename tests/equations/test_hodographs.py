@@ -22,6 +22,7 @@ from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
 from polhode.results.writer import beside
 from shared.examples import examples
+from shared.tiers import tiers
 
 NUMBERS = ("double", "extended", "quad", "mp")
 TOPS = ("euler/largest-axis", "lagrange/turned-axes", "kovalevskaya/generic", "pendulum/librating")
@@ -69,8 +70,7 @@ def test_a_vector_is_turned_exactly_and_rounded_once(q, v, number):
         assert abs(exactly(component) - true) <= largest * number.eps * Fraction(51, 100)
 
 
-@pytest.mark.sample(2)
-@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("number", tiers(["double", "quad"], ["extended", "mp"]))
 def test_a_runs_hodographs_are_those_of_the_closed_form(number):
     scene = scene_of("lagrange/nutation", step=Fraction(1, 2), count=9)
     run = polhode.integrate(scene, number)
@@ -101,9 +101,21 @@ def test_the_body_hodograph_is_the_states_own_numbers(monkeypatch):
 # -- rolling ------------------------------------------------------------------------------------
 
 
-@pytest.mark.sample(3, slow=3)
-@pytest.mark.parametrize("number", NUMBERS)
-@pytest.mark.parametrize("name", TOPS)
+@pytest.mark.parametrize(
+    ("number", "name"),
+    tiers(
+        [
+            ("double", "euler/largest-axis"),
+            ("extended", "lagrange/turned-axes"),
+            ("quad", "kovalevskaya/generic"),
+        ],
+        [
+            ("extended", "euler/largest-axis"),
+            ("quad", "lagrange/turned-axes"),
+            ("mp", "kovalevskaya/generic"),
+        ],
+    ),
+)
 def test_the_hodographs_roll_on_each_other(name, number):
     """Common tangent and equal arcs, to what rounding leaves of differences over 1/200."""
     run = polhode.integrate(scene_of(name), number)
@@ -147,9 +159,17 @@ def test_the_rolling_condition_needs_hodographs_and_samples():
 # -- classic facts ------------------------------------------------------------------------------
 
 
-@pytest.mark.sample(1, slow=3)
-@pytest.mark.parametrize("number", NUMBERS)
-@pytest.mark.parametrize("name", ["euler/largest-axis", "euler/separatrix", "euler/turned-axes"])
+@pytest.mark.parametrize(
+    ("number", "name"),
+    tiers(
+        [("double", "euler/largest-axis")],
+        [
+            ("extended", "euler/largest-axis"),
+            ("double", "euler/separatrix"),
+            ("double", "euler/turned-axes"),
+        ],
+    ),
+)
 def test_the_herpolhode_lies_in_the_invariable_plane(name, number):
     """omega·G = 2h with G fixed in space: the plane in which Poinsot's ellipsoid rolls."""
     scene = scene_of(name, step=Fraction(1, 4), count=40)
@@ -174,8 +194,7 @@ def test_the_herpolhode_lies_in_the_invariable_plane(name, number):
     assert 0 < spread < 600 * eps
 
 
-@pytest.mark.sample(2, first=1)
-@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("number", tiers(["extended", "mp"], ["double", "quad"]))
 def test_the_apex_path_of_a_top_is_its_precession_and_nutation(number):
     """R e3 = (sin theta sin psi, -sin theta cos psi, cos theta); the vertical leads back to z."""
     scene = scene_of("lagrange/looping", ("angles", "attitude"), Fraction(1, 2), 9)

@@ -11,6 +11,7 @@ from polhode.dynamics.frequencies import Frequencies
 from polhode.figures import catalogue
 from polhode.results.reader import KINDS
 from shared.results import MAKERS, result_of_kind
+from shared.tiers import tiers
 
 plt = pytest.importorskip("matplotlib.pyplot")
 TOP = "lagrange/nutation"
@@ -37,8 +38,6 @@ def test_every_kind_has_figures_or_is_known_to_have_none():
     assert not drawn & WITHOUT
 
 
-#: Drawn twice in every way that there is, they take seconds.
-DEAR = {"ChaosMap": pytest.mark.slow, "Levels": pytest.mark.campaign}
 FROM_COLUMNS = [
     name
     for name in MAKERS
@@ -47,8 +46,16 @@ FROM_COLUMNS = [
 ]
 
 
-@pytest.mark.sample(2, slow=6)
-@pytest.mark.parametrize("name", [pytest.param(x, marks=DEAR.get(x, ())) for x in FROM_COLUMNS])
+@pytest.mark.parametrize(
+    "name",
+    tiers(
+        ["Reference"],
+        [
+            *("Certified", "Enclosure", "Judgement", "Reductions"),
+            *("Reductions of events", "ChaosMap", "ProvedOrbit"),
+        ],
+    ),
+)
 def test_a_file_is_drawn_as_the_result_was(tmp_path, name):
     result = result_of_kind(name)
     result.save(tmp_path / "x.csv")

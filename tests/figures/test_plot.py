@@ -20,6 +20,7 @@ from polhode.figures.samples import SAMPLES
 from polhode.figures.sphere import Globe, facing_most
 from polhode.scenes.scene import even_times
 from shared.tables import of_run, through
+from shared.tiers import tiers
 
 plt = pytest.importorskip("matplotlib.pyplot")
 TOP = "lagrange/looping"
@@ -115,8 +116,7 @@ def test_a_free_body_gets_polhode_and_herpolhode():
     assert (own.min(), own.max()) == pytest.approx((radius.min(), radius.max()), rel=0.02)
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("name", ["lagrange/cusped", TOP])
+@pytest.mark.parametrize("name", tiers(["lagrange/cusped"], [TOP]))
 def test_cusps_and_loops_of_the_apex_stand_on_the_sphere(name):
     panels, drawn = curves(name, "sphere")
     assert [panel.get_title() for panel in panels] == ["γ in the body", "centre of mass in space"]
@@ -133,14 +133,12 @@ def test_cusps_and_loops_of_the_apex_stand_on_the_sphere(name):
     assert sharpest > 2.5 if name.endswith("cusped") else sharpest < 0.6
 
 
-@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "apex", "axis"),
-    [
-        ("euler/dzhanibekov", "axis of the middle moment", 1),
-        ("euler/symmetric-first-axis", "axis of symmetry", 0),
-        ("euler/sphere", "third axis", 2),
-    ],
+    tiers(
+        [("euler/dzhanibekov", "axis of the middle moment", 1)],
+        [("euler/symmetric-first-axis", "axis of symmetry", 0), ("euler/sphere", "third axis", 2)],
+    ),
 )
 def test_what_is_followed_of_a_free_body_is_named(name, apex, axis):
     drawn = polhode.plot(name, "sphere", end=1)[1]
@@ -149,8 +147,7 @@ def test_what_is_followed_of_a_free_body_is_named(name, apex, axis):
     assert followed == np.eye(3)[axis].tolist()
 
 
-@pytest.mark.sample(1, slow=0)
-@pytest.mark.parametrize("number", ["double", "quad"])
+@pytest.mark.parametrize("number", ["double"])
 def test_the_error_shown_is_the_error_found(number):
     scene = replace(polhode.load(TOP), outputs=())  # of the errors no output is integrated
     run = polhode.integrate(scene.at(even_times(Fraction(2), 501)), number)
@@ -228,8 +225,7 @@ def paths(path):
     return re.findall(r' d="([^"]+)"', path.read_text(encoding="utf-8"))
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("ending", ["npz", "npy", "parquet"])
+@pytest.mark.parametrize("ending", tiers(["npz"], ["npy", "parquet"]))
 def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
     run = polhode.integrate(polhode.load(TOP).at([Fraction(k, 10) for k in range(31)]))
     columns = of_run(run)
@@ -242,8 +238,8 @@ def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
     assert max(map(len, first)) > 300
 
 
-@pytest.mark.sample(0, first=1, slow=1)
-@pytest.mark.parametrize("quantity", ["angles", "hodographs", "sphere", "integrals", "error"])
+@pytest.mark.slow
+@pytest.mark.parametrize("quantity", ["hodographs"])
 def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, quantity):
     path, times = tmp_path / "run.csv", ",".join(f"{k}/10" for k in range(101))
     command = ["run", TOP, "--at", times, "--outputs", "angles,attitude", "-o", str(path)]
@@ -264,8 +260,8 @@ def test_a_file_with_the_space_hodograph_needs_no_attitude(tmp_path):
     assert "in space" in texts(plotted(tmp_path, str(path), "--what", "hodographs"))
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", [".svg"])
 def test_the_same_motion_gives_the_same_bytes(tmp_path, suffix):
     arguments = (TOP, "--what", "angles", "--end", "3")
     first = plotted(tmp_path, *arguments, name=f"a{suffix}").read_bytes()
@@ -382,6 +378,7 @@ def test_no_letter_is_a_box(scene, quantity, style):
         plt.gcf().canvas.draw()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("style", WITHOUT_GREEK)
 def test_no_letter_of_a_section_or_a_level_is_a_box(style):
     cut = polhode.section("kovalevskaya/generic", grid=(1, 2), crossings=2, by="height")

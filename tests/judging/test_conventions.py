@@ -20,6 +20,7 @@ from polhode.scenes.body import Body
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared import drifting_files as files
 from shared.tables import of_run, right, text, through
+from shared.tiers import tiers
 
 CASE = "lagrange/nutation"
 TIMES = [Fraction(k, 8) for k in range(33)]
@@ -204,8 +205,19 @@ def test_a_right_table_is_read_as_it_stands():
     assert polhode.compare(some(last, ATTITUDE), CASE).reading is None
 
 
-@pytest.mark.sample(6, slow=6)
-@pytest.mark.parametrize("name", READ)
+@pytest.mark.parametrize(
+    "name",
+    tiers(
+        [
+            *("scalar last", "z down", "exchanged", "angles in degrees"),
+            *("late, from the start", "minutes"),
+        ],
+        [
+            *("q1 the scalar", "body axes", "exchanged, in degrees"),
+            *("angles of another turn", "another beginning", "hours"),
+        ],
+    ),
+)
 def test_a_convention_is_named_and_applied_and_can_be_told(name):
     names, change, words = READ[name]
     table = some(change(whole()), names)
@@ -269,9 +281,16 @@ def mixed(case, *names):
     return polhode.compare(table, case)
 
 
-@pytest.mark.sample(2, first=1, slow=4)
-@pytest.mark.parametrize("case", ["euler/turned-axes", "lagrange/looping"])
-@pytest.mark.parametrize("name", MIXED)
+@pytest.mark.parametrize(
+    ("case", "name"),
+    tiers(
+        [("lagrange/looping", "y up"), ("euler/turned-axes", "scalar last")],
+        [
+            *(("euler/turned-axes", "y up"), ("lagrange/looping", "body axes")),
+            *(("lagrange/looping", "exchanged"), ("euler/turned-axes", "early")),
+        ],
+    ),
+)
 def test_a_convention_is_named_in_other_motions(case, name):
     judgement = mixed(case, name)
     assert READ[name][2].partition(";")[0] in judgement.reading
@@ -452,8 +471,8 @@ def test_what_is_told_of_times_beside_no_whole_vector_has_no_digits_of_its_own()
     assert [*map(str, judgement.readings)] == ["t read as milliseconds"]
 
 
-@pytest.mark.sample(0, slow=2)
-@pytest.mark.parametrize("gap", [0, 5, 32])
+@pytest.mark.slow
+@pytest.mark.parametrize("gap", [0, 5])
 def test_a_table_with_an_empty_cell_is_read_by_its_whole_rows(gap):
     """Where one of the rows that tell had it, no convention was found, and no number."""
     table = DEGREES(some(whole(), STATE))
@@ -525,8 +544,7 @@ def departing(table):
     return {n: x if n == "t" else x + steps[n] for n, x in table.items()}
 
 
-@pytest.mark.sample(2)
-@pytest.mark.parametrize("wrong", [early_in_part, one_row, noise, departing])
+@pytest.mark.parametrize("wrong", tiers([early_in_part], [one_row, noise, departing]))
 def test_a_wrong_table_has_no_convention_by_chance(wrong):
     judgement = polhode.compare(wrong(some(whole(), STATE)), CASE)
     assert judgement.readings == ()
@@ -588,8 +606,8 @@ def test_rounding_of_a_clocks_time_is_the_limit_whatever_the_door(tmp_path, door
     assert judgement.limit == "rounding (of the times, by up to 2e-10)"
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize("size", [1e-8, 1e-5])
+@pytest.mark.slow
+@pytest.mark.parametrize("size", [1e-8])
 def test_more_than_the_clock_explains_is_not_blamed_on_it(size):
     columns = table(THIRDS, later=CLOCK)
     rows = np.column_stack([columns[n] for n in polhode.load(SCENE).columns])
@@ -601,8 +619,8 @@ def test_more_than_the_clock_explains_is_not_blamed_on_it(size):
     assert "fewer than double precision allows: the program's steps, noise, or" in str(judgement)
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize(("places", "limit"), [(6, "by up to 1e-06"), (9, "by up to 1e-09")])
+@pytest.mark.slow
+@pytest.mark.parametrize(("places", "limit"), [(6, "by up to 1e-06")])
 def test_decimals_that_are_not_evenly_spaced_are_rounded(tmp_path, places, limit):
     columns = table(THIRDS, shown=lambda t: round(float(t), places))
     path = tmp_path / "x.csv"
@@ -727,8 +745,8 @@ def is_wrong(file, reading):
     return min(exact.part_digits[reading.part]) < STARTS_RIGHT
 
 
-@pytest.mark.sample(0, slow=2)
-@pytest.mark.parametrize("name", files.NAMES)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["degrees", "turned in space"])
 def test_a_drifting_file_is_told_its_convention(name):
     """The digits of its first row and of later ones, in the convention that is named."""
     file = files.plain_file(name)
@@ -747,8 +765,8 @@ def test_a_drifting_file_is_told_its_convention(name):
         assert ("exact at t = 0, " in str(reading)) == exact
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize(("moments", "spin"), [([4, 4, "1.5"], 94), ([1, "1.1", "0.4"], -60)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("moments", "spin"), [([4, 4, "1.5"], 94)])
 def test_a_fast_top_is_told_the_unit_of_omega(moments, spin):
     """Its spin is hardly moved, so that what comes after the first row says little of the axes."""
     numbers = {"centre": [0, 0, 1], "weight": 20, "angles": [0, "25°", 0], "rates": [0, 0, spin]}
@@ -767,8 +785,7 @@ def test_a_fast_top_is_told_the_unit_of_omega(moments, spin):
     assert polhode.compare(table, top).readings == ()
 
 
-@pytest.mark.campaign
-def test_drifting_files_are_named_right():
+def drifting_files_are_named_right():
     """At least 95 in a hundred are named, and none wrongly."""
     count = 300
     missed, wrong = Counter(), []
@@ -784,8 +801,7 @@ def test_drifting_files_are_named_right():
     assert missed.total() <= 0.05 * count, +missed
 
 
-@pytest.mark.sample(0, slow=3)
-@pytest.mark.parametrize("seed", range(60))
-@pytest.mark.parametrize("name", files.WRONG)
+@pytest.mark.slow
+@pytest.mark.parametrize(("seed", "name"), [(0, "another"), (20, "another weight"), (40, "noise")])
 def test_wrong_files_are_told_no_convention(name, seed):
     assert judged(files.wrong_file(seed, name)).readings == ()

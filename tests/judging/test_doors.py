@@ -18,6 +18,7 @@ from polhode.numbers.number_types import EXTENDED, extended_here
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.answers import judged
 from shared.tables import DOORS, of_run, right, text, through
+from shared.tiers import tiers
 
 CASE = "lagrange/nutation"
 TIMES = [Fraction(k, 4) for k in range(13)]
@@ -105,8 +106,28 @@ LAYOUTS = {
 }
 
 
-@pytest.mark.sample(7, slow=6)
-@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize(
+    "layout",
+    tiers(
+        [
+            "between ','",
+            "between ' '",
+            "after #, ';'",
+            "decimal commas",
+            "names with factors",
+            "a cell of two lines",
+            "names in quotation marks",
+        ],
+        [
+            "between ';'",
+            "between '   '",
+            "after #, ' '",
+            "another header",
+            "a column without a name",
+            "an open quotation mark in a comment",
+        ],
+    ),
+)
 def test_every_layout_of_a_text_is_read(tmp_path, capsys, layout):
     content, options, remarks = LAYOUTS[layout]
     path = tmp_path / "x.csv"
@@ -253,8 +274,16 @@ AS_TYPES = {
 }
 
 
-@pytest.mark.sample(5)
-@pytest.mark.parametrize("kind", AS_TYPES)
+@pytest.mark.parametrize(
+    "kind",
+    tiers(
+        [*("lists of floats", "an array of objects", "single", "fractions", "texts")],
+        [
+            *("a list of arrays", "a generator", "single and double"),
+            *("a fraction among floats", "half"),
+        ],
+    ),
+)
 def test_rows_are_of_the_widest_type_of_their_cells(kind):
     cells, number = AS_TYPES[kind]
     judgement = polhode.compare(cells(), CASE, at=TIMES)

@@ -11,6 +11,7 @@ import pytest
 import polhode
 from polhode.dynamics.lyapunov import known_stability
 from polhode.taylor.system import system
+from shared.tiers import tiers
 
 ENDS = [1, 3, 10, 20, 30, 100]
 
@@ -133,8 +134,7 @@ def test_at_a_fixed_point_they_are_the_rates_of_both_planes():
     assert spectrum == pytest.approx(rates, abs=2e-3)
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("end", [1000, -1000])
+@pytest.mark.parametrize("end", tiers([1000], [-1000]))
 def test_of_a_chaotic_motion_they_add_up_to_nothing_in_pairs(end):
     motion = polhode.lyapunov(GENERIC, end, spectrum=True)
     assert 0.06 < motion.spectrum[0] < 0.16

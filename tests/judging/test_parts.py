@@ -15,6 +15,7 @@ from polhode.judging.certified import NoAnswer
 from polhode.judging.reference import Reference
 from shared.answers import judged
 from shared.tables import of_run, right, text
+from shared.tiers import tiers
 
 CASE = "lagrange/nutation"
 TIMES = [Fraction(k, 50) for k in range(151)]
@@ -82,10 +83,12 @@ def test_the_headline_of_the_state_alone_is_that_of_the_state():
     assert judgement.part_digits.keys() == {"omega", "gamma"}
 
 
-@pytest.mark.sample(1, slow=3)
-@pytest.mark.parametrize("strict", [False, True])
 @pytest.mark.parametrize(
-    ("off", "exchanged", "least"), [(0, False, 14), (0.01, False, 2), (0, True, 0)]
+    ("strict", "off", "exchanged", "least"),
+    tiers(
+        [(False, 0, False, 14)],
+        [(True, 0, False, 14), (False, 0.01, False, 2), (False, 0, True, 0)],
+    ),
 )
 def test_angles_are_judged_up_to_whole_turns(strict, off, exchanged, least):
     """Of a right program, of a rough one; exchanged ones are wrong."""
@@ -223,8 +226,8 @@ def test_steps_of_a_needle_are_not_blamed_for_what_they_lose_beyond_the_band():
     assert loose.limit.startswith("method")
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize(("short", "by_chance"), [(0.3, True), (1.0, False)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("short", "by_chance"), [(0.3, True)])
 def test_chance_explains_some_of_many_runs(compared, short, by_chance):
     """A run just below what nineteen in twenty have, and one far below."""
     table = right(CASE, TIMES[::15])

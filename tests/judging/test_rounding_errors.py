@@ -27,6 +27,7 @@ from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 from polhode.taylor.variations import Flow, six
 from shared.motions import asymmetric
+from shared.tiers import tiers
 from tops import random_scene
 
 F = Fraction
@@ -38,9 +39,18 @@ def size(states, truth, scene) -> list[float]:
     return (10 ** log10_errors(states, truth, log10_rate(truth, scene))).tolist()
 
 
-@pytest.mark.sample(3, slow=1)
-@pytest.mark.parametrize("name", ["euler/separatrix", "kovalevskaya/generic", "lagrange/nutation"])
-@pytest.mark.parametrize("number", [DOUBLE, EXTENDED], ids=lambda n: n.name)
+@pytest.mark.parametrize(
+    ("name", "number"),
+    tiers(
+        [
+            ("euler/separatrix", DOUBLE),
+            ("lagrange/nutation", DOUBLE),
+            ("kovalevskaya/generic", EXTENDED),
+        ],
+        [("kovalevskaya/generic", DOUBLE)],
+    ),
+    ids=lambda x: getattr(x, "name", None),
+)
 def test_inputs_are_those_of_a_run_of_the_rounded_numbers(name, number):
     """The same rounded start and coefficients, integrated exactly, against the scene's own."""
     scene = replace(polhode.load(name), outputs=(), events=()).at((F(5), F(20)))
@@ -260,11 +270,13 @@ def test_a_count_by_hand():
     assert [*variances_there] == pytest.approx(alone, rel=1e-14, abs=0)
 
 
-@pytest.mark.sample(1, first=1)
 @pytest.mark.parametrize(
-    ("number", "wide"), [(DOUBLE, EXTENDED if extended_here() else QUAD), (EXTENDED, QUAD)]
+    ("number", "wide", "kind"),
+    tiers(
+        [(EXTENDED, QUAD, "lagrange")],
+        [(DOUBLE, EXTENDED, "lagrange"), (DOUBLE, EXTENDED, "euler"), (EXTENDED, QUAD, "euler")],
+    ),
 )
-@pytest.mark.parametrize("kind", ["lagrange", "euler"])
 def test_steps_that_are_taken_round_so_much(number, wide, kind):
     """Each step's error against the exact flow from where it began: mean squares over many.
 
@@ -356,8 +368,7 @@ def share(count: Counter) -> float:
     return count[0] / count.total()
 
 
-@pytest.mark.campaign
-def test_of_two_hundred_tops_85_to_95_percent_end_in_the_band():
+def of_two_hundred_tops_85_to_95_percent_end_in_the_band():
     ends = [p for k in range(50) for kind in KINDS for p in places(kind, top(kind, k), ENDS)]
     (all_in_all,) = counted(ends).values()
     assert 0.85 <= share(all_in_all) <= 0.95

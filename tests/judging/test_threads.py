@@ -22,6 +22,7 @@ import polhode
 from polhode.common import interrupts
 from polhode.common.interrupts import TooLong
 from polhode.numbers import flint_context, mpmath_context
+from shared.tiers import tiers
 
 FAMILIES = (
     *("euler/separatrix", "lagrange/nutation", "kovalevskaya/generic", "hess/loxodrome"),
@@ -128,8 +129,7 @@ def leaves(value: Any) -> Iterator[Any]:
         yield value
 
 
-@pytest.mark.sample(2, slow=2)
-@pytest.mark.parametrize("question", QUESTIONS)
+@pytest.mark.parametrize("question", tiers(["a run", "a proof"], ["a reference", "a sweep"]))
 def test_answers_are_ordinary_numbers_whatever_the_callers_precision(question):
     answers = {}
     for bits in (20, 53, 400):
@@ -166,8 +166,8 @@ def test_a_fork_while_another_thread_computes_does_not_wait_for_it():
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize("context", [mpmath_context.mpmath, flint_context.ctx])
+@pytest.mark.slow
+@pytest.mark.parametrize("context", [mpmath_context.mpmath])
 def test_an_alarm_at_any_moment_leaves_the_lock_to_others(context):
     """The alarm of `show` came between taking the lock and noting it: other threads waited."""
     own = {module.__file__ for module in (mpmath_context, flint_context, interrupts)}

@@ -14,6 +14,7 @@ import pytest
 
 import polhode
 from polhode.numbers import lossless_mpf, mpmath_context
+from shared.tiers import tiers
 
 
 def numbers(value: Any) -> Iterator[Any]:
@@ -57,10 +58,12 @@ def answers() -> dict[str, Callable[[], Any]]:
 DEAR = ("curve", "orbit")
 
 
-@pytest.mark.sample(6, slow=2)
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(k, marks=[pytest.mark.slow] if k in DEAR else []) for k in answers()],
+    tiers(
+        [*("rows", "attitude", "frequencies", "dense", "mp", "certified")],
+        ["angles", "curve", "sweep", "orbit"],
+    ),
 )
 def test_copies_of_an_answer_are_it_to_the_bit(name):
     answer = answers()[name]()

@@ -73,6 +73,7 @@ def rows(report: polhode.Report, name: str) -> list[dict[str, object]]:
 # -- numbers ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_every_number_is_found_again_by_compare(report, files):
     scene = polhode.load(TOP)
     own = polhode.compare(polhode.integrate(report.sections[0].scene), details=True)

@@ -17,6 +17,7 @@ import pytest
 import polhode
 from polhode.common.interrupts import bar
 from polhode.numbers.conversion import exactly
+from shared.tiers import tiers
 
 TOP = "lagrange/nutation"
 
@@ -28,8 +29,7 @@ def a_run(number="double", **how):
     return polhode.integrate(scene, number, **how)
 
 
-@pytest.mark.sample(2, slow=1)
-@pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
+@pytest.mark.parametrize("number", tiers(["double", "quad"], ["extended"]))
 def test_a_saved_run_loads_again_with_every_digit_and_callable(tmp_path, number):
     run = a_run(number, method="taylor")
     path = tmp_path / "run.npz"
@@ -87,8 +87,7 @@ def test_a_run_that_is_not_found_again_to_the_bit_says_so(tmp_path):
         again(1.5)
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("number", ["double", "quad"])
+@pytest.mark.parametrize("number", tiers(["double"], ["quad"]))
 def test_angles_and_attitude_at_any_time_are_the_closed_forms(number):
     run, exact = a_run(number), polhode.reference(TOP)
     times = [1.75, 0, "1/3", 1.75]

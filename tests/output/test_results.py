@@ -12,7 +12,8 @@ from matplotlib import pyplot as plt
 
 import polhode
 from polhode.cli import main
-from shared.results import MAKERS, result_of_kind, watched
+from shared.results import result_of_kind, watched
+from shared.tiers import tiers
 
 #: Kinds that have no figure.
 UNDRAWN = (
@@ -28,8 +29,7 @@ UNDRAWN = (
 )
 
 
-@pytest.mark.sample(2, slow=1)
-@pytest.mark.parametrize("name", [name for name in MAKERS if name not in UNDRAWN])
+@pytest.mark.parametrize("name", tiers(["Trajectory", "ChaosMap"], ["Trajectory in quad"]))
 def test_results_draw_themselves_and_into_axes_of_ones_own(name):
     result = result_of_kind(name)
     panels = np.ravel(np.asarray(result.plot(), dtype=object))
@@ -53,7 +53,6 @@ def test_results_draw_themselves_and_into_axes_of_ones_own(name):
         ("number", "double", 17),
         ("number", "extended", 21),
         ("number", "quad", 36),
-        pytest.param("digits", 50, 58, marks=pytest.mark.campaign),
     ],
 )
 def test_times_of_events_have_the_digits_of_their_type_wherever_they_are_printed(

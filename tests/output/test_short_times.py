@@ -14,6 +14,7 @@ from polhode.judging.tables.table_file import read_table
 from polhode.numbers.decimals import decimal_string, shortest
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
 from polhode.results.writer import beside
+from shared.tiers import tiers
 
 SCENE = "lagrange/nutation"
 TIMES = ["0", "0.1", "1/3", "10", "20.1", "sqrt(2)*20"]
@@ -48,8 +49,7 @@ def test_short_numbers_stand_as_they_are():
     assert len(shortest(Fraction(0.1), QUAD)) > 30  # another number in quad
 
 
-@pytest.mark.sample(2, slow=1)
-@pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
+@pytest.mark.parametrize("number", tiers(["double", "quad"], ["extended"]))
 def test_a_file_is_read_as_the_times_of_its_run(tmp_path, number):
     path = tmp_path / "x.csv"
     assert main(["run", SCENE, "--at", ",".join(TIMES), "--number", number, "-o", str(path)]) == 0
@@ -64,8 +64,8 @@ def test_a_file_is_read_as_the_times_of_its_run(tmp_path, number):
     assert read_table(path, mp(90)).times == run.times
 
 
-@pytest.mark.sample(0, first=1, slow=1)
-@pytest.mark.parametrize("number", ["double", "extended", "quad"])
+@pytest.mark.slow
+@pytest.mark.parametrize("number", ["extended"])
 def test_without_its_json_a_right_file_is_not_blamed(tmp_path, number):
     """Its digits tell the type that its numbers are of."""
     path = tmp_path / "x.csv"

@@ -56,8 +56,8 @@ def test_the_example_is_proved_with_the_entropy_of_its_times():
             chaos_certificate.with_statement(example.guesses, claim | change, proof)
 
 
-@pytest.mark.sample(0, first=1, slow=1)
-@pytest.mark.parametrize("k", [0, 1, 9, 17])
+@pytest.mark.slow
+@pytest.mark.parametrize("k", [0, 9])
 def test_points_of_a_set_are_where_its_image_says(k):
     """At corners and between; the slope holds the differences of the section map."""
     chain, images = chains.example().chain, chains.example().proof.images
@@ -69,7 +69,7 @@ def test_points_of_a_set_are_where_its_image_says(k):
     assert min(rooms) < 1e-6  # and the image is sharp
 
 
-@pytest.mark.sample(0, first=1, slow=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("late", [0.0, 2e-3])
 def test_points_of_a_set_that_leaves_the_level_and_is_late_are_where_its_image_says(late):
     assert chains.misses(*chains.tilted(late)) == 0

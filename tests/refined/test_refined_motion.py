@@ -229,7 +229,6 @@ def test_no_estimate_where_the_motion_multiplies_errors_too_much():
     [
         ("lagrange/spherical-pendulum", 50, 5),
         # the field in 15 limbs takes ten seconds to compile where no cache holds it
-        pytest.param("kovalevskaya/generic", 100, 3, marks=pytest.mark.campaign),
     ],
 )
 def test_more_digits_by_the_closed_form(name, digits, end):

@@ -16,6 +16,7 @@ from benchmark import COLUMNS, DIGITS, TOPS, certified_values
 from polhode.certificates import verify
 from polhode.numbers.conversion import exactly
 from polhode.numbers.flint_context import ctx
+from shared.tiers import tiers
 from test_house import TOP
 
 FOLDER = TOP / "reports" / "benchmark"
@@ -37,15 +38,13 @@ def test_the_folder_is_the_one_that_is_made():
     assert (FOLDER / benchmark.PAGE).read_text() == benchmark.page()
 
 
-@pytest.mark.sample(0, first=15, slow=1)
-@pytest.mark.parametrize("name", NAMED)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["n-kowalewski-motion"])
 def test_values_are_made_again_to_the_bit(name):
     assert (FOLDER / f"{name}.csv").read_text() == certified_values(NAMED[name]).csv
 
 
-@pytest.mark.campaign
-@pytest.mark.parametrize("name", [*NAMED][:16])
-def test_certificates_are_made_again_to_the_bit_and_proved(name, tmp_path):
+def certificates_are_made_again_to_the_bit_and_proved(name, tmp_path):
     """By the name of the top or of its case."""
     assert make.main(["benchmark", "--only", NAMED[name].case, "-o", str(tmp_path)]) == 0
     written = sorted(tmp_path.iterdir())
@@ -91,8 +90,13 @@ def exactly_of(x):
     return binary(*rounded(x, 2000))
 
 
-@pytest.mark.sample(1, first=3, slow=3)
-@pytest.mark.parametrize("name", NAMED)
+@pytest.mark.parametrize(
+    "name",
+    tiers(
+        ["lagrange-looping"],
+        ["euler-largest-axis", "grioli-precession", "general-asymmetric-regular"],
+    ),
+)
 def test_values_are_those_of_the_closed_form(name):
     """Which shares no code with the enclosure: every place, rounded."""
     scene = replace(polhode.load(NAMED[name].case), outputs=("attitude",))

@@ -166,11 +166,8 @@ def test_a_small_study(monkeypatch):
     "tops",
     [
         lambda: committed("long-run")["tops"],
-        pytest.param(
-            lambda: long_run.ensembles((2, 4), 8, print, Only()), marks=pytest.mark.campaign
-        ),
     ],
-    ids=["committed", "made today"],
+    ids=["committed"],
 )
 def test_unprojected_runs_obey_brouwers_law(tops):
     for top in tops():

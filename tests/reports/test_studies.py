@@ -25,6 +25,7 @@ import stability
 from kit import TYPES, Column, JsonObject, Only, PageTable, filled, table, yes
 from polhode.judging.limits import selected
 from shared.reports import COMMITTED, committed
+from shared.tiers import tiers
 
 CASES = polhode.cases().column("scene")
 
@@ -147,8 +148,9 @@ def finds(command: str, name: str, rows: list[tuple[str, ...]]) -> bool:
     )
 
 
-@pytest.mark.sample(2, first=3)
-@pytest.mark.parametrize("name", make.STUDIES)
+@pytest.mark.parametrize(
+    "name", tiers(["speed", "stability"], ["accuracy", "proofs", "long-run", "events"])
+)
 def test_every_row_has_a_command_that_finds_it(name):
     listed, results = Listed(("nothing",)), committed(name)
     make.module(name).rows(False, print, listed)  # nothing is run
@@ -171,9 +173,17 @@ def rows_in(results: JsonObject) -> Iterator[tuple[JsonObject, str]]:
             yield from rows_in(value)
 
 
-@pytest.mark.sample(3)
-@pytest.mark.parametrize("name", make.STUDIES)
-@pytest.mark.parametrize("count", [0, 1])
+@pytest.mark.parametrize(
+    ("name", "count"),
+    tiers(
+        [("speed", 0), ("long-run", 0), ("proofs", 1)],
+        [
+            *(("accuracy", 0), ("proofs", 0), ("stability", 0), ("events", 0)),
+            *(("speed", 1), ("accuracy", 1), ("stability", 1), ("long-run", 1)),
+            ("events", 1),
+        ],
+    ),
+)
 def test_a_page_of_no_rows_and_of_one_row_of_each_kind_can_be_made(name, count):
     whole = committed(name)
     for k in range(len([*rows_in(whole)])):

@@ -24,6 +24,7 @@ from polhode.proofs.proved_chaos import ProvedChaos
 from polhode.results.writer import ENDINGS
 from polhode.scenes.scene import even_times
 from polhode.verbs.catalogue import ROWS, VERBS
+from shared.tiers import tiers
 from shared.verb_examples import EXAMPLES, TOP, prepare, verb_of, without_files
 
 GENERAL = "general/asymmetric-regular"
@@ -78,13 +79,27 @@ MORE: dict[str, Callable[[], Any]] = {
 COMMANDS = {without_files(EXAMPLES[verb]): same for verb, same in SAME.items()} | MORE
 DRAWN = [
     *(f"{x} -o x.svg" for x in COMMANDS if verb_of(x).figure_options is not None),
-    pytest.param(f"{without_files(EXAMPLES['prove chaos'])} -o x.svg", marks=pytest.mark.campaign),
 ]
 CERTIFICATES = ("certify", "prove orbit grioli", "prove stability")
 
 
-@pytest.mark.sample(5, first=2, slow=8)
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    "command",
+    tiers(
+        ["run top.toml --samples 51", "run lagrange/nutation --number quad --at 1"],
+        [
+            *("list --tag chaotic", "reference euler/separatrix --at 1 --digits 40"),
+            "compare top.csv top.toml",
+            "order coarse.csv fine.csv lagrange/nutation --steps 0.02,0.01",
+            *("levels general/asymmetric-regular", "orbit grioli/precession --digits 20"),
+            "orbits general/asymmetric-regular --grid 4x4 --crossings 1",
+            "prove orbits general/asymmetric-regular --grid 4x4 --crossings 1",
+            "prove stability general/asymmetric-regular",
+            "frequencies lagrange/nutation --of gamma3 --end 50",
+            "run lagrange/nutation --digits 20 --at 1 --no-prove",
+        ],
+    ),
+)
 def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
     command, tmp_path, monkeypatch, capsys
 ):
@@ -117,8 +132,15 @@ def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
         assert again.to_json() == printed
 
 
-@pytest.mark.sample(0, slow=3)
-@pytest.mark.parametrize("command", DRAWN)
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "command",
+    [
+        "run top.toml --samples 51 -o x.svg",
+        DRAWN[6],
+        "frequencies lagrange/nutation --of gamma3 --end 50 -o x.svg",
+    ],
+)
 def test_a_command_draws_its_result_and_prints_what_the_figure_has_not(
     command, tmp_path, monkeypatch, capsys
 ):

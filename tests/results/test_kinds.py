@@ -21,9 +21,10 @@ from polhode.results import reader, writer
 from polhode.results.frames import written_facts, written_table
 from polhode.results.result import Result, Storable
 from polhode.results.table import RESERVED, Column, Content, Fact, Table
-from polhode.results.writer import ENDINGS, as_json, document, files
+from polhode.results.writer import as_json, document, files
 from polhode.runs.saved import Saved, load_result
 from shared.results import CERTIFIED, MAKERS, result_of_kind, watched
+from shared.tiers import tiers
 
 #: Whose files hold a table of them, at the times of their scene.
 TABULATED = ("Reference", "Certified", "Textbook")
@@ -55,9 +56,41 @@ def saved(content: Content, path: Path) -> dict[Path, bytes]:
     return written
 
 
-@pytest.mark.sample(12, slow=40)
-@pytest.mark.parametrize("ending", ENDINGS)
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize(
+    ("ending", "name"),
+    tiers(
+        [
+            *((".csv", "About"), (".csv", "Description in other axes")),
+            *((".json", "Trajectory"), (".npz", "Certified"), (".npz", "Conditioning")),
+            *((".parquet", "EventTimes"), (".csv", "Reductions"), (".csv", "ChaosMap")),
+            *((".json", "Frequencies"), (".npz", "Orbit"), (".npz", "ProvedStability")),
+            (".parquet", "Lyapunov of all"),
+        ],
+        [
+            *((".json", "About"), (".csv", "Cases"), (".csv", "Description")),
+            *((".parquet", "Description"), (".csv", "CheckReport")),
+            *((".parquet", "CheckReport"), (".parquet", "CheckReport of bands")),
+            *((".parquet", "Trajectory"), (".parquet", "Trajectory in quad")),
+            *((".npz", "Reference"), (".parquet", "Certified")),
+            *((".npz", "ReferenceTable"), (".npz", "Textbook")),
+            *((".json", "Conditioning"), (".npz", "Enclosure")),
+            *((".json", "CertifiedEvents"), (".json", "EventTimes")),
+            *((".json", "Judgement"), (".json", "Ensemble")),
+            *((".csv", "Ensemble of arrays"), (".json", "Reductions")),
+            *((".csv", "Reductions of events"), (".csv", "Section")),
+            *((".parquet", "Section"), (".csv", "ChaosMap of starts")),
+            *((".parquet", "ChaosMap of starts"), (".parquet", "Levels")),
+            *((".parquet", "Frequencies"), (".parquet", "OrbitSearch")),
+            *((".npz", "Orbit to 5 digits"), (".parquet", "Orbit")),
+            *((".npz", "ProvedOrbit"), (".npz", "ProvedOrbits")),
+            *((".json", "ProvedStability"), (".npz", "Verdict"), (".json", "Lyapunov")),
+            *((".json", "Lyapunov of all"), (".json", "ObservedOrder")),
+            *((".json", "Report"), (".csv", "OrbitFamily"), (".csv", "ProvedChaos")),
+            *((".json", "ProvedChaos"), (".npz", "ProvedChaos")),
+            (".parquet", "ProvedChaos"),
+        ],
+    ),
+)
 def test_a_result_is_read_and_written_again_to_the_same_bytes(
     name: str, ending: str, tmp_path: Path
 ) -> None:
@@ -87,8 +120,18 @@ def test_a_result_is_read_and_written_again_to_the_same_bytes(
             )
 
 
-@pytest.mark.sample(6, slow=12)
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize(
+    "name",
+    tiers(
+        [*("About", "Trajectory", "Conditioning", "Reductions", "Frequencies"), "ProvedStability"],
+        [
+            *("Cases", "Description in other axes", "Trajectory in quad"),
+            *("ReferenceTable", "Enclosure", "Judgement", "Reductions of events"),
+            *("ChaosMap", "OrbitSearch", "ProvedOrbit", "Verdict", "ObservedOrder"),
+            "ProvedChaos",
+        ],
+    ),
+)
 def test_names_are_names_once_and_the_scene_comes_first(name: str) -> None:
     content = result_named(name).content()
     columns = [x.name for x in content.table.columns]
@@ -110,8 +153,18 @@ def test_names_are_names_once_and_the_scene_comes_first(name: str) -> None:
         assert None not in [*column.values]
 
 
-@pytest.mark.sample(6, slow=12)
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize(
+    "name",
+    tiers(
+        [*("About", "Trajectory", "Conditioning", "Reductions", "Frequencies"), "ProvedStability"],
+        [
+            *("Cases", "Description in other axes", "Trajectory in quad"),
+            *("ReferenceTable", "Enclosure", "Judgement", "Reductions of events"),
+            *("ChaosMap", "OrbitSearch", "ProvedOrbit", "Verdict", "ObservedOrder"),
+            "ProvedChaos",
+        ],
+    ),
+)
 def test_json_of_a_result_is_that_of_its_file(name: str, tmp_path: Path) -> None:
     result = result_named(name)
     if name not in CERTIFIED:
@@ -180,9 +233,24 @@ RUNS: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.sample(7, slow=14)
-@pytest.mark.parametrize("ending", ENDINGS)
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize(
+    ("ending", "name"),
+    tiers(
+        [
+            *((".csv", "double"), (".parquet", "events"), (".npz", "extended")),
+            *((".npz", "60 digits"), (".json", "an array of times")),
+            *((".json", "cut short"), (".csv", "projected")),
+        ],
+        [
+            *((".json", "double"), (".csv", "events"), (".csv", "events in quad")),
+            *((".parquet", "events in quad"), (".parquet", "extended")),
+            *((".parquet", "quad"), (".parquet", "60 digits"), (".npz", "without gamma")),
+            *((".npz", "an array of times"), (".json", "an array in extended")),
+            *((".npz", "cut short"), (".json", "nothing"), (".json", "projected")),
+            (".csv", "refined"),
+        ],
+    ),
+)
 def test_a_run_comes_back_whole(name: str, ending: str, tmp_path: Path) -> None:
     run = polhode.integrate(**RUNS[name])
     path = tmp_path / f"x{ending}"
@@ -304,8 +372,17 @@ def test_an_enclosure_s_file_holds_its_balls(tmp_path: Path) -> None:
             assert gap <= Fraction(bound)
 
 
-@pytest.mark.sample(5, slow=12)
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize(
+    "name",
+    tiers(
+        [*("About", "Trajectory in quad", "EventTimes", "ChaosMap", "ProvedOrbits")],
+        [
+            *("Cases", "Description in other axes", "Trajectory", "ReferenceTable"),
+            *("Enclosure", "Judgement", "Reductions", "ChaosMap of starts"),
+            *("OrbitSearch", "Orbit", "Verdict", "ObservedOrder", "ProvedChaos"),
+        ],
+    ),
+)
 def test_frames_are_the_table(name: str) -> None:
     pytest.importorskip("pandas")
     pytest.importorskip("xarray")

@@ -16,6 +16,7 @@ from polhode.numbers import vectors
 from polhode.numbers.conversion import exactly
 from polhode.scenes import library
 from shared.policies import change_policy
+from shared.tiers import tiers
 
 BOTH = ("angles", "attitude")
 NUMBERS = ("double", "extended", "quad", "mp")
@@ -47,8 +48,19 @@ def error(mine, exact, relative=False) -> float:
     return worst
 
 
-@pytest.mark.sample(4, slow=4)
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name",
+    tiers(
+        [
+            *("euler/angles-start", "hard/very-fast-top", "lagrange/planar-rotating"),
+            "pendulum/about-third-axis",
+        ],
+        [
+            *("euler/attitude", "lagrange/backward", "lagrange/planar-separatrix"),
+            "pendulum/hanging",
+        ],
+    ),
+)
 def test_outputs_of_a_run_are_those_of_the_closed_form(name):
     """In quad at a few times, 300 radians: absolute errors as small as the state's allow."""
     top = polhode.load(name)
@@ -79,11 +91,15 @@ CIRCLING = polhode.top(
 )
 
 
-@pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize(
     ("number", "case"),
     [
-        pytest.param(number, case, id=f"{number}-{name}")
+        pytest.param(
+            number,
+            case,
+            id=f"{number}-{name}",
+            marks=[pytest.mark.slow] * (name not in ("few", "short", "loops")),
+        )
         for number, name, case in (
             ("double", "few", scene("euler/largest-axis", [1, 600])),
             ("double", "uneven", scene("lagrange/turned-axes", [*UNEVEN, 700])),
@@ -129,9 +145,10 @@ def test_attitude_and_angles_are_as_good_as_the_state(number, case):
         assert len(getattr(each, word)) == len(run.times)
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("project", [False, None])
-@pytest.mark.parametrize("number", ["double", "extended"])
+@pytest.mark.parametrize(
+    ("project", "number"),
+    tiers([(False, "double")], [(None, "double"), (False, "extended"), (None, "extended")]),
+)
 def test_angles_that_grow_loosen_no_step(number, project, monkeypatch):
     """phi of a fast top grows to thousands of radians, and steps are as accurate as the largest
     variable asks: its state would lose as many digits.  Chunks end between two set-backs."""
@@ -194,10 +211,14 @@ def test_a_pole_on_the_way_is_passed_and_turns_alone_are_in_doubt():
 # -- poles and zeros at the start -----------------------------------------------------------------
 
 
-@pytest.mark.sample(2, slow=4)
-@pytest.mark.parametrize("number", NUMBERS)
-@pytest.mark.parametrize("up", [1, -1], ids=["upper", "lower"])
-@pytest.mark.parametrize("end", [3, -3])
+@pytest.mark.parametrize(
+    ("number", "up", "end"),
+    tiers(
+        [("double", 1, 3), ("double", 1, -3)],
+        [*(("extended", 1, 3), ("double", -1, 3), ("extended", 1, -3)), ("double", -1, -3)],
+    ),
+    ids=lambda x: getattr(x, "name", None),
+)
 def test_angles_of_a_start_at_a_pole_begin_at_their_one_sided_limits(number, up, end):
     """psi and phi are undefined at t = 0, then the closed form's; psi ± phi is continuous."""
     top = scene("euler/attitude", [0, Fraction(end, 100), end], gamma=(0, 0, Fraction(up)))
@@ -216,8 +237,7 @@ def test_a_body_that_stays_at_the_pole_has_no_psi_and_phi():
     assert run.attitude.shape == (3, 4)
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("output", [{"number": "quad"}, {"digits": 50}])
+@pytest.mark.parametrize("output", tiers([{"number": "quad"}], [{"digits": 50}]))
 def test_what_is_zero_at_the_start_of_a_turned_body_is_zero(output):
     """Through the principal axes and back it would be 1e-35, or 1e-56."""
     top = polhode.top(

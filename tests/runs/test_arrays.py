@@ -11,6 +11,7 @@ import pytest
 
 import polhode
 from polhode.taylor import batches, defaults, lanes
+from shared.tiers import tiers
 
 EPS = 2.0**-52
 BODY = {"moments": [3, 2, 1.5], "centre": [0.25, 0.125, 0.5], "weight": 4}
@@ -48,9 +49,10 @@ def of(name: str, count: int = 45):
     return go, rows, unit
 
 
-@pytest.mark.sample(3, slow=3)
-@pytest.mark.parametrize("way", [1, -1])
-@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize(
+    ("way", "name"),
+    tiers([(1, "plain"), (-1, "fast"), (1, "free")], [(-1, "plain"), (1, "turned"), (-1, "free")]),
+)
 def test_a_row_depends_neither_on_its_neighbours_nor_on_threads_nor_on_other_times(
     name, way, monkeypatch
 ):
@@ -98,8 +100,9 @@ def test_a_long_way_in_stretches_is_that_in_one(way, monkeypatch):
     assert many.reached == (Fraction(times[-1]),) * 9
 
 
-@pytest.mark.sample(4)
-@pytest.mark.parametrize("name", [name for name in BODIES if name != "free sphere"])
+@pytest.mark.parametrize(
+    "name", tiers(["plain", "slow", "turned", "free"], ["fast", "symmetric", "sphere"])
+)
 def test_rows_are_as_right_as_starts_alone(name):
     """Errors against 113 bits, after 8 units of time, are those of a start alone."""
     go, rows, unit = of(name, 5)
@@ -255,8 +258,7 @@ def again_and_again(call):
         call()
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize(("end", "count"), [(400.0, 20), (60.0, 3000), (1e7, 40)])
+@pytest.mark.parametrize(("end", "count"), tiers([(400.0, 20)], [(60.0, 3000), (1e7, 40)]))
 def test_ctrl_c_ends_many_rows_and_leaves_the_propagator_usable(end, count):
     go, rows, _ = of("plain", count)
     right = go(rows[:9], t=3.0)
@@ -322,20 +324,21 @@ def columns_of(*keys: str, count: int = COUNT):
     return {key: every[key] for key in keys}
 
 
-@pytest.mark.sample(3, slow=3)
 @pytest.mark.parametrize(
-    ("body", "keys"),
-    [
-        ("plain", ["start.omega", "start.gamma"]),
-        ("plain", ["start.omega"]),
-        ("plain", ["start.omega", "start.gamma", "body.moments", "body.weight"]),
-        ("plain", ["body.moments", "body.centre", "body.weight"]),
-        ("turned", ["start.omega", "start.gamma"]),
-        ("symmetric", ["start.gamma", "start.omega"]),
-        ("free", ["start.omega", "body.moments"]),
-    ],
+    ("body", "keys", "at"),
+    tiers(
+        [
+            ("plain", ["start.omega", "start.gamma"], [2]),
+            ("turned", ["start.omega", "start.gamma"], [2]),
+            ("plain", ["start.omega", "start.gamma", "body.moments", "body.weight"], [0, -1, -5]),
+        ],
+        [
+            ("plain", ["start.omega"], [2]),
+            ("symmetric", ["start.gamma", "start.omega"], [2]),
+            ("plain", ["body.moments", "body.centre", "body.weight"], [0, -1, -5]),
+        ],
+    ),
 )
-@pytest.mark.parametrize("at", [[2], [0, -1, -5]])
 def test_members_of_arrays_are_those_of_exact_values_to_the_bit(body, keys, at):
     """Coefficients are rounded once, units are each member's own."""
     columns = columns_of(*keys)

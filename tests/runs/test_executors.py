@@ -12,6 +12,7 @@ import pytest
 
 from polhode.common import processes
 from polhode.common.processes import in_order
+from shared.tiers import tiers
 
 HERE = os.getpid()
 
@@ -140,8 +141,7 @@ def told_by(way, tmp_path, text):
     return done.returncode, done.stdout, done.stderr
 
 
-@pytest.mark.sample(2)
-@pytest.mark.parametrize("way", ["file", "stdin", "command", "module"])
+@pytest.mark.parametrize("way", tiers(["file", "command"], ["stdin", "module"]))
 def test_no_process_runs_the_caller_s_script_again(way, tmp_path):
     """It has no guard: once it ran thrice, and what came on stdin was looked for as a file."""
     assert told_by(way, tmp_path, LIGHT) == (0, "begun\n[1, 2, 3]\n", "")

@@ -28,6 +28,7 @@ from polhode.scenes import scene_file
 from shared.commands import STEPPING
 from shared.motions import heavy, heavy_file, in_other_units, same_bits
 from shared.policies import change_policy
+from shared.tiers import tiers
 
 LONG = "euler/largest-axis"
 
@@ -332,8 +333,7 @@ def test_threads_that_run_at_once_get_what_each_would_get_alone():
     assert all(run.result() == expected[k % 4] for k, run in enumerate(runs))
 
 
-@pytest.mark.sample(1, slow=1)
-@pytest.mark.parametrize("number", ["double", "quad"])
+@pytest.mark.parametrize("number", tiers(["double"], ["quad"]))
 def test_runs_of_one_scene_forwards_and_back_are_those_of_scenes_of_their_own(number):
     """They share what does not depend on the way; events count what crosses on it."""
 

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import polhode
+from shared.tiers import tiers
 
 BODY = {"moments": [3, 2, 1], "centre": [0.25, 0.125, 0.5], "weight": 4}
 START = [0.5, -0.25, 2.0, 0.6, 0.0, 0.8]  # 0.36 + 0.64 is 1 to an ulp
@@ -221,9 +222,10 @@ def test_what_was_not_reached_is_nan_and_said():
     assert go.outcome is polhode.Outcome.STEP_LIMIT
 
 
-@pytest.mark.sample(2, first=1, slow=2)
-@pytest.mark.parametrize("number", ["double", "extended"])
-@pytest.mark.parametrize("end", [0.5, -40.0, 2.5e4])
+@pytest.mark.parametrize(
+    ("number", "end"),
+    tiers([("extended", 0.5)], [("double", 0.5), ("extended", -40.0), ("double", 25000.0)]),
+)
 def test_a_call_without_a_limit_makes_the_steps_of_a_run(end, number):
     """The last end's bound is above what goes at once."""
     if number == "extended":
@@ -293,9 +295,7 @@ def test_a_long_way_is_gone_as_a_run_goes_it():
     assert (go.outcome, go.steps < 10**6) == (polhode.Outcome.STEP_LIMIT, True)
 
 
-@pytest.mark.sample(1, first=2, slow=0)
-@pytest.mark.parametrize("number", ["double", "extended"])
-@pytest.mark.parametrize("name", ["general/asymmetric-regular", "euler/largest-axis"])
+@pytest.mark.parametrize(("number", "name"), [("double", "euler/largest-axis")])
 def test_an_array_of_times_gives_the_states_of_a_list_to_the_bit(name, number):
     """An array of the propagator's own type goes to heyoka at once, a list by exact times."""
     go = polhode.propagator(name, number=number)

@@ -19,6 +19,7 @@ from polhode.refined.errors import Stalled
 from polhode.refined.refinement import refine
 from polhode.runs.options import refinement_pays
 from polhode.scenes.scene import Event
+from shared.tiers import tiers
 
 SCENE = "kovalevskaya/generic"
 UNSTABLE = "hard/dzhanibekov-1e-12"
@@ -224,8 +225,7 @@ def test_sweeps_that_stall_are_made_with_more_limbs():
     assert errors(run)[0] < run.errors[0] < 1e-30
 
 
-@pytest.mark.sample(2)
-@pytest.mark.parametrize("form", ["general", "inertia-axes", "momentum", "gyration-axes"])
+@pytest.mark.parametrize("form", tiers(["general", "momentum"], ["inertia-axes", "gyration-axes"]))
 def test_linear_forms_are_refined_in_principal_axes(form):
     scene = replace(polhode.load("euler/turned-axes"), form=form, events=(), outputs=())
     run, plain = (refined(s, [5, 30]) for s in (scene, replace(scene, form="principal")))

@@ -17,6 +17,7 @@ import polhode
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
 from shared.motions import heavy
+from shared.tiers import tiers
 
 NAME, TIMES = "lagrange/nutation", [0, 1, 2, 5]
 
@@ -61,16 +62,21 @@ def test_every_number_of_a_run_has_the_digits_of_its_type(run):
     assert all(exactly(x) == run.number.rounded(exact) for x, exact in start)
 
 
-@pytest.mark.sample(3, slow=4)
-@pytest.mark.parametrize("number", TYPES)
 @pytest.mark.parametrize(
-    ("name", "at"),
-    [
-        ("euler/turned-axes", [1, 20]),
-        ("euler/backward", [-1, -20]),
-        ("kovalevskaya/irrational-centre", [1, 10]),
-        ("euler/tiny-units", [1, 20]),
-    ],
+    ("number", "name", "at"),
+    tiers(
+        [
+            ("double", "euler/turned-axes", [1, 20]),
+            ("extended", "euler/backward", [-1, -20]),
+            ("quad", "kovalevskaya/irrational-centre", [1, 10]),
+        ],
+        [
+            ("extended", "euler/turned-axes", [1, 20]),
+            ("double", "euler/backward", [-1, -20]),
+            ("double", "kovalevskaya/irrational-centre", [1, 10]),
+            ("double", "euler/tiny-units", [1, 20]),
+        ],
+    ),
 )
 def test_bodies_of_any_axes_and_units_have_them_too(name, at, number):
     """Irrational axes and coefficients: none of them is a double in a wider type."""
@@ -81,8 +87,7 @@ def test_bodies_of_any_axes_and_units_have_them_too(name, at, number):
         assert most - 2.4 < digits <= most + 0.6
 
 
-@pytest.mark.sample(2)
-@pytest.mark.parametrize("number", TYPES)
+@pytest.mark.parametrize("number", tiers(["double", "quad"], ["extended", "mp"]))
 def test_output_times_never_change_the_steps(number):
     scene = polhode.load("general/asymmetric-chaotic")
     few = polhode.integrate(scene, at=[10], number=number)
@@ -200,8 +205,7 @@ def test_a_run_is_called_at_any_time(run, kind):
             run(wrong)
 
 
-@pytest.mark.sample(1, first=2)
-@pytest.mark.parametrize("number", TYPES)
+@pytest.mark.parametrize("number", tiers(["quad"], ["double", "extended", "mp"]))
 def test_a_backward_run_is_called_backward(number):
     run = polhode.integrate(heavy("-20"), number)
     again = run(run.times)

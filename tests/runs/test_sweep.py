@@ -25,6 +25,7 @@ from polhode.scenes import members, scene_file, vary
 from shared.examples import examples
 from shared.motions import free_file, heavy, heavy_file
 from shared.policies import change_policy
+from shared.tiers import tiers
 
 
 def worst(one, other) -> float:
@@ -113,17 +114,38 @@ SWEEPS = [
 ]
 
 
-@pytest.mark.sample(14, slow=6)
-@pytest.mark.parametrize(("scene", "given"), SWEEPS, ids=range(len(SWEEPS)))
+@pytest.mark.parametrize(
+    ("scene", "given"),
+    tiers(
+        [
+            *(SWEEPS[0], SWEEPS[2], SWEEPS[4], SWEEPS[6], SWEEPS[8]),
+            (MATRIX["irrational"], {"start.omega[3]": "0.1:7:5"}),
+            (MATRIX["exchanged"], {"start.omega[3]": "0.1:7:5"}),
+            (MATRIX["irrational"], {"start.omega[1]": ["1/3", -3, 0], "body.weight": "-2:2:3"}),
+            (MATRIX["exchanged"], {"body.centre[1]": ["1/7", 1, 2]}),
+            *((MATRIX["own"], {"body.inertia[1][2]": [0, "0.5"]}), SWEEPS[20]),
+            *(SWEEPS[22], SWEEPS[24], SWEEPS[26]),
+        ],
+        [
+            *(SWEEPS[1], SWEEPS[5], SWEEPS[9]),
+            (
+                MATRIX["rational"],
+                {"body.centre[1]": ["0", -1], "start.omega[2]": ["sqrt(2)", "-1/10"]},
+            ),
+            (MATRIX["irrational"], {"start.omega[1]": [1, 100], "body.inertia[1][2]": ["0.5", 0]}),
+            SWEEPS[23],
+        ],
+    ),
+)
 def test_members_are_the_runs_of_their_scenes(scene, given):
     many = polhode.integrate_many(scene, given, workers=1)
     assert_own_runs(many, turned="inertia" in scene.source or not scene.body.axes.trivial)
     assert len({states.tobytes() for states in many.states}) == len(many)
 
 
-@pytest.mark.sample(1, first=1, slow=3)
-@pytest.mark.parametrize("number", ["extended", "quad", "mp"])
-@pytest.mark.parametrize("case", [7, 13, 10])
+@pytest.mark.parametrize(
+    ("number", "case"), tiers([("quad", 7)], [("extended", 7), ("extended", 13), ("extended", 10)])
+)
 def test_in_wider_types_too(case, number):
     scene, given = SWEEPS[case]
     given = {
@@ -142,14 +164,20 @@ def test_members_that_no_type_of_theirs_refines_are_refused_as_runs_are(number):
     assert str(many.value) == str(one.value)
 
 
-@pytest.mark.sample(4, slow=3)
-@pytest.mark.parametrize("at", [[3], [0, "1/3", 20]])
 @pytest.mark.parametrize(
-    ("number", "tol", "method"),
-    [
-        *(("extended", None, "auto"), ("extended", "1e-15", "auto"), ("quad", None, "taylor")),
-        *(("quad", None, "auto"), ("quad", "1e-25", "auto"), ("mp", None, "auto")),
-    ],
+    ("at", "number", "tol", "method"),
+    tiers(
+        [
+            ([3], "extended", None, "auto"),
+            *(([0, "1/3", 20], "extended", "1e-15", "auto"), ([3], "quad", None, "auto")),
+            ([0, "1/3", 20], "quad", "1e-25", "auto"),
+        ],
+        [
+            ([0, "1/3", 20], "extended", None, "auto"),
+            ([3], "quad", None, "taylor"),
+            ([3], "quad", "1e-25", "auto"),
+        ],
+    ),
 )
 def test_members_of_wider_types_are_their_runs_to_the_bit(number, tol, method, at):
     """Also one about turned axes, and one that stands still."""
@@ -271,6 +299,7 @@ def test_what_cancels_along_turned_axes_is_exactly_nothing(number):
     assert np.array_equal(plan.tables.starts.astype(float), near)
 
 
+@pytest.mark.slow
 def test_members_are_as_right_as_their_closed_forms_say():
     """A Lagrange top spun at sixteen speeds: digits of every member by its closed form."""
     scene = polhode.top(
@@ -322,8 +351,7 @@ def test_members_of_several_units_of_time_side_by_side_are_each_what_they_are_al
     assert set(many.reached) == {many.times[-1]}
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("end", ["600", "-600"])
+@pytest.mark.parametrize("end", tiers(["600"], ["-600"]))
 def test_long_sweeps_of_slow_and_fast_members_in_any_order(end):
     """Neighbours of another speed or unit, and members cut into chunks, change no bit."""
     spins = [2 + (37 * k % 61) / 61 for k in range(61)]

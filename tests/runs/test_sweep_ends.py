@@ -24,6 +24,7 @@ from polhode.common.values import same
 from polhode.motion.outcomes import Outcome
 from polhode.taylor import batches
 from shared.motions import heavy
+from shared.tiers import tiers
 
 GIVEN = {"start.omega[3]": "0.5:1.5:40", "body.weight": [0, 1]}
 
@@ -65,9 +66,8 @@ def test_progress_counts_members():
     assert [done for _, done in seen] == sorted(done for _, done in seen)
 
 
-@pytest.mark.sample(1, slow=1)
 @pytest.mark.parametrize(
-    ("number", "end", "pool"), [("double", "1000", 0), ("quad", "20", 0), ("double", "200", 1)]
+    ("number", "end", "pool"), tiers([("double", "1000", 0)], [("quad", "20", 0)])
 )
 def test_ctrl_c_keeps_what_is_finished(number, end, pool):
     """The keyboard interrupts after the fifth job: its members stay, the rest are marked."""
@@ -219,8 +219,7 @@ def alike(one: polhode.Ensemble, other: polhode.Ensemble) -> bool:
     return one == other and same(one.states, other.states)
 
 
-@pytest.mark.sample(1, slow=2)
-@pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
+@pytest.mark.parametrize("number", tiers(["double"], ["extended", "quad"]))
 def test_an_interrupted_sweep_goes_on_and_ends_as_an_undisturbed_one(number, tmp_path):
     """However often it was interrupted, what was done is not done again; it is kept when whole."""
     whole, folder, seen = swept(None, number), tmp_path / "parts", []
@@ -300,8 +299,9 @@ DAMAGES = {
 }
 
 
-@pytest.mark.sample(1, slow=3)
-@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize(
+    "damage", tiers(["empty"], ["a zip's beginning", "an array more", "reached"])
+)
 def test_a_part_that_somebody_damaged_is_made_again(damage, tmp_path):
     """It gave tracebacks, or its numbers went into the result."""
     folder = tmp_path / "x.parts"

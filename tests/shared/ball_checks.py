@@ -22,7 +22,7 @@ FEW_BITS = 24, 30, 40, 53, 64, 90, 128, 200, 330
 TIMES = F(3, 2), F(-7), F(1000)
 
 
-def made(family, plain):
+def motion_of_family(family, plain):
     moments, torque, omega, gamma = plain
     body = polhode.Body.of_moments(moments, torque, 1 if any(torque) else 0)
     kind, motion = closed_form(polhode.Scene(body, omega, gamma, psi=PSI), family)

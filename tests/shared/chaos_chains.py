@@ -13,7 +13,7 @@ from flint import ctx
 
 from polhode import ProvedOrbit
 from polhode.certificates import verify
-from polhode.dynamics.newton_shooting import Surface
+from polhode.dynamics.level_body import LevelBody
 from polhode.numbers.number_types import Doubles, double_array
 from polhode.proofs import chaos_certificate, homoclinic
 from polhode.proofs.chaos_certificate import Chain, Chart, Guess, Rectangle
@@ -38,7 +38,7 @@ class Example(NamedTuple):
 def guess() -> tuple[ProvedOrbit, Guess]:
     """The chain at h = 261/200, f = 31/25, time in the scene's unit."""
     orbit = proofs.proved(proofs.HYPERBOLIC)
-    surface = Surface(orbit.near, proofs.H, proofs.F)
+    surface = LevelBody(orbit.near, proofs.H, proofs.F)
     assert surface.unit == 1
     saddle = homoclinic.saddle(surface, np.array(start_of(orbit)), float(orbit.period))
     assert saddle is not None

@@ -384,7 +384,7 @@ WRONG = {
 }
 
 
-# -- files of the campaign --------------------------------------------------------------------
+# -- files of a convention ----------------------------------------------------------------------
 
 PRODUCTS = "products of inertia"
 SCENE_QUATERNION = "quaternion of the scene"

@@ -41,16 +41,16 @@ def rotations(draw):
     return members.rotation(*draw(st.tuples(*[st.integers(-4, 4)] * 4).filter(any)))
 
 
-def turned(rotation, vector):
+def rotated_vector(rotation, vector):
     return tuple(sum(a * x for a, x in zip(row, vector, strict=True)) for row in rotation)
 
 
 def turned_scene(rotation, scene, **changes):
     """The same motion of the body in axes that are turned."""
-    columns = [turned(rotation, column) for column in scene.body.inertia]  # R I, by columns
-    rows = [turned(rotation, row) for row in zip(*columns, strict=True)]
-    body = Body(tuple(rows), turned(rotation, scene.body.centre), scene.body.weight)
-    start = turned(rotation, scene.omega), turned(rotation, scene.gamma)
+    columns = [rotated_vector(rotation, column) for column in scene.body.inertia]  # R I, by columns
+    rows = [rotated_vector(rotation, row) for row in zip(*columns, strict=True)]
+    body = Body(tuple(rows), rotated_vector(rotation, scene.body.centre), scene.body.weight)
+    start = rotated_vector(rotation, scene.omega), rotated_vector(rotation, scene.gamma)
     return Scene(body, *start, psi=scene.psi, **changes)
 
 

@@ -18,6 +18,7 @@ from polhode.scenes.scene import Event
 from polhode.taylor import engine
 from polhode.taylor.engine import Pool
 from shared.policies import change_policy
+from shared.tiers import tiers
 
 NAME = "lagrange/nutation"
 CENTRES = {"free": [0, 0, 0], "on an axis": [0, 0, 1], "anywhere": ["1/3", "1/5", "1/7"]}
@@ -57,9 +58,16 @@ def built(monkeypatch) -> list:
 # -- what compiles, and what is built -------------------------------------------------------------
 
 
-@pytest.mark.sample(5, slow=4)
-@pytest.mark.parametrize("centre", CENTRES)
-@pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
+@pytest.mark.parametrize(
+    ("centre", "number"),
+    tiers(
+        [
+            *(("free", "double"), ("anywhere", "double"), ("on an axis", "extended")),
+            *(("on an axis", "quad"), ("free", "mp")),
+        ],
+        [*(("on an axis", "double"), ("free", "extended"), ("free", "quad")), ("on an axis", "mp")],
+    ),
+)
 def test_another_body_of_a_pattern_compiles_nothing(number, centre):
     """heyoka keeps in its memory whatever it compiles."""
     options = {"number": number, "method": "taylor", "project": False, "at": [1]}
@@ -226,9 +234,10 @@ def test_propagators_in_turn_have_the_bits_of_runs(alone):
                 assert np.abs(there - states[-1]).max() < 1e-13
 
 
-@pytest.mark.sample(2)
-@pytest.mark.parametrize("outputs", [(), ("angles",)])
-@pytest.mark.parametrize("number", ["double", "extended"])
+@pytest.mark.parametrize(
+    ("outputs", "number"),
+    tiers([((), "double"), ((), "extended")], [(("angles",), "double"), (("angles",), "extended")]),
+)
 def test_another_start_in_an_idle_integrator_has_the_bits_of_a_new_one(number, outputs, built):
     """Its spin, which the equations keep, is told whenever the state is, and in events of time."""
     zero = Event("e", "gamma3 - 1/2 - t/200")

@@ -12,6 +12,7 @@ import polhode
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NAMES, QUAD, NumberType, mp
 from polhode.taylor import defaults, heyoka
 from shared.policies import change_policy
+from shared.tiers import tiers
 
 TYPES = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD, "mp": mp()}
 
@@ -75,8 +76,7 @@ def test_cyclic_variables_are_divided_by_the_next_power_of_two():
         assert row.divisor == 2 ** (math.floor(math.log2(row.set_back)) + 1)
 
 
-@pytest.mark.sample(2, slow=1)
-@pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
+@pytest.mark.parametrize("number", tiers(["double", "quad"], ["extended"]))
 def test_runs_go_by_the_table(number, monkeypatch):
     scene = polhode.load("kovalevskaya/generic")
     assert polhode.integrate(scene, number, at=[1], project=True).projection.every == (

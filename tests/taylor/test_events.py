@@ -21,6 +21,7 @@ from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes import scene_file, vocabulary
 from polhode.scenes.scene import Event
 from shared.policies import change_policy
+from shared.tiers import tiers
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
 BITS = 240
@@ -57,17 +58,19 @@ def ulp(t: Fraction, bits: int) -> Fraction:
 # -- where and how often ----------------------------------------------------------------------
 
 
-@pytest.mark.sample(2, slow=2)
-@pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
 @pytest.mark.parametrize(
-    ("name", "end", "texts"),
-    [
-        (EULER, 12, ("q", "gamma3 - 2/3", "gamma1 + t/100")),
-        ("euler/backward", -5, ("p*gamma2 - q*gamma1", "t*q + 1/7")),
-        ("euler/turned-axes", 20, ("gamma1", "p*gamma2 - q*gamma1")),
-        ("euler/huge-units", 12 * 10**6, ("q", "gamma3 - 2/3")),
-        ("euler/tiny-units", 12, ("q", "sin(3*t) - gamma1")),
-    ],
+    ("number", "name", "end", "texts"),
+    tiers(
+        [
+            (DOUBLE, "euler/largest-axis", 12, ("q", "gamma3 - 2/3", "gamma1 + t/100")),
+            (QUAD, "euler/turned-axes", 20, ("gamma1", "p*gamma2 - q*gamma1")),
+        ],
+        [
+            (EXTENDED, "euler/largest-axis", 12, ("q", "gamma3 - 2/3", "gamma1 + t/100")),
+            (NUMBERS[3], "euler/turned-axes", 20, ("gamma1", "p*gamma2 - q*gamma1")),
+        ],
+    ),
+    ids=lambda x: getattr(x, "name", None),
 )
 def test_event_times_are_those_of_the_closed_form_to_four_ulps(number, name, end, texts):
     """Four ulps, of which two are the run's own error; states to twenty eps of their size."""
@@ -141,9 +144,11 @@ def test_rising_and_falling_are_meant_as_t_grows_in_backward_runs_too(end):
     assert all(row[0] * row[2] < 0 for row in falling.states)
 
 
-@pytest.mark.sample(3, slow=3)
-@pytest.mark.parametrize("number", NUMBERS[:3], ids=lambda n: n.name)
-@pytest.mark.parametrize("steps", [1, 2, 5])
+@pytest.mark.parametrize(
+    ("number", "steps"),
+    tiers([(DOUBLE, 1), (DOUBLE, 2), (DOUBLE, 5)], [(EXTENDED, 1), (EXTENDED, 2), (EXTENDED, 5)]),
+    ids=lambda x: getattr(x, "name", None),
+)
 def test_chunk_boundaries_neither_lose_nor_repeat_an_event(number, steps, monkeypatch):
     scene = watched(EULER, "q", "gamma3 - 2/3", "sin(t) - q")
     whole = polhode.integrate(scene, number, at=[30])
@@ -155,8 +160,7 @@ def test_chunk_boundaries_neither_lose_nor_repeat_an_event(number, steps, monkey
         assert all(abs(s - t) <= near for s, t in zip(first.times, second.times, strict=True))
 
 
-@pytest.mark.sample(1, slow=1)
-@pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
+@pytest.mark.parametrize("number", tiers([DOUBLE], [EXTENDED]), ids=lambda n: n.name)
 def test_events_do_not_steer_the_steps_nor_output_times_the_events(number):
     """The same steps as without; the last bits may differ, where terms are shared."""
     name = "general/asymmetric-regular"
@@ -181,8 +185,8 @@ def test_an_event_that_never_happens_has_no_times():
     assert run.events[0].states.shape == (0, 6)
 
 
-@pytest.mark.sample(0, slow=1)
-@pytest.mark.parametrize("number", NUMBERS[:2], ids=lambda n: n.name)
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [DOUBLE], ids=lambda n: n.name)
 def test_events_are_the_same_where_angles_begin_at_a_pole(number):
     """Those met on the bridge off the pole, among other variables, and those met after it."""
     scene = polhode.top(
@@ -226,9 +230,11 @@ def test_what_rounding_decides_is_called_grazing_and_nothing_else(shift, zeros, 
 # -- stopping ---------------------------------------------------------------------------------
 
 
-@pytest.mark.sample(3, slow=3)
-@pytest.mark.parametrize("number", NUMBERS, ids=lambda n: n.name)
-@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize(
+    ("number", "direction"),
+    tiers([(DOUBLE, 1), (QUAD, 1), (EXTENDED, -1)], [(EXTENDED, 1), (NUMBERS[3], 1), (QUAD, -1)]),
+    ids=lambda x: getattr(x, "name", None),
+)
 def test_a_run_stops_at_its_event(number, direction):
     scene = watched(
         EULER, Event("all", "q"), Event("stop", "q", "falling", stop=True), Event("late", "t**2-81")
@@ -267,20 +273,18 @@ def test_a_zero_at_the_start_is_no_event_and_does_not_stop_the_run():
 # -- refusals ---------------------------------------------------------------------------------
 
 
-@pytest.mark.sample(2, first=1, slow=2)
 @pytest.mark.parametrize(
     ("name", "zero", "words"),
-    [
-        (EULER, "p - p", "zero everywhere"),
-        (EULER, "sin(q)**2 + cos(q)**2 - 1", "zero everywhere"),
-        (EULER, "gamma1**2 + gamma2**2 + gamma3**2 - 1", "zero at all times of the motion"),
-        (EULER, "2*p**2 + 3*q**2 + 4*r**2 - 5.5", "zero at all times of the motion"),
-        ("euler/permanent-middle", "p", "zero at all times of the motion"),
-        (EULER, "1/(p - 3/10)", "division by zero"),
-        (EULER, "sqrt(p - 1)", "negative"),
-        (EULER, "gama1", "did you mean 'gamma1'"),
-        ("euler/no-gamma", "gamma1", "known are p, q, r, t"),
-    ],
+    tiers(
+        [
+            (EULER, "sin(q)**2 + cos(q)**2 - 1", "zero everywhere"),
+            (EULER, "1/(p - 3/10)", "division by zero"),
+        ],
+        [
+            (EULER, "p - p", "zero everywhere"),
+            ("euler/permanent-middle", "p", "zero at all times of the motion"),
+        ],
+    ),
 )
 def test_expressions_that_cannot_be_watched_are_refused_in_one_line(name, zero, words):
     with pytest.raises(polhode.BadInput) as caught:

@@ -11,6 +11,7 @@ import polhode
 from polhode.motion.outcomes import Outcome
 from polhode.scenes.scene import Event
 from polhode.scenes.vocabulary import value
+from shared.tiers import tiers
 
 SCENE = "kovalevskaya/generic"
 NUTATION = "p*gamma2 - q*gamma1"
@@ -21,8 +22,7 @@ def with_events(*zeros):
     return replace(polhode.load(SCENE), events=events, outputs=())
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize(("digits", "worst"), [(30, 3e-32), (45, 1e-46)])
+@pytest.mark.parametrize(("digits", "worst"), tiers([(30, 3e-32)], [(45, 1e-46)]))
 def test_events_lie_where_the_closed_form_has_them(digits, worst):
     """States at events of the nutation and of the equator, and that the expressions vanish."""
     scene = with_events(NUTATION, "gamma3")

@@ -13,12 +13,12 @@ import polhode
 from polhode.cli import main
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE
-from polhode.scenes import library
 from polhode.scenes.scene import Event
 from polhode.taylor import projection
 from polhode.taylor.motion import Motion
 from polhode.taylor.projection import Projector
 from shared.policies import change_policy
+from shared.tiers import tiers
 
 STANDING = ("lagrange/sleeping-unstable",)  # no step is taken
 TOPS = ("euler/largest-axis", "lagrange/nutation", "kovalevskaya/generic")
@@ -43,20 +43,20 @@ def chaplygin(order: tuple[int, int, int] = (0, 1, 2)) -> polhode.Scene:
 # -- the integrals ----------------------------------------------------------------------------
 
 
-@pytest.mark.sample(2, slow=4)
 @pytest.mark.parametrize(
     ("scene", "onto"),
-    [
-        ("euler/turned-axes", ("h", "f", "|gamma|^2", "|G|^2")),
-        ("euler/no-gamma", ("h", "|G|^2")),
-        ("lagrange/first-axis", ("h", "f", "|gamma|^2", "spin")),
-        ("lagrange/turned-axes", ("h", "f", "|gamma|^2", "spin")),
-        ("lagrange/spherical-body", ("h", "f", "|gamma|^2", "spin")),
-        ("kovalevskaya/irrational-centre", ("h", "f", "|gamma|^2", "K^2")),
-        (chaplygin(), ("h", "f", "|gamma|^2", "F")),
-        (chaplygin((1, 2, 0)), ("h", "f", "|gamma|^2", "F")),
-        ("general/asymmetric-regular", ("h", "f", "|gamma|^2")),
-    ],
+    tiers(
+        [
+            ("euler/turned-axes", ("h", "f", "|gamma|^2", "|G|^2")),
+            ("lagrange/spherical-body", ("h", "f", "|gamma|^2", "spin")),
+        ],
+        [
+            ("euler/no-gamma", ("h", "|G|^2")),
+            ("lagrange/first-axis", ("h", "f", "|gamma|^2", "spin")),
+            ("kovalevskaya/irrational-centre", ("h", "f", "|gamma|^2", "K^2")),
+            (chaplygin((1, 2, 0)), ("h", "f", "|gamma|^2", "F")),
+        ],
+    ),
 )
 def test_each_exact_scene_has_its_integrals_and_a_run_keeps_them(scene, onto):
     """A quad run that was not projected keeps every one of them to its rounding."""
@@ -79,9 +79,11 @@ def test_a_fourth_integral_needs_its_condition_exactly():
 # -- what it gains ----------------------------------------------------------------------------
 
 
-@pytest.mark.sample(0, slow=2)
-@pytest.mark.parametrize("name", TOPS)
-@pytest.mark.parametrize(("number", "end"), [("double", 5000), ("extended", 1500)])
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "number", "end"),
+    [("euler/largest-axis", "double", 5000), ("euler/largest-axis", "extended", 1500)],
+)
 def test_a_projected_run_has_more_digits(name, number, end):
     """In the mean of some late times and starts: at one of them errors are small by chance."""
     scene = polhode.load(name).at([Fraction(end * k, 40) for k in range(33, 41)])
@@ -104,8 +106,7 @@ def test_a_correction_that_is_no_rounding_is_not_made(monkeypatch):
     assert np.allclose(run.states, polhode.integrate(scene, project=False).states, 0, 1e-12)
 
 
-@pytest.mark.campaign
-def test_the_spin_of_a_symmetric_body_is_exact_on_average():
+def the_spin_of_a_symmetric_body_is_exact_on_average():
     """r' is 0: without memory of what was rounded off, r = 1.1 would be wrong all along."""
     scene = replace(
         polhode.load("lagrange/nutation"), times=tuple(Fraction(50 * k) for k in range(400))
@@ -125,8 +126,14 @@ def test_the_spin_of_a_symmetric_body_is_exact_on_average():
 LOSES = {"steklov/upper": 0.55}
 
 
-@pytest.mark.sample(0, slow=5)
-@pytest.mark.parametrize("name", library.names())
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("bobylev-steklov/asymptotic", "euler/separatrix", "hard/heavy-tiny-units"),
+        *("kovalevskaya/anchor", "lagrange/sleeping-stable"),
+    ],
+)
 def test_no_case_loses_digits(name):
     scene = polhode.load(name)
     truth = polhode.reference(scene)
@@ -138,24 +145,12 @@ def test_no_case_loses_digits(name):
         assert often > bare - LOSES.get(name, 0.5)
 
 
-@pytest.mark.sample(3, slow=4)
 @pytest.mark.parametrize(
     "name",
-    [
-        *STANDING,
-        "euler/permanent-middle",
-        "euler/separatrix",
-        "pendulum/librating",
-        "kovalevskaya/pendulum-equatorial",
-        "kovalevskaya/pendulum-axial",
-        "lagrange/planar-librating",
-        "euler/sphere",
-        "kovalevskaya/delaunay",
-        "kovalevskaya/multiply-degenerate",
-        "lagrange/homoclinic",
-        "lagrange/steady-slow",
-        "pendulum/separatrix",
-    ],
+    tiers(
+        ["lagrange/sleeping-unstable", "kovalevskaya/pendulum-equatorial", "kovalevskaya/delaunay"],
+        [*("euler/permanent-middle", "pendulum/librating", "euler/sphere"), "lagrange/homoclinic"],
+    ),
 )
 def test_degenerate_motions_are_left_alone(name):
     """Gradients of the integrals are parallel or vanish here; corrections stay roundings."""
@@ -200,10 +195,12 @@ def next_to(motion: str, near: Fraction) -> polhode.Scene:
     return polhode.Scene(top, (0, near, 4), gamma, times=(20,))
 
 
-@pytest.mark.sample(3, slow=3)
-@pytest.mark.parametrize("exponent", [5, 7, 9])
 @pytest.mark.parametrize(
-    "motion", ["rotation about C", "sleeping top, pushed", "sleeping top, tilted"]
+    ("exponent", "motion"),
+    tiers(
+        [(5, "rotation about C"), (5, "sleeping top, pushed"), (5, "sleeping top, tilted")],
+        [(7, "rotation about C"), (7, "sleeping top, pushed"), (7, "sleeping top, tilted")],
+    ),
 )
 def test_what_the_integrals_do_not_determine_is_left_alone(motion, exponent):
     """Undamped, the step would magnify the residual's rounding by ten to that exponent."""

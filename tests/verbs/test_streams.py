@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from shared.motions import free_file
+from shared.tiers import tiers
 
 TOP = free_file("at = [0, 1]")
 COMMAND = [sys.executable, "-m", "polhode"]
@@ -52,14 +53,8 @@ def test_what_gets_lost_on_a_full_disk_is_no_success(words):
     assert (process.returncode, process.stderr) == (2, full)
 
 
-@pytest.mark.sample(0, first=1, slow=1)
-@pytest.mark.parametrize(
-    "words",
-    [
-        "section general/asymmetric-regular --grid 2x2 --crossings 2 -o x.npz",
-        "plot lagrange/nutation --what error -o x.png",
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("words", ["plot lagrange/nutation --what error -o x.png"])
 def test_a_full_disk_is_one_line_and_leaves_nothing(monkeypatch, words):
     """As a limit on the size of files, which the system meets with the same kind of fault."""
     monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")  # cut off, it would stay for all that follow
@@ -159,8 +154,9 @@ def test_without_heyoka_all_works_but_what_integrates_says_how_to_get_it():
     assert min(Path(name).stat().st_size for name in ("x.png", "x.html")) > 1000
 
 
-@pytest.mark.sample(1)
-@pytest.mark.parametrize("words", ["run lagrange/nutation", "reference euler/separatrix --at 1"])
+@pytest.mark.parametrize(
+    "words", tiers(["run lagrange/nutation"], ["reference euler/separatrix --at 1"])
+)
 def test_the_closed_forms_run_where_heyoka_is_missing(words):
     program = f"{HIDDEN}from polhode.cli import command; command()"
     process = subprocess.run(
