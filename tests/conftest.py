@@ -57,17 +57,15 @@ def handlers_of_signals() -> Iterator[None]:
 
 
 @pytest.fixture(autouse=True, scope="session")
-def engines() -> Iterator[None]:
-    """Few idle engines, and code in the wider types unoptimised: the same bits, sooner.
+def little_optimised() -> Iterator[None]:
+    """Code in the wider types is compiled unoptimised: the same bits, sooner.
 
-    An engine takes 5 to 15 megabytes with its code, and tests ask for hundreds.  An x87 or library
-    operation has no faster form.  Doubles are left alone: theirs are contracted.  Quad is never
-    optimised, by polhode's own choice.
+    An x87 or library operation has no faster form.  Doubles are left alone: theirs are contracted.
+    Quad is never optimised, by polhode's own choice.
     """
-    from polhode.taylor import engine, heyoka
+    from polhode.taylor import heyoka
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(engine, "MOST", 12)
         for name in ("extended", "mp"):
             options = heyoka._TYPES[name]
             patch.setitem(heyoka._TYPES, name, lambda n, o=options: o(n) | {"opt_level": 0})

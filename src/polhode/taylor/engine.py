@@ -9,6 +9,7 @@ state.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, fields
@@ -349,7 +350,9 @@ def _product(row: Sequence[Expression], u: Sequence[Expression]) -> Expression:
 # Whoever needs one takes it out, so that no two share one, and puts it back.
 
 
-MOST = 64  # of a few hundred kilobytes each: more kinds than the library's cases need at a time
+#: Kinds that are worked with by turns, and each thread's engine of a sweep.  One with an event takes
+#: 5 megabytes, or 15 where it was compiled in this process.
+MOST = max(16, os.cpu_count() or 1)
 
 
 class Pool:
