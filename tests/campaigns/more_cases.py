@@ -27,7 +27,7 @@ sys.path[:0] = [str(TESTS), str(TESTS.parent / "reports")]
 #: By name the module, and a call in it, which fails where a check does.
 CAMPAIGNS = {
     "bands": (
-        "judging/test_band_statistics",
+        "judging/test_rounding_errors",
         "of_two_hundred_tops_85_to_95_percent_end_in_the_band()",
     ),
     "benchmark": (
@@ -51,7 +51,7 @@ CAMPAIGNS = {
         ' [("momentum", "max", 60), ("momentum", "min", 65), ("height", "max", 60)]]',
     ),
     "contest": ("reports/test_contest", "a_small_contest_of_many_starts_from_end_to_end()"),
-    "drifting files": ("judging/test_drifting_files", "drifting_files_are_named_right()"),
+    "drifting files": ("judging/test_conventions", "drifting_files_are_named_right()"),
     "enclosed attitudes": (
         "enclosures/test_attitude",
         "test_random_tops_have_their_attitude_and_angles_inside(10 * trials.KINDS)",

@@ -208,7 +208,7 @@ def test_the_kinds_that_are_read_are_those_that_there_are() -> None:
             yield from all_of(below)
 
     ours = {x.__name__ for x in all_of(Result) if x.__module__.startswith("polhode")}
-    assert ours - {"SweepResult", "ProvedResult", "Saved"} == {*reader.KINDS}
+    assert ours - {"SweepResult", "Theorem", "Saved"} == {*reader.KINDS}
 
 
 SCENE = replace(watched(), outputs=("angles", "attitude", "hodographs"))

@@ -7,11 +7,11 @@ STEPPING = """
 import sys
 from polhode.cli import main
 from polhode.taylor.motion import Motion
-advance = Motion.advance
+chunk = Motion._chunk
 def announced(self, *given):
-    Motion.advance = advance
+    Motion._chunk = chunk
     print("steps", flush=True)
-    return advance(self, *given)
-Motion.advance = announced
+    return chunk(self, *given)
+Motion._chunk = announced
 sys.exit(main())
 """

@@ -185,10 +185,10 @@ class Enclosure(Result, ByValue):
     scene's, proven too, where they were asked for.
 
     >>> import polhode
-    >>> found = polhode.certify("euler/largest-axis", at=[1], digits=20)
-    >>> found
-    <Enclosure of euler/largest-axis: 1 time to t = 1, 24.7 digits proven>
-    >>> print(found.strings()[0][0])  # p, as far as it is proven
+    >>> enclosure = polhode.certify("euler/largest-axis", at=[1], digits=20)
+    >>> enclosure
+    <Enclosure of euler/largest-axis: 1 time to t = 1, 24.4 digits proven>
+    >>> print(enclosure.strings()[0][0])  # p, as far as it is proven
     0.44780868821841484276869
     """
 

@@ -489,7 +489,7 @@ def in_double(
     """Rows of a run at times of either sign in any order: states, and outputs that are integrated.
 
     Nothing where it does not come so far.  ``number``: the type in which it is integrated;
-    ``farthest``: radians, to which it is.
+    ``farthest``: radians, to which it is.  Raises ImportError where heyoka is not installed.
     """
     if max((abs(to_double(t)) for t in times), default=0.0) * 10.0**scene.log10_rate > farthest:
         return {}
@@ -505,7 +505,7 @@ def in_double(
                 return {}
             for word, rows in by_time.items():
                 rows |= zip(part, getattr(run, word), strict=True)
-    except (BadInput, ImportError, ValueError, OverflowError):
+    except (BadInput, ValueError, OverflowError):
         return {}
     return {word: [rows[t] for t in instants] for word, rows in by_time.items()}
 

@@ -87,7 +87,10 @@ def integrated(
     ``number``: the type in which it is integrated.
     """
     turning = attitude and bool(scene.columns[3:])
-    rows = in_double(scene, times, ("attitude",) if turning else (), number)
+    try:
+        rows = in_double(scene, times, ("attitude",) if turning else (), number)
+    except ImportError:  # without heyoka
+        return None
     if not rows:
         return None
     states = np.asarray(rows["states"], dtype=float)
