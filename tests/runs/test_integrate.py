@@ -278,7 +278,8 @@ def test_ctrl_c_of_the_program_exits_130_and_writes_what_there_is(tmp_path):
     assert program.returncode == 130
     assert "interrupted" in said
     again = polhode.load_run(path)
-    assert (again.outcome, again.times) == (polhode.Outcome.INTERRUPTED, ())
+    assert again.outcome is polhode.Outcome.INTERRUPTED
+    assert again.times in ((), (100,))  # whether steps went so far before it was heard
 
 
 # -- refusals -------------------------------------------------------------------------------------
