@@ -1,4 +1,4 @@
-"""The one rule by which a hypothesis about a table is accepted: each of its edges, from both sides."""
+"""The one rule by which a hypothesis about a table is accepted: its edges, from both sides."""
 
 import numpy as np
 import pytest

@@ -129,7 +129,8 @@ WITHOUT = [
     *("list", "about", "show lagrange/nutation", "levels lagrange/nutation", "guide scene"),
     *("new x.toml", "reference lagrange/first-axis --at 0,1,2 --digits 20 -o table.csv"),
     "compare table.csv lagrange/first-axis --as-it-stands",
-    *("plot table.csv --what omega -o x.png", "view table.csv --scene lagrange/first-axis -o x.html"),
+    "plot table.csv --what omega -o x.png",
+    "view table.csv --scene lagrange/first-axis -o x.html",
 ]
 
 

@@ -350,8 +350,8 @@ def _product(row: Sequence[Expression], u: Sequence[Expression]) -> Expression:
 # Whoever needs one takes it out, so that no two share one, and puts it back.
 
 
-#: Kinds that are worked with by turns, and each thread's engine of a sweep.  One with an event takes
-#: 5 megabytes, or 15 where it was compiled in this process.
+#: Kinds that are worked with by turns, and each thread's engine of a sweep.  One with an event
+#: takes 5 megabytes, or 15 where it was compiled in this process.
 MOST = max(16, os.cpu_count() or 1)
 
 
