@@ -281,6 +281,35 @@ def test_times_may_be_asked_for_twice_and_in_any_order(case):
     assert judgement.parts["angles"] > 15
 
 
+def past_the_pole(miss: str) -> polhode.Reference:
+    """A Lagrange top that swings past the upper pole, f - Mz of its spin off by so much."""
+    omega = [Fraction(1, 2) + Fraction(5, 3) * Fraction(miss), 2, 3]
+    return polhode.reference(
+        polhode.top(
+            moments=[1, 1, "1/2"], centre=[0, 0, 1], weight=1, omega=omega, gamma=["3/5", 0, "4/5"]
+        )
+    )
+
+
+@pytest.mark.parametrize(
+    "miss",
+    tiers(["1e-12", "-1e-15"], ["1e-15", "1e-16", "-1e-16", "1e-20", "-1e-20", "1e-25", "-1e-25"]),
+)
+def test_the_side_on_which_a_pole_is_passed_is_that_of_the_motion(miss):
+    """Nearer than rounding takes a run in double: a branch by it alone is off by a turn."""
+    far = past_the_pole("-1e-6" if miss.startswith("-") else "1e-6")
+    rows = past_the_pole(miss).angles([2, 8], 20)
+    for row, side in zip(rows, far.angles([2, 8], 20), strict=True):
+        assert [float(x) for x in row] == pytest.approx([float(x) for x in side], abs=1e-4)
+
+
+@pytest.mark.slow
+def test_a_pole_that_is_passed_nearer_than_quad_can_tell_is_no_answer():
+    with pytest.raises(polhode.BadInput, match="went round to t = 2 is not known"):
+        past_the_pole("1e-36").angles([2], 20)
+    assert None not in past_the_pole("0").angles([2], 20)[0]  # through it: either branch
+
+
 def test_a_run_that_leaves_the_motion_tells_no_turns(monkeypatch):
     """On the separatrix: rounding takes a run in double away from it, and there psi is another."""
     exact = polhode.reference("euler/separatrix")

@@ -11,7 +11,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypeVar, overload
 
 from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.arguments import each, whole
@@ -21,16 +21,16 @@ from polhode.equations.kinematics import Hodographs, hodographs
 from polhode.judging.certified import Certified, NoAnswer
 from polhode.judging.reference_rows import ReferenceTable, tabulated
 from polhode.numbers import exact, number_types
-from polhode.numbers.conversion import to_double
+from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.mpmath_context import mpmath, ordinary
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, AnyNumber, NumberType, Real
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, AnyNumber, NumberType, Real, Row
 from polhode.results.result import Storable
 from polhode.results.table import Content
 from polhode.scenes import library
 from polhode.scenes.given_numbers import TIME, reader
-from polhode.scenes.scene import Scene
+from polhode.scenes.scene import Event, Scene
 from polhode.scenes.vocabulary import COLUMNS, REQUESTS
 
 if TYPE_CHECKING:
@@ -142,6 +142,11 @@ _TURNING = (
     (QUAD, 3e3),
 )  # runs that tell turns; radians, some seconds
 _NEAR = 0.01  # radians between the angles of a motion and of a run that follows it
+# a run's side of a pole is the motion's where it keeps away by so many of its errors of theta, and
+# of its eps
+_ERRORS, _ROUNDINGS = 1e3, 1e6
+_MOST_PASSAGES = 64  # that are looked at, whether they are exactly through a pole
+_PASSAGE_DIGITS, _PASSED, _NEWTON = 56, 45, 7  # digits, those of a distance of 0, steps
 _FINE = NumberType("mp", 192)  # of times at which a run is asked
 ROUGH = 53  # bits in which a closed form plans; it computes with more
 
@@ -202,8 +207,9 @@ class Reference(Storable):
         """Rows psi theta phi in radians, continuous; None where a pole leaves them undefined.
 
         psi and phi are those of the attitude, right to ``digits`` digits; how often they went round
-        is told by a run in double, or in more digits where that one ends at a pole or leaves the
-        motion.  Raises BadInput where none follows it so far.
+        is told by a run in double, or in more digits where that one ends at a pole, leaves the
+        motion or passes a pole so near that rounding may have chosen the side.  Past a passage
+        exactly through a pole either branch is right.  Raises BadInput where no run decides.
         """
         instants = _times(self.scene, times)
         if self._is_enclosed(instants):
@@ -211,20 +217,37 @@ class Reference(Storable):
         if self.scene.gamma is None:
             return self._asked(self._motion.angles, instants, digits)  # which says why not
         plain = replace(self.scene, form="principal")  # other forms are singular at times
+        passages: list[Fraction] | None = None
         for number, farthest in _TURNING:
-            run = in_double(plain, instants, ("angles",), number, farthest)
-            if not run:
+            run = _turning_run(plain, instants, number, farthest)
+            if run is None:
                 continue
-            near = [[x if x is None else float(x) for x in row] for row in run["angles"]]
+            near = [[x if x is None else float(x) for x in row] for row in run.angles]
             rows = self._asked(partial(self._motion.angles, near=near), instants, digits)
             if all(map(_is_near, rows, near)):
-                return rows
+                passages = run.passages(rows)
+                if not passages:
+                    return rows
+        if passages and len(passages) <= _MOST_PASSAGES and all(map(self._is_through, passages)):
+            return rows
         last = shown(max(instants, key=abs))
         expected = (
             "a question that this closed form answers (how often psi and phi went round to "
             f"t = {last} is not known: ask for the attitude)"
         )
         raise NoAnswer(self.scene.name, "reference", self.kind, expected)
+
+    def _is_through(self, time: Fraction) -> bool:
+        """Whether the third axis is vertical, exactly for all that can be told, near a time."""
+        for _ in range(_NEWTON):  # for the least distance from the pole: gamma' = gamma x w
+            row = self._asked(self._motion.at, [_FINE.rounded(time)], _PASSAGE_DIGITS)[0]
+            p, q, r, *gamma = (exactly(x) for x in row)
+            across = gamma[1] * r - gamma[2] * q, gamma[2] * p - gamma[0] * r
+            square = across[0] ** 2 + across[1] ** 2
+            if not square:
+                return False
+            time = _FINE.rounded(time - (gamma[0] * across[0] + gamma[1] * across[1]) / square)
+        return max(map(abs, gamma[:2])) < Fraction(1, 10**_PASSED)
 
     def pairs(self, word: str, times: Sequence[Exact], digits: int) -> Pairs:
         """Many rows of ``word``, "at" or "attitude", each number the sum of two doubles.
@@ -479,14 +502,53 @@ def _is_near(row: Sequence[Real | None], about: Sequence[float | None]) -> bool:
     )
 
 
+class TurningRun(NamedTuple):
+    """A run that tells how often psi and phi went round: at the times asked for, and its poles.
+
+    ``extremes``: times at which theta is extreme, and how far the third axis is from the vertical
+    there, as a sine; ``eps``: of its numbers.
+    """
+
+    angles: list[Row]
+    extremes: list[tuple[Fraction, float]]
+    eps: float
+
+    def passages(self, rows: Sequence[Sequence[Real | None]]) -> list[Fraction]:
+        """Times at which it passes a pole so near that rounding may have chosen the side.
+
+        ``rows``: the true angles at the times asked for.
+        """
+        pairs = [(x, y) for (_, x, _), (_, y, _) in zip(rows, self.angles, strict=True)]
+        errors = [abs(float(x) - float(y)) for x, y in pairs if x is not None and y is not None]
+        clear = max(_ERRORS * max(errors, default=0.0), _ROUNDINGS * self.eps)
+        return [t for t, sine in self.extremes if not sine > clear]
+
+
+def _turning_run(
+    scene: Scene, times: Sequence[Exact], number: NumberType, farthest: float
+) -> TurningRun | None:
+    """The run in a number type; None where it does not come so far."""
+    for events in ((Event("nutation"),), ()):  # theta may be constant: it is no event then
+        rows = in_double(scene, times, ("angles",), number, farthest, events)
+        if rows:
+            extremes = [(t, math.hypot(*map(float, row[3:5]))) for t, row in rows["events"]]
+            if not scene.starts_at_pole:
+                extremes.append((Fraction(0), math.hypot(*map(to_double, scene.start[3:5]))))
+            return TurningRun(rows["angles"], extremes, float(number.eps))
+    return None
+
+
 def in_double(
     scene: Scene,
     times: Sequence[Exact],
     outputs: tuple[str, ...],
     number: NumberType = DOUBLE,
     farthest: float = FARTHEST,
+    events: tuple[Event, ...] = (),
 ) -> dict[str, list[Any]]:
     """Rows of a run at times of either sign in any order: states, and outputs that are integrated.
+
+    With an event its times and states, by "events", of both senses of time.
 
     Nothing where it does not come so far.  ``number``: the type in which it is integrated;
     ``farthest``: radians, to which it is.  Raises ImportError where heyoka is not installed.
@@ -495,7 +557,8 @@ def in_double(
         return {}
     from polhode.runs.solve import solve
 
-    plain = replace(scene, outputs=outputs, events=())
+    plain = replace(scene, outputs=outputs, events=events)
+    met: list[tuple[Fraction, Any]] = []
     instants = [t if isinstance(t, Fraction) else _FINE.rounded(t) for t in times]
     by_time: dict[str, dict[Fraction, Any]] = {word: {} for word in ("states", *outputs)}
     try:
@@ -505,9 +568,13 @@ def in_double(
                 return {}
             for word, rows in by_time.items():
                 rows |= zip(part, getattr(run, word), strict=True)
+            for event in run.events:
+                if not event.complete:
+                    return {}
+                met += zip(event.times, event.states, strict=True)
     except (BadInput, ValueError, OverflowError):
         return {}
-    return {word: [rows[t] for t in instants] for word, rows in by_time.items()}
+    return {word: [rows[t] for t in instants] for word, rows in by_time.items()} | {"events": met}
 
 
 def by_sign(times: Sequence[Fraction]) -> list[list[Fraction]]:
