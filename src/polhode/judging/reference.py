@@ -145,7 +145,7 @@ _NEAR = 0.01  # radians between the angles of a motion and of a run that follows
 # a run's side of a pole is the motion's where it keeps away by so many of its errors of theta, and
 # of its eps
 _ERRORS, _ROUNDINGS = 1e3, 1e6
-_MOST_PASSAGES = 64  # that are looked at, whether they are exactly through a pole
+_MOST_PASSAGES = 500  # that are looked at, whether they are exactly through a pole
 _PASSAGE_DIGITS, _PASSED, _NEWTON = 56, 45, 7  # digits, those of a distance of 0, steps
 _FINE = NumberType("mp", 192)  # of times at which a run is asked
 ROUGH = 53  # bits in which a closed form plans; it computes with more
@@ -242,12 +242,14 @@ class Reference(Storable):
         for _ in range(_NEWTON):  # for the least distance from the pole: gamma' = gamma x w
             row = self._asked(self._motion.at, [_FINE.rounded(time)], _PASSAGE_DIGITS)[0]
             p, q, r, *gamma = (exactly(x) for x in row)
+            if max(map(abs, gamma[:2])) < Fraction(1, 10**_PASSED):
+                return True
             across = gamma[1] * r - gamma[2] * q, gamma[2] * p - gamma[0] * r
             square = across[0] ** 2 + across[1] ** 2
             if not square:
                 return False
             time = _FINE.rounded(time - (gamma[0] * across[0] + gamma[1] * across[1]) / square)
-        return max(map(abs, gamma[:2])) < Fraction(1, 10**_PASSED)
+        return False
 
     def pairs(self, word: str, times: Sequence[Exact], digits: int) -> Pairs:
         """Many rows of ``word``, "at" or "attitude", each number the sum of two doubles.
