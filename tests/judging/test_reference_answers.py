@@ -18,6 +18,7 @@ from polhode.cli import main
 from polhode.closed_forms.kovalevskaya.theta_attitude import EigenspaceChoice, Moment
 from polhode.judging import reference
 from polhode.judging.score import angles_of_attitudes
+from polhode.motion.outcomes import EventTimes
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.scenes import library
 from polhode.scenes.vocabulary import STATE
@@ -308,6 +309,22 @@ def test_a_pole_that_is_passed_nearer_than_quad_can_tell_is_no_answer():
     with pytest.raises(polhode.BadInput, match="went round to t = 2 is not known"):
         past_the_pole("1e-36").angles([2], 20)
     assert None not in past_the_pole("0").angles([2], 20)[0]  # through it: either branch
+
+
+def test_turns_are_not_told_by_a_run_whose_extremes_of_theta_are_not_all_known(monkeypatch):
+    """But for a theta that is constant, which has none."""
+    exact = polhode.reference("lagrange/nutation")
+    assert None not in exact.angles([1], 20)[0]
+    assert None not in polhode.reference("lagrange/steady-fast").angles([1], 20)[0]
+    right = EventTimes.__init__
+
+    def incomplete(event, *values, **named):
+        right(event, *values, **named)
+        object.__setattr__(event, "complete", False)
+
+    monkeypatch.setattr(EventTimes, "__init__", incomplete)
+    with pytest.raises(polhode.BadInput, match="went round to t = 1 is not known"):
+        exact.angles([1], 20)
 
 
 def test_a_run_that_leaves_the_motion_tells_no_turns(monkeypatch):

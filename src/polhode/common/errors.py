@@ -104,6 +104,10 @@ class TooManySteps(BadInput):
     """That a proof would take more steps than it may."""
 
 
+class ConstantZero(BadInput):
+    """An event whose expression is zero all along the motion, for all that the type can tell."""
+
+
 class StdoutFault(Exception):
     """Standard output takes no more; ``fault``: what the system said."""
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, TypeVar, 
 
 from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.arguments import each, whole
-from polhode.common.errors import BadInput, nearest
+from polhode.common.errors import BadInput, ConstantZero, nearest
 from polhode.equations.columns import derived
 from polhode.equations.kinematics import Hodographs, hodographs
 from polhode.judging.certified import Certified, NoAnswer
@@ -530,14 +530,16 @@ def _turning_run(
     scene: Scene, times: Sequence[Exact], number: NumberType, farthest: float
 ) -> TurningRun | None:
     """The run in a number type; None where it does not come so far."""
-    for events in ((Event("nutation"),), ()):  # theta may be constant: it is no event then
-        rows = in_double(scene, times, ("angles",), number, farthest, events)
-        if rows:
-            extremes = [(t, math.hypot(*map(float, row[3:5]))) for t, row in rows["events"]]
-            if not scene.starts_at_pole:
-                extremes.append((Fraction(0), math.hypot(*map(to_double, scene.start[3:5]))))
-            return TurningRun(rows["angles"], extremes, float(number.eps))
-    return None
+    try:
+        rows = in_double(scene, times, ("angles",), number, farthest, (Event("nutation"),))
+    except ConstantZero:  # theta stays what it is at the start
+        rows = in_double(scene, times, ("angles",), number, farthest)
+    if not rows:
+        return None
+    extremes = [(t, math.hypot(*map(float, row[3:5]))) for t, row in rows["events"]]
+    if not scene.starts_at_pole:
+        extremes.append((Fraction(0), math.hypot(*map(to_double, scene.start[3:5]))))
+    return TurningRun(rows["angles"], extremes, float(number.eps))
 
 
 def in_double(
@@ -550,10 +552,11 @@ def in_double(
 ) -> dict[str, list[Any]]:
     """Rows of a run at times of either sign in any order: states, and outputs that are integrated.
 
-    With an event its times and states, by "events", of both senses of time.
+    By "events" the times and states of all events, of both senses of time.
 
     Nothing where it does not come so far.  ``number``: the type in which it is integrated;
-    ``farthest``: radians, to which it is.  Raises ImportError where heyoka is not installed.
+    ``farthest``: radians, to which it is.  Raises ConstantZero for an event that is zero all along,
+    and ImportError where heyoka is not installed.
     """
     if max((abs(to_double(t)) for t in times), default=0.0) * 10.0**scene.log10_rate > farthest:
         return {}
@@ -574,6 +577,8 @@ def in_double(
                 if not event.complete:
                     return {}
                 met += zip(event.times, event.states, strict=True)
+    except ConstantZero:
+        raise
     except (BadInput, ValueError, OverflowError):
         return {}
     return {word: [rows[t] for t in instants] for word, rows in by_time.items()} | {"events": met}

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, cast
 
 import numpy as np
 
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, ConstantZero
 from polhode.common.interrupts import Progress
 from polhode.common.values import Recent, cached_property
 from polhode.equations import kinematics, readout
@@ -299,7 +299,7 @@ class Motion:
             event = self.scene.events[k]
             key, text = f"events[{k + 1}].zero", event.expression or event.name
             expected = "an expression that is not zero at all times of the motion, to rounding"
-            raise BadInput(self.scene.name, key, text, expected)
+            raise ConstantZero(self.scene.name, key, text, expected)
 
     def release(self, usable: bool = True) -> None:
         """Leave the engine to the next run of such equations, if it is of use; no step follows."""
