@@ -15,7 +15,6 @@ from flint import arb, arb_mat
 
 from polhode.certificates import verify
 from polhode.numbers.flint_context import ctx
-from shared.mutation import without
 
 RHO = 3  # bits
 
@@ -103,9 +102,6 @@ def test_a_step_stretches_by_the_symmetric_part_at_most():
     truth = farthest(body, norm, MIDDLE, 2**-4, 1e-9)
     assert truth > 1.3e-9
     assert truth <= step(body, still(MIDDLE), 1e-9, 2**-4, norm)[1] < 1.3 * truth
-    for old, new in (("/ 2\n", "/ 4\n"), ("integral(sizes) + rest", "rest")):
-        with without(verify, "Norm.growth", old, new):
-            assert step(body, still(MIDDLE), 1e-9, 2**-4, norm)[1] < truth
 
 
 @pytest.mark.parametrize("power", [-1200, -60, 60, 1200])
@@ -133,8 +129,6 @@ def test_a_step_stretches_by_what_depends_on_xi_at_most():
     truth = size_of(norm, difference(moved(body, near, 0.5), moved(body, begin, 0.5)))
     assert truth > 1.6e-9  # exp(1/2) but for a term of the fourth degree
     assert truth <= step(body, begin, 1e-9, 0.5, norm)[1] < 2 * truth
-    with without(verify, "Norm.growth", "integral(sizes) + rest", "integral(sizes)"):
-        assert step(body, begin, 1e-9, 0.5, norm)[1] < truth
 
 
 def test_a_guess_that_does_not_move_is_off_by_the_motion(monkeypatch):
@@ -145,13 +139,6 @@ def test_a_guess_that_does_not_move_is_off_by_the_motion(monkeypatch):
     parts = len(verify.MONOMIALS)
     monkeypatch.setattr(verify, "taylor_over", lambda *_: [[[] for _ in range(parts)]] * 6)
     assert truth <= step(body, begin, 0, 2**-7, norm)[1] < 3 * truth
-    with without(
-        verify,
-        "jet_step",
-        "for x in row] for row in defect])",
-        "for x in row] for row in defect]) * 0",
-    ):
-        assert step(body, begin, 0, 2**-7, norm)[1] < truth
 
 
 def test_what_is_quadratic_in_a_wide_start_is_bounded(monkeypatch):
@@ -163,8 +150,6 @@ def test_what_is_quadratic_in_a_wide_start_is_bounded(monkeypatch):
     truth = size_of(norm, moved(body, near, 1))
     assert truth > eps * (1 + 1e-4)
     assert truth <= step(body, still([0] * 6), eps, 1, norm)[1] < 2 * truth
-    with without(verify, "jet_step", "beta * r * r", "0 * beta * r * r"):
-        assert step(body, still([0] * 6), eps, 1, norm)[1] < truth
 
 
 TOP = (2, 1.5, 1), (0.3, 0.2, 0.5)
@@ -185,8 +170,6 @@ def test_what_is_rounded_at_the_end_of_a_step_is_told(seed):
     end, off = step(body, begin, 0, 2**-10, norm, few)
     truth = size_of(norm, difference(end, moved(body, begin, 2**-10)))
     assert truth <= off < 20 * truth
-    with without(verify, "jet_step", "reach + rounded", "reach"):
-        assert step(body, begin, 0, 2**-10, norm, few)[1] < truth
 
 
 def test_all_jets_within_a_distance_are_held_with_their_weights():
@@ -201,60 +184,6 @@ def test_all_jets_within_a_distance_are_held_with_their_weights():
             around = norm.around(still([0] * 6), arb(1))[i].parts[m]
             assert far <= float(around.rad()) < 6 * far
             assert around.contains(arb(0.999 * far))
-    with without(verify, "Norm.around", "by * eps / weight", "by * eps"):
-        narrow = norm.around(still([0] * 6), arb(1))
-    assert float(narrow[0].parts[-1].rad()) * 2 ** (RHO * verify.DEGREE - 1) < float(
-        norm.around(still([0] * 6), arb(1))[0].parts[-1].rad()
-    )
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_growth_and_defect_are_not_much_above_their_integrals(seed):
-    """Both by sums over the step, beside the checker's; p is a rough one, so the defect shows."""
-    state, begin = drawn(seed)
-    body, norm, h, parts = (
-        body_of(*TOP),
-        norm_of(*TOP, state, RHO),
-        0.1,
-        range(len(verify.MONOMIALS)),
-    )
-    with ctx.workprec(400):
-        series = verify.taylor_over(norm.algebra, body, [x.parts for x in begin], arb(h), 40)
-        rows = [
-            [[x, *more[:3]] for x, more in zip(row.parts, tails, strict=True)]
-            for row, tails in zip(begin, series, strict=True)
-        ]
-    p = [verify.Jet(verify.arb_poly(row) for row in jet) for jet in rows]
-    q, back = (np.array([[float(x) for x in r] for r in m.table()]) for m in (norm.q, norm.inverse))
-    weights, count = [float(x) for x in norm.weights], 200
-    grown = missed = 0.0
-    for k in range(count):
-        tau = arb((k + 0.5) / count)
-        matrices = [matrix_of(body, [row.parts[m](tau) for row in p], m) * h for m in parts]
-        in_frame = [q @ a @ back for a in matrices]
-        s = (in_frame[0] + in_frame[0].T) / 2
-        rest = sum(w * np.linalg.norm(a, 2) for w, a in zip(weights[1:], in_frame[1:], strict=True))
-        grown += (np.linalg.norm(s) + rest) / count
-        there = [verify.Jet(x(tau) for x in row.parts) for row in p]
-        rates = body.field(there, lambda i, j, there=there: there[i] * there[j])
-        slopes = [verify.Jet(x.derivative()(tau) for x in row.parts) for row in p]
-        off = [x - y * arb(h) for x, y in zip(slopes, rates, strict=True)]
-        missed += size_of(norm, off) / count
-    claimed = float(norm.growth(body, p, arb(h)).log())
-    assert grown <= claimed < 6 * grown
-    with pytest.MonkeyPatch.context() as patch:
-        short = [[row[1:] for row in jet] for jet in rows]
-        patch.setattr(verify, "taylor_over", lambda *_: short)
-        off = step(body, begin, 0, h, norm)[1]
-    assert missed <= off < 6 * missed * np.exp(claimed)
-
-
-def matrix_of(body, state, m):
-    """The part of f' that belongs to a monomial: the torque's is constant."""
-    rows = np.array([[float(x) for x in row] for row in verify.slope(body, state)])
-    if m:
-        rows[:3, 3:] = 0
-    return rows
 
 
 def test_a_step_from_a_start_that_is_too_wide_is_refused():

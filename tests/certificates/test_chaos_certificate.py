@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -12,7 +13,7 @@ from flint import arb, arb_mat, ctx
 
 from polhode.certificates import verify
 from polhode.scenes import library
-from shared.mutation import altered
+from shared.mutation import altered, answer
 from shared.tiers import tiers
 
 Held = dict[str, Any]
@@ -68,8 +69,9 @@ FALSE: list[tuple[dict[str, Any], str]] = [
 def test_a_false_certificate_is_not_proved(certificate, changes, said):
     for place, value in changes.items():
         certificate = altered(certificate, place, value)
-    with pytest.raises((verify.NotProved, verify.Damaged), match=said):
-        verify.verify(json.dumps(certificate).encode())
+    text = answer(certificate)
+    assert text.startswith("refused: ")
+    assert re.search(said, text)
 
 
 @pytest.mark.slow
@@ -113,8 +115,9 @@ DAMAGED = [
 
 @pytest.mark.parametrize(("place", "value", "said"), DAMAGED, ids=range(len(DAMAGED)))
 def test_a_damaged_certificate_is_none(certificate, place, value, said):
-    with pytest.raises(verify.Damaged, match=said):
-        verify.verify(json.dumps(altered(certificate, place, value)).encode())
+    text = answer(altered(certificate, place, value))
+    assert "no certificate" in text or "expected one of polhode's" in text
+    assert said in text
 
 
 # -- one covering ---------------------------------------------------------------------------------

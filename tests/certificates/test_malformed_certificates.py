@@ -119,22 +119,6 @@ def test_a_wrong_value_at_any_place_is_told_with_its_place(word, certificates):
     assert tried > 150
 
 
-@pytest.mark.parametrize("word", ["turned-axes", "elliptic", "attitude"])
-def test_a_number_of_thousands_of_digits_is_judged(word, certificates, monkeypatch):
-    """By its value: it reaches the proof, which is no part of this test, or fails before."""
-    certificate = certificates[word]
-
-    def stages(run, points, fine, tell):
-        raise verify.NotProved("the proof")
-
-    monkeypatch.setattr(verify.Run, "stages", stages)
-    for at in samples(certificate):
-        for text in LONG:
-            with pytest.raises((verify.NotProved, verify.Damaged)) as fault:
-                verify.verify(changed(certificate, at, text))
-            assert len(str(fault.value)) < 150
-
-
 @pytest.mark.parametrize("text", [WRONG["a word"], WRONG["a long number"], WRONG["nothing"]])
 def test_the_file_alone_says_so_with_exit_code_2(text, certificates, tmp_path):
     path = tmp_path / "x.json"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import json
 import pathlib
-import random
 from fractions import Fraction
 
 import pytest
@@ -13,10 +12,11 @@ from flint import arb, ctx
 
 import polhode
 from polhode.certificates import certificate_file, verify
-from polhode.cli import main
 from polhode.proofs import orbit_certificate
 from polhode.proofs.orbit_certificate import Choice, Problem
-from shared.mutation import altered, without
+from shared import chaos_chains as chains
+from shared import orbit_proofs as proofs
+from shared.mutation import altered
 from shared.tiers import tiers
 
 BODY = {"moments": [2, "3/2", 1], "centre": ["3/10", "1/5", "1/2"], "weight": 1}
@@ -117,16 +117,6 @@ def test_what_is_false_of_such_bodies_is_refused(place):
     assert "nothing else" in answer(certificate | {"tolerance": "1e-9"})
 
 
-@pytest.mark.slow
-def test_axes_that_are_not_principal_ones_and_an_irrational_level(tmp_path):
-    path = tmp_path / "orbit.json"
-    polhode.prove_orbit("grioli/turned-axes").save(path)
-    assert '"inertia"' in path.read_text()
-    assert polhode.verify(path)
-    proved("elliptic", h="261/200 + sqrt(2)/10**6").save(path)
-    assert polhode.verify(path)
-
-
 def off(ball, by=2):
     """A ball moved by some of its radii."""
     return [str(Fraction(ball[0]) + Fraction(by) * Fraction(ball[1])), ball[1]]
@@ -195,25 +185,6 @@ def test_half_a_period_is_refused(small):
 
 
 @pytest.mark.slow
-def test_guesses_prove_nothing_false(small):
-    """The same true statement, or nothing; and never a false one."""
-    chance = random.Random(7)
-    count = 0
-    for key in ("radius_bits", "bits", "centres"):
-        changed = copy.deepcopy(small)
-        if key == "centres":
-            row = chance.choice(changed["centres"])
-            row[chance.randrange(6)] += chance.choice([1, 2**30, -(2 ** changed["state_bits"])])
-        else:
-            changed[key] += chance.choice([-30, 20])
-        count += answer(changed).startswith("proved")
-        ball = changed["statement"]["start"][chance.randrange(6)]
-        ball[0] = str(Fraction(ball[0]) - 3 * Fraction(ball[1]))
-        assert answer(changed).startswith("refused")
-    assert count > 0
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "times"), [("hyperbolic", 2), ("elliptic", 3)])
 def test_several_periods_are_not_the_least_one(orbits, kind, times):
     orbit = orbits[kind]
@@ -237,6 +208,18 @@ def test_several_periods_are_not_the_least_one(orbits, kind, times):
 
 def kind_of(zero):
     return next(kind for kind, test in verify.STABILITY.items() if test(zero.residue) is True)
+
+
+@pytest.mark.slow
+def test_the_box_and_not_its_centre_is_followed_to_a_part_of_the_period():
+    """The centre is off by a part of the box, along the direction that grows."""
+    orbit, radius = proofs.proved(proofs.HYPERBOLIC), Fraction(1, 10**22)
+    grown = map(Fraction, chains.guess()[1].saddle.unstable.tolist())
+    balls = zip((*orbit.omega, *orbit.gamma), grown, strict=True)
+    start = [x.centre + Fraction(3, 10) * radius * y for x, y in balls]
+    problem = Problem(orbit.scene.body, orbit.h, orbit.f, start, 4 * orbit.period.centre)
+    guesses = orbit_certificate.guesses(problem, Choice(radius, 140, 0.2))
+    assert orbit_certificate.zero_of(guesses).repeated == "the period may be 2 times the least one"
 
 
 SHIFT = 1  # the checker's unit of time is 2^-SHIFT
@@ -282,56 +265,21 @@ def derivative_of(small, bits, monkeypatch, corner=None, later=0, point=False):
     return matrices[0]
 
 
-def at_one_time(patch):
-    patch.setattr(verify, "drift", lambda *arguments: arb(0))
-
-
-def without_nu(patch):
-    patch.setattr(verify.Step, "noise_of_derivative", lambda self, r: self.rho)
-
-
-GRADIENTS = verify.gradients
-
-
-def at_the_centre(patch):
-    patch.setattr(verify, "gradients", lambda run, x: GRADIENTS(run, [y.mid() for y in x]))
-
-
-#: What is left out, and first what hides that; whether the start is a point, how late the ends are.
-DROPPED = {
-    "the time": ((), at_one_time, True, 1),
-    "nu": ((at_one_time,), without_nu, False, 0),
-    "the box of H": ((), at_the_centre, False, 0),
-}
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("term", DROPPED)
-def test_the_derivative_holds_those_of_the_corners(term, small, monkeypatch):
-    """DF(Y) of a fat box beside DF at its corners; a term that is dropped is noticed."""
-    hiding, drop, point, later = DROPPED[term]
+@pytest.mark.parametrize(("point", "later"), [(True, 1), (False, 0)])
+def test_the_derivative_holds_those_of_the_corners(point, later, small, monkeypatch):
+    """DF(Y) of a fat box beside DF at its corners, or of a point and a later end."""
     corner = (0,) * 6 if point else (1, -1, 1, 1, -1, 1)
     truth = derivative_of(small, 20, monkeypatch, corner, later)
-
-    def outside():
-        claimed = derivative_of(small, 20, monkeypatch, point=point)
-        return [
-            (i, j)
-            for i in range(10)
-            for j in range(7)  # the guesses W and a differ
-            if i != 6 and not claimed[i, j].overlaps(truth[i, j])
-        ]
-
-    for hide in hiding:
-        hide(monkeypatch)
-    assert not outside()
-    drop(monkeypatch)
-    assert outside()
+    claimed = derivative_of(small, 20, monkeypatch, point=point)
+    for i in range(10):
+        for j in range(7):
+            assert i == 6 or claimed[i, j].overlaps(truth[i, j])  # the guesses W and a differ
 
 
 @pytest.mark.slow
 def test_a_transition_that_is_bent_is_contained(small, monkeypatch):
-    """D by another V: the same but for a wider ball; without rho another."""
+    """D by another V: the same but for a wider ball."""
     exact = derivative_of(small, 100, monkeypatch)
     honest = verify.next_of_v
 
@@ -341,9 +289,6 @@ def test_a_transition_that_is_bent_is_contained(small, monkeypatch):
     monkeypatch.setattr(verify, "next_of_v", bent)
     wider = derivative_of(small, 100, monkeypatch)
     assert all(wider[i, j].overlaps(exact[i, j]) for i in range(6) for j in range(6))
-    monkeypatch.setattr(verify.Step, "noise_of_derivative", lambda self, r: arb(0))
-    false = derivative_of(small, 100, monkeypatch)
-    assert not all(false[i, j].overlaps(exact[i, j]) for i in range(6) for j in range(6))
 
 
 def test_dependent_gradients_are_refused(small, monkeypatch):
@@ -358,16 +303,6 @@ def test_dependent_gradients_are_refused(small, monkeypatch):
     small_r = 2.0 ** -small["radius_bits"] * 4
     monkeypatch.setattr(verify, "gradients", dependent)
     assert "may be dependent" in answer(small)
-    hull = "4 * r * summed(upper(column[i]) for column in w)"
-    with without(verify, "_closed", hull, "arb(0)"):
-        assert answer(small).startswith("proved")
-
-
-def test_a_guess_of_the_inverse_that_is_none_proves_nothing(small):
-    inverse = "c = df.mid().inv().mid()"
-    for by in (0, 2):
-        with without(verify, "_closed", inverse, f"{inverse} * arb({by})"):
-            assert "Krawczyk's test fails" in answer(small)
 
 
 @pytest.fixture
@@ -434,15 +369,3 @@ def test_a_part_of_the_period_ends_outside_of_the_box_at_every_time(closing):
     for more, said in (("0.5", "the period may be 2 times the least one"), (2, "")):
         back = {2: [y + reach + arb(more) * r for y in x]}
         assert verify._repeated(run, r, back, arb("1.5")) == said
-
-
-@pytest.mark.slow
-def test_the_command_line(tmp_path, capsys):
-    path = tmp_path / "orbit.json"
-    assert main(["prove", "orbit", "grioli/precession", "-o", str(path)]) == 0
-    assert "certificate in" in capsys.readouterr().err
-    assert main(["verify", str(path), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["proven"] is True
-    assert main(["prove", "orbit", "grioli/precession", "-o", "-"]) == 0
-    out = capsys.readouterr().out
-    assert json.loads(out)["kind"] == "orbit"

@@ -12,8 +12,8 @@ import pytest
 
 import accuracy
 import polhode
+from polhode import BadInput
 from polhode.certificates import certificate_file, verify
-from polhode.common.errors import BadInput
 from polhode.scenes import library
 from shared.tiers import tiers
 

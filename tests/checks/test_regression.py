@@ -10,13 +10,12 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode import cli
+from polhode import Published, cli
 from polhode.checks import check_report, published_figures
 from polhode.checks.check_report import CheckReport
 from polhode.closed_forms.families import FAMILIES
 from polhode.equations.forms import principal
 from polhode.scenes import library
-from polhode.scenes.scene import Published
 from shared.members import motion_table
 from shared.tiers import tiers
 
@@ -112,8 +111,10 @@ def test_cases_are_run_for_their_states_in_mp_as_users_have_it(monkeypatch):
     assert report.passed
 
 
-def test_a_case_passes():
-    assert next(check_report.check(["euler/sphere"])).passed
+def test_a_case_passes_and_an_unknown_number_type_is_refused(refusal, capsys):
+    assert cli.main(["check", "euler/sphere"]) == 0
+    assert capsys.readouterr().out.endswith("1 passed, 0 failed\n")
+    assert "double" in refusal("check", "euler/sphere", "--number", "dobule")
 
 
 @pytest.mark.slow
@@ -135,12 +136,11 @@ def test_what_a_process_found_is_told_without_the_reference(monkeypatch):
     assert str(report_of_all).endswith("1 passed, 0 failed")
 
 
-def test_digits_above_the_band_fail_too():
-    scene = polhode.load("euler/largest-axis")
-    slack = replace(scene, expect={"double": (1.0, 9.0)})
-    report = check_report.check_scene(slack)
-    assert not report.passed
-    assert report.lines[0].verdict == "more digits than the case can have"
+def test_digits_above_the_band_fail_too(tmp_path, capsys):
+    text = polhode.load("euler/largest-axis").source.partition("[expect]")[0]
+    (path := tmp_path / "slack.toml").write_text(f"{text}[expect]\ndouble = [1, 9]\n")
+    assert cli.main(["check", str(path), "--number", "double"]) == 3
+    assert "more digits than the case can have" in capsys.readouterr().out
 
 
 def test_a_run_that_does_not_reach_its_end_fails(monkeypatch):
@@ -151,11 +151,6 @@ def test_a_run_that_does_not_reach_its_end_fails(monkeypatch):
     report = check_report.check_scene(replace(scene, expect={"double": (1.0, 9.0)}))
     assert not report.passed
     assert report.lines[0].verdict == "step limit"
-
-
-def test_an_unknown_number_type_is_refused():
-    with pytest.raises(polhode.BadInput, match="double"):
-        list(check_report.check(["euler/sphere"], ["dobule"]))
 
 
 # -- published figures ------------------------------------------------------------------------
@@ -248,3 +243,48 @@ def test_check_without_any_case_says_so_in_one_line(tmp_path, monkeypatch, capsy
     assert out == ""
     assert err.count("\n") == 1
     assert "no cases are installed" in err
+
+
+# -- figures that hold at another time than their label says -------------------------------------
+
+
+def labels(scene):
+    reference = polhode.reference(scene)
+    return [
+        *published_figures.time_labels(
+            scene, reference, published_figures.figures(scene, reference)
+        )
+    ]
+
+
+def printed_late(late: Fraction, wrong: str = "") -> list:
+    """The state at t = 5 + late, printed to 12 digits as if it were that at 5."""
+    scene = polhode.load("lagrange/nutation")
+    row = polhode.reference(scene).at([5 + late], 20)[0]
+    texts = [f"{float(x):.12g}" for x in row]
+    if wrong:
+        texts[1] = wrong
+    published = [
+        Published(Fraction(5), q, x, "X") for q, x in zip(scene.columns, texts, strict=True)
+    ]
+    return labels(replace(scene, published=tuple(published)))
+
+
+@pytest.mark.parametrize("late", [Fraction(1, 1000), Fraction(-1, 40), Fraction(1, 10**6)])
+def test_a_shift_is_found_to_the_digits_printed(late):
+    (label,) = printed_late(late)
+    assert label.shift == pytest.approx(float(late), rel=1e-4, abs=1e-11)
+    assert label.after < 1e-11
+    assert label.before > 100 * label.after
+
+
+def test_figures_that_are_right_or_wrong_in_another_way_have_none():
+    assert printed_late(Fraction(0)) == []
+    assert printed_late(Fraction(1, 1000), wrong="0.5") == []
+
+
+def test_the_brick_of_simulation_six_is_half_a_millisecond_late():
+    (label,) = labels(polhode.load("published/nasa-brick"))
+    assert "simulation 6" in label.cite
+    assert label.shift == pytest.approx(5e-4, rel=1e-4)
+    assert label.after < label.before / 10_000

@@ -3,17 +3,10 @@
 from fractions import Fraction
 
 import pytest
-from flint import acb, arb
+from flint import arb
 
 from polhode.closed_forms.balls import core
 from polhode.closed_forms.balls.core import Refused, TooFewBits, ball, sure_rows, until_sure
-from polhode.closed_forms.balls.frames import (
-    Frame,
-    euler_angles,
-    quaternion,
-    start_attitude,
-    turned_back,
-)
 from polhode.closed_forms.balls.jacobi import Jacobi, Shift
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
@@ -121,69 +114,6 @@ def test_an_irrational_number_that_is_0_by_the_rule_is_the_exact_0():
     assert core.enclosed(x).contains(0)
 
 
-def test_frames_go_there_and_back():
-    rational = tuple(tuple(F(x, 5) for x in row) for row in ((3, 4, 0), (-4, 3, 0), (0, 0, 5)))
-    skew = ((F(1), F(1), F(0)), (F(-1), F(1), F(0)), (F(0), F(0), F(1)))
-    frames = (
-        Frame(),
-        Frame.signed((2, 0, 1)),
-        Frame.signed((1, 0, 2), (1, -1, 1)),
-        Frame.signed((0, 2, 1), (1, -1, 1)).seen_from(rational),
-        Frame(skew, (F(2), F(2), F(1)), rational),
-    )
-    v = F(1), F(-2), F(1, 3)
-    for frame in frames:
-        there = frame.into(v)
-        back = frame.back([ball(x) for x in there])
-        assert all(abs(x - ball(y)) < arb("1e-12") for x, y in zip(back, v, strict=True))
-        x, y, z = (frame.into(tuple(F(i == j) for j in range(3))) for i in range(3))
-        cross = [x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)]
-        assert all(a == b for a, b in zip(cross, z, strict=True))
-
-
-@pytest.mark.parametrize("gamma", [(0, 0, 1), (0, 0, -1), ("3/5", 0, "-4/5"), (0, "-3/5", "4/5")])
-def test_the_start_has_its_vertical(gamma):
-    gamma = tuple(F(x) for x in gamma)
-    q = start_attitude(gamma, F(2, 7))
-    up = turned_back(q, (arb(0), arb(0), arb(1)))
-    assert all(x.overlaps(ball(y)) and x.rad() < 1e-12 for x, y in zip(up, gamma, strict=True))
-    assert quaternion(acb(1, 4), acb(2, 3)) == (1, 2, 3, 4)
-
-
-@pytest.mark.parametrize("turns", [0, 3, -4])
-@pytest.mark.parametrize("psi", [F(1, 3), F(22, 7), F(-22, 7)])
-def test_angles_are_those_of_the_branch_that_is_near(psi, turns):
-    """Next to the cut of an argument too; without a branch they are in (-pi, pi]."""
-    gamma = F(3, 13), F(-4, 13), F(12, 13)
-    turn = start_attitude(gamma, psi)
-    whole = 2 * arb.pi() * turns
-    right = (ball(psi) + whole, ball(F(12, 13)).acos(), (ball(F(3)) / -4).atan() + arb.pi() - whole)
-    near = [float((x + arb("0.2")).mid()) for x in (right[0], right[2])]
-    for x, y in zip(euler_angles(turn, *near), right, strict=True):
-        assert abs(x - y) < arb("1e-12")
-    for x, y in zip(euler_angles(turn, None, None), right, strict=True):
-        assert -arb.pi() - arb("1e-12") < x < arb.pi() + arb("1e-12")
-        assert abs(((x - y) / 2).sin()) < arb("1e-12")
-
-
-def test_at_a_pole_there_is_no_psi():
-    with pytest.raises(TooFewBits):
-        euler_angles((arb(1), arb(0), arb(0), arb(0)), None, None)
-
-
-@pytest.mark.parametrize("k2", [F(0), F(1, 10**40), F(1, 3), 1 - F(1, 10**40), F(1)])
-def test_jacobis_functions_on_both_sides_of_the_separatrix(k2):
-    """sn^2 + cn^2 = 1 = dn^2 + k^2 sn^2, and dn d(am) = dv, at many periods."""
-    with ctx.workprec(400):
-        functions = Jacobi(ball(k2), ball(1 - k2))
-        for t in (F(1, 3), F(-7), F(10**6)):
-            here, there = (functions.at(ball(t + x)) for x in (F(0), F(1, 10**30)))
-            assert (here.sn * here.sn + here.cn * here.cn).overlaps(arb(1))
-            assert (here.dn * here.dn + ball(k2) * here.sn * here.sn).overlaps(arb(1))
-            slope = (there.side * there.sn - here.side * here.sn) * arb(10) ** 30
-            assert abs(slope - here.side * here.cn * here.dn) < arb("1e-29")
-
-
 @pytest.mark.parametrize("half", [False, True])
 @pytest.mark.parametrize("k2", [F(1, 10**20), F(2, 5), F(999, 1000)])
 def test_quotients_keep_to_the_right_half_plane(k2, half):
@@ -229,27 +159,6 @@ def test_functions_and_quotients_are_those_of_mpmath(k2, v):
             assert abs(mine - here_value / begin_value) < mpf("1e-38") * abs(
                 here_value / begin_value
             )
-
-
-def test_a_rate_that_is_off_is_seen(monkeypatch):
-    """The quotient with its phase solves the equation only with the right L."""
-    with ctx.workprec(300):
-        functions, a, h = Jacobi(ball(F(2, 5)), ball(F(3, 5))), ball(F(1, 2)), arb(10) ** -40
-        quotient = Shift(functions, a, half=False)
-        rate = quotient.rate
-        period = 2 * functions.K
-
-        def grown(rate):
-            v = arb("0.3")
-            begin, end = (
-                quotient.at(functions.at(x)) * (acb(0, 1) * rate * x).exp() for x in (v, v + period)
-            )
-            turn = end / begin * (acb(0, -1) * rate * period).exp()
-            return abs(turn - 1)
-
-        assert grown(rate).contains(0)
-        assert quotient.slope(functions.at(arb("0.3"))) != 0
-        assert h > 0
 
 
 def test_each_row_is_held_against_its_own_sizes():

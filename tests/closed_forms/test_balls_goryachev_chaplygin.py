@@ -1,19 +1,16 @@
 """Goryachev and Chaplygin's case in balls: bounds by force, and the enclosed attitude."""
 
-import cmath
 import math
 from fractions import Fraction
-from random import Random
 
 import pytest
 from flint import arb
 
 import polhode
+from polhode import BadInput
 from polhode.closed_forms.balls import clocks
-from polhode.closed_forms.balls import clocks as panels
 from polhode.closed_forms.balls.core import TooFewBits
 from polhode.closed_forms.families import closed_form
-from polhode.common.errors import BadInput
 from polhode.judging import reference, score
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
@@ -24,7 +21,6 @@ from shared.tiers import tiers
 
 F = Fraction
 NAME = "goryachev-chaplygin"
-FROM_ABOVE = members.NEAR["D- from above"](F(1, 10**8))
 
 
 def motion_of(plain):
@@ -43,83 +39,14 @@ def test_a_place_that_is_not_near_the_solution_proves_nothing():
             path._proven((x.mid(), y.mid()), points, steps, (arb("1e-9"), arb(0)))
 
 
-@pytest.mark.parametrize("kind", ["D- from above", "G, rotating"])
-def test_the_motion_next_to_a_degenerate_one_is_nearly_it(kind):
-    """Another way of computing: v constant or asymptotic, G = 0."""
-    near, exact_motion = (motion_of(members.NEAR[kind](gap)) for gap in (F(1, 10**40), F(0)))
-    assert near.regime != exact_motion.regime
-    rows = [motion.at([F(3)], 30)[0] for motion in (near, exact_motion)]
-    assert max(abs(x - y) for x, y in zip(*rows, strict=True)) < mpf("1e-29")
-
-
-def test_a_rule_for_a_larger_ellipse_than_f_is_bounded_on_misses(monkeypatch):
-    """Gauss's rule with the points that are enough for 12 half panels in place of 3."""
-    plain = FROM_ABOVE
-    sure, wrong = row_at(motion_of(plain), F(7), 400), []
-    for ratio in (panels.RATIO, 12):
-        monkeypatch.setattr(panels, "RATIO", ratio)
-        monkeypatch.setattr(clocks, "_PART", 2 * ratio - 1)
-        row = row_at(motion_of(plain), F(7), 200)
-        wrong.append(sum(not x.overlaps(y) for x, y in zip(row, sure, strict=True)))
-    assert wrong == [0, 6]
-
-
-@pytest.mark.parametrize(
-    ("constant", "plain"),
-    [
-        ((panels, "_SPARE"), FROM_ABOVE),
-        ((clocks, "_WAY"), members.MOTIONS[NAME]["asymptotic, from below"]),
-    ],
-)
-def test_what_few_points_and_a_short_way_leave_out_is_in_the_radius(constant, plain, monkeypatch):
-    """60 less than rounding leaves, on panels and on the way to a double root."""
-    motion = motion_of(plain)
+def test_what_a_short_way_leaves_out_is_in_the_radius(monkeypatch):
+    """60 less than rounding leaves, on the way to a double root."""
+    motion = motion_of(members.MOTIONS[NAME]["asymptotic, from below"])
     sure = row_at(motion, F(100), 400)
-    monkeypatch.setattr(*constant, -60)
+    monkeypatch.setattr(clocks, "_WAY", -60)
     row = row_at(motion, F(100), 200)
     assert all(x.overlaps(y) for x, y in zip(row, sure, strict=True))
     assert arb("1e-36") < max(x.rad() for x in row) < arb("1e-3")
-
-
-@pytest.mark.parametrize(
-    ("kind", "function"),
-    [
-        (clocks.Oscillating, lambda x: cmath.sin(x / 2) ** 2),
-        (clocks.Tending, lambda x: 1 / cmath.cosh(x) ** 2),
-    ],
-)
-def test_a_variable_stays_within_its_reach_and_nearly_reaches_it(kind, function):
-    pick, shares = Random(1), []
-    variable = kind.__new__(kind)
-    variable.width = arb(1)
-    for _ in range(2000):
-        x, radius = 3 * pick.random(), 1.4 * pick.random()
-        moved = function(x + cmath.rect(radius, 2 * math.pi * pick.random())) - function(x)
-        shares.append(abs(moved) / float(variable.reach(arb(x), arb(radius))))
-    assert 0.95 < max(shares) < 1
-
-
-def test_far_from_0_the_integrals_hold_what_f_is_all_over_the_ball_of_a_turn():
-    """Panels of 120 bits asked in 53: a turn is then known no better than f is narrow."""
-
-    def variable(bits):
-        near = clocks.Factors(((1, -(arb(10) ** -12)), (-1, arb(2))))
-        with ctx.workprec(bits):
-            return clocks.Oscillating(arb(0), arb(1), near)
-
-    pick, few, many, finite, wrong = Random(1), variable(120), variable(300), 0, 0
-    for _ in range(80):
-        turns, off = pick.randrange(10**9, 10**11), 10.0 ** -pick.uniform(3, 9)
-        with ctx.workprec(53):
-            x = (2 * turns * arb.pi() + off).mid()
-            place = few.at(x)
-        with ctx.workprec(300):
-            right = many.at(x)
-        for x, y in zip(place[:2], right[:2], strict=True):
-            finite += bool(x.is_finite())
-            wrong += x.is_finite() and not x.overlaps(y)
-    assert finite > 10
-    assert wrong == 0
 
 
 #: Exact and awkward: at a turning point of u, with an irrational centre, in units of 1e30.

@@ -11,16 +11,12 @@ from flint import acb, arb, fmpq
 import polhode
 from polhode.closed_forms.balls.core import Refused, TooFewBits
 from polhode.closed_forms.balls.weierstrass import (
-    Quartic,
     RealLattice,
-    Weierstrass,
-    complex_functions,
 )
 from polhode.closed_forms.families import closed_forms
 from polhode.closed_forms.family import ENCLOSED_ATTITUDE
 from polhode.closed_forms.kovalevskaya import degenerate, theta_attitude, theta_state
 from polhode.closed_forms.kovalevskaya.motion import first_turn
-from polhode.numbers.exact import ONE
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared.ball_checks import (
@@ -111,27 +107,6 @@ def test_attitude_of_a_periodic_motion_at_1e16():
     few, many = top.attitude(far, 20)[0], top.attitude(far, 40)[0]
     with mpmath.workdps(50):
         assert max(abs(a - b) for a, b in zip(few, many, strict=True)) < mpf("1e-20")
-
-
-@pytest.mark.parametrize("a", [(0, 1, 0, 0, -4), (1, 0, -1, 0, 2), (1, 0, 1, 0, 0)])
-def test_weierstrass_function_solves_its_equation(a):
-    """P'^2 = 4 P^3 - g2 P - g3, with P and P' from sn, cn, dn."""
-    quartic = Quartic(tuple(ONE * x for x in a))
-    g2, g3 = quartic.invariants
-    with ctx.workprec(120):
-        function = Weierstrass(quartic)
-        for t in ("0.3", "1.1", "-2.9"):
-            sn, cn, dn = complex_functions(function.functions, acb(function.rate * arb(t), 0.1))
-            if function.paired:
-                P = function.base + function.size * (1 + cn) / (1 - cn)
-                slope = -2 * function.size * function.rate * sn * dn / ((1 - cn) * (1 - cn))
-            else:
-                P = function.base + function.size / (sn * sn)
-                slope = -2 * function.size * function.rate * cn * dn / (sn * sn * sn)
-            rest = slope * slope - 4 * P * P * P + arb(g2.numerator) / g2.denominator * P
-            rest += arb(g3.numerator) / g3.denominator
-            assert rest.contains(0)
-            assert rest.real.rad() < abs(slope * slope) * arb(2) ** -80
 
 
 #: omega and gamma on a curve of which an e is -k: the node a point alone, or one that is reached;

@@ -10,8 +10,8 @@ from collections import Counter
 from fractions import Fraction
 
 import pytest
+from mpmath import mpf
 
-from polhode.numbers.mpmath_context import mpf
 from shared import members, orbit_members
 from shared.ball_checks import (
     FEW_BITS,

@@ -20,7 +20,6 @@ from shared import steady_precession
 from shared.ball_checks import form, motion_of_family, row_at
 from shared.members import start
 from shared.orbit_members import steklov_start
-from shared.tiers import tiers
 
 F = Fraction
 
@@ -41,44 +40,19 @@ def test_next_to_where_the_modulus_is_1():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("factor", "family"), [(6, "steklov")])
-def test_by_force_a_strip_too_wide_misses(family, factor, monkeypatch):
+def test_by_force_a_strip_too_wide_misses(monkeypatch):
     """At 200 bits: fewer samples, and the bound of the proper strip."""
-    fine = row_at(of(family), F(-7), 330)
+    fine = row_at(of("steklov"), F(-7), 330)
     proper = PeriodicAttitude._proven_sums
 
     def fewer(self):
-        self.strip = replace(self.strip, eta=factor * self.strip.eta)
+        self.strip = replace(self.strip, eta=6 * self.strip.eta)
         return proper(self)
 
     monkeypatch.setattr(PeriodicAttitude, "_proven_sums", fewer)
-    wrong = row_at(of(family), F(-7), 200)
+    wrong = row_at(of("steklov"), F(-7), 200)
     assert all(x.overlaps(y) for x, y in zip(wrong[:6], fine, strict=False))
     assert not all(x.overlaps(y) for x, y in zip(wrong, fine, strict=True))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("place", [1])
-def test_by_force_a_term_of_the_azimuth_left_out(place, monkeypatch):
-    fine = row_at(of("steklov"), F(-7), 330)
-    proper = PowerSum.__init__
-    monkeypatch.setattr(
-        PowerSum,
-        "__init__",
-        lambda self, terms: proper(self, [x * (k != place) for k, x in enumerate(terms)]),
-    )
-    wrong = row_at(of("steklov"), F(-7), 200)
-    assert not all(x.overlaps(y) for x, y in zip(wrong, fine, strict=True))
-
-
-@pytest.mark.parametrize("family", tiers(["bobylev-steklov"], ["steklov"]))
-def test_by_force_the_phase_at_the_start_off_by_1e_50(family, monkeypatch):
-    fine = row_at(of(family), F(-7), 330)
-    proper = orbits.EllipticTime.phase
-    off = arb(10) ** -50
-    monkeypatch.setattr(orbits.EllipticTime, "phase", lambda *a: proper(*a) + off)
-    wrong = row_at(of(family), F(-7), 200)
-    assert not all(x.overlaps(y) for x, y in zip(wrong[:6], fine, strict=False))
 
 
 def test_how_far_a_state_moves_is_bounded_and_not_by_much():
@@ -256,3 +230,19 @@ def test_units_beyond_doubles_are_no_exception(family, unit):
                 abs(motion.period(20) / unit.numerator * unit.denominator / plain.period(25) - 1)
                 < 1e-19
             )
+
+
+def test_irrational_data_tell_what_is_assumed():
+    """sqrt 2 sqrt 3 = sqrt 6 is no theorem to 4096 bits: the proof names the number called 0."""
+    a = exact.sqrt(F(2)) * exact.sqrt(F(3))
+    gamma = F(9, 25), F(12, 25), F(4, 5)
+
+    def euler_top(moments):
+        return form("euler", moments, (F(0),) * 3, (F(1), F(1), F(1)), gamma)
+
+    equal = euler_top((a, exact.sqrt(F(6)), F(2)))
+    assert "prolate" in equal.regime or "oblate" in equal.regime
+    assert len(equal.assumed) > 0
+    plain = euler_top((a, F(5, 2), F(2)))
+    plain.at([F(1)], 20)
+    assert plain.assumed == ()

@@ -1,10 +1,11 @@
-"""Theta functions of genus two in balls: against FLINT's own, by their laws, and their tail."""
+"""Theta functions in balls, of genus two and one: against FLINT's own, and their tail."""
 
 import pytest
 from flint import acb, acb_mat, arb
 
-from polhode.closed_forms.balls import theta2
+from polhode.closed_forms.balls import jacobi, theta2
 from polhode.closed_forms.balls.core import TooFewBits
+from polhode.closed_forms.balls.jacobi import ThetaSeries
 from polhode.closed_forms.balls.theta2 import CHARACTERISTICS, Theta2
 from polhode.numbers.flint_context import ctx
 
@@ -82,27 +83,6 @@ def test_the_bound_of_what_is_left_out_is_needed(monkeypatch, share):
     assert misses(200, tau, z) > 10
 
 
-def test_periods_are_taken_out_whole():
-    with ctx.workprec(120):
-        tau = complexes(TAUS["plain"])
-        functions = Theta2(tau, CHARACTERISTICS)
-        z = complexes(PLACES["near 0"])
-        moved = functions.lattice.times((3, -2))
-        far = z[0] + 5 + moved[0], z[1] - 4 + moved[1]
-        jets = functions.at(far)
-        factor = jets.log.exp()
-        along = functions.lattice.times((3, -2))
-        i_pi = acb(0, arb.pi())
-        factor = (-i_pi * (3 * along[0] - 2 * along[1] + 2 * (3 * z[0] - 2 * z[1]))).exp()
-        for c, row, far_row in zip(
-            CHARACTERISTICS, functions.at(z).values, jets.values, strict=True
-        ):
-            side = -1 if (c[0] * 5 - c[1] * 4 + c[2] * 3 - c[3] * 2) % 2 else 1
-            assert (factor * far_row[0]).overlaps(side * factor * row[0])
-            slope = row[1] - 2 * i_pi * 3 * row[0]
-            assert (factor * far_row[1]).overlaps(side * factor * slope)
-
-
 def test_what_is_too_wide_asks_for_more_bits():
     with ctx.workprec(60):
         with pytest.raises(TooFewBits):
@@ -110,3 +90,67 @@ def test_what_is_too_wide_asks_for_more_bits():
         functions = Theta2(complexes(TAUS["plain"]), CHARACTERISTICS)
         with pytest.raises(TooFewBits):
             functions.at((acb(0, arb(1, 1)), acb(0)))
+
+
+# -- of genus one, as polynomials at any precision, and no wider than they must be ----------------
+
+ARGUMENTS = ("0.49", "0.1", "-0.3", "0")
+WIDTHS = ("0.07", "0.3", "1.1", "7", "60")
+
+
+def values(series, z, y):
+    """th1, ..., th4 at z, and th3, th4 at z + i y."""
+    sine, cosine = z.sin_cos_pi()
+    double = (2 * z).cos_pi()
+    real = [
+        sine * series.th1(double),
+        cosine * series.th2(double),
+        series.th3(double),
+        series.th4(double),
+    ]
+    for third in (True, False):
+        level, upright = series.above(y, third=third)
+        real += [level(double), upright(double) * (2 * z).sin_pi()]
+    return real
+
+
+def flints(s, z, y):
+    here = [x.real for x in acb.modular_theta(acb(z), acb(0, s))]
+    above = acb.modular_theta(acb(z, y), acb(0, s))[2:]
+    return here + [part for x in above for part in (x.real, x.imag)]
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_every_ball_holds_the_value(width):
+    for place in ARGUMENTS:
+        for share in ("0.5", "0.2", "-0.4"):
+            with ctx.workprec(900):
+                s, z = arb(width), arb(place)
+                right = flints(s, z, arb(share) * s)
+            for bits in (24, 53, 113, 330):
+                with ctx.workprec(bits):
+                    mine = values(ThetaSeries(s), z, arb(share) * s)
+                    assert all(x.overlaps(y) for x, y in zip(mine, right, strict=True))
+
+
+@pytest.mark.parametrize("width", WIDTHS[:3])
+def test_what_is_left_out_is_in_the_ball_and_not_much_more(width, monkeypatch):
+    """With few terms each ball holds its value, and with no bound of the rest hardly any would."""
+    monkeypatch.setattr(jacobi.math, "ceil", lambda x: 3 if width == "0.07" else 1)
+    with ctx.workprec(300):
+        s, y = arb(width), arb(width) / 3
+        series, missed = ThetaSeries(s), 0
+        for place in ARGUMENTS[:3]:
+            z = arb(place)
+            for mine, right in zip(values(series, z, y), flints(s, z, y), strict=True):
+                assert mine.overlaps(right)
+                missed += not mine.mid().overlaps(right)
+        assert missed > 20
+
+
+def test_terms_that_do_not_fall_are_refused(monkeypatch):
+    monkeypatch.setattr(jacobi.math, "ceil", lambda x: 1)
+    with ctx.workprec(100), pytest.raises(TooFewBits):
+        ThetaSeries(arb("0.01"))
+    with ctx.workprec(100), pytest.raises(TooFewBits):
+        ThetaSeries(arb(1)).above(arb("nan"), third=True)

@@ -9,10 +9,11 @@ import random
 import re
 from pathlib import Path
 
+import mpmath
 import pytest
+from mpmath import mpf
 
 import polhode
-from polhode.numbers.mpmath_context import mpf, mpmath
 
 PAGE = Path(polhode.__file__).parent / "errata.md"
 WORKING = 80

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 import polhode
+from polhode import BadInput
 from polhode.closed_forms import families
 from polhode.closed_forms.families import FAMILIES, Family, closed_form, closed_forms
 from polhode.closed_forms.membership import Misfit, in_principal_axes
-from polhode.common.errors import BadInput
 from polhode.judging.reference import reference
 from polhode.scenes import scene_file, vocabulary
 from polhode.scenes.vocabulary import REFERENCES

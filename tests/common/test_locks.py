@@ -10,6 +10,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from itertools import product
 
 import flint
@@ -17,6 +18,7 @@ import numpy as np
 import pytest
 
 from polhode.common.interrupts import Lock, Place
+from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpmath
 from polhode.taylor.heyoka import Meanwhile
@@ -220,3 +222,44 @@ def test_a_setting_is_put_back_by_who_collects_while_it_is_written():
     finally:
         gc.enable()
     assert setting.value == 5
+
+
+# -- a property computed once an instance, that holds no lock meanwhile --------------------------
+
+
+@dataclass(frozen=True)
+class Counting:
+    """Counts how often a value is computed; threads meet while they compute it."""
+
+    counted: list[int]
+    met: threading.Barrier | None = None
+
+    @cached_property
+    def value(self) -> list[int]:
+        """What it is."""
+        self.counted.append(1)
+        if self.met is not None:
+            self.met.wait(60)
+        if len(self.counted) == 1:
+            raise ZeroDivisionError
+        return [7]
+
+
+def test_it_is_computed_once_and_is_no_field_but_what_raised_again():
+    counting = Counting([])
+    with pytest.raises(ZeroDivisionError):
+        _ = counting.value
+    assert counting.value is counting.value
+    assert counting.counted == [1, 1]
+    assert counting.value is not Counting([1, 1]).value
+    assert counting == Counting([1, 1])
+    assert Counting.value.__doc__ == "What it is."
+
+
+def test_threads_compute_at_once_and_are_given_the_same():
+    """With a lock the first would wait at the barrier for the others for ever."""
+    counting = Counting([1, 1], threading.Barrier(4))
+    with ThreadPoolExecutor(4) as pool:
+        values = list(pool.map(lambda _: counting.value, range(4)))
+    assert len(counting.counted) == 6
+    assert all(x is values[0] is counting.value for x in values)

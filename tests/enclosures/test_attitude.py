@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import NumberType, Scene
 from polhode.enclosures import (
     approximation,
     attitude,
     fixed_point_problem,
     integral_contraction,
-    quaternion,
     step_bound,
     task,
 )
@@ -28,14 +28,10 @@ from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.quaternion import TurnBounds, Turned
 from polhode.enclosures.result import Part
 from polhode.enclosures.taylor_polynomials import Pieces
-from polhode.judging.adaptive_precision import integrate
 from polhode.numbers import vectors
-from polhode.numbers.conversion import exactly
-from polhode.numbers.number_types import NumberType
-from polhode.scenes.scene import Scene
 from shared import enclosure_trials as trials
-from shared.mutation import without
-from shared.tiers import tiers
+from shared.tiers import of_table
+from shared.values import exactly
 
 OUTPUTS = ("angles", "attitude")
 
@@ -56,7 +52,7 @@ def _random(rng: random.Random, kind: str, digits: int, longest: int) -> list[fl
     times = [Fraction(rng.randrange(1, 1000), 1001) * longest, Fraction(longest)]
     enclosure = polhode.certify(scene, at=times, digits=digits)
     assert enclosure.complete
-    run = integrate(scene.at(times), NumberType("mp", 320), max_steps=10**6)
+    run = polhode.integrate(scene.at(times), NumberType("mp", 320), max_steps=10**6)
     return _ratios(enclosure, run.attitude, run.angles)
 
 
@@ -191,32 +187,25 @@ def test_a_turn_that_writes_into_what_it_is_given_or_has_returned_is_bounded(fau
     assert _by_a_fault(fault) <= 1.0
 
 
-#: The turn that shows a term, and how the term is dropped.
-TERMS: dict[str, tuple[Any, tuple[Any, str, str, str]]] = {
-    "defect": (lambda: _by_a_fault(_wrong_slope), (quaternion, "turns", "first + defect", "first")),
-    "v(0)": (lambda: _by_a_fault(_wrong_start), (quaternion, "turns", "first +", "")),
-    "w": (_by_the_state, (quaternion, "turns", "* off)", "* 1e-20)")),
-    "rounding": (_by_rounding, (quaternion, "Turned.step", "+ lost)", ")")),
-    "radius carried": (
-        lambda: _by_a_fault(_wrong_slope),
-        (quaternion, "Turned._after", "(self.radius + grown", "(0.0 * self.radius + grown"),
-    ),
+#: The turn that shows a term.
+TERMS: dict[str, Any] = {
+    "defect": lambda: _by_a_fault(_wrong_slope),
+    "v(0)": lambda: _by_a_fault(_wrong_start),
+    "w": _by_the_state,
+    "rounding": _by_rounding,
 }
 
 
 @pytest.mark.parametrize("term", TERMS)
-def test_one_term_alone_is_enough_not_slack_and_noticed_when_dropped(term: str) -> None:
-    motion, change = TERMS[term]
-    assert 1e-3 <= motion() <= 1.0
-    with without(*change):
-        assert motion() > 1.0
+def test_one_term_alone_is_enough_and_not_slack(term: str) -> None:
+    assert 1e-3 <= TERMS[term]() <= 1.0
 
 
 @pytest.mark.slow
 def test_no_fault_in_the_approximated_turn_makes_a_wrong_attitude() -> None:
     rng = random.Random(33)
     scene = replace(trials.random_scene(rng, "generic"), outputs=OUTPUTS)
-    run = integrate(scene.at((2,)), NumberType("mp", 320), max_steps=10**6)
+    run = polhode.integrate(scene.at((2,)), NumberType("mp", 320), max_steps=10**6)
     true = [exactly(x) for x in run.attitude[0]]
     motion = fixed_point_problem.motion(scene)
     times = fixed_point_problem.times(motion, [Fraction(2)])
@@ -273,8 +262,6 @@ def test_turns_are_counted_however_many_there_are_in_a_step() -> None:
     assert np.max(np.abs(followed.step(_around(20, 0.01), 1.0, points) - true)) < 1e-12
     on = followed.step(_around(0.25, 0.01), 1.0, points)
     assert on[1] == pytest.approx([42.5 * np.pi, -44.5 * np.pi], abs=1e-12)
-    with without(attitude, "Followed.step", "if not rough.any()", "if True"):
-        assert abs(attitude.Followed((0.0, 0.0)).step(_around(20, 1.0), 1.0, points)[1][0]) < 30
 
 
 @pytest.mark.parametrize("beside", [1e-3, -1e-3, 1e-9, -1e-9])
@@ -291,19 +278,6 @@ def test_a_pole_is_passed_on_its_side(beside: float) -> None:
     assert row == pytest.approx([end, -end], abs=1e-9)
 
 
-@pytest.mark.parametrize("where", [1 / 3, 0.5])
-def test_a_passage_through_a_pole_loses_psi_and_phi_for_good(where: float) -> None:
-    """Between two nodes, and on one."""
-    followed, end = attitude.Followed((np.pi, 0.0)), np.array([1.0])
-
-    def through(nodes: Any) -> Any:
-        return np.array([nodes - where + 0j, nodes + 1 + 0j])
-
-    for path in (through, _around(1, 0.5)):
-        assert followed.step(path, 1.0, end) is None
-    assert followed.lost == 0.0
-
-
 #: Released at a pole: the body, w, the pole, the sense of time.
 HEAVY = ((2, Fraction(3, 2), 1), (0, 1, Fraction(1, 2)))
 RELEASED = {
@@ -317,7 +291,7 @@ RELEASED = {
 }
 
 
-@pytest.mark.parametrize("name", tiers(["from rest"], ["with w across"]))
+@pytest.mark.parametrize("name", of_table(RELEASED, "from rest"))
 def test_a_release_at_a_pole_is_left_as_a_run_leaves_it(name: str) -> None:
     """With w along the third axis gamma' = 0, and gamma'' = gamma x w' is of the second order."""
     (moments, centre, *off), omega, up, side = RELEASED[name]
@@ -335,7 +309,7 @@ def test_a_release_at_a_pole_is_left_as_a_run_leaves_it(name: str) -> None:
         Part(part.centres[1:], part.radii[1:]) for part in (enclosure.angles, enclosure.attitude)
     ]
     assert None not in [x for row in later[0].centres for x in row]
-    run = integrate(scene.at(times), NumberType("mp", 320))
+    run = polhode.integrate(scene.at(times), NumberType("mp", 320))
     apart = replace(enclosure, angles=later[0], attitude=later[1])
     assert max(_ratios(apart, run.attitude, run.angles)) <= 1.0
 

@@ -13,10 +13,10 @@ import pytest
 import polhode
 from polhode import cli
 from polhode.enclosures.task import Task
-from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import rounded_up
 from polhode.results.writer import beside
 from polhode.scenes.start_box import StartBox
+from shared.values import exactly
 
 CASE = "kovalevskaya/generic"
 

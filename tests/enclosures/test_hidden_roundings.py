@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import statistics
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -13,11 +14,11 @@ import numpy as np
 import pytest
 from flint import arb, fmpq, fmpz_poly
 
+from polhode import Body, Scene
 from polhode.enclosures import fixed_point_problem, integral_contraction, step_bound, task, zonotope
 from polhode.enclosures.polynomial import BallPolynomial
-from polhode.scenes.body import Body
-from polhode.scenes.scene import Scene
-from shared.mutation import without
+from shared import enclosure_terms as terms
+from shared.tiers import tiers
 
 # -- roundings ----------------------------------------------------------------------------------
 
@@ -192,54 +193,29 @@ def _by_a_matrix_that_cancels() -> float:
     return worst
 
 
-#: How far the truth lies out, in radii; what it is at least; and where its term is dropped.
-ALONE: dict[str, tuple[Callable[[], float], float, tuple[Any, str, str, str]]] = {
-    "what double cannot see of the matrices' residual": (
-        _rounded_matrices,
-        1e-2,
-        (step_bound, "_matrix_residual", "gamma(ROUNDINGS) * a_sum * sizes", "0.0"),
-    ),
-    "and of the residual": (
-        _rounded_residual,
-        1e-2,
-        (step_bound, "_delta", "gamma(ROUNDINGS) * a_sum * sigma", "0.0"),
-    ),
-    "what the doubles of a defect are off": (
-        _rounded_defects,
-        0.1,
-        (step_bound, "_delta", "gamma(2 + defects.roundings)", "gamma(2)"),
-    ),
-    "a time that is a ball": (
-        _at_a_time_not_known,
-        1e-3,
-        (zonotope, "_balls", "+ UP * terms * off", "+ 0.0 * off"),
-    ),
-    "an integral whose value is a ball": (
-        _by_an_integral_known_roughly,
-        1e-3,
-        (integral_contraction, "_measured", "+ upper(missing - arb(float(rest[k])))", ""),
-    ),
-    "a slope of an integral that is not sharp": (
-        _by_an_integral_of_a_rough_slope,
-        0.1,
-        (integral_contraction, "_measured", "off * eps", "0.0 * eps"),
-    ),
-    "the grid of states": (
-        _on_a_coarse_grid,
-        0.1,
-        (integral_contraction, "shrunk", "+ lost + left)", "+ lost)"),
-    ),
-    "what doubles lose of V at an output": (
-        _by_a_matrix_that_cancels,
-        1e-3,
-        (zonotope, "_balls", "gamma(2 * terms + 6)", "0.0"),
-    ),
+#: How far the truth lies out, in radii, where a term alone is what there is; and at least.
+ALONE: dict[str, tuple[Callable[[], float], float]] = {
+    "what double cannot see of the matrices' residual": (_rounded_matrices, 1e-2),
+    "and of the residual": (_rounded_residual, 1e-2),
+    "what the doubles of a defect are off": (_rounded_defects, 0.1),
+    "a time that is a ball": (_at_a_time_not_known, 1e-3),
+    "an integral whose value is a ball": (_by_an_integral_known_roughly, 1e-3),
+    "a slope of an integral that is not sharp": (_by_an_integral_of_a_rough_slope, 0.1),
+    "the grid of states": (_on_a_coarse_grid, 0.1),
+    "what doubles lose of V at an output": (_by_a_matrix_that_cancels, 1e-3),
 }
 
 
 @pytest.mark.parametrize("term", ALONE)
-def test_a_term_alone_is_enough_not_slack_and_noticed_when_dropped(term: str) -> None:
-    ratio, least, change = ALONE[term]
+def test_a_term_alone_is_enough_and_not_slack(term: str) -> None:
+    ratio, least = ALONE[term]
     assert least < ratio() <= 1.0
-    with without(*change):
-        assert ratio() > 1.0
+
+
+@pytest.mark.parametrize(
+    "motion", tiers(["integrals", "jumps", "residual", "rounding"], ["quadratic", "start_box"])
+)
+def test_a_motion_in_which_one_term_outweighs_the_others_is_inside(motion: str) -> None:
+    ratios = getattr(terms, motion)()
+    assert 1e-3 <= max(ratios) <= 1.0
+    assert statistics.median(ratios) >= (0.3 if motion == "start_box" else 0.0)

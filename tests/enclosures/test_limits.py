@@ -10,10 +10,9 @@ from pathlib import Path
 import pytest
 
 import polhode
-from polhode import cli
+from polhode import Outcome, cli
 from polhode.common import interrupts
-from polhode.motion.outcomes import Outcome
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE
+from shared.tables import ANGLES, ATTITUDE
 
 SCENE = "general/asymmetric-regular"
 EVENTS = """

@@ -19,14 +19,13 @@ import polhode
 from polhode.cli import main
 from polhode.equations import columns
 from polhode.figures import samples
-from polhode.numbers import row_formulas
-from polhode.numbers.conversion import exactly
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
 from polhode.numbers.row_formulas import mapped
 from polhode.output import guide
 from polhode.results.writer import beside
-from polhode.scenes.vocabulary import COLUMNS, STATE, ColumnWord, column_names
+from polhode.scenes.vocabulary import COLUMNS, ColumnWord, column_names
+from shared.tables import STATE
 from shared.tiers import tiers
+from shared.values import DOUBLE, EXTENDED, QUAD, exactly, mp
 
 NUMBERS = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD, "mp": mp(50)}
 TOP = "lagrange/nutation"
@@ -91,7 +90,7 @@ def document(capsys, *arguments):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", ["double"])
+@pytest.mark.parametrize("number", ["double", "quad"])
 def test_a_run_has_the_speed_wherever_it_goes(number, scene, tmp_path, capsys):
     """JSON, CSV and the JSON beside it: the same strings; trajectory, file, frames, notebook."""
     kind, path, at = NUMBERS[number], tmp_path / "x.csv", ["0", "1", "5"]
@@ -150,32 +149,6 @@ def test_a_reference_gives_the_speed_to_the_last_digit(name, digits, capsys):
     column = polhode.reference(name).column("speed", [1, 1500], digits)
     for (x,), text in zip(column, speeds, strict=True):
         assert abs(exactly(x) - Fraction(text)) < 10 * Fraction(10) ** -digits
-
-
-def test_a_proof_gives_balls_of_the_speed(scene, capsys):
-    """They hold the closed form's and are as small as was asked for; printed digits are right."""
-    command = ["certify", TOP, "--at", "1,2", "--digits", "25"]
-    command += ["--outputs", "speed,hodographs"]
-    columns = document(capsys, *command, "--json")["columns"]
-    true = [true_speed([exactly(x) for x in s]) for s in polhode.reference(TOP).at([1, 2], 60)]
-    part = polhode.certify(scene, [1, 2], digits=25).derived["speed"]
-    with mpmath.workprec(1000):
-        for k, speed in enumerate(true):
-            text, radius = columns["speed"][k], columns["speed_radius"][k]
-            assert abs(mpmath.mpf(text) - speed) <= radius < 1e-25
-            space = [mpmath.mpf(columns[f"omega_{x}"][k]) for x in "xyz"]
-            assert abs(mpmath.norm(space) - speed) < 1e-24
-            ((centre,), (size,)) = part.centres[k], part.radii[k]
-            assert abs(mpmath.mpf(centre.numerator) / centre.denominator - speed) <= size
-    header, *lines = document(capsys, *command)
-    place = header.index("speed")
-    for line, speed in zip(lines, true, strict=True):
-        text = line[place]
-        assert len(text) > 25
-        assert abs(mpmath.mpf(text) - speed) <= mpmath.mpf(10) ** (2 - len(text)) * 0.51
-    midpoints = polhode.reference(replace(scene, reference="certified"))
-    judged = polhode.compare(polhode.integrate(scene, at=[0, 1]), midpoints)
-    assert 14 < judged.parts["speed"] <= DOUBLE.most_digits
 
 
 @pytest.mark.parametrize("count", [3])
@@ -267,53 +240,6 @@ def test_a_row_without_a_finite_real_value_is_a_gap(number):
         assert [exactly(x) for x in column[1]] == [1, 1]
     flat = mapped(divided, [[list(row) for row in whole]], c, kind, 2)
     assert isinstance(flat, np.ndarray) == kind.flat
-
-
-def test_doubles_are_the_same_where_there_is_no_wider_type(monkeypatch):
-    """The ways by numpy's extended and by mpmath: the same doubles, row by row."""
-    rng = np.random.default_rng(1)
-    rows = rng.normal(size=(500, 6))
-    formula = columns.FORMULAS["speed"].values
-    fast = mapped(formula, [rows], {}, DOUBLE, 1)
-    monkeypatch.setattr(row_formulas, "extended_here", lambda: False)
-    assert np.array_equal(fast, mapped(formula, [rows], {}, DOUBLE, 1))
-
-
-def test_a_column_may_need_numbers_of_the_body_and_angles(monkeypatch):
-    """C r²/2 of each member of a sweep by its own C; psi + phi, at a pole a gap."""
-
-    def energy(x, k, fn):
-        return [k["C"] * x[2] ** 2 / 2]
-
-    def sum_of(x, k, fn):
-        return [x[6] + x[8]]
-
-    formulas = {
-        "energy": columns.DerivedColumn(
-            of_scene=lambda scene: (energy, {"C": scene.body.moments[2]})
-        ),
-        "turned": columns.DerivedColumn(sum_of),
-    }
-    monkeypatch.setitem(COLUMNS, "energy", ColumnWord(("spin",), ("state",), "derived", "C r²/2"))
-    needs = ("state", "angles")
-    monkeypatch.setitem(COLUMNS, "turned", ColumnWord(("sum",), needs, "derived", "psi + phi"))
-    for word, formula in formulas.items():
-        monkeypatch.setitem(columns.FORMULAS, word, formula)
-    scene = replace(polhode.load(TOP), outputs=("energy", "turned"))
-    many = polhode.integrate_many(scene, {"body.moments[3]": ["1/2", "1/4"]}, at=[0, 1])
-    assert list(many.outputs) == ["energy"]
-    for k, c in enumerate((0.5, 0.25)):
-        spins = (c / 2 * many.states[k][:, 2].astype(np.longdouble) ** 2).astype(np.float64)
-        assert many.outputs["energy"][k, :, 0].tolist() == spins.tolist()
-    run = polhode.integrate(scene, at=[0, 1])
-    assert list(run.outputs) == ["angles", "energy", "turned"]
-    for angles, (total,) in zip(run.angles, run.outputs["turned"], strict=True):
-        assert total == float(Fraction(angles[0]) + Fraction(angles[2]))
-    pole = replace(polhode.load("lagrange/from-the-pole"), outputs=("turned",))
-    first, later = polhode.integrate(pole, at=[0, 1]).outputs["turned"]
-    assert first == [None]
-    assert 0 < later[0] < 10
-    assert 14 < polhode.compare(run).parts["turned"] <= DOUBLE.most_digits
 
 
 @pytest.mark.slow

@@ -6,20 +6,19 @@ import json
 from dataclasses import replace
 from fractions import Fraction
 
+import mpmath
 import pytest
 
 import polhode
+from polhode import Event, Outcome
 from polhode.cli import main
 from polhode.equations import readout
-from polhode.motion.outcomes import Outcome
-from polhode.numbers import conversion, number_types
+from polhode.numbers import conversion
 from polhode.numbers.exact import sqrt
-from polhode.numbers.mpmath_context import mpmath
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.scenes.scene import Event
 from shared.tiers import tiers
+from shared.values import DOUBLE, EXTENDED, QUAD, exactly, mp
 
-NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
+NUMBERS = [DOUBLE, EXTENDED, QUAD, mp(50)]
 F = Fraction
 CENTRE = (F(2, 7), F(3, 7), F(6, 7))  # of length 1
 
@@ -68,7 +67,7 @@ def test_a_relative_equilibrium_stands_still(name, number):
     assert run.projection is None
     assert all(list(row) == list(run.states[0]) for row in run.states)
     for x, exact in zip(run.states[0], scene.start, strict=True):
-        error = abs(conversion.exactly(x) - number_types.mp(100).rounded(exact))
+        error = abs(exactly(x) - mp(100).rounded(exact))
         assert error <= number.eps * 2
 
 
@@ -98,11 +97,11 @@ def test_a_permanent_rotation_turns_uniformly(number, end):
     scene = replace(staude(), psi=F(1, 3), outputs=("angles", "attitude"))
     run = polhode.integrate(scene, number, at=[0, end])
     with mpmath.workprec(number.bits + 64):
-        psi, theta, phi = (conversion.to_mpf(conversion.exactly(x), 400) for x in run.angles[1])
+        psi, theta, phi = (conversion.to_mpf(exactly(x), 400) for x in run.angles[1])
         near = 1000 * mpmath.mpf(2) ** -number.bits
         assert abs(psi - (mpmath.mpf(1) / 3 + mpmath.sqrt(3) * end)) <= near
         assert [float(theta), float(phi)] == [float(x) for x in run.angles[0][1:]]
-        q0, q1, q2, q3 = (conversion.to_mpf(conversion.exactly(x), 400) for x in run.attitude[1])
+        q0, q1, q2, q3 = (conversion.to_mpf(exactly(x), 400) for x in run.attitude[1])
         # psi + phi = 2 arg(q0 + i q3), psi - phi = 2 arg(q1 + i q2)
         pairs = (psi + phi, mpmath.atan2(q3, q0)), (psi - phi, mpmath.atan2(q2, q1))
         turns = [(whole / 2 - half) / mpmath.pi for whole, half in pairs]

@@ -10,27 +10,23 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode import cli
+from polhode import Body, Event, Outcome, Scene, cli
 from polhode.checks import check_report
 from polhode.equations.form import equations
 from polhode.judging.correct_digits import worst_digits
-from polhode.motion.outcomes import Outcome
 from polhode.numbers import conversion
-from polhode.numbers.conversion import exactly
 from polhode.numbers.mpmath_context import mpmath
-from polhode.scenes.body import Body
-from polhode.scenes.scene import Event, Scene
 from polhode.scenes.vocabulary import FORMS
-from shared.form_trials import BITS, numbers, rotated_vector, state, turned_scene
+from shared.form_trials import BITS, numbers, state
 from shared.motions import ASYMMETRIC, asymmetric, in_other_units, same_bits
 from shared.tiers import tiers
+from shared.values import exactly
 
 F = Fraction
 OTHERS = [name for name in FORMS if name != "principal"]
 IN_ANGLES = ("lagrangian", "hamiltonian", "routhian")
 ALONE = ("omega-only", "momentum-only")
 REGULAR = asymmetric(psi=F(1, 3))
-TURN = [[F(2, 3), F(-2, 3), F(1, 3)], [F(1, 3), F(2, 3), F(2, 3)], [F(-2, 3), F(-1, 3), F(2, 3)]]
 #: A full inertia matrix with irrational principal moments and axes, a regular motion.
 IRRATIONAL = Scene(
     Body(((3, F(1, 2), F(1, 4)), (F(1, 2), 4, F(1, 8)), (F(1, 4), F(1, 8), 5)), (1, 2, 4), 1),
@@ -64,16 +60,6 @@ def test_every_form_gives_38_of_40_digits_both_ways(name, motion):
         )
         assert second.outcome is Outcome.REACHED_END
         assert 38 <= digits_of(second, run) < 46
-
-
-@pytest.mark.slow
-def test_the_general_form_of_a_body_turned_rationally_gives_the_turned_states():
-    scenes = replace(REGULAR, form="general"), turned_scene(TURN, REGULAR, form="general")
-    first, second = (
-        [exactly(x) for x in polhode.integrate(s, digits=40, at=[10]).states[0]] for s in scenes
-    )
-    expected = [*rotated_vector(TURN, first[:3]), *rotated_vector(TURN, first[3:])]
-    assert 0 < max(abs(a - b) for a, b in zip(expected, second, strict=True)) < F(1, 10**39)
 
 
 @pytest.mark.parametrize(

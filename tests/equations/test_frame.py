@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 import pytest
 
 import polhode
-from polhode.equations.form import equations
 from polhode.equations.kinematics import starting_attitude
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_mpf
@@ -85,19 +83,3 @@ def test_its_attitude_is_that_of_its_own_axes(gamma):
     with mpmath.workprec(BITS):
         apart = of_inside.reshape(3, 3) - of_scene.reshape(3, 3) @ rows.T
         assert max(map(abs, apart.ravel())) < mpmath.mpf(2) ** (8 - BITS)
-
-
-@pytest.mark.parametrize("form", ["general", "momentum", "inertia-axes", "gyration-axes"])
-def test_a_form_in_other_axes_has_a_frame_of_its_own(form):
-    scene = replace(polhode.Scene(TURNED, **START), form=form)
-    own = equations(scene)
-    assert own.frame.exponent == scene.time_unit
-    assert own.frame.axes.trivial == (form in ("general", "momentum"))
-    body = own.scene.body
-    assert body.moments == scene.body.moments
-    assert sign(body.torque[2]) > 0
-    if form not in ("general", "momentum"):  # the centre of mass is on the third axis
-        assert [sign(x) for x in body.torque[:2]] == [0, 0]
-        moments = [body.momentum(row) for row in body.axes.rows]
-        for moment, row, size in zip(moments, body.axes.rows, body.moments, strict=True):
-            assert all(sign(a - size * b) == 0 for a, b in zip(moment, row, strict=True))

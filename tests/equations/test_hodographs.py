@@ -7,6 +7,7 @@ import json
 from dataclasses import replace
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -17,15 +18,12 @@ from polhode.cli import main
 from polhode.dynamics import rolling_cones
 from polhode.equations import kinematics
 from polhode.numbers import row_formulas
-from polhode.numbers.conversion import exactly, to_extended, to_mpf
-from polhode.numbers.mpmath_context import mpmath
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
+from polhode.numbers.conversion import to_extended, to_mpf
 from polhode.results.writer import beside
 from shared.examples import examples
 from shared.tiers import tiers
+from shared.values import DOUBLE, EXTENDED, QUAD, exactly, mp
 
-NUMBERS = ("double", "extended", "quad", "mp")
-TOPS = ("euler/largest-axis", "lagrange/turned-axes", "kovalevskaya/generic", "pendulum/librating")
 COMPONENT = st.floats(-10, 10, allow_subnormal=False)
 
 
@@ -154,63 +152,6 @@ def test_the_rolling_condition_needs_hodographs_and_samples():
     for run in (few, without):
         with pytest.raises(ValueError, match="25 times"):
             rolling_cones.rolling(run)
-
-
-# -- classic facts ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("number", "name"),
-    tiers(
-        [("double", "euler/largest-axis")],
-        [
-            ("extended", "euler/largest-axis"),
-            ("double", "euler/separatrix"),
-            ("double", "euler/turned-axes"),
-        ],
-    ),
-)
-def test_the_herpolhode_lies_in_the_invariable_plane(name, number):
-    """omega·G = 2h with G fixed in space: the plane in which Poinsot's ellipsoid rolls."""
-    scene = scene_of(name, step=Fraction(1, 4), count=40)
-    run = polhode.integrate(scene, number)
-    bits = run.number.bits + 32
-    with mpmath.workprec(bits):
-        inertia = mpmath.matrix([[to_mpf(x, bits) for x in row] for row in scene.body.inertia])
-        momenta = []
-        for state, q in zip(run.states, run.attitude, strict=True):
-            momentum = inertia * mpmath.matrix([to_mpf(exactly(x), bits) for x in state[:3]])
-            quaternion = [to_mpf(exactly(x), bits) for x in q]
-            momenta.append(kinematics.turned(quaternion, list(momentum)))
-        twice = 2 * to_mpf(scene.integrals.energy, bits)
-        heights = [
-            mpmath.fdot([to_mpf(exactly(x), bits) for x in row], momenta[0])
-            for row in run.hodographs.space
-        ]
-        off = max(abs(h - twice) for h in heights) / twice
-        spread = max(abs(a - b) for g in momenta for a, b in zip(g, momenta[0], strict=True))
-    eps = float(run.number.eps)
-    assert 0 < off < 200 * eps
-    assert 0 < spread < 600 * eps
-
-
-@pytest.mark.parametrize("number", tiers(["extended", "mp"], ["double", "quad"]))
-def test_the_apex_path_of_a_top_is_its_precession_and_nutation(number):
-    """R e3 = (sin theta sin psi, -sin theta cos psi, cos theta); the vertical leads back to z."""
-    scene = scene_of("lagrange/looping", ("angles", "attitude"), Fraction(1, 2), 9)
-    run = polhode.integrate(scene, number)
-    bits, bound = run.number.bits + 16, 60 * float(run.number.eps)
-    paths = kinematics.in_space(run.attitude, [[0, 0, 1]] * len(run.times), run.number)
-    upward = kinematics.in_space(run.attitude, [row[3:] for row in run.states], run.number)
-    with mpmath.workprec(bits):
-        for (psi, theta, _), apex, up in zip(run.angles, paths, upward, strict=True):
-            psi, theta = (to_mpf(exactly(x), bits) for x in (psi, theta))
-            sine = mpmath.sin(theta)
-            true = (sine * mpmath.sin(psi), -sine * mpmath.cos(psi), mpmath.cos(theta))
-            for x, y in zip(apex, true, strict=True):
-                assert abs(to_mpf(exactly(x), bits) - y) < bound
-            for x, y in zip(up, (0, 0, 1), strict=True):
-                assert abs(to_mpf(exactly(x), bits) - y) < bound
 
 
 # -- what is printed ----------------------------------------------------------------------------

@@ -11,8 +11,8 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.numbers.conversion import exactly
 from polhode.scenes.vocabulary import INTEGRALS, MATRIX, RODRIGUES
+from shared.values import exactly
 
 TOP = "kovalevskaya/generic"
 WORDS = ("integrals", "matrix", "mrp")

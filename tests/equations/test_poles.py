@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.equations.kinematics import AngleFunctions, angles, phi_leaving_the_pole
+from polhode.equations.kinematics import phi_leaving_the_pole
 
 TOP, BRICK, ASKEW = [1, 1, 0.5], [1.2, 1, 0.5], [0.2, 0.3, 1]
 
@@ -66,31 +66,6 @@ def test_without_w_across_the_limit_is_that_of_its_rate(sense):
     for centre, expected in (((0, -1, 0), 0.0), ((1, 0, 0), -math.pi / 2)):
         at_rest = scene([0, 0, 0], 1, 1, [4, 4, 1], centre)
         assert phi_leaving_the_pole(at_rest, sense) == expected
-
-
-FUNCTIONS = AngleFunctions(np.hypot, np.arctan2, np.pi, np.rint, np.where)
-
-
-@pytest.mark.parametrize(("pole", "up"), [(0.0, 1), (np.pi, -1), (4 * np.pi, 1), (-np.pi, -1)])
-@pytest.mark.parametrize("psi", [0.0, 1.25])
-@pytest.mark.parametrize("branch", [0, np.pi, -6 * np.pi])
-def test_psi_and_phi_both_jump_by_pi_and_what_has_a_meaning_at_the_pole_does_not(
-    pole, up, psi, branch
-):
-    """A pendulum that turns about the first axis: the integrated psi and phi pass unchanged.
-
-    psi + phi is continuous over the upper pole, psi - phi over the lower one, by their values and
-    not only to a turn.
-    """
-    near = pole + np.array([-1e-3, 1e-3])
-    gamma = np.array([0 * near, -np.sin(near), np.cos(near)])
-    read, theta, phi = angles(gamma, np.array([[psi, psi], [branch, branch]]), FUNCTIONS)
-    assert abs(phi[1] - phi[0]) == pytest.approx(np.pi, rel=1e-15)
-    assert read[1] - read[0] == pytest.approx(-up * (phi[1] - phi[0]), rel=1e-14)
-    assert theta == pytest.approx([1e-3, 1e-3] if up > 0 else [np.pi - 1e-3] * 2, rel=1e-12)
-    unmoved = np.isclose(phi, branch)
-    assert unmoved.sum() == 1  # one side is where phi is what was integrated
-    assert read[unmoved] == pytest.approx(psi, abs=1e-15)
 
 
 def test_a_pendulum_that_goes_over_the_top_turns_psi_back_by_pi():

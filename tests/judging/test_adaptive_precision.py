@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 from fractions import Fraction
 
@@ -10,30 +11,27 @@ import mpmath
 import pytest
 
 import polhode
-from polhode import cli
+from polhode import Outcome, cli
 from polhode.judging import adaptive_precision, digit_check
-from polhode.judging.correct_digits import worst_digits
 from polhode.judging.digit_check import checked
-from polhode.motion.outcomes import Outcome
-from polhode.numbers.number_types import DOUBLE, mp
 from shared.tiers import tiers
+from shared.values import DOUBLE, mp
+
+MOST = DOUBLE.most_digits
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("proved", "by"), [(True, "proof")])
-def test_digits_of_a_chaotic_motion_are_had(proved, by):
+def test_digits_of_a_chaotic_motion_are_had():
     """Before: 36 digits printed, none of them right."""
     options = {"digits": 15, "at": [200], "method": "taylor"}
-    run = polhode.integrate("general/asymmetric-chaotic", **options, prove=proved)
+    run = polhode.integrate("general/asymmetric-chaotic", **options, prove=True)
     assert run.outcome is Outcome.REACHED_END
-    assert run.checked_by == by
+    assert run.checked_by == "proof"
     true = polhode.integrate(run.scene, mp(70)).states
-    had = worst_digits(run.states, true, run.scene, cap=run.number.most_digits)
+    (error,) = polhode.state_errors(run.states, true, run.scene)
+    # a bound: the balls of a proof for 15 digits are wider than the run's error
     assert 15 <= run.correct_digits < 15 + 8
-    if proved:  # a bound: the balls of a proof for 15 digits are wider than the run's error
-        assert run.correct_digits <= had
-    else:
-        assert abs(had - run.correct_digits) < 0.01
+    assert run.correct_digits <= -math.log10(error)
 
 
 @pytest.mark.slow
@@ -91,24 +89,20 @@ def test_a_plain_run_says_from_when_on_no_digit_is_left(capsys, name, at, warned
         assert answer["digits_expected"] == 0
         assert 80 < answer["lost_after"] < 120
     else:
-        assert 12.5 < answer["digits_expected"] < DOUBLE.most_digits
+        assert 12.5 < answer["digits_expected"] < MOST
         assert answer["lost_after"] is None
 
 
 @pytest.mark.parametrize(
-    ("name", "number"),
+    "name",
     tiers(
-        [
-            ("euler/separatrix", "double"),
-            ("kovalevskaya/generic", "double"),
-            ("hard/near-homoclinic", "double"),
-        ],
-        [("euler/near-separatrix", "double"), ("lagrange/nutation", "double")],
+        ["euler/separatrix", "kovalevskaya/generic", "hard/near-homoclinic"],
+        ["euler/near-separatrix", "lagrange/nutation"],
     ),
 )
-def test_what_is_expected_is_what_is_had(name, number):
+def test_what_is_expected_is_what_is_had(name):
     """Within a digit and a half: one tangent, and roundings at random."""
-    run = polhode.integrate(name, number, project=False, method="taylor")
+    run = polhode.integrate(name, project=False, method="taylor")
     had = polhode.compare(run).digits[-1]
     assert -0.5 < had - run.expected.digits[-1] < 1.5
 
@@ -127,15 +121,12 @@ def test_a_run_kept_on_its_torus_is_expected_to_lose_less(name, end):
 
 
 def test_half_of_the_digits_are_told_to_be_gone_where_they_are():
+    """A state that stands still loses none."""
     said = polhode.integrate("euler/separatrix", at=[400]).expected
     assert said.halved_after < said.lost_after < 400
     (left,) = polhode.integrate("euler/separatrix", at=[said.halved_after]).expected.digits
-    assert abs(left - DOUBLE.most_digits / 2) < 0.5
-
-
-def test_a_state_that_stands_still_loses_nothing():
-    run = polhode.integrate("euler/rest")
-    assert min(run.expected.digits) == run.number.most_digits
+    assert abs(left - MOST / 2) < 0.5
+    assert min(polhode.integrate("euler/rest").expected.digits) == MOST
 
 
 @pytest.mark.slow
@@ -157,7 +148,6 @@ def test_digits_are_told_where_no_double_holds_the_time():
 
 
 # -- Three ways to check the digits of a run: they agree with each other and with the truth
-
 
 #: What a run is told to be checked by, and what checks it.
 WAYS = [(None, "closed form"), (True, "proof"), (False, "second run")]
@@ -201,12 +191,16 @@ def test_a_run_that_is_off_is_noticed(off, proved, by):
     assert abs(checked_run.correct_digits + float(off[2:])) < 1.0
 
 
-def test_what_cannot_be_proved_is_not_said_to_be_right(monkeypatch):
+def test_what_cannot_be_proved_or_is_interrupted_is_not_said_to_be_right(monkeypatch):
     run = polhode.integrate("general/asymmetric-chaotic", "quad", at=[3])
     assert checked(run, 28, True).correct_digits > 28
     monkeypatch.setattr(digit_check, "MOST_SECONDS", 1e-6)
     checked_run = checked(run, 28, True)
     assert (checked_run.checked_by, checked_run.correct_digits) == ("proof, which failed", 0.0)
+    run = polhode.integrate(scene(False), "quad")
+    stopped = replace(run, outcome=Outcome.INTERRUPTED)
+    monkeypatch.setattr(digit_check, "solve", lambda *_: stopped)
+    assert checked(run, 28, False).outcome is Outcome.INTERRUPTED
 
 
 def test_digits_are_checked_only_where_they_are_asked_for(capsys):
@@ -214,15 +208,6 @@ def test_digits_are_checked_only_where_they_are_asked_for(capsys):
         polhode.integrate("euler/sphere", prove=True)
     assert cli.main(["run", "euler/sphere", "--no-prove"]) == 2
     capsys.readouterr()
-    assert (
-        cli.main(["run", "general/asymmetric-regular", "--digits", "20", "--at", "3", "--prove"])
-        == 0
-    )
+    words = ["run", "general/asymmetric-regular", "--digits", "20", "--at", "3", "--prove"]
+    assert cli.main(words) == 0
     assert "are right by the proof" in capsys.readouterr().err
-
-
-def test_an_interrupted_check_is_an_interrupted_run(monkeypatch):
-    run = polhode.integrate(scene(False), "quad")
-    stopped = replace(run, outcome=Outcome.INTERRUPTED)
-    monkeypatch.setattr(digit_check, "solve", lambda *_: stopped)
-    assert checked(run, 28, False).outcome is Outcome.INTERRUPTED

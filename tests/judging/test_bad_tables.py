@@ -13,8 +13,7 @@ import pytest
 import polhode
 from polhode import BadInput, cli
 from polhode.judging.tables import table_file
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
-from shared.tables import right, text, through
+from shared.tables import ANGLES, ATTITUDE, STATE, right, text, through
 
 CASE = "lagrange/nutation"
 TIMES = [k / 2 for k in range(9)]

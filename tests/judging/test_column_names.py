@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import re
 from dataclasses import replace
 from fractions import Fraction
 
@@ -12,14 +11,14 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import NumberType
 from polhode.judging.tables.column_aliases import columns
-from polhode.judging.tables.csv_file import most_printed, value
+from polhode.judging.tables.csv_file import value
 from polhode.judging.tables.table import degree
 from polhode.judging.tables.table_file import read_table
 from polhode.numbers import expression
-from polhode.numbers.number_types import DOUBLE, EXTENDED, NumberType
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
-from shared.tables import right, text, through
+from shared.tables import ANGLES, ATTITUDE, STATE, right, text, through
+from shared.values import DOUBLE, EXTENDED
 
 SCENE = "lagrange/nutation"
 TIMES = [Fraction(3 * k, 4) for k in range(1, 14)]
@@ -247,16 +246,6 @@ def test_a_cell_is_its_decimal_rounded_once(number):
     for cell in cells:
         decimal = expression.decimal(cell)
         assert value(cell, number) == number.rounded(decimal)
-
-
-def test_the_most_significant_digits():
-    def significant(cell: str) -> int:
-        digits = re.sub("[^0-9]", "", re.split("[eE]", cell)[0]).lstrip("0")
-        return max(1, len(digits))
-
-    cells = [*printed(500), "-0.00120", "100.", "1e-30", "+12345678901234567890.5", "0"]
-    for k in range(1, len(cells)):
-        assert most_printed([cells[:k]]) == max(map(significant, cells[:k]))
 
 
 def test_a_unit_multiplies_the_decimal_and_not_its_double(tmp_path):

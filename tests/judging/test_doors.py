@@ -13,12 +13,9 @@ import pytest
 
 import polhode
 from polhode import BadInput, cli
-from polhode.numbers import number_types
-from polhode.numbers.number_types import EXTENDED, extended_here
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.answers import judged
-from shared.tables import DOORS, of_run, right, text, through
-from shared.tiers import tiers
+from shared.tables import ANGLES, ATTITUDE, DOORS, STATE, of_run, right, text, through
+from shared.values import EXTENDED, EXTENDED_HERE, mp
 
 CASE = "lagrange/nutation"
 TIMES = [Fraction(k, 4) for k in range(13)]
@@ -106,28 +103,7 @@ LAYOUTS = {
 }
 
 
-@pytest.mark.parametrize(
-    "layout",
-    tiers(
-        [
-            "between ','",
-            "between ' '",
-            "after #, ';'",
-            "decimal commas",
-            "names with factors",
-            "a cell of two lines",
-            "names in quotation marks",
-        ],
-        [
-            "between ';'",
-            "between '   '",
-            "after #, ' '",
-            "another header",
-            "a column without a name",
-            "an open quotation mark in a comment",
-        ],
-    ),
-)
+@pytest.mark.parametrize("layout", LAYOUTS)
 def test_every_layout_of_a_text_is_read(tmp_path, capsys, layout):
     content, options, remarks = LAYOUTS[layout]
     path = tmp_path / "x.csv"
@@ -200,7 +176,7 @@ def test_an_array_without_names_needs_them(tmp_path, capsys):
 
 def test_a_saved_run_may_have_more_bits_than_digits_can_be_asked_for(tmp_path):
     """Those that its motion loses."""
-    number = number_types.mp(4100)
+    number = mp(4100)
     polhode.integrate(CASE, number, at=[0]).save(tmp_path / "x.npz")
     assert polhode.compare(tmp_path / "x.npz", CASE).subject.number == number
 
@@ -274,16 +250,7 @@ AS_TYPES = {
 }
 
 
-@pytest.mark.parametrize(
-    "kind",
-    tiers(
-        [*("lists of floats", "an array of objects", "single", "fractions", "texts")],
-        [
-            *("a list of arrays", "a generator", "single and double"),
-            *("a fraction among floats", "half"),
-        ],
-    ),
-)
+@pytest.mark.parametrize("kind", AS_TYPES)
 def test_rows_are_of_the_widest_type_of_their_cells(kind):
     cells, number = AS_TYPES[kind]
     judgement = polhode.compare(cells(), CASE, at=TIMES)
@@ -299,7 +266,7 @@ def test_what_is_held_in_single_has_its_digits():
         polhode.integrate(CASE, number=judgement.subject.number)
 
 
-@pytest.mark.skipif(not extended_here(), reason="long double is another type here")
+@pytest.mark.skipif(not EXTENDED_HERE, reason="long double is another type here")
 def test_doubles_kept_as_long_doubles_are_short_of_digits():
     judgement = polhode.compare(rows().astype(np.longdouble), CASE, at=TIMES)
     assert judgement.subject.number == EXTENDED
@@ -388,7 +355,13 @@ def test_a_run_without_rows_is_refused_with_what_ended_it():
 # -- cells that are no numbers ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("cell", ["nan", "NaN", "-nan", "NA", "null", ""])
+@pytest.mark.parametrize(
+    "cell",
+    [
+        *("nan", "NaN", "-nan", "NA", "null", "", "-nan(ind)", "-1.#IND", "#N/A"),
+        *("np.float64(nan)", "missing"),
+    ],
+)
 def test_a_cell_that_is_no_number_is_not_judged_whatever_the_door(tmp_path, cell):
     columns = of_run(polhode.integrate(CASE, at=[0, 1, 2]))
     columns["q"][1] = np.nan

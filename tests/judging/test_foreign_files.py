@@ -13,8 +13,7 @@ import polhode
 from polhode import BadInput
 from polhode.judging.tables.column_aliases import columns
 from polhode.judging.tables.csv_file import plain_cell
-from polhode.scenes.vocabulary import ATTITUDE, STATE
-from shared.tables import right, text
+from shared.tables import ATTITUDE, STATE, right, text
 
 CASE = "lagrange/nutation"
 TIMES = [Fraction(k, 4) for k in range(9)]
@@ -92,15 +91,6 @@ def test_a_number_is_read_however_it_is_spelt(tmp_path, spelling, header):
 )
 def test_a_cell_as_a_plain_decimal(cell, plain):
     assert plain_cell(cell) == plain
-
-
-@pytest.mark.parametrize("gap", ["-nan(ind)", "-1.#IND", "#N/A", "np.float64(nan)", "missing"])
-def test_what_says_that_there_is_no_number_is_a_gap(tmp_path, gap):
-    lines = text(table()).splitlines()
-    lines[4] = ",".join([*lines[4].split(",")[:-1], gap])
-    columns_read = read(tmp_path, "\n".join(lines))
-    assert columns_read.subject.columns["gamma3"][3] is None
-    assert "empty cells were not judged" in columns_read.notes
 
 
 def test_asterisks_of_fortran_are_named(tmp_path):

@@ -31,52 +31,58 @@ def test_so_many_digits_more_are_asked_and_no_more(gain, how):
     assert not explains([comparison(gain - 0.01, **how)])
 
 
-def test_a_part_that_does_not_go_with_the_motion_explains_nothing():
-    assert explains([comparison(8)])
-    assert not explains([comparison(8, goes=False)])
-    assert not explains([comparison(8), comparison(8, goes=False)])
+LATE = {"fitted": 1, "rows_fitted": 2}
+WORSE = comparison(2, rival=np.full(4, 9.0))
 
 
-def test_every_part_begins_right():
-    """Also one that is no better than it stands."""
-    assert explains([comparison(8), comparison(1.6)])
-    assert not explains([comparison(8), comparison(1.4)])
-    assert not explains([comparison(8), comparison(0)])
+def beside(mine, rival):
+    """So many digits a row, where the table as it stands is right in its first half."""
+    return [comparison([mine] * 4, [rival, rival, 0, 0])]
 
 
-def test_all_parts_together_have_more_digits():
-    worse = comparison(2, rival=np.full(4, 9.0))
-    assert explains([comparison(9.5), worse])
-    assert not explains([comparison(6.5), worse])
+#: A rule: what it accepts, and what it does not.
+RULES = {
+    "a part goes with the motion": (
+        [[comparison(8)]],
+        [[comparison(8, goes=False)], [comparison(8), comparison(8, goes=False)]],
+    ),
+    "every part begins right, also one that is no better than it stands": (
+        [[comparison(8), comparison(1.6)]],
+        [[comparison(8), comparison(x)] for x in (1.4, 0)],
+    ),
+    "all parts together have more digits": (
+        [[comparison(9.5), WORSE]],
+        [[comparison(6.5), WORSE]],
+    ),
+    "digits beyond twelve are no more certain": (
+        [[comparison(20, rival=np.full(4, 10.0))]],
+        [[comparison(20, rival=np.full(4, 12.0))]],
+    ),
+    # later rows that are right again do not count, nor do rows that drift after right ones
+    "what is wrong in the first rows is wrong": (
+        [[comparison([8, 8, 1, 0])], [comparison([4, 0, 8, 8], freedom=1)]],
+        [
+            *([comparison([x, 8, 8, 8])] for x in (0, 1.4)),
+            [comparison([2, 0, 8, 8], freedom=1)],
+        ],
+    ),
+    # by more than digits of good rows differ: 0.3, or 1 where both are near the type's own
+    "no row before the better one is worse": (
+        [beside(5.8, 6.0), beside(9.2, 10.0)],
+        [beside(5.6, 6.0), beside(8.8, 10.0)],
+    ),
+    "rows to which a number was fitted say nothing one by one": (
+        [[comparison([0, 0, 8, 8], **LATE)]],
+        [[comparison([8, 8, 0, 0], **LATE)], [comparison([8, 8, 8, 0], fitted=1, rows_fitted=4)]],
+    ),
+}
 
 
-def test_digits_beyond_twelve_are_no_more_certain():
-    assert not explains([comparison(20, rival=np.full(4, 12.0))])
-    assert explains([comparison(20, rival=np.full(4, 10.0))])
-
-
-def test_what_is_wrong_in_the_first_rows_is_wrong():
-    """Later rows that are right again do not count, nor do rows that drift after right ones."""
-    assert explains([comparison([8, 8, 1, 0])])
-    assert not explains([comparison([0, 8, 8, 8])])
-    assert not explains([comparison([1.4, 8, 8, 8])])
-    assert not explains([comparison([2, 0, 8, 8], freedom=1)])
-    assert explains([comparison([4, 0, 8, 8], freedom=1)])
-
-
-def test_no_row_before_the_better_one_is_worse():
-    """By more than digits of good rows differ: 0.3, or 1 where both are near the type's own."""
-    for rival, mine in ((6.0, 5.8), (10.0, 9.2)):
-        assert explains([comparison([mine, mine, mine, mine], [rival, rival, 0, 0])])
-    for rival, mine in ((6.0, 5.6), (10.0, 8.8)):
-        assert not explains([comparison([mine, mine, mine, mine], [rival, rival, 0, 0])])
-
-
-def test_rows_to_which_a_number_was_fitted_say_nothing_one_by_one():
-    how = {"fitted": 1, "rows_fitted": 2}
-    assert explains([comparison([0, 0, 8, 8], **how)])
-    assert not explains([comparison([8, 8, 0, 0], **how)])
-    assert not explains([comparison([8, 8, 8, 0], fitted=1, rows_fitted=4)])
+@pytest.mark.parametrize("rule", RULES)
+def test_a_rule_accepts_and_refuses(rule):
+    accepted, refused = RULES[rule]
+    assert all(map(explains, accepted))
+    assert not any(map(explains, refused))
 
 
 @pytest.mark.parametrize(

@@ -7,22 +7,26 @@ import pickle
 from dataclasses import replace
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 import pytest
 
 import polhode
+from polhode import Body, Outcome, Scene
 from polhode.equations import integrals
 from polhode.judging import limits
 from polhode.judging.compare import judgement
+from polhode.judging.correct_digits import (
+    log10_differences,
+    log10_errors,
+    log10_rate,
+    worst_digits,
+)
 from polhode.judging.score import Answers, score
 from polhode.judging.tables import explanations, motions
 from polhode.judging.tables.table import of_run
-from polhode.motion.outcomes import Outcome
-from polhode.numbers import number_types
-from polhode.numbers.mpmath_context import mpmath
-from polhode.numbers.number_types import DOUBLE
-from polhode.output import description
 from polhode.runs.trajectory import Trajectory
+from shared.values import DOUBLE, exactly
 
 TIMES = (Fraction(0), Fraction(1), Fraction(2), Fraction(5))
 
@@ -91,8 +95,6 @@ def test_near_rest_the_drift_of_f_is_measured_by_the_swing_to_come(start):
     body = {"moments": [1, 2, "2.5"], "centre": ["0.1", "0.2", "0.3"], "weight": 3}
     start_numbers = {"omega": [start, 0, 0], "gamma": ["0.6", 0, "0.8"], "end": 5, "samples": 11}
     scene = polhode.top(**body, **start_numbers)
-    swing = math.sqrt(3 * math.sqrt(0.14) * 2.5)
-    assert float(integrals.scales(scene)[1]) == pytest.approx(swing)
     drift = polhode.integrate(scene).drift
     assert 1e-18 < drift.f < 1e-14
     many = polhode.integrate_many(scene, {"start.omega[1]": [start, "1e-20"]})
@@ -118,20 +120,6 @@ def test_a_run_is_judged_against_the_exact_scene_not_its_rounded_inputs():
 
 
 # -- references -------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["auto"])
-def test_a_scene_without_closed_form_is_judged_by_a_proven_enclosure(kind):
-    scene = replace(polhode.load("general/asymmetric-chaotic").at([10]), reference=kind)
-    proven = polhode.reference(scene)
-    assert proven.kind == "certified"
-    rows = proven.at([10], 25)[0], polhode.integrate(scene, "mp", digits=40).states[-1]
-    assert 25 <= proven.agreement < 35
-    assert max(abs(float(x - y)) for x, y in zip(*rows, strict=True)) < 1e-24
-    judgement = polhode.compare(polhode.integrate(scene), proven)
-    assert 11 < judgement.worst < 16
-    assert "proven to" in judgement.details()
 
 
 def test_a_closed_form_is_enclosed_where_a_scene_asks_for_that():
@@ -173,25 +161,6 @@ def test_times_are_taken_exactly_whatever_their_kind():
     rows = [truth.at(times, 30)[0] for times in kinds]
     assert all(row == rows[0] for row in rows)
     assert truth.at([0.1], 30) != truth.at(["0.1"], 30)  # the double 0.1 is another number
-
-
-@pytest.mark.parametrize("digits", [15, 50, 120])
-def test_the_closed_form_gives_the_digits_asked_for_and_not_many_more(digits):
-    truth = polhode.reference("euler/largest-axis")
-    few, many = truth.at(["12.5"], digits)[0], truth.at(["12.5"], digits + 60)[0]
-    with mpmath.workprec(number_types.bits_for(digits + 80)):
-        error = max(abs(x - y) for x, y in zip(few, many, strict=True))
-    assert digits < -mpmath.log10(error) < digits + 8
-
-
-def test_the_curve_of_a_kovalevskaya_top_is_shown(monkeypatch):
-    monkeypatch.setattr(description, "SECONDS", 60)  # the machine may have others to serve
-    facts = description.described(polhode.load("kovalevskaya/type-e-ee"))
-    assert facts["regime"] == "e-ee+"
-    assert [len(facts["curve"][name]) for name in ("e", "tau")] == [3, 3]
-    assert set(facts["frequencies"]) == {"period", "s1", "s2"}
-    assert description.described(polhode.load("kovalevskaya/delaunay"))["curve"]["tau"] is None
-    assert "curve" not in description.described(polhode.load("lagrange/cusped"))
 
 
 # -- runs -------------------------------------------------------------------------------------
@@ -286,3 +255,84 @@ def test_a_limit_is_a_text_with_a_name():
     assert limit == "method (tolerance 1e-07)"
     assert (limit.name, limit.detail) == ("method", "tolerance 1e-07")
     assert not limits.NO_LIMIT
+
+
+# -- the definition of correct digits: exact differences of numbers of any type, at any size ------
+
+TENTH = Fraction(1, 10)
+
+
+@pytest.mark.parametrize(
+    ("own", "true", "log"),
+    [
+        (0.1, TENTH, math.log10(float(Fraction(0.1) - TENTH))),
+        (np.float64(0.1), TENTH, math.log10(float(Fraction(0.1) - TENTH))),
+        (np.longdouble(1) + np.longdouble(2) ** -63, 1.0, -63 * math.log10(2)),
+        (1, mpmath.mpf("1.5"), math.log10(0.5)),
+        (Fraction(1, 10**1000), mpmath.mpf(0), -1000.0),
+        (Fraction(10) ** 400, 0.0, 400.0),
+        (mpmath.mpf(3), mpmath.ldexp(1, -(10**12)), math.log10(3)),  # e^-t of a late time
+        (0.25, Fraction(1, 4), -math.inf),
+        (math.inf, 1.0, math.inf),
+        (mpmath.inf, 1.0, math.inf),
+        (math.nan, 1.0, math.nan),
+        (None, 1.0, math.nan),
+        (1.0, None, math.nan),
+    ],
+)
+def test_a_difference_is_exact(own, true, log):
+    logs = log10_differences([[own]], [[true]])
+    assert logs.shape == (1, 1)
+    assert logs[0, 0] == pytest.approx(log, rel=1e-13, nan_ok=True)
+
+
+@pytest.mark.parametrize(("turns", "off"), [(0, 1e-9), (1, 1e-9), (-3, -1e-9), (10**6, 1e-12)])
+def test_whole_turns_are_taken_away(turns, off):
+    angle = Fraction(5, 2)
+    with mpmath.workprec(200):
+        own = mpmath.mpf(angle.numerator) / angle.denominator + 2 * mpmath.pi * turns + off
+    logs = log10_differences([[own]], [[angle]], turning=(0,), bits=150)
+    assert logs[0, 0] == pytest.approx(math.log10(abs(off)), abs=1e-6)
+
+
+def test_of_w_relative_to_its_largest_modulus_and_of_gamma_as_they_are():
+    body = Body.of_moments((3, 2, 1), (0, 0, 1), 1)
+    scene = Scene(body, (3, 0, 4), (0, 0, 1))
+    true = [[3, 0, 4, 0, 0, 1], [0, 0, 1, 0, 0, 1]]
+    states = [[3 + 5e-6, 0, 4, 0, 0, 1], [None, 0, 1, 1e-7, 0, 1]]
+    assert log10_rate(true, scene) == pytest.approx(math.log10(5), rel=1e-14)
+    logs = log10_errors(states, true, log10_rate(true, scene))
+    assert logs == pytest.approx([-6, -7], abs=1e-9)
+    assert worst_digits(states, true, scene, 15.9) == pytest.approx(6, abs=1e-9)
+    assert worst_digits(true, true, scene, 15.9) == 15.9
+
+
+@pytest.mark.parametrize(("planted", "digits"), [(0, 250), (20, 20)])
+def test_a_table_of_hundreds_of_digits(planted, digits):
+    """The reference is asked for few digits first, and for all where it could hide some."""
+    case, times = "euler/attitude", [0, 1, 2]
+    rows = [[exactly(x) for x in row] for row in polhode.reference(case).at(times, 260)]
+    for row in rows[1:]:
+        row[3] += Fraction(1, 10**planted) if planted else 0
+    judgement = polhode.compare(rows, case, at=times, number="mp", digits=250)
+    assert judgement.digits[0] > 249
+    assert judgement.digits[1:] == pytest.approx((digits, digits), abs=8)
+
+
+@pytest.mark.parametrize("size", [Fraction(1), Fraction(2) ** -1200, Fraction(10) ** 320])
+def test_units_of_any_size(size):
+    """|w| that no double holds."""
+    body = Body.of_moments((3, 2, 1), (0, 0, 0), 0)
+    scene = Scene(body, (3 * size, 0, 4 * size), None)
+    true = [[3 * size, 0 * size, 4 * size]]
+    own = [[3 * size * (1 + Fraction(1, 10**8)), 0 * size, 4 * size]]
+    assert worst_digits(own, true, scene, 16) == pytest.approx(8 - math.log10(3 / 5), abs=1e-6)
+
+
+def test_without_any_rotation_errors_of_w_are_relative_to_the_pendulums_rate():
+    body = Body.of_moments((2, 2, 1), (0, 0, 1), 50)
+    at_rest = Scene(body, (0, 0, 0), (0, 0, -1))
+    rows = [[0.0, 0.0, 0.0, 0.0, 0.0, -1.0]]
+    assert 10 ** log10_rate(rows, at_rest) == pytest.approx(5, rel=1e-12)
+    free = polhode.top(moments=(2, 2, 1), weight=0, omega=(0, 0, 0), gamma=(0, 0, 1))
+    assert log10_rate(rows, free) == 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import pytest
 import polhode
 from polhode.dynamics.lyapunov import known_stability
 from polhode.taylor.system import system
+from shared.motions import asymmetric
 from shared.tiers import tiers
 
 ENDS = [1, 3, 10, 20, 30, 100]
@@ -107,6 +109,8 @@ def test_without_a_closed_form_no_short_time_decides_for_regular(case):
         motion = polhode.lyapunov(case, end)
         assert motion.verdict == "undecided"
         assert "an end of 1.8e+03 may decide" in motion.reason
+    with pytest.raises(polhode.BadInput, match="other than 0"):
+        polhode.lyapunov(case, 0)
 
 
 @pytest.mark.slow
@@ -114,38 +118,122 @@ def test_a_regular_motion_is_called_so_in_the_default_time():
     assert polhode.lyapunov("general/asymmetric-regular").verdict == "regular"
 
 
+# -- Chaotic, unstable and regular ones, that are followed
+
+
+@pytest.mark.slow
+def test_a_chaotic_motion_is_told_from_a_regular_one():
+    """Spin 1.1: 3e9 at t = 200 and 1e50 at 1000 are exponents of 0.109 and 0.115."""
+    chaotic = polhode.lyapunov(asymmetric("1.1", [1]), 10_000)
+    assert chaotic.verdict == "chaotic"
+    assert 0.09 < chaotic.exponent < 0.12
+    assert chaotic.uncertainty < 0.01
+    regular = polhode.lyapunov(asymmetric("3", [1]), 10_000)
+    assert regular.verdict == "regular"
+    assert abs(regular.exponent) < regular.uncertainty < 1e-3
+    assert regular.growth == pytest.approx(math.log(2), abs=0.1)
+
+
+def the_exponents_of_neighbours_scatter_as_the_uncertainty_says():
+    spins = [Fraction(11, 10) + Fraction(k, 1000) for k in range(16)]
+    motion = [polhode.lyapunov(asymmetric(str(spin), [1]), 2000) for spin in spins]
+    scatter = np.std([x.exponent for x in motion], ddof=1)
+    claimed = np.median([x.uncertainty for x in motion])  # some stay near an island for long
+    assert 0.5 < claimed / scatter < 2
+
+
+def test_time_rises_unless_the_scene_s_falls():
+    """A scene without times is followed as one that ends soon, not as one that ends before 0."""
+    some = [polhode.lyapunov(asymmetric("1.1", times), 300) for times in ([], [1])]
+    assert some[0].exponent == some[1].exponent
+    before = polhode.lyapunov(asymmetric("1.1", [-1]), max_steps=1000)
+    assert before.exponent != polhode.lyapunov(asymmetric("1.1"), max_steps=1000).exponent
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("end", "spectrum"), [(2000, False), (500, True)])
+def test_exponents_are_per_unit_of_the_scenes_time(end, spectrum):
+    slow = polhode.lyapunov(asymmetric("1.1", [1]), end, spectrum=spectrum)
+    quick = polhode.lyapunov(asymmetric("1.1", rate=2**40), Fraction(end, 2**40), spectrum=spectrum)
+    assert slow.verdict == quick.verdict == "chaotic"
+    assert quick.exponent / 2**40 == pytest.approx(slow.exponent, rel=4 * 2.0**-53)
+    if spectrum:
+        exponents = np.array(quick.spectrum) / 2**40
+        assert np.allclose(exponents, slow.spectrum, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "name", ["pendulum/separatrix", "euler/separatrix", "lagrange/sleeping-unstable"]
+)
+def test_unstable_periodic_and_asymptotic_motions_are_called_so(name):
+    motion = polhode.lyapunov(name)
+    assert motion.verdict == "unstable"
+    assert motion.exponent > 10 * motion.uncertainty > 0
+    assert str(motion).startswith("unstable (periodic or asymptotic): exponent ")
+    assert "(one standard deviation) up to t" in str(motion)
+    if name.endswith("sleeping-unstable"):
+        rate = linear_rates(polhode.load(name))[0]
+        assert abs(motion.exponent - rate) < motion.uncertainty
+        assert math.isclose(motion.exponent, rate, rel_tol=1e-3)
+
+
 # -- All six Lyapunov exponents, against those of fixed points and against what symmetry demands
 
 
-GENERIC = "general/asymmetric-chaotic"
+def linear_rates(scene):
+    """Of I w' = Iw x w + gamma x T, gamma' = gamma x w, linear about the start, falling."""
+    inertia = np.array(scene.body.inertia, dtype=float)
+    torque, omega, gamma = (
+        np.array([float(x) for x in v]) for v in (scene.body.torque, scene.omega, scene.gamma)
+    )
+    one = np.eye(3)
+    spun = np.cross(inertia, omega) + np.cross(inertia @ omega, one)
+    pulled = np.cross(one, torque)
+    flow = np.block(
+        [
+            [np.linalg.solve(inertia, spun.T), np.linalg.solve(inertia, pulled.T)],
+            [np.cross(gamma, one).T, np.cross(one, omega).T],
+        ]
+    )
+    return sorted(np.linalg.eigvals(flow).real, reverse=True)
 
 
-def test_at_a_fixed_point_they_are_the_rates_of_both_planes():
-    """An upright pendulum may fall two ways: I w' = gamma x Mg r0, gamma' = gamma x w, linear."""
-    scene = polhode.load("pendulum/upright")
-    inertia = np.array([[float(x) for x in row] for row in scene.body.inertia])
-    torque, gamma = (np.array([float(x) for x in v]) for v in (scene.body.torque, scene.gamma))
-    flow = np.zeros((6, 6))
-    flow[:3, 3:] = np.linalg.solve(inertia, -np.cross(torque, np.eye(3)).T)
-    flow[3:, :3] = np.cross(gamma, np.eye(3)).T
-    rates = sorted(np.linalg.eigvals(flow).real, reverse=True)
-    assert 0.5 < rates[1] < rates[0] - 0.1
-    spectrum = polhode.lyapunov(scene, spectrum=True).spectrum
-    assert spectrum == pytest.approx(rates, abs=2e-3)
+@pytest.mark.parametrize(
+    ("case", "end", "off"),
+    [("pendulum/upright", None, 2e-3), ("lagrange/sleeping-unstable", 400, 2 / 400)],
+)
+def test_at_a_fixed_point_they_are_the_rates_of_both_planes(case, end, off):
+    """An upright pendulum may fall two ways, faster or slower; a top that sleeps spirals out."""
+    scene = polhode.load(case)
+    rates = linear_rates(scene)
+    assert (rates[1] < rates[0] - 0.1) == (case == "pendulum/upright")
+    spectrum = polhode.lyapunov(scene, end, spectrum=True).spectrum
+    assert spectrum == pytest.approx(rates, abs=off)
 
 
-@pytest.mark.parametrize("end", tiers([1000], [-1000]))
-def test_of_a_chaotic_motion_they_add_up_to_nothing_in_pairs(end):
-    motion = polhode.lyapunov(GENERIC, end, spectrum=True)
-    assert 0.06 < motion.spectrum[0] < 0.16
-    assert sum(motion.spectrum) == pytest.approx(0, abs=1e-10)  # the flow keeps volumes
-    for exponent, opposite in zip(motion.spectrum[:3], motion.spectrum[:2:-1], strict=True):
+@pytest.mark.parametrize(
+    ("end", "pair", "zero"), tiers([(1000, 0.01, 0.02)], [(-1000, 0.01, 0.02), (4000, 2e-3, 5e-3)])
+)
+def test_of_a_chaotic_motion_they_add_up_to_nothing_in_pairs(end, pair, zero):
+    """Four zeros: along the motion, and across h, f and |gamma|^2; the flow keeps volume."""
+    motion = polhode.lyapunov("general/asymmetric-chaotic", end, spectrum=True)
+    first, *zeros, last = motion.spectrum
+    assert 0.06 < first < 0.16
+    assert abs(first - motion.exponent) < 2 * motion.uncertainty
+    assert sum(motion.spectrum) == pytest.approx(0, abs=1e-10)
+    assert abs(first + last) < pair
+    for exponent, opposite in zip(zeros[:2], zeros[:1:-1], strict=True):
         assert exponent == pytest.approx(-opposite, abs=0.01)
-    assert max(map(abs, motion.spectrum[1:5])) < 0.02
-    assert motion.fact("spectrum") == [*motion.spectrum]
+    assert max(map(abs, zeros)) < zero
+    assert motion.fact("spectrum") == [*motion.spectrum] == sorted(motion.spectrum)[::-1]
 
 
-def test_of_a_regular_motion_none_grows_and_without_asking_there_are_none():
-    motion = polhode.lyapunov("euler/largest-axis", 2000, spectrum=True)
-    assert np.abs(motion.spectrum).max() < 0.005
-    assert polhode.lyapunov("euler/largest-axis", 2000).spectrum is None
+@pytest.mark.parametrize(
+    ("case", "end", "count", "most"),
+    [("euler/largest-axis", 2000, 6, 0.005), ("euler/no-gamma", 400, 3, 6 / 400)],
+)
+def test_of_a_regular_motion_none_grows_and_without_asking_there_are_none(case, end, count, most):
+    motion = polhode.lyapunov(case, end, spectrum=True)
+    assert len(motion.spectrum) == count
+    assert np.abs(motion.spectrum).max() < most
+    assert polhode.lyapunov(case, end).spectrum is None

@@ -12,7 +12,6 @@ from polhode import cli
 
 SCENE = "lagrange/nutation"
 TIMES = ["1/10", "7/10", "2.3", "10/3"]
-ENDINGS = ["csv", "json", "npz", "parquet"]
 
 
 @pytest.fixture(scope="module")
@@ -28,8 +27,6 @@ def judged(run):
 @pytest.mark.slow
 @pytest.mark.parametrize(("ending", "number"), [("csv", "double"), ("npz", "extended")])
 def test_a_run_is_judged_as_itself(tmp_path, ending, number):
-    if ending == "parquet":
-        pytest.importorskip("pyarrow")
     run = polhode.integrate(SCENE, at=TIMES, number=number)
     path = tmp_path / f"x.{ending}"
     run.save(path)

@@ -11,7 +11,6 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.judging.certified import NoAnswer
 from polhode.judging.reference import Reference
 from shared.answers import judged
 from shared.tables import of_run, right, text
@@ -142,16 +141,6 @@ def test_what_is_wrong_in_the_first_digit_has_no_limit(change):
     assert str(judgement).splitlines()[-1].endswith("), wrong in the first digit")
 
 
-@pytest.mark.slow
-def test_a_rough_method_is_the_limit_still(compared):
-    table = right(CASE, TIMES[::10])
-    answer, said = compared(table | {"p": table["p"] + 1e-4})
-    assert answer["limit"] == "method (steps of the program)"
-    sentence = "fewer than double precision allows: the program's steps, noise, or another motion"
-    assert sentence in said
-    assert "method" not in said
-
-
 def test_no_more_digits_are_told_than_the_type_has(compared):
     """The start is exact, and printed with 17 digits."""
     answer, said = compared(right(CASE, TIMES[::10]))
@@ -162,22 +151,6 @@ def test_no_more_digits_are_told_than_the_type_has(compared):
         least, most = map(float, band.split("-"))
         assert least <= most <= 15.95
         assert float(digits) <= 15.95
-
-
-def test_a_closed_form_that_has_no_answer_gives_way_to_an_enclosure(monkeypatch):
-    """A closed form that refuses stands in for motions whose phases are not found."""
-
-    def refused(self, word, times, digits):
-        raise NoAnswer("top", "reference", "euler", "a question that it answers")
-
-    scene = polhode.load("euler/attitude").at([1, 2])
-    run = polhode.integrate(replace(scene, outputs=("attitude",)))
-    monkeypatch.setattr(Reference, "pairs", refused)
-    judgement = polhode.compare(run)
-    assert judgement.worst > 14
-    assert judgement.parts["attitude"] > 14
-    assert judgement.reference.kind == "certified"
-    assert "proven to " in judgement.details()
 
 
 def test_a_long_proof_is_foretold(tmp_path, capsys):
@@ -206,16 +179,6 @@ def test_a_long_proof_is_foretold(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_a_limit_that_is_not_reached_changes_nothing(compared):
-    name = "general/asymmetric-regular"
-    table = of_run(polhode.integrate(name, at=[1]))
-    plain, _ = compared(table, name)
-    limited, _ = compared(table, name, "--max-seconds", "100")
-    assert plain == limited
-    assert plain["worst"] > 14
-
-
-@pytest.mark.slow
 def test_steps_of_a_needle_are_not_blamed_for_what_they_lose_beyond_the_band():
     judgement = polhode.compare(polhode.integrate("euler/needle"))
     expected = judgement.expected[judgement.digits.index(judgement.worst)]
@@ -227,7 +190,7 @@ def test_steps_of_a_needle_are_not_blamed_for_what_they_lose_beyond_the_band():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("short", "by_chance"), [(0.3, True)])
+@pytest.mark.parametrize(("short", "by_chance"), [(0.3, True), (2.0, False)])
 def test_chance_explains_some_of_many_runs(compared, short, by_chance):
     """A run just below what nineteen in twenty have, and one far below."""
     table = right(CASE, TIMES[::15])

@@ -11,10 +11,9 @@ import pytest
 
 import polhode
 from polhode.judging.residuals import SIGNIFICANCE, are_white
-from polhode.numbers.conversion import exactly
-from polhode.scenes.vocabulary import ATTITUDE, STATE
 from shared import drifting_files as files
-from shared.tables import right
+from shared.tables import ATTITUDE, STATE, right
+from shared.values import exactly
 
 SCENE = "lagrange/nutation"
 TIMES = [Fraction(k, 8) for k in range(160)]

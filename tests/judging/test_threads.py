@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dis
 import inspect
-import os
 import sys
 import threading
 from collections.abc import Iterator
@@ -143,27 +142,6 @@ def test_answers_are_ordinary_numbers_whatever_the_callers_precision(question):
         [getattr(x, "_mpf_", x) for x in numbers if not callable(x)] for numbers in answers.values()
     ]
     assert raw[0] == raw[1] == raw[2]
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="a system without fork")
-def test_a_fork_while_another_thread_computes_does_not_wait_for_it():
-    ready, finished = threading.Event(), threading.Event()
-
-    def hold() -> None:
-        with mpmath_context.mpmath.workprec(100):
-            ready.set()
-            finished.wait(60)
-
-    holder = threading.Thread(target=hold)
-    holder.start()
-    ready.wait(60)
-    child = os.fork()
-    if child == 0:
-        row = polhode.reference("euler/largest-axis").at([1], 20)[0]
-        os._exit(0 if abs(float(row[0]) - 0.447808688218415) < 1e-15 else 1)
-    finished.set()
-    holder.join()
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
 @pytest.mark.slow

@@ -58,12 +58,6 @@ def by_mpmath(x: mpmath.mpf) -> Fraction:
 
 
 @settings(deadline=None)
-@given(fractions)
-def test_rational_rounds_as_python_does(x: Fraction) -> None:
-    assert value(rounded(x, 53)) == Fraction(float(x))
-
-
-@settings(deadline=None)
 @given(st.integers(), st.integers(-400, 400), st.sampled_from(BITS))
 def test_rounding_is_nearest_with_ties_to_even(top: int, exponent: int, bits: int) -> None:
     x = Fraction(top) * Fraction(2) ** exponent / 3 if top % 2 else Fraction(top, 2)

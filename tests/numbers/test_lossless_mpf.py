@@ -55,9 +55,6 @@ def answers() -> dict[str, Callable[[], Any]]:
     }
 
 
-DEAR = ("curve", "orbit")
-
-
 @pytest.mark.parametrize(
     "name",
     tiers(

@@ -11,9 +11,9 @@ import mpmath
 import pytest
 
 import polhode
+from polhode import BadInput
 from polhode.certificates import verify
 from polhode.cli import main
-from polhode.common.errors import BadInput
 from polhode.numbers.decimals import Ball
 from polhode.proofs import proved_stability as module
 from shared import orbit_proofs as proofs

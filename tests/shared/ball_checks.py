@@ -2,7 +2,9 @@
 
 from fractions import Fraction
 
+import mpmath
 from flint import arb
+from mpmath import mpf
 
 import polhode
 from polhode.closed_forms.balls.core import TooFewBits, ball
@@ -11,7 +13,7 @@ from polhode.closed_forms.families import FAMILIES, closed_form, form_of
 from polhode.closed_forms.membership import PrincipalScene
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.mpmath_context import ordinary
 from polhode.numbers.vectors import quaternion_product
 from shared import fast_series
 from shared.closed_form_motions import number
@@ -67,13 +69,13 @@ def agrees_with_taylor(motion, plain, digits=28):
     """The state, and the attitude of a family that has it; the run is long where |w| is large."""
     t, columns = TIMES[0], 6 + 4 * motion.place.has_attitude
     identity = (mpf(1), mpf(0), mpf(0), mpf(0)) if motion.place.has_attitude else None
-    (row,) = motion.at([t], digits + 4)
+    (row,) = ordinary(motion.at([t], digits + 4))
     with mpmath.workdps(60):
         start = [[number(x) for x in row] for row in plain]
         (right,) = fast_series.integrate(*start, [number(t)], digits + 2, identity)
         largest = max([mpf(1), *(abs(x) for x in right[:3])])
         if motion.place.has_attitude:
-            q0, q = motion.attitude([0, t], digits + 4)
+            q0, q = ordinary(motion.attitude([0, t], digits + 4))
             row = [*row, *quaternion_product(conjugate(q0), q)]
         sizes = [*[largest] * 3, *[1] * (columns - 3)]
         off = [abs(x - y) / size for x, y, size in zip(row, right[:columns], sizes, strict=True)]

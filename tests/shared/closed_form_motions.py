@@ -14,9 +14,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+import mpmath
+from mpmath import mpc, mpf
+
 import polhode
 from polhode.numbers import exact
-from polhode.numbers.mpmath_context import mpc, mpf, mpmath
 from shared import fast_series, members
 
 F = Fraction
@@ -27,7 +29,7 @@ EVEN = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
 def number(x: Any) -> mpf:
     """An exact number as mpf, at the precision in force."""
-    return mpf(exact.rounded(exact.exact(x), mpmath.prec))
+    return mpf(exact.rounded(exact.exact(x), mpmath.mp.prec))
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,13 +199,13 @@ def principal_axes(motion: Motion) -> tuple[list[mpf], list[list[mpf]]]:
 def gap(first: Sequence[Any], second: Sequence[Any]) -> mpf:
     """The largest difference of two rows."""
     with mpmath.workdps(400):
-        return max(abs(x - y) for x, y in zip(first, second, strict=True))
+        return max(abs(mpf(x) - mpf(y)) for x, y in zip(first, second, strict=True))
 
 
 def table_gap(first: Sequence[Any], second: Sequence[Any], rate: Any = 1) -> mpf:
     """The largest difference of two tables of states: w over its largest value, or ``rate``."""
     with mpmath.workdps(400):
-        largest = max(abs(x) for row in (*first, *second) for x in row[:3])
+        largest = max(abs(mpf(x)) for row in (*first, *second) for x in row[:3])
         scale = largest if largest > number(rate) * mpf("1e-45") else number(rate)
         return max(
             max(gap(a[:3], b[:3]) / scale, gap(a[3:], b[3:]) if len(b) > 3 else mpf(0))

@@ -10,7 +10,8 @@ series of the solution over a length at which its last terms are below the preci
 import math
 from operator import mul
 
-from polhode.numbers.mpmath_context import mpf, mpmath
+import mpmath
+from mpmath import mpf
 
 CYCLE = ((1, 2), (2, 0), (0, 1))
 

@@ -5,10 +5,15 @@ from __future__ import annotations
 
 import copy
 import inspect
+import json
+import tempfile
 import textwrap
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
+
+import polhode
 
 
 @contextmanager
@@ -39,3 +44,24 @@ def altered(certificate: Any, place: str, value: Any) -> Any:
         parent = parent[key]
     parent[last] = value(parent[last]) if callable(value) else value
     return changed
+
+
+def leaves(value: Any, at: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Where the numbers and words of a JSON value stand."""
+    if isinstance(value, (dict, list)):
+        for key in value if isinstance(value, dict) else range(len(value)):
+            yield from leaves(value[key], (*at, key))
+    else:
+        yield at
+
+
+def answer(certificate: Any) -> str:
+    """What is proved of it; or "refused: " and why nothing is."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "certificate.json"
+        path.write_text(json.dumps(certificate))
+        try:
+            verdict = polhode.verify(path)
+        except polhode.BadInput as fault:
+            return f"refused: {fault}"
+    return verdict.text if verdict.proved else f"refused: {verdict.text}"

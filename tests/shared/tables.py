@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 
+STATE = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
+ATTITUDE = ("q0", "q1", "q2", "q3")
+ANGLES = ("psi", "theta", "phi")
 NAMES = {"at": STATE, "attitude": ATTITUDE, "angles": ANGLES}
 
 

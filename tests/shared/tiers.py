@@ -17,3 +17,8 @@ def slow_case(case: Any) -> Any:
     """A case with the mark of the slow tier."""
     values = case if isinstance(case, tuple) else (case,)
     return pytest.param(*values, marks=pytest.mark.slow)
+
+
+def of_table(table: Iterable[Any], *fast: Any) -> list[Any]:
+    """Every row of a table by its name; these are fast, the others slow."""
+    return tiers(fast, [name for name in table if name not in fast])
