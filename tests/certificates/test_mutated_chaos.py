@@ -15,16 +15,16 @@ import copy
 import json
 import random
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import pytest
 from flint import arb, arb_mat, ctx
 
 from polhode.certificates import verify
-from polhode.scenes import library
 from shared.mutation import answer, leaves
 
-FILE = library.folder() / "certificates" / "chaos.json"
+FILE = Path(__file__).parents[2] / "cases" / "certificates" / "chaos.json"
 #: By kind: the parts of the file that are changed.
 KINDS = {
     "charts": ("charts",),

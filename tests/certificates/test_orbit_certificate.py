@@ -178,12 +178,6 @@ def test_an_end_that_is_not_known_well_proves_nothing(small, monkeypatch, column
     assert answer(small).startswith("refused")
 
 
-def test_half_a_period_is_refused(small):
-    half = len(small["grid"]) // 2
-    certificate = small | {"grid": small["grid"][: half + 1], "centres": small["centres"][:half]}
-    assert "Krawczyk's test" in answer(certificate)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "times"), [("hyperbolic", 2), ("elliptic", 3)])
 def test_several_periods_are_not_the_least_one(orbits, kind, times):

@@ -15,6 +15,7 @@ from polhode.certificates import verify
 from polhode.numbers.flint_context import ctx
 from shared.mutation import altered, answer, leaves
 from shared.stable_orbits import certificate, stability
+from shared.tiers import tiers
 
 STORED = Path(__file__).parents[2] / "cases" / "certificates"
 
@@ -158,10 +159,7 @@ def held_at(value, place):
     return value
 
 
-@pytest.mark.parametrize(
-    "count",
-    [pytest.param(60, marks=pytest.mark.slow)],
-)
+@pytest.mark.parametrize("count", tiers([], [24]))
 def test_drawn_changes_of_a_certificate_prove_nothing_false(stored, count):
     """Numbers changed as chance has it: refused, or the statement is true."""
     chance = random.Random(65)

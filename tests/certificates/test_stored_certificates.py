@@ -7,6 +7,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
@@ -14,10 +15,9 @@ import accuracy
 import polhode
 from polhode import BadInput
 from polhode.certificates import certificate_file, verify
-from polhode.scenes import library
 from shared.tiers import tiers
 
-SHIPPED = sorted((library.folder() / "certificates").glob("*.json"))
+SHIPPED = sorted((Path(__file__).parents[2] / "cases" / "certificates").glob("*.json"))
 #: The scene of each.
 SCENES = {
     "asymmetric-30-digits": "general/asymmetric-regular",
@@ -56,7 +56,7 @@ def test_what_ships_is_proved_and_of_the_scene_that_ships(path):
     )
     assert alone.returncode == 0, alone.stdout + alone.stderr
     certificate = json.loads(path.read_text())
-    body = library.load(SCENES[path.stem]).body
+    body = polhode.load(SCENES[path.stem]).body
     for key, value in certificate_file.body_numbers(
         body, certificate["bits"] + verify.COARSE
     ).items():
@@ -69,7 +69,7 @@ def test_what_ships_is_proved_and_of_the_scene_that_ships(path):
     "name", ["bobylev-steklov/asymptotic", "hard/sleeping-below-critical-spin"]
 )
 def test_every_closed_form_that_is_certified_has_a_certificate(name, tmp_path):
-    scene = replace(library.load(name), outputs=())
+    scene = replace(polhode.load(name), outputs=())
     if not scene.times:
         pytest.skip("no times")
     enclosure = polhode.certify(scene, accuracy.proven_times(scene), digits=accuracy.PROVEN_DIGITS)

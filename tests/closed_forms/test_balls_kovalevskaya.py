@@ -99,16 +99,6 @@ def test_a_corrupted_constant_is_told(name, monkeypatch):
         top_of(*GENERIC[name]).attitude([F(2)], 40)
 
 
-@pytest.mark.slow
-def test_attitude_of_a_periodic_motion_at_1e16():
-    """Whole periods are counted exactly, and their turn is no angle."""
-    top = top_of(("4/5", "2/5", "7/10"), ("12/25", "16/25", "3/5"))
-    far = [F(10) ** 16]
-    few, many = top.attitude(far, 20)[0], top.attitude(far, 40)[0]
-    with mpmath.workdps(50):
-        assert max(abs(a - b) for a, b in zip(few, many, strict=True)) < mpf("1e-20")
-
-
 #: omega and gamma on a curve of which an e is -k: the node a point alone, or one that is reached;
 #: e1 and e2 real or a pair; from starts where a quotient is 0/0: q = 0, s1 = K, s2 = e.
 NODES = {

@@ -30,7 +30,7 @@ from polhode.enclosures.result import Part
 from polhode.enclosures.taylor_polynomials import Pieces
 from polhode.numbers import vectors
 from shared import enclosure_trials as trials
-from shared.tiers import of_table
+from shared.tiers import of_table, tiers
 from shared.values import exactly
 
 OUTPUTS = ("angles", "attitude")
@@ -56,12 +56,7 @@ def _random(rng: random.Random, kind: str, digits: int, longest: int) -> list[fl
     return _ratios(enclosure, run.attitude, run.angles)
 
 
-@pytest.mark.parametrize(
-    "kinds",
-    [
-        pytest.param(("needle",), marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize("kinds", tiers([], [(("needle",),)]))
 def test_random_tops_have_their_attitude_and_angles_inside(kinds: Sequence[str]) -> None:
     rng = random.Random(31)
     ratios: list[float] = []

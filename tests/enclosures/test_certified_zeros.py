@@ -19,6 +19,7 @@ from polhode.enclosures.polynomial import constant, rate, variable
 from polhode.numbers.conversion import exact_number
 from shared import enclosure_trials as trials
 from shared.motions import asymmetric
+from shared.tiers import tiers
 from shared.values import exactly
 
 
@@ -355,10 +356,7 @@ def _against_heyoka(seed: int, rounds: int) -> tuple[int, int]:
     return count, undecided
 
 
-@pytest.mark.parametrize(
-    "rounds",
-    [pytest.param(3, marks=pytest.mark.slow)],
-)
+@pytest.mark.parametrize("rounds", tiers([], [3]))
 def test_random_events_are_heyokas(rounds: int) -> None:
     count, undecided = _against_heyoka(3, rounds)
     assert count > 4 * rounds

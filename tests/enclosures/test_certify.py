@@ -165,16 +165,6 @@ def test_the_integrals_used_are_those_that_hold_exactly(
     assert set(integral_contraction.first_integrals(fixed_point_problem.motion(scene))) == names
 
 
-def test_backward_and_forward_are_the_same_motion() -> None:
-    scene = top()
-    back = polhode.certify(scene, at=[-4], digits=40)
-    mirrored = Scene(scene.body, tuple(-w for w in scene.omega), scene.gamma)
-    again = polhode.certify(mirrored, at=[4], digits=40)
-    for k in range(6):
-        off = abs(back.centres[0][k] + (1 if k < 3 else -1) * again.centres[0][k])
-        assert off <= Fraction(back.radii[0][k]) + Fraction(again.radii[0][k])
-
-
 @pytest.mark.parametrize(
     ("centre", "radius", "text"),
     [

@@ -7,6 +7,7 @@ import re
 from dataclasses import replace
 from fractions import Fraction
 from importlib.metadata import version
+from pathlib import Path
 
 import pytest
 
@@ -14,7 +15,6 @@ import polhode
 from polhode import cli
 from polhode.enclosures.task import Task
 from polhode.numbers.decimals import rounded_up
-from polhode.results.writer import beside
 from polhode.scenes.start_box import StartBox
 from shared.values import exactly
 
@@ -152,7 +152,7 @@ def test_a_proven_table_holds_what_is_printed_and_loads_again(tmp_path, capsys) 
             assert 0 < float(radius) < 1e-19
     code, out, _ = run(capsys, *command, "--json")
     assert (
-        beside(path).read_text().partition('"title"')[2].partition('"about"')[0]
+        Path(f"{path}.json").read_text().partition('"title"')[2].partition('"about"')[0]
         == (out.partition('"title"')[2].partition('"about"')[0])
     )
     assert json.loads(out)["events"]["event"]
@@ -174,7 +174,7 @@ def test_a_closed_form_is_written_as_a_table(tmp_path, capsys) -> None:
     for row, true in zip(rows, exact, strict=True):
         for text, radius, x in zip(row[1:], row[len(header) :], true, strict=False):
             assert abs(Fraction(text) - exactly(x)) <= Fraction(radius) < Fraction(1, 10**30)
-    assert json.loads(beside(path).read_text())["reference"] == "kovalevskaya"
+    assert json.loads(Path(f"{path}.json").read_text())["reference"] == "kovalevskaya"
 
 
 @pytest.mark.parametrize(

@@ -47,12 +47,7 @@ def _random_ratios(seed: int, rounds: int, levels: tuple[int, ...]) -> tuple[lis
     return ratios, refused
 
 
-@pytest.mark.parametrize(
-    ("rounds", "levels"),
-    [
-        pytest.param(11, (36, 42, 50, 79, 126), marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize(("rounds", "levels"), tiers([], [(11, (36, 42, 50, 79, 126))]))
 def test_random_tops_are_contained_and_no_radius_is_slack(rounds: int, levels: Any) -> None:
     ratios, refused = _random_ratios(11, rounds, levels)
     assert max(ratios) <= 1.0
@@ -99,10 +94,7 @@ def _faulty_runs(seed: int, count: int) -> tuple[int, int, float]:
     return contained, refused, largest
 
 
-@pytest.mark.parametrize(
-    "count",
-    [pytest.param(60, marks=pytest.mark.slow)],
-)
+@pytest.mark.parametrize("count", tiers([], [60]))
 def test_no_fault_in_an_untrusted_part_makes_a_wrong_enclosure(count: int) -> None:
     contained, refused, largest = _faulty_runs(21, count)
     assert largest <= 1.0
@@ -165,7 +157,7 @@ def test_an_integral_that_is_not_kept_is_a_contradiction() -> None:
 
 def _contained(name: str, digits: int) -> list[float]:
     """|truth - midpoint|/radius of a case's states, attitude and angles, by its closed form."""
-    scene = library.load(name)
+    scene = polhode.load(name)
     exact = polhode.reference(scene)
     words = ("angles", "attitude") if scene.gamma is not None and exact.regime != "rest" else ()
     unit = Fraction(2) ** fixed_point_problem.motion(scene).unit
@@ -202,7 +194,7 @@ def test_closed_forms_lie_in_their_enclosures(name: str) -> None:
 def every_closed_form_lies_in_its_enclosure(digits: int) -> None:
     ratios: list[float] = []
     for name in library.names():
-        scene = library.load(name)
+        scene = polhode.load(name)
         if polhode.reference(scene).is_closed_form and scene.times:
             ratios += _contained(name, digits)
     assert max(ratios) <= 1.0

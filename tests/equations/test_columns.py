@@ -21,7 +21,6 @@ from polhode.equations import columns
 from polhode.figures import samples
 from polhode.numbers.row_formulas import mapped
 from polhode.output import guide
-from polhode.results.writer import beside
 from polhode.scenes.vocabulary import COLUMNS, ColumnWord, column_names
 from shared.tables import STATE
 from shared.tiers import tiers
@@ -108,7 +107,7 @@ def test_a_run_has_the_speed_wherever_it_goes(number, scene, tmp_path, capsys):
     assert header == [*columns]
     for k, name in enumerate(header):
         assert [line[k] for line in lines] == [*map(str, columns[name])]
-    told_beside = json.loads(beside(path).read_text())
+    told_beside = json.loads(Path(f"{path}.json").read_text())
     assert ("columns" in told_beside, told_beside["number"]) == (False, number)
 
     run = polhode.integrate(scene, number, at=at)

@@ -6,6 +6,7 @@ import csv
 import json
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -15,11 +16,9 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics import rolling_cones
 from polhode.equations import kinematics
 from polhode.numbers import row_formulas
 from polhode.numbers.conversion import to_extended, to_mpf
-from polhode.results.writer import beside
 from shared.examples import examples
 from shared.tiers import tiers
 from shared.values import DOUBLE, EXTENDED, QUAD, exactly, mp
@@ -117,7 +116,7 @@ def test_the_body_hodograph_is_the_states_own_numbers(monkeypatch):
 def test_the_hodographs_roll_on_each_other(name, number):
     """Common tangent and equal arcs, to what rounding leaves of differences over 1/200."""
     run = polhode.integrate(scene_of(name), number)
-    cones, eps = rolling_cones.rolling(run), float(run.number.eps)
+    cones, eps = polhode.rolling(run), float(run.number.eps)
     floor = 1e-45 if number == "mp" else 0.0  # what the differences leave
     assert eps < cones.tangent < 3000 * eps + floor
     assert 0 <= cones.arc < 30 * eps + floor
@@ -137,11 +136,11 @@ def test_a_curve_that_slips_is_seen():
 
     run = polhode.integrate(scene_of("kovalevskaya/generic"))
     t = np.array([float(x) for x in run.times])
-    assert 1e-7 < rolling_cones.rolling(ahead(run, 1e-6 * t)).tangent < 1e-5
-    assert rolling_cones.rolling(run).tangent < 1e-11
+    assert 1e-7 < polhode.rolling(ahead(run, 1e-6 * t)).tangent < 1e-5
+    assert polhode.rolling(run).tangent < 1e-11
     early = ahead(run, 1e-3 * t**2)
     late = replace(early, times=tuple(x + 100 for x in run.times))
-    now, then = rolling_cones.rolling(early), rolling_cones.rolling(late)
+    now, then = polhode.rolling(early), polhode.rolling(late)
     assert 1e-7 < now.arc < 1e-2
     assert then == pytest.approx(now, rel=1e-12)
 
@@ -151,7 +150,7 @@ def test_the_rolling_condition_needs_hodographs_and_samples():
     without = polhode.integrate(scene_of("kovalevskaya/generic", outputs=("attitude",)))
     for run in (few, without):
         with pytest.raises(ValueError, match="25 times"):
-            rolling_cones.rolling(run)
+            polhode.rolling(run)
 
 
 # -- what is printed ----------------------------------------------------------------------------
@@ -201,7 +200,7 @@ def test_a_trajectory_file_holds_the_space_hodograph(tmp_path, capsys):
     assert header[-3:] == ["omega_x", "omega_y", "omega_z"]
     run = polhode.integrate(scene_of("kovalevskaya/generic").at((Fraction(1), Fraction(2))))
     assert [[float(x) for x in row[-3:]] for row in rows] == run.hodographs.space.tolist()
-    beside(path).unlink()  # a table of anybody's
+    Path(f"{path}.json").unlink()  # a table of anybody's
     capsys.readouterr()
     assert main(["compare", str(path), "kovalevskaya/generic"]) == 0
     assert "columns omega_x omega_y omega_z were not judged" in capsys.readouterr().out

@@ -11,10 +11,12 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.scenes.vocabulary import INTEGRALS, MATRIX, RODRIGUES
 from shared.values import exactly
 
 TOP = "kovalevskaya/generic"
+MATRIX = [f"R{i}{j}" for i in "123" for j in "123"]
+RODRIGUES = [f"sigma{k}" for k in "123"]
+INTEGRALS = ["h", "f", "drift_h", "drift_f", "drift_gamma", "drift_fourth"]
 WORDS = ("integrals", "matrix", "mrp")
 
 

@@ -211,16 +211,11 @@ def test_files_that_rounding_limits_are_named(tmp_path, capsys):
     assert 3.9 < float(order.split()[1].rstrip(";")) < 4.1
 
 
-@pytest.mark.parametrize(
-    ("more", "said"),
-    tiers(
-        [(["--steps", "0.1,0.1"], "2 different ones above 0, one a file")],
-        [(["--steps", "0.1"], "2 different ones above 0, one a file")],
-    ),
-)
-def test_orders_that_cannot_be_told_are_refused(more, said, tmp_path, refusal):
+@pytest.mark.parametrize("steps", ["0.1,0.1", "0.1"])
+def test_orders_that_cannot_be_told_are_refused(steps, tmp_path, refusal):
     files = [written(tmp_path / f"{h}.csv", rk4, h) for h in (0.1, 0.05)]
-    assert said in refusal("order", *files, SCENE, *more)
+    said = refusal("order", *files, SCENE, "--steps", steps)
+    assert "2 different ones above 0, one a file" in said
 
 
 @pytest.mark.slow

@@ -19,7 +19,6 @@ from polhode.judging import reference
 from polhode.judging.score import angles_of_attitudes
 from polhode.motion.outcomes import EventTimes
 from polhode.numbers.conversion import to_mpf
-from polhode.scenes import library
 from shared import plain_taylor
 from shared.tables import STATE
 from shared.tiers import tiers
@@ -377,7 +376,7 @@ ANGLE = 16  # how far each motion is followed, in radians
 
 def followed(name: str):
     """A case at two times within the angle, and its motion by the plain series, twice."""
-    scene = replace(library.load(name), outputs=(), events=(), published=())
+    scene = replace(polhode.load(name), outputs=(), events=(), published=())
     end = scene.end * min(Fraction(1), Fraction(round(ANGLE * 100 / 10**scene.log10_angle), 100))
     times = (end / 3, end)
     scene = replace(scene, times=times)

@@ -13,7 +13,6 @@ import pytest
 import polhode
 from polhode import BadInput
 from polhode.certificates import verify
-from polhode.cli import main
 from polhode.numbers.decimals import Ball
 from polhode.proofs import proved_stability as module
 from shared import orbit_proofs as proofs
@@ -234,14 +233,6 @@ def test_a_twist_that_may_be_0_is_none(monkeypatch):
 def test_an_orbit_that_is_proved_comes_alone():
     with pytest.raises(BadInput, match="nothing else with an orbit that is proved"):
         polhode.prove_stability(orbit(), h=3)
-
-
-@pytest.mark.slow
-def test_a_command_that_is_refused_writes_nothing(tmp_path, capsys):
-    path = tmp_path / "x.json"
-    assert main(["prove", "stability", "kovalevskaya/generic", "-o", str(path)]) == 3
-    assert "it is not stable" in capsys.readouterr().err
-    assert not path.exists()
 
 
 def test_a_certificate_is_what_the_checker_reads(tmp_path):
