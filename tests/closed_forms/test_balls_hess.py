@@ -15,7 +15,7 @@ from shared import members
 from shared.ball_checks import (
     motion_of_family,
 )
-from shared.closed_form_motions import gap, number
+from shared.closed_form_motions import gap, number, scene_of
 from shared.values import exactly
 
 F = Fraction
@@ -31,33 +31,30 @@ def on_surface(momentum, up):
     return MOMENTS, TORQUE, omega, gamma
 
 
-def motion_of(name):
-    """Of the library, or a row of the table of motions, and its start."""
+def reference_of(name):
+    """Of the library, or of a row of the table of motions."""
     if "/" in name:
-        scene = polhode.load(name)
-        plain = scene.body.moments, scene.body.torque, scene.omega, scene.gamma
-    else:
-        plain = members.read_start(members.motion_table()["hess"][name])
-    return motion_of_family("hess", plain), plain
+        return polhode.reference(name)
+    start = members.read_start(members.motion_table()["hess"][name])
+    return polhode.reference(scene_of(start, "hess"))
 
 
 def test_a_cone_that_turns_returns_after_its_period_and_not_before():
-    motion, _ = motion_of("hess/cone")
-    period = exactly(motion.period(40))
+    motion = reference_of("hess/cone")
+    period = exactly(motion.period)
     begin, half, end = motion.at([F(0), period / 2, period], 30)
-    with mpmath.workdps(40):
-        assert gap(begin, end) < mpf("1e-28")
-        assert gap(begin, half) > mpf("1e-2")
+    assert gap(begin, end) < mpf("1e-28")
+    assert gap(begin, half) > mpf("1e-2")
 
 
 @pytest.mark.parametrize(("name", "axis"), [("cone, the other way", 1), ("hess/loxodrome", None)])
 def test_what_is_left_of_the_way_falls_at_the_rate_told(name, axis):
     """Of w along the middle axis, or along r0, where it tends to 0."""
-    motion, (_, torque, *_) = motion_of(name)
-    rate = motion.approach(20)
-    times = [F(k) / exactly(rate) for k in (40, 80, 400)]
-    rows, along = motion.at(times, 80), [0, 1, 0] if axis else [number(x) for x in torque]
+    motion = reference_of(name)
+    times = [F(k) / exactly(motion.approach) for k in (40, 80, 400)]
     with mpmath.workdps(90):
+        along = [0, 1, 0] if axis else [number(x) for x in motion.scene.body.torque]
+        rows = motion.at(times, 80)
         first, second, end = (sum(x * y for x, y in zip(along, row, strict=False)) for row in rows)
         end = end if axis else 0
         fall = mpmath.log(abs((first - end) / (second - end)))

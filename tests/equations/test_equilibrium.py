@@ -13,8 +13,8 @@ import polhode
 from polhode import Event, Outcome
 from polhode.cli import main
 from polhode.equations import readout
-from polhode.numbers import conversion
 from polhode.numbers.exact import sqrt
+from shared.closed_form_motions import number as number_at
 from shared.tiers import tiers
 from shared.values import DOUBLE, EXTENDED, QUAD, exactly, mp
 
@@ -97,11 +97,11 @@ def test_a_permanent_rotation_turns_uniformly(number, end):
     scene = replace(staude(), psi=F(1, 3), outputs=("angles", "attitude"))
     run = polhode.integrate(scene, number, at=[0, end])
     with mpmath.workprec(number.bits + 64):
-        psi, theta, phi = (conversion.to_mpf(exactly(x), 400) for x in run.angles[1])
+        psi, theta, phi = (number_at(exactly(x)) for x in run.angles[1])
         near = 1000 * mpmath.mpf(2) ** -number.bits
         assert abs(psi - (mpmath.mpf(1) / 3 + mpmath.sqrt(3) * end)) <= near
         assert [float(theta), float(phi)] == [float(x) for x in run.angles[0][1:]]
-        q0, q1, q2, q3 = (conversion.to_mpf(exactly(x), 400) for x in run.attitude[1])
+        q0, q1, q2, q3 = (number_at(exactly(x)) for x in run.attitude[1])
         # psi + phi = 2 arg(q0 + i q3), psi - phi = 2 arg(q1 + i q2)
         pairs = (psi + phi, mpmath.atan2(q3, q0)), (psi - phi, mpmath.atan2(q2, q1))
         turns = [(whole / 2 - half) / mpmath.pi for whole, half in pairs]

@@ -19,6 +19,7 @@ from polhode.cli import main
 from polhode.equations import kinematics
 from polhode.numbers import row_formulas
 from polhode.numbers.conversion import to_extended, to_mpf
+from shared.closed_form_motions import number as number_at
 from shared.examples import examples
 from shared.tiers import tiers
 from shared.values import DOUBLE, EXTENDED, QUAD, exactly, mp
@@ -77,7 +78,7 @@ def test_a_runs_hodographs_are_those_of_the_closed_form(number):
         for mine, true in zip(run.hodographs, curves, strict=True):
             for row, exact in zip(mine, true, strict=True):
                 for x, y in zip(row, exact, strict=True):
-                    worst = max(worst, abs(to_mpf(exactly(x), 220) - y) / 5)
+                    worst = max(worst, abs(number_at(exactly(x)) - y) / 5)
     eps = float(run.number.eps)
     assert eps / 20 < worst < 60 * eps
     assert curves.body == [row[:3] for row in polhode.reference(scene).at(run.times, 60)]
