@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from polhode import NumberType
 from polhode.numbers import conversion, exact, number_types
+from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_string, digits_of, in_full
 from polhode.numbers.expression import decimal as read_decimal
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, for_digits
-from shared.values import exactly
 
 TYPES = [DOUBLE, EXTENDED, QUAD, number_types.mp(1), number_types.mp(50), NumberType("mp", 1000)]
 wide = pytest.mark.skipif(np.finfo(np.longdouble).nmant != 63, reason="no 80-bit long double here")
