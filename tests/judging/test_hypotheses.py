@@ -55,8 +55,8 @@ RULES = {
         [[comparison(6.5), WORSE]],
     ),
     "digits beyond twelve are no more certain": (
-        [[comparison(20, rival=np.full(4, 10.0))]],
-        [[comparison(20, rival=np.full(4, 12.0))]],
+        [[comparison(20, rival=np.full(4, 10.4))]],
+        [[comparison(20, rival=np.full(4, x))] for x in (10.6, 12.0)],
     ),
     # later rows that are right again do not count, nor do rows that drift after right ones
     "what is wrong in the first rows is wrong": (
