@@ -69,15 +69,56 @@ def test_inputs_exact_in_the_type_cost_nothing():
     assert 14 < conditioning(scene).expected()[-1].middle < 15.5
 
 
-def test_outputs_on_the_way_change_no_kappa():
-    """At uneven times; a limit of steps leaves those of the times that are reached."""
+def test_stretches_of_any_lengths_lead_where_one_leads():
+    """Between outputs at uneven times: products of Phi, and the states, of fewer outputs."""
     scene = asymmetric("1.1", [1])
-    times = [*(F(k * k, 7) for k in range(1, 12)), F(18), F(91, 5), F(30)]
-    many, cut = conditioning(scene, times).kappa, conditioning(scene, times, max_steps=40).kappa
-    for k in (0, 4, 10, 13):
-        assert conditioning(scene, [times[k]]).kappa == pytest.approx((many[k],), rel=1e-8)
-    assert cut[0] == many[0]
-    assert cut[-1] is None
+    times = [F(0), *(F(k * k, 7) for k in range(1, 12)), F(18), F(91, 5), F(30)]
+    few, many = (passage(scene.at(t)) for t in (times[-1:], times))
+    stretches = {stretch.time: stretch for stretch in few.stretches}
+    product, compared = np.eye(6), 0
+    for stretch in many.stretches:
+        product = stretch.carried @ product
+        if stretch.time in stretches:
+            rival = stretches[stretch.time]
+            assert np.abs(product - rival.carried).max() < 1e-10 * np.abs(rival.carried).max()
+            assert np.abs(stretch.state - rival.state).max() < 1e-10
+            product, compared = np.eye(6), compared + 1
+    assert compared == len(few.stretches) > 2
+
+
+@pytest.mark.parametrize("most", [2, 40])
+def test_a_limit_of_steps_keeps_the_stretches_that_are_whole(most):
+    scene = asymmetric("1.1", [2, 40, 80])
+    whole, cut = passage(scene), passage(scene, most)
+    assert not whole.note
+    assert f"more than {most} steps" in cut.note
+    assert len(cut.stretches) < len(whole.stretches)
+    for ours, rival in zip(cut.stretches, whole.stretches, strict=False):
+        assert ours.time == rival.time
+        assert (ours.carried == rival.carried).all()
+
+
+def test_amplification_is_the_most_that_a_change_on_the_way_grows_to():
+    """A change at s = 14 of README's tumbling body: runs from the state there, by differences."""
+    scene = asymmetric("1.1", [40])
+    growth = conditioning(scene).log10_amplification[0]
+    along = passage(scene)
+    sizes = np.array([along.rate_scale] * 3 + [1.0] * 3)
+    whole = 0.0
+    for s in range(len(along.stretches)):
+        product = np.eye(6)
+        for stretch in along.stretches[s:]:
+            product = stretch.carried @ product
+        whole = max(whole, np.linalg.norm(product / sizes[:, None] * sizes, 2))
+    assert growth == pytest.approx(math.log10(whole), abs=1e-6)
+    start = np.array([float(x) for x in along.plain.start])
+    states = []
+    for sign in (1, -1):
+        moved = start + sign * 1e-7 * np.array([0.6, -0.5, 0.4, 0.3, 0.2, -0.3])
+        rival = replace(scene, omega=tuple(map(F, moved[:3])))
+        states.append(np.array(polhode.integrate(rival, QUAD).states[-1], float))
+    pushed = np.linalg.norm(states[0] - states[1]) / 2e-7
+    assert 10**growth > pushed / np.linalg.norm([0.6, -0.5, 0.4]) / 3
 
 
 @pytest.mark.slow
