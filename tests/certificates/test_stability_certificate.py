@@ -227,7 +227,7 @@ LATER = [
     (_C1, "f02_bar / (mu * mu - bar)", "f02_bar / (mu * mu - mu)"),
     (_C1, "i_beta = bar * c1", "i_beta = mu * c1"),
     (_C1, "mu - a]", "mu - d]"),
-    ("_canonical_area", "turned / square + f", "turned / square - f"),
+    ("_canonical_area", "area / square + f", "area / square - f"),
     ("_canonical_area", "f * _product(gamma", "0 * _product(gamma"),
     ("twist_of", "action = 2 * abs", "action = abs"),
     ("twist_of", "(2 * arb.pi())", "arb.pi()"),
@@ -251,7 +251,7 @@ def test_a_product_of_jets_that_lacks_a_term_is_noticed(stored, computed, monkey
 #: Of the chart, from which the flow begins.
 EARLIER = [
     ("_chart_at", "for _ in range(DEGREE):", "for _ in range(DEGREE - 1):"),
-    ("_chart_at", "_dot(*pair) * -one", "_dot(*pair) * one"),
+    ("_chart_at", "_dot(*pair) * -unity", "_dot(*pair) * unity"),
     ("_chart_at", "(momentum, u[3:]), (u[3:]", "(momentum, u[:3]), (u[3:]"),
 ]
 
