@@ -14,8 +14,10 @@ from fractions import Fraction
 import pytest
 
 from polhode.certificates import verify
+from polhode.certificates.certificate_file import by_checker
+from polhode.dynamics.level_body import LevelBody
 from polhode.proofs import chaos_certificate, orbit_certificate
-from polhode.proofs.orbit_certificate import Choice, Problem
+from polhode.proofs.orbit_certificate import Box
 from shared import chaos_chains as chains
 from shared import orbit_proofs as proofs
 from shared.mutation import without
@@ -30,9 +32,9 @@ def several(point, times, off=Fraction(0), radius=Fraction(1, 10**22)):
     if off:
         rows = chains.guess()[1].saddle.unstable.tolist()
         start = [x + off * radius * Fraction(y) for x, y in zip(start, rows, strict=True)]
-    problem = Problem(orbit.scene.body, orbit.h, orbit.f, start, times * orbit.period.centre)
-    guesses = orbit_certificate.guesses(problem, Choice(radius, 140, 0.2))
-    return orbit_certificate.zero_of(guesses).repeated
+    box = Box(start, times * orbit.period.centre, radius, 140, 0.2)
+    guesses = orbit_certificate.guesses(LevelBody(orbit.scene, orbit.h, orbit.f), box)
+    return by_checker(verify.zero_near, guesses).repeated
 
 
 TWICE = "the period may be 2 times the least one"
@@ -105,7 +107,7 @@ def claimed(**changes):
     example = chains.example()
     statement = {"entropy": "0.028", "short": "4.26577", "long": "77.71"} | changes
     try:
-        chaos_certificate.with_statement(example.guesses, statement, example.proof)
+        by_checker(verify.check_chaos, verify.read_chaos(statement), example.proof)
     except verify.NotProved as why:
         return str(why)
     return ""
@@ -114,10 +116,10 @@ def claimed(**changes):
 #: An inequality that is weakened, and a statement that is false.
 CLAIMS = {
     "entropy": ("sum_of_both > 1", "sum_of_both > 0", {"entropy": "0.029"}),
-    "the short loop": ("(-x * found.short).exp()", "1", {"entropy": "0.04"}),
-    "the long loop": ("(-x * found.long).exp()", "1", {"entropy": "0.04"}),
-    "short": ("found.short <= ball", "arb(0) <= ball", {"short": "4.26"}),
-    "long": ("found.long <= ball", "arb(0) <= ball", {"long": "77.6"}),
+    "the short loop": ("(-x * proof.short).exp()", "1", {"entropy": "0.04"}),
+    "the long loop": ("(-x * proof.long).exp()", "1", {"entropy": "0.04"}),
+    "short": ("proof.short <= ball", "arb(0) <= ball", {"short": "4.26"}),
+    "long": ("proof.long <= ball", "arb(0) <= ball", {"long": "77.6"}),
 }
 
 

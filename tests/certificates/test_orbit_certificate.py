@@ -13,9 +13,11 @@ from flint import arb, ctx
 
 import polhode
 from polhode.certificates import certificate_file, verify
+from polhode.certificates.certificate_file import by_checker
 from polhode.cli import main
+from polhode.dynamics.level_body import LevelBody
 from polhode.proofs import orbit_certificate
-from polhode.proofs.orbit_certificate import Choice, Problem
+from polhode.proofs.orbit_certificate import Box
 from shared.mutation import altered, without
 from shared.tiers import tiers
 
@@ -213,16 +215,17 @@ def test_guesses_prove_nothing_false(small):
     assert count > 0
 
 
+SMALL = Fraction(1, 10**22)  # of a box
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "times"), [("hyperbolic", 2), ("elliptic", 3)])
 def test_several_periods_are_not_the_least_one(orbits, kind, times):
     orbit = orbits[kind]
     start = [x.centre for x in (*orbit.omega, *orbit.gamma)]
     period = times * orbit.period.centre
-    problem = Problem(orbit.scene.body, orbit.h, orbit.f, start, period)
-    zero = orbit_certificate.zero_of(
-        orbit_certificate.guesses(problem, Choice(Fraction(1, 10**22), 140, 0.2))
-    )
+    on, box = LevelBody(orbit.scene, orbit.h, orbit.f), Box(start, period, SMALL, 140, 0.2)
+    zero = by_checker(verify.zero_near, orbit_certificate.guesses(on, box))
     assert zero.repeated == f"the period may be {times} times the least one"
     statement = json.loads(orbit.certificate)["statement"]
     claim = verify.read_orbit(statement)._replace(
@@ -249,14 +252,13 @@ def derivative_of(small, bits, monkeypatch, corner=None, later=0, point=False):
     """
     changed = copy.deepcopy(small) | {"radius_bits": bits if corner is None else 100, "bits": 200}
     if corner is not None:
-        body = {key: x for key, x in changed["scene"].items() if key != "level"}
         sizes = [2.0 ** (SHIFT - bits)] * 3 + [2.0**-bits] * 3
         power, fine = Fraction(2) ** -changed["state_bits"], changed["time_bits"]
         start = zip(changed["centres"][0], corner, map(Fraction, sizes), strict=True)
         period = changed["grid"][-1] * Fraction(2) ** -fine
         ctx.prec = 200
         at = [verify.ball((x * power + sign * size, Fraction(0))) for x, sign, size in start]
-        changed |= certificate_file.steps(body, at, period, 200, fine, 0.15)
+        changed |= certificate_file.steps(changed["scene"], at, period, 200, fine, 0.15)._asdict()
         ctx.prec = 53
     if later:
         changed["grid"][-1] += later * (1 << (changed["time_bits"] + 2 - bits - SHIFT))

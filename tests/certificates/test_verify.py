@@ -20,8 +20,7 @@ from flint import arb, arb_mat, arb_poly, ctx, fmpq
 
 import polhode
 from polhode.certificates import verify
-from polhode.certificates.certificate_file import MAKING
-from polhode.certificates.state_certificate import Attitude, certificate
+from polhode.certificates.state_certificate import MAKING, Attitude, certificate
 from polhode.cli import main
 from polhode.common.errors import BadInput
 from polhode.equations.kinematics import starting_attitude
