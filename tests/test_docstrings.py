@@ -8,6 +8,7 @@ import importlib
 import inspect
 import math
 import pickle
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -51,6 +52,25 @@ def test_every_public_name_has_an_example_and_its_members_say_what_they_are(name
     for key, member in vars(thing).items() if inspect.isclass(thing) else ():
         if not key.startswith("_") and (callable(member) or isinstance(member, property)):
             assert (inspect.getdoc(member) or "").strip(), key
+
+
+FUNCTIONS = [name for name in PUBLIC if inspect.isfunction(getattr(polhode, name))]
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_help_says_what_every_argument_is(name):
+    function = getattr(polhode, name)
+    part = inspect.getdoc(function).partition("Parameters\n----------\n")[2].partition("\n\n")[0]
+    entries = re.findall(r"^([\w*][\w*, ]*)(?: : .*)?\n    \S", part, re.M)
+    documented = [word.strip(" *") for words in entries for word in words.split(",")]
+    assert sorted(documented) == sorted(inspect.signature(function).parameters)
+
+
+@pytest.mark.parametrize("name", ["orbit", "orbit_family", "prove_orbit", "prove_stability"])
+def test_another_argument_is_refused_with_the_nearest(name):
+    more = ("h", 3) if name == "orbit_family" else ()
+    with pytest.raises(polhode.BadInput, match=r"perod = 6: expected an argument: .*period"):
+        getattr(polhode, name)("grioli/precession", *more, perod=6)
 
 
 def test_tab_completion_shows_the_api_and_nothing_else():

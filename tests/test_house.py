@@ -348,10 +348,9 @@ _VAGUE = re.compile(
 #: How often a room may bind one of them: as often as it does, in public keywords above all.
 _MOST_VAGUE = {
     "__init__": 1,
-    "certificates": 68,
     "closed_forms": 10,
     "common": 4,
-    "dynamics": 8,
+    "dynamics": 7,
     "enclosures": 2,
     "equations": 2,
     "figures": 10,
@@ -359,7 +358,6 @@ _MOST_VAGUE = {
     "motion": 1,
     "numbers": 13,
     "output": 1,
-    "proofs": 2,
     "refined": 1,
     "results": 1,
     "runs": 81,

@@ -12,8 +12,10 @@ from flint import arb, ctx
 
 import polhode
 from polhode.certificates import certificate_file, verify
+from polhode.certificates.certificate_file import by_checker
+from polhode.dynamics.level_body import LevelBody
 from polhode.proofs import orbit_certificate
-from polhode.proofs.orbit_certificate import Choice, Problem
+from polhode.proofs.orbit_certificate import Box
 from shared import chaos_chains as chains
 from shared import orbit_proofs as proofs
 from shared.mutation import altered
@@ -178,16 +180,17 @@ def test_an_end_that_is_not_known_well_proves_nothing(small, monkeypatch, column
     assert answer(small).startswith("refused")
 
 
+SMALL = Fraction(1, 10**22)  # of a box
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "times"), [("hyperbolic", 2), ("elliptic", 3)])
 def test_several_periods_are_not_the_least_one(orbits, kind, times):
     orbit = orbits[kind]
     start = [x.centre for x in (*orbit.omega, *orbit.gamma)]
     period = times * orbit.period.centre
-    problem = Problem(orbit.scene.body, orbit.h, orbit.f, start, period)
-    zero = orbit_certificate.zero_of(
-        orbit_certificate.guesses(problem, Choice(Fraction(1, 10**22), 140, 0.2))
-    )
+    on, box = LevelBody(orbit.scene, orbit.h, orbit.f), Box(start, period, SMALL, 140, 0.2)
+    zero = by_checker(verify.zero_near, orbit_certificate.guesses(on, box))
     assert zero.repeated == f"the period may be {times} times the least one"
     statement = json.loads(orbit.certificate)["statement"]
     claim = verify.read_orbit(statement)._replace(
@@ -211,9 +214,12 @@ def test_the_box_and_not_its_centre_is_followed_to_a_part_of_the_period():
     grown = map(Fraction, chains.guess()[1].saddle.unstable.tolist())
     balls = zip((*orbit.omega, *orbit.gamma), grown, strict=True)
     start = [x.centre + Fraction(3, 10) * radius * y for x, y in balls]
-    problem = Problem(orbit.scene.body, orbit.h, orbit.f, start, 4 * orbit.period.centre)
-    guesses = orbit_certificate.guesses(problem, Choice(radius, 140, 0.2))
-    assert orbit_certificate.zero_of(guesses).repeated == "the period may be 2 times the least one"
+    level = LevelBody(orbit.scene, orbit.h, orbit.f)
+    guesses = orbit_certificate.guesses(
+        level, Box(start, 4 * orbit.period.centre, radius, 140, 0.2)
+    )
+    zero = by_checker(verify.zero_near, guesses)
+    assert zero.repeated == "the period may be 2 times the least one"
 
 
 SHIFT = 1  # the checker's unit of time is 2^-SHIFT
@@ -226,14 +232,13 @@ def derivative_of(small, bits, monkeypatch, corner=None, later=0, point=False):
     """
     changed = copy.deepcopy(small) | {"radius_bits": bits if corner is None else 100, "bits": 200}
     if corner is not None:
-        body = {key: x for key, x in changed["scene"].items() if key != "level"}
         sizes = [2.0 ** (SHIFT - bits)] * 3 + [2.0**-bits] * 3
         power, fine = Fraction(2) ** -changed["state_bits"], changed["time_bits"]
         start = zip(changed["centres"][0], corner, map(Fraction, sizes), strict=True)
         period = changed["grid"][-1] * Fraction(2) ** -fine
         ctx.prec = 200
         at = [verify.ball((x * power + sign * size, Fraction(0))) for x, sign, size in start]
-        changed |= certificate_file.steps(body, at, period, 200, fine, 0.15)
+        changed |= certificate_file.steps(changed["scene"], at, period, 200, fine, 0.15)._asdict()
         ctx.prec = 53
     if later:
         changed["grid"][-1] += later * (1 << (changed["time_bits"] + 2 - bits - SHIFT))

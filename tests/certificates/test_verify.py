@@ -21,7 +21,7 @@ from flint import arb, arb_mat, arb_poly, ctx, fmpq
 import polhode
 from polhode import BadInput
 from polhode.certificates import verify
-from polhode.certificates.certificate_file import MAKING
+from polhode.certificates.state_certificate import MAKING
 from polhode.cli import main
 from shared.mutation import altered, answer
 from shared.tiers import of_table, tiers

@@ -69,6 +69,26 @@ def test_any_datum_moved_by_1e_30_is_refused(name, part):
         assert 1e-34 < float(near[motion.family].off) < 1e-26
 
 
+#: Mg r0 and omega of permanent rotations about axis 3, what is moved by how much, and what is said:
+#: 1e-30 of |w|, of the rate sqrt(|Mg r0|/A) = 1000 that the weight gives, and of |Mg r0|.
+ALONG = "w along gamma, off by 1.00e-30"
+SIZES = {
+    "a fast rotation": ((10**6, 1000), (2, 0, F(1, 10**27)), ALONG),
+    "a slow one": ((2 * 10**6, 1), (2, 0, F(1, 10**27)), ALONG),
+    "a weight": ((10**6, 1), (1, 0, F(1, 10**24)), "gamma x Mg r0 = w x Iw, off by 1.00e-30"),
+}
+
+
+@pytest.mark.parametrize("name", SIZES)
+def test_a_rotation_is_off_in_parts_of_what_is_compared(name):
+    (weight, rate), (row, column, moved), said = SIZES[name]
+    start = [[2, F(3, 2), 1], [0, 0, weight], [0, 0, rate], [0, 0, 1]]
+    assert polhode.reference(scene_of(start, "staude")).is_closed_form
+    start[row][column] += moved
+    with pytest.raises(polhode.BadInput, match=re.escape(said)):
+        polhode.reference(scene_of(start, "staude"))
+
+
 #: Mg r0, omega and gamma of no family.
 FAR = (F(3, 10), F(1, 5), F(1, 2)), (F(3, 10), F(1, 5), F(11, 10)), (F(3, 5), F(0), F(4, 5))
 #: Moments at which conditions and formulas of some family divide by nothing.

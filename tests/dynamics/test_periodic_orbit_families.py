@@ -10,7 +10,6 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics import families
 
 #: Where Grioli's family turns in h at his f, by this program: the tests say how it is one.
 FOLD = 0.74971327932623
@@ -149,7 +148,7 @@ def test_a_family_that_cannot_be_followed_ends_with_code_3(monkeypatch, capsys):
     def lost(*_):
         raise newton_shooting.NotClosed("no step is short enough")
 
-    monkeypatch.setattr(families, "stepped", lost)
+    monkeypatch.setattr(newton_shooting, "stepped", lost)
     assert main(["family", "grioli/precession", "--by", "h", "--to", "0.9"]) == 3
     assert "not followed beyond h = 0.851351" in capsys.readouterr().err
 

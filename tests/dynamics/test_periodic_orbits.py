@@ -245,7 +245,7 @@ def test_digits_are_measured_from_the_decimals_that_are_written():
     on = LevelBody(GRIOLI, *GRIOLI.integrals[:2])
     x = np.array([float(v) for v in on.exact_start])
     result = newton_shooting.closed(on, x, 2 * np.pi / float(on.unit), at_level(on, x))
-    fine = newton_shooting.refined(on, result, on.exact_start, 20)
+    fine = newton_shooting.refined(on, result, 20, on.exact_start)
     rows = at_level(on, result.state)(result.state, result.period)[1]
     matrix = bordered(on, result.state, result.state, result.monodromy, rows)
     chord = newton_shooting.Chord(

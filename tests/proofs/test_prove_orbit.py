@@ -113,10 +113,15 @@ def test_an_orbit_of_another_body_is_a_guess_and_no_more():
 
 def test_half_the_period_is_refused():
     point = (*proofs.ELLIPTIC[:6], proofs.ELLIPTIC[6] / 2)
-    with pytest.raises(
-        NotProved, match=r"no periodic orbit is near .*: Krawczyk's test fails in p,"
-    ):
+    with pytest.raises(NotProved, match=r"no periodic orbit is near the start \(.*\); try another"):
         proofs.proved(point)
+
+
+def test_a_proof_whose_check_would_take_hours_is_refused(monkeypatch):
+    """A traceback it was, of the checker's own refusal."""
+    monkeypatch.setattr(verify, "MOST_WORK", 10**5)
+    with pytest.raises(NotProved, match="bits are too many; try fewer digits, or a shorter orbit"):
+        polhode.prove_orbit("grioli/precession", digits=12)
 
 
 @pytest.mark.slow

@@ -222,6 +222,12 @@ def test_what_the_checker_refuses_is_told_with_what_to_try(fault, monkeypatch):
     assert bits == sorted(bits)
 
 
+def test_jets_that_would_take_hours_are_none(monkeypatch):
+    """Their certificate was written, and refused when it was read."""
+    monkeypatch.setattr(verify, "MOST_WORK", 3 * 10**6)  # of the orbit alone a third of that
+    assert refusal(orbit()).endswith("bits are too many; try a shorter orbit")
+
+
 def test_a_twist_that_may_be_0_is_none(monkeypatch):
     with_0 = verify.Twist(verify.arb("0.3"), verify.arb(0, "1e-3"))
     monkeypatch.setattr(verify, "twist_of", lambda *_: with_0)

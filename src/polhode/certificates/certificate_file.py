@@ -18,61 +18,27 @@ from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import check_writable, write_whole
 from polhode.common.interrupts import Progress
 from polhode.numbers import exact
-from polhode.numbers.exact import Exact, Irrational
+from polhode.numbers.exact import ONE, Exact, Irrational
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle
 from polhode.scenes.body import Body
 
 # --- certificate file -----------------------------------------------------------------------------
-#
-# Certificates are checked by their own checker before they are written.
 
 
-#: The part of the time that guesses take; the check, which takes the rest, counts from 0 again.
-MAKING = 0.2
 #: JSON's objects.
 JsonObject: TypeAlias = dict[str, object]
 Proved = TypeVar("Proved")
 
-_MORE = (0, 48, 112, 192)  # bits, where those given are too few
 
+def by_checker(
+    function: Callable[..., Proved], *arguments: object, bits: int = verify.COARSE
+) -> Proved:
+    """What a function of the checker gives; raises its NotProved and Damaged.
 
-def checked(
-    name: str,
-    certificate_of: Callable[[int], JsonObject],
-    bits: int,
-    progress: Progress | None = None,
-) -> JsonObject:
-    """The first of several tries that its checker proves, each with more bits; raises BadInput.
-
-    ``name``: of the scene; ``certificate_of``: a certificate with so many bits, whose making shows
-    the progress up to :data:`MAKING`.
+    ``bits``: the precision, where the function does not set it itself.
     """
-    fault = ""
-    for more in _MORE:
-        certificate = certificate_of(bits + more)
-        try:
-            checking = part_of(progress, MAKING, 1.0)
-            by_checker(verify.KINDS[str(certificate["kind"])], certificate, checking)
-        except (verify.NotProved, verify.Damaged) as refused:
-            fault = str(refused)
-            if isinstance(refused, verify.Damaged):
-                break
-            continue
-        return certificate
-    raise BadInput(name, "certificate", fault, "a statement that its own checker proves")
-
-
-def part_of(progress: Progress | None, begin: float, end: float) -> Progress | None:
-    """What shows the progress of a part of the work, which is all from ``begin`` to ``end``."""
-    if progress is None:
-        return None
-    return lambda fraction, steps: progress(begin + (end - begin) * fraction, steps)
-
-
-def by_checker(function: Callable[..., Proved], *arguments: object) -> Proved:
-    """What a function of the checker gives; raises its NotProved and Damaged."""
-    with ctx.workprec(verify.COARSE):  # which the checker changes as it likes
+    with ctx.workprec(bits):  # which the checker changes as it likes
         try:
             return function(*arguments)
         except (ZeroDivisionError, OverflowError):
@@ -112,6 +78,13 @@ _STEP = 0.3  # of the radius of convergence, if nothing else is asked
 _ORDER = 24  # of the polynomials that tell it
 _LONGEST = 1.0  # step, in the unit of time that the body suggests
 _FINE = 12  # bits of a step, in that unit
+_BODY = "moments", "inertia", "centre", "weight"
+
+
+def on_level(body: Body, h: Exact, f: Exact, bits: int) -> JsonObject:
+    """A body's numbers with h, f and |gamma|^2 of a level."""
+    level = [number(x, bits) for x in (h, f, ONE)]
+    return {**body_numbers(body, bits), "level": level}
 
 
 def body_numbers(body: Body, bits: int) -> JsonObject:
@@ -133,7 +106,7 @@ def number(x: Exact, bits: int) -> str | list[str]:
 
 
 def steps(
-    numbers: JsonObject,
+    scene: JsonObject,
     start: Sequence[arb],
     end: Fraction,
     bits: int,
@@ -141,15 +114,15 @@ def steps(
     part: float = _STEP,
     progress: Progress | None = None,
     growth: float = 0.0,
-) -> JsonObject:
+) -> verify.Guesses:
     """A grid of steps beyond ``end``, and numbers near the motion at its times.
 
-    ``time_bits``: the last time is ``end`` rounded to so many bits.  ``part``: of the radius of
-    convergence that a step is.  ``growth``: about int |A| of a step, instead.
+    ``scene``: a body's numbers, and others.  ``time_bits``: the last time is ``end`` rounded to so
+    many bits.  ``part``: of the radius of convergence that a step is.  ``growth``: about int |A| of
+    a step, instead.
     """
-    rows, (centre, (weight,)), _ = verify.read_body(numbers, ())
-    inertia = [[verify.ball(x) for x in row] for row in rows]
-    torque = [verify.ball(weight) * verify.ball(x) for x in centre]
+    numbers = {key: scene[key] for key in _BODY if key in scene}
+    inertia, torque, _ = verify.balls_of(verify.read_body(numbers, ()))
     shift = verify.scaling(inertia, torque, start)
     body = verify.Body(inertia, [x * arb(2) ** (-2 * shift) for x in torque])
     sense = 1 if end > 0 else -1
@@ -175,7 +148,7 @@ def steps(
     if time_bits is not None:
         times = [x << (time_bits - fine) for x in grid[:-1]]
         grid, fine = [*times, round(end * Fraction(2) ** time_bits)], time_bits
-    return {"time_bits": fine, "grid": grid, "state_bits": state_bits, "centres": centres}
+    return verify.Guesses(fine, grid, state_bits, centres, bits)
 
 
 def _length(body: verify.Body, centre: Sequence[arb], part: float) -> float:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
 from polhode.certificates import certificate_file, verify
-from polhode.certificates.certificate_file import MAKING, JsonObject, checked, part_of, write
+from polhode.certificates.certificate_file import JsonObject, by_checker, write
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
 from polhode.numbers.decimals import shown
@@ -29,7 +29,11 @@ class Attitude(NamedTuple):
     balls: Sequence[Sequence[Ball]]
 
 
+#: The part of the time that guesses take; the check, which takes the rest, counts from 0 again.
+MAKING = 0.2
+
 _SPARE = 28  # bits beyond the smallest radius
+_MORE = (0, 48, 112, 192)  # bits, where those are too few
 _SHARPEST = 2.0**-20  # a radius is no smaller a part of the largest at its time
 
 
@@ -71,28 +75,37 @@ def certificate(
     ]
     last = max((t for t, _ in claimed), key=abs)
     least = min(float(radius) for _, row in claimed for _, radius in row)
-
-    def draft(bits: int) -> JsonObject:
-        body = _scene(scene, bits + verify.COARSE)
-        if attitude is not None:
-            body["attitude"] = [
-                certificate_file.number(x, bits + verify.COARSE) for x in attitude.start
-            ]
+    fewest = max(verify.COARSE, math.ceil(-math.log2(least))) + _SPARE
+    fault = ""
+    for bits in (fewest + more for more in _MORE):
+        numbers = _numbers(scene, attitude, bits + verify.COARSE)
         with ctx.workprec(bits + 2 * verify.COARSE):
-            _, _, start = verify.balls_of(verify.read_scene(body))
-            making = part_of(progress, 0.0, MAKING)
-            guesses = certificate_file.steps(_body(body), start, last, bits, progress=making)
-        return {
+            _, _, start = verify.balls_of(verify.read_scene(numbers))
+            making = _part_of(progress, 0.0, MAKING)
+            guesses = certificate_file.steps(numbers, start, last, bits, progress=making)
+        document = {
             "format": verify.FORMAT,
             "kind": "state",
-            "scene": body,
-            **guesses,
-            "bits": bits,
+            "scene": numbers,
+            **guesses._asdict(),
             "statement": statement,
         }
+        try:
+            by_checker(verify.state, document, _part_of(progress, MAKING, 1.0))
+            return document
+        except verify.NotProved as refused:
+            fault = str(refused)
+        except verify.Damaged as refused:
+            fault = str(refused)
+            break
+    raise BadInput(scene.name, "certificate", fault, "a statement that its own checker proves")
 
-    bits = max(verify.COARSE, math.ceil(-math.log2(least))) + _SPARE
-    return checked(scene.name, draft, bits, progress)
+
+def _part_of(progress: Progress | None, begin: float, end: float) -> Progress | None:
+    """What shows the progress of a part of the work, which is all from ``begin`` to ``end``."""
+    if progress is None:
+        return None
+    return lambda fraction, steps: progress(begin + (end - begin) * fraction, steps)
 
 
 def check(scene: Scene, times: Sequence[Exact]) -> None:
@@ -117,15 +130,10 @@ def _widened(row: Sequence[Ball]) -> list[Ball]:
     ]
 
 
-def _scene(scene: Scene, bits: int) -> dict[str, object]:
+def _numbers(scene: Scene, attitude: Attitude | None, bits: int) -> JsonObject:
     """The scene's exact numbers as texts, irrational ones as balls."""
-    assert scene.gamma is not None
-    return {
-        **certificate_file.body_numbers(scene.body, bits),
-        "omega": [certificate_file.number(x, bits) for x in scene.omega],
-        "gamma": [certificate_file.number(x, bits) for x in scene.gamma],
-    }
-
-
-def _body(numbers: dict[str, object]) -> dict[str, object]:
-    return {key: x for key, x in numbers.items() if key not in ("omega", "gamma", "attitude")}
+    vectors: dict[str, Sequence[Exact]] = {"omega": scene.omega, "gamma": scene.gamma or ()}
+    if attitude is not None:
+        vectors["attitude"] = attitude.start
+    texts = {key: [certificate_file.number(x, bits) for x in v] for key, v in vectors.items()}
+    return {**certificate_file.body_numbers(scene.body, bits), **texts}

@@ -120,10 +120,10 @@ def _integer(text: str) -> float:
 
 
 def _once(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    found = dict(pairs)
-    if len(found) != len(pairs):
+    table = dict(pairs)
+    if len(table) != len(pairs):
         raise Damaged("a key stands twice")
-    return found
+    return table
 
 
 def _keys(table: object, names: Sequence[str], where: str) -> list[object]:
@@ -170,17 +170,17 @@ def _rational(value: object, where: str) -> Fraction:
                 return _fraction(value)
             except (ValueError, ZeroDivisionError):
                 pass
-    what = "a whole number, or a text with a decimal or a fraction"
-    raise Damaged(f"{where}: expected {what}, of at most {MOST_DIGITS} digits")
+    expected = "a whole number, or a text with a decimal or a fraction"
+    raise Damaged(f"{where}: expected {expected}, of at most {MOST_DIGITS} digits")
 
 
 def _fraction(text: str) -> Fraction:
     if len(text) < SHORT:
         return Fraction(text)
-    found = re.fullmatch(r"([-+]?\d+)(?:/(\d+)|(?:\.(\d*))?(?:e([-+]?\d+))?)", text.lower())
-    if not found:
+    match = re.fullmatch(r"([-+]?\d+)(?:/(\d+)|(?:\.(\d*))?(?:e([-+]?\d+))?)", text.lower())
+    if not match:
         raise ValueError
-    whole, below, places, power = (x or "" for x in found.groups())
+    whole, below, places, power = (x or "" for x in match.groups())
     if below:
         return Fraction(int(fmpz(whole)), int(fmpz(below)))
     ten = int(power or 0) - len(places)
@@ -207,9 +207,9 @@ def ball(interval: Interval) -> arb:
 
 def dyadic(number: int, power: int) -> arb:
     """number 2^power, exact at any precision."""
-    found = arb((number, power))
-    certainly(found.is_exact(), "a number is longer than its bits")
-    return found
+    value = arb((number, power))
+    certainly(value.is_exact(), "a number is longer than its bits")
+    return value
 
 
 # -- balls --------------------------------------------------------------------------------------
@@ -228,10 +228,10 @@ def certainly(true: object, line: str) -> None:
 
 def largest(numbers: Iterable[arb]) -> arb:
     """An upper bound of the moduli of several numbers."""
-    found = arb(0)
+    bound = arb(0)
     for x in numbers:
-        found = found.max(upper(x))
-    return found
+        bound = bound.max(upper(x))
+    return bound
 
 
 def summed(numbers: Iterable[arb]) -> arb:
@@ -275,28 +275,28 @@ class Body:
 
     @staticmethod
     def _add(table: dict[tuple[int, ...], arb], key: tuple[int, ...], x: arb) -> None:
-        found = table.pop(key, arb(0)) + x
-        if not (found.is_exact() and found == 0):
-            table[key] = found
+        entry = table.pop(key, arb(0)) + x
+        if not (entry.is_exact() and entry == 0):
+            table[key] = entry
 
     def field(self, x: Sequence[Z], product: Callable[[int, int], Z]) -> list[Z]:
         """The six rates: ``x`` its six values, ``product(i, j)`` that of two of them."""
-        found = []
+        rates = []
         for i in range(3):
             terms = [product(a, b) * k for (row, a, b), k in self.quadratic.items() if row == i]
             terms += [x[3 + j] * k for (row, j), k in self.linear.items() if row == i]
-            found.append(sum(terms, x[i] * arb(0)))
+            rates.append(sum(terms, x[i] * arb(0)))
         for i in range(3):
             a, b = (i + 1) % 3, (i + 2) % 3
-            found.append(product(3 + a, b) - product(3 + b, a))
-        return found
+            rates.append(product(3 + a, b) - product(3 + b, a))
+        return rates
 
     def derivative(self, x: Sequence[arb_poly]) -> dict[tuple[int, int], arb_poly]:
         """The entries of f'(x) that are not zero, by row and column; x polynomials."""
-        found: dict[tuple[int, int], arb_poly] = {}
+        entries: dict[tuple[int, int], arb_poly] = {}
 
         def add(i: int, j: int, term: arb_poly) -> None:
-            found[i, j] = found[i, j] + term if (i, j) in found else term
+            entries[i, j] = entries[i, j] + term if (i, j) in entries else term
 
         for (i, a, b), k in self.quadratic.items():
             add(i, a, x[b] * k)
@@ -309,15 +309,15 @@ class Body:
             add(3 + i, b, x[3 + a])
             add(3 + i, 3 + b, -x[a])
             add(3 + i, a, -x[3 + b])
-        return found
+        return entries
 
 
 def _inverse(inertia: Sequence[Sequence[arb]]) -> list[tuple[int, int, arb]]:
     """The entries of the inverse matrix, by row and column; a diagonal one's is as sharp as it."""
     if all(inertia[i][j] == 0 for i in range(3) for j in range(3) if i != j):
         return [(i, i, 1 / inertia[i][i]) for i in range(3)]
-    found = arb_mat(inertia).inv()
-    return [(i, n, found[i, n]) for i in range(3) for n in range(3)]
+    inverse = arb_mat(inertia).inv()
+    return [(i, n, inverse[i, n]) for i in range(3) for n in range(3)]
 
 
 # -- guesses, which nothing rests on ------------------------------------------------------------
@@ -408,7 +408,7 @@ def turning(y: Sequence[arb_poly], h: arb, bits: int) -> list[list[arb]]:
         return summed(rows[i][n] * y[j][k - n] for n in range(k + 1))
 
     for k in range(bits + 20):
-        rates = _turned(product)
+        rates = _times_rate(product)
         for row, rate in zip(rows, rates, strict=True):
             row.append((rate * h / (2 * (k + 1))).mid())
         small = small + 1 if largest(row[-1] for row in rows) < least else 0
@@ -468,10 +468,10 @@ class Step:
         ctx.prec = self.bits
         middle = [row(tau) for row in self.p]
         ctx.prec = COARSE
-        found = self.v[-1]
-        for one in self.v[-2::-1]:
-            found = found * tau + one
-        return middle, found
+        matrix = self.v[-1]
+        for coefficient in self.v[-2::-1]:
+            matrix = matrix * tau + coefficient
+        return middle, matrix
 
 
 #: The coefficients of a matrix of polynomials, by row and column; 0 where none stand.
@@ -495,7 +495,7 @@ def transition(entries: Entries, norms: Sequence[arb], fine: int) -> tuple[list[
     """
     a: list[arb_mat] = []
     v, sizes, small = [arb_mat(_unit())], [arb(1)], 0
-    least, found = arb(2) ** -fine, arb(0)
+    least, residual = arb(2) ** -fine, arb(0)
     while small < 2 and len(v) < MOST_TERMS:
         k = len(v) - 1
         if k < len(norms):
@@ -504,13 +504,13 @@ def transition(entries: Entries, norms: Sequence[arb], fine: int) -> tuple[list[
                 a[k][i, j] = _entry(x, k)
         total = sum((a[j] * v[k - j] for j in range(1, len(a))), a[0] * v[k])
         v.append(next_of_v(total, k))
-        found += rough(total - v[-1] * arb(k + 1)) / (k + 1)
+        residual += rough(total - v[-1] * arb(k + 1)) / (k + 1)
         sizes.append(rough(v[-1]))
         small = small + 1 if sizes[-1] < least else 0
     last = len(v) - 1
     after = [*accumulate(reversed(sizes))][::-1]  # |V_k| + |V_k+1| + ...
     rest = summed(norm * after[max(0, last - j)] for j, norm in enumerate(norms))
-    return v, upper(found + rest / (last + 1))
+    return v, upper(residual + rest / (last + 1))
 
 
 def rough(matrix: arb_mat) -> arb:
@@ -560,12 +560,12 @@ class Set:
         moved, rows, left = self.carried(v, noise)
         around = _bounds(rows, self.w)
         ctx.prec = step.bits
-        found = []
+        table = []
         for i in range(6):
             row = zip(moved[i], around[i], left[i], strict=True)
-            held = [x + arb(0, upper(y + z)) for x, y, z in row]
-            found.append([x + middle[i] for x in held[: self.states]] + held[self.states :])
-        return found
+            balls = [x + arb(0, upper(y + z)) for x, y, z in row]
+            table.append([x + middle[i] for x in balls[: self.states]] + balls[self.states :])
+        return table
 
     def next(self, step: Step, noise: Sequence[arb], centre: Sequence[arb]) -> Set:
         """The set about the next centre."""
@@ -580,17 +580,17 @@ class Set:
             [upper(x.rad() + y) for x, y in zip(*pair, strict=True)]
             for pair in zip(moved, left, strict=True)
         ]
-        found = Set([[x.mid() for x in row] for row in moved], new, self.states)
-        found.old = self.old
+        successor = Set([[x.mid() for x in row] for row in moved], new, self.states)
+        successor.old = self.old
         if len(rows[0]) + 6 - self.old > 6 * GROUP:
             box = _bounds([row[self.old :] for row in rows], self.w[self.old :])
             rows = [row[: self.old] + more for row, more in zip(rows, _unit(), strict=True)]
-            found.w = self.w[: self.old] + box + new
-            found.old = self.old + 6
+            successor.w = self.w[: self.old] + box + new
+            successor.old = self.old + 6
         else:
-            found.w = self.w + new
-        found.s = [row + more for row, more in zip(rows, _unit(), strict=True)]
-        return found
+            successor.w = self.w + new
+        successor.s = [row + more for row, more in zip(rows, _unit(), strict=True)]
+        return successor
 
 
 def _unit() -> Table:
@@ -616,17 +616,17 @@ class Guesses(NamedTuple):
     bits: int
 
 
-def read_guesses(held: Sequence[object], where: str = "", more: int = 0) -> Guesses:
+def read_guesses(values: Sequence[object], where: str = "", more: int = 0) -> Guesses:
     """The guesses of a certificate, in the order of Guesses; raises Damaged.
 
     ``where``: the place of what holds them; ``more``: states besides those of the grid.
     """
-    time_bits = _whole(held[0], -FARTHEST, FARTHEST, f"{where}time_bits")
-    grid = _grid(held[1], f"{where}grid")
-    state_bits = _whole(held[2], -FARTHEST, FARTHEST, f"{where}state_bits")
-    bits = _whole(held[4], LEAST_BITS, MOST_BITS, "bits")
+    time_bits = _whole(values[0], -FARTHEST, FARTHEST, f"{where}time_bits")
+    grid = _grid(values[1], f"{where}grid")
+    state_bits = _whole(values[2], -FARTHEST, FARTHEST, f"{where}state_bits")
+    bits = _whole(values[4], LEAST_BITS, MOST_BITS, "bits")
     check_work(len(grid) + more, bits)
-    centres = _rows(held[3], len(grid) - 1, 6, f"{where}centres")
+    centres = _rows(values[3], len(grid) - 1, 6, f"{where}centres")
     return Guesses(time_bits, grid, state_bits, centres, bits)
 
 
@@ -663,7 +663,7 @@ class Run:
         """A step's length in the unit of time of the run."""
         return dyadic(stage.last - stage.first, self.shift - self.time_bits)
 
-    def stages(self, found: Set, fine: int, tell: Tell | None) -> Iterator[Stage]:
+    def stages(self, columns: Set, fine: int, tell: Tell | None) -> Iterator[Stage]:
         """Each step, with the set at its start; raises NotProved."""
         count = len(self.centres)
         for n, (first, last) in enumerate(pairwise(self.grid)):
@@ -673,14 +673,14 @@ class Run:
                 ctx.prec = self.bits
                 h = dyadic(last - first, self.shift - self.time_bits)
                 step = Step(self.body, self.centres[n], h, self.bits, fine)
-                sizes = found.sizes()
-                reach = [step.reach(eps) for eps in sizes[: found.states]]
+                sizes = columns.sizes()
+                reach = [step.reach(eps) for eps in sizes[: columns.states]]
                 noise = [step.noise(eps, r) for eps, r in zip(sizes, reach, strict=False)]
                 of_d = step.noise_of_derivative(largest(reach))
-                noise += [upper(of_d * size) for size in sizes[found.states :]]
-                yield Stage(first, last, step, largest(reach), noise, found)
+                noise += [upper(of_d * size) for size in sizes[columns.states :]]
+                yield Stage(first, last, step, largest(reach), noise, columns)
                 if n + 1 < count:
-                    found = found.next(step, noise, self.centres[n + 1])
+                    columns = columns.next(step, noise, self.centres[n + 1])
             except (ZeroDivisionError, OverflowError):
                 raise NotProved(f"step {n + 1}: a number is too large") from None
             except NotProved as fault:
@@ -710,9 +710,9 @@ class Stage(NamedTuple):
 
     def rates(self) -> tuple[list[arb_poly], arb]:
         """Exact polynomials near w of the first set, and a bound of what they miss."""
-        step, found = self.step, self.before
-        m = [row[0] for row in found.m]
-        around = [row[0] for row in _bounds(found.s, found.w)]
+        step, columns = self.step, self.before
+        m = [row[0] for row in columns.m]
+        around = [row[0] for row in _bounds(columns.s, columns.w)]
         ctx.prec, off, polynomials = step.bits, arb(0), []
         for i in range(3):
             moved = arb_poly([summed(x[i, j] * m[j] for j in range(6)) for x in step.v])
@@ -760,24 +760,24 @@ class Attitude:
         ctx.prec = bits
         moment = ball((tau, Fraction(0)))
         a, b = self.q, [row(moment) for row in v]
-        found = [
+        product = [
             a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
             a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
             a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3],
             a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1],
         ]
-        return [x + arb(0, off) for x in found]
+        return [x + arb(0, off) for x in product]
 
     def next(self, v: Sequence[arb_poly], off: arb, bits: int) -> Attitude:
         """Q at the start of the next step."""
-        found = Attitude(self.at(v, arb(0), Fraction(1), bits))
-        found.off = upper(found.off + off)
-        return found
+        successor = Attitude(self.at(v, arb(0), Fraction(1), bits))
+        successor.off = upper(successor.off + off)
+        return successor
 
 
 def defect_of_turn(v: Sequence[arb_poly], y: Sequence[arb_poly], h: arb) -> arb:
     """An upper bound of the integral of |v' - h/2 v (0, y)|; v(0) is 1 exactly."""
-    slopes = _turned(lambda i, j: v[i] * y[j])
+    slopes = _times_rate(lambda i, j: v[i] * y[j])
     rows = [
         (row.derivative() - slope * (h / 2)).coeffs() for row, slope in zip(v, slopes, strict=True)
     ]
@@ -790,7 +790,7 @@ def _length(numbers: Iterable[arb]) -> arb:
     return upper(summed(upper(x) ** 2 for x in numbers).sqrt())
 
 
-def _turned(product: Callable[[int, int], X]) -> list[X]:
+def _times_rate(product: Callable[[int, int], X]) -> list[X]:
     """The components of v (0, w): ``product(i, j)`` is v_i w_j."""
     return [
         -product(1, 0) - product(2, 1) - product(3, 2),
@@ -812,19 +812,19 @@ def vertical(q: Sequence[arb]) -> list[arb]:
 # -- a claim: states ----------------------------------------------------------------------------
 
 
-def _held(certificate: object, more: Sequence[str] = ()) -> dict[str, object]:
+def _contents(certificate: object, more: Sequence[str] = ()) -> dict[str, object]:
     names = ("format", "kind", "scene", *Guesses._fields, *more, "statement")
     return dict(zip(names, _keys(certificate, names, "the certificate"), strict=True))
 
 
 def state(certificate: object, tell: Tell | None = None) -> list[str]:
     """What a certificate of states proves; raises NotProved, Damaged."""
-    held = _held(certificate)
-    claims, turns = _claims(held["statement"])
-    scene, first = read_scene(held["scene"]), read_attitude(held["scene"])
+    contents = _contents(certificate)
+    claims, turns = _claims(contents["statement"])
+    scene, first = read_scene(contents["scene"]), read_attitude(contents["scene"])
     if turns and not first:
         raise Damaged("scene: expected attitude, which the statement is about")
-    guesses = read_guesses([held[name] for name in Guesses._fields], more=len(claims))
+    guesses = read_guesses([contents[name] for name in Guesses._fields], more=len(claims))
     ctx.prec = guesses.bits + 2 * COARSE
     _check_start(NAMES, claims, scene[2])
     _check_start(TURN, turns, first)
@@ -837,18 +837,18 @@ def state(certificate: object, tell: Tell | None = None) -> list[str]:
             raise NotProved(f"t = {written(t)} lies outside the grid")
     offset = [x * rate - y for x, rate, y in zip(start, run.rates, run.centres[0], strict=True)]
     begin = Set([[x.mid()] for x in offset], [[upper(x.rad())] for x in offset], 1)
-    order, turned = _in_order(claims), _in_order(turns)
+    claims_left, turns_left = _in_order(claims), _in_order(turns)
     for stage in run.stages(begin, STATES, tell):
         end = sense * stage.last * unit
-        while order and sense * order[-1][0] <= end:
-            claim = order.pop()
+        while claims_left and sense * claims_left[-1][0] <= end:
+            claim = claims_left.pop()
             there = [row[0] for row in stage.at(claim[0] / unit)]
             _check(NAMES, claim, [x / rate for x, rate in zip(there, run.rates, strict=True)])
         if attitude is None:
             continue
         v, off = attitude.step(run.length(stage), stage)
-        while turned and sense * turned[-1][0] <= end:
-            claim = turned.pop()
+        while turns_left and sense * turns_left[-1][0] <= end:
+            claim = turns_left.pop()
             tau = stage.part(claim[0] / unit)
             _check(TURN, claim, attitude.at(v, off, tau, stage.step.bits))
         attitude = attitude.next(v, off, stage.step.bits)
@@ -918,9 +918,9 @@ def read_body(scene: object, names: Sequence[str]) -> Scene:
         ]
         if any(rows[i][j] != rows[j][i] for i in range(3) for j in range(i)):
             raise Damaged("scene.inertia: expected a symmetric matrix")
-    held = [_intervals(centre, 3, "scene.centre"), [_interval(weight, "scene.weight")]]
+    load = [_intervals(centre, 3, "scene.centre"), [_interval(weight, "scene.weight")]]
     lists = zip(names[3:], vectors, strict=True)
-    return rows, held, [x for name, vector in lists for x in _intervals(vector, 3, f"scene.{name}")]
+    return rows, load, [x for name, vector in lists for x in _intervals(vector, 3, f"scene.{name}")]
 
 
 def _intervals(value: object, count: int, where: str) -> list[Interval]:
@@ -944,18 +944,18 @@ def scaling(inertia: Sequence[Sequence[arb]], torque: Sequence[arb], start: Sequ
 
 def _claims(statement: object) -> tuple[list[Claim], list[Claim]]:
     """Those of the state, and those of the attitude."""
-    found: list[Claim] = []
+    claims: list[Claim] = []
     turns: list[Claim] = []
     for n, row in enumerate(_list(statement, None, "statement")):
         where = f"statement[{n}]"
-        told = isinstance(row, dict) and "attitude" in row
-        time, balls, *more = _keys(row, ("t", "balls", *["attitude"] * told), where)
+        has_turn = isinstance(row, dict) and "attitude" in row
+        time, balls, *more = _keys(row, ("t", "balls", *["attitude"] * has_turn), where)
         t = _rational(time, f"{where}.t")
-        found.append((t, _balls(balls, 6, f"{where}.balls")))
-        turns += [(t, _balls(one, 4, f"{where}.attitude")) for one in more]
-    if not found:
+        claims.append((t, _balls(balls, 6, f"{where}.balls")))
+        turns += [(t, _balls(turn, 4, f"{where}.attitude")) for turn in more]
+    if not claims:
         raise Damaged("statement: expected at least one time")
-    return found, turns
+    return claims, turns
 
 
 def _balls(value: object, count: int, where: str) -> list[Interval]:
@@ -976,15 +976,13 @@ def _check_start(names: Sequence[str], claims: Sequence[Claim], start: Sequence[
 def _check(names: Sequence[str], claim: Claim, there: Sequence[arb]) -> None:
     t, balls = claim
     for name, x, pair in zip(names, there, balls, strict=True):
-        middle, radius = (arb(fmpq(y.numerator, y.denominator)) for y in pair)
-        line = f"{name} at t = {written(t)} is not shown to lie in its ball"
-        certainly(abs(x - middle) <= radius, line)
+        _inside(x, pair, f"{name} at t = {written(t)}")
 
 
 def written(t: Fraction) -> str:
     """A time in full where that is short, else what it is about."""
-    found = str(t) if abs(t.numerator) < 10**20 and t.denominator < 10**20 else ""
-    return found or f"about {decimal(abs(t), up=False, minus=t < 0)}"
+    text = str(t) if abs(t.numerator) < 10**20 and t.denominator < 10**20 else ""
+    return text or f"about {decimal(abs(t), up=False, minus=t < 0)}"
 
 
 def rounded_up(x: Fraction) -> str:
@@ -1062,10 +1060,10 @@ def read_orbit(statement: object) -> Orbit:
 
 def orbit(certificate: object, tell: Tell | None = None) -> list[str]:
     """What a certificate of a periodic orbit proves; raises NotProved, Damaged."""
-    held = _held(certificate, ("radius_bits", "divided_to"))
-    claim = read_orbit(held["statement"])
-    check_orbit(claim, zero_near(held, tell))
-    return _told(claim, read_body(held["scene"], ("level",)))
+    contents = _contents(certificate, ("radius_bits", "divided_to"))
+    claim = read_orbit(contents["statement"])
+    check_orbit(claim, zero_near(contents, tell))
+    return _orbit_lines(claim, read_body(contents["scene"], ("level",)))
 
 
 class Zero(NamedTuple):
@@ -1083,15 +1081,15 @@ class Zero(NamedTuple):
     run: Run
 
 
-def zero_near(held: Mapping[str, object], tell: Tell | None = None) -> Zero:
+def zero_near(contents: Mapping[str, object], tell: Tell | None = None) -> Zero:
     """The zero that guesses prove, whatever is stated of it; raises NotProved, Damaged."""
-    radius_bits = _whole(held["radius_bits"], 1, MOST_BITS, "radius_bits")
-    parts = _primes(_whole(held["divided_to"], 0, MOST_PARTS, "divided_to"))
-    guesses = read_guesses([held[name] for name in Guesses._fields], more=len(parts))
+    radius_bits = _whole(contents["radius_bits"], 1, MOST_BITS, "radius_bits")
+    parts = _primes(_whole(contents["divided_to"], 0, MOST_PARTS, "divided_to"))
+    guesses = read_guesses([contents[name] for name in Guesses._fields], more=len(parts))
     if guesses.grid[-1] < 0:
         raise Damaged("grid: expected a period that is positive")
     ctx.prec = guesses.bits + 2 * COARSE
-    scene = read_body(held["scene"], ("level",))
+    scene = read_body(contents["scene"], ("level",))
     inertia, torque, _ = balls_of(scene)
     level, run = scene[2], Run(guesses, inertia, torque)
     r = arb(2) ** -radius_bits
@@ -1109,10 +1107,10 @@ def zero_near(held: Mapping[str, object], tell: Tell | None = None) -> Zero:
     ctx.prec = guesses.bits + COARSE  # radii may be smaller than 2^-bits
     period = dyadic(run.grid[-1], run.shift - run.time_bits)
     values = [2 * ball(level[0]) * run.rates[0] ** 2, ball(level[1]) * run.rates[0], ball(level[2])]
-    found, reached = _closed(run, end, period, r, values)
+    zero, reached = _closed(run, end, period, r, values)
     steep = steep.max(steepness(slope(run.body, reached)))
     most = upper((period + 4 * r) * steep / (2 * arb.pi()))
-    return found._replace(repeated=_repeated(run, r, back, most))
+    return zero._replace(repeated=_repeated(run, r, back, most))
 
 
 def _repeated(run: Run, r: arb, back: Mapping[int, Sequence[arb]], most: arb) -> str:
@@ -1221,10 +1219,10 @@ def integrals(run: Run, x: Sequence[arb]) -> list[arb]:
 
 def gradients(run: Run, x: Sequence[arb]) -> Table:
     """DH of a box, three rows of six."""
-    momentum, turned = _momentum(run, x[:3]), _momentum(run, x[3:])
+    momentum, inertial = _momentum(run, x[:3]), _momentum(run, x[3:])
     return [
         [2 * y for y in (*momentum, *run.torque)],
-        [*turned, *momentum],
+        [*inertial, *momentum],
         [*[arb(0)] * 3, *(2 * y for y in x[3:])],
     ]
 
@@ -1266,16 +1264,16 @@ def around(body: Body, box: Sequence[arb], span: arb) -> list[arb]:
     raise NotProved("the motion near the period's end has no bound")
 
 
-def check_orbit(claim: Orbit, found: Zero) -> None:
+def check_orbit(claim: Orbit, zero: Zero) -> None:
     """Whether a zero is what is stated; raises NotProved."""
-    for name, x, pair in zip(NAMES, found.start, claim.start, strict=True):
+    for name, x, pair in zip(NAMES, zero.start, claim.start, strict=True):
         _inside(x, pair, f"{name} of the start")
-    _inside(found.period, claim.period, "the period")
-    _inside(found.residue, claim.residue, "the residue")
-    certainly(STABILITY[claim.kind](found.residue), f"that the orbit is {claim.kind}")
-    for far, most in zip(claim.alone, found.alone, strict=True):
+    _inside(zero.period, claim.period, "the period")
+    _inside(zero.residue, claim.residue, "the residue")
+    certainly(STABILITY[claim.kind](zero.residue), f"that the orbit is {claim.kind}")
+    for far, most in zip(claim.alone, zero.alone, strict=True):
         certainly(ball((far, Fraction(0))) <= most.lower(), "that no other orbit is so near")
-    certainly(not (claim.least and found.repeated), found.repeated)
+    certainly(not (claim.least and zero.repeated), zero.repeated)
 
 
 def _inside(x: arb, pair: Interval, name: str) -> None:
@@ -1285,15 +1283,15 @@ def _inside(x: arb, pair: Interval, name: str) -> None:
 
 def _primes(last: int) -> list[int]:
     """Those up to a number, the largest first."""
-    found: list[int] = []
+    primes: list[int] = []
     for n in range(2, last + 1):
-        if all(n % p for p in found if p * p <= n):
-            found.append(n)
-    return found[::-1]
+        if all(n % p for p in primes if p * p <= n):
+            primes.append(n)
+    return primes[::-1]
 
 
-def _told(claim: Orbit, scene: Scene) -> list[str]:
-    what = "period" if not claim.least else "least period"
+def _orbit_lines(claim: Orbit, scene: Scene) -> list[str]:
+    word = "period" if not claim.least else "least period"
     inertia, torque, level = scene
     exact = not any(radius for _, radius in chain(*inertia, *torque))
     body = "this body" if exact else "every body in the scene's balls"
@@ -1303,7 +1301,7 @@ def _told(claim: Orbit, scene: Scene) -> list[str]:
     return [
         f"proved: on the level h = {h}, f = {f}, |gamma|^2 = {square} of {body} a periodic "
         f"orbit passes within {widest}, in each component, of the start that is stated; its "
-        f"{what} lies within {rounded_up(claim.period[1])} of {about(claim.period)}; it is "
+        f"{word} lies within {rounded_up(claim.period[1])} of {about(claim.period)}; it is "
         f"{claim.kind} on its level, with a residue within {rounded_up(claim.residue[1])} of "
         f"{about(claim.residue)}",
         f"no other orbit passes within {omega} (omega) and {gamma} (gamma) of that point and has a "
@@ -1470,8 +1468,8 @@ class Norm:
             a = arb_mat(6, 6)
             for place, x in entries.items():
                 a[place] = _entry(x, k)
-            turned = self.q * a * self.inverse
-            s = (turned + turned.transpose()) / 2
+            in_frame = self.q * a * self.inverse
+            s = (in_frame + in_frame.transpose()) / 2
             sizes.append(upper((s * s.transpose()).trace()).sqrt())
         rest = summed(
             integral(map(upper, (x * h).coeffs())) * weight * self.into[i] * self.out_of[j]
@@ -1597,13 +1595,13 @@ def _chart_at(
         inverse = frames[places].inv().table()
     except ZeroDivisionError:
         raise NotProved("the plane of the start may touch the motion") from None
-    zero, one = arb(0), arb(1)
+    zero, unity = arb(0), arb(1)
     u = [jet(zero)] * 6
     for _ in range(DEGREE):  # each time right to one degree more
         momentum = [_dot(u[:3], row) for row in run.inertia]
         pairs = (momentum, u[:3]), (momentum, u[3:]), (u[3:], u[3:])
-        curved = [_dot(*pair) * -one for pair in pairs]
-        values = [jet(zero, one), jet(zero, zero, one), jet(zero), *curved]
+        curved = [_dot(*pair) * -unity for pair in pairs]
+        values = [jet(zero, unity), jet(zero, zero, unity), jet(zero), *curved]
         u = [_dot(values, row) for row in inverse]
     return places, [row.at(x) for row, x in zip(u, x0, strict=True)]
 
@@ -1641,10 +1639,10 @@ def _canonical_area(
 ) -> arb:
     """Of two changes of the state x0 along its level."""
     gamma, square = x0[3:], _product(x0[3:], x0[3:])
-    turned = _product(_cross(first[3:], gamma), _momentum(run, second[:3]))
-    turned -= _product(_cross(second[3:], gamma), _momentum(run, first[:3]))
+    area = _product(_cross(first[3:], gamma), _momentum(run, second[:3]))
+    area -= _product(_cross(second[3:], gamma), _momentum(run, first[:3]))
     f = _product(_momentum(run, x0[:3]), gamma)
-    return turned / square + f * _product(gamma, _cross(first[3:], second[3:])) / square**2
+    return area / square + f * _product(gamma, _cross(first[3:], second[3:])) / square**2
 
 
 def _cross(x: Sequence[arb], y: Sequence[arb]) -> list[arb]:
@@ -1691,16 +1689,16 @@ def _in_eigenvectors(
 
 def stability(certificate: object, tell: Tell | None = None) -> list[str]:
     """What a certificate of stability proves; raises NotProved, Damaged."""
-    held = _held(certificate, ("radius_bits", "divided_to", *Guide._fields))
-    claim, balls = read_stability(held["statement"])
-    guide = read_guide(held)
-    zero = zero_near(held, tell and (lambda part, steps: tell(part / OF_JETS, steps)))
+    contents = _contents(certificate, ("radius_bits", "divided_to", *Guide._fields))
+    claim, balls = read_stability(contents["statement"])
+    guide = read_guide(contents)
+    zero = zero_near(contents, tell and (lambda part, steps: tell(part / OF_JETS, steps)))
     check_orbit(claim, zero)
     rest = 1 - 1 / OF_JETS
     check_twist(balls, twist_of(zero, guide, tell and (lambda x, n: tell(1 - rest + rest * x, n))))
     far = [rounded_up(radius) for _, radius in balls]
     return [
-        *_told(claim, read_body(held["scene"], ("level",))),
+        *_orbit_lines(claim, read_body(contents["scene"], ("level",))),
         "it is stable for all time, forward and back: for each d > 0 a motion of omega and gamma "
         "of this body that starts near enough to the orbit, on its level or another, stays within "
         f"d of it; its rotation lies within {far[0]} of {about(balls[0])} of a turn, its twist "
@@ -1719,12 +1717,12 @@ def read_stability(statement: object) -> tuple[Orbit, list[Interval]]:
     return claim, balls
 
 
-def read_guide(held: Mapping[str, object]) -> Guide:
+def read_guide(contents: Mapping[str, object]) -> Guide:
     """How the jets of a certificate are computed; raises Damaged."""
-    jet_bits = _whole(held["jet_bits"], LEAST_BITS, MOST_BITS, "jet_bits")
-    weight_bits = _whole(held["weight_bits"], 0, MOST_WEIGHT, "weight_bits")
+    jet_bits = _whole(contents["jet_bits"], LEAST_BITS, MOST_BITS, "jet_bits")
+    weight_bits = _whole(contents["weight_bits"], 0, MOST_WEIGHT, "weight_bits")
     products = sum(map(len, FACTORS))  # of numbers, in one of jets
-    check_work(products * len(_list(held["grid"], None, "grid")), jet_bits)
+    check_work(products * len(_list(contents["grid"], None, "grid")), jet_bits)
     return Guide(jet_bits, weight_bits)
 
 
@@ -1835,20 +1833,20 @@ def read_chaos(statement: object) -> Entropy:
     """The statement of a certificate of chaos; raises Damaged."""
     names = Entropy._fields
     values = zip(_keys(statement, names, "statement"), names, strict=True)
-    found = Entropy(*(_rational(x, f"statement.{name}") for x, name in values))
-    if not min(found) > 0:
+    claim = Entropy(*(_rational(x, f"statement.{name}") for x, name in values))
+    if not min(claim) > 0:
         raise Damaged("statement: expected numbers above 0")
-    return found
+    return claim
 
 
 def chaos(certificate: object, tell: Tell | None = None) -> list[str]:
     """What a certificate of chaos proves; raises NotProved, Damaged."""
     names = ("format", "kind", "scene", "bits", "scale", "charts", "sets", "transits", "statement")
-    held = dict(zip(names, _keys(certificate, names, "the certificate"), strict=True))
-    claim = read_chaos(held["statement"])
-    found = horseshoe(held, tell)
-    check_chaos(claim, found)
-    level = read_body(held["scene"], ("level",))[2]
+    contents = dict(zip(names, _keys(certificate, names, "the certificate"), strict=True))
+    claim = read_chaos(contents["statement"])
+    proof = horseshoe(contents, tell)
+    check_chaos(claim, proof)
+    level = read_body(contents["scene"], ("level",))[2]
     h, f, square = (in_full(x) if not r else f"{in_full(x)} +- {in_full(r)}" for x, r in level)
     return [
         f"proved: on the level h = {h}, f = {f}, |gamma|^2 = {square} of this body an unstable "
@@ -1857,74 +1855,74 @@ def chaos(certificate: object, tell: Tell | None = None) -> list[str]:
         f"{about((claim.long, claim.long))}, exactly one motion follows it, a periodic one if the "
         "sequence is periodic; the topological entropy of the motion on the level is at least "
         f"{decimal(claim.entropy, up=False, minus=False)}",
-        f"by {len(found.margins)} covering relations with cone conditions between "
-        f"{len(found.images)} sets",
+        f"by {len(proof.margins)} covering relations with cone conditions between "
+        f"{len(proof.images)} sets",
     ]
 
 
-def horseshoe(held: Mapping[str, object], tell: Tell | None = None) -> Horseshoe:
+def horseshoe(contents: Mapping[str, object], tell: Tell | None = None) -> Horseshoe:
     """What sets and charts prove, whatever is stated of them; raises NotProved, Damaged."""
-    bits = _whole(held["bits"], LEAST_BITS, MOST_BITS, "bits")
-    scale = _whole(held["scale"], 1, MOST_SCALE, "scale")
+    bits = _whole(contents["bits"], LEAST_BITS, MOST_BITS, "bits")
+    scale = _whole(contents["scale"], 1, MOST_SCALE, "scale")
     ctx.prec = bits + 2 * COARSE
     charts = [
         _chart_numbers(x, f"charts[{n}]")
-        for n, x in enumerate(_list(held["charts"], None, "charts"))
+        for n, x in enumerate(_list(contents["charts"], None, "charts"))
     ]
     if not charts:
         raise Damaged("charts: expected at least one")
     sets = [
         _rectangle(x, scale, len(charts), f"sets[{n}]")
-        for n, x in enumerate(_list(held["sets"], None, "sets"))
+        for n, x in enumerate(_list(contents["sets"], None, "sets"))
     ]
     if not 2 <= len(sets) <= MOST_SETS:
         raise Damaged(f"sets: expected 2 to {MOST_SETS}")
     transits = [
         _transit(x, bits, f"transits[{n}]")
-        for n, x in enumerate(_list(held["transits"], len(sets), "transits"))
+        for n, x in enumerate(_list(contents["transits"], len(sets), "transits"))
     ]
     check_work(sum(len(transit.grid) for transit in transits), bits)
-    scene = read_body(held["scene"], ("level",))
+    scene = read_body(contents["scene"], ("level",))
     home, first = sets[:2]
     certainly(home.chart == first.chart, "the first two sets are not of one section map")
     gap = abs(home.middle - first.middle) - home.width - first.width
     certainly(gap > 0, "the first two sets may meet")
     inertia, torque, _ = balls_of(scene)
-    level, images, margins, times, begun = scene[2], [], [], [], []
+    level, images, margins, times, places = scene[2], [], [], [], []
     for n, (source, transit) in enumerate(zip(sets, transits, strict=True)):
-        told = None if tell is None else _part(tell, n, len(sets))
+        tell_set = None if tell is None else _part(tell, n, len(sets))
         ctx.prec = bits + 2 * COARSE
         run, after = Run(transit, inertia, torque), (n + 1) % len(sets)
         here, there = (_chart(charts[k], scale, run) for k in (source.chart, sets[after].chart))
         try:
-            images.append(_image(run, level, source, here, there, told))
+            images.append(_image(run, level, source, here, there, tell_set))
         except NotProved as fault:
             raise NotProved(f"set {n}: {fault}") from None
         for k in [0, 1] if n == 0 else [after]:
             line = f"set {n} over set {k}"
             margins.append(covers(images[-1], source, sets[k], there.eta, line))
         times.append(upper(images[-1].most * run.rates[0]))
-        begun.append((run, here, source))
-    return Horseshoe(times[0], upper(summed(times)), images, margins, begun[0])
+        places.append((run, here, source))
+    return Horseshoe(times[0], upper(summed(times)), images, margins, places[0])
 
 
-def check_chaos(claim: Entropy, found: Horseshoe) -> None:
+def check_chaos(claim: Entropy, proof: Horseshoe) -> None:
     """Whether a horseshoe is what is stated; raises NotProved."""
-    certainly(found.short <= ball((claim.short, Fraction(0))), "the short loop may take longer")
-    certainly(found.long <= ball((claim.long, Fraction(0))), "the long loop may take longer")
+    certainly(proof.short <= ball((claim.short, Fraction(0))), "the short loop may take longer")
+    certainly(proof.long <= ball((claim.long, Fraction(0))), "the long loop may take longer")
     x = ball((claim.entropy, Fraction(0)))
-    sum_of_both = (-x * found.short).exp() + (-x * found.long).exp()
+    sum_of_both = (-x * proof.short).exp() + (-x * proof.long).exp()
     certainly(sum_of_both > 1, "the entropy is not shown to be as large")
 
 
-def is_orbit_of(found: Horseshoe, start: Sequence[arb], period: arb) -> None:
+def is_orbit_of(proof: Horseshoe, start: Sequence[arb], period: arb) -> None:
     """Whether a motion with a period is the periodic one of the first set; raises NotProved.
 
     ``start``, ``period``: balls in the scene's units.  In the times within which the first image
     meets the plane every motion meets it once, so that one that meets it in the set, and after such
     a time in the same point, is a fixed point of the section map; with cones there is one.
     """
-    run, chart, what = found.home
+    run, chart, rectangle = proof.home
     ctx.prec = run.bits + COARSE
     box = [x * rate for x, rate in zip(start, run.rates, strict=True)]
     off = _product(chart.plane, [x - c for x, c in zip(box, chart.centre, strict=True)])
@@ -1932,11 +1930,11 @@ def is_orbit_of(found: Horseshoe, start: Sequence[arb], period: arb) -> None:
     column = arb_mat([[x - c] for x, c in zip(reached, chart.centre, strict=True)])
     y1, y2, *deep = (_frame(chart) * column).entries()
     line = "the periodic orbit is not shown to pass through the first set"
-    certainly(abs(y1 - what.middle) < what.width, line)
-    certainly(abs(y2) < what.height, line)
+    certainly(abs(y1 - rectangle.middle) < rectangle.width, line)
+    certainly(abs(y2) < rectangle.height, line)
     for x in deep:
         certainly(abs(x) < chart.eta, line)
-    time, image = period / run.rates[0], found.images[0]
+    time, image = period / run.rates[0], proof.images[0]
     line = "the period of the orbit is not shown to be a time of the short loop"
     certainly(image.least < time, line)
     certainly(time < image.most, line)
@@ -1996,13 +1994,13 @@ def _product(row: Sequence[arb], column: Sequence[arb]) -> arb:
 
 
 def _disk(
-    run: Run, level: Sequence[Interval], what: Rectangle, chart: Chart
+    run: Run, level: Sequence[Interval], source: Rectangle, chart: Chart
 ) -> tuple[list[arb], arb_mat]:
     """All n(y) of a set as balls, and n'; raises NotProved where the set is no disk."""
     c, e, k = chart.centre, chart.wide, chart.deep
     values = [2 * ball(level[0]) * run.rates[0] ** 2, ball(level[1]) * run.rates[0], ball(level[2])]
-    y = arb_mat([[what.middle + arb(0, upper(what.width))], [arb(0, upper(what.height))]])
-    from_0 = arb(0, upper(what.middle) + upper(what.width))
+    y = arb_mat([[source.middle + arb(0, upper(source.width))], [arb(0, upper(source.height))]])
+    from_0 = arb(0, upper(source.middle) + upper(source.width))
     flat = _moved(c, e * arb_mat([[from_0], [y[1, 0]]]))
     along = e * y
     # H at E y is that at c and a mean of DH E, which is small, times y
@@ -2020,64 +2018,66 @@ def _disk(
         except ZeroDivisionError:
             raise NotProved("a plane may touch the level") from None
         rest, newton = inverse * by_n, (inverse * arb_mat([[x] for x in value])).entries()
-        found = []
+        depth = []
         for i in range(4):
             size = summed(upper(rest[i, j] - int(i == j)) * radii[j] for j in range(4))
-            found.append(arb(0, upper(size)) - newton[i])
+            depth.append(arb(0, upper(size)) - newton[i])
         if not passed:
-            for x, r in zip(found, radii, strict=True):
+            for x, r in zip(depth, radii, strict=True):
                 certainly(upper(x) < r, "a set is no graph over its rectangle")
             passed = True
-        radii = [upper(x) + arb(2) ** -900 for x in found]
+        radii = [upper(x) + arb(2) ** -900 for x in depth]
     try:
         slope_of_n = -(by_n.inv() * left * e)
     except ZeroDivisionError:
         raise NotProved("a set's slope has no bound") from None
     speed = _product(chart.plane, rates(run.body, points))
     certainly(abs(speed) > 0, "a set's plane may touch the motion")
-    return found, slope_of_n
+    return depth, slope_of_n
 
 
 def _moved(point: Sequence[arb], by: arb_mat) -> list[arb]:
     return [x + by[i, 0] for i, x in enumerate(point)]
 
 
-def _starts(run: Run, what: Rectangle, chart: Chart, depth: Sequence[arb]) -> Set:
+def _starts(run: Run, source: Rectangle, chart: Chart, depth: Sequence[arb]) -> Set:
     """The set's starts about the run's first centre, and D."""
     ctx.prec = run.bits
-    sizes = [what.width, what.height, *(upper(x - x.mid()) for x in depth)]
-    begin = _moved(chart.centre, chart.wide * arb_mat([[what.middle], [arb(0)]]))
+    sizes = [source.width, source.height, *(upper(x - x.mid()) for x in depth)]
+    begin = _moved(chart.centre, chart.wide * arb_mat([[source.middle], [arb(0)]]))
     begin = _moved(begin, chart.deep * arb_mat([[x.mid()] for x in depth]))
     off = [x - y for x, y in zip(begin, run.centres[0], strict=True)]
     frame = [
-        [*one, *other] for one, other in zip(chart.wide.table(), chart.deep.table(), strict=True)
+        [*wide, *deep] for wide, deep in zip(chart.wide.table(), chart.deep.table(), strict=True)
     ]
-    turned = [[x * size for x, size in zip(row, sizes, strict=True)] for row in frame]
+    directions = [[x * size for x, size in zip(row, sizes, strict=True)] for row in frame]
     ctx.prec = COARSE
     lost = [
         upper(summed([x.rad(), *(y.rad() for y in row)]))
-        for x, row in zip(off, turned, strict=True)
+        for x, row in zip(off, directions, strict=True)
     ]
     zero = [arb(0)] * 6
-    found = Set([[x.mid(), *row] for x, row in zip(off, _unit(), strict=True)], [], 1)
-    found.s = [[*(y.mid() for y in row), *one] for row, one in zip(turned, _unit(), strict=True)]
-    found.w = [[arb(1), *zero]] * 6 + [[x, *zero] for x in lost]
-    found.old = 12
-    return found
+    starts = Set([[x.mid(), *row] for x, row in zip(off, _unit(), strict=True)], [], 1)
+    starts.s = [
+        [*(y.mid() for y in row), *more] for row, more in zip(directions, _unit(), strict=True)
+    ]
+    starts.w = [[arb(1), *zero]] * 6 + [[x, *zero] for x in lost]
+    starts.old = 12
+    return starts
 
 
 def _image(
     run: Run,
     level: Sequence[Interval],
-    what: Rectangle,
+    source: Rectangle,
     chart: Chart,
     target: Chart,
     tell: Tell | None,
 ) -> Image:
     """The image of a set in the plane of a chart; raises NotProved."""
     ctx.prec = run.bits
-    depth, slope_of_n = _disk(run, level, what, chart)
-    for stage in run.stages(_starts(run, what, chart, depth), SETS, tell):
+    depth, slope_of_n = _disk(run, level, source, chart)
+    for stage in run.stages(_starts(run, source, chart, depth), SETS, tell):
         last = stage
     end = last.at(Fraction(last.last))
     middle, v = last.step.at(arb(1))
@@ -2153,9 +2153,9 @@ def covers(image: Image, source: Rectangle, target: Rectangle, eta: arb, where: 
         ]
         for i in range(2)
     )
-    one, mixed, other = a * a - c * c - 1, a * b - c * d, b * b - d * d + 1
-    determinant = one * other - mixed * mixed
-    certainly(one > 0, f"{where}: the cone condition")
+    xx, xy, yy = a * a - c * c - 1, a * b - c * d, b * b - d * d + 1
+    determinant = xx * yy - xy * xy
+    certainly(xx > 0, f"{where}: the cone condition")
     certainly(determinant > 0, f"{where}: the cone condition")
     edges = (target.middle - left).lower(), (right - target.middle).lower()
     stretch = edges[0].min(edges[1]) / target.width

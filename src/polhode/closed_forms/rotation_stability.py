@@ -51,14 +51,14 @@ def spectrum(
     Only products of two components of omega, and of one of the torque with one of gamma, enter b,
     and products of two such d: omega and gamma may be scaled by one factor together.
     """
-    jacobian = _jacobian(moments, torque, omega, gamma)
-    square = _product(jacobian, jacobian)
+    matrix = jacobian(moments, torque, omega, gamma)
+    square = _product(matrix, matrix)
     trace = sum(square[i][i] for i in range(6))
     fourth = sum(square[i][j] * square[j][i] for i in range(6) for j in range(6))
     return -trace / 2, trace * trace / 8 - fourth / 4
 
 
-def _jacobian(
+def jacobian(
     moments: Sequence[Scalar],
     torque: Sequence[Scalar],
     w: Sequence[Scalar],

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 T = TypeVar("T")
+Function = TypeVar("Function", bound=Callable[..., object])
 
 _LONG = 2.0**53  # whole numbers that a double may not hold
 MOST_STEPS = 1 << 62  # heyoka counts in 64 bits
@@ -183,11 +184,39 @@ def refuse_unknown(
         import inspect
 
         names = [key for key in inspect.signature(function).parameters if key != "unknown"]
+        if name in names:
+            continue
         here = called_here(name, names)
         expected = f"an argument: {listed(name, names)}"
         if here is not None:
             expected = f"{here}, as it is called here"
         raise BadInput(source, name, plain(value), meant.get(name, expected))
+
+
+def with_options(options: type) -> Callable[[Function], Function]:
+    """Let signature and help of a function with ``**name: Unpack[options]`` spell these out.
+
+    ``options``: a TypedDict; its docstring has them as numpydoc's Parameters, none of which a call
+    needs.  The verbs read the same.  Names that are none of them the function refuses itself, by
+    :func:`refuse_unknown`.
+    """
+
+    def spelled_out(function: Function) -> Function:
+        from inspect import Parameter, cleandoc, signature
+
+        written, entries = signature(function), cleandoc(options.__doc__ or "")
+        *own, _ = written.parameters.values()
+        shared = [
+            Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=kind.__forward_arg__)
+            for name, kind in options.__annotations__.items()
+        ]
+        vars(function)["__signature__"] = written.replace(parameters=[*own, *shared])
+        head, returns, tail = cleandoc(function.__doc__ or "").partition("\n\nReturns\n")
+        entries = entries.partition("\n----------")[2]
+        function.__doc__ = f"{head}{entries}{returns}{tail}"
+        return function
+
+    return spelled_out
 
 
 def of_kind(

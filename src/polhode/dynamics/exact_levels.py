@@ -76,7 +76,29 @@ class RationalBody:
     @cached_property
     def families(self) -> tuple[RotationFamily, ...]:
         """The first family, unless there is no torque, then the second ones."""
-        return families(self)
+        families, moments_seen = list[RotationFamily](), []
+        pairs = [*zip(self.moments, self.torque, strict=True)]
+        poles = sorted({a for a, t in pairs if t != 0})
+        if poles:
+            k = fmpq_poly([1])
+            for a in poles:
+                k *= rational(a) - _X
+            g = tuple(
+                (k // (rational(a) - _X)) * rational(t) if t != 0 else 0 * _X for a, t in pairs
+            )
+            families.append(RotationFamily(self, None, g, k, _X))
+        for i, (a, t) in enumerate(pairs):
+            others = [pair for j, pair in enumerate(pairs) if j != i]
+            if t == 0 and a not in moments_seen and all(x == 0 or b != a for b, x in others):
+                tilts = [x / (b - a) if x != 0 else Fraction(0) for b, x in pairs]
+                start = sum((x * x for x in tilts), Fraction(0))
+                g = tuple(
+                    _X * _X - rational(start) if j == i else 2 * _X * rational(x)
+                    for j, x in enumerate(tilts)
+                )
+                families.append(RotationFamily(self, i, g, 2 * _X, fmpq_poly([rational(a)]), start))
+                moments_seen.append(a)
+        return tuple(families)
 
     @property
     def axis(self) -> int | None:
@@ -345,31 +367,6 @@ class RotationFamily:
     def _spectrum(self) -> tuple[Polynomial, Polynomial]:
         moments, torque = self.body.numbers
         return spectrum(moments, [t * self.k for t in torque], self.g, self.g)
-
-
-def families(body: RationalBody) -> tuple[RotationFamily, ...]:
-    """The first family, unless there is no torque, then the second ones."""
-    result, moments_seen = [], []
-    pairs = [*zip(body.moments, body.torque, strict=True)]
-    poles = sorted({a for a, t in pairs if t != 0})
-    if poles:
-        k = fmpq_poly([1])
-        for a in poles:
-            k *= rational(a) - _X
-        g = tuple((k // (rational(a) - _X)) * rational(t) if t != 0 else 0 * _X for a, t in pairs)
-        result.append(RotationFamily(body, None, g, k, _X))
-    for i, (a, t) in enumerate(pairs):
-        others = [pair for j, pair in enumerate(pairs) if j != i]
-        if t == 0 and a not in moments_seen and all(x == 0 or b != a for b, x in others):
-            tilts = [x / (b - a) if x != 0 else Fraction(0) for b, x in pairs]
-            start = sum((x * x for x in tilts), Fraction(0))
-            g = tuple(
-                _X * _X - rational(start) if j == i else 2 * _X * rational(x)
-                for j, x in enumerate(tilts)
-            )
-            result.append(RotationFamily(body, i, g, 2 * _X, fmpq_poly([rational(a)]), start))
-            moments_seen.append(a)
-    return tuple(result)
 
 
 def between(first: PieceEnd | None, last: PieceEnd | None) -> Fraction:

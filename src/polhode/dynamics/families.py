@@ -3,32 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Unpack
 
 import numpy as np
 
-from polhode.common.arguments import cells, each, whole
+from polhode.common.arguments import cells, each, whole, with_options
 from polhode.common.errors import BadInput, counted, nearest
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
+from polhode.dynamics import newton_shooting as newton
 from polhode.dynamics.level_body import LevelBody
-from polhode.dynamics.newton_shooting import (
-    BY,
-    FIRST_STEP,
-    TARGET,
-    Arc,
-    Closed,
-    Member,
-    NotClosed,
-    at_level,
-    closed,
-    stepped,
-)
 from polhode.dynamics.orbit import (
     ASTRAY,
     DIGITS,
+    NearOrbit,
     Orbit,
     completed,
     kind_of,
@@ -132,7 +122,7 @@ class OrbitFamily(Result, ByValue):
     bifurcations: tuple[Bifurcation, ...]
     ended: str
     interrupted: bool
-    members: tuple[Member, ...]
+    members: tuple[newton.Member, ...]
     surface: LevelBody
     provenance: Mapping[str, object] = field(default_factory=dict)
 
@@ -171,26 +161,18 @@ class OrbitFamily(Result, ByValue):
 
     def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
         """The k-th point's orbit to ``digits`` digits, on exactly the level of its doubles."""
-        point = self.points[k]
-        h, f = exactly(point.h), exactly(point.f)
-        surface = self.surface
-        on = replace(surface, h=h) if self.by == "h" else replace(surface, f=f)
-        double_orbit = self.members[k].orbit
-        anchor = [exactly(x) for x in double_orbit.state.tolist()]
-        return completed(on, double_orbit, anchor, digits, self.scene.name, 0.0)
+        value = exactly(getattr(self.points[k], self.by))
+        return completed(self.surface.at(self.by, value), self.members[k].orbit, digits)
 
 
+@with_options(NearOrbit)
 def orbit_family(
     start: Orbit | Scene | str | Path,
     by: str,
     to: AnyNumber,
     *,
     points: int = POINTS,
-    h: AnyNumber | None = None,
-    f: AnyNumber | None = None,
-    period: AnyNumber | None = None,
-    returns: int | None = None,
-    progress: Message | None = None,
+    **near: Unpack[NearOrbit],
 ) -> OrbitFamily:
     """Follow a family of periodic orbits from one orbit to another value of h or f.
 
@@ -207,12 +189,6 @@ def orbit_family(
         The value at which to end.
     points : int
         The largest number of orbits (200).
-    h, f : number, optional
-        The level of a scene's first orbit, if not the scene's.
-    period, returns : number and int, optional
-        A guess of its period, or the number of near returns to try, as in :func:`polhode.orbit`.
-    progress : callable, optional
-        Called with a line of text now and then.
 
     Returns
     -------
@@ -232,11 +208,12 @@ def orbit_family(
     >>> abs(found.points[-1].period - 3.141592653589793) < 1e-13, found.ended
     (True, 'reached h = 4')
     """
-    if by not in BY:
-        raise BadInput("orbit_family", "by", by, nearest(by, [*BY]))
+    if by not in newton.BY:
+        raise BadInput("orbit_family", "by", by, nearest(by, [*newton.BY]))
+    progress = near.get("progress")
     if not isinstance(start, Orbit):
-        first = orbit(start, h=h, f=f, period=period, returns=returns, progress=progress)
-    elif h is f is period is returns is None:
+        first = orbit(start, **near)
+    elif all(x is None or x is progress for x in near.values()):
         first = start
     else:
         raise BadInput(start.name, "start", None, "a scene, whose first orbit is looked for")
@@ -249,15 +226,21 @@ def orbit_family(
     if sign(end - begin) == 0:
         raise BadInput(name, "to", shown(end), f"another {by} than that of the first orbit")
     try:
-        arc = Arc(on, first.closed, by)
-    except NotClosed as fault:
+        arc = newton.Arc(on, first.closed, by)
+    except newton.NotClosed as fault:
         expected = f"an orbit of one family ({fault}: its residue is {float(first.residue):.1e})"
         raise BadInput(name, "start", None, expected) from None
     return _followed(on, arc, by, begin, end, most, progress)
 
 
 def _followed(
-    on: LevelBody, arc: Arc, by: str, begin: Exact, end: Exact, most: int, progress: Message | None
+    on: LevelBody,
+    arc: newton.Arc,
+    by: str,
+    begin: Exact,
+    end: Exact,
+    most: int,
+    progress: Message | None,
 ) -> OrbitFamily:
     """The family from the first member towards one value, within both."""
     member, factor = arc.first, _factor(on, by)
@@ -265,14 +248,14 @@ def _followed(
     if member.slope * (high - low) < 0:
         member = member._replace(tangent=-member.tangent, slope=-member.slope)
     members, special = [member], []
-    ended, interrupted, length = f"{most} points", False, FIRST_STEP
+    ended, interrupted, length = f"{most} points", False, newton.FIRST_STEP
     try:
         while len(members) < most:
             ends = (high,) if len(members) == 1 else (low, high)
-            step = stepped(arc, member, length, ends)
-            targets = [mark for mark in step.passed if mark.what == TARGET]
+            step = newton.stepped(arc, member, length, ends)
+            targets = [mark for mark in step.passed if mark.what == newton.TARGET]
             for mark in step.passed:
-                if mark.what == TARGET:
+                if mark.what == newton.TARGET:
                     break
                 special.append(
                     Bifurcation(mark.what, point_of(on, mark.member.orbit), len(members))
@@ -288,7 +271,7 @@ def _followed(
             members.append(member)
             if progress is not None:
                 progress(f"{len(members)} orbits, {by} = {member.value * factor:.6g}")
-    except NotClosed as fault:
+    except newton.NotClosed as fault:
         ended = f"{LOST} {by} = {member.value * factor:.6g} ({fault})"
     except KeyboardInterrupt:
         ended, interrupted = "interrupted", True
@@ -305,23 +288,24 @@ def _followed(
     )
 
 
-def _exactly_there(on: LevelBody, arc: Arc, last: Member, by: str, value: Exact) -> Member:
+def _exactly_there(
+    on: LevelBody, arc: newton.Arc, last: newton.Member, by: str, value: Exact
+) -> newton.Member:
     """The member with just this value: along the arc it is met to a few digits less."""
-    level = LevelBody(on.scene, value, on.f) if by == "h" else LevelBody(on.scene, on.h, value)
-    state = last.orbit.state
+    level = on.at(by, value)
     try:
-        orbit = closed(level, state, last.orbit.period, at_level(level, state))
+        orbit = newton.closed(level, last.orbit.state, last.orbit.period)
         return arc.member(orbit, last.tangent)
-    except NotClosed:
+    except newton.NotClosed:
         return last
 
 
 def _factor(on: LevelBody, by: str) -> float:
     """What h (or f) over the largest moment is multiplied by to be in the scene's units."""
-    return float(on.moments.max()) * float(on.units[BY.index(by)])
+    return float(on.moments.max()) * float(on.units[newton.BY.index(by)])
 
 
-def point_of(on: LevelBody, orbit: Closed) -> FamilyPoint:
+def point_of(on: LevelBody, orbit: newton.Closed) -> FamilyPoint:
     """An orbit in the units and axes of its scene."""
     h, f, _ = on.integrals(orbit.state)
     state = on.outside(orbit.state)
@@ -379,7 +363,7 @@ class OrbitSearch(Result, ByValue):
     orbits: tuple[FamilyPoint, ...]
     guesses: int
     interrupted: bool
-    closed: tuple[Closed, ...]
+    closed: tuple[newton.Closed, ...]
     surface: LevelBody
     provenance: Mapping[str, object] = field(default_factory=dict)
 
@@ -405,9 +389,7 @@ class OrbitSearch(Result, ByValue):
 
     def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
         """The k-th orbit to ``digits`` digits."""
-        double_orbit = self.closed[k]
-        anchor = [exactly(x) for x in double_orbit.state.tolist()]
-        return completed(self.surface, double_orbit, anchor, digits, self.scene.name, 0.0)
+        return completed(self.surface, self.closed[k], digits)
 
 
 def orbit_search(
@@ -458,7 +440,7 @@ def orbit_search(
     across = cells(scene.name, GRID if grid is None else grid, MOST_STARTS)
     cut = cut_of(scene, MOMENTUM, MAXIMA, h, f)
     on = cut.on
-    orbits: list[Closed] = []
+    orbits: list[newton.Closed] = []
     tried, interrupted = 0, False
     try:
         for guess in _guesses(cut, across, most):
@@ -502,18 +484,18 @@ def _least_around(cells: Doubles) -> Doubles:
     return least
 
 
-def _closed(on: LevelBody, guess: OrbitGuess) -> Closed | None:
+def _closed(on: LevelBody, guess: OrbitGuess) -> newton.Closed | None:
     """The orbit near a guess, with its shortest period; None where there is none."""
     try:
-        orbit = closed(on, guess.state, guess.time, at_level(on, guess.state))
-    except NotClosed:
+        orbit = newton.closed(on, guess.state, guess.time)
+    except newton.NotClosed:
         return None
     if moved_from(on, orbit, guess.state) > ASTRAY * guess.distance:
         return None
     return primitive(on, orbit)
 
 
-def _same(on: LevelBody, first: Closed, second: Closed) -> bool:
+def _same(on: LevelBody, first: newton.Closed, second: newton.Closed) -> bool:
     """Whether a state of one orbit lies on another: mirror images have period and residue alike."""
     alike = abs(first.period - second.period) < ALIKE * second.period
     if not alike or abs(first.residue - second.residue) > ALIKE * np.linalg.norm(second.monodromy):

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from polhode.common.arguments import each
 from polhode.common.errors import BadInput
 from polhode.common.values import ByValue, cached_property
 from polhode.equations.forms import principal
@@ -23,9 +24,18 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.numbers.number_types import DOUBLE, FLOATS, Doubles, GivenRow, Scalar, double_array
+from polhode.numbers.number_types import (
+    DOUBLE,
+    FLOATS,
+    AnyNumber,
+    Doubles,
+    GivenRow,
+    Scalar,
+    double_array,
+)
 from polhode.numbers.polynomials import fraction_near
 from polhode.numbers.vectors import dot
+from polhode.scenes.given_numbers import AREA, ENERGY, reader
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:
@@ -57,6 +67,10 @@ class LevelBody(ByValue):
         """A scene's body on its own level; f = 0 where it has no gamma."""
         energy, area, *_ = scene.integrals
         return cls(scene, simplest(energy), ZERO if area is None else simplest(area))
+
+    def at(self, by: str, value: Exact) -> LevelBody:
+        """The same body at another h, or another f; ``by``: which."""
+        return replace(self, h=value) if by == "h" else replace(self, f=value)
 
     # -- exactly
 
@@ -342,6 +356,19 @@ class LevelBody(ByValue):
     def within(self, states: Doubles) -> Doubles:
         """States (..., 6) of the scene's axes and units in these."""
         return _rotated(states, self.axes.T, 1 / float(self.unit))
+
+
+def level_of(scene: Scene, h: AnyNumber | None = None, f: AnyNumber | None = None) -> LevelBody:
+    """A scene's body on a level that exists: its own, but for an h or f; raises BadInput."""
+    if scene.gamma is None:
+        raise BadInput(scene.name, "start.gamma", None, "a unit vector, since a level has h and f")
+    on = LevelBody.of(scene)
+    for key, value, unit in (("h", h, ENERGY), ("f", f, AREA)):
+        if value is not None:
+            (number,) = each(scene.name, key, (value,), reader(scene.units, unit), "a number")
+            on = on.at(key, number)
+    on.check()
+    return on
 
 
 def _rotated(states: Doubles, rows: Doubles, unit: float) -> Doubles:

@@ -15,20 +15,7 @@ from polhode.common.arguments import each
 from polhode.common.errors import BadInput, aligned, counted
 from polhode.common.values import ByValue, cached_property
 from polhode.dynamics import exact_levels
-from polhode.dynamics.exact_levels import (
-    BITS,
-    BODY_BITS,
-    CUSP,
-    POLE,
-    START,
-    Piece,
-    PieceEnd,
-    RationalBody,
-    Region,
-    RotationFamily,
-    Undecided,
-    refuse_far,
-)
+from polhode.dynamics.exact_levels import RationalBody, Region
 from polhode.dynamics.level_body import LevelBody
 from polhode.equations.integrals import exact_values, first_integrals
 from polhode.motion.frame import Frame
@@ -46,9 +33,8 @@ from polhode.numbers.polynomials import (
     rational,
     real_roots,
 )
-from polhode.results import table as told
 from polhode.results.result import Result
-from polhode.results.table import Fact, Table
+from polhode.results.table import Column, Fact, Table
 from polhode.scenes import body as classification
 from polhode.scenes import library
 from polhode.scenes.given_numbers import AREA, reader
@@ -96,7 +82,7 @@ def fourth_integral(
     """Of a scene on the level (h, f); None where its body has no fourth integral there."""
     torque = scene.body.axes.components(scene.body.torque)
     top = classification.classical_top(scene.body.moments, torque)
-    with ctx.workprec(BITS):
+    with ctx.workprec(exact_levels.BITS):
         size = arb(rational(body.heavy)).sqrt()
         values: Sequence[tuple[arb | Fraction, str]]
         if top.kind == classification.EULER:
@@ -334,7 +320,7 @@ class Levels(Result, ByValue):
     @property
     def cusps(self) -> tuple[Mark, ...]:
         """The cusps, where two permanent rotations meet."""
-        return tuple(mark for mark in self.marks if mark.kind == CUSP)
+        return tuple(mark for mark in self.marks if mark.kind == exact_levels.CUSP)
 
     def table(self) -> Table:
         """One row per point of the branches of permanent rotations."""
@@ -346,12 +332,12 @@ class Levels(Result, ByValue):
         places = [k for size in sizes for k in range(1, size + 1)]
         return Table(
             [
-                told.Column("arc", each + 1),
-                told.Column("point", np.array(places, dtype=np.int64), "of its arc"),
+                Column("arc", each + 1),
+                Column("point", np.array(places, dtype=np.int64), "of its arc"),
                 text_column("family", [self.curves[k].family for k in each.tolist()]),
                 text_column("type", [self.curves[k].type for k in each.tolist()]),
-                told.Column("f", points[:, 0], "vertical momentum"),
-                told.Column("h", points[:, 1], "energy"),
+                Column("f", points[:, 0], "vertical momentum"),
+                Column("h", points[:, 1], "energy"),
             ],
             2,
         )
@@ -362,7 +348,7 @@ class Levels(Result, ByValue):
         region = None if here.region is None else list(here.region)
         if here.fourth is not None:
             critical = [
-                told.Column("value", [x.value for x in here.fourth.critical]),
+                Column("value", [x.value for x in here.fourth.critical]),
                 text_column("what", [x.what for x in here.fourth.critical]),
             ]
             fourth = [
@@ -389,13 +375,13 @@ class Levels(Result, ByValue):
         curves, word = self.curves, f"{DIGIT_BITS} bits"
         return Table(
             [
-                told.Column("arc", [*range(1, len(curves) + 1)]),
+                Column("arc", [*range(1, len(curves) + 1)]),
                 text_column("family", [x.family for x in curves]),
-                told.Column("axis", [None if x.axis is None else x.axis + 1 for x in curves]),
+                Column("axis", [None if x.axis is None else x.axis + 1 for x in curves]),
                 text_column("type", [x.type for x in curves]),
-                told.Column("morse_index", [x.morse for x in curves], _MORSE),
-                told.Column("first", [x.first for x in curves], "of the parameter", type=word),
-                told.Column("last", [x.last for x in curves], "of the parameter", type=word),
+                Column("morse_index", [x.morse for x in curves], _MORSE),
+                Column("first", [x.first for x in curves], "of the parameter", type=word),
+                Column("last", [x.last for x in curves], "of the parameter", type=word),
             ]
         )
 
@@ -407,7 +393,7 @@ class Levels(Result, ByValue):
                 text_column("kind", [x.kind for x in self.marks]),
                 text_column("family", [x.family for x in self.marks]),
                 *(
-                    told.Column(name, [getattr(x, name) for x in self.marks], type=word)
+                    Column(name, [getattr(x, name) for x in self.marks], type=word)
                     for name in names
                 ),
             ],
@@ -421,11 +407,11 @@ class Levels(Result, ByValue):
         are not decided, such as f = 0 of a free body, where every position is a rotation's.
         """
         (area,) = each(self.scene.name, "f", (f,), reader(self.scene.units, AREA), "a number")
-        near = fraction_near(area, BODY_BITS)[0]
-        refuse_far(self.scene.name, "f", self._body, near)
+        near = fraction_near(area, exact_levels.BODY_BITS)[0]
+        exact_levels.refuse_far(self.scene.name, "f", self._body, near)
         try:
             return exact_levels.regions_between(self._body, near)
-        except Undecided as fault:
+        except exact_levels.Undecided as fault:
             expected = f"an f at which the regions are decided ({fault})"
             raise BadInput(self.scene.name, "f", shown(area), expected) from None
 
@@ -433,11 +419,11 @@ class Levels(Result, ByValue):
         """The regions at ``count`` evenly spaced f; none in a column where they are not decided."""
         body, columns = self._body, []
         for end in (first, last):
-            refuse_far(self.scene.name, "f", body, Fraction(end))
+            exact_levels.refuse_far(self.scene.name, "f", body, Fraction(end))
         step = (Fraction(last) - Fraction(first)) / max(1, count - 1)
         for f in (Fraction(first) + k * step for k in range(count)):
             pairs: tuple[Any, ...] = ((), ())
-            with suppress(Undecided):
+            with suppress(exact_levels.Undecided):
                 pairs = (*zip(*exact_levels.regions_between(body, f), strict=True),)
             columns.append(DiagramColumn(float(f), *pairs))
         return columns
@@ -484,43 +470,45 @@ def levels(scene: Scene | str | Path) -> Levels:
     body = RationalBody.of(scene.body)
     area = scene.integrals.area
     assert area is not None
-    refuse_far(scene.name, "start: f", body, fraction_near(area, BODY_BITS)[0])
+    exact_levels.refuse_far(
+        scene.name, "start: f", body, fraction_near(area, exact_levels.BODY_BITS)[0]
+    )
     curves = tuple(_curve(family, piece) for family in body.families for piece in family.pieces)
     marks = tuple(
         _mark(family, end)
         for family in body.families
         for end in family.ends
-        if end.kind not in (POLE, START)
+        if end.kind not in (exact_levels.POLE, exact_levels.START)
     )
     here, exact = _here(scene, body)
     return Levels(scene, curves, marks, here, body.exact and exact, scene.provenance())
 
 
-def _curve(family: RotationFamily, piece: Piece) -> Curve:
+def _curve(family: exact_levels.RotationFamily, piece: exact_levels.Piece) -> Curve:
     ends = [None if end is None else _parameter(family, end) for end in (piece.first, piece.last)]
     points = family.points(piece)
     return Curve(family.name, family.axis, piece.type, piece.morse, ends[0], ends[1], points)
 
 
-def _mark(family: RotationFamily, end: PieceEnd) -> Mark:
-    with ctx.workprec(BITS):
+def _mark(family: exact_levels.RotationFamily, end: exact_levels.PieceEnd) -> Mark:
+    with ctx.workprec(exact_levels.BITS):
         point = family.at(end.x)
     f, h = (nearest(x, DIGIT_BITS) for x in (point.f, point.h))
     return Mark(end.kind, family.name, _parameter(family, end), f, h)
 
 
-def _parameter(family: RotationFamily, end: PieceEnd) -> mpf:
-    with ctx.workprec(BITS):
+def _parameter(family: exact_levels.RotationFamily, end: exact_levels.PieceEnd) -> mpf:
+    with ctx.workprec(exact_levels.BITS):
         return nearest(family.parameter(end.x), DIGIT_BITS)
 
 
 def _here(scene: Scene, body: RationalBody) -> tuple[Here, bool]:
     own = LevelBody.of(scene)
-    (h, h_exact), (f, f_exact) = (fraction_near(x, BODY_BITS) for x in (own.h, own.f))
+    (h, h_exact), (f, f_exact) = (fraction_near(x, exact_levels.BODY_BITS) for x in (own.h, own.f))
     region, remark = None, ""
     try:
         region = exact_levels.region(body, h, f)
-    except Undecided as fault:
+    except exact_levels.Undecided as fault:
         remark = str(fault)
     least = exact_levels.least_energy(body, f)
     fourth = fourth_integral(scene, body, h, f)

@@ -12,22 +12,22 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from polhode.closed_forms.rotation_stability import jacobian, spectrum
 from polhode.common.arguments import each, steps
 from polhode.common.errors import BadInput
-from polhode.equations.forms import principal
 from polhode.equations.readout import at_rest
 from polhode.judging.reference import Reference, reference
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import ZERO, sign
-from polhode.numbers.number_types import EXACT, FLOATS, AnyNumber, Doubles, Functions, Scalar
+from polhode.numbers.number_types import AnyNumber, Doubles
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
@@ -65,11 +65,9 @@ def shown(kind: str) -> str:
 #
 # Whether nearby motions leave a known motion exponentially, decided without a long run.
 #
-# What stands still, a state or the angular velocity of a free body: by the eigenvalues of the
-# linear equations, exactly. They are those of a Hamiltonian system with two Casimirs, 0, 0, ±mu1,
-# ±mu2, so that with s = tr J^2/2, t = tr J^4/2 the squares of mu are the roots of
-#
-#     x^2 - s x + (s^2 - t)/2,    real and not above 0 if and only if no mu has a real part.
+# What stands still, a state or the angular velocity of a free body, about which gamma turns: by
+# the spectrum of its linear equations, exactly. The squares of the eigenvalues are 0 and the roots
+# of x^2 + b x + d, real and not above 0 if and only if none has a real part.
 #
 # A periodic closed form: by its residue (6 - tr M)/4, M the change of the state over a period,
 # whose multipliers are 1, 1, 1, 1, mu, 1/mu: hyperbolic outside 0 to 1. An integrable top on one
@@ -102,8 +100,7 @@ def known_stability(scene: Scene, plain: System, most: int) -> Known:
     """
     rest = at_rest(scene)
     if rest.state or (rest.omega and scene.body.torque_free):
-        count = len(plain.start) if rest.state else 3
-        return Known(_growth_at_rest(plain, count), "its eigenvalues")
+        return Known(_growth_at_rest(Frame.of(scene).inside(scene)), "its eigenvalues")
     motion = reference(scene)
     if not isinstance(motion, Reference):
         return Known(None, "")
@@ -116,42 +113,23 @@ def known_stability(scene: Scene, plain: System, most: int) -> Known:
     return Known(None, "", not rates & _ANY_TORI and "quasi-periodic" not in motion.regime)
 
 
-def growth_about(plain: System, state: Doubles) -> float:
+def growth_about(body: Body, state: Doubles) -> float:
     """The largest growth rate of the linear equations at a state of principal axes, in double."""
-    numbers = {name: to_double(x) for name, x in plain.coefficients.items()}
-    columns = _jacobian(numbers, state.tolist(), FLOATS)
-    return float(np.linalg.eigvals(np.array(columns).T).real.max())
+    moments, torque = ([to_double(x) for x in v] for v in (body.moments, body.torque))
+    matrix = jacobian(moments, torque, state[:3].tolist(), state[3:].tolist())
+    return float(np.linalg.eigvals(np.array(matrix)).real.max())
 
 
-def _jacobian(
-    coefficients: Mapping[str, Scalar], state: Sequence[Scalar], fn: Functions
-) -> list[list[Scalar]]:
-    """The derivatives of the rates, a column each: exact, for rates are quadratic."""
-    columns = []
-    for place in range(len(state)):
-        ahead, behind = [*state], [*state]
-        ahead[place], behind[place] = state[place] + 1, state[place] - 1
-        pair = (principal.field(x, coefficients, fn) for x in (ahead, behind))
-        columns.append([(upper - lower) / 2 for upper, lower in zip(*pair, strict=True)])
-    return columns
-
-
-def _growth_at_rest(plain: System, count: int) -> float:
-    """The largest real part of an eigenvalue at the start, of the first ``count`` variables."""
-    columns = _jacobian(plain.coefficients, plain.start[:count], EXACT)
-    square = [[_sum(row, column) for column in columns] for row in zip(*columns, strict=True)]
-    s = sum((square[i][i] for i in range(count)), ZERO) / 2
-    t = sum((_sum(*pair) for pair in zip(square, zip(*square, strict=True), strict=True)), ZERO) / 2
-    product, gap = (s * s - t) / 2, 2 * t - s * s
-    if sign(s) <= 0 <= min(sign(product), sign(gap)):
+def _growth_at_rest(inside: Scene) -> float:
+    """The largest real part of an eigenvalue at a start that stands still, in principal axes."""
+    body, gamma = inside.body, inside.gamma or (ZERO, ZERO, ZERO)
+    b, d = spectrum(body.moments, body.torque, inside.omega, gamma)
+    gap = b * b - 4 * d
+    if min(sign(b), sign(d), sign(gap)) >= 0:
         return 0.0
     root = cmath.sqrt(to_double(gap))
-    squares = [(to_double(s) + side * root) / 2 for side in (1, -1)]
+    squares = [(side * root - to_double(b)) / 2 for side in (1, -1)]
     return max(abs(cmath.sqrt(x).real) for x in squares) or math.ulp(0.0)
-
-
-def _sum(row: Sequence[Scalar], column: Sequence[Scalar]) -> Scalar:
-    return sum((x * y for x, y in zip(row, column, strict=True)), ZERO)
 
 
 def _growth_of_period(plain: System, period: float, most: int) -> float | None:
@@ -175,13 +153,11 @@ def _growth_of_period(plain: System, period: float, most: int) -> float | None:
 #
 # Between the middle and the end of a regular motion a tangent grows like a power of time, by 2 to
 # 4; on a chaotic one it grows exponentially. So it does on an unstable periodic or asymptotic
-# one: no growth rate tells it from chaos, a closed form or a fixed point does; the kinds are
-# defined in :mod:`polhode.dynamics.lyapunov`. An exponential exp(lambda t) and a
-# power of t are told apart once lambda T/2 passes 6, the power's growth being 3 at most: a short
-# T decides nothing, unless the motion is known
-# (:mod:`polhode.dynamics.lyapunov`). The motion is integrated in double:
-# beyond the time at which its digits are lost it is a neighbour's, which has the same exponent
-# where the motion is chaotic.
+# one: no growth rate tells it from chaos, a closed form or a fixed point does. An exponential
+# exp(lambda t) and a power of t are told apart once lambda T/2 passes 6, the power's growth being 3
+# at most: a short T decides nothing, unless the motion is known. The motion is integrated in
+# double: beyond the time at which its digits are lost it is a neighbour's, which has the same
+# exponent where the motion is chaotic.
 
 
 MAX_STEPS = 1_000_000  # of 3 µs
@@ -351,7 +327,7 @@ def lyapunov(
     about = "a fixed point; " if still else "a closed form is known; " if closed else ""
     verdict, reason = _judged(stability, about, growth, exponent, error, length, unit)
     if verdict == UNDECIDED:
-        later = _deciding(stability, plain, state, reached, slow) * unit
+        later = _deciding(stability, frame.inside(scene).body, state, reached, slow) * unit
         reason = f"{about}an end of {later:.2g} may decide"
     if verdict == CHAOTIC:
         moved = (start * by for by in MOVED)
@@ -414,14 +390,12 @@ def _judged(
     return UNDECIDED, about
 
 
-def _deciding(
-    stability: Known, plain: System, state: Doubles, reached: float, slow: float
-) -> float:
+def _deciding(stability: Known, body: Body, state: Doubles, reached: float, slow: float) -> float:
     """An end that may decide.
 
     Of a motion that tends to another one, which stands still, by the rate there.
     """
-    rate = growth_about(plain, state[: len(plain.start)]) if stability.tends else 0.0
+    rate = growth_about(body, state) if stability.tends else 0.0
     sure = 2 * (UNSTABLE_GROWTH + 1) / rate if rate > 0 else SHORTEST * slow
     return sure if sure > reached else 2 * reached
 

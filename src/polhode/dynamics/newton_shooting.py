@@ -123,8 +123,20 @@ def inverse_of(matrix: Doubles) -> Doubles:
     return inverse
 
 
-def closed(on: LevelBody, state: Doubles, period: float, conditions: Conditions) -> Closed:
-    """The closed orbit to which Newton's method leads from a guess; raises NotClosed."""
+def matrix_of(on: LevelBody, orbit: Closed, reference: Doubles) -> Doubles:
+    """That matrix at a closed orbit of a level, held across the motion at a reference."""
+    rows = at_level(on, reference)(orbit.state, orbit.period)[1]
+    return bordered(on, orbit.state, orbit.state, orbit.monodromy, rows)
+
+
+def closed(
+    on: LevelBody, state: Doubles, period: float, conditions: Conditions | None = None
+) -> Closed:
+    """The closed orbit to which Newton's method leads from a guess; raises NotClosed.
+
+    ``conditions``: those of the level, across the motion at the guess, unless given.
+    """
+    conditions = at_level(on, state) if conditions is None else conditions
     last, guess, miss = np.inf, period, np.inf
     for count in range(MOST_CORRECTIONS):
         _refuse_still(on, state)
@@ -240,19 +252,19 @@ class Monodromy(NamedTuple):
 def refined(
     on: LevelBody,
     closed: Closed,
-    anchor: Sequence[Exact],
     digits: int,
+    anchor: Sequence[Exact] | None = None,
     tell: Callable[[str], None] | None = None,
 ) -> Refined:
     """So many digits of a closed orbit; raises NotClosed.
 
-    ``anchor``: a state near the orbit, exact; the orbit's start x is where (x - anchor)·x' = 0 with
-    x' the rates at the anchor, so that it is the same to all digits whatever double makes of it.
+    ``anchor``: a state near the orbit, exact, its own in double unless given; the orbit's start x
+    is where (x - anchor)·x' = 0 with x' the rates at the anchor, so that it is the same to all
+    digits whatever double makes of it.
     """
+    anchor = [Fraction(x) for x in closed.state.tolist()] if anchor is None else anchor
     near = np.array([to_double(x) for x in anchor])
-    rows = at_level(on, near)(closed.state, closed.period)[1]
-    matrix = bordered(on, closed.state, closed.state, closed.monodromy, rows)
-    chord = Chord(on, closed.state, tuple(anchor), inverse_of(matrix))
+    chord = Chord(on, closed.state, tuple(anchor), inverse_of(matrix_of(on, closed, near)))
     norms = (float(np.linalg.norm(x, 2)) for x in (chord.inverse, closed.monodromy))
     lost = sum(math.log10(max(1.0, norm)) for norm in norms)
     kind = type_for(math.ceil(digits + lost + 0.5))

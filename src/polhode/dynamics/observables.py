@@ -75,7 +75,7 @@ class Reduction(NamedTuple):
         return self.text, f"t of {self.text}"
 
 
-def asked(scene: Scene, keep: Any) -> tuple[Reduction, ...]:
+def reductions_of(scene: Scene, keep: Any) -> tuple[Reduction, ...]:
     """Reductions from their words, each once; raises BadInput."""
     if isinstance(keep, str):
         keep = (keep,)

@@ -7,28 +7,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 
-from polhode.common.arguments import each, whole
+from polhode.common.arguments import each, refuse_unknown, whole, with_options
 from polhode.common.errors import BadInput, counted
 from polhode.common.files import check_writable, write_whole
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
 from polhode.dynamics import newton_shooting as newton
-from polhode.dynamics.level_body import LevelBody
-from polhode.dynamics.newton_shooting import (
-    Closed,
-    Monodromy,
-    NotClosed,
-    Refined,
-    at_level,
-    binary,
-    closed,
-)
-from polhode.dynamics.starts import MAXIMA, cut_of
-from polhode.equations.section_functions import MOMENTUM
+from polhode.dynamics.level_body import LevelBody, level_of
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double, to_mpf
 from polhode.numbers.decimals import decimal_string, in_full, shown
@@ -212,12 +201,12 @@ def _decimal(x: Exact, digits: int) -> str:
         text = in_full(x)
         if "/" not in text and len(text.strip("-0.")) <= digits:
             return text
-    return decimal_string(binary(x, 4 * digits + 8), digits)
+    return decimal_string(newton.binary(x, 4 * digits + 8), digits)
 
 
 def _to_places(x: Exact, digits: int) -> str:
     """A component of a unit vector to so many places."""
-    return newton.decimal(binary(x, 4 * digits + 8), Fraction(1), digits)
+    return newton.decimal(newton.binary(x, 4 * digits + 8), Fraction(1), digits)
 
 
 def _sure_digits(x: Fraction, error: float, most: int) -> str:
@@ -286,7 +275,7 @@ class Orbit(Result, ByValue):
     moved: float
     corrections: tuple[int, int]
     surface: LevelBody
-    closed: Closed
+    closed: newton.Closed
     provenance: Mapping[str, object] = field(default_factory=dict)
 
     @property
@@ -400,15 +389,31 @@ class Orbit(Result, ByValue):
 MOST_PERIODS = 24  # after which a motion in space is looked for to close
 
 
-def orbit(
-    scene: Scene | str | Path,
-    digits: int = DIGITS,
-    h: AnyNumber | None = None,
-    f: AnyNumber | None = None,
-    period: AnyNumber | None = None,
-    returns: int | None = None,
-    progress: Message | None = None,
-) -> Orbit:
+class NearOrbit(TypedDict, total=False):
+    """Which periodic orbit near a start is meant: options of :func:`orbit` and what begins with it.
+
+    Parameters
+    ----------
+    h, f : number, optional
+        The level's energy h or vertical momentum f, exact, if not the scene's.
+    period : number, optional
+        A guess of the period, in the scene's unit of time.  Without one the times at which the
+        motion returns near its start are tried.
+    returns : int, optional
+        The number of near returns of the motion to try (10).
+    progress : callable, optional
+        Called with a line of text now and then.
+    """
+
+    h: AnyNumber | None
+    f: AnyNumber | None
+    period: AnyNumber | None
+    returns: int | None
+    progress: Message | None
+
+
+@with_options(NearOrbit)
+def orbit(scene: Scene | str | Path, digits: int = DIGITS, **near: Unpack[NearOrbit]) -> Orbit:
     """Find a periodic orbit of omega and gamma near a scene's start, to the digits wanted.
 
     Newton's method in double, then in a type wide enough.  h and f are kept fixed.
@@ -419,15 +424,6 @@ def orbit(
         A scene, a path, or the name of a case.
     digits : int
         The correct digits of start and period (15).
-    h, f : number, optional
-        The level's energy h or vertical momentum f, if not the scene's.
-    period : number, optional
-        A guess of the period, in the scene's unit of time.  Without one the times at which the
-        motion returns near its start are tried.
-    returns : int, optional
-        The number of near returns of the motion to try (10).
-    progress : callable, optional
-        Called with a line of text now and then.
 
     Returns
     -------
@@ -449,6 +445,8 @@ def orbit(
     >>> abs(float(found.period) - 6.283185307179586) < 1e-14, found.kind
     (True, 'elliptic')
     """
+    refuse_unknown("orbit", orbit, near)
+    period, returns = near.get("period"), near.get("returns")
     scene = library.load(scene, takes=REQUESTS)
     digit_count = whole(scene.name, "digits", digits, 1, MAX_DIGITS)
     most = RETURNS if returns is None else whole(scene.name, "returns", returns, 1, MOST_RETURNS)
@@ -456,7 +454,7 @@ def orbit(
         own = LevelBody.of(scene)
         if own.is_still(own.start, 1e-9):
             raise BadInput(scene.name, "start", None, "a motion: this is a permanent rotation")
-    on = cut_of(scene, MOMENTUM, MAXIMA, h, f).on
+    on = level_of(scene, near.get("h"), near.get("f"))
     start = on.start
     if period is None:
         guesses = _guesses(on, start, most)
@@ -471,9 +469,8 @@ def orbit(
             expected = f"one near {least:.3g} or longer: no motion on this level closes in less"
             raise BadInput(scene.name, "period", period, expected)
         guesses = [Return(to_double(duration / on.unit), math.inf)]
-    double_orbit = _first(on, start, guesses)
-    moved = moved_from(on, double_orbit, start)
-    return completed(on, double_orbit, on.exact_start, digit_count, scene.name, moved, progress)
+    first = _first(on, start, guesses)
+    return completed(on, first, digit_count, on.exact_start, near.get("progress"))
 
 
 def _guesses(on: LevelBody, start: Doubles, most: int) -> list[Return]:
@@ -488,29 +485,29 @@ def _guesses(on: LevelBody, start: Doubles, most: int) -> list[Return]:
     return [*returns.returns]
 
 
-def _first(on: LevelBody, start: Doubles, guesses: list[Return]) -> Closed:
+def _first(on: LevelBody, start: Doubles, guesses: list[Return]) -> newton.Closed:
     """The orbit of the first guess that leads to one near the start; raises BadInput."""
     off = float(np.linalg.norm(on.integrals(start) - on.relative[2]))
     why = ""
     for guess in guesses:
         try:
-            orbit = closed(on, start, guess.time, at_level(on, start))
+            orbit = newton.closed(on, start, guess.time)
             moved = moved_from(on, orbit, start)
             if moved <= ASTRAY * (guess.distance + off) + SAME:
                 return primitive(on, orbit)
             why = f"it led {moved:.2g} away from the start"
-        except NotClosed as fault:
+        except newton.NotClosed as fault:
             why = str(fault)
     expected = f"a start nearer to a periodic orbit: Newton's method found none ({why})"
     raise BadInput(on.scene.name, "start", None, expected)
 
 
-def moved_from(on: LevelBody, orbit: Closed, start: Doubles) -> float:
+def moved_from(on: LevelBody, orbit: newton.Closed, start: Doubles) -> float:
     """How far a found start lies from another one, scaled."""
     return float(np.linalg.norm((orbit.state - start) / on.scale(start)))
 
 
-def primitive(on: LevelBody, orbit: Closed) -> Closed:
+def primitive(on: LevelBody, orbit: newton.Closed) -> newton.Closed:
     """The same orbit with its shortest period."""
     scale = on.scale(orbit.state)
     for part in PARTS:
@@ -520,31 +517,32 @@ def primitive(on: LevelBody, orbit: Closed) -> Closed:
                 end = double_array(on.plain_flow.after(orbit.state, time).state)
                 if np.max(np.abs(end - orbit.state) / scale) > SAME:
                     break
-                orbit = closed(on, orbit.state, time, at_level(on, orbit.state))
-            except (NotClosed, NotFollowed):
+                orbit = newton.closed(on, orbit.state, time)
+            except (newton.NotClosed, NotFollowed):
                 break
     return orbit
 
 
 def completed(
     on: LevelBody,
-    orbit: Closed,
-    anchor: Sequence[Exact],
+    orbit: newton.Closed,
     digits: int,
-    name: str,
-    moved: float,
+    guess: Sequence[Exact] | None = None,
     progress: Message | None = None,
 ) -> Orbit:
     """An orbit known in double, to all digits, with residue and advance of psi; raises BadInput.
 
-    ``anchor``: see :func:`polhode.dynamics.newton_shooting.refined`.
+    ``guess``: the state that led to it, from which it starts across the motion; its own in double
+    unless given.
     """
+    name = on.scene.name
+    near = orbit.state if guess is None else np.array([to_double(x) for x in guess])
     try:
-        fine = newton.refined(on, orbit, anchor, digits, progress)
+        fine = newton.refined(on, orbit, digits, guess, progress)
         if progress is not None:
             progress("the monodromy matrix")
         matrix = newton.monodromy(on, fine.state, fine.time, digits)
-    except (NotClosed, NotFollowed) as fault:
+    except (newton.NotClosed, NotFollowed) as fault:
         expected = f"an orbit that can be computed to {digits} digits ({fault})"
         raise BadInput(name, "digits", digits, expected) from None
     scene = _scene(on.scene, name, fine)
@@ -563,7 +561,7 @@ def completed(
         matrix.determinant,
         rotation.psi,
         rotation.whole,
-        moved,
+        moved_from(on, orbit, near),
         (orbit.corrections, fine.corrections),
         on,
         orbit,
@@ -571,7 +569,7 @@ def completed(
     )
 
 
-def _residue_error(matrix: Monodromy, orbit: Closed, fine: Refined) -> float:
+def _residue_error(matrix: newton.Monodromy, orbit: newton.Closed, fine: newton.Refined) -> float:
     """About the error of a residue: what the matrix's exact properties miss, times its size."""
     size = float(np.linalg.norm(orbit.monodromy, 2))
     return max(matrix.missed, float(matrix.number.eps), fine.error) * max(1.0, size)
@@ -584,7 +582,7 @@ def kind_of(residue: float, error: float) -> str:
     return HYPERBOLIC if residue < 0 else ELLIPTIC if residue < 1 else INVERSE
 
 
-def _scene(near: Scene, name: str, fine: Refined) -> Scene:
+def _scene(near: Scene, name: str, fine: newton.Refined) -> Scene:
     """The found start as a scene: the body as it was given, decimals, one period."""
     tables, psi, places = tables_of(near), near.psi, len(fine.period)
     tables["start"] = {
@@ -593,7 +591,7 @@ def _scene(near: Scene, name: str, fine: Refined) -> Scene:
         "normalise": True,
         "psi": psi
         if isinstance(psi, Fraction)
-        else Literal(decimal_string(binary(psi, 4 * places), places)),
+        else Literal(decimal_string(newton.binary(psi, 4 * places), places)),
     }
     data: dict[str, Any] = {"title": f"A periodic orbit near {name}", "run": {}, **tables}
     data["run"] = {"end": Literal(fine.period), "samples": 101}

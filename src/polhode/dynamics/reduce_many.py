@@ -15,7 +15,7 @@ from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import counted
 from polhode.common.interrupts import Progress, bar
 from polhode.common.processes import run_jobs
-from polhode.dynamics.observables import Reduced, asked, check, job_of, solve
+from polhode.dynamics.observables import Reduced, check, job_of, reductions_of, solve
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.number_types import AnyNumber, NumberType, Stack, kind_of
 from polhode.results.table import Column, Fact, Table
@@ -199,7 +199,7 @@ def reduce_many(
     scene = library.load(scene, takes=REQUESTS)
     if at is not None:
         scene = scene.at(at)
-    which = asked(scene, keep)
+    which = reductions_of(scene, keep)
     scene, varied = varied_of(scene, starts, vary)
     plan = planned(
         replace(scene, events=()),

@@ -18,7 +18,6 @@ Without weight e3 is the third principal axis, and y = ±sqrt(2h/kappa - f^2).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,14 +26,11 @@ import numpy as np
 from polhode.common.arguments import cells, each, of_kind
 from polhode.common.errors import BadInput
 from polhode.common.files import read_whole
-from polhode.dynamics.level_body import LevelBody
+from polhode.dynamics.level_body import LevelBody, level_of
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
-from polhode.numbers import expression
 from polhode.numbers.conversion import exact_number, to_double
-from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import AnyNumber, AnyVector, Doubles, Indices
-from polhode.scenes.given_numbers import AREA, ENERGY, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE, check
 
@@ -232,8 +228,6 @@ def cut_of(
     """A level and a section, checked; None for the scene's own by, extremum, h or f."""
     by = scene.section.by if by is None else by
     extremum = scene.section.extremum if extremum is None else extremum
-    if scene.gamma is None:
-        raise BadInput(scene.name, "start.gamma", None, "a unit vector, since a level has h and f")
     for key, word in (("by", by), ("extremum", extremum)):
         of_kind(scene.name, key, word, str, "text")
     if extremum not in (MAXIMA, MINIMA):
@@ -244,13 +238,7 @@ def cut_of(
         except ExpressionError as fault:
             expected = f"momentum, height, or an expression in {' '.join(STATE)} ({fault})"
             raise BadInput(scene.name, "by", by, expected) from None
-    on = LevelBody.of(scene)
-    for key, value, unit in (("h", h, ENERGY), ("f", f, AREA)):
-        if value is not None:
-            (number,) = each(scene.name, key, (value,), reader(scene.units, unit), "a number")
-            on = replace(on, h=number) if key == "h" else replace(on, f=number)
-    on.check()
-    return Cut(on, by, extremum)
+    return Cut(level_of(scene, h, f), by, extremum)
 
 
 def starts_of(
@@ -281,7 +269,7 @@ def starts_of(
     if isinstance(starts, str) and starts == OWN:
         return SectionStates(_own(cut)[None, :], np.zeros(1, dtype=int))
     if isinstance(starts, (str, Path)):
-        starts = read_starts(Path(starts))
+        name, starts = str(starts), _lines_of(Path(starts))
     rows = [
         [to_double(x) for x in each(name, f"starts[{k + 1}]", row, exact_number, "numbers")]
         for k, row in enumerate(each(name, "starts", starts, lambda row: row, "a list of starts"))
@@ -372,18 +360,8 @@ def _moving(on: LevelBody, key: str, shown_row: str, state: Doubles) -> Doubles:
     return state
 
 
-def read_starts(path: Path) -> list[list[Exact]]:
-    """Starts of a text file: a line each, numbers apart by commas or blanks, # begins a comment."""
+def _lines_of(path: Path) -> list[list[str]]:
+    """The numbers of each line, apart by commas or blanks; # begins a comment."""
     text = read_whole(path, 50_000_000, "a list of starts", str(path)).decode("utf-8", "replace")
-    rows = []
-    for number, line in enumerate(text.splitlines(), 1):
-        parts = line.partition("#")[0].replace(",", " ").split()
-        if not parts:
-            continue
-        try:
-            rows.append([expression.number(part) for part in parts])
-        except ExpressionError as fault:
-            raise BadInput(str(path), f"line {number}", line, f"numbers ({fault})") from None
-    if not rows:
-        raise BadInput(str(path), "file", None, "at least one start, a line each")
-    return rows
+    rows = [line.partition("#")[0].replace(",", " ").split() for line in text.splitlines()]
+    return [row for row in rows if row]

@@ -17,7 +17,7 @@ from polhode.certificates import certificate_file, verify
 from polhode.certificates.certificate_file import JsonObject, by_checker
 from polhode.dynamics.level_body import LevelBody
 from polhode.motion.frame import Frame
-from polhode.numbers.exact import ONE, Exact
+from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import DOUBLE, Doubles, double_array
 from polhode.proofs.homoclinic import Homoclinic, Saddle, flow_with_derivative
@@ -65,15 +65,14 @@ class Chain(NamedTuple):
 def guesses(chain: Chain) -> JsonObject:
     """A certificate but for its statement."""
     bits = _BITS + verify.COARSE
-    numbers = certificate_file.body_numbers(chain.body, bits)
-    level = [certificate_file.number(x, bits) for x in (chain.h, chain.f, ONE)]
+    scene = certificate_file.on_level(chain.body, chain.h, chain.f, bits)
     with ctx.workprec(bits + verify.COARSE):
-        transits = [_transit(numbers, chain, n) for n in range(len(chain.sets))]
+        transits = [_transit(scene, chain, n) for n in range(len(chain.sets))]
     sizes = Rectangle._fields[1:]
     return {
         "format": verify.FORMAT,
         "kind": "chaos",
-        "scene": {**numbers, "level": level},
+        "scene": scene,
         "bits": _BITS,
         "scale": _SCALE,
         "charts": [_integers(x) for x in chain.charts],
@@ -95,24 +94,15 @@ def check_orbit(theorem: verify.Horseshoe, start: Sequence[arb], period: arb) ->
     by_checker(verify.is_orbit_of, theorem, start, period)
 
 
-def with_statement(
-    certificate: JsonObject, statement: JsonObject, theorem: verify.Horseshoe
-) -> JsonObject:
-    """The certificate with its statement, which the checker compares with what it proved."""
-    by_checker(verify.check_chaos, verify.read_chaos(statement), theorem)
-    return {**certificate, "statement": statement}
-
-
-def _transit(numbers: JsonObject, chain: Chain, n: int) -> JsonObject:
+def _transit(scene: JsonObject, chain: Chain, n: int) -> JsonObject:
     """Steps from the middle of a set to the next plane."""
     rectangle = chain.sets[n]
     chart = chain.charts[rectangle.chart]
     start = [arb(x) for x in (chart.centre + chart.wide[:, 0] * rectangle.middle).tolist()]
     end = Fraction(chain.times[n])
-    numbers_of_steps = certificate_file.steps(
-        numbers, start, end, _BITS, _TIME_BITS, growth=_GROWTH
-    )
-    return {word: numbers_of_steps[word] for word in verify.Guesses._fields[:-1]}
+    steps = certificate_file.steps(scene, start, end, _BITS, _TIME_BITS, growth=_GROWTH)
+    *grid, _ = steps._asdict().items()
+    return dict(grid)
 
 
 def _integers(chart: Chart) -> JsonObject:

@@ -21,13 +21,11 @@ from polhode.common.errors import BadInput
 from polhode.common.interrupts import Message
 from polhode.dynamics import newton_shooting
 from polhode.dynamics.level_body import LevelBody
-from polhode.dynamics.newton_shooting import Closed, NotClosed, at_level, bordered, closed
-from polhode.numbers import exact
-from polhode.numbers.conversion import exactly, to_double
-from polhode.numbers.exact import ONE, Exact, sign
+from polhode.dynamics.newton_shooting import Closed, NotClosed
+from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import sign
 from polhode.numbers.flint_context import ctx
 from polhode.proofs.theorem import NotProved
-from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
 # --- certificate --------------------------------------------------------------------------------
@@ -36,79 +34,42 @@ from polhode.scenes.scene import Scene
 _DIVISORS = 2  # times as many as the steepness at the start asks: primes to divide the period by
 
 
-class Problem(NamedTuple):
-    """A body, the level, T* and x*.
+class Box(NamedTuple):
+    """Where a proof looks for an orbit, and how.
 
-    ``start``, ``period``: near an orbit, in the scene's axes and units.
+    ``start``, ``period``: x* and T*, near an orbit, in the scene's axes and units.  ``radius``: of
+    the box, states being about 1; ``bits``; ``part``: of the radius of convergence that a step is.
     """
 
-    body: Body
-    h: Exact
-    f: Exact
     start: Sequence[Fraction]
     period: Fraction
-
-
-class Choice(NamedTuple):
-    """``radius``: of the box, states being about 1; ``bits``; ``part``: of the radius of
-    convergence that a step is."""
-
     radius: Fraction
     bits: int
     part: float
 
 
-def guesses(problem: Problem, choice: Choice) -> JsonObject:
+def guesses(on: LevelBody, box: Box) -> JsonObject:
     """A certificate but for its statement."""
-    wide = choice.bits + verify.COARSE
-    numbers = certificate_file.body_numbers(problem.body, wide)
-    level = [certificate_file.number(x, wide) for x in (problem.h, problem.f, ONE)]
-    with ctx.workprec(choice.bits + 2 * verify.COARSE):
-        steps = _steps(numbers, problem, choice)
+    bits, state_bits = box.bits, box.bits + 8  # the first centre is x* itself
+    scene = certificate_file.on_level(on.scene.body, on.h, on.f, bits + verify.COARSE)
+    with ctx.workprec(bits + 2 * verify.COARSE):
+        x = [verify.ball((x, Fraction(0))) for x in box.start]
+        steps = certificate_file.steps(scene, x, box.period, bits, bits, box.part)
+        centres = [[x << state_bits - steps.state_bits for x in row] for row in steps.centres]
+        centres[0] = [round(x * (1 << state_bits)) for x in box.start]
+        steps = steps._replace(state_bits=state_bits, centres=centres)
+        run = verify.Run(steps, *verify.balls_of(verify.read_body(scene, ("level",)))[:2])
+        steep = max(float(verify.steepness(verify.slope(run.body, x)).mid()) for x in run.centres)
+    steep *= float(box.period * Fraction(2) ** run.shift)
+    *grid, _ = steps._asdict().items()
     return {
         "format": verify.FORMAT,
         "kind": "orbit",
-        "scene": {**numbers, "level": level},
-        **steps,
-        "bits": choice.bits,
-    }
-
-
-def zero_of(certificate: JsonObject) -> verify.Zero:
-    """What the checker proves of guesses; raises its NotProved."""
-    return by_checker(verify.zero_near, certificate)
-
-
-def with_statement(certificate: JsonObject, statement: JsonObject, zero: verify.Zero) -> JsonObject:
-    """The certificate with its statement, which the checker compares with what it proved."""
-    with ctx.workprec(int(str(certificate["bits"])) + verify.COARSE):
-        verify.check_orbit(verify.read_orbit(statement), zero)
-    return {**certificate, "statement": statement}
-
-
-def _steps(numbers: JsonObject, problem: Problem, choice: Choice) -> JsonObject:
-    """Steps of one period, the box's radius, and by how much the period is divided."""
-    bits, part = choice.bits, choice.part
-    x = [verify.ball((x, Fraction(0))) for x in problem.start]
-    steps = certificate_file.steps(numbers, x, problem.period, bits, bits, part)
-    state_bits = bits + 8  # the first centre is x* itself
-    centres = steps["centres"]
-    assert isinstance(centres, list)
-    more = state_bits - int(str(steps["state_bits"]))
-    centres = [[x << more for x in row] for row in centres]
-    centres[0] = [round(x * (1 << state_bits)) for x in problem.start]
-    inertia, torque, _ = verify.balls_of(verify.read_body(numbers, ()))
-    certificate = {**steps, "state_bits": state_bits, "centres": centres, "bits": bits}
-    grid = verify.read_guesses([certificate[name] for name in verify.Guesses._fields])
-    run = verify.Run(grid, inertia, torque)
-    steep = max(float(verify.steepness(verify.slope(run.body, x)).mid()) for x in run.centres)
-    steep *= float(problem.period * Fraction(2) ** run.shift)
-    return {
-        **steps,
-        "state_bits": state_bits,
-        "centres": centres,
-        "radius_bits": math.floor(-math.log2(choice.radius)),
+        "scene": scene,
+        **dict(grid),
+        "radius_bits": math.floor(-math.log2(box.radius)),
         "divided_to": math.ceil(_DIVISORS * steep / (2 * math.pi)),
+        "bits": bits,
     }
 
 
@@ -123,17 +84,6 @@ _BOX = 3  # digits by which the box is wider than the centre's error
 _TRIES = 5
 _STEPS = (0.25, 0.15, 0.1)  # of the radius of convergence
 _SINGULAR = 1e11  # condition of the ten equations
-_ROUGH = Choice(Fraction(1, 1 << 40), 96, 0.25)  # of a guess that Newton's method cannot better
-_BINARY = 200  # bits of such a guess
-
-
-class Candidate(NamedTuple):
-    """An approximate orbit; ``closed``: in double, or the reason why there is none."""
-
-    on: LevelBody
-    closed: Closed | str
-    start: tuple[Fraction, ...]
-    period: Fraction
 
 
 class OrbitProof(NamedTuple):
@@ -145,99 +95,77 @@ class OrbitProof(NamedTuple):
     runs: int
 
 
-def of_closed(on: LevelBody, orbit: Closed) -> Candidate:
-    """The candidate that a search in double gives."""
-    return Candidate(on, orbit, (), Fraction(0))
-
-
-def of_scene(on: LevelBody, near: Scene) -> Candidate:
-    """The candidate near a scene's start whose period is about its end; raises BadInput."""
+def closed_near(on: LevelBody, near: Scene) -> Closed:
+    """The orbit near a scene's start whose period is about its end; raises BadInput, NotProved."""
     if near.gamma is None or near.end is None or sign(near.end) <= 0:
         raise BadInput(near.name, "orbit", None, "a start with gamma, and run.end, its period")
-    exact_start = (*near.omega, *near.gamma)
-    start = [exact.binary(*exact.rounded(x, _BINARY)) if x else Fraction(0) for x in exact_start]
-    period = exact.binary(*exact.rounded(near.end, _BINARY))
     inside = on.scene.body.axes.components
     scaled = tuple(on.unit * w for w in inside(near.omega))
     state = np.array([to_double(x) for x in (*scaled, *inside(near.gamma))])
-    orbit: Closed | str
     try:
-        orbit = closed(on, state, to_double(period / on.unit), at_level(on, state))
+        return newton_shooting.closed(on, state, to_double(near.end / on.unit))
     except NotClosed as why:
-        orbit = str(why)
-    return Candidate(on, orbit, tuple(start), period)
+        line = f"no periodic orbit is near the start ({why}); try another start"
+        raise NotProved(f"{on.scene.name}: {line}") from None
 
 
-def proof_of(candidate: Candidate, digits: int, progress: Message | None = None) -> OrbitProof:
+def proof_of(
+    on: LevelBody, orbit: Closed, digits: int, progress: Message | None = None
+) -> OrbitProof:
     """The first certificate with so many digits that the checker proves; raises NotProved."""
     place = max(digits // 2 + _CENTRE, digits - _FEWER)
     bits = math.ceil(BITS_A_DIGIT * digits) + _SPARE
-    why, have = "", 0.0
+    why, proved_digits = "", 0.0
     for tried in range(_TRIES):
         if progress is not None:
             progress(f"certificate {tried + 1}, {bits} bits")
-        part = _STEPS[min(tried, len(_STEPS) - 1)]
-        problem, choice = _chosen(candidate, place, Choice(Fraction(1), bits, part))
-        certificate = guesses(problem, choice)
         try:
-            zero = zero_of(certificate)
+            fine = newton_shooting.refined(on, orbit, place)
+        except NotClosed as fault:
+            why = str(fault)
+            break
+        start = [Fraction(x) for x in (*fine.omega, *fine.gamma)]
+        radius, part = Fraction(1, 10 ** (place - _BOX)), _STEPS[min(tried, len(_STEPS) - 1)]
+        certificate = guesses(on, Box(start, Fraction(fine.period), radius, bits, part))
+        try:
+            zero = by_checker(verify.zero_near, certificate)
         except verify.NotProved as refused:
             why = str(refused)
-            if isinstance(candidate.closed, str) or _condition(candidate) > _SINGULAR:
+            if _condition(on, orbit) > _SINGULAR:
                 break
             place, bits = place + 8, bits + 48
             continue
-        have, why = _digits_of(candidate, zero), zero.repeated
-        if have >= digits or why:
+        except verify.Damaged as fault:  # of too many steps
+            line = f"{fault}; try fewer digits, or a shorter orbit"
+            raise NotProved(f"{on.scene.name}: {line}") from None
+        proved_digits, why = _digits_of(on, orbit, zero), zero.repeated
+        if proved_digits >= digits or why:
             break
-        more = math.ceil(digits - have) + 1
+        more = math.ceil(digits - proved_digits) + 1
         place, bits = place + more // 2 + 1, bits + math.ceil(BITS_A_DIGIT * more)
-    if why or have < digits:
-        why = why or f"{have:.1f} digits are proved, not {digits}"
-        raise NotProved(f"{candidate.on.scene.name}: {_refusal(candidate, why)}")
-    return OrbitProof(zero, certificate, have, tried + 1)
+    if why or proved_digits < digits:
+        why = why or f"{proved_digits:.1f} digits are proved, not {digits}"
+        raise NotProved(f"{on.scene.name}: {_advice(on, orbit, why)}")
+    return OrbitProof(zero, certificate, proved_digits, tried + 1)
 
 
-def _chosen(candidate: Candidate, place: int, choice: Choice) -> tuple[Problem, Choice]:
-    """The problem with a centre that is right to so many digits, and its box."""
-    on = candidate.on
-    if isinstance(candidate.closed, str):
-        return Problem(on.scene.body, on.h, on.f, candidate.start, candidate.period), _ROUGH
-    orbit = candidate.closed
-    try:
-        fine = newton_shooting.refined(on, orbit, [exactly(x) for x in orbit.state.tolist()], place)
-    except NotClosed as fault:
-        raise NotProved(f"{candidate.on.scene.name}: {_refusal(candidate, str(fault))}") from None
-    start = [Fraction(x) for x in (*fine.omega, *fine.gamma)]
-    radius = Fraction(1, 10 ** (place - _BOX))
-    problem = Problem(on.scene.body, on.h, on.f, start, Fraction(fine.period))
-    return problem, choice._replace(radius=radius)
-
-
-def _digits_of(candidate: Candidate, zero: verify.Zero) -> float:
+def _digits_of(on: LevelBody, orbit: Closed, zero: verify.Zero) -> float:
     """Proven digits of start and period: the state's in parts of its scale."""
-    on, guess = candidate.on, candidate.closed
-    assert not isinstance(guess, str)
-    scales = [*(on.scale(guess.state) / [*[float(on.unit)] * 3, 1.0, 1.0, 1.0]).tolist()]
+    scales = [*(on.scale(orbit.state) / [*[float(on.unit)] * 3, 1.0, 1.0, 1.0]).tolist()]
     worst = max(float(x.rad()) / scale for x, scale in zip(zero.start, scales, strict=True))
     worst = max(worst, float(zero.period.rad()) / float(zero.period.mid()))
     return -math.log10(worst) if worst else math.inf
 
 
-def _condition(candidate: Candidate) -> float:
+def _condition(on: LevelBody, orbit: Closed) -> float:
     """Of the ten equations, in double."""
-    on, orbit = candidate.on, candidate.closed
-    assert not isinstance(orbit, str)
-    rows = at_level(on, orbit.state)(orbit.state, orbit.period)[1]
-    sizes = np.linalg.svd(bordered(on, orbit.state, orbit.state, orbit.monodromy, rows))[1]
+    sizes = np.linalg.svd(newton_shooting.matrix_of(on, orbit, orbit.state))[1]
     return float(sizes[0] / sizes[-1]) if sizes[-1] else math.inf
 
 
-def _refusal(candidate: Candidate, why: str) -> str:
+def _advice(on: LevelBody, orbit: Closed, why: str) -> str:
     """What the checker refused, and what may be done about it."""
-    if isinstance(candidate.closed, str):
-        return f"no periodic orbit is near the start, {candidate.closed}: {why}; try another start"
-    condition = _condition(candidate)
+    condition = _condition(on, orbit)
     if condition > _SINGULAR:
         return (
             f"the orbit is not isolated, or nearly so: {why}; the ten equations have the condition "
@@ -245,6 +173,6 @@ def _refusal(candidate: Candidate, why: str) -> str:
         )
     times, _, rest = why.removeprefix("the period may be ").partition(" times the least one")
     if not rest and times.isdigit():
-        shorter = candidate.closed.period * float(candidate.on.unit) / int(times)
+        shorter = orbit.period * float(on.unit) / int(times)
         return f"{why}; try the period {shorter:.10g}"
     return f"{why}; try more digits, or another orbit"

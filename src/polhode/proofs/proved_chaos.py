@@ -12,25 +12,30 @@ from pathlib import Path
 import numpy as np
 
 from polhode.certificates import verify
-from polhode.certificates.certificate_file import JsonObject
+from polhode.certificates.certificate_file import JsonObject, by_checker
 from polhode.common.arguments import whole
 from polhode.common.errors import counted
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
 from polhode.dynamics.families import orbit_search
-from polhode.dynamics.level_body import LevelBody
+from polhode.dynamics.level_body import LevelBody, level_of
+from polhode.dynamics.newton_shooting import Closed
 from polhode.dynamics.orbit import Orbit
-from polhode.dynamics.starts import MAXIMA, cut_of
 from polhode.enclosures.fixed_point_problem import upper
-from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import AnyNumber
 from polhode.proofs import chaos_certificate, homoclinic
 from polhode.proofs.chaos_certificate import Guess
-from polhode.proofs.orbit_certificate import Candidate, of_closed, of_scene
-from polhode.proofs.proved_orbit import ProvedOrbit, as_arb, down, theorem_of, up
+from polhode.proofs.proved_orbit import (
+    ProvedOrbit,
+    as_arb,
+    closed_orbit,
+    down,
+    theorem_of,
+    up,
+)
 from polhode.proofs.theorem import NotProved, Theorem
 from polhode.results.table import Fact, Table
 from polhode.scenes import library
@@ -202,10 +207,9 @@ def prove_chaos(
     """
     scene = library.load(scene, takes=REQUESTS)
     most = whole(scene.name, "tries", tries, 1, MOST_TRIES)
-    on = cut_of(scene, MOMENTUM, MAXIMA, h, f).on
+    on = level_of(scene, h, f)
     if orbit is not None:
-        near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit, takes=REQUESTS)
-        return _ChaosSearch(on, most, progress).first([of_scene(on, near)])
+        return _ChaosSearch(on, most, progress).first([closed_orbit(on, orbit)])
     if progress is not None:
         progress("unstable periodic orbits of the level")
     some = orbit_search(scene, _GRID, _RETURNS, h, f)
@@ -215,8 +219,7 @@ def prove_chaos(
     unstable = [k for k in order if not 0.0 <= float(some.closed[k].residue) <= 1.0]
     if not unstable:
         raise NotProved(f"{scene.name}: no unstable periodic orbit was found on the level")
-    guesses = [of_closed(some.surface, some.closed[k]) for k in unstable[:_ORBITS]]
-    return _ChaosSearch(on, most, progress).first(guesses)
+    return _ChaosSearch(on, most, progress).first([some.closed[k] for k in unstable[:_ORBITS]])
 
 
 class _ChaosSearch:
@@ -228,12 +231,12 @@ class _ChaosSearch:
         self.began = time.process_time()
         self.causes: list[str] = []
 
-    def first(self, guesses: list[Candidate]) -> ProvedChaos:
+    def first(self, orbits: list[Closed]) -> ProvedChaos:
         """The first proof that holds; raises NotProved."""
-        each = self.most if len(guesses) == 1 else _EACH
-        for guess in guesses:
+        each = self.most if len(orbits) == 1 else _EACH
+        for orbit in orbits:
             try:
-                theorem = self._beside(theorem_of(guess, _DIGITS), each)
+                theorem = self._beside(theorem_of(self.on, orbit, _DIGITS), each)
             except NotProved as why:
                 self.causes.append(str(why).partition(": ")[2])
                 continue
@@ -276,7 +279,7 @@ class _ChaosSearch:
                 guess = chaos_certificate.guess_along(on, at, connection, rho)
                 try:
                     return self._proved(orbit, guess, rho)
-                except verify.NotProved as why:
+                except (verify.NotProved, verify.Damaged) as why:
                     self.causes.append(str(why))
         return None
 
@@ -291,7 +294,7 @@ class _ChaosSearch:
         short, long = upper(proof.short), upper(proof.long)
         entropy = _least_entropy(short, long)
         statement: JsonObject = {"entropy": down(entropy), "short": up(short), "long": up(long)}
-        certificate = chaos_certificate.with_statement(certificate, statement, proof)
+        by_checker(verify.check_chaos, verify.read_chaos(statement), proof)
         return ProvedChaos(
             orbit.scene,
             orbit.h,
@@ -308,7 +311,7 @@ class _ChaosSearch:
             size,
             self.tried,
             time.process_time() - self.began,
-            json.dumps(certificate),
+            json.dumps({**certificate, "statement": statement}),
             guess,
             tuple(proof.images),
             orbit.scene.provenance(),

@@ -10,30 +10,28 @@ from dataclasses import dataclass, field, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Unpack
 
 from flint import arb
 
 from polhode.certificates import verify
-from polhode.certificates.certificate_file import JsonObject
-from polhode.common.arguments import whole
+from polhode.certificates.certificate_file import JsonObject, by_checker
+from polhode.common.arguments import refuse_unknown, whole, with_options
 from polhode.common.errors import BadInput, aligned
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
 from polhode.dynamics.families import OrbitSearch, orbit_search
-from polhode.dynamics.level_body import LevelBody
-from polhode.dynamics.orbit import Orbit
+from polhode.dynamics.level_body import LevelBody, level_of
+from polhode.dynamics.newton_shooting import Closed
+from polhode.dynamics.orbit import NearOrbit, Orbit
 from polhode.dynamics.orbit import orbit as approximate
-from polhode.dynamics.starts import MAXIMA, cut_of
 from polhode.enclosures.fixed_point_problem import upper
-from polhode.equations.section_functions import MOMENTUM
 from polhode.numbers.decimals import Ball, shown
 from polhode.numbers.exact import Exact, as_ball
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import DOUBLE, AnyNumber
 from polhode.numbers.polynomials import middle
-from polhode.proofs import orbit_certificate
-from polhode.proofs.orbit_certificate import Candidate, OrbitProof
+from polhode.proofs.orbit_certificate import OrbitProof, closed_near, proof_of
 from polhode.proofs.theorem import NotProved, Theorem
 from polhode.results import cells
 from polhode.results.result import Result
@@ -183,18 +181,20 @@ class ProvedOrbit(Theorem, ByValue):
     def theorem(self) -> str:
         """The theorem in words."""
         near, (middle, radius) = self.unique_within, self.period.decimals
-        point = " and ".join(
-            f"{name} ({', '.join(map(str, balls))})"
-            for name, balls in (("omega", self.omega), ("gamma", self.gamma))
-        )
         mu = self.multipliers[0]
         side = f" + {mu[1]} i" if self.kind == "elliptic" else ""
         return (
             f"proved: on the level {self.level} exactly one periodic orbit with a "
             f"period within {down(near.period)} of {self.period} passes within "
-            f"{down(near.omega)} and {down(near.gamma)} of {point}; its least period is {middle} "
-            f"+- {radius}; {self.kind}, multiplier {mu[0]}{side}"
+            f"{down(near.omega)} and {down(near.gamma)} of {self.point}; its least period is "
+            f"{middle} +- {radius}; {self.kind}, multiplier {mu[0]}{side}"
         )
+
+    @property
+    def point(self) -> str:
+        """A point of the orbit in words."""
+        vectors = {"omega": self.omega, "gamma": self.gamma}
+        return " and ".join(f"{name} ({', '.join(map(str, v))})" for name, v in vectors.items())
 
     @property
     def level(self) -> str:
@@ -226,7 +226,9 @@ def of_proof(on: LevelBody, proof: OrbitProof, seconds: float) -> ProvedOrbit:
         "least": True,
         "alone": [down(x) for x in within],
     }
-    certificate = orbit_certificate.with_statement(proof.certificate, statement, zero)
+    bits = int(str(proof.certificate["bits"]))
+    claim = verify.read_orbit(statement)
+    by_checker(verify.check_orbit, claim, zero, bits=bits + verify.COARSE)
     return ProvedOrbit(
         on.scene,
         on.h,
@@ -238,10 +240,10 @@ def of_proof(on: LevelBody, proof: OrbitProof, seconds: float) -> ProvedOrbit:
         kind,
         within,
         proof.digits,
-        int(str(certificate["bits"])),
+        bits,
         proof.runs,
         seconds,
-        json.dumps(certificate),
+        json.dumps({**proof.certificate, "statement": statement}),
         on.scene.provenance(),
     )
 
@@ -279,15 +281,12 @@ DIGITS = 30
 MOST_DIGITS = 200
 
 
+@with_options(NearOrbit)
 def prove_orbit(
     scene: Scene | str | Path,
     orbit: Orbit | Scene | str | Path | None = None,
     digits: int = DIGITS,
-    h: AnyNumber | None = None,
-    f: AnyNumber | None = None,
-    period: AnyNumber | None = None,
-    returns: int | None = None,
-    progress: Message | None = None,
+    **near: Unpack[NearOrbit],
 ) -> ProvedOrbit:
     """Prove that a periodic orbit exists, and where: start, period, residue, multipliers, kind.
 
@@ -300,12 +299,6 @@ def prove_orbit(
         ends after one period.  Without one, an orbit near the scene's start is searched for.
     digits : int
         The digits wanted of start and period (30, at most 200).
-    h, f : number, optional
-        The level's energy h or vertical momentum f, exact, if not the scene's.
-    period, returns : number and int, optional
-        A guess of the period, or the number of near returns to try, as in :func:`polhode.orbit`.
-    progress : callable, optional
-        Called with a line of text now and then.
 
     Returns
     -------
@@ -332,32 +325,32 @@ def prove_orbit(
     >>> print(str(found.period)[:32])  # 2 pi
     6.283185307179586476925286766559
     """
+    refuse_unknown("prove_orbit", prove_orbit, near)
     scene = library.load(scene, takes=REQUESTS)
     digit_count = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
     if orbit is None:
-        orbit = approximate(scene, h=h, f=f, period=period, returns=returns, progress=progress)
-    elif period is not None or returns is not None:
+        orbit = approximate(scene, **near)
+    elif near.get("period") is not None or near.get("returns") is not None:
         raise BadInput(scene.name, "orbit", None, "no period, returns with it")
-    on = cut_of(scene, MOMENTUM, MAXIMA, h, f).on
-    if isinstance(orbit, Orbit) and _alike(orbit.surface, on):
-        candidate = orbit_certificate.of_closed(on, orbit.closed)
-    else:
-        near = orbit.scene if isinstance(orbit, Orbit) else library.load(orbit, takes=REQUESTS)
-        candidate = orbit_certificate.of_scene(on, near)
-    return theorem_of(candidate, digit_count, progress)
+    on = level_of(scene, near.get("h"), near.get("f"))
+    return theorem_of(on, closed_orbit(on, orbit), digit_count, near.get("progress"))
 
 
-def _alike(first: LevelBody, second: LevelBody) -> bool:
-    """Whether states of both are of one body, one level and one unit of time."""
-    levels = [(on.scene.body, on.h, on.f, on.unit) for on in (first, second)]
-    return levels[0] == levels[1]
+def closed_orbit(on: LevelBody, guess: Orbit | Scene | str | Path) -> Closed:
+    """An approximate orbit of a level, in double; raises BadInput, NotProved."""
+    if not isinstance(guess, Orbit):
+        return closed_near(on, library.load(guess, takes=REQUESTS))
+    levels = [(x.scene.body, x.h, x.f, x.unit) for x in (guess.surface, on)]
+    return guess.closed if levels[0] == levels[1] else closed_near(on, guess.scene)
 
 
-def theorem_of(candidate: Candidate, digits: int, progress: Message | None = None) -> ProvedOrbit:
-    """The theorem of a candidate; raises NotProved."""
+def theorem_of(
+    on: LevelBody, orbit: Closed, digits: int, progress: Message | None = None
+) -> ProvedOrbit:
+    """The theorem of an approximate orbit; raises NotProved."""
     began = time.process_time()
-    proof = orbit_certificate.proof_of(candidate, digits, progress)
-    return of_proof(candidate.on, proof, time.process_time() - began)
+    proof = proof_of(on, orbit, digits, progress)
+    return of_proof(on, proof, time.process_time() - began)
 
 
 # --- prove orbits ---------------------------------------------------------------------------------
@@ -411,11 +404,9 @@ class ProvedOrbits(Result, ByValue):
 
     def facts(self) -> list[Fact]:
         """The level, and how many guesses were tried."""
-        facts = [x for x in self.search.facts() if x.name != "complete"]
-        complete = Fact(
-            "complete", self.complete, "whether all guesses were tried, and all is proved"
-        )
-        return [*facts[:-1], complete, facts[-1]]
+        meaning = "whether all guesses were tried, and all is proved"
+        complete = Fact("complete", self.complete, meaning)
+        return [complete if x.name == complete.name else x for x in self.search.facts()]
 
     def __repr__(self) -> str:
         count = sum(isinstance(x, ProvedOrbit) for x in self.proofs)
@@ -480,7 +471,7 @@ def prove_orbits(
     proofs: list[ProvedOrbit | NotProved] = []
     for orbit in search.closed:
         try:
-            proofs.append(theorem_of(orbit_certificate.of_closed(search.surface, orbit), digits))
+            proofs.append(theorem_of(search.surface, orbit, digits))
         except NotProved as why:
             proofs.append(why)
     return ProvedOrbits(search, tuple(proofs))

@@ -9,17 +9,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Unpack
 
 from polhode.certificates import verify
 from polhode.certificates.certificate_file import JsonObject, by_checker
+from polhode.common.arguments import with_options
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
-from polhode.dynamics.orbit import Orbit
+from polhode.dynamics.orbit import NearOrbit, Orbit
 from polhode.numbers.decimals import Ball
-from polhode.numbers.flint_context import ctx
-from polhode.numbers.number_types import AnyNumber
 from polhode.proofs.orbit_certificate import BITS_A_DIGIT
 from polhode.proofs.proved_orbit import DIGITS, MOST_DIGITS, ProvedOrbit, ball_of, prove_orbit
 from polhode.proofs.theorem import NotProved, Theorem
@@ -118,12 +117,8 @@ class ProvedStability(Theorem, ByValue):
     def theorem(self) -> str:
         """The theorem in words."""
         orbit = self.orbit
-        point = " and ".join(
-            f"{name} ({', '.join(map(str, balls))})"
-            for name, balls in (("omega", orbit.omega), ("gamma", orbit.gamma))
-        )
         return (
-            f"proved: on the level {orbit.level} the periodic orbit through {point} with the "
+            f"proved: on the level {orbit.level} the periodic orbit through {orbit.point} with the "
             f"period {orbit.period} is stable for all time, forward and back: for each d > 0 a "
             "motion of omega and gamma that starts near enough to it, on its level or another, "
             "stays within d of it; tori of quasi-periodic motions enclose it (J. Moser). How near "
@@ -147,15 +142,12 @@ _TOO_FAST, _FOURTH = "the condition of the step", "resonance of the fourth order
 Prover = Callable[[int], ProvedOrbit]
 
 
+@with_options(NearOrbit)
 def prove_stability(
     scene: Scene | str | Path | ProvedOrbit,
     orbit: Orbit | Scene | str | Path | None = None,
     digits: int = DIGITS,
-    h: AnyNumber | None = None,
-    f: AnyNumber | None = None,
-    period: AnyNumber | None = None,
-    returns: int | None = None,
-    progress: Message | None = None,
+    **near: Unpack[NearOrbit],
 ) -> ProvedStability:
     """Prove that a periodic orbit is stable for all time, by Moser's theorem.
 
@@ -169,12 +161,6 @@ def prove_stability(
         ends after one period.  Without one, an orbit near the scene's start is searched for.
     digits : int
         The digits wanted of start and period (30, at most 200).
-    h, f : number, optional
-        The level's energy h or vertical momentum f, exact, if not the scene's.
-    period, returns : number and int, optional
-        A guess of the period, or the number of near returns to try, as in :func:`polhode.orbit`.
-    progress : callable, optional
-        Called with a line of text now and then.
 
     Returns
     -------
@@ -199,19 +185,21 @@ def prove_stability(
     >>> found
     <ProvedStability of grioli/precession: period 6.28319, twist -23.6475>
     """
-    if not isinstance(scene, ProvedOrbit):
-        start = scene
+    progress = near.get("progress")
+    start: Scene | str | Path
+    if isinstance(scene, ProvedOrbit):
+        first, start = scene, scene.scene
+        if orbit is not None or any(x is not None for x in near.values() if x is not progress):
+            expected = "nothing else with an orbit that is proved"
+            raise BadInput(first.scene.name, "scene", None, expected)
+        orbit, near = first.near, NearOrbit(h=first.h, f=first.f)
+    else:
+        first, start = prove_orbit(scene, orbit, digits, **near), scene
 
-        def prove(places: int) -> ProvedOrbit:
-            return prove_orbit(start, orbit, places, h, f, period, returns, progress)
+    def prove(places: int) -> ProvedOrbit:
+        return prove_orbit(start, orbit, places, **near)
 
-        return of_orbit(prove(digits), prove, progress)
-    if any(x is not None for x in (orbit, h, f, period, returns)):
-        raise BadInput(scene.scene.name, "scene", None, "nothing else with an orbit that is proved")
-    guess = scene.near
-    return of_orbit(
-        scene, lambda places: prove_orbit(scene.scene, guess, places, scene.h, scene.f), progress
-    )
+    return of_orbit(first, prove, progress)
 
 
 def of_orbit(orbit: ProvedOrbit, prove: Prover, progress: Message | None = None) -> ProvedStability:
@@ -225,9 +213,9 @@ def of_orbit(orbit: ProvedOrbit, prove: Prover, progress: Message | None = None)
     assert isinstance(claim, dict)
     balls = {"rotation": [*rotation.decimals], "twist": [*twist.decimals]}
     statement = {**claim, **balls}
+    balls_stated, bits = verify.read_stability(statement)[1], proof.guide.jet_bits + verify.COARSE
     try:
-        with ctx.workprec(proof.guide.jet_bits + verify.COARSE):
-            verify.check_twist(verify.read_stability(statement)[1], proof.twist)
+        by_checker(verify.check_twist, balls_stated, proof.twist, bits=bits)
     except verify.NotProved:
         raise NotProved(f"{name}: the twist {proof.twist.twist.str(3)} may be 0") from None
     text = json.dumps(parts | proof.guide._asdict() | {"kind": "stability", "statement": statement})
@@ -274,12 +262,15 @@ def _proof_of(
         if progress is not None:
             progress(f"return map {run}, {guide.jet_bits} bits")
         try:
+            by_checker(verify.read_guide, json.loads(orbit.certificate) | guide._asdict())
             proof = _Proof(guide, by_checker(verify.twist_of, zero, guide))
             best, missing = (orbit, proof), _DIGITS - proof.digits
         except verify.NotProved as fault:
             why, missing = str(fault), _UNKNOWN
             if run > 1:
                 guide = guide._replace(weight_bits=_HEAVIER)
+        except verify.Damaged as fault:  # of too many steps
+            raise NotProved(f"{orbit.scene.name}: {fault}; try a shorter orbit") from None
         resonant = _FOURTH in why and _may_be(orbit, Fraction(1, 2))
         if missing <= 0 or resonant or run == _TRIES:
             break

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from html import escape
-from typing import TYPE_CHECKING
 
 from polhode.common.errors import aligned, printable
 from polhode.numbers.decimals import Ball, guaranteed, in_full, is_decimal, strings
@@ -21,9 +20,6 @@ from polhode.results.cells import (
     word_of,
 )
 from polhode.results.table import Column, Table, Value
-
-if TYPE_CHECKING:
-    pass
 
 MOST_ROWS, MOST_LINES = 8, 40  # that a notebook shows
 

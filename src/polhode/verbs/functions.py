@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Message, Progress
@@ -32,28 +32,11 @@ _MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
 _FOLLOWED = 3e5  # radians: as far as its steps go
 
 
-def judged(
-    file: str | Path,
-    scene: str | Path,
-    number: str | None = None,
-    digits: int | None = None,
-    as_it_stands: bool = False,
-    read: str | None = None,
-    columns: Sequence[str] | None = None,
-    at_least: float | None = None,
-    max_seconds: float | None = None,
-    details: bool = False,
-    whole: bool = False,
-    line: ProgressLine | None = None,
-) -> Judgement:
-    """Judge a trajectory that another program computed.
+class FileOptions(TypedDict, total=False):
+    """How a file that another program made is read and judged.
 
     Parameters
     ----------
-    file : str or Path
-        A CSV (- for standard input), .npz, .npy or .parquet with a column t.
-    scene : str or Path
-        A case that ships, or a path.
     number : str, optional
         The type of which the file's decimals are rounded values.
     digits : int, optional
@@ -64,11 +47,38 @@ def judged(
         Readings to apply, in their words, 'omega degrees; attitude scalar-last'.
     columns : sequence of str, optional
         The file's columns in order, t,qw,qx,..., or some of them, 'time_ms=t*1e-3, Q.W=q0'.
+    max_seconds : float, optional
+        A limit in seconds on the proof that judges where there is no closed form.
+    """
+
+    number: str | None
+    digits: int | None
+    as_it_stands: bool
+    read: str | None
+    columns: Sequence[str] | None
+    max_seconds: float | None
+
+
+def judged(
+    file: str | Path,
+    scene: str | Path,
+    at_least: float | None = None,
+    details: bool = False,
+    whole: bool = False,
+    line: ProgressLine | None = None,
+    **how: Unpack[FileOptions],
+) -> Judgement:
+    """Judge a trajectory that another program computed.
+
+    Parameters
+    ----------
+    file : str or Path
+        A CSV (- for standard input), .npz, .npy or .parquet with a column t.
+    scene : str or Path
+        A case that ships, or a path.
     at_least : float, optional
         Fail (exit code 3) if any value has fewer correct digits than this, 2 if one is missing; the
         table is then read as it stands, or as --read says.
-    max_seconds : float, optional
-        A limit in seconds on the proof that judges where there is no closed form.
     details : bool
         Print everything known: digits at more times and those to expect, the kind of motion, drift.
     whole : bool
@@ -76,18 +86,10 @@ def judged(
     line : ProgressLine
         Where progress is shown.
     """
-    judgement = _judged(
-        Path(file),
-        scene,
-        line or ProgressLine("compare"),
-        number=number,
-        digits=digits,
-        as_it_stands=as_it_stands or at_least is not None,
-        read=read,
-        columns=columns,
-        max_seconds=max_seconds,
-        details=details or whole,
-    )
+    if at_least is not None:
+        how["as_it_stands"] = True
+    shown = line or ProgressLine("compare")
+    judgement = _judged(Path(file), scene, shown, details or whole, **how)
     if details or whole:
         from polhode.dynamics.lyapunov import lyapunov
         from polhode.taylor import heyoka
@@ -113,13 +115,8 @@ def order(
     files: Sequence[str | Path],
     scene: str | Path,
     steps: Sequence[str] | None = None,
-    number: str | None = None,
-    digits: int | None = None,
-    as_it_stands: bool = False,
-    read: str | None = None,
-    columns: Sequence[str] | None = None,
-    max_seconds: float | None = None,
     line: ProgressLine | None = None,
+    **how: Unpack[FileOptions],
 ) -> ObservedOrder:
     """Find the order of a method between files made with different steps.
 
@@ -131,18 +128,6 @@ def order(
         A case that ships, or a path.
     steps : sequence of str, optional
         The files' step sizes, if they are not the spacing of the rows.
-    number : str, optional
-        The type of which the files' decimals are rounded values.
-    digits : int, optional
-        The digits of mp, with --number mp.
-    as_it_stands : bool
-        Apply no other convention than the scene's.
-    read : str, optional
-        Readings to apply, in their words, 'omega degrees; attitude scalar-last'.
-    columns : sequence of str, optional
-        The files' columns in order, or some of them, as for polhode compare.
-    max_seconds : float, optional
-        A limit in seconds on the proof that judges where there is no closed form.
     line : ProgressLine
         Where progress is shown.
     """
@@ -150,26 +135,16 @@ def order(
 
     if len(files) < 2:
         raise BadInput("polhode order", "FILE", None, "two files or more")
-    shown, judgements = line or ProgressLine("order"), []
-    for file in files:
-        judgements.append(
-            _judged(
-                Path(file),
-                scene,
-                shown,
-                number=number,
-                digits=digits,
-                as_it_stands=as_it_stands,
-                read=read,
-                columns=columns,
-                max_seconds=max_seconds,
-            )
-        )
-    return order_between(judgements, steps)
+    shown = line or ProgressLine("order")
+    return order_between([_judged(Path(file), scene, shown, **how) for file in files], steps)
 
 
 def _judged(
-    path: Path, scene: str | Path, line: ProgressLine, max_seconds: float | None, **options: Any
+    path: Path,
+    scene: str | Path,
+    line: ProgressLine,
+    details: bool = False,
+    **options: Unpack[FileOptions],
 ) -> Judgement:
     """The judgement of a file; ``options``: others of :func:`polhode.compare`."""
     from polhode.judging.certified import ProofTooLong
@@ -189,8 +164,8 @@ def _judged(
             path,
             scene,
             progress=partial(line.show, what="rows or steps of the reference"),
-            max_seconds=max_seconds,
             forecast=foretold,
+            details=details,
             **options,
         )
     except ProofTooLong as fault:

@@ -26,23 +26,27 @@ class Parameter(NamedTuple):
 
 
 class Front(NamedTuple):
-    """A function as its source tells it; ``several``: its parameter ``*name``, "" for none."""
+    """A function as its source tells it: parameters, and the first sentence about each of them.
+
+    ``several``: its parameter ``*name``, "" for none.
+    """
 
     name: str
     parameters: Sequence[Parameter]
-    docstring: str
+    helps: Mapping[str, str]
     several: str = ""
 
-    @property
-    def helps(self) -> dict[str, str]:
-        """The first sentence that the docstring says of each parameter."""
-        part = self.docstring.partition("Parameters\n----------\n")[2].partition("\n\n")[0]
-        entries = re.findall(r"^([\w*, ]+) : .*\n((?: .*\n?)+)", part + "\n", re.M)
-        return {
-            name.strip(" *"): _first_sentence(text)
-            for names, text in entries
-            for name in names.split(",")
-        }
+
+def _helps(documented: ast.FunctionDef | ast.ClassDef) -> dict[str, str]:
+    """The first sentence that a docstring says of each parameter."""
+    docstring = inspect.cleandoc(ast.get_docstring(documented) or "")
+    part = docstring.partition("Parameters\n----------\n")[2].partition("\n\n")[0]
+    entries = re.findall(r"^([\w*, ]+) : .*\n((?: .*\n?)+)", part + "\n", re.M)
+    return {
+        name.strip(" *"): _first_sentence(text)
+        for names, text in entries
+        for name in names.split(",")
+    }
 
 
 def _first_sentence(text: str) -> str:
@@ -53,11 +57,9 @@ def _first_sentence(text: str) -> str:
 
 def front(home: str, name: str) -> Front:
     """The function of this name in a module of polhode; of overloads the one with a body."""
-    source = PACKAGE.joinpath(*home.split(".")[1:]).with_suffix(".py").read_text("utf-8")
-    *_, function = (
-        x for x in ast.parse(source).body if isinstance(x, ast.FunctionDef) and x.name == name
-    )
-    arguments = function.args
+    statements = _statements(home)
+    *_, function = (x for x in statements if isinstance(x, ast.FunctionDef) and x.name == name)
+    arguments, helps = function.args, _helps(function)
     positional = [*arguments.posonlyargs, *arguments.args]
     lacking = len(positional) - len(arguments.defaults)
     defaults = [*[None] * lacking, *arguments.defaults, *arguments.kw_defaults]
@@ -65,12 +67,31 @@ def front(home: str, name: str) -> Front:
         _parameter(x, default)
         for x, default in zip([*positional, *arguments.kwonlyargs], defaults, strict=True)
     ]
-    docstring = inspect.cleandoc(ast.get_docstring(function) or "")
+    others = "" if arguments.kwarg is None else _parameter(arguments.kwarg, None).annotation
+    if shared := re.fullmatch(r"Unpack\[(\w+)\]", others):
+        options = _class(home, shared[1])
+        parameters += [_field(x) for x in options.body if isinstance(x, ast.AnnAssign)]
+        helps |= _helps(options)
     if arguments.vararg is None:
-        return Front(name, parameters, docstring)
+        return Front(name, parameters, helps)
     several = _parameter(arguments.vararg, None)
     first = Parameter(several.name, f"Sequence[{several.annotation}]", "()")
-    return Front(name, [first, *parameters], docstring, several.name)
+    return Front(name, [first, *parameters], helps, several.name)
+
+
+def _statements(home: str) -> list[ast.stmt]:
+    source = PACKAGE.joinpath(*home.split(".")[1:]).with_suffix(".py").read_text("utf-8")
+    return ast.parse(source).body
+
+
+def _class(home: str, name: str) -> ast.ClassDef:
+    """The class of this name that a module has, or imports."""
+    for x in _statements(home):
+        if isinstance(x, ast.ClassDef) and x.name == name:
+            return x
+        if isinstance(x, ast.ImportFrom) and x.module and name in (y.name for y in x.names):
+            return _class(x.module, name)
+    raise LookupError(name)
 
 
 def _parameter(argument: ast.arg, default: ast.expr | None) -> Parameter:
@@ -80,6 +101,13 @@ def _parameter(argument: ast.arg, default: ast.expr | None) -> Parameter:
         annotation.removesuffix(" | None"),
         "" if default is None else ast.unparse(default),
     )
+
+
+def _field(field: ast.AnnAssign) -> Parameter:
+    """A key of a TypedDict, which may be left out."""
+    name, annotation = ast.unparse(field.target), ast.unparse(field.annotation)
+    default = "False" if annotation == "bool" else "None"
+    return Parameter(name, annotation.removesuffix(" | None"), default)
 
 
 # -- how the text of an option is read ------------------------------------------------------------
@@ -119,21 +147,6 @@ def word(text: str) -> str:
     if not text:
         raise ArgumentTypeError("a name, not ''")
     return text
-
-
-def folder(text: str) -> Path:
-    """The folder that an option names."""
-    if not text:
-        raise ArgumentTypeError("a folder's name; . is the current one")
-    return Path(text)
-
-
-def add_folder(parser: ArgumentParser, usual: str) -> None:
-    """The option of the folder that a verb writes to."""
-    meaning = f"folder ({usual})"
-    parser.add_argument(
-        "-o", dest="folder", type=folder, metavar="DIR", default=Path(usual), help=meaning
-    )
 
 
 def names(text: str) -> list[str]:

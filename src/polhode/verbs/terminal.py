@@ -8,7 +8,6 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -91,15 +90,6 @@ def print_json(value: Any) -> None:
     from polhode.common.texts import as_json
 
     write_stdout(as_json(value))
-
-
-def say_written(paths: Sequence[Path], json: bool) -> None:
-    """The files that a verb wrote."""
-    names = list(map(str, paths))
-    if json:
-        print_json({"written": names})
-    else:
-        say("\n".join(names))
 
 
 def note(text: str) -> None:
