@@ -6,8 +6,8 @@ import pytest
 from flint import arb
 
 import polhode
+from polhode.closed_forms import lagrange
 from polhode.closed_forms.balls.jacobi import Jacobi, Shift
-from polhode.closed_forms.lagrange import motion as lagrange_motion
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath, own
 from shared.ball_checks import (
@@ -74,13 +74,13 @@ def test_by_force_a_constant_of_the_functions_off_by_1e_60(constant, monkeypatch
 def test_by_force_a_derivative_for_a_value_at_a_cusp(monkeypatch):
     """Where xi is exactly 0 the factor comes from the derivative, and a wrong one shows."""
     right = row_at(motion_of_family("lagrange", CUSP), F(7), 300)
-    slopes = lagrange_motion._slopes  # the formula that the factor rests on
+    slopes = lagrange._slopes  # the formula that the factor rests on
 
     def off(c, now):
         al, bt, xi = slopes(c, now)
         return al, bt, xi * (1 + arb(10) ** -30)
 
-    monkeypatch.setattr(lagrange_motion, "_slopes", off)
+    monkeypatch.setattr(lagrange, "_slopes", off)
     wrong = row_at(motion_of_family("lagrange", CUSP), F(7), 300)
     assert not all(x.overlaps(y) for x, y in zip(wrong[:3], right[:3], strict=True))
 

@@ -126,9 +126,9 @@ def test_frames_go_there_and_back():
     skew = ((F(1), F(1), F(0)), (F(-1), F(1), F(0)), (F(0), F(0), F(1)))
     frames = (
         Frame(),
-        Frame.signed((2, 0, 1)),
-        Frame.signed((1, 0, 2), (1, -1, 1)),
-        Frame.signed((0, 2, 1), (1, -1, 1)).seen_from(rational),
+        Frame().numbered((2, 0, 1)),
+        Frame().numbered((1, 0, 2), (1, -1, 1)),
+        Frame().numbered((0, 2, 1), (1, -1, 1)).seen_from(rational),
         Frame(skew, (F(2), F(2), F(1)), rational),
     )
     v = F(1), F(-2), F(1, 3)

@@ -7,7 +7,7 @@ import pytest
 from flint import arb
 
 import polhode
-from polhode.closed_forms.hess import period_map
+from polhode.closed_forms import hess
 from polhode.numbers.conversion import exactly
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
@@ -87,8 +87,8 @@ def test_by_force_a_tail_for_a_smaller_motion(weaker, least, monkeypatch):
     ups = [F(x, 7) for x in (2, 3, 6)], [F(x, 7) for x in (6, 3, 2)]
     starts = [on_surface((F(1, 7), F(1, 5)), up) for up in ups]
     right = maps_at(starts, 260)
-    proper = period_map.largest
-    monkeypatch.setattr(period_map, "largest", lambda *arguments: proper(*arguments) / weaker)
+    proper = hess.largest
+    monkeypatch.setattr(hess, "largest", lambda *arguments: proper(*arguments) / weaker)
     rough = maps_at(starts, 200)
     missed = sum(not x.overlaps(y) for x, y in zip(rough, right, strict=True))
     assert missed >= least
@@ -99,7 +99,7 @@ def test_fewer_terms_make_wider_balls_that_hold_the_value(monkeypatch):
     """A tail of 2^-100 at 200 bits, of which the true one is more than the rounding."""
     starts = [on_surface((F(1, 7), F(1, 5)), [F(x, 7) for x in (6, 3, 2)])]
     (right,) = maps_at(starts, 260)
-    monkeypatch.setattr(period_map, "_SPARE", -100)
+    monkeypatch.setattr(hess, "_SPARE", -100)
     (rough,) = maps_at(starts, 200)
     assert rough.overlaps(right)
     assert not rough.mid().overlaps(right)
@@ -122,5 +122,5 @@ def test_the_tail_is_that_of_its_majorant_and_little_more(a12):
         for k in range(40):
             rest -= term
             term *= x * (a + k) / (k + 1)
-        bound = period_map.tail(a, x, 40).real.rad()
+        bound = hess.tail(a, x, 40).real.rad()
         assert rest < bound < rest * arb("1.2")

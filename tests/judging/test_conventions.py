@@ -13,7 +13,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.closed_forms.closed_form import ClosedForm
+from polhode.closed_forms.families import ClosedForm
 from polhode.common.errors import BadInput
 from polhode.judging.tables import explanations
 from polhode.scenes.body import Body

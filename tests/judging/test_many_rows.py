@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.closed_forms.closed_form import ClosedForm
+from polhode.closed_forms.families import ClosedForm
 from polhode.common.errors import few
 from polhode.judging import score
 from polhode.judging.conditioning import Band
