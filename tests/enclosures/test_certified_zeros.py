@@ -13,7 +13,7 @@ from flint import arb, ctx
 
 import polhode
 from polhode.enclosures import fixed_point_problem, task, zeros, zonotope
-from polhode.enclosures.events import certify_events
+from polhode.enclosures.certify import certify_events
 from polhode.enclosures.polynomial import constant, rate, total, variable
 from polhode.numbers.conversion import exact_number, exactly
 from polhode.numbers.mpmath_context import mpmath

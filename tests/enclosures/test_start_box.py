@@ -13,7 +13,7 @@ import pytest
 import polhode
 from polhode import BadInput
 from polhode.cli import main
-from polhode.enclosures import certify, events, fixed_point_problem, integral_contraction, zeros
+from polhode.enclosures import certify, fixed_point_problem, integral_contraction, zeros
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exactly
 from polhode.scenes import scene_file
@@ -134,7 +134,7 @@ def test_an_event_at_the_start_s_middle_is_not_decided_for_a_box(monkeypatch):
     (certified,) = polhode.certify_events(scene, 1, omega_radius="1e-6")
     assert certified.undecided[0][0] == 0
     with without(zeros, "first_derivative", "motion.radii or ", ""):
-        monkeypatch.setattr(events, "first_derivative", zeros.first_derivative)
+        monkeypatch.setattr(certify, "first_derivative", zeros.first_derivative)
         (wrong,) = polhode.certify_events(scene, 1, omega_radius="1e-6")
     assert wrong.proven  # which it is not
 
