@@ -348,10 +348,10 @@ _VAGUE = re.compile(
 #: How often a room may bind one of them: as often as it does, in public keywords above all.
 _MOST_VAGUE = {
     "__init__": 1,
-    "closed_forms": 10,
+    "closed_forms": 7,
     "common": 4,
     "dynamics": 7,
-    "enclosures": 2,
+    "enclosures": 1,
     "equations": 2,
     "figures": 10,
     "judging": 28,

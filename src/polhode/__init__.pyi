@@ -32,7 +32,7 @@ from polhode.dynamics.rolling_cones import rolling as rolling
 from polhode.dynamics.section import Section as Section
 from polhode.dynamics.section import section as section
 from polhode.enclosures.certify import certify as certify
-from polhode.enclosures.events import certify_events as certify_events
+from polhode.enclosures.certify import certify_events as certify_events
 from polhode.enclosures.result import CertifiedEvents as CertifiedEvents
 from polhode.enclosures.result import Enclosure as Enclosure
 from polhode.equations.form import field as field

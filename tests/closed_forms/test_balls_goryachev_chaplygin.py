@@ -30,7 +30,7 @@ def motion_of(plain):
 def test_a_place_that_is_not_near_the_solution_proves_nothing():
     begin = motion_of(members.on_cubics(F(2), F(1), F(1), F(3, 2), F(1, 4)))
     with ctx.workprec(200):
-        path = begin._motion().state.path
+        path = begin._motion().path
         x, y = path._phases(arb(1))
         clocks = path._u.clock, path._v.clock
         points = [clock.at(z.mid()) for clock, z in zip(clocks, (x, y), strict=True)]

@@ -9,7 +9,7 @@ from flint import arb
 from mpmath import mpf
 
 import polhode
-from polhode.closed_forms.hess import period_map
+from polhode.closed_forms import hess
 from polhode.numbers.flint_context import ctx
 from shared import members
 from shared.ball_checks import (
@@ -82,7 +82,7 @@ def test_fewer_terms_make_wider_balls_that_hold_the_value(monkeypatch):
     """A tail of 2^-100 at 200 bits, of which the true one is more than the rounding."""
     starts = [on_surface((F(1, 7), F(1, 5)), [F(x, 7) for x in (6, 3, 2)])]
     (right,) = maps_at(starts, 260)
-    monkeypatch.setattr(period_map, "_SPARE", -100)
+    monkeypatch.setattr(hess, "_SPARE", -100)
     (rough,) = maps_at(starts, 200)
     assert rough.overlaps(right)
     assert not rough.mid().overlaps(right)
@@ -105,5 +105,5 @@ def test_the_tail_is_that_of_its_majorant_and_little_more(a12):
         for k in range(40):
             rest -= term
             term *= x * (a + k) / (k + 1)
-        bound = period_map.tail(a, x, 40).real.rad()
+        bound = hess.tail(a, x, 40).real.rad()
         assert rest < bound < rest * arb("1.2")

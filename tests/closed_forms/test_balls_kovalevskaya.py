@@ -14,9 +14,10 @@ from polhode.closed_forms.balls.weierstrass import (
     RealLattice,
 )
 from polhode.closed_forms.families import closed_forms
-from polhode.closed_forms.family import ENCLOSED_ATTITUDE
-from polhode.closed_forms.kovalevskaya import degenerate, theta_attitude, theta_state
+from polhode.closed_forms.kovalevskaya import motion as degenerate
+from polhode.closed_forms.kovalevskaya import theta_attitude, theta_state
 from polhode.closed_forms.kovalevskaya.motion import first_turn
+from polhode.closed_forms.membership import ENCLOSED_ATTITUDE
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared.ball_checks import (
@@ -46,11 +47,11 @@ def test_of_two_places_that_fit_the_start_the_attitude_takes_neither():
     """The first was a wrong one in 14 of 1504 set-ups: more bits, until one is left."""
     top = top_of(*GENERIC["e-ee+"])
     with ctx.workprec(107):
-        motion = top._motion().state
-        theta_attitude.ThetaAttitude(motion, first_turn(top.place))
+        motion = top._motion()
+        theta_attitude.ThetaAttitude(motion)
         motion.choices.append(motion.choices[0])
         with pytest.raises(TooFewBits):
-            theta_attitude.ThetaAttitude(motion, first_turn(top.place))
+            theta_attitude.ThetaAttitude(motion)
 
 
 @pytest.mark.slow

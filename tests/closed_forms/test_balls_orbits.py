@@ -46,7 +46,7 @@ def test_by_force_a_strip_too_wide_misses(monkeypatch):
     proper = PeriodicAttitude._proven_sums
 
     def fewer(self):
-        self.strip = replace(self.strip, eta=6 * self.strip.eta)
+        self.strip = self.strip._replace(eta=6 * self.strip.eta)
         return proper(self)
 
     monkeypatch.setattr(PeriodicAttitude, "_proven_sums", fewer)
@@ -59,8 +59,8 @@ def test_how_far_a_state_moves_is_bounded_and_not_by_much():
     """Beside the motion itself at a complex time; half of the bound is passed."""
     motion = of("goryachev", 2)
     with ctx.workprec(100):
-        orbit = motion._motion().state
-        equations = motion.place._equations()
+        orbit = motion._motion().orbit
+        equations = motion._motion()._equations()
         now, reach = acb(arb("0.3"), arb("0.1")), arb("1e-4")
         moves = equations.moves(orbit.state(now), reach)
         halved = 0
@@ -187,7 +187,7 @@ def test_what_an_orbit_of_ones_own_may_lack():
     endless = form(orbit_family("endless", Endless), *STEADY)
     assert endless.period(20) is None
     assert len(endless.at([F(1)], 20)[0]) == 6
-    with pytest.raises(Refused, match="without period has no attitude"):
+    with pytest.raises(Refused, match="the attitude none"):
         endless.attitude([F(1)], 20)
 
 

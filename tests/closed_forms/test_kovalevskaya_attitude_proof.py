@@ -89,7 +89,7 @@ def test_step_2_exponents_at_every_pole_are_1_and_minus_1():
 def formula(name):
     """The attitude's constants, and the second way on the Jacobian."""
     top = form("kovalevskaya", *read_start(GENERIC[name]))
-    attitude = top._motion()._turning
+    attitude = top._motion().attitude
     return attitude, attitude.motion.jacobian.reduced((acb(1), acb(0)))
 
 

@@ -14,7 +14,7 @@ import pytest
 import polhode
 from polhode import BadInput, Body
 from polhode.cli import main
-from polhode.closed_forms.closed_form import ClosedForm
+from polhode.closed_forms.families import ClosedForm
 from polhode.judging.tables import explanations
 from shared import drifting_files as files
 from shared.tables import ANGLES, ATTITUDE, STATE, of_run, right, text, through

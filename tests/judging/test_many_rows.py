@@ -12,7 +12,7 @@ import pytest
 from mpmath import mpf
 
 import polhode
-from polhode.closed_forms.closed_form import ClosedForm
+from polhode.closed_forms.families import ClosedForm
 from polhode.common.errors import few
 from polhode.judging import score
 from polhode.judging.conditioning import Band

@@ -28,10 +28,10 @@ conjugated, is such a quotient; it and gamma.Z = u give
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from enum import StrEnum
+from functools import cmp_to_key, partial
+from typing import NamedTuple
 
 from flint import acb, arb
 
@@ -46,8 +46,7 @@ from polhode.closed_forms.balls.frames import (
     quaternion,
 )
 from polhode.closed_forms.balls.jacobi import Jacobi, Place, Shift
-from polhode.closed_forms.family import Family, Placement
-from polhode.closed_forms.membership import Misfit, PrincipalScene
+from polhode.closed_forms.membership import Family, Misfit, Placement, PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 from polhode.numbers.vectors import Vector, dot, is_zero, quaternion_product
 
@@ -81,13 +80,8 @@ def is_permanent(I: Sequence[Exact], w: Sequence[Exact]) -> bool:
     return all(sign((I[i] - I[j]) * w[i] * w[j]) == 0 for i, j in ((0, 1), (1, 2), (2, 0)))
 
 
-def excess(I: Sequence[Exact], w: Sequence[Exact], middle: Exact) -> int:
-    """The sign of G^2 - 2hB, B the middle moment: which axis the polhode circles."""
-    return sign(sum((I[i] * (I[i] - middle) * w[i] * w[i] for i in range(3)), ZERO))
-
-
 def regime(I: Sequence[Exact], w: Sequence[Exact], side: int) -> Regime:
-    """The kind of motion; ``side`` is :func:`excess`."""
+    """The kind of motion; ``side``: the sign of G^2 - 2hB, B the middle moment."""
     if all(sign(x) == 0 for x in w):
         return Regime.REST
     permanent = is_permanent(I, w)
@@ -118,15 +112,15 @@ def numbered(I: Sequence[Exact], w: Sequence[Exact]) -> tuple[tuple[int, ...], i
     def compared(i: int, j: int) -> int:
         return sign(I[i] - I[j])
 
-    ranking = sorted(range(3), key=functools.cmp_to_key(compared))
-    side = excess(I, w, I[ranking[1]])
+    ranking = sorted(range(3), key=cmp_to_key(compared))
+    middle = I[ranking[1]]
+    side = sign(sum((I[i] * (I[i] - middle) * w[i] * w[i] for i in range(3)), ZERO))
     if side < 0:
         ranking.reverse()
     return tuple(ranking), side
 
 
-@dataclass(frozen=True)
-class PolhodeNumbers:
+class PolhodeNumbers(NamedTuple):
     """The exact numbers of a motion that is no permanent rotation; no square is negative.
 
     Triples of squares are those of sn, cn, dn: of the phase at t = 0 to the modulus k, and of the
@@ -179,16 +173,7 @@ def numbers(I: Vector, w: Vector) -> PolhodeNumbers:
 # Which scenes are a torque-free body's, and their axes.
 
 
-@dataclass(kw_only=True)
-class EulerPlacement(Placement):
-    """``numbers`` is None of a permanent rotation, of rest and of a sphere."""
-
-    omega: Vector
-    gamma: Vector | None
-    numbers: PolhodeNumbers | None = None
-
-
-def place(scene: PrincipalScene) -> EulerPlacement | None:
+def place(scene: PrincipalScene) -> Placement | None:
     """A body on which the weight has no moment."""
     moments, torque, omega, gamma = scene
     if not is_zero(torque):
@@ -196,21 +181,21 @@ def place(scene: PrincipalScene) -> EulerPlacement | None:
     order, side = numbered(moments, omega)
     kind = regime(moments, omega, side)
     if is_permanent(moments, omega):
-        rates_of = {"precession": "of the body about omega"}
-        return EulerPlacement(
-            regime=kind, frame=Frame(), omega=omega, gamma=gamma, rates_of=rates_of
+        return Placement(
+            regime=kind,
+            solve=partial(_permanent_rotation, omega, gamma),
+            frame=Frame(),
+            rates_of={"precession": "of the body about omega"},
         )
     a, b, c = (moments[i] for i in order)
-    frame = Frame.signed(order, (1, -1 if order in _ODD else 1, 1))
+    frame = Frame().numbered(order, (1, -1 if order in _ODD else 1, 1))
     exact = numbers((a, b, c), frame.into(omega))
     which = "largest" if exact.sense > 0 else "smallest"
     axis = f"principal axis {order[2] + 1} (of the {which} moment)"
-    return EulerPlacement(
+    return Placement(
         regime=kind,
+        solve=partial(Polhode, exact, None if gamma is None else frame.into(gamma)),
         frame=frame,
-        omega=omega,
-        gamma=None if gamma is None else frame.into(gamma),
-        numbers=exact,
         rates_of={"precession": f"of {axis} about the angular momentum"},
     )
 
@@ -226,14 +211,10 @@ def misfit(scene: PrincipalScene) -> Misfit | None:
 # --- motion ---------------------------------------------------------------------------------------
 
 
-def solve(place: EulerPlacement) -> Motion:
-    """The motion at the precision in force."""
-    vertical = None if place.gamma is None else [ball(x) for x in place.gamma]
-    if place.numbers is None:
-        half = root(dot(place.omega, place.omega)) / 2
-        omega = [ball(x) for x in place.omega]
-        return PermanentRotation(omega, half, vertical, precession=2 * half)
-    return Polhode(place.numbers, vertical)
+def _permanent_rotation(omega: Vector, vertical: Vector | None) -> Motion:
+    """A permanent rotation, rest or the motion of a sphere."""
+    half = root(dot(omega, omega)) / 2
+    return PermanentRotation(omega, half, vertical, precession=2 * half)
 
 
 class Polhode(Motion):
@@ -242,9 +223,8 @@ class Polhode(Motion):
     ``vertical``: at t = 0; None where it is not known.
     """
 
-    def __init__(self, numbers: PolhodeNumbers, vertical: Sequence[arb] | None) -> None:
-        n = numbers
-        self._vertical = vertical
+    def __init__(self, n: PolhodeNumbers, vertical: Vector | None) -> None:
+        self._has_vertical = vertical is not None
         self.elliptic = Jacobi(ball(n.k2), ball(n.kc2))
         self.rate, momentum = root(n.rate2), root(n.G2)
         self._sense, (self._s1, s2, self._s3) = n.sense, n.signs
@@ -267,7 +247,7 @@ class Polhode(Motion):
         begin = self.elliptic.at(self._v0)
         self._begin = conjugate(self._attitude(begin, arb(0)))
         if vertical is not None:
-            self._along, across = _projections(self._direction(begin), vertical)
+            self._along, across = _projections(self._direction(begin), [ball(x) for x in vertical])
             self._across = across / self._turned(begin, arb(0))
 
     def at(self, t: arb) -> Sequence[arb]:
@@ -275,13 +255,10 @@ class Polhode(Motion):
         place = self._place(t)
         direction = self._direction(place)
         omega = [x * rate for x, rate in zip(direction, self._rates, strict=True)]
-        if self._vertical is None:
-            return omega
-        return *omega, *self._vertical_at(direction, place, t)
+        return (*omega, *self._vertical_at(direction, place, t)) if self._has_vertical else omega
 
-    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+    def turn(self, t: arb) -> Turn:
         """The turn since t = 0."""
-        del state
         return quaternion_product(self._begin, self._attitude(self._place(t), t))
 
     def rates(self) -> Mapping[str, arb]:
@@ -346,4 +323,4 @@ def _half_argument(z: acb) -> acb:
     return (z / abs(z)).sqrt()
 
 
-FAMILY = Family("euler", place, misfit, solve)
+FAMILY = Family("euler", place, misfit)

@@ -1,16 +1,21 @@
-"""Which scenes belong to a family of closed forms, and why others do not."""
+"""What a family of closed forms is, which scenes belong to one, and why others do not."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
 from fractions import Fraction
 from typing import NamedTuple, TypeAlias
 
+from flint import arb
+
+from polhode.closed_forms.balls.frames import Frame, Motion
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import ONE, ZERO, Exact, binary, exact, log10, rounded, sign, sqrt
+from polhode.numbers.mpmath_context import mpf
 from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import Vector, cross, dot, is_zero, minus, momentum, scaled
 from polhode.scenes.scene import Scene
@@ -101,6 +106,64 @@ def _unit(log2_size: float) -> Fraction:
     return Fraction(2) ** round(log2_size) if abs(log2_size) > _USUAL else Fraction(1)
 
 
+# --- family ---------------------------------------------------------------------------------------
+#
+# How a family places a scene in axes of its own, with what solves it there.
+
+
+#: What :attr:`Placement.proven` says where the attitude has no formula.
+ENCLOSED_ATTITUDE = "states are proven by the closed form, the attitude by an enclosure"
+
+#: Numbers of balls of a motion, by name, to the digits asked for.
+Sure: TypeAlias = Callable[[Callable[[Motion], Mapping[str, arb | None]]], Mapping[str, mpf]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Placement:
+    """A body and its start in the axes and units of a family, with the kind of motion.
+
+    ``solve``: the motion at the precision in force, from exact numbers that the placing found.
+    """
+
+    regime: StrEnum | str
+    solve: Callable[[], Motion]
+    #: The family's axes within the principal ones.
+    frame: Frame
+    #: So many of the family's units of rates make one of the scene's; negative: time runs back.
+    unit: Fraction = Fraction(1)
+    #: The length of the family's vertical, negative in axes that are the opposites of the frame's.
+    vertical: Exact = ONE
+    #: The conditions that body and start meet, where the family names them.
+    held: tuple[str, ...] = ()
+    #: Whether theorems and balls prove every digit, or a text that says what else they rest on;
+    #: False: the digits are only reproduced, with more bits.
+    proven: bool | str = True
+    #: Whether it has the attitude too; else a reference encloses it.
+    has_attitude: bool = True
+    #: Whether a row costs so much that of a table of very many only some are judged.
+    is_dear: bool = False
+    #: Of which axis about which a frequency is, by its name, where the name leaves it open.
+    rates_of: Mapping[str, str] = field(default_factory=dict)
+    #: A cap on the bits, in place of the usual one: so many for each digit, and so many more.
+    cap: tuple[int, int] | None = None
+    #: The algebraic curve on which the motion is linear, where the family tells it.
+    curve: Callable[[Sure], dict[str, object]] | None = None
+
+
+@dataclass(frozen=True)
+class Family:
+    """One family of closed forms.
+
+    ``name``: the word of ``reference.kind`` in a scene file.  ``place``: a scene in the family's
+    axes, found by exact arithmetic alone; None of one that does not belong.  ``misfit``: why one
+    does not; None of one that belongs.
+    """
+
+    name: str
+    place: Callable[[PrincipalScene], Placement | None]
+    misfit: Callable[[PrincipalScene], Misfit | None]
+
+
 # --- normal form ----------------------------------------------------------------------------------
 #
 # The axes in which a case has its normal form, and the conditions that it asks of a scene.
@@ -115,8 +178,7 @@ _ORDERS = 3  # of magnitude by which conditions that fail together may differ
 _EVEN = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
 
-@dataclass(frozen=True)
-class NormalAxes:
+class NormalAxes(NamedTuple):
     """Axis n of the normal form is ``signs[n]`` times principal axis ``order[n]``."""
 
     order: tuple[int, int, int]
@@ -128,15 +190,12 @@ class NormalAxes:
         x, y, z = self.signs
         return x * y * z * (1 if self.order in _EVEN else -1)
 
-    def polar(self, v: Sequence[Scalar]) -> tuple[Scalar, Scalar, Scalar]:
-        """A polar vector, from principal axes to the normal ones; any scalars."""
-        return self._signed(v, 1)
-
     def axial(self, v: Sequence[Scalar]) -> tuple[Scalar, Scalar, Scalar]:
         """An axial vector, from principal axes to the normal ones."""
-        return self._signed(v, self.determinant)
+        return self.polar(v, self.determinant)
 
-    def _signed(self, v: Sequence[Scalar], side: int) -> tuple[Scalar, Scalar, Scalar]:
+    def polar(self, v: Sequence[Scalar], side: int = 1) -> tuple[Scalar, Scalar, Scalar]:
+        """A polar vector likewise, times ``side``; any scalars."""
         (i, j, k), (x, y, z) = self.order, self.signs
         return (
             v[i] if side * x > 0 else -v[i],
@@ -158,8 +217,7 @@ ALL_AXES = tuple(
 )
 
 
-@dataclass(frozen=True)
-class NormalScene:
+class NormalScene(NamedTuple):
     """A body and its start in some axes, exactly; ``torque`` is Mg r0."""
 
     moments: Vector
@@ -198,9 +256,29 @@ class NormalScene:
         """F = Iw.gamma."""
         return dot(self.momentum, self.gamma)
 
+    @property
+    def moment(self) -> Vector:
+        """I w' = gamma x T - w x Iw."""
+        return minus(cross(self.gamma, self.torque), cross(self.omega, self.momentum))
 
-@dataclass(frozen=True)
-class Condition:
+    def centred_on_axis_1(self) -> Iterator[Condition]:
+        """The centre of mass is on the positive axis 1."""
+        yield equal("y0 = 0", self.torque[1], ZERO, lambda: self.weight)
+        yield equal("z0 = 0", self.torque[2], ZERO, lambda: self.weight)
+        yield positive("x0 > 0", self.torque[0])
+
+    def matching(
+        self, gamma: Sequence[Exact], squares: Sequence[Exact] | None = None
+    ) -> Iterator[Condition]:
+        """Its gamma is that of the formulas; so are q^2 and r^2, if they are given."""
+        if squares is not None:
+            for name, w, square in zip("qr", self.omega[1:], squares, strict=True):
+                yield equal(f"{name}^2 as p requires", w * w, square, lambda: self.speed**2)
+        for i, (own, required) in enumerate(zip(self.gamma, gamma, strict=True)):
+            yield equal(f"gamma{i + 1} as w requires", own, required, ONE)
+
+
+class Condition(NamedTuple):
     """One condition of a case: what it says, and by how much a scene is off.
 
     ``holds``: whether it does, by the rule for *equal*.  ``measure``: how far apart its two sides
@@ -251,31 +329,6 @@ def positive(text: str, value: Exact) -> Condition:
 def exclusion(text: str, applies: bool) -> Condition:
     """What a case is not: it is told in words, with nothing between."""
     return Condition(text, not applies, graded=False)
-
-
-def moving(scene: NormalScene) -> Condition:
-    """Not all six right-hand sides vanish."""
-    moment = minus(cross(scene.gamma, scene.torque), cross(scene.omega, scene.momentum))
-    still = is_zero(moment) and is_zero(cross(scene.gamma, scene.omega))
-    return exclusion("no permanent rotation", still)
-
-
-def matching(
-    scene: NormalScene, gamma: Sequence[Exact], squares: Sequence[Exact] | None = None
-) -> Iterator[Condition]:
-    """The start's gamma is that of the formulas; so are q^2 and r^2, if they are given."""
-    if squares is not None:
-        for name, w, square in zip("qr", scene.omega[1:], squares, strict=True):
-            yield equal(f"{name}^2 as p requires", w * w, square, lambda: scene.speed**2)
-    for i, (own, required) in enumerate(zip(scene.gamma, gamma, strict=True)):
-        yield equal(f"gamma{i + 1} as w requires", own, required, ONE)
-
-
-def on_axis_1(scene: NormalScene) -> Iterator[Condition]:
-    """The centre of mass is on the positive axis 1."""
-    yield equal("y0 = 0", scene.torque[1], ZERO, lambda: scene.weight)
-    yield equal("z0 = 0", scene.torque[2], ZERO, lambda: scene.weight)
-    yield positive("x0 > 0", scene.torque[0])
 
 
 #: The conditions of a case, in the order in which they are tested.

@@ -24,8 +24,9 @@ in radians.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from enum import StrEnum
+from functools import partial
+from typing import NamedTuple
 
 from flint import arb
 
@@ -39,16 +40,16 @@ from polhode.closed_forms.balls.frames import (
     turned_back,
 )
 from polhode.closed_forms.balls.jacobi import Jacobi
-from polhode.closed_forms.family import Family, Placement
 from polhode.closed_forms.membership import (
     Condition,
+    Family,
     Misfit,
     NormalScene,
+    Placement,
     PrincipalScene,
     equal,
     shortfall,
 )
-from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
 from polhode.numbers.vectors import Vector, cross, dot, is_zero, momentum
 
@@ -68,21 +69,13 @@ def axis_of(torque: Vector, omega: Vector, gamma: Vector) -> Vector:
     return cross(torque, gamma) if is_zero(omega) else omega
 
 
-def regime(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Regime:
-    """The kind of motion."""
-    if is_zero(axis_of(torque, omega, gamma)):
-        return Regime.UPRIGHT if sign(dot(torque, gamma)) > 0 else Regime.HANGING
-    side = sign(_excess(moments, torque, omega, gamma)[0])
-    return (Regime.SEPARATRIX, Regime.LIBRATING, Regime.ROTATING)[side]
-
-
 def _excess(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> tuple[Exact, Exact]:
     """k'^2 as a fraction: its numerator, with rational data rational, and its denominator.
 
     With the energy h = w.Iw/2 + T.gamma: 2P k'^2 = P - h = (P^2 - h^2)/(P + h).
     """
     height, twice = dot(torque, gamma), dot(omega, momentum(moments, omega))
-    weight, energy = exact.sqrt(dot(torque, torque)), height + twice / 2
+    weight, energy = sqrt(dot(torque, torque)), height + twice / 2
     if sign(energy) <= 0:
         return weight - energy, 2 * weight
     moment = cross(torque, gamma)
@@ -90,8 +83,7 @@ def _excess(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> tu
     return numerator, 2 * weight * (weight + energy)
 
 
-@dataclass(frozen=True)
-class SwingNumbers:
+class SwingNumbers(NamedTuple):
     """The exact numbers of a swing: no difference in them is left to rounding."""
 
     librates: bool
@@ -107,7 +99,7 @@ def numbers(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Sw
     """Those of a start in principal axes, which is not at rest."""
     n = axis_of(torque, omega, gamma)
     inertia = dot(n, momentum(moments, n)) / dot(n, n)
-    weight, height = exact.sqrt(dot(torque, torque)), dot(torque, gamma)
+    weight, height = sqrt(dot(torque, torque)), dot(torque, gamma)
     moment = cross(torque, gamma)
     larger = (weight + abs(height)) / (2 * weight)
     smaller = dot(moment, moment) / (4 * weight * weight * larger)
@@ -131,17 +123,7 @@ def numbers(moments: Vector, torque: Vector, omega: Vector, gamma: Vector) -> Sw
 # Which scenes are a pendulum's: a heavy body that swings about a horizontal principal axis.
 
 
-@dataclass(kw_only=True)
-class PendulumPlacement(Placement):
-    """The start in principal axes; ``axis`` is along n, ``numbers`` is None at rest."""
-
-    axis: Vector
-    omega: Vector
-    gamma: Vector
-    numbers: SwingNumbers | None = None
-
-
-def place(scene: PrincipalScene) -> PendulumPlacement | None:
+def place(scene: PrincipalScene) -> Placement | None:
     """A body that swings about a horizontal axis, or is in equilibrium at rest.
 
     The axis is that of w, or of the moment of the weight where w = 0; it must be a principal axis
@@ -155,13 +137,16 @@ def place(scene: PrincipalScene) -> PendulumPlacement | None:
     spin = momentum(moments, n)
     if not (is_zero(cross(n, spin)) and sign(dot(n, gamma)) == 0 and sign(dot(n, torque)) == 0):
         return None
-    return PendulumPlacement(
-        regime=regime(moments, torque, omega, gamma),
+    if is_zero(n):
+        kind = Regime.UPRIGHT if sign(dot(torque, gamma)) > 0 else Regime.HANGING
+        rest = partial(PermanentRotation, omega, arb(0), gamma, stays=True)
+        return Placement(regime=kind, solve=rest, frame=Frame())
+    swing = numbers(moments, torque, omega, gamma)
+    kind = Regime.ROTATING if sign(swing.kc2) else Regime.SEPARATRIX
+    return Placement(
+        regime=Regime.LIBRATING if swing.librates else kind,
+        solve=partial(Swing, swing, n, gamma),
         frame=Frame(),
-        axis=n,
-        omega=omega,
-        gamma=gamma,
-        numbers=None if is_zero(n) else numbers(moments, torque, omega, gamma),
     )
 
 
@@ -184,20 +169,11 @@ def misfit(scene: PrincipalScene) -> Misfit | None:
 # --- motion ---------------------------------------------------------------------------------------
 
 
-def solve(place: PendulumPlacement) -> Motion:
-    """The motion at the precision in force."""
-    gamma = [ball(x) for x in place.gamma]
-    if place.numbers is None:
-        omega = [ball(x) for x in place.omega]
-        return PermanentRotation(omega, arb(0), gamma, stays=True)
-    return Swing(place.numbers, place.axis, gamma)
-
-
 class Swing(Motion):
     """A swing about ``n``, of any length, in any axes; ``gamma``: the vertical at t = 0."""
 
-    def __init__(self, numbers: SwingNumbers, n: Vector, gamma: Sequence[arb]) -> None:
-        self._gamma = gamma
+    def __init__(self, numbers: SwingNumbers, n: Vector, gamma: Vector) -> None:
+        self._gamma = [ball(x) for x in gamma]
         size = root(dot(n, n))
         x, y, z = (ball(component) / size for component in n)
         self._axis = x, y, z
@@ -217,11 +193,10 @@ class Swing(Motion):
     def at(self, t: arb) -> Sequence[arb]:
         """w and the vertical."""
         speed = self._place(t)[0]
-        return *(speed * x for x in self._axis), *turned_back(self.turn(t, ()), self._gamma)
+        return *(speed * x for x in self._axis), *turned_back(self.turn(t), self._gamma)
 
-    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+    def turn(self, t: arb) -> Turn:
         """The turn about n by what del has grown."""
-        del state
         _, (c, s), n = self._place(t)
         if n % 2:
             c, s = -c, -s
@@ -249,4 +224,4 @@ class Swing(Motion):
         return self.speed * at.dn, (at.cn, at.sn), at.n
 
 
-FAMILY = Family("pendulum", place, misfit, solve)
+FAMILY = Family("pendulum", place, misfit)

@@ -13,7 +13,6 @@ d = 0 <= b, or b^2 = 4d.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import Scalar
@@ -23,21 +22,12 @@ STABLE, UNSTABLE, UNDECIDED = "spectrally stable", "unstable", "stability undeci
 _CYCLE = ((1, 2), (2, 0), (0, 1))
 
 
-@dataclass(frozen=True)
-class Stability:
-    """The coefficients b and d, and what they say."""
-
-    b: Exact
-    d: Exact
-
-    @property
-    def verdict(self) -> str:
-        """STABLE, UNSTABLE or UNDECIDED."""
-        b, d = sign(self.b), sign(self.d)
-        gap = sign(self.b * self.b - 4 * self.d)
-        if b < 0 or d < 0 or gap < 0:
-            return UNSTABLE
-        return STABLE if b > 0 and d > 0 and gap > 0 else UNDECIDED
+def verdict(b: Exact, d: Exact) -> str:
+    """STABLE, UNSTABLE or UNDECIDED."""
+    signs = sign(b), sign(d), sign(b * b - 4 * d)
+    if min(signs) < 0:
+        return UNSTABLE
+    return STABLE if min(signs) > 0 else UNDECIDED
 
 
 def spectrum(

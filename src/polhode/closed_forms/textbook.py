@@ -314,14 +314,14 @@ def lagrange_motion(
 # Kovalevskaya's top by Abel's two sums, as mpmath's Fourier series, inverted by Newton's method.
 #
 # In the top's axes and units (Kowalevski, Acta Math. 12 (1889) 177; Golubev, Lectures on the
-# Integration of the Equations of Motion of a Rigid Body, ch. V), with pi = p^2 + q^2, sg = 2p,
+# Integration of the Equations of Motion of a Rigid Body), with pi = p^2 + q^2, sg = 2p,
 # S(s) = (s + H)(s^2 + b) - 2m^2, whose roots are e_j, and w^2 = -2 (s^2 - k^2) S(s), the
 # separation variables s1 <= s2 are the roots of q^2 s^2 + (R/2) s + R1/4, and
 #
 #     ds1/w1 + ds2/w2 = 0,    s1 ds1/w1 + s2 ds2/w2 = dt.
 #
 # s1 goes from the lowest branch point to -infinity and back, s2 between the two highest ones,
-# each with an angle (:class:`.cycle.Cycle`) that grows for ever, and the sums are integrals of
+# each with an angle (:class:`Cycle`) that grows for ever, and the sums are integrals of
 # periodic functions of the angles. They have one solution at each time.
 
 

@@ -34,20 +34,7 @@ def matrices(a: Doubles) -> Doubles:
 
     ``a``: (W, p + 1, 6, 6).  Returns (W, m + 1, 6, 6).
     """
-    steps, count = a.shape[:2]
-    flat = _flat(a)
-    reversed_rows = np.zeros((steps, 6 * count, 6))  # V_k in reversed order
-    reversed_rows[:, 6 * (count - 1) :] = np.eye(6)
-    degree = count - 1
-    for k in range(count - 1):
-        low = 6 * (count - 1 - k)
-        row = np.matmul(flat[:, :, : 6 * (k + 1)], reversed_rows[:, low:]) / (k + 1)
-        reversed_rows[:, low - 6 : low] = row
-        if k + 1 >= _FEWEST and float(np.max(np.abs(row))) < LEAST_TERM:
-            degree = k + 1
-            break
-    matrices_of_steps = reversed_rows.reshape(steps, count, 6, 6)[:, ::-1]
-    return np.ascontiguousarray(matrices_of_steps[:, : degree + 1])
+    return _series_solution(a, np.eye(6), least=LEAST_TERM)
 
 
 def correction(a: Doubles, defects: Doubles, v: Doubles, gaps: Doubles) -> Doubles:
@@ -71,23 +58,30 @@ def forced(a: Doubles, defects: Doubles, start: Doubles) -> Doubles:
 
     ``a``: (W, p + 1, n, n); ``defects``: (W, K, n), zero from K on.
     """
+    return _series_solution(a, start[:, None], defects[..., None])[..., 0]
+
+
+def _series_solution(
+    a: Doubles, start: Doubles, defects: Doubles | None = None, least: float = 0.0
+) -> Doubles:
+    """Y with Y' = A Y - D and Y(0) = ``start``, (n, c), up to a term below ``least``."""
     steps, count, rows = a.shape[:3]
-    flat = _flat(a)
-    reversed_rows = np.zeros((steps, rows * count, 1))  # e_k in reversed order
-    reversed_rows[:, rows * (count - 1) :, 0] = start
+    flat = np.ascontiguousarray(a.transpose(0, 2, 1, 3)).reshape(steps, rows, rows * count)
+    reversed_rows = np.zeros((steps, rows * count, start.shape[1]))  # Y_k in reversed order
+    reversed_rows[:, rows * (count - 1) :] = start
+    degree = count - 1
     for k in range(count - 1):
         low = rows * (count - 1 - k)
-        row = np.matmul(flat[:, :, : rows * (k + 1)], reversed_rows[:, low:])[..., 0]
-        if k < defects.shape[1]:
-            row = row - defects[:, k]
-        reversed_rows[:, low - rows : low, 0] = row / (k + 1)
-    return np.ascontiguousarray(reversed_rows.reshape(steps, count, rows)[:, ::-1])
-
-
-def _flat(a: Doubles) -> Doubles:
-    """The coefficients of A side by side, (W, n, n (p + 1))."""
-    steps, count, rows = a.shape[:3]
-    return np.ascontiguousarray(a.transpose(0, 2, 1, 3)).reshape(steps, rows, rows * count)
+        term = np.matmul(flat[:, :, : rows * (k + 1)], reversed_rows[:, low:])
+        if defects is not None and k < defects.shape[1]:
+            term = term - defects[:, k]
+        term = term / (k + 1)
+        reversed_rows[:, low - rows : low] = term
+        if least and k + 1 >= _FEWEST and float(np.max(np.abs(term))) < least:
+            degree = k + 1
+            break
+    terms = reversed_rows.reshape(steps, count, rows, -1)[:, ::-1]
+    return np.ascontiguousarray(terms[:, : degree + 1])
 
 
 # --- window approximation -------------------------------------------------------------------------

@@ -122,7 +122,7 @@ class AttitudeWatch:
         self._axes = None if axes.trivial else [[ball(x, bits) for x in row] for row in axes.rows]
         self._turn = np.array([[float(x) for x in row] for row in axes.rows])
         self._first = np.array([float(x.mid()) for x in self._start])
-        self._followed = self._beginning(motion) if angles else Followed(None)
+        self.followed = self._beginning(motion) if angles else Followed(None)
 
     def _beginning(self, motion: Motion) -> Followed:
         """psi and phi at the start; just after it where that is at a pole.
@@ -155,11 +155,6 @@ class AttitudeWatch:
                 self.poses.append(Pose(self._scene(*self._turned.at(turns, n, tau)), about))
             self._turned.step(turns, n)
 
-    @property
-    def lost(self) -> float | None:
-        """About the time at which psi and phi were lost, in the proof's unit, forward."""
-        return self._followed.lost
-
     def _follow(
         self, bounds: Bounds, turns: quaternion.TurnBounds, n: int, taus: Sequence[Any]
     ) -> Any:
@@ -171,7 +166,7 @@ class AttitudeWatch:
             return two_numbers(nodes, near[:, 3:], v, before, self._first, self._turn)
 
         points = np.array([float(tau.mid()) for tau in taus])
-        return self._followed.step(at, float(pieces.lengths[n]), points)
+        return self.followed.step(at, float(pieces.lengths[n]), points)
 
     def _scene(self, turn: Sequence[Any], radius: float) -> list[Any]:
         """The attitude of the scene from the turn since the start and its distance from that."""

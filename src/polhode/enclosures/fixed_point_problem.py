@@ -16,6 +16,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from flint import arb
@@ -127,7 +128,7 @@ class Motion:
 
     def balls(self, bits: int) -> list[arb]:
         """The constants, each of radius below 2**-bits; raises Refused."""
-        return [_sharp(x, bits) for x in self.constants]
+        return [sharp(partial(ball, x), bits) for x in self.constants]
 
     @property
     def field(self) -> list[Polynomial]:
@@ -247,13 +248,11 @@ def upper(x: Any) -> float:
     return UP * float(size) + (0.0 if size.is_zero() else 1e-300)
 
 
-def _sharp(x: Exact, bits: int) -> Any:
-    """A ball around a constant of radius below 2**-bits; raises Refused where none is found."""
-    return sharp(lambda working: ball(x, working), bits)
-
-
 def sharp(formula: Callable[[int], Any], bits: int) -> Any:
-    """The first ball of radius below 2**-bits that ``formula``, of a working precision, gives."""
+    """The first ball of radius below 2**-bits that ``formula``, of a working precision, gives.
+
+    Raises Refused where none is found.
+    """
     working = bits + 64
     while working <= _MOST_BITS:
         value = formula(working)

@@ -294,12 +294,9 @@ class Enclosure(Result, ByValue):
             provenance_fact(self.scene.provenance()),
         ]
 
-    def strings(self) -> list[list[str]]:
+    def strings(self) -> list[list[str | None]]:
         """The states as decimals of which every digit is proven; see :func:`guaranteed`."""
-        return [
-            [guaranteed(x, r) for x, r in zip(row, radii, strict=True)]
-            for row, radii in zip(self.centres, self.radii, strict=True)
-        ]
+        return Part(self.centres, self.radii).strings()
 
     def decimals(self) -> list[list[tuple[str, str]]]:
         """Balls as decimals: midpoints rounded a little beyond the radius, radii that allow it."""

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import itertools
 import platform
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from fractions import Fraction
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -164,34 +165,30 @@ def _exactly(value: Exact | Vector) -> str:
 
 def assumed(scene: Scene, times: Sequence[Exact]) -> tuple[str, ...]:
     """What is decided by the rule for *equal* alone."""
-    assumptions = []
     text = scene_file.source_text(scene)  # whose reading decides more than what is written
-    with noted() as met:
-        _read(scene, {} if text is None else text.tables)
-    if met:
-        assumptions.append(NUMBERS)
-    with noted() as met:
-        principal(scene.body.inertia, scene.body.centre)
-    if met:
-        assumptions.append(AXES)
-    with noted() as met:
-        ordered = sorted(times)
-        for earlier, later in itertools.pairwise(ordered):
-            sign(later - earlier)
-        for t in times:
-            sign(t)
-    if met:
-        assumptions.append(TIMES)
+    decisions: dict[str, Callable[[], object]] = {
+        NUMBERS: partial(_read, scene, {} if text is None else text.tables),
+        AXES: partial(principal, scene.body.inertia, scene.body.centre),
+        TIMES: partial(_compare, times),
+    }
     if scene.gamma is not None and {"angles", "attitude"} & {*scene.modelled}:
+        decisions[LENGTH] = partial(sign, dot(scene.gamma, scene.gamma) - 1)
+        decisions[START] = partial(_start, scene)
+    assumptions = []
+    for assumption, decide in decisions.items():
         with noted() as met:
-            sign(dot(scene.gamma, scene.gamma) - 1)
+            decide()
         if met:
-            assumptions.append(LENGTH)
-        with noted() as met:
-            _start(scene)
-        if met:
-            assumptions.append(START)
+            assumptions.append(assumption)
     return tuple(assumptions)
+
+
+def _compare(times: Sequence[Exact]) -> None:
+    """All that is decided of the times."""
+    for earlier, later in itertools.pairwise(sorted(times)):
+        sign(later - earlier)
+    for t in times:
+        sign(t)
 
 
 def _read(scene: Scene, tables: dict[str, object]) -> None:

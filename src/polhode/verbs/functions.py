@@ -280,8 +280,7 @@ def certified(
         Where progress is shown.
     """
     from polhode.certificates import state_certificate
-    from polhode.enclosures.certify import certify
-    from polhode.enclosures.events import certify_events
+    from polhode.enclosures.certify import certify, certify_events
     from polhode.enclosures.task import MAX_STEPS
     from polhode.judging.reference_rows import held_times
     from polhode.scenes import start_box

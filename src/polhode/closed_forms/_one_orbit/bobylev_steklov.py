@@ -26,23 +26,16 @@ from enum import StrEnum
 
 from flint import acb, arb
 
-from polhode.closed_forms._one_orbit.orbits import EllipticTime, Formula, OrbitPlacement
+from polhode.closed_forms._one_orbit.orbits import EllipticTime, Formula, OrbitCase, orbit_family
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import Frame, Motion, Turn, conjugate, quaternion
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.balls.weierstrass import complex_functions
-from polhode.closed_forms.membership import (
-    Condition,
-    NormalScene,
-    PrincipalScene,
-    equal,
-    moving,
-    on_axis_1,
-)
+from polhode.closed_forms.membership import Condition, NormalScene, PrincipalScene, equal, exclusion
 from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 from polhode.numbers.number_types import Scalar
-from polhode.numbers.vectors import quaternion_product
+from polhode.numbers.vectors import cross, is_zero, quaternion_product
 from polhode.scenes.body import KOVALEVSKAYA, classical_top, with_last
 
 
@@ -51,11 +44,12 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     A, _, C = scene.moments
     p, q, r = scene.omega
     yield equal("A = 2C", A, 2 * C)
-    yield from on_axis_1(scene)
+    yield from scene.centred_on_axis_1()
     yield equal("q = 0", q, 0, lambda: scene.speed)
     k = scene.torque[0] / C
     yield equal("Mg x0 gamma3 = C p r", k * scene.gamma[2], p * r, k)
-    yield moving(scene)
+    still = is_zero(scene.moment) and is_zero(cross(scene.gamma, scene.omega))
+    yield exclusion("no permanent rotation", still)
 
 
 def state_of(p: Scalar, Ga: Scalar, k: Scalar, r: Scalar, slope: Scalar) -> Sequence[Scalar]:
@@ -80,9 +74,8 @@ class Asymptotic(Motion):
         v = acb(self._v0 + self._nu * t)
         return [x.real for x in self._formula(*complex_functions(self._functions, v))]
 
-    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+    def turn(self, t: arb) -> Turn:
         """The turn since t = 0."""
-        del state
         c, y, z, x = quaternion_product(
             self._first, self._place(self._v0 + self._nu * t, self._p * t / 2)
         )
@@ -107,7 +100,7 @@ class Regime(StrEnum):
 _BY_SIGN = (Regime.ASYMPTOTIC, Regime.SWINGING, Regime.TURNING)
 
 
-class BobylevSteklov(OrbitPlacement):
+class BobylevSteklov(OrbitCase):
     """One motion of Bobylev and Steklov."""
 
     conditions = staticmethod(conditions)
@@ -170,3 +163,6 @@ class BobylevSteklov(OrbitPlacement):
         if side:
             return self._on(clock.orbit(state, 4 if side > 0 else 2))
         return Asymptotic(clock, state, p0, sign(r), self._speed())
+
+
+FAMILY = orbit_family("bobylev-steklov", BobylevSteklov)

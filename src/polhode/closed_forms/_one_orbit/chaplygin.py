@@ -19,27 +19,19 @@ integral over an angle (:mod:`..balls.clocks`).
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from flint import acb
 
-from polhode.closed_forms._one_orbit.orbits import FlowOrbit, OrbitPlacement
+from polhode.closed_forms._one_orbit.orbits import FlowOrbit, OrbitCase, orbit_family
 from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Motion
-from polhode.closed_forms.membership import (
-    Condition,
-    NormalScene,
-    equal,
-    matching,
-    on_axis_1,
-    positive,
-)
+from polhode.closed_forms.membership import Condition, NormalScene, equal, positive
 from polhode.numbers.exact import ONE, ZERO, Exact, power, sign, sqrt
 from polhode.numbers.number_types import Scalar
 
 
-@dataclass(frozen=True)
-class ChaplyginCoefficients:
+class ChaplyginCoefficients(NamedTuple):
     """Of a body that fits; ``cube`` is B1^3, ``ratio`` C1/B1."""
 
     b2: Exact
@@ -92,7 +84,7 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     """Those of the body, h = f = 0, then q^2, r^2 and gamma."""
     A, B, C = scene.moments
     left = 9 * A * A + 32 * B * C
-    yield from on_axis_1(scene)
+    yield from scene.centred_on_axis_1()
     yield positive("B > C", B - C)
     yield equal("9 A^2 + 32 B C = 18 A (B + C)", left, 18 * A * (B + C))
     yield positive("C1/B1 > 0", ratio_of(scene))
@@ -113,8 +105,7 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
         return
     # C1 Y and B1 Z, Y = q/p^(1/3), Z = r/p^(1/3), without roots: B1 p^(2/3) = q^2 - b2 p^2.
     first, second = x.ratio * q * rest / p, r * rest / p
-    yield from matching(
-        scene,
+    yield from scene.matching(
         (
             -(A * p * p + B * q * q + C * r * r) / (2 * c),
             ((A - B) * p * q - C * (B - C) * (x.c2 * p * q + first / 3) / A) / c,
@@ -132,7 +123,7 @@ def _at_rest(scene: NormalScene, x: ChaplyginCoefficients) -> Iterator[Condition
     yield equal("gamma2 as w = 0 requires", scene.gamma[1] ** 6, factor * x.cube**3, ONE)
 
 
-class Chaplygin(OrbitPlacement):
+class Chaplygin(OrbitCase):
     """One motion of Chaplygin."""
 
     name = "Chaplygin 1904"
@@ -165,3 +156,6 @@ class Chaplygin(OrbitPlacement):
         quartics = (ONE, ZERO, ZERO, ZERO, x.b2), (x.ratio, ZERO, ZERO, ZERO, x.c2)
         start = z / sqrt(scale), Y / scale, Z / scale
         return self._on(FlowOrbit(quartics, k * size * width, start, state))
+
+
+FAMILY = orbit_family("chaplygin", Chaplygin)

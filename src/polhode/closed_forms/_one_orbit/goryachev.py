@@ -25,19 +25,13 @@ from flint import acb
 from polhode.closed_forms._one_orbit.orbits import (
     EllipticTime,
     GammaOfOmega,
-    OrbitPlacement,
+    OrbitCase,
     gamma_of_omega,
+    orbit_family,
 )
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import Motion
-from polhode.closed_forms.membership import (
-    Condition,
-    NormalScene,
-    equal,
-    matching,
-    on_axis_1,
-    positive,
-)
+from polhode.closed_forms.membership import Condition, NormalScene, equal, positive
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 
 
@@ -66,15 +60,15 @@ def gamma_of(scene: NormalScene, x: dict[str, Exact]) -> GammaOfOmega:
 def conditions(scene: NormalScene) -> Iterator[Condition]:
     """Those of the body, then q^2, r^2 and gamma as functions of p."""
     A, B, C = scene.moments
-    yield from on_axis_1(scene)
+    yield from scene.centred_on_axis_1()
     yield equal("A (9B - 8C) = 16 C (B - C)", A * (9 * B - 8 * C), 16 * C * (B - C))
     yield positive("B > 2C", B - 2 * C)
     yield positive("3B < 8C", 8 * C - 3 * B)
     polynomials = gamma_of(scene, coefficients(scene))
-    yield from matching(scene, polynomials.gamma(*scene.omega), polynomials.squares(scene.omega[0]))
+    yield from scene.matching(polynomials.gamma(*scene.omega), polynomials.squares(scene.omega[0]))
 
 
-class Goryachev(OrbitPlacement):
+class Goryachev(OrbitCase):
     """One motion of Goryachev."""
 
     name = "Goryachev"
@@ -101,3 +95,6 @@ class Goryachev(OrbitPlacement):
             return p, q, r, *gamma(p, q, r)
 
         return self._on(clock.orbit(state))
+
+
+FAMILY = orbit_family("goryachev", Goryachev)

@@ -15,21 +15,20 @@ the cosine of its angle to the vertical is I11/sqrt(I11^2 + J^2).
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from flint import arb
 
-from polhode.closed_forms._one_orbit.orbits import OrbitPlacement
+from polhode.closed_forms._one_orbit.orbits import OrbitCase, orbit_family
 from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Motion, Turn
-from polhode.closed_forms.membership import Condition, NormalScene, equal, matching, positive
+from polhode.closed_forms.membership import Condition, NormalScene, equal, positive
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
 from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import Vector, dot, quaternion_product, scaled
 
 
-@dataclass(frozen=True)
-class SpinFrame:
+class SpinFrame(NamedTuple):
     """The frame e1, e2, e3 and the numbers of one motion, exact; cos and sin of ph0."""
 
     e1: Vector
@@ -81,7 +80,7 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     fourth = x.n**4 * (x.I11 * x.I11 + x.J * x.J)
     yield equal("n^4 (I11^2 + J^2) = (Mg |r0|)^2", fourth, x.P * x.P, x.P * x.P)
     yield equal("|w|^2 = 2 n^2", dot(scene.omega, scene.omega), 2 * x.n * x.n)
-    yield from matching(scene, x.gamma())
+    yield from scene.matching(x.gamma())
 
 
 class _Precession(Motion):
@@ -103,15 +102,14 @@ class _Precession(Motion):
         w, up = directions((self._e1, self._e2), self._I11, self._J, c, s)
         return *(self._n * x for x in w), *(self._share * x for x in up)
 
-    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+    def turn(self, t: arb) -> Turn:
         """Two uniform turns: about the axis fixed in space, then about e1 in the body."""
-        del state
         s, c = (self._n * t / 2).sin_cos()
         (a, b, d), (x, y, z) = self._still, self._e1
         return quaternion_product((c, s * a, s * b, s * d), (c, s * x, s * y, s * z))
 
 
-class Grioli(OrbitPlacement):
+class Grioli(OrbitCase):
     """One precession of Grioli."""
 
     name = "Grioli's regular precession"
@@ -119,3 +117,6 @@ class Grioli(OrbitPlacement):
 
     def solve(self) -> Motion:
         return _Precession(spin_frame(self.normal), self.normal.omega, self._speed())
+
+
+FAMILY = orbit_family("grioli", Grioli)

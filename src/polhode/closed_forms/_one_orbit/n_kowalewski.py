@@ -20,19 +20,13 @@ from flint import acb
 from polhode.closed_forms._one_orbit.orbits import (
     FlowOrbit,
     GammaOfOmega,
-    OrbitPlacement,
+    OrbitCase,
     gamma_of_omega,
+    orbit_family,
 )
 from polhode.closed_forms.balls.core import ball
 from polhode.closed_forms.balls.frames import Motion
-from polhode.closed_forms.membership import (
-    Condition,
-    NormalScene,
-    equal,
-    matching,
-    on_axis_1,
-    positive,
-)
+from polhode.closed_forms.membership import Condition, NormalScene, equal, positive
 from polhode.numbers.exact import ONE, Exact, sqrt
 
 
@@ -81,14 +75,14 @@ def gamma_of(scene: NormalScene, polynomials: KowalewskiPolynomials) -> GammaOfO
 def conditions(scene: NormalScene) -> Iterator[Condition]:
     """Those of the body, then q^2, r^2 and gamma as functions of p."""
     A, B, C = scene.moments
-    yield from on_axis_1(scene)
+    yield from scene.centred_on_axis_1()
     yield equal("A (10B - 9C) = 18 C (B - C)", A * (10 * B - 9 * C), 18 * C * (B - C))
     yield positive("B > 3C/2", 2 * B - 3 * C)
     polynomials = gamma_of(scene, coefficients(scene))
-    yield from matching(scene, polynomials.gamma(*scene.omega), polynomials.squares(scene.omega[0]))
+    yield from scene.matching(polynomials.gamma(*scene.omega), polynomials.squares(scene.omega[0]))
 
 
-class NKowalewski(OrbitPlacement):
+class NKowalewski(OrbitCase):
     """One motion of N. Kowalewski."""
 
     name = "N. Kowalewski"
@@ -106,3 +100,6 @@ class NKowalewski(OrbitPlacement):
 
         k = ball((B - C) / A) * over
         return self._on(FlowOrbit((polynomials.Q, polynomials.R), k, (p, q, r), state))
+
+
+FAMILY = orbit_family("n-kowalewski", NKowalewski)

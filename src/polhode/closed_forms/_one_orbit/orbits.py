@@ -2,33 +2,33 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from enum import StrEnum
-from fractions import Fraction
-from typing import NamedTuple
+from functools import partial
+from typing import ClassVar, NamedTuple, Protocol
 
 from flint import acb, acb_poly, arb
+from mpmath import libmp
 
 from polhode.closed_forms.balls.clocks import Factors, Oscillating
-from polhode.closed_forms.balls.core import TooFewBits, ball, root, square
-from polhode.closed_forms.balls.frames import Frame, Motion, StateAndTurning
+from polhode.closed_forms.balls.core import TooFewBits, around, ball, root, square
+from polhode.closed_forms.balls.frames import Frame, Motion
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.balls.periodic_attitude import (
     BallEquations,
-    PeriodicAttitude,
+    PeriodicMotion,
     PeriodicOrbit,
     Strip,
 )
 from polhode.closed_forms.balls.weierstrass import complex_functions
-from polhode.closed_forms.family import Family, Placement
 from polhode.closed_forms.membership import (
     ALL_AXES,
     Condition,
-    Misfit,
+    Family,
     NormalAxes,
     NormalScene,
+    Placement,
     PrincipalScene,
     in_usual_units,
     placed_in,
@@ -36,6 +36,7 @@ from polhode.closed_forms.membership import (
 )
 from polhode.numbers.exact import ONE, Exact, noted, sign
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import Vector
 
@@ -49,61 +50,61 @@ from polhode.numbers.vectors import Vector
 # the turn of the body there.
 
 
-_PRINCIPAL = Frame()
+def orbit_family(name: str, case: type[OrbitCase]) -> Family:
+    """A family of that name, of one class of cases."""
 
-
-def orbit_family(name: str, placement: type[OrbitPlacement]) -> Family:
-    """A family of that name, of one class of placements."""
-
-    def place(scene: PrincipalScene) -> OrbitPlacement | None:
+    def place(scene: PrincipalScene) -> Placement | None:
         usual, unit = in_usual_units(scene)
-        for frame, permuted in placement.views(usual):
+        for frame, permuted in case.views(usual):
             with noted():  # what is decided of other axes does not matter
-                normal = placed_in(placement.conditions, permuted, placement.candidates)
-            if normal is not None:
-                return placement(*normal, unit, frame)
+                fitting = placed_in(case.conditions, permuted, case.candidates)
+            if fitting is not None:
+                axes, normal = fitting
+                orbit, side = case(normal), axes.determinant
+                return Placement(
+                    regime=orbit.regime,
+                    solve=orbit.solve,
+                    frame=frame.numbered(axes.order, [side * s for s in axes.signs]),
+                    unit=unit,
+                    vertical=side * ONE,
+                    held=orbit.held,
+                    proven=case.proven,
+                    rates_of=case.rates_of,
+                )
         return None
 
-    def misfit(scene: PrincipalScene) -> Misfit | None:
-        return shortfall(placement.conditions, scene)
-
-    return Family(name, place, misfit, placement.solve)
+    return Family(name, place, partial(shortfall, case.conditions))
 
 
-class OrbitPlacement(Placement):
-    """A heavy body and its start in the axes of a family's normal form.
+class OrbitCase(ABC):
+    """A heavy body and its start, ``normal``, in the axes of a family's normal form.
 
-    A family says its conditions in the axes of its normal form, the name of the motion, and the
-    motion there, a periodic one by :meth:`_on`.
+    They are in units of their own where doubles do not hold them.  A family says its conditions in
+    the axes of its normal form, the name of the motion, and the motion there, a periodic one by
+    :meth:`_on`.
     """
 
-    #: The scene in the axes of the normal form, in units of its own where doubles do not hold it.
-    normal: NormalScene
     #: The axes that may be those of the normal form.
     candidates: Sequence[NormalAxes] = ALL_AXES
     #: The name of the motion, where there is one kind alone.
     name: str
+    #: As of a :class:`Placement`.
+    proven = True
+    rates_of: ClassVar[Mapping[str, str]] = {}
 
-    def __init__(
-        self, axes: NormalAxes, normal: NormalScene, unit: Fraction, principal: Frame
-    ) -> None:
+    def __init__(self, normal: NormalScene) -> None:
         self.normal = normal
-        side = axes.determinant
-        super().__init__(
-            regime=self._regime(),
-            frame=principal.numbered(axes.order, [side * s for s in axes.signs]),
-            unit=unit,
-            vertical=side * ONE,
-            held=tuple(condition.text for condition in self.conditions(normal)),
-        )
+        self.regime = self._regime()
+        #: The conditions that are met.
+        self.held = tuple(condition.text for condition in self.conditions(normal))
         # |w|^2 <= 2 (H + P)/I_min with P = |Mg r0|
         self._speed2 = 2 * (normal.energy + normal.weight) / min(normal.moments)
-        self._strip: Strip | None = None
+        self._strips: list[Strip] = []
 
     @classmethod
     def views(cls, scene: PrincipalScene) -> Iterator[tuple[Frame, PrincipalScene]]:
         """The principal axes that are tried, and the scene in them: of a symmetric body any are."""
-        yield _PRINCIPAL, scene
+        yield Frame(), scene
 
     @staticmethod
     @abstractmethod
@@ -124,13 +125,7 @@ class OrbitPlacement(Placement):
 
     def _on(self, orbit: PeriodicOrbit) -> Motion:
         """The motion on an orbit that solves the equations."""
-        return StateAndTurning(orbit, lambda: self._turned(orbit), self._speed(), orbit.period)
-
-    def _turned(self, orbit: PeriodicOrbit) -> PeriodicAttitude:
-        equations, speed = self._equations(), self._speed()
-        attitude = PeriodicAttitude(orbit, arb(1), speed, equations, self._strip)
-        self._strip = attitude.strip
-        return attitude
+        return PeriodicMotion(orbit, self._speed(), self._equations, self._strips)
 
     def _equations(self) -> BallEquations | None:
         """The body's, at the precision in force."""
@@ -163,8 +158,7 @@ def slope(polynomial: Sequence[Scalar]) -> list[Scalar]:
     return [n * c for n, c in enumerate(polynomial)][1:]
 
 
-@dataclass(frozen=True)
-class GammaOfOmega:
+class GammaOfOmega(NamedTuple):
     """gamma as polynomials in p, times q and r; any scalars (:func:`gamma_of_omega`)."""
 
     one: Sequence[Scalar]
@@ -210,10 +204,10 @@ def gamma_of_omega(
 Formula = Callable[[acb, acb, acb], Sequence[acb]]
 
 _SPARE = 20  # bits of zeros of polynomials
+_FEWER = 24  # bits of the second precision of a family of one's own
 
 
-@dataclass(frozen=True)
-class EllipticTime:
+class EllipticTime(NamedTuple):
     """sn, cn, dn at t = 0 by the signs of the first two and all their squares, and the rate of v.
 
     ``m`` and ``m1`` are the parameter and its complement, each exact.
@@ -398,3 +392,81 @@ def _real_or_not(z: acb, zeros: Sequence[acb]) -> acb:
     if sum(z.conjugate().overlaps(zero) for zero in zeros) > 1:
         raise TooFewBits
     return acb(z.real)
+
+
+# --- one's own ------------------------------------------------------------------------------------
+#
+# A family of one's own, in mpmath's functions: the digits are reproduced, not proven.
+#
+# The orbit is asked at two precisions, and what they differ by is taken for the error: more bits
+# are asked for until it is small.  The attitude of a periodic one comes from a Fourier series of an
+# azimuth (:mod:`..balls.periodic_attitude`).
+
+
+class Orbit(Protocol):
+    """The motion in the axes of the normal form, at one precision."""
+
+    @property
+    def period(self) -> Scalar | None:
+        """Of w and gamma; None where there is none."""
+        ...
+
+    def at(self, t: Scalar) -> Sequence[Scalar]:
+        """p, q, r, gamma1, gamma2, gamma3."""
+        ...
+
+
+class OrbitMotion(OrbitCase):
+    """The motion of one heavy body from one start in a closed form of your own.
+
+    A family says its conditions in the axes of its normal form, the name of the motion
+    (``_regime``) and the orbit there (``_orbit``).  An orbit without period has no attitude.
+    """
+
+    proven = False
+
+    @abstractmethod
+    def _orbit(self, bits: int) -> Orbit:
+        """The motion in the normal axes, at a precision of mpmath's that is in force."""
+
+    def solve(self) -> Motion:
+        motion = _Estimated(self._orbit)
+        start = (*self.normal.omega, *self.normal.gamma)
+        sizes = (*[self._speed()] * 3, *[arb(1)] * 3)
+        doubt = arb(2) ** -(ctx.prec // 2)
+        for x, y, size in zip(motion.at(arb(0)), start, sizes, strict=True):
+            if abs(x - ball(y)) > doubt * size:
+                raise ArithmeticError("the closed form does not reproduce the start")
+        return self._on(PeriodicOrbit(lambda t: [acb(x) for x in motion.at(t.real)], motion.period))
+
+    def _equations(self) -> None:
+        """None: an orbit is known at real times only."""
+
+
+class _Estimated:
+    """An orbit of mpmath's numbers, with their estimated errors."""
+
+    def __init__(self, make: Callable[[int], Orbit]) -> None:
+        self._orbits: list[tuple[int, Orbit]] = []
+        periods = []
+        for bits in (ctx.prec, ctx.prec - _FEWER):
+            with mpmath.workprec(bits):
+                self._orbits.append((bits, make(bits)))
+                periods.append([self._orbits[-1][1].period])
+        self.period = None if periods[0][0] is None else _estimates(periods)[0]
+
+    def at(self, t: arb) -> Sequence[arb]:
+        """p, q, r, gamma1, gamma2, gamma3; the second one's rounding is far more than t's."""
+        moment = mpmath.make_mpf(libmp.from_man_exp(*map(int, t.mid().man_exp())))
+        rows = []
+        for bits, orbit in self._orbits:
+            with mpmath.workprec(bits):
+                rows.append(orbit.at(moment))
+        return _estimates(rows)
+
+
+def _estimates(answers: Sequence[Sequence[Scalar]]) -> list[arb]:
+    """Those of the first, their errors taken for what the second differs by."""
+    rounding = arb(2) ** (_FEWER - ctx.prec)
+    rows = [[arb(x) for x in row] for row in answers]
+    return [x + around(abs(x - y) + rounding * abs(x)).real for x, y in zip(*rows, strict=True)]

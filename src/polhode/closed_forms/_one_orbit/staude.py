@@ -10,23 +10,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from enum import StrEnum
-from fractions import Fraction
+from typing import ClassVar
 
-from polhode.closed_forms._one_orbit.orbits import OrbitPlacement
+from polhode.closed_forms._one_orbit.orbits import OrbitCase, orbit_family
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.frames import Frame, Motion, PermanentRotation
-from polhode.closed_forms.membership import ALL_AXES, Condition, NormalAxes, NormalScene, vanishing
-from polhode.closed_forms.rotation_stability import STABLE, UNDECIDED, UNSTABLE, Stability, spectrum
-from polhode.common.values import cached_property
+from polhode.closed_forms.balls.frames import Motion, PermanentRotation
+from polhode.closed_forms.membership import ALL_AXES, Condition, NormalScene, vanishing
+from polhode.closed_forms.rotation_stability import STABLE, UNDECIDED, UNSTABLE, spectrum, verdict
 from polhode.numbers.exact import sign
-from polhode.numbers.vectors import cross, dot, is_zero, minus
+from polhode.numbers.vectors import cross, dot, is_zero
 
 
 def conditions(scene: NormalScene) -> Iterator[Condition]:
     """w along gamma, and the moment of the weight balances the gyroscopic one."""
     yield vanishing("w along gamma", cross(scene.gamma, scene.omega), lambda: scene.speed)
-    lacking = minus(cross(scene.gamma, scene.torque), cross(scene.omega, scene.momentum))
-    yield vanishing("gamma x Mg r0 = w x Iw", lacking, lambda: scene.weight)
+    yield vanishing("gamma x Mg r0 = w x Iw", scene.moment, lambda: scene.weight)
 
 
 class Regime(StrEnum):
@@ -39,45 +37,31 @@ class Regime(StrEnum):
     UNDECIDED = f"permanent rotation, {UNDECIDED}"
 
 
-_BY_VERDICT = {
-    STABLE: Regime.STABLE,
-    UNSTABLE: Regime.UNSTABLE,
-    UNDECIDED: Regime.UNDECIDED,
-}
-
-
-class Staude(OrbitPlacement):
+class Staude(OrbitCase):
     """One permanent rotation, or rest."""
 
     conditions = staticmethod(conditions)
     candidates = ALL_AXES[:1]  # the same in all
-
-    def __init__(
-        self, axes: NormalAxes, normal: NormalScene, unit: Fraction, principal: Frame
-    ) -> None:
-        super().__init__(axes, normal, unit, principal)
-        self.rates_of = {"precession": "of the body about the vertical"}
-
-    @cached_property
-    def stability(self) -> Stability:
-        """The coefficients of the characteristic polynomial, exact."""
-        scene = self.normal
-        return Stability(*spectrum(scene.moments, scene.torque, scene.omega, scene.gamma))
+    rates_of: ClassVar = {"precession": "of the body about the vertical"}
 
     def _regime(self) -> Regime:
         scene = self.normal
         if is_zero(scene.omega):
             upright = sign(dot(scene.torque, scene.gamma)) > 0
             return Regime.UPRIGHT if upright else Regime.HANGING
-        return _BY_VERDICT[self.stability.verdict]
+        b, d = spectrum(scene.moments, scene.torque, scene.omega, scene.gamma)
+        return Regime(f"permanent rotation, {verdict(b, d)}")
 
     def solve(self) -> Motion:
         """The rotation; psi', its rate about the vertical, is a frequency, but at rest."""
         omega, gamma = self.normal.omega, self.normal.gamma
         return PermanentRotation(
-            [ball(x) for x in omega],
+            omega,
             ball(abs(dot(omega, gamma))) / 2,
-            [ball(x) for x in gamma],
+            gamma,
             stays=True,
             precession=None if is_zero(omega) else ball(dot(omega, gamma)),
         )
+
+
+FAMILY = orbit_family("staude", Staude)

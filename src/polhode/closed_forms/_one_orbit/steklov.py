@@ -21,10 +21,10 @@ from enum import StrEnum
 
 from flint import acb
 
-from polhode.closed_forms._one_orbit.orbits import EllipticTime, OrbitPlacement
+from polhode.closed_forms._one_orbit.orbits import EllipticTime, OrbitCase, orbit_family
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import Motion
-from polhode.closed_forms.membership import Condition, NormalScene, matching, on_axis_1, positive
+from polhode.closed_forms.membership import Condition, NormalScene, positive
 from polhode.numbers.exact import Exact, exact, sign
 
 
@@ -48,13 +48,13 @@ def coefficients(scene: NormalScene) -> dict[str, Exact]:
 def conditions(scene: NormalScene) -> Iterator[Condition]:
     """Those of the body, then q^2, r^2 and gamma as functions of p."""
     A, B, C = scene.moments
-    yield from on_axis_1(scene)
+    yield from scene.centred_on_axis_1()
     yield positive("A > 2C", A - 2 * C)
     yield positive("A < 2B", 2 * B - A)
     yield positive("A != B", abs(A - B))
     x, (p, q, r) = coefficients(scene), scene.omega
     gamma = x["e"] + x["G"] * p * p, x["M"] * p * q, x["N"] * p * r
-    yield from matching(scene, gamma, (x["b0"] + x["b2"] * p * p, x["c0"] + x["c2"] * p * p))
+    yield from scene.matching(gamma, (x["b0"] + x["b2"] * p * p, x["c0"] + x["c2"] * p * p))
 
 
 class Regime(StrEnum):
@@ -64,7 +64,7 @@ class Regime(StrEnum):
     UPPER = "Steklov, A < B: axis 1 passes the upper vertical"
 
 
-class Steklov(OrbitPlacement):
+class Steklov(OrbitCase):
     """One motion of Steklov."""
 
     conditions = staticmethod(conditions)
@@ -95,3 +95,6 @@ class Steklov(OrbitPlacement):
             return p, q, r, e + G * p * p, M * p * q, N * p * r
 
         return self._on(EllipticTime(m, m1, (first[0], second[0]), squares, nu2).orbit(state))
+
+
+FAMILY = orbit_family("steklov", Steklov)

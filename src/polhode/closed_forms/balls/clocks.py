@@ -2,7 +2,7 @@
 balls.
 
 A variable z grows with the parameter s of the motion, and its phase x as ds = f dx, where f is
-one over the square root of the product of its distances from roots (:mod:`.panels`). Three
+one over the square root of the product of its distances from roots (:class:`Panels`). Three
 kinds:
 
     Oscillating   z = low + (high - low) sin^2(x/2), to and fro between two roots;
@@ -16,9 +16,8 @@ import math
 from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from flint import acb, arb
 
@@ -53,27 +52,12 @@ _SPARE = 10  # nats beyond the bits in force
 _MOST_PANELS = 5_000
 
 
-class Integrand(Protocol):
-    """f as a function of z."""
-
-    def value(self, z: arb) -> Scalar:
-        """f at a real z."""
-        ...
-
-    def moduli(self, z: arb) -> Sequence[tuple[arb, arb]]:
-        """Of each linear function at a real z, and of its slope; both of a pair that is conjugate.
-
-        The scale, if there is one, is a function without slope.
-        """
-        ...
-
-
 class Panels(ABC):
     """S and U from 0 to the ends of panels, ``S[n]`` and ``U[n]``, at the precision in force."""
 
     end: arb
 
-    def __init__(self, integrand: Integrand) -> None:
+    def __init__(self, integrand: InverseRoots | Factors) -> None:
         self.integrand = integrand
         self._starts: list[arb] = []
         self._most: list[tuple[arb, arb]] = []  # bounds of |f| and |z f| on a panel's disc
@@ -182,15 +166,14 @@ def points(ratio: int) -> int:
 #
 # both times the product of (first + slope y)^(-1/2), principal roots. The line from ``first`` to
 # ``last`` must keep clear of the negative numbers: the product on the way is then that of roots
-# which are analytic on each panel's disc (:mod:`.panels`), where no linear function vanishes.
+# which are analytic on each panel's disc (:class:`Panels`), where no linear function vanishes.
 
 
 #: Two complex balls.
 Pair: TypeAlias = tuple[acb, acb]
 
 
-@dataclass(frozen=True)
-class Linear:
+class Linear(NamedTuple):
     """A linear function by its values at both ends and their difference.
 
     All three are asked for, since a difference of what is nearly the same would cost digits.
@@ -284,8 +267,7 @@ _ROUGH = 1e-8  # the step that ends the rough ones
 _CLOSE = 2  # the step that ends all, 2^-(bits/2)
 
 
-@dataclass(frozen=True)
-class Factors:
+class Factors(NamedTuple):
     """scale/sqrt(product of |z - root|): roots with the side of z, and pairs of complex ones."""
 
     roots: Sequence[tuple[int, arb]]
@@ -363,27 +345,16 @@ class Standing:
 
 
 class Clock(Panels):
-    """A variable that moves."""
+    """A variable that moves.
+
+    ``at``: S, U, f and z at a phase, S and U to a few digits if it is to be ``rough``; ``split``: a
+    phase near the one that has S, from which S is the rest; ``near``: U, z and the phase at a rest
+    of S, by doubles; ``scale``: a length of the phase over which f and z change moderately.
+    """
 
     integrand: Factors
     S: list[arb]
     U: list[arb]
-
-    @abstractmethod
-    def at(self, x: arb, *, rough: bool = False) -> Place:
-        """S, U, f and z at a phase; ``rough``: S and U to a few digits."""
-
-    @abstractmethod
-    def scale(self, x: arb) -> arb:
-        """A length of the phase over which f and z change moderately."""
-
-    @abstractmethod
-    def split(self, S: arb) -> Part:
-        """A phase near the one that has S, from which S is the rest."""
-
-    @abstractmethod
-    def near(self, rest: float) -> tuple[float, float, arb]:
-        """U, z and the phase at a rest of S, by doubles."""
 
     def _panel(self, x: arb) -> int:
         """Which panel holds an exact phase from 0 to ``end``."""

@@ -8,7 +8,7 @@ R = Rz(psi) Rx(theta) Rz(phi), body -> space, is the quaternion of the Cayley-Kl
 A family gives a quaternion q of its own axes with any start that has the right gamma; what polhode
 answers is ``product(start_attitude(...), frame.turn(product(conjugate(q(0)), q(t))))``.
 
-A motion is :class:`Motion`, in axes of its own; :class:`..closed_form.ClosedForm` alone brings its
+A motion is :class:`Motion`, in axes of its own; :class:`..families.ClosedForm` alone brings its
 rows into the scene's.
 """
 
@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Generic, Never, Protocol, TypeAlias, TypeVar
+from typing import Generic, TypeAlias, TypeVar
 
 from flint import acb, arb
 
@@ -55,14 +55,8 @@ class Frame:
         self._directions, self._squares, self._within = directions, squares, within
         self._matrix = Kept(self._made)
 
-    @classmethod
-    def signed(cls, order: Sequence[int], signs: Sequence[int] = (1, 1, 1)) -> Frame:
-        """Axis n is ``signs[n]`` times principal axis ``order[n]``; it must be right-handed."""
-        pairs = zip(order, signs, strict=True)
-        return cls([[s * x for x in IDENTITY[i]] for i, s in pairs])
-
-    def numbered(self, order: Sequence[int], signs: Sequence[int]) -> Frame:
-        """Axis n is ``signs[n]`` times axis ``order[n]`` of these."""
+    def numbered(self, order: Sequence[int], signs: Sequence[int] = (1, 1, 1)) -> Frame:
+        """Axis n is ``signs[n]`` times axis ``order[n]`` of these; it must be right-handed."""
         pairs = zip(order, signs, strict=True)
         rows = [[s * x for x in self._directions[i]] for i, s in pairs]
         return Frame(rows, [self._squares[i] for i in order], self._within)
@@ -176,68 +170,18 @@ class Motion(ABC):
     def at(self, t: arb) -> Sequence[arb]:
         """p, q, r, and the vertical, of any length, at a time; no vertical where none is known."""
 
-    @abstractmethod
-    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
-        """How far its axes have turned since t = 0; ``state`` is that at t."""
+    def turn(self, t: arb) -> Turn:
+        """How far its axes have turned since t = 0; refused where only the state has a formula."""
+        raise Refused(_ALONE)
 
     def rates(self) -> Mapping[str, arb]:
         """The frequencies by name; 2 pi over the period is "body"."""
         return {} if self.period is None else {"body": 2 * arb.pi() / self.period}
 
-    def curve(self) -> Mapping[str, arb]:
-        """Numbers of the algebraic curve on which the motion is linear, where it tells them."""
-        return {}
-
+    @property
     def approach(self) -> arb | None:
         """The rate at which it tends to a periodic motion; None where it does not."""
         return None
-
-
-class State(Protocol):
-    """The state of a motion alone."""
-
-    def at(self, t: arb) -> Sequence[arb]:
-        """p, q, r, and the vertical, of any length, at a time."""
-        ...
-
-
-class Turning(Protocol):
-    """The attitude of one."""
-
-    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
-        """How far its axes have turned since t = 0; ``state`` is that at t."""
-        ...
-
-
-def no_attitude() -> Never:
-    """Refuse the attitude of a motion of which only the state has a formula."""
-    raise Refused(_ALONE)
-
-
-class StateAndTurning(Motion):
-    """A state, and a turning that is made when it is first asked for: a state needs none of it."""
-
-    def __init__(
-        self,
-        state: State,
-        turning: Callable[[], Turning],
-        speed: arb,
-        period: arb | None = None,
-    ) -> None:
-        self.state, self.speed, self.period = state, speed, period
-        self._make_turning = turning
-
-    def at(self, t: arb) -> Sequence[arb]:
-        """Those of the state."""
-        return self.state.at(t)
-
-    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
-        """That of the turning."""
-        return self._turning.turn(t, state)
-
-    @cached_property
-    def _turning(self) -> Turning:
-        return self._make_turning()
 
 
 class PermanentRotation(Motion):
@@ -249,14 +193,15 @@ class PermanentRotation(Motion):
 
     def __init__(
         self,
-        omega: Sequence[arb],
+        omega: Vector,
         half: arb,
-        vertical: Sequence[arb] | None,
+        vertical: Vector | None,
         *,
         stays: bool = False,
         precession: arb | None = None,
     ) -> None:
-        self._omega, self._half, self._vertical, self._stays = omega, half, vertical, stays
+        self._omega, self._half, self._stays = [ball(x) for x in omega], half, stays
+        self._vertical = None if vertical is None else [ball(x) for x in vertical]
         self._precession = precession
         self.speed = arb(1) if half.is_zero() else 2 * half
 
@@ -266,11 +211,10 @@ class PermanentRotation(Motion):
             return self._omega
         if self._stays:
             return *self._omega, *self._vertical
-        return *self._omega, *turned_back(self.turn(t, ()), self._vertical)
+        return *self._omega, *turned_back(self.turn(t), self._vertical)
 
-    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
+    def turn(self, t: arb) -> Turn:
         """The turn about w by |w| t."""
-        del state
         sin, cos = (self._half * t).sin_cos()
         x, y, z = (sin * w / self.speed for w in self._omega)
         return cos, x, y, z

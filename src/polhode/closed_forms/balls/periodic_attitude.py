@@ -27,13 +27,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from flint import acb, acb_mat, arb
 
 from polhode.closed_forms.balls.core import Refused, TooFewBits, around, nearest_integer
-from polhode.closed_forms.balls.frames import Turn, conjugate, of_matrix
+from polhode.closed_forms.balls.frames import Motion, Turn, conjugate, of_matrix
 from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Scalar
@@ -91,19 +90,21 @@ _MOST_RISE = 20  # of |F| in the strip over its largest value on the line
 _SIGN_BITS = 96
 _TRIALS = 4  # of radii within which a state is to stay
 _FEWEST, _MOST_SAMPLES = 16, 1 << 13
+_ONE = arb(1)
 
 
 class PeriodicOrbit:
     """w and the vertical as functions of a phase s, at the precision in force.
 
     ``state``: p, q, r, and the vertical, of any length, of a complex phase.  ``period``: T, of
-    time; ``cycle``: S, by which the phase grows in T; ``begin``: the time from s = 0 to the start.
-    The phase is the time since the start, unless an orbit has another one.
+    time, None where they do not repeat; ``cycle``: S, by which the phase grows in T; ``begin``: the
+    time from s = 0 to the start.  The phase is the time since the start, unless an orbit has
+    another one.
     """
 
-    def __init__(self, state: Callable[[acb], Sequence[acb]], period: arb) -> None:
+    def __init__(self, state: Callable[[acb], Sequence[acb]], period: arb | None) -> None:
         self.state, self.period = state, period
-        self.cycle, self.begin = period, arb(0)
+        self.cycle, self.begin = arb(0) if period is None else period, arb(0)
 
     def at(self, t: arb) -> Sequence[arb]:
         """p, q, r, and the vertical, at a time since the start."""
@@ -119,8 +120,7 @@ class PeriodicOrbit:
         return acb(1)
 
 
-@dataclass(frozen=True)
-class BallEquations:
+class BallEquations(NamedTuple):
     """Euler's and Poisson's equations of a body, I w' + w x I w = g x T, g' = g x w."""
 
     moments: Sequence[Scalar]
@@ -149,8 +149,7 @@ class BallEquations:
         return None
 
 
-@dataclass(frozen=True)
-class Strip:
+class Strip(NamedTuple):
     """An axis of the body that is never vertical, and M where |Im s| <= eta S; at any precision.
 
     ``eta`` is 0 where no strip is proven.
@@ -161,13 +160,41 @@ class Strip:
     most: float
 
 
-class PeriodicAttitude:
-    """The turn since t = 0, at the precision in force.
+class PeriodicMotion(Motion):
+    """The motion on an orbit; its attitude is made when it is first asked for.
 
-    ``size``: the length of the vertical in the state; ``speed``: a proven bound of |w|;
-    ``equations``: those of the body, None where the orbit is known at real times only; ``strip``:
-    that of another precision.
+    ``speed``: a proven bound of |w|; ``equations``: those of the body, None where the orbit is
+    known at real times only; ``strips``: the strip that another precision found, or room for it;
+    ``size``: the length of the vertical in the state.
     """
+
+    def __init__(
+        self,
+        orbit: PeriodicOrbit,
+        speed: arb,
+        equations: Callable[[], BallEquations | None],
+        strips: list[Strip],
+        size: arb = _ONE,
+    ) -> None:
+        self.orbit, self.speed, self.period = orbit, speed, orbit.period
+        self._equations, self._strips, self._size = equations, strips, size
+
+    def at(self, t: arb) -> Sequence[arb]:
+        """Those of the orbit."""
+        return self.orbit.at(t)
+
+    def turn(self, t: arb) -> Turn:
+        """The turn since t = 0."""
+        return super().turn(t) if self.period is None else self._attitude.turn(t)
+
+    @cached_property
+    def _attitude(self) -> PeriodicAttitude:
+        equations = self._equations()
+        return PeriodicAttitude(self.orbit, self._size, self.speed, equations, self._strips)
+
+
+class PeriodicAttitude:
+    """The turn since t = 0, at the precision in force; arguments as of :class:`PeriodicMotion`."""
 
     def __init__(
         self,
@@ -175,15 +202,17 @@ class PeriodicAttitude:
         size: arb,
         speed: arb,
         equations: BallEquations | None,
-        strip: Strip | None = None,
+        strips: list[Strip],
     ) -> None:
+        assert orbit.period is not None
         self._orbit, self._size, self._equations = orbit, size, equations
         self._speed = speed
         self._period, self._cycle = orbit.period, orbit.cycle
-        self._axis = strip.axis if strip else self._never_vertical()
+        self._axis = strips[0].axis if strips else self._never_vertical()
         self._square = sum(x * x for x in self._axis)
-        #: What need not be found again at another precision.
-        self.strip = strip or Strip(self._axis, *self._found_strip(speed))
+        if not strips:  # it need not be found again at another precision
+            strips.append(Strip(self._axis, *self._found_strip(speed)))
+        self.strip = strips[0]
         sums, self._error = self._proven_sums() if equations else self._settled_sums()
         terms = [acb(0), *(x / k for k, x in enumerate(sums[1:], 1))]
         self._mean, self._waves = sums[0].real, PowerSum(terms)
@@ -191,9 +220,8 @@ class PeriodicAttitude:
         with ctx.workprec(_SIGN_BITS):
             self._table = self._signed(steps)
 
-    def turn(self, t: arb, state: Sequence[arb]) -> Turn:
-        """The turn of the axes until t; ``state`` is not asked."""
-        del state
+    def turn(self, t: arb) -> Turn:
+        """The turn of the axes until t."""
         return quaternion_product(conjugate(self._first), self._from_zero(t + self._orbit.begin))
 
     @cached_property

@@ -21,9 +21,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import product
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from flint import acb, acb_mat, arb
 
@@ -59,8 +58,7 @@ def is_odd(characteristic: Characteristic) -> bool:
     return (a1 * b1 + a2 * b2) % 2 == 1
 
 
-@dataclass(frozen=True)
-class Lattice:
+class Lattice(NamedTuple):
     """The lattice of all l + tau k, l and k whole."""
 
     tau: SymmetricMatrix
@@ -93,8 +91,7 @@ class Lattice:
         return (z[0] - step * (l[0] + along[0]), z[1] - step * (l[1] + along[1])), l, k
 
 
-@dataclass(frozen=True)
-class Jets:
+class Jets(NamedTuple):
     """Theta functions at one z: exp(``log``) times ``values`` and derivatives."""
 
     values: list[Jet]

@@ -17,8 +17,7 @@ exceptions.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from flint import acb, arb
 
@@ -127,8 +126,7 @@ class Shifted:
 Functions: TypeAlias = tuple[acb, acb, acb]
 
 
-@dataclass(frozen=True)
-class Quartic:
+class Quartic(NamedTuple):
     """a0 y^4 + 4 a1 y^3 + 6 a2 y^2 + 4 a3 y + a4, exact and real."""
 
     a: tuple[Exact, Exact, Exact, Exact, Exact]
@@ -167,7 +165,7 @@ class Weierstrass:
     """
 
     def __init__(self, quartic: Quartic) -> None:
-        g2, g3 = quartic.invariants
+        self.quartic, (g2, g3) = quartic, quartic.invariants
         self.g2 = ball(g2)
         self.functions: Jacobi | None = None
         self.paired, self.base, self.size, self.rate = False, arb(0), arb(1), arb(1)
@@ -226,9 +224,8 @@ class Weierstrass:
 class WeierstrassSolution:
     """y as a function of complex time, at the precision in force."""
 
-    def __init__(self, quartic: Quartic, y0: acb, slope: acb, P: Weierstrass | None = None) -> None:
-        self.P = P or Weierstrass(quartic)
-        self._f = quartic.derivatives(y0)
+    def __init__(self, P: Weierstrass, y0: acb, slope: acb) -> None:
+        self.P, self._f = P, P.quartic.derivatives(y0)
         self._y0, self._slope = y0, slope
 
     def value(self, t: acb) -> tuple[acb, acb]:

@@ -1,7 +1,7 @@
 """The Jacobian of the Kovalevskaya curve in balls: periods, Abel's map, characteristics.
 
 The finite branch points are numbered a_1 ... a_5 along a direction
-(:func:`polhode.closed_forms.kovalevskaya.branch_points.numbered`). On the segment from a_j to
+(:func:`polhode.closed_forms.kovalevskaya.place.numbered`). On the segment from a_j to
 a_(j+1), w = sqrt(-2) product r_i with r_i = sqrt(s - a_i) for i <= j and i sqrt(a_i - s) for i
 > j, principal roots, and I_j is the integral of (1, s) ds/w. With c_j = 2 I_j the cycles c_1,
 c_3 | c_2 + c_4, c_4 are a canonical basis a | b, tau = inv(Om_A) Om_B (Mumford, Tata Lectures
@@ -26,7 +26,7 @@ from polhode.closed_forms.balls.theta2 import (
     added,
     is_odd,
 )
-from polhode.closed_forms.kovalevskaya.branch_points import ascending, numbered
+from polhode.closed_forms.kovalevskaya.place import ascending, numbered
 from polhode.common.values import cached_property
 
 # --- reduction ------------------------------------------------------------------------------------
@@ -111,18 +111,19 @@ class Jacobian:
 
     def __init__(self, points: Sequence[acb]) -> None:
         self.points = list(points)
-        self._order = numbered(self.points)
-        segments = [self._segment(j) for j in range(4)]
+        order = numbered(self.points)
+        line = [self.points[i] for i in order]
+        segments = [segment(line[j], line[j + 1], line[:j], line[j + 2 :]) for j in range(4)]
         loop1, loop2, loop3, loop4 = ((2 * x, 2 * y) for x, y in segments)
         first = loop1, loop3
         second = (loop2[0] + loop4[0], loop2[1] + loop4[1]), loop4
         self.columns, columns_b = reduced_basis(first, second)
         self.lattice = Lattice(self._period_matrix(columns_b))
         now = segments[0][0] + segments[2][0], segments[0][1] + segments[2][1]
-        images = {self._order[4]: now}
+        images = {order[4]: now}
         for j in (3, 2, 1, 0):
             now = now[0] - segments[j][0], now[1] - segments[j][1]
-            images[self._order[j]] = now
+            images[order[j]] = now
         self.images = [images[i] for i in range(5)]
         self.characteristics = [self._characteristic(image) for image in self.images]
 
@@ -173,11 +174,6 @@ class Jacobian:
         first, second = unit(factors)
         over = -2 * s / w
         return over * second, over * s * first
-
-    def _segment(self, j: int) -> Pair:
-        along = [self.points[i] for i in self._order]
-        a, b = along[j], along[j + 1]
-        return segment(a, b, along[:j], along[j + 2 :])
 
     def _period_matrix(self, second: Columns) -> tuple[acb, acb, acb]:
         (t11, t21), (t12, t22) = (self.reduced(column) for column in second)

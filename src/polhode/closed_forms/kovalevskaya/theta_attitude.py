@@ -18,17 +18,18 @@ proved: balls enclose the value of the formula.  A choice is dropped where it is
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from flint import acb, acb_mat, arb
 
 from polhode.closed_forms.balls.clocks import Pair
 from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
-from polhode.closed_forms.balls.frames import Turn, conjugate
+from polhode.closed_forms.balls.frames import Turn, conjugate, halves, quaternion
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.theta_state import ThetaState, Values, dot
+from polhode.common.values import cached_property
+from polhode.numbers.exact import ZERO
 from polhode.numbers.vectors import quaternion_product
 
 _HALVES = ((0, 0), (0, 1), (1, 0), (1, 1))
@@ -42,8 +43,7 @@ Vector: TypeAlias = Sequence[acb]
 Space: TypeAlias = Sequence[Vector]
 
 
-@dataclass(frozen=True)
-class Moment:
+class Moment(NamedTuple):
     """The state and the functions Th at a time: below at z + h, above at z + h + e.
 
     The functions are over the exponentials of their logarithms.
@@ -55,8 +55,7 @@ class Moment:
     log: acb  # of the factor above over the one below, with c t
 
 
-@dataclass(frozen=True)
-class EigenspaceChoice:
+class EigenspaceChoice(NamedTuple):
     """A, A' and B, B' of one choice of eigenspaces."""
 
     tops: Sequence[Vector]
@@ -72,25 +71,41 @@ class EigenspaceChoice:
         return xi, eta
 
 
+class ThetaMotion(ThetaState):
+    """The generic motion; its attitude is made when it is first asked for."""
+
+    def turn(self, t: arb) -> Turn:
+        """The turn since t = 0."""
+        return self.attitude.turn(t, self.at(t))
+
+    @cached_property
+    def attitude(self) -> ThetaAttitude:
+        """Its attitude at this precision."""
+        return ThetaAttitude(self)
+
+
 class ThetaAttitude:
     """The turn of the top's axes since t = 0, at the precision in force.
 
-    ``first``: a quaternion at t = 0 that has the right gamma, in the top's axes.  Raises TooFewBits
-    where more than one motion fits the start.
+    Raises TooFewBits where more than one motion fits the start.
     """
 
-    def __init__(self, motion: ThetaState, first: Turn) -> None:
+    def __init__(self, motion: ThetaState) -> None:
         if len(motion.choices) > 1:
             raise TooFewBits
-        self.motion, self._first = motion, first
+        self.motion, start = motion, motion.start
+        a, b, c = (x / start.weight for x in start.G)
+        self._first = quaternion(*halves((a, b, c), ZERO))  # one that has the right gamma
         self.e, self.rate = self._third_kind()
         tau = motion.jacobian.lattice.tau
         doubled = 2 * tau[0], 2 * tau[1], 2 * tau[2]
         self.functions = Theta2(doubled, [(*half, 0, 0) for half in _HALVES])
-        k, l = self._half_period()
+        *_, plus, minus = motion.jacobian.characteristics
+        k1, k2, l1, l2 = added(plus, minus)
+        k, l = (k1, k2), (l1, l2)
         along = motion.jacobian.lattice.times(k)
         self.h = (l[0] + along[0]) / 2, (l[1] + along[1]) / 2
-        self.choices = self._fitting(k, l, first)
+        self.choices = self._fitting(k, l)
 
     def turn(self, t: arb, state: Sequence[arb]) -> Turn:
         """The turn until t; ArithmeticError where it has not the gamma of the state then."""
@@ -130,12 +145,6 @@ class ThetaAttitude:
         (a, b), (c, d) = ends
         return (-a - c, -b - d), rate
 
-    def _half_period(self) -> tuple[tuple[int, int], tuple[int, int]]:
-        """k and l of h = (l + tau k)/2."""
-        *_, plus, minus = self.motion.jacobian.characteristics
-        k1, k2, l1, l2 = added(plus, minus)
-        return (k1, k2), (l1, l2)
-
     def _moment(self, t: arb, state: Sequence[arb]) -> Moment:
         """The functions at z0 + t V, which is z + 2(l + tau k)."""
         z, k = self.motion.place(t)
@@ -147,11 +156,9 @@ class ThetaAttitude:
         log = self.rate * t - moved + above.log - below.log
         return Moment(state, below.along(V), above.along(V), log)
 
-    def _fitting(
-        self, k: tuple[int, int], l: tuple[int, int], first: Turn
-    ) -> list[EigenspaceChoice]:
+    def _fitting(self, k: tuple[int, int], l: tuple[int, int]) -> list[EigenspaceChoice]:
         """The choices that are not proven wrong."""
-        motion = self.motion
+        motion, first = self.motion, self._first
         unit = _I if (k[0] * l[0] + k[1] * l[1]) % 2 else acb(1)
         spaces = {n: _eigenspace(k, l, n * unit) for n in (1, -1)}
         times = [ball(x) / motion.speed for x in _TIMES]

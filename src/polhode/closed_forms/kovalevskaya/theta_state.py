@@ -22,21 +22,25 @@ c_j each choice is dropped that is proven to miss the start; the truth is in the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from itertools import product
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from flint import acb, arb
 
 from polhode.closed_forms.balls.clocks import Pair
 from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
+from polhode.closed_forms.balls.frames import Latest, Motion
 from polhode.closed_forms.balls.theta2 import Theta2, added
-from polhode.closed_forms.kovalevskaya.axes import KovalevskayaStart, State
-from polhode.closed_forms.kovalevskaya.branch_points import branch_points, square_roots
-from polhode.closed_forms.kovalevskaya.jacobian import Jacobian
+from polhode.closed_forms.kovalevskaya.jacobian import Jacobian, rates
+from polhode.closed_forms.kovalevskaya.place import (
+    KovalevskayaStart,
+    State,
+    branch_points,
+    square_roots,
+)
 from polhode.common.values import cached_property
-from polhode.numbers.exact import Exact, sign
+from polhode.numbers.exact import sign
 
 PAIRS = ((0, 1), (0, 2), (1, 2))
 _MOST_CHOICES = 4  # of which the union is taken
@@ -47,8 +51,7 @@ _I = acb(0, 1)
 Values: TypeAlias = Sequence[Pair]
 
 
-@dataclass(frozen=True)
-class Quotients:
+class Quotients(NamedTuple):
     """The numbers before the theta functions, for one choice of signs."""
 
     over: Sequence[acb]  # g_j C_j
@@ -92,12 +95,12 @@ def dot(row: Sequence[acb], values: Values, which: int) -> acb:
     return total
 
 
-class ThetaState:
+class ThetaState(Motion):
     """The state as a function of time, in the top's axes and units, at the precision in force."""
 
-    def __init__(self, start: KovalevskayaStart, disc: Exact) -> None:
-        self.start = start
-        self.jacobian = Jacobian(branch_points(start, disc))
+    def __init__(self, start: KovalevskayaStart) -> None:
+        self.start, self.speed = start, start.speed_bound()
+        self.jacobian = Jacobian(branch_points(start))
         self.H, self.m, self.b = ball(start.H), ball(start.m), ball(start.b)
         self.velocity = self.jacobian.reduced((acb(0), acb(1)))
         delta, etas = self.jacobian.delta, self.jacobian.characteristics
@@ -107,19 +110,25 @@ class ThetaState:
         #: z at t = 0.
         self.z0 = self.jacobian.reduced(self._first_place())
         self.choices = self._fitting()
+        self._state = Latest(self._state_at)
 
     @cached_property
     def weight(self) -> arb:
         """|G|."""
         return ball(self.start.a2).sqrt()
 
-    @cached_property
-    def speed(self) -> arb:
-        """A bound of |w|."""
-        return self.start.speed_bound()
-
     def at(self, t: arb) -> list[arb]:
         """p, q, r, G1, G2, G3."""
+        return self._state(t)
+
+    def rates(self) -> Mapping[str, arb]:
+        """The mean rates at which the separation variables go through their cycles.
+
+        w and gamma repeat when both have made an even number of turns.
+        """
+        return dict(zip(("s1", "s2"), rates(self.jacobian.points), strict=True))
+
+    def _state_at(self, t: arb) -> list[arb]:
         values = self.values_at(self.place(t)[0])
         first, *others = ([x.real for x in c.state(self.H, values)] for c in self.choices)
         for state in others:

@@ -1,1 +1,0 @@
-"""Goryachev and Chaplygin's case with f = 0: every motion in closed form."""

@@ -1,1 +1,0 @@
-"""Hess and Appelrot's case: motions on the surface Iw.r0 = 0."""

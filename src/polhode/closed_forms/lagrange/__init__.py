@@ -1,1 +1,0 @@
-"""The symmetric top with its centre of mass on its axis."""
