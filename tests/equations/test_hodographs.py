@@ -16,6 +16,7 @@ import polhode
 from polhode.cli import main
 from polhode.dynamics import rolling_cones
 from polhode.equations import kinematics
+from polhode.equations.columns import derived
 from polhode.numbers import row_formulas
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.mpmath_context import mpmath
@@ -58,15 +59,17 @@ def exact_rotation(q, v):
 )
 def test_a_vector_is_turned_exactly_and_rounded_once(q, v, number):
     """Against fractions: half an ulp of the largest component, whatever the quaternion's length."""
+    state = (*v, 0.0, 0.0, 1.0)
     if number.name == "double":
-        rows = np.array([q]), np.array([v])
+        rows = np.array([q]), np.array([state])
     elif number.name == "extended":
-        rows = tuple(np.array([[to_extended(exactly(x)) for x in r]]) for r in (q, v))
+        rows = tuple(np.array([[to_extended(exactly(x)) for x in r]]) for r in (q, state))
     else:
-        rows = tuple([[to_mpf(exactly(x), number.bits) for x in r]] for r in (q, v))
+        rows = tuple([[to_mpf(exactly(x), number.bits) for x in r]] for r in (q, state))
     exact = exact_rotation([exactly(x) for x in q], [exactly(x) for x in v])
     largest = max(abs(x) for x in exact)
-    for component, true in zip(kinematics.in_space(*rows, number)[0], exact, strict=True):
+    (turned,) = derived("hodographs", polhode.load("euler/sphere"), rows[::-1], number)
+    for component, true in zip(turned, exact, strict=True):
         assert abs(exactly(component) - true) <= largest * number.eps * Fraction(51, 100)
 
 
@@ -95,7 +98,8 @@ def test_the_body_hodograph_is_the_states_own_numbers(monkeypatch):
     wide = polhode.integrate(scene_of("kovalevskaya/generic", count=2), "extended")
     assert wide.hodographs.space.dtype == np.longdouble
     monkeypatch.setattr(row_formulas, "extended_here", lambda: False)
-    assert np.array_equal(kinematics.hodographs(run.states, run.attitude, run.number).space, space)
+    parts = run.states, run.attitude
+    assert np.array_equal(derived("hodographs", run.scene, parts, run.number), space)
 
 
 # -- rolling ------------------------------------------------------------------------------------
@@ -200,8 +204,11 @@ def test_the_apex_path_of_a_top_is_its_precession_and_nutation(number):
     scene = scene_of("lagrange/looping", ("angles", "attitude"), Fraction(1, 2), 9)
     run = polhode.integrate(scene, number)
     bits, bound = run.number.bits + 16, 60 * float(run.number.eps)
-    paths = kinematics.in_space(run.attitude, [[0, 0, 1]] * len(run.times), run.number)
-    upward = kinematics.in_space(run.attitude, [row[3:] for row in run.states], run.number)
+    vertical = [[*row[3:], *row[3:]] for row in run.states]
+    paths, upward = (
+        derived("hodographs", scene, (rows, run.attitude), run.number)
+        for rows in ([[0, 0, 1, 0, 0, 1]] * len(run.times), vertical)
+    )
     with mpmath.workprec(bits):
         for (psi, theta, _), apex, up in zip(run.angles, paths, upward, strict=True):
             psi, theta = (to_mpf(exactly(x), bits) for x in (psi, theta))
