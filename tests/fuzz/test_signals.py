@@ -20,7 +20,7 @@ from polhode import cli
 from polhode.common import files
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import heard
-from polhode.runs import member_jobs
+from polhode.runs import integrate_many
 from polhode.verbs import catalogue, guide
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="processor time is read from /proc")
@@ -149,13 +149,13 @@ def test_ctrl_c_waits_until_files_are_whole(monkeypatch, tmp_path):
 
 
 def test_ctrl_c_while_a_sweep_is_read_out_loses_nothing(monkeypatch):
-    put_together = member_jobs.put_together
+    put_together = integrate_many.put_together
 
     def interrupted(*arguments):
         interrupt()
         return put_together(*arguments)
 
-    monkeypatch.setattr(member_jobs, "put_together", interrupted)
+    monkeypatch.setattr(integrate_many, "put_together", interrupted)
     many = polhode.integrate_many("euler/sphere", {"start.omega[1]": [1, "1.1"]}, at=[0])
     assert many.complete
 

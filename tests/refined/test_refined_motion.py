@@ -13,8 +13,7 @@ import polhode
 from polhode.numbers.conversion import exactly
 from polhode.refined import double_run, refinement
 from polhode.refined.collocation_tables import tables
-from polhode.refined.compiled_field import Kernels, kernels
-from polhode.refined.errors import CannotRefine, TooFarOff
+from polhode.refined.compiled_field import CannotRefine, Kernels, TooFarOff, kernels
 from polhode.refined.refinement import QUAD, Accuracy, accuracy, refine
 from polhode.scenes import library
 from polhode.scenes.body import Body

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.taylor import array_steps, defaults, lanes
+from polhode.taylor import defaults, lanes
 from shared.tiers import tiers
 
 EPS = 2.0**-52
@@ -79,14 +79,14 @@ def members(count, some):
 def counted(monkeypatch):
     """How many motions each call of the compiled step gave up, and the batches that took them."""
     late = []
-    at_end = array_steps.at_end
+    at_end = lanes.at_end
 
     def told(job, steps, which, *others):
         good = at_end(job, steps, which, *others)
         late.append((len(which), int((~good).sum())))
         return good
 
-    monkeypatch.setattr(array_steps, "at_end", told)
+    monkeypatch.setattr(lanes, "at_end", told)
     return late
 
 

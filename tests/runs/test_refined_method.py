@@ -15,7 +15,7 @@ from polhode.cli import main
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exactly
 from polhode.refined import compiled_field, refinement
-from polhode.refined.errors import Stalled
+from polhode.refined.compiled_field import Stalled
 from polhode.refined.refinement import refine
 from polhode.runs.options import refinement_pays
 from polhode.scenes.scene import Event

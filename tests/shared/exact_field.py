@@ -14,8 +14,7 @@ import numpy as np
 
 from polhode.numbers.number_types import Doubles
 from polhode.refined.collocation_tables import LARGEST_FIELD, Tables
-from polhode.refined.compiled_field import COEFFICIENTS, FIELD_SHIFT, VARIABLES, Kernels
-from polhode.refined.expansions import Limbs
+from polhode.refined.compiled_field import COEFFICIENTS, FIELD_SHIFT, VARIABLES, Kernels, Limbs
 
 NODES = 8  # that the field is tried at
 LONGEST = 16  # H

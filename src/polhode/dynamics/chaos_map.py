@@ -421,7 +421,7 @@ def chaos_map(
         workers,
         executor,
         checkpoint,
-        lambda verdicts: verdicts._asdict(),
+        variations.Followed._asdict,
         variations.Followed.of,
         progress,
     )

@@ -23,13 +23,13 @@ from polhode.common.checkpoint import Arrays
 from polhode.common.errors import BadInput, nearest
 from polhode.common.interrupts import Stop
 from polhode.dynamics import lyapunov
+from polhode.equations.section_functions import in_columns
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers import expression
 from polhode.numbers.conversion import number_value, to_double
 from polhode.numbers.expression import Algebra, ExpressionError, odd_part
 from polhode.numbers.number_types import DOUBLE, Doubles, NumberType, Stack, double_array
-from polhode.runs import member_jobs
-from polhode.runs.member_jobs import FlatJob, Reader, reader
+from polhode.runs.integrate_many import FlatJob, Reader, flat_job, reader
 from polhode.runs.members import Plan
 from polhode.runs.options import Options
 from polhode.runs.solve import solve as solve_one
@@ -39,13 +39,7 @@ from polhode.scenes.vocabulary import READY_MADE, STATE
 from polhode.taylor import event_batches, variations
 from polhode.taylor.batches import Columns
 from polhode.taylor.event_batches import SearchJob, Watched
-from polhode.taylor.event_functions import (
-    TIME,
-    identically_zero,
-    in_columns,
-    size_of,
-    typed_constant,
-)
+from polhode.taylor.event_functions import TIME, identically_zero, size_of, typed_constant
 from polhode.taylor.heyoka import EXPRESSIONS, hy
 from polhode.taylor.variations import TangentJob
 
@@ -199,7 +193,7 @@ def job_of(
     """The job of some members that have a unit of time in common."""
     read, n = reader(plan, group), int(plan.tables.exponents[group[0]])
     motions, kinds = plan.tables.motions(group), {reduction.kind for reduction in which}
-    states = member_jobs.flat_job(plan, group) if kinds - {FIRST, LYAPUNOV} else None
+    states = flat_job(plan, group) if kinds - {FIRST, LYAPUNOV} else None
     end = float(plan.times[-1] / Fraction(2) ** n)
     firsts = tuple(
         (reduction, *_of_event(scene, plan, event_of(scene, reduction.of), group, end), read)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from polhode.common.arguments import whole
-from polhode.common.checkpoint import Arrays, JobCheckpoint
+from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput, counted
 from polhode.common.interrupts import Progress
 from polhode.common.processes import cores, run_jobs
@@ -35,14 +35,7 @@ from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
 from polhode.numbers.conversion import to_extended
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import odd_part
-from polhode.numbers.number_types import (
-    DOUBLE,
-    AnyNumber,
-    AnyVector,
-    Doubles,
-    Integers,
-    double_array,
-)
+from polhode.numbers.number_types import DOUBLE, AnyNumber, AnyVector, Doubles, Integers
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
@@ -58,7 +51,7 @@ from polhode.scenes.vocabulary import REQUESTS, STATE
 from polhode.taylor.system import refuse_other_rounding
 
 if TYPE_CHECKING:
-    from polhode.taylor.event_batches import Crossed, SearchJob
+    from polhode.taylor.event_batches import SearchJob
     from polhode.taylor.projection import Level
 
 
@@ -126,21 +119,6 @@ def worker_count(jobs: int, crossings: int) -> int:
     Threads would not do: at every crossing they wait for each other.
     """
     return max(1, min(cores(), jobs, jobs * LANES * crossings // WORTH_A_PROCESS))
-
-
-def packed(result: Crossed) -> Arrays:
-    """What a job found as arrays by name, to be kept in a file."""
-    return {name: np.asarray(value) for name, value in result._asdict().items()}
-
-
-def unpacked(arrays: Arrays) -> Crossed:
-    """What a job found, from those arrays."""
-    from polhode.taylor.event_batches import Crossed
-
-    states, times, rests = (double_array(arrays[name]) for name in ("states", "times", "rests"))
-    counts, steps = (np.asarray(arrays[name], dtype=np.int64) for name in ("found", "steps"))
-    outcomes, drift = tuple(arrays["outcomes"].tolist()), float(arrays["drift"].item())
-    return Crossed(states, times, rests, counts, steps, outcomes, drift)
 
 
 # --- crossing accuracy ----------------------------------------------------------------------------
@@ -474,8 +452,8 @@ def section(
             workers or worker_count(len(jobs), count),
             executor,
             checkpoint,
-            packed,
-            unpacked,
+            event_batches.Crossed._asdict,
+            event_batches.Crossed.of,
             progress,
             processes=True,
         )

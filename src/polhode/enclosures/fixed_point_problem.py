@@ -22,7 +22,15 @@ from typing import Any
 from flint import arb
 
 from polhode.enclosures.polynomial import Polynomial, ball, total, variable
-from polhode.equations.terms import PRODUCTS, ROWS, coefficients_of, numbers_of, product
+from polhode.equations.terms import (
+    MOMENTS,
+    PRODUCTS,
+    ROWS,
+    TORQUE,
+    coefficients_of,
+    numbers_of,
+    product,
+)
 from polhode.motion.frame import Frame
 from polhode.numbers import exact
 from polhode.numbers.conversion import to_double
@@ -161,8 +169,8 @@ def motion(scene: Scene, backward: bool = False, radii: Vector | None = None) ->
         backward,
         tuple(coefficients_of(numbers)),
         (*omega, *gamma),
-        tuple(numbers[:3]),
-        tuple(numbers[3:]),
+        tuple(numbers[MOMENTS]),
+        tuple(numbers[TORQUE]),
         tuple(box),
     )
 

@@ -20,12 +20,13 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from polhode.motion.frame import Frame
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
-from polhode.numbers.exact import ONE, ZERO, Exact, sign
+from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import (
     Extendeds,
     Flat,
@@ -319,11 +320,13 @@ def along(scene: Scene) -> tuple[Along, Mapping[str, Exact]]:
     integrals = first_integrals(inside)
     onto, turn = integrals.onto, range(0 if axes.trivial else 3)
     targets = [f"{name} at the start" for name in onto]
-    measures = [f"scale of {name}" for name in onto]
+    relative_to = [f"scale of {name}" for name in onto]
+    k, body = integrals.coefficients, inside.body
+    scales = measures(integrals, k, body.moments, body.torque, inside.omega, _EXACTLY)
     coefficients: dict[str, Exact] = {
-        **integrals.coefficients,
+        **k,
         **dict(zip(targets, exact_values(inside, integrals), strict=True)),
-        **dict(zip(measures, _scales(inside, integrals), strict=True)),
+        **dict(zip(relative_to, scales, strict=True)),
         **{f"axis {i}{j}": axes.rows[i][j] for i in turn for j in turn},
         "unit": frame.unit,
     }
@@ -338,40 +341,50 @@ def along(scene: Scene) -> tuple[Along, Mapping[str, Exact]]:
         inside = [k["unit"] * w for w in principal(state[:3])]
         inside += principal(state[3:]) if len(state) > 3 else []
         values = integrals.values(inside, k, zero)
-        parts = zip(values, targets, measures, strict=True)
+        parts = zip(values, targets, relative_to, strict=True)
         return values, [(value - k[target]) / k[measure] for value, target, measure in parts]
 
     return formula, coefficients
 
 
-def scales(scene: Scene) -> tuple[Exact, Exact]:
-    """The scales of h and f, see Drift."""
-    integrals = scene.integrals
-    area = integrals.area_scale
-    swing = exact.sqrt(
-        exact.sqrt(dot(scene.body.torque, scene.body.torque)) * max(scene.body.moments)
-    )
-    if sign(NEAR_REST * area - swing) < 0:
-        area = swing
-    return tuple(x if sign(x) else ONE for x in (integrals.energy_scale, area))  # type: ignore[return-value]
+class Choices(NamedTuple):
+    """What measures take of numbers of one kind: exact ones, or numpy's arrays."""
+
+    sqrt: Callable[[Scalar], Scalar]
+    larger: Callable[[Scalar, Scalar], Scalar]
+    where: Callable[[Scalar, Scalar, Scalar], Scalar]  # one of two by a condition
 
 
-def _scales(scene: Scene, integrals: FirstIntegrals) -> list[Exact]:
-    """The scales of Drift of a scene inside its frame, in the units of FirstIntegrals."""
-    largest = max(scene.body.moments)
-    energy, area = scales(scene)
-    whole: dict[str, Exact] = {
-        ENERGY: 2 * energy / largest,
-        AREA: area / largest,
-        LENGTH: ONE,
-    }
+def measures(
+    integrals: FirstIntegrals,
+    k: Mapping[str, Scalar],
+    moments: Sequence[Scalar],
+    torque: Sequence[Scalar],
+    omega: Sequence[Scalar],
+    fn: Choices,
+) -> list[Scalar]:
+    """What each integral's departure is relative to, see Drift, in the units of FirstIntegrals.
+
+    Of a body and a start inside the frame; ``k``: the integrals' coefficients.
+    """
+    largest = reduce(fn.larger, moments)
+    unit = largest / largest
+    momentum = [i * w for i, w in zip(moments, omega, strict=True)]
+    weight, size = fn.sqrt(dot(torque, torque)), fn.sqrt(dot(momentum, momentum))
+    swing = fn.sqrt(weight * largest)
+    area = fn.where(NEAR_REST * size < swing, swing, size)
+    energy = dot(momentum, omega) / 2 + weight
+    energy, area = (fn.where(x == 0, unit, x) for x in (energy, area))
+    scales = {ENERGY: 2 * energy / largest, AREA: area / largest, LENGTH: unit}
     name = integrals.onto[-1]
     if name == MOMENTUM:
-        whole[name] = whole[AREA] * whole[AREA]
-    elif name not in whole:
-        square = max(dot(scene.omega, scene.omega), scene.pendulum_rate_squared)
-        rate, k = exact.sqrt(square), integrals.coefficients
-        c0, c1 = k.get("c0", ZERO), k.get("c1", ZERO)
-        around = square + exact.sqrt(c0 * c0 + c1 * c1)
-        whole[name] = {SPIN: rate, KOVALEVSKAYA: around * around}.get(name, rate * around)
-    return [whole[name] for name in integrals.onto]
+        scales[name] = scales[AREA] * scales[AREA]
+    elif name not in scales:
+        rate = fn.sqrt(fn.larger(dot(omega, omega), weight / largest))
+        c0, c1 = k.get("c0", 0), k.get("c1", 0)
+        around = rate * rate + fn.sqrt(c0 * c0 + c1 * c1)
+        scales[name] = {SPIN: rate, KOVALEVSKAYA: around * around}.get(name, rate * around)
+    return [scales[name] for name in integrals.onto]
+
+
+_EXACTLY = Choices(exact.sqrt, max, lambda which, x, y: x if which else y)

@@ -17,18 +17,7 @@ from typing import NamedTuple
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ONE, Exact, sign
-from polhode.numbers.number_types import (
-    Columns,
-    Functions,
-    Given,
-    GivenRow,
-    NumberType,
-    Rows,
-    Scalar,
-    combination,
-    part_of,
-)
-from polhode.numbers.row_formulas import mapped
+from polhode.numbers.number_types import Columns, GivenRow, Rows, Scalar, combination
 from polhode.numbers.vectors import Triple, Vector, apply, cross, dot, inverse
 from polhode.scenes.scene import Scene
 
@@ -183,21 +172,6 @@ class Hodographs(NamedTuple):
 
     body: Rows
     space: Columns
-
-
-def hodographs(states: Rows, attitude: Rows, number_type: NumberType) -> Hodographs:
-    """The hodographs of a motion: rows p q r … and q0 q1 q2 q3 of one number type."""
-    omega = part_of(states, slice(3))
-    return Hodographs(omega, in_space(attitude, omega, number_type))
-
-
-def in_space(attitude: Given, vectors: Given, number_type: NumberType) -> Columns:
-    """R v for each row of the attitude and of vectors in the body, in the number type."""
-
-    def formula(x: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
-        return turned(x[:4], x[4:])
-
-    return mapped(formula, (attitude, vectors), {}, number_type, 3)
 
 
 def turned(quaternion: GivenRow, vector: GivenRow) -> list[Scalar]:

@@ -11,11 +11,12 @@ its values of order one.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from typing import NamedTuple
 
 from polhode.numbers import expression
 from polhode.numbers.conversion import to_double
-from polhode.numbers.exact import Exact
+from polhode.numbers.exact import Irrational, Number
 from polhode.numbers.expression import Algebra
 from polhode.numbers.number_types import Functions, Scalar
 from polhode.scenes.vocabulary import STATE
@@ -56,13 +57,7 @@ class SectionZero(NamedTuple):
             for i in range(3)
         ]
         columns[:3] = [lift(1 / self.unit) * x for x in columns[:3]]
-        names = dict(zip(STATE, columns, strict=True))
-        functions = {"sqrt": fn.sqrt, "sin": fn.sin, "cos": fn.cos}
-
-        def number(x: Exact) -> Scalar:
-            return lift(to_double(x))
-
-        return expression.evaluate(self.by, names, Algebra(number, functions, power=fn.power))
+        return in_columns(self.by, STATE, columns, None, lambda x: lift(to_double(x)), fn)
 
     def _triple(
         self,
@@ -78,3 +73,18 @@ class SectionZero(NamedTuple):
                 j, k = (i + 1) % 3, (i + 2) % 3
                 total = total + lift(a) * (v[j] * g[k] - v[k] * g[j])
         return total
+
+
+def in_columns(
+    text: str,
+    columns: Sequence[str],
+    values: Sequence[Scalar],
+    clock: Scalar,
+    constant: Callable[[Number], Scalar],
+    fn: Functions,
+) -> Scalar:
+    """A text in t, the ``clock``, and the names of columns, with these values."""
+    names = dict(zip(columns, values, strict=True), t=clock)
+    functions = {"sqrt": fn.sqrt, "sin": fn.sin, "cos": fn.cos}
+    value = expression.evaluate(text, names, Algebra(constant, functions, power=fn.power))
+    return constant(value) if isinstance(value, (Fraction, Irrational)) else value

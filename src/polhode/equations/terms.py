@@ -26,7 +26,7 @@ CYCLE = ((1, 2), (2, 0), (0, 1))  # a and b of each i
 #: Of each of the body's numbers, A, B, C and Mg r0 along the principal axes, which power of
 #: 1/time it has beside mass and length.
 TIMES = (0, 0, 0, 2, 2, 2)
-_TORQUE = 3  # where Mg r0 begins
+MOMENTS, TORQUE = slice(0, 3), slice(3, 6)  # their places
 
 
 class Coefficient(NamedTuple):
@@ -80,7 +80,7 @@ def _weights() -> list[_OfOmega]:
     for i, (a, b) in enumerate(CYCLE):
         for sign, arm, gamma in ((1, b, 3 + a), (-1, a, 3 + b)):
             name = f"{STATE[i]}.{STATE[gamma]}"
-            weights.append((Coefficient.of(name, ((sign, _TORQUE + arm),), i), i, (gamma,)))
+            weights.append((Coefficient.of(name, ((sign, TORQUE.start + arm),), i), i, (gamma,)))
     return weights
 
 

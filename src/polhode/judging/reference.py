@@ -17,7 +17,7 @@ from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput, ConstantZero, nearest
 from polhode.equations.columns import derived
-from polhode.equations.kinematics import Hodographs, hodographs
+from polhode.equations.kinematics import Hodographs
 from polhode.judging.certified import Certified, NoAnswer
 from polhode.judging.reference_rows import ReferenceTable, tabulated
 from polhode.numbers import exact, number_types
@@ -299,7 +299,8 @@ class Reference(Storable):
         """Rows of omega in the body and in space, right to ``digits`` digits of the largest |w|."""
         times = _times(self.scene, times)
         rows, attitude = self.at(times, digits), self.attitude(times, digits + 1)
-        return hodographs(rows, attitude, number_types.mp(digits + 1))
+        space = derived("hodographs", self.scene, (rows, attitude), number_types.mp(digits + 1))
+        return Hodographs([row[:3] for row in rows], space)
 
     def error(self, times: Iterable[AnyNumber], digits: int = 50) -> Real:
         """A bound of the error of :meth:`at`, of w over its largest modulus, or of gamma.

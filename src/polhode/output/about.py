@@ -94,13 +94,12 @@ def _cache() -> Mapping[str, object]:
 def _refinement() -> str:
     """Whether runs of quad and more digits can be refined here."""
     from polhode.refined.collocation_tables import tables
-    from polhode.refined.errors import CannotRefine
+    from polhode.refined.compiled_field import CannotRefine, kernels
     from polhode.refined.refinement import QUAD
     from polhode.taylor import heyoka
 
     if not heyoka.installed:
         return "not here: no heyoka"
-    from polhode.refined.compiled_field import kernels
 
     try:
         kernels(QUAD.limbs)

@@ -21,11 +21,16 @@ from polhode.equations.kinematics import starting_attitude
 from polhode.numbers.number_types import Booleans, Complexes, Doubles, GivenRow, Integers, Scalar
 from polhode.numbers.vectors import quaternion_product
 from polhode.refined.collocation_tables import Tables
-from polhode.refined.compiled_field import FIELD_SHIFT
+from polhode.refined.compiled_field import (
+    FIELD_SHIFT,
+    CannotRefine,
+    IntervalsTooLong,
+    Limbs,
+    LimbSums,
+    product,
+)
 from polhode.refined.deferred_correction import BlockConstants, iterated
 from polhode.refined.double_run import rational
-from polhode.refined.errors import CannotRefine, IntervalsTooLong
-from polhode.refined.expansions import Limbs, LimbSums, product
 from polhode.scenes.scene import Scene
 
 # --- attitude correction --------------------------------------------------------------------------

@@ -11,9 +11,7 @@ from typing import Any
 import numpy as np
 
 from polhode.numbers.number_types import Doubles
-from polhode.refined.compiled_field import FIELD_SHIFT
-from polhode.refined.errors import CannotRefine
-from polhode.refined.expansions import Limbs
+from polhode.refined.compiled_field import FIELD_SHIFT, CannotRefine, Limbs
 
 # --- gauss legendre -------------------------------------------------------------------------------
 #
@@ -167,7 +165,6 @@ class Tables:
         return largest
 
 
-@cache
 @cache
 def tables(limbs: Limbs, count: int) -> Tables:
     """The tables for ``count`` fine nodes; raises CannotRefine where there are too many."""

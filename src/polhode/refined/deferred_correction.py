@@ -25,9 +25,16 @@ import numpy as np
 
 from polhode.numbers.number_types import Doubles, Integers
 from polhode.refined.collocation_tables import LARGEST_FIELD, Tables
-from polhode.refined.compiled_field import COEFFICIENTS, VARIABLES, Kernels
-from polhode.refined.errors import CannotRefine, IntervalsTooLong, Stalled, TooFarOff
-from polhode.refined.expansions import Limbs
+from polhode.refined.compiled_field import (
+    COEFFICIENTS,
+    VARIABLES,
+    CannotRefine,
+    IntervalsTooLong,
+    Kernels,
+    Limbs,
+    Stalled,
+    TooFarOff,
+)
 
 # --- linear recursion -----------------------------------------------------------------------------
 #

@@ -18,8 +18,7 @@ from polhode.numbers import exact
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import Doubles
 from polhode.refined.collocation_tables import LARGEST_FIELD
-from polhode.refined.errors import CannotRefine
-from polhode.refined.expansions import rounded
+from polhode.refined.compiled_field import CannotRefine, rounded
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor.engine import Engine, Equations, principal_engine

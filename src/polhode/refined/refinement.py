@@ -20,7 +20,7 @@ from polhode.common.interrupts import Progress
 from polhode.numbers.number_types import Doubles, Integers
 from polhode.refined.attitude import Following, RefinedAttitude, turns
 from polhode.refined.collocation_tables import tables
-from polhode.refined.compiled_field import kernels
+from polhode.refined.compiled_field import CannotRefine, IntervalsTooLong, Limbs, TooFarOff, kernels
 from polhode.refined.deferred_correction import BlockConstants, Intervals, SolvedBlock, solve
 from polhode.refined.double_run import (
     STEPS,
@@ -31,8 +31,6 @@ from polhode.refined.double_run import (
     rational_system,
     with_rates,
 )
-from polhode.refined.errors import CannotRefine, IntervalsTooLong, TooFarOff
-from polhode.refined.expansions import Limbs
 from polhode.scenes.scene import Scene
 from polhode.taylor.heyoka import one_blas_thread, one_thread
 

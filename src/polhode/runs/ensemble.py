@@ -15,24 +15,28 @@ from polhode.common.errors import BadInput, counted
 from polhode.common.values import ByValue, cached_property, may_wait
 from polhode.equations.columns import derived_stack, of_state_alone
 from polhode.equations.integrals import (
-    AREA,
-    ENERGY,
-    KOVALEVSKAYA,
-    LENGTH,
-    MOMENTUM,
-    NEAR_REST,
-    SPIN,
+    Choices,
     Drift,
     FirstIntegrals,
     coefficients,
     first_integrals,
+    measures,
 )
 from polhode.motion.frame import Frame
 from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers.decimals import shown
 from polhode.numbers.double_double import Pairs, pairs, sqrt
 from polhode.numbers.exact import Irrational, sign
-from polhode.numbers.number_types import Doubles, Flat, NumberType, Rows, Stack, read_only
+from polhode.numbers.number_types import (
+    Doubles,
+    Flat,
+    NumberType,
+    Rows,
+    Stack,
+    flat,
+    kind_of,
+    read_only,
+)
 from polhode.numbers.row_formulas import Rationals
 from polhode.results.cells import DOUBLE, EXACT
 from polhode.results.result import Result
@@ -98,6 +102,9 @@ class SweepResult(Result, ByValue):
 # What :func:`polhode.equations.integrals.drift` is for one trajectory: relative departures from
 # the exact member's values. In pairs of doubles (:mod:`polhode.numbers.double_double`), which
 # hold far more than the states do.
+
+
+_IN_ARRAYS = Choices(np.sqrt, np.maximum, np.where)
 
 
 def drifts(members: Members, states: Stack, one: Callable[[int], Drift]) -> Doubles:
@@ -189,10 +196,12 @@ def _block_drifts(
         for i in range(states.shape[2])
     ]
     values = known.values(columns, k, Pairs(0.0))
-    measures = _measures(known, moments, torque, omega, k)
+    high = {name: x.hi for name, x in k.items()}
+    a, b, c = ([x.hi for x in vector] for vector in (moments, torque, omega))
+    scales = measures(known, high, a, b, c, _IN_ARRAYS)
     drift = [
         np.where(there, np.abs((value - target).hi) / measure, -np.inf).max(axis=1)
-        for value, target, measure in zip(values, start, measures, strict=True)
+        for value, target, measure in zip(values, start, scales, strict=True)
     ]
     told = np.stack(drift, axis=1)
     told[~there.any(axis=1)] = np.nan
@@ -219,40 +228,16 @@ def _largest(values: list[Pairs]) -> Pairs:
     return best
 
 
-def _measures(
-    known: FirstIntegrals,
-    moments: list[Pairs],
-    torque: list[Pairs],
-    omega: list[Pairs],
-    k: dict[str, Pairs],
-) -> list[Doubles | float]:
-    """What each drift is relative to, see :class:`polhode.equations.integrals.Drift`."""
-    inertia, w, moment = ([x.hi for x in vector] for vector in (moments, omega, torque))
-    largest = np.maximum.reduce(np.broadcast_arrays(*inertia))
-    kinetic = sum(i * x * x for i, x in zip(inertia, w, strict=True)) / 2
-    weight = np.sqrt(sum(x * x for x in moment))
-    momentum = np.sqrt(sum((i * x) ** 2 for i, x in zip(inertia, w, strict=True)))
-    swing = np.sqrt(weight * largest)
-    area = np.where(NEAR_REST * momentum < swing, swing, momentum)
-    energy = kinetic + weight
-    energy, area = (np.where(x == 0, 1.0, x) for x in (energy, area))
-    rate = np.sqrt(np.maximum(sum(x * x for x in w), weight / largest))
-    whole: dict[str, Doubles | float] = {
-        ENERGY: 2 * energy / largest,
-        AREA: area / largest,
-        LENGTH: 1.0,
-    }
-    last = known.onto[-1]
-    if last == MOMENTUM:
-        whole[last] = whole[AREA] ** 2
-    elif last not in whole:
-        across = (k.get("c0"), k.get("c1"))
-        around = rate**2 + np.sqrt(sum(x.hi**2 for x in across if x is not None))
-        whole[last] = {SPIN: rate, KOVALEVSKAYA: around**2}.get(last, rate * around)
-    return [whole[name] for name in known.onto]
-
-
 # --- ensemble -------------------------------------------------------------------------------------
+
+
+def no_states(number: NumberType, shape: tuple[int, ...]) -> Stack:
+    """States of this shape, none of them a number."""
+    if number.flat:
+        return flat(np.full(shape, np.nan, kind_of(number)))
+    from polhode.numbers.mpmath_context import mpmath, ordinary
+
+    return np.full(shape, ordinary(mpmath.nan), dtype=object)
 
 
 _SHOWN = 20  # members at either end of a long sweep, in text
@@ -391,7 +376,6 @@ class Ensemble(SweepResult):
         when they are first asked for.  nan at times that a member did not reach.  Raises BadInput
         for a scene without gamma.
         """
-        from polhode.runs.member_jobs import no_states
         from polhode.runs.options import Options
         from polhode.runs.solve import solve
 

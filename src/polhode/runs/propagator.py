@@ -37,11 +37,10 @@ from polhode.taylor import defaults, lanes
 from polhode.taylor.batches import BatchJob, Columns
 from polhode.taylor.engine import Engine, order_of
 from polhode.taylor.heyoka import TIME_LIMIT, OutOfRange
-from polhode.taylor.long_steps import LongSteps
+from polhode.taylor.long_steps import Grid, LongSteps
 from polhode.taylor.motion import Motion
 from polhode.taylor.projection import Projector, StartTarget
 from polhode.taylor.system import System, system_of, time_array
-from polhode.taylor.time_grid import Grid
 
 if TYPE_CHECKING:
     import numpy.typing as npt

@@ -18,7 +18,7 @@ from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import Doubles, NumberType, Real, Row, Rows, Scalar
 from polhode.refined.attitude import Following, RefinedAttitude
-from polhode.refined.errors import CannotRefine, Stalled
+from polhode.refined.compiled_field import CannotRefine, Stalled
 from polhode.refined.refinement import (
     MOST_DIGITS,
     STEPS_AN_INTERVAL,

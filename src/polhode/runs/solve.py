@@ -26,13 +26,7 @@ from polhode.numbers.number_types import (
     numbers_given,
     read_only,
 )
-from polhode.runs.options import (
-    USUAL,
-    Options,
-    cadence,
-    hindrance_to_refinement,
-    refinement_pays,
-)
+from polhode.runs.options import USUAL, Options, cadence, hindrance_to_refinement, refinement_pays
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
@@ -154,7 +148,8 @@ def at_times(run: Trajectory, output: str, t: AnyNumber | Iterable[AnyNumber]) -
     own: Given | None = getattr(run, output)
     rows: dict[Fraction, Any] = {}
     if own is not None:
-        rows |= {x: own[k] for x in times if (k := _place(run, x)) is not None}
+        places = ((x, bisect_left(run.times, abs(x), key=abs)) for x in times)
+        rows |= {x: own[k] for x, k in places if k < len(run.times) and run.times[k] == x}
     others = sorted({x for x in times if x not in rows}, key=abs)
     if others:
         rows |= zip(others, _rows(run, output, others), strict=True)
@@ -227,21 +222,19 @@ def _with_output(run: Trajectory, output: str, times: Sequence[Fraction]) -> Sce
     return replace(run.scene, outputs=(output,), events=(), times=tuple(times))
 
 
-def _place(run: Trajectory, t: Fraction) -> int | None:
-    """The place of a time among the run's own."""
-    k = bisect_left(run.times, abs(t), key=abs)
-    return k if k < len(run.times) and run.times[k] == t else None
-
-
 def _time(run: Trajectory, t: object) -> Fraction:
     """A time that was reached, exact, or to far more bits than a row has."""
-    reach = f"a time from 0 to {shown(run.reached)}, what the run reached"
     try:
         exact = reader(run.scene.units, TIME)(t)
     except ValueError:
-        raise BadInput(run.scene.name, "t", plain(t), reach) from None
+        raise _beyond(run, plain(t)) from None
     if sign(exact) * sign(run.reached) < 0 or sign(abs(exact) - abs(run.reached)) > 0:
-        raise BadInput(run.scene.name, "t", shown(exact), reach)
+        raise _beyond(run, shown(exact))
     if isinstance(exact, Fraction):
         return exact
     return NumberType("mp", 2 * run.number.bits + 128).rounded(exact)
+
+
+def _beyond(run: Trajectory, t: str) -> BadInput:
+    expected = f"a time from 0 to {shown(run.reached)}, what the run reached"
+    return BadInput(run.scene.name, "t", t, expected)

@@ -29,8 +29,7 @@ from polhode.numbers.number_types import (
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import defaults
 from polhode.taylor.engine import Engine, Equations, principal_engine
-from polhode.taylor.heyoka import ending
-from polhode.taylor.types import HeyokaIntegrator, HeyokaNumber
+from polhode.taylor.heyoka import HeyokaIntegrator, HeyokaNumber, ending
 
 # --- lane queue -----------------------------------------------------------------------------------
 #
@@ -65,14 +64,11 @@ class LaneQueue:
             if over is None:
                 return
             for lane in over:
-                self._next(lane)
+                if self._ahead == self._many:
+                    self.busy[lane] = False
+                else:
+                    self.motion[lane], self._ahead = self._ahead, self._ahead + 1
                 begin(lane)
-
-    def _next(self, lane: int) -> None:
-        if self._ahead == self._many:
-            self.busy[lane] = False
-        else:
-            self.motion[lane], self._ahead = self._ahead, self._ahead + 1
 
 
 # --- jobs -----------------------------------------------------------------------------------------
@@ -104,7 +100,7 @@ class Columns(NamedTuple):
         shape = self.many, self.coefficients.shape[1]
         return cast(Stack, np.broadcast_to(self.coefficients, shape))
 
-    def some(self, which: npt.NDArray[np.int64] | slice | int) -> Columns:
+    def some(self, which: Indices | slice) -> Columns:
         """Those of some indices."""
         own = self.coefficients
         return Columns(own if len(own) == 1 else own[which], self.starts[which])
@@ -302,11 +298,6 @@ def out_of_lanes(states: Doubles) -> Doubles:
 class CompiledBatch(Engine):
     """A batch of doubles from the pool: states and parameters a column for each lane."""
 
-    @property
-    def places(self) -> int:
-        """How many lanes there are."""
-        return int(self.state.shape[1])
-
     def begin(self) -> None:
         """All lanes at time 0 where they stand."""
         self.heyoka.set_time(0.0)
@@ -329,16 +320,10 @@ class CompiledBatch(Engine):
 
     def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, Any, Outcome]:
         """The same of all lanes, which stand at one time: states at times that all of them met."""
-        grid = np.repeat(np.array([times]).T, self.places, axis=1)
+        grid = np.repeat(np.array([times]).T, LANES, axis=1)
         rows = self.heyoka.propagate_grid(grid, max_steps=most)[1][1:, : self.columns]
         outcome, taken = self.ended(None)
         return rows[~np.isnan(rows[:, 0]).any(axis=1)], taken, outcome
-
-    def in_blocks(
-        self, ends: Sequence[float], most: int | None = None, stop: Stop | None = None
-    ) -> Ended:
-        """Every lane to an end of its own, see :mod:`polhode.taylor.batches`."""
-        return until(self.heyoka, ends, most, stop)
 
 
 # --- batch integrator -----------------------------------------------------------------------------
@@ -361,7 +346,7 @@ _HOPELESS = 10.0  # times the limit of steps: what would need so many is given u
 def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
     """Integrate a job's motions; those that ``stop`` kept from being finished are NOT_RUN."""
     many = job.motions.many
-    if job.sure:
+    if job.sure and job.number.name == "double":
         steps = np.zeros(many, dtype=np.int64)
         results = Solved.undone(at_once(job, np.arange(many), stop, steps))
         results.steps = steps
@@ -372,10 +357,10 @@ def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
     else:
         shape = (many, len(job.times), job.columns)
         results = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
-    with prepared(job) as ready:
+    with prepared(job) as engine:
         for which, own in job.in_units(np.flatnonzero(results.outcomes != _THERE)):
             some = Solved.undone(results.states[which])
-            _Way(own, ready, stop).finish(some)
+            _Way(own, engine, stop).finish(some)
             results.put(which, some)
     return results
 
@@ -386,13 +371,11 @@ def at_once(
     stop: Stop | None = None,
     steps: npt.NDArray[np.int64] | None = None,
 ) -> Stack:
-    """States of some motions of a job, all of which arrive in so few steps that nobody need look.
+    """States of some motions of doubles, which arrive in so few steps that nobody need look.
 
-    In this order they go through the lanes; longdoubles go one by one.  Not a number where ``stop``
-    came first, or a motion, or one beside it, did not arrive.  ``steps``: of each is put in there.
+    In this order they go through the lanes.  Not a number where ``stop`` came first, or a motion,
+    or one beside it, did not arrive.  ``steps``: of each is put in there.
     """
-    if job.number.name != "double":
-        return _one_by_one(job, order, stop, steps)
     many, (given, starts), ahead = len(order), job.motions, job.times[job.times != 0]
     here, one = in_lanes(starts, order), len(ahead) == 1
     own = None if _alike(given) else in_lanes(given, order)
@@ -432,33 +415,6 @@ def at_once(
     if steps is not None:
         steps[: len(taken)] = taken[:many]
     return out_of_lanes(states)[:many]
-
-
-def _one_by_one(
-    job: BatchJob, order: Indices, stop: Stop | None, steps: npt.NDArray[np.int64] | None
-) -> Stack:
-    """The same of longdoubles."""
-    (given, starts), ahead = job.motions, job.times[job.times != 0]
-    states = np.full((len(order), len(job.times), job.columns), np.nan, starts.dtype)
-    with prepared(job) as ready:
-        for k, motion in enumerate(order.tolist()):
-            if stop is not None and stop():
-                break
-            ready.stand(starts[motion], given[motion if len(given) > 1 else 0])
-            rows, own = states[k, len(job.times) - len(ahead) :], ahead
-            if job.exponents is not None:
-                own = np.ldexp(ahead, -job.exponents[motion])
-            if len(own) == 1:
-                result = ready.heyoka.propagate_until(own[0])
-                rows[-1] = ready.state
-            else:
-                result = ready.heyoka.propagate_grid(np.concatenate([[0], own]))
-                rows[: len(result[-1]) - 1] = result[-1][1:]
-            if len(ahead) < len(job.times):
-                states[k, 0] = starts[motion]
-            if steps is not None:
-                steps[k] = result[3]
-    return states
 
 
 def _note(job: BatchJob, there: Booleans, found: Solved) -> None:
@@ -502,157 +458,151 @@ def longest(number: NumberType) -> float:
     return defaults.of(number).chunk * _UNITS_PER_STEP
 
 
-class _Stretch(NamedTuple):
-    """A part of the way, between two looks for a signal: the outputs in it, and where it leads.
-
-    ``targets``: times since its beginning, the last one being its end.
-    """
-
-    first: int
-    last: int  # of the outputs, not included
-    targets: list[Any]
-
-
 class _Way:
-    """A job's motions on their way."""
+    """A job's motions on their way, in the unit of time that they have in common."""
 
-    def __init__(self, job: BatchJob, ready: Engine, stop: Stop | None) -> None:
-        self.job, self.ready, self.stop = job, ready, stop
+    def __init__(self, job: BatchJob, engine: Engine, stop: Stop | None) -> None:
+        self.job, self.engine, self.stop = job, engine, stop
         self.sizes = np.abs(job.times)
         self.block = defaults.of(job.number).chunk  # steps between two looks for a signal
         self.longest = longest(job.number)
-        self.stretches: dict[int, _Stretch] = {}
 
-    def finish(self, found: Solved) -> None:
-        """All motions that are not done, or as many as come before a stop."""
+    def finish(self, results: Solved) -> None:
+        """All motions, or as many as come before a stop."""
         job = self.job
-        if isinstance(self.ready, CompiledBatch) and self.sizes[-1] and not job.sure:
-            self._in_lanes(self.ready, found)
-        for k in np.flatnonzero(found.outcomes != _THERE).tolist():
+        if isinstance(self.engine, CompiledBatch) and self.sizes[-1] and not job.sure:
+            self._in_lanes(self.engine, results)
+        for k in np.flatnonzero(results.outcomes != _THERE).tolist():
             if self._stopped():
                 break
-            self._alone(k, found)
-        if not job.times[0]:
-            done = found.outcomes != _NOT_RUN
-            found.states[done, 0] = job.motions.starts[done]
+            self._alone(k, results)
+        if not self.sizes[0]:
+            done = results.outcomes != _NOT_RUN
+            results.states[done, 0] = job.motions.starts[done]
 
     def _stopped(self) -> bool:
         return self.stop is not None and self.stop()
 
-    def _stretch(self, n: int) -> _Stretch:
-        """The n-th, whichever output times there are: they change no bit."""
-        if n not in self.stretches:
-            times, begin, end = self.job.times, n * self.longest, (n + 1) * self.longest
-            first, last = np.searchsorted(self.sizes, [begin, end], side="right").tolist()
-            way = np.sign(times[-1])
-            targets = times[first:last] - way * begin
-            if last < len(times) and (first == last or self.sizes[last - 1] < end):
-                targets = np.append(targets, way * (end - begin))
-            self.stretches[n] = _Stretch(first, last, targets.tolist())
-        return self.stretches[n]
-
-    def _hopeless(self, steps: int, passed: float) -> bool:
-        """Whether a motion that goes on like this ends at its limit long before the last time."""
-        return steps * float(self.sizes[-1]) > _HOPELESS * self.job.max_steps * passed
-
-    def _in_lanes(self, ready: CompiledBatch, found: Solved) -> None:
+    def _in_lanes(self, batch: CompiledBatch, results: Solved) -> None:
         """Batch after batch: all motions but those of batches that did not arrive as a whole."""
         job, many = self.job, self.job.motions.many
         given, starts = job.motions.coefficients, in_lanes(job.motions.starts)
         own = None if _alike(given) else in_lanes(given)
         if own is None:
-            ready.tell(given[:1].T)
+            batch.tell(given[:1].T)
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
         steps = np.zeros((len(starts), LANES), dtype=np.int64)
         done = np.zeros(len(starts), dtype=bool)
         for k, start in enumerate(starts):
             if self._stopped():
                 break
-            ready.stand(start, None if own is None else own[k])
+            batch.stand(start, None if own is None else own[k])
             steps[k], outcome, _ = self._followed(states[k], False)
             done[k] = outcome.done
         done &= np.isfinite(states[:, -1]).all(axis=(1, 2))  # else a lane has stopped the others
-        found.states[:], found.steps[:] = out_of_lanes(states)[:many], steps.ravel()[:many]
-        _note(job, done.repeat(LANES)[:many], found)
+        results.states[:], results.steps[:] = out_of_lanes(states)[:many], steps.ravel()[:many]
+        _note(job, done.repeat(LANES)[:many], results)
 
-    def _followed(self, into: Array, alike: bool) -> tuple[Any, Outcome, float]:
-        """The way of what stands at its start: steps, how it ended, and how far it came.
-
-        ``into``: the states, (times, columns), or of a batch (times, columns, lanes), in which
-        motions are ``alike`` or end together with the first that does not arrive.
-        """
-        steps: Any = 0
-        if not self.sizes[-1]:
-            return steps, Outcome.REACHED_END, 0.0
-        for n in count():
-            stretch = self._stretch(n)
-            if n:
-                self.ready.begin()
-            left = self.job.max_steps - _most(steps)
-            rows, taken, outcome = self._in_blocks(stretch, left, alike)
-            steps = steps + taken
-            kept = min(len(rows), stretch.last - stretch.first)
-            if kept and outcome is not Outcome.NON_FINITE:
-                into[stretch.first : stretch.first + kept] = rows[:kept]
-            reached = min((n + outcome.done) * self.longest, float(self.sizes[-1]))
-            if outcome.done and stretch.last < len(self.sizes):
-                if self._hopeless(_most(steps), reached) or _most(steps) >= self.job.max_steps:
-                    outcome = Outcome.STEP_LIMIT
-                elif self._stopped():
-                    outcome = Outcome.NOT_RUN
-            if not outcome.done or stretch.last == len(self.sizes):
-                break
-        return steps, outcome, reached
-
-    def _alone(self, k: int, found: Solved) -> None:
+    def _alone(self, k: int, results: Solved) -> None:
         """One motion; left as if it had not begun where it is stopped."""
-        ready, one, into = self.ready, self.job.motions.some(slice(k, k + 1)), found.states[k]
-        if isinstance(ready, CompiledBatch):  # in all lanes alike
-            ready.stand(one.starts.T, one.coefficients.T)
+        engine, motion, into = (
+            self.engine,
+            self.job.motions.some(slice(k, k + 1)),
+            results.states[k],
+        )
+        if isinstance(engine, CompiledBatch):  # in all lanes alike
+            engine.stand(motion.starts.T, motion.coefficients.T)
             lanes = np.full((*into.shape, LANES), np.nan)
             steps, outcome, reached = self._followed(lanes, True)
             into[:] = lanes[:, :, 0]
         else:
-            ready.stand(one.starts[0], one.coefficients[0])
+            engine.stand(motion.starts[0], motion.coefficients[0])
             steps, outcome, reached = self._followed(into, True)
         if outcome is Outcome.NOT_RUN:
             into[:] = np.nan
             return
-        found.outcomes[k], found.steps[k] = code(outcome), _most(steps)
+        results.outcomes[k], results.steps[k] = code(outcome), _most(steps)
         end = self.job.times[-1]
-        part = end if outcome is Outcome.REACHED_END else math.copysign(reached, end)
-        found.reached[k] = exactly(part) * self.job.unit
+        part = end if outcome.done else math.copysign(reached, end)
+        results.reached[k] = exactly(part) * self.job.unit
+
+    def _stretches(self) -> Iterator[tuple[slice, list[HeyokaNumber]]]:
+        """Parts of the way, whichever output times there are: they change no bit.
+
+        Which outputs are in it, and where it leads, since its beginning: to these, and to its end.
+        """
+        times, sizes = self.job.times, self.sizes
+        way, last = np.sign(times[-1]), 0
+        for n in count() if sizes[-1] else ():
+            begin, end = n * self.longest, (n + 1) * self.longest
+            first, last = np.searchsorted(sizes, [begin, end], side="right").tolist()
+            targets = (times[first:last] - way * begin).tolist()
+            if last < len(times) and (first == last or sizes[last - 1] < end):
+                targets.append(way * (end - begin))
+            yield slice(first, last), targets
+            if last == len(times):
+                return
+
+    def _followed(self, into: Array, alike: bool) -> tuple[Any, Outcome, float]:
+        """From the start to the last time: steps, the ending, NOT_RUN if stopped, and how far.
+
+        ``into``: the states, (times, columns), or of a batch (times, columns, lanes), in which
+        motions are ``alike`` or end together with the first that does not arrive.
+        """
+        engine, limit, end = self.engine, self.job.max_steps, float(self.sizes[-1])
+        steps: Any = 0
+        outcome, reached = Outcome.REACHED_END, 0.0
+        for outputs, targets in self._stretches():
+            if reached:
+                engine.begin()
+            rows, taken, outcome = self._in_blocks(targets, limit - _most(steps), alike)
+            steps = steps + taken
+            met = min(len(rows), outputs.stop - outputs.start)  # the last may be no output
+            if met and outcome is not Outcome.NON_FINITE:
+                into[outputs][:met] = rows[:met]
+            if not outcome.done:
+                break
+            reached = min(reached + self.longest, end)
+            if reached < end:
+                hopeless = _most(steps) * end > _HOPELESS * limit * reached
+                if hopeless or _most(steps) >= limit:
+                    return steps, Outcome.STEP_LIMIT, reached
+                if self._stopped():
+                    return steps, Outcome.NOT_RUN, reached
+        return steps, outcome, reached
 
     def _in_blocks(
-        self, stretch: _Stretch, limit: int, alike: bool
+        self, targets: list[HeyokaNumber], limit: int, alike: bool
     ) -> tuple[list[Array], Any, Outcome]:
         """Rows at times, the steps, the ending; NOT_RUN where it is stopped.
 
         A stretch that goes as foreseen is one block of steps.  One whose motion turns out faster by
         orders of magnitude has many, between which a signal is heard.
         """
-        ready, rest, steps = self.ready, stretch.targets, 0
+        engine, single = self.engine, len(targets) == 1
         rows: list[Array] = []
-        single = len(rest) == 1
+        steps: Any = 0
         while True:
             most = min(self.block, limit - _most(steps))
             if single:  # no dense output, as with others
-                outcome, took = ready.until(rest[0], most, most)
-                rows += [ready.row.copy()] * outcome.done
+                ended, taken = engine.until(targets[0], most, most)
+                rows += [engine.state.copy()] * ended.done
             else:
-                met, took, outcome = ready.grid([ready.now, *rest], most)
-                rows += [*met]
-            rest, steps = stretch.targets[len(rows) :], steps + took
-            if rest and not single and alike and rest[0] == ready.now:
-                rows.append(ready.row.copy())  # a step ended there: heyoka gives no such row
+                states, taken, ended = engine.grid([engine.now, *targets[len(rows) :]], most)
+                rows += [*states]
+            steps = steps + taken
+            rest = targets[len(rows) :]
+            if rest and not single and alike and rest[0] == engine.now:
+                rows.append(engine.state.copy())  # a step ended there: heyoka gives no such row
                 rest = rest[1:]
             if not rest:
                 return rows, steps, Outcome.REACHED_END
-            if outcome is Outcome.NON_FINITE:
-                return rows, steps, outcome
-            taken = _most(steps)
-            far = taken * abs(rest[-1]) > _HOPELESS * limit * abs(ready.now)
-            if taken >= limit or far or outcome is not Outcome.STEP_LIMIT or not (single or alike):
+            if ended is Outcome.NON_FINITE:
+                return rows, steps, ended
+            most_taken = _most(steps)
+            far = most_taken * abs(rest[-1]) > _HOPELESS * limit * abs(engine.now)
+            on = ended is Outcome.STEP_LIMIT and (single or alike)
+            if most_taken >= limit or far or not on:
                 return rows, steps, Outcome.STEP_LIMIT
             if self._stopped():
                 return rows, steps, Outcome.NOT_RUN

@@ -14,7 +14,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from fractions import Fraction
-from typing import Any, Self, TypeAlias, TypeVar
+from typing import Any, Protocol, Self, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -24,10 +24,16 @@ from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.double_double import two_sum
 from polhode.numbers.exact import Number
-from polhode.numbers.number_types import DOUBLE, Array, Numbers, NumberType
+from polhode.numbers.number_types import DOUBLE, Array, Functions, Numbers, NumberType, Scalar
 from polhode.taylor import defaults
 from polhode.taylor.heyoka import (
     EXPRESSIONS,
+    CompiledFunction,
+    Expression,
+    HeyokaEvent,
+    HeyokaIntegrator,
+    HeyokaNumber,
+    HeyokaOutput,
     array,
     as_fraction,
     compact_beyond,
@@ -37,16 +43,6 @@ from polhode.taylor.heyoka import (
     scalar,
     type_options,
 )
-from polhode.taylor.types import (
-    Desk,
-    Expression,
-    HeyokaEvent,
-    HeyokaIntegrator,
-    HeyokaNumber,
-    HeyokaOutput,
-    Rates,
-    Watcher,
-)
 
 # --- angle variables ------------------------------------------------------------------------------
 #
@@ -55,15 +51,6 @@ from polhode.taylor.types import (
 # heyoka's steps are as accurate as its largest variable asks, and neglect the others.  So cyclic
 # variables are kept as time is: an offset of more than twice the bits, plus heyoka's own part,
 # which is divided by a power of two and set back to zero so often that it stays below about one.
-
-
-def slowed(rates: list[Expression], cyclic: int, number: NumberType) -> list[Expression]:
-    """All rates of a system, those of so many cyclic variables at its end divided."""
-    if not cyclic:
-        return rates
-    first = len(rates) - cyclic
-    unit = hy.expression(scalar(Fraction(1, defaults.of(number).divisor), number))
-    return [*rates[:first], *(rate * unit for rate in rates[first:])]
 
 
 class Cyclic:
@@ -149,13 +136,10 @@ def terminal_event(distance: Expression, number: NumberType) -> HeyokaEvent:
 
     It is scaled down, so that it takes no part in choosing the steps.
     """
-    near, damping = (scalar(x, number) for x in (nearest(number), _damping(number)))
+    damped = Fraction(2) ** -(number.bits // 2)
+    near, damping = (scalar(x, number) for x in (nearest(number), damped))
     kind = {name: x for name, x in type_options(number).items() if name == "fp_type"}
     return hy.t_event(hy.expression(damping) * (distance - hy.expression(near)), **kind)
-
-
-def _damping(number: NumberType) -> Fraction:
-    return Fraction(2) ** -(number.bits // 2)
 
 
 # --- specification --------------------------------------------------------------------------------
@@ -173,8 +157,11 @@ def _damping(number: NumberType) -> Fraction:
 # multiply two power series. That takes a tenth off a step in double, a third in quad.
 
 
-#: Rates of variables, by the coefficients.
-Field: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], list[Expression]]
+#: Rates of variables by the coefficients, for any scalar and for heyoka's expressions; and how near
+#: a state is to the singular set, see :class:`polhode.equations.form.Form`.
+Field: TypeAlias = Callable[[Sequence[Scalar], Mapping[str, Scalar], Functions], list[Scalar]]
+Distance: TypeAlias = Callable[[Sequence[Scalar], Mapping[str, Scalar], Functions], Scalar]
+Rates: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], list[Expression]]
 E = TypeVar("E", bound="Engine")
 
 #: heyoka's parameters: so many for the time of events and their first step, one for each event,
@@ -238,33 +225,37 @@ def principal_engine(equations: Equations, kind: type[E]) -> E:
 def built(
     equations: Equations,
     kind: type[E],
-    system: Rates | None = None,
+    field: Field = principal.field,
+    distance: Distance | None = None,
     watcher: Watcher | None = None,
 ) -> E:
-    """An engine of equations, ``system``'s where they are not the principal form alone."""
+    """An engine of equations by a form's field, that ends near the form's singular set."""
     number, options, desk = equations.number, dict[str, Any](), None
     x = hy.make_vars(*equations.columns)
     first = 0 if watcher is None else CLOCK + len(watcher.damping)
     pattern, k = equations.pattern, equations.coefficients(first)
+    growing = len(x) - equations.cyclic
 
-    def field(state: Sequence[Expression], numbers: Mapping[str, Expression]) -> list[Expression]:
-        if system is None:
-            rates = principal.field(state, numbers, EXPRESSIONS)
-        else:
-            rates = system.field(state, numbers, EXPRESSIONS)
-        return slowed(rates, equations.cyclic, number)
+    def rates_at(
+        state: Sequence[Expression], numbers: Mapping[str, Expression]
+    ) -> list[Expression]:
+        rates = field(state, numbers, EXPRESSIONS)
+        if not equations.cyclic:
+            return rates
+        unit = hy.expression(scalar(Fraction(1, defaults.of(number).divisor), number))
+        return [*rates[:growing], *(rate * unit for rate in rates[growing:])]
 
-    rates, constant_rates = field(x, k), tuple[int, ...]()
+    rates, constant_rates = rates_at(x, k), tuple[int, ...]()
     stepped = list(zip(x, rates, strict=True))
     if equations.tangents:
-        stepped += _tangents(equations, field, x, rates)
+        stepped += _tangents(equations, rates_at, x, rates)
         options["compact_mode"] = not equations.lanes or equations.tangents > 1
     else:
         constant_rates = tuple(i for i, rate in enumerate(rates) if rate == EXPRESSIONS.zero)
         inside = list(x)
         for parameter, column in enumerate(constant_rates, first + len(pattern)):
             inside[column] = hy.par[parameter]
-        stepped = list(zip(x, field(inside, k) if constant_rates else rates, strict=True))
+        stepped = list(zip(x, rates_at(inside, k) if constant_rates else rates, strict=True))
     tolerance, scale = equations.tolerance, 0.0
     if tolerance is not None and equations.order:
         least = _tolerance_of(equations.order)
@@ -278,11 +269,9 @@ def built(
             events, desk = watcher.attach(x, rates, parameters)
             options["nt_events"] = events
             options |= compact_beyond(LONG, [event.expression for event in events])
-        if system is not None:
-            form = system.form
-            away = form.distance(x[: len(form.variables)], k, EXPRESSIONS)
-            if away is not None:
-                options["t_events"] = [terminal_event(away, number)]
+        away = None if distance is None else distance(x, k, EXPRESSIONS)
+        if away is not None:
+            options["t_events"] = [terminal_event(away, number)]
         heyoka = integrator(stepped, number, equations.lanes, **options)
     count = len(pattern) * (1 + equations.driven)
     return kind(heyoka, number, first, count, constant_rates, desk, scale)
@@ -320,7 +309,7 @@ def integrator(
 
 
 def _tangents(
-    of: Equations, field: Field, x: Sequence[Expression], rates: Sequence[Expression]
+    of: Equations, rates_at: Rates, x: Sequence[Expression], rates: Sequence[Expression]
 ) -> list[tuple[Expression, Expression]]:
     """Variables and rates of tangents, by symbolic differentiation."""
     jacobian = [[hy.diff(rate, variable) for variable in x] for rate in rates]
@@ -331,7 +320,7 @@ def _tangents(
         drive = j - (of.tangents - of.driven)
         if drive >= 0:
             numbers = of.coefficients((1 + drive) * len(of.pattern))
-            driven = field(x, numbers)
+            driven = rates_at(x, numbers)
             for i in range(len("pqr")):  # gamma' has no coefficients
                 along[i] = along[i] + driven[i]
         pairs += list(zip(u, along, strict=True))
@@ -389,6 +378,58 @@ class Pool:
 
 #: The one of this process.
 POOL = Pool()
+
+
+# --- events ---------------------------------------------------------------------------------------
+#
+# What is known here of those who look for events in a run under way.
+
+
+class Listener(Protocol):
+    """Who is told what heyoka meets."""
+
+    def met(self, k: int, order: int, ta: HeyokaIntegrator, t: HeyokaNumber) -> None:
+        """heyoka met a zero of expression k, or in lane k (0), or of its rate (1), at t in the last
+        step."""
+
+
+class Desk:
+    """What belongs to an integrator with events, whichever run takes it up: ``watch`` is told of
+    them.
+
+    ``jets``: of each expression, compiled: see :class:`polhode.taylor.event_functions.Jet`.
+    """
+
+    def __init__(self) -> None:
+        self.watch: Listener | None = None
+        self.jets: list[CompiledFunction] = []
+
+
+class Watcher(Listener, Protocol):
+    """What looks for events while a run is under way (polhode.taylor.event_watch.Watch)."""
+
+    @property
+    def key(self) -> Hashable:
+        """What tells its events from others along the same equations."""
+
+    @property
+    def damping(self) -> Sequence[Fraction]:
+        """Numbers that an integrator with its events takes as parameters, one for each."""
+
+    def attach(
+        self,
+        variables: Sequence[Expression],
+        rates: Sequence[Expression],
+        pattern: Mapping[str, Expression],
+    ) -> tuple[list[HeyokaEvent], Desk]:
+        """heyoka's events for an integrator about to be built, in its variables; and their desk.
+
+        ``rates``: with the integrator's parameters, which its events share with its equations.
+        ``pattern``: those of the desk's functions, by the names of the coefficients.
+        """
+
+    def disturbed(self, state: Array, moved: Array) -> bool:
+        """Whether moving the first components of the state there would disturb an event."""
 
 
 # --- engine ---------------------------------------------------------------------------------------
@@ -480,12 +521,6 @@ class Engine:
     def now(self) -> HeyokaNumber:
         """The time reached."""
         return self.heyoka.time
-
-    @property
-    def row(self) -> Array:
-        """The state where it stands, a view."""
-        row: Array = self.state
-        return row
 
     def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, int, Outcome]:
         """Go on through times, the first of them now: states at the others met, steps, ending."""

@@ -23,7 +23,7 @@ from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import DOUBLE, Doubles, double_array
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor.batches import LANES, CompiledBatch, in_lanes
+from polhode.taylor.batches import LANES, CompiledBatch, in_lanes, until
 from polhode.taylor.engine import Equations, principal_engine
 from polhode.taylor.motion import Motion
 from polhode.taylor.projection import kept_at_zero
@@ -190,7 +190,7 @@ class _Tangents:
         batches = in_lanes(starts[order]), in_lanes(lengths[order, None])
         for k, (state, length) in enumerate(zip(*batches, strict=True)):
             self._ready.stand(np.concatenate([state, self._start]), self._numbers)
-            ended = self._ready.in_blocks(length[0].tolist(), most)
+            ended = until(self._ready.heyoka, length[0].tolist(), most)
             here = order[k * LANES : (k + 1) * LANES]
             lanes = self._ready.state[6:].reshape(-1, 6, LANES).transpose(2, 1, 0)
             columns[here] = lanes[: len(here)]

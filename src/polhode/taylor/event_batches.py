@@ -11,10 +11,11 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from polhode.common.checkpoint import Arrays
 from polhode.common.interrupts import Stop
 from polhode.equations import kinematics
 from polhode.equations.forms import principal
-from polhode.equations.section_functions import SectionZero
+from polhode.equations.section_functions import SectionZero, in_columns
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Number
@@ -27,10 +28,9 @@ from polhode.numbers.number_types import (
     Scalar,
     double_array,
 )
-from polhode.taylor import batches
-from polhode.taylor.batches import LANES, CompiledBatch, LaneQueue
+from polhode.taylor.batches import LANES, CompiledBatch, Ended, LaneQueue, until
 from polhode.taylor.defaults import first_step_offset
-from polhode.taylor.engine import DESK, Engine, Equations, integrator, lent, principal_engine
+from polhode.taylor.engine import DESK, Desk, Engine, Equations, integrator, lent, principal_engine
 from polhode.taylor.event_decision import (
     ULPS,
     Decision,
@@ -47,7 +47,6 @@ from polhode.taylor.event_functions import (
     Formulas,
     Jet,
     Marks,
-    in_columns,
     jet_of,
     joined_marks,
     marks_at,
@@ -55,9 +54,8 @@ from polhode.taylor.event_functions import (
     typed_constant,
 )
 from polhode.taylor.event_watch import Callback, Probe
-from polhode.taylor.heyoka import EXPRESSIONS, compact_beyond, hy
+from polhode.taylor.heyoka import EXPRESSIONS, HeyokaIntegrator, compact_beyond, hy
 from polhode.taylor.projection import Level, Put
-from polhode.taylor.types import Desk, HeyokaIntegrator
 
 # --- batch zeros ----------------------------------------------------------------------------------
 #
@@ -230,13 +228,21 @@ class Crossed(NamedTuple):
     outcomes: tuple[str, ...]
     drift: float
 
+    @classmethod
+    def of(cls, arrays: Arrays) -> Crossed:
+        """From its arrays by name."""
+        states, times, rests = (double_array(arrays[name]) for name in ("states", "times", "rests"))
+        counts, steps = (np.asarray(arrays[name], dtype=np.int64) for name in ("found", "steps"))
+        outcomes, drift = tuple(arrays["outcomes"].tolist()), float(arrays["drift"].item())
+        return cls(states, times, rests, counts, steps, outcomes, drift)
+
 
 def solve(job: SearchJob, stop: Stop | None = None) -> Crossed:
     """Follow a job's motions, as many at a time as a step advances; the next takes a free lane.
 
     Raises Singular for a section.
     """
-    with lent(("zeros", job.watched), lambda: built(job.watched)) as batch:
+    with lent(("zeros", job.watched), partial(built, job.watched)) as batch:
         return _Search(job, batch).run(stop)
 
 
@@ -276,13 +282,13 @@ class _Search:
         self.length = job.stretch if stretches == math.inf else job.end / stretches
         self.way = 1 if self.length > 0 else -1
         self.last = stretches
-        self.lanes = LaneQueue(n, batch.places)
-        self.parameters = np.zeros((DESK + len(self.numbers), batch.places))
+        self.lanes = LaneQueue(n, LANES)
+        self.parameters = np.zeros((DESK + len(self.numbers), LANES))
         self.state = job.starts[self.lanes.motion].T.copy()
         self.put = None if job.level is None else Put(job.level, self.state)
-        self.parts, self.counts, self.quiet = np.zeros((3, batch.places), dtype=int)
+        self.parts, self.counts, self.quiet = np.zeros((3, LANES), dtype=int)
         # of each lane: when its stretch began, and the expression's side at the last witness
-        self.origin, self.side = np.zeros((2, batch.places))
+        self.origin, self.side = np.zeros((2, LANES))
         # zeros and extrema of a stretch as heyoka meets them, in lanes that are heard
         self.notes = list[_Note](), list[_Note]()
         self.heard, self.dense = self.lanes.busy, batch.heyoka.d_output
@@ -291,7 +297,7 @@ class _Search:
         self.crossings: list[tuple[Indices, Marks]] = []  # and whose they are
         self.steps = np.zeros(n, dtype=np.int64)
         self.outcomes = [STOPPED] * n
-        for lane in range(batch.places):
+        for lane in range(LANES):
             self._begin(lane)
 
     def run(self, stop: Stop | None) -> Crossed:
@@ -318,7 +324,7 @@ class _Search:
 
     def _stretch(self, stop: Stop | None) -> list[int] | None:
         """Go on by a stretch of time: the lanes whose motions are over; None where stopped."""
-        busy, starts, unsure = self.lanes.busy, self.state, np.zeros(self.batch.places, dtype=bool)
+        busy, starts, unsure = self.lanes.busy, self.state, np.zeros(LANES, dtype=bool)
         self.origin = self.parts * self.length
         met = self._followed(self.batch, busy, starts, stop)
         if met is None:
@@ -327,7 +333,8 @@ class _Search:
         rest, steps = busy & ~self._plain(met), met.steps
         if rest.any():
             others = self.state
-            with lent(("extrema", self.job.watched), self._with_extrema) as batch:
+            watched = self.job.watched
+            with lent(("extrema", watched), partial(built, watched, extrema=True)) as batch:
                 met = self._followed(batch, rest, starts, stop)
             if met is None:
                 return None
@@ -339,9 +346,6 @@ class _Search:
         if self.put is not None:
             self.state = self.put.back(self.state)
         return self._over(unsure)
-
-    def _with_extrema(self) -> CompiledBatch:
-        return built(self.job.watched, extrema=True)
 
     def _over(self, unsure: Booleans) -> list[int]:
         """The lanes whose motions are over."""
@@ -394,9 +398,7 @@ class _Search:
         self.side = np.where(new, sides, self.side)
         return np.where(own, 2 * double_array(starts.reach) + ULPS * float(DOUBLE.eps), -1.0)
 
-    def _onwards(
-        self, batch: CompiledBatch, which: Booleans, stop: Stop | None
-    ) -> batches.Ended | None:
+    def _onwards(self, batch: CompiledBatch, which: Booleans, stop: Stop | None) -> Ended | None:
         """Some lanes brought to the stretch's end; None where stopped.  Raises Singular."""
         most, running = self.job.max_steps, self.lanes.motion[self.lanes.busy]
         left = None if most is None else max(1, most - int(self.steps[running].max()))
@@ -404,10 +406,10 @@ class _Search:
         ends = np.where(which, self.length, 0.0).tolist()
         if first.any():
             batch.parameters[TINY] = float(first_step_offset(DOUBLE)) * first
-            taken = batch.in_blocks(ends, 1, stop).steps
+            taken = until(batch.heyoka, ends, 1, stop).steps
             batch.parameters[TINY] = 0.0
             left = None if left is None else max(1, left - 1)
-        ended = batch.in_blocks(ends, left, stop)
+        ended = until(batch.heyoka, ends, left, stop)
         if self.put is not None and Outcome.STEP_UNDERFLOW in ended.outcomes:
             lane = ended.outcomes.index(Outcome.STEP_UNDERFLOW)
             start = tuple(self.job.starts[self.lanes.motion[lane]].tolist())

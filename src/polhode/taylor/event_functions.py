@@ -11,11 +11,12 @@ import numpy as np
 from polhode.common.errors import BadInput
 from polhode.equations import kinematics
 from polhode.equations.form import equations
+from polhode.equations.section_functions import in_columns
 from polhode.motion.frame import Frame
 from polhode.numbers import exact, expression
 from polhode.numbers.conversion import to_double, to_extended, to_mpf
 from polhode.numbers.double_double import two_sum
-from polhode.numbers.exact import ZERO, Irrational, Number, sign
+from polhode.numbers.exact import ZERO, Number, sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.number_types import (
     DOUBLE,
@@ -32,8 +33,16 @@ from polhode.numbers.vectors import dot
 from polhode.scenes.scene import Event, Scene
 from polhode.scenes.vocabulary import FLIP
 from polhode.taylor import heyoka
-from polhode.taylor.heyoka import EXPRESSIONS, constant, hy, scalar, type_options
-from polhode.taylor.types import CompiledFunction, Expression, HeyokaNumber
+from polhode.taylor.heyoka import (
+    EXPRESSIONS,
+    CompiledFunction,
+    Expression,
+    HeyokaNumber,
+    constant,
+    hy,
+    scalar,
+    type_options,
+)
 
 # --- roundoff -------------------------------------------------------------------------------------
 #
@@ -505,21 +514,6 @@ def value_of(
         columns[:3] = [constant(1 / unit) * x for x in columns[:3]]
         clock = constant(unit) * clock
     return in_columns(event.expression, scene.columns, columns, clock, constant, fn)
-
-
-def in_columns(
-    text: str,
-    columns: Sequence[str],
-    values: Sequence[Scalar],
-    clock: Scalar,
-    constant: Callable[[Number], Scalar],
-    fn: Functions,
-) -> Scalar:
-    """A text in t and the names of columns, with these values."""
-    names = dict(zip(columns, values, strict=True), t=clock)
-    functions = {"sqrt": fn.sqrt, "sin": fn.sin, "cos": fn.cos}
-    value = expression.evaluate(text, names, Algebra(constant, functions, power=fn.power))
-    return constant(value) if isinstance(value, (Fraction, Irrational)) else value
 
 
 def rate(

@@ -19,9 +19,7 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ZERO, Number, sign
 from polhode.numbers.number_types import Array, Booleans, Functions, NumberType, Scalar, read_only
 from polhode.scenes.scene import Event, Scene
-from polhode.taylor import heyoka
-from polhode.taylor import heyoka as heyoka_numbers
-from polhode.taylor.engine import CLOCK, TINY, Engine
+from polhode.taylor.engine import CLOCK, TINY, Desk, Engine
 from polhode.taylor.event_decision import (
     Decision,
     End,
@@ -49,8 +47,20 @@ from polhode.taylor.event_functions import (
     typed_constant,
     value_of,
 )
-from polhode.taylor.heyoka import array, hy, scalar
-from polhode.taylor.types import Desk, Expression, HeyokaEvent, HeyokaIntegrator, HeyokaNumber
+from polhode.taylor.heyoka import (
+    EXPRESSIONS,
+    Expression,
+    HeyokaEvent,
+    HeyokaIntegrator,
+    HeyokaNumber,
+    array,
+    as_fraction,
+    as_mpf,
+    hy,
+    scalar,
+    scalars,
+    type_options,
+)
 
 # --- callbacks ------------------------------------------------------------------------------------
 #
@@ -73,8 +83,8 @@ class AfterStep:
         self, stopped: Callable[[HeyokaIntegrator], bool], end: Number, number: NumberType
     ) -> None:
         self.stopped, self.idle = stopped, 0
-        self.eps = heyoka.scalar(number.eps, number)
-        self.long = heyoka.scalar(abs(end) * 2, number) * self.eps  # such a step moves anywhere
+        self.eps = scalar(number.eps, number)
+        self.long = scalar(abs(end) * 2, number) * self.eps  # such a step moves anywhere
 
     def __call__(self, ta: HeyokaIntegrator) -> bool:
         """Whether to go on."""
@@ -380,7 +390,7 @@ class Watch:
         if self._stop is None:
             return None
         (time,) = self._stop.marks.since_start.tolist()
-        return heyoka_numbers.as_fraction(time, self.number)
+        return as_fraction(time, self.number)
 
     # -- building -----------------------------------------------------------------------------
 
@@ -394,7 +404,7 @@ class Watch:
         variables, rates = list(variables[: self.width]), list(rates[: self.width])
         events: list[HeyokaEvent] = []
         desk = Desk()
-        options = heyoka_numbers.type_options(self.number)
+        options = type_options(self.number)
         kind = {name: x for name, x in options.items() if name == "fp_type"}
         clock = {TIME: hy.time + hy.par[1] + hy.par[0]}
         constant = typed_constant(self.number)
@@ -402,7 +412,7 @@ class Watch:
         for k, event in enumerate(self.scene.events):
             formulas, text = self._formulas(event, pattern), event.expression
             numbers = formulas.numbers(constant)
-            value = formulas.value(variables, TIME, numbers, constant, heyoka_numbers.EXPRESSIONS)
+            value = formulas.value(variables, TIME, numbers, constant, EXPRESSIONS)
             if text not in jets:
                 like = next(iter(jets.values()), None)
                 arguments = formulas, variables, self.number, self.rules.band, constant, like
@@ -445,9 +455,9 @@ class Watch:
         """Take note of the exact time at which heyoka's begins; tell it, where t is asked."""
         self._settle()
         heyoka, high = self._stepping, self.number.rounded(offset)
-        clock = heyoka_numbers.scalars((high, self.number.rounded(offset - high)), self.number)
+        clock = scalars((high, self.number.rounded(offset - high)), self.number)
         self._parameters = self._parameters.copy()  # marks know those from before
-        self._parameters[:2] = heyoka_numbers.array(clock, self.number)
+        self._parameters[:2] = array(clock, self.number)
         if any(jet.timed for jet in self.jets):
             heyoka.pars[:2] = self._parameters[:2]
         if self._first is None:
@@ -564,7 +574,7 @@ class Watch:
             sizes = np.abs(times).astype(float)
         else:
             sizes = np.array([abs(float(t)) for t in times.tolist()])
-            rows = [heyoka_numbers.numbers(row, self.number) for row in rows.tolist()]
+            rows = [as_mpf(row, self.number) for row in rows.tolist()]
         widths = where.width + happenings.spreads / 2 + sizes * float(self.number.eps / 2)
         return EventTimes(
             event.name,

@@ -27,12 +27,36 @@ from polhode.numbers.number_types import (
     Numbers,
     NumberType,
     Real,
-    Row,
     extended_here,
-    flat,
 )
 from polhode.taylor import defaults
-from polhode.taylor.types import Expression, HeyokaNumber, HeyokaOutcome
+
+# --- types ----------------------------------------------------------------------------------------
+#
+# heyoka's things by kind: it brings no types along, and these names say what is meant.
+
+
+#: float, numpy.longdouble, heyoka.real128 or heyoka.real, by the number type of the run.
+HeyokaNumber: TypeAlias = Any
+
+#: heyoka.expression, of variables, parameters and the time.
+Expression: TypeAlias = Any
+
+#: heyoka.taylor_adaptive, or taylor_adaptive_batch: compiled code, state and time of a system.
+HeyokaIntegrator: TypeAlias = Any
+
+#: heyoka.nt_event or t_event, and their batch kinds.
+HeyokaEvent: TypeAlias = Any
+
+#: heyoka.taylor_outcome: how steps ended.
+HeyokaOutcome: TypeAlias = Any
+
+#: heyoka.continuous_output: the polynomials of some steps.
+HeyokaOutput: TypeAlias = Any
+
+#: heyoka.cfunc: compiled code of some expressions.
+CompiledFunction: TypeAlias = Any
+
 
 # --- engine ---------------------------------------------------------------------------------------
 #
@@ -85,7 +109,7 @@ else:
     else:
         # heyoka logs on stdout, the place for results.  What it has to say is known from
         # elsewhere: a cache that cannot be used costs compiling again and shows in
-        # ``heyoka_numbers.cache``; a multiple zero that it gives up on is found through the
+        # ``compiled_code_cache``; a multiple zero that it gives up on is found through the
         # derivative, or shows in ``EventTimes.complete``.
         hy.set_logger_level_critical()
 
@@ -247,15 +271,8 @@ def scalars(values: Sequence[Number], number: NumberType) -> list[HeyokaNumber]:
     return [scalar(x, number) for x in values]
 
 
-def numbers(row: Numbers, number: NumberType) -> Row:
-    """A row of heyoka's numbers as a trajectory holds them: an array, or mpf above extended."""
-    if number.flat:
-        return flat(row)
-    return as_mpf(row, number)
-
-
 def as_mpf(row: Numbers, number: NumberType) -> list[Real]:
-    """The same above extended."""
+    """A row of heyoka's numbers above extended as a trajectory holds it."""
     from polhode.numbers.mpmath_context import mpmath, ordinary
 
     with mpmath.workprec(number.bits):

@@ -36,10 +36,19 @@ from polhode.numbers.number_types import (
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults
 from polhode.taylor.engine import TINY, Engine
-from polhode.taylor.heyoka import OutOfRange, array, as_fraction, as_mpf, ending, scalar, scalars
-from polhode.taylor.projection import Projector, UnitNorm
+from polhode.taylor.heyoka import (
+    HeyokaNumber,
+    HeyokaOutcome,
+    OutOfRange,
+    array,
+    as_fraction,
+    as_mpf,
+    ending,
+    scalar,
+    scalars,
+)
+from polhode.taylor.projection import Corrector, Projector, UnitNorm
 from polhode.taylor.system import System, time_array
-from polhode.taylor.types import Corrector, HeyokaNumber, HeyokaOutcome
 
 if TYPE_CHECKING:
     from polhode.taylor.event_watch import Rules, Watch

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -35,8 +36,18 @@ from polhode.numbers.number_types import (
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults, heyoka
-from polhode.taylor.heyoka import Conversions, as_fraction, conversions, hy, scalar, wider
-from polhode.taylor.types import CompiledFunction, Expression, HeyokaNumber, Watcher
+from polhode.taylor.engine import Watcher
+from polhode.taylor.heyoka import (
+    CompiledFunction,
+    Conversions,
+    Expression,
+    HeyokaNumber,
+    as_fraction,
+    conversions,
+    hy,
+    scalar,
+    wider,
+)
 
 # --- integral projection --------------------------------------------------------------------------
 #
@@ -88,15 +99,19 @@ class Target:
         """The correction, compiled: of a state and :attr:`constants`."""
         integrals, fixed = self.integrals, frozenset(self.held)
         return _newton_step(
-            self.scene.columns, integrals.onto, integrals.order, self._names, fixed, self.number
+            self.scene.columns,
+            integrals.onto,
+            integrals.order,
+            tuple(sorted(integrals.coefficients)),
+            fixed,
+            self.number,
         )
 
     @cached_property
     def constants(self) -> Sequence[HeyokaNumber]:
         """The integrals' coefficients and this scene's values of them, in the wider type."""
-        integrals = self.integrals
-        coefficients = [integrals.coefficients[name] for name in self._names]
-        return [*(heyoka.scalar(x, wider(self.number)) for x in coefficients), *self.values]
+        k = self.integrals.coefficients
+        return [*(heyoka.scalar(k[name], wider(self.number)) for name in sorted(k)), *self.values]
 
     @cached_property
     def values(self) -> Sequence[HeyokaNumber]:
@@ -110,33 +125,17 @@ class Target:
         return kept_at_zero(self.scene)
 
     @cached_property
-    def _names(self) -> tuple[str, ...]:
-        return tuple(sorted(self.integrals.coefficients))
+    def still(self) -> Sequence[int]:
+        """The columns that the equations keep."""
+        return constant_columns(self.scene)
 
-    @cached_property
-    def unrested(self) -> Mapping[int, HeyokaNumber]:
-        """The columns that the equations keep, with nothing rounded off yet."""
-        return dict.fromkeys(constant_columns(self.scene), self._zero)
-
-    def inputs(self) -> Array:
-        """What the correction is given: room for a state, and :attr:`constants`; the caller's."""
-        return self._inputs.copy() if self.number.name == "double" else self._made(self.constants)
-
-    def outputs(self) -> Array:
-        """Room for what it gives: a state, and how far that was moved; the caller's."""
-        return self._made([self._zero])
-
-    @cached_property
-    def _inputs(self) -> Array:
-        return self._made(self.constants)
-
-    def _made(self, last: Sequence[HeyokaNumber]) -> Array:
-        """An array of zeros for a state, and these after it."""
-        return heyoka.array([self._zero] * self.columns + [*last], wider(self.number))
-
-    @cached_property
-    def _zero(self) -> HeyokaNumber:
-        return heyoka.scalar(ZERO, wider(self.number))
+    def arrays(self) -> tuple[Array, Array]:
+        """For a correction, the caller's: room for a state and :attr:`constants`, which it is
+        given; and for what it gives, a state and how far that was moved."""
+        wide = wider(self.number)
+        zero = heyoka.scalar(ZERO, wide)
+        room = [zero] * self.columns
+        return heyoka.array([*room, *self.constants], wide), heyoka.array([*room, zero], wide)
 
 
 class StartTarget(Target):
@@ -161,7 +160,7 @@ class StartTarget(Target):
         wide, integrals = wider(self.number), self.integrals
         k = {name: heyoka.scalar(x, wide) for name, x in integrals.coefficients.items()}
         row = [self.conversions[2](x) for x in self.start]
-        return integrals.values(row, k, self._zero)
+        return integrals.values(row, k, heyoka.scalar(ZERO, wide))
 
     @cached_property
     def held(self) -> set[int]:
@@ -169,22 +168,44 @@ class StartTarget(Target):
         return staying_zero(self.scene.body, [exactly(x) for x in self.start])
 
 
-class Projector:
-    """The corrections of one run, compiled when the first one is made.
+class Corrector(ABC):
+    """Corrections of a run's state, every so many steps: how many there were and how large.
 
-    ``watcher``: what looks for events in the run and shall not be disturbed.
     ``seconds``: the time spent on compiling.
     """
 
-    def __init__(self, onto: Target, every: int, watcher: Watcher | None = None) -> None:
-        self.every, self.watcher = every, watcher
-        self.target = onto
-        self.count = self.waits = 0
+    def __init__(self, every: int) -> None:
+        self.every, self.count = every, 0
         self.largest = self.sum = self.seconds = 0.0
+
+    @abstractmethod
+    def correct(self, state: Array) -> bool:
+        """Correct a state, heyoka's numbers, where it stands; False: try again a step later."""
+
+    @property
+    @abstractmethod
+    def projection(self) -> Projection:
+        """What was corrected so far."""
+
+    def note(self, size: float) -> None:
+        """Note a correction of this size."""
+        self.count += 1
+        self.sum += size
+        self.largest = max(self.largest, size)
+
+
+class Projector(Corrector):
+    """The corrections of one run onto a target, compiled when the first one is made.
+
+    ``watcher``: what looks for events in the run and shall not be disturbed.
+    """
+
+    def __init__(self, onto: Target, every: int, watcher: Watcher | None = None) -> None:
+        super().__init__(every)
+        self.target, self.watcher, self.waits = onto, watcher, 0
         self._step: CompiledFunction | None = None
-        self._rests: dict[
-            int, HeyokaNumber
-        ] = {}  # what was rounded off components that stand still
+        #: what was rounded off components that stand still
+        self._rests: dict[int, HeyokaNumber] = {}
 
     @property
     def projection(self) -> Projection:
@@ -196,7 +217,7 @@ class Projector:
         )
 
     def correct(self, state: Array) -> bool:
-        """Correct a state where it stands, in heyoka's numbers; False: try again a step later."""
+        """Correct a state where it stands; False where it would disturb an event."""
         step = self._step or self._begin()
         here, after = state[: self.target.columns], self._moved
         self._load(self._entry, here)
@@ -214,18 +235,17 @@ class Projector:
             self._rests[i] = after[i] - self._widened(moved[i])
         here[:] = moved
         self.waits = 0
-        self.count += 1
-        self.sum += size
-        self.largest = max(self.largest, size)
+        self.note(size)
         return True
 
     def _begin(self) -> CompiledFunction:
         began, target = time.perf_counter(), self.target
         self._step = step = target.step
         self._load, self._rounded, self._widened = target.conversions
-        self._before, self._after = target.inputs(), target.outputs()
+        self._before, self._after = target.arrays()
         self._entry, self._moved = self._before[: target.columns], self._after[:-1]
-        self._rests = dict(target.unrested)
+        nothing = heyoka.scalar(ZERO, wider(target.number))
+        self._rests = dict.fromkeys(target.still, nothing)
         self.seconds += time.perf_counter() - began
         return step
 
@@ -459,14 +479,12 @@ def _moved(state: Doubles) -> Complexes:
 _GUARD_BITS = 32
 
 
-class UnitNorm:
+class UnitNorm(Corrector):
     """The corrections of one run; ``which`` of its variables form the vector."""
 
     def __init__(self, which: slice, number: NumberType) -> None:
-        self.which, self.number, self.every = which, number, defaults.of(number).unit_norm_every
-        self.count = 0
-        self.seconds = 0.0  # nothing is compiled
-        self.largest = self.sum = 0.0
+        super().__init__(defaults.of(number).unit_norm_every)
+        self.which, self.number = which, number
 
     @property
     def projection(self) -> Projection:
@@ -485,7 +503,5 @@ class UnitNorm:
             for i, x in zip(places, vector, strict=True):
                 state[i] = scalar(exactly(x / length), self.number)
             size = abs(float(length - 1))
-        self.count += 1
-        self.sum += size
-        self.largest = max(self.largest, size)
+        self.note(size)
         return True

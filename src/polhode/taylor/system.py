@@ -33,10 +33,9 @@ from polhode.numbers.number_types import (
 )
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
-from polhode.taylor.engine import CLOCK, Cyclic, Engine, Equations, built, lent, nearest
+from polhode.taylor.engine import CLOCK, Cyclic, Engine, Equations, Watcher, built, lent, nearest
 from polhode.taylor.heyoka import OutOfRange, array, scalars
 from polhode.taylor.projection import Target
-from polhode.taylor.types import Watcher
 
 _systems: Recent[System] = Recent(16)
 
@@ -203,7 +202,11 @@ class System:
         if order:
             equations = replace(equations, order=order)
         key = equations if watcher is None else (equations, watcher.key)
-        engine = lent(key, lambda: built(equations, Engine, self, watcher), wait=False)
+
+        def build() -> Engine:
+            return built(equations, Engine, self.field, self.form.distance, watcher)
+
+        engine = lent(key, build, wait=False)
         if watcher is not None:
             damping = array(scalars(watcher.damping, self.number), self.number)
             factors = engine.parameters[CLOCK : engine.first]  # as many as the events need

@@ -6,16 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import reduce
-from operator import mul
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from polhode.common.checkpoint import Arrays
 from polhode.common.interrupts import Stop
-from polhode.equations.terms import NAMES, ROWS
+from polhode.equations.terms import NAMES
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import doubles, to_double
@@ -35,12 +33,11 @@ from polhode.numbers.number_types import (
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import defaults
-from polhode.taylor.batches import LANES, CompiledBatch, LaneQueue
-from polhode.taylor.engine import Engine, Equations, integrator, lent, principal_engine
-from polhode.taylor.heyoka import array, as_fraction, hy, scalar, scalars
+from polhode.taylor.batches import LANES, CompiledBatch, LaneQueue, until
+from polhode.taylor.engine import Engine, Equations, principal_engine
+from polhode.taylor.heyoka import HeyokaNumber, HeyokaOutput, array, as_fraction, scalar, scalars
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import System
-from polhode.taylor.types import HeyokaNumber, HeyokaOutput
 
 # --- equations ------------------------------------------------------------------------------------
 #
@@ -96,12 +93,8 @@ class Variations:
 
     @property
     def tangents(self) -> Doubles:
-        """The tangents as kept, shape (6, n)."""
-        return self._tangents.T
-
-    @property
-    def _tangents(self) -> Doubles:
-        tangents: Doubles = self._ready.state[6:].reshape(-1, 6)
+        """The tangents as kept, shape (6, n), a view."""
+        tangents: Doubles = self._ready.state[6:].reshape(-1, 6).T
         return tangents
 
     def to(self, time: float, steps: int) -> bool:
@@ -115,11 +108,12 @@ class Variations:
 
         By a power of two, so that nothing is rounded.
         """
-        largest = float(np.max(np.abs(self._tangents), initial=0.0))
+        tangents = self.tangents
+        largest = float(np.max(np.abs(tangents), initial=0.0))
         if largest == 0:
             return
         by = math.frexp(largest)[1]
-        self._tangents[:] = np.ldexp(self._tangents, -by)
+        tangents[:] = np.ldexp(tangents, -by)
         self.exponent += by
 
 
@@ -312,7 +306,7 @@ def path(
     """
     number = EXTENDED if wide and extended_here() else DOUBLE
     kind = np.longdouble if number == EXTENDED else np.float64
-    with lent(("any body", number), lambda: _built(number)) as ta:
+    with principal_engine(Equations(STATE, NAMES, number), Engine) as ta:
         ta.stand(np.array(start, dtype=kind), np.array(constants, dtype=kind))
         ended, output = ta.polynomials(kind(duration), _MOST_STEPS)
         order = ta.heyoka.order
@@ -325,22 +319,6 @@ def path(
     if len(steps) > 1:
         steps[-1] = max(steps[-1], steps[-2])  # the last step is cut at the end
     return Path(ends, steps / part, output, kind)
-
-
-def _built(number: NumberType) -> Engine:
-    """The engine of the equations for any body."""
-    x = hy.make_vars(*STATE)
-    system = []
-    for variable, row in zip(x, ROWS, strict=True):
-        values: list[list[Any]] = [[], []]  # of terms that are added, and that are taken away
-        for term in row:
-            factors = [x[n] for n in term.factors]
-            if term.coefficient is not None:
-                factors.insert(0, hy.par[term.coefficient])
-            values[term.sign < 0].append(reduce(mul, factors))
-        added, minus = values
-        system.append((variable, hy.sum(added) - hy.sum(minus) if minus else hy.sum(added)))
-    return Engine(integrator(system, number), number, coefficients=len(NAMES))
 
 
 # --- tangent batches ------------------------------------------------------------------------------
@@ -397,7 +375,7 @@ def solve(job: TangentJob, stop: Stop | None = None) -> Followed:
     tolerance = None if job.tolerance is None else Fraction(job.tolerance)
     equations = Equations(STATE, job.names, tolerance=tolerance, lanes=LANES, tangents=1)
     with principal_engine(equations, CompiledBatch) as ta:
-        lanes = LaneQueue(n, ta.places)
+        lanes = LaneQueue(n, LANES)
 
         def begin(lane: int) -> None:
             k = lanes.motion[lane]
@@ -406,7 +384,7 @@ def solve(job: TangentJob, stop: Stop | None = None) -> Followed:
 
         def stretch() -> list[int] | None:
             ta.begin()
-            if ta.in_blocks(np.where(lanes.busy, chunk, 0.0).tolist(), stop=stop).stopped:
+            if until(ta.heyoka, np.where(lanes.busy, chunk, 0.0).tolist(), stop=stop).stopped:
                 return None
             length, over = np.sqrt((ta.state[6:] ** 2).sum(axis=0)), []
             for lane in np.flatnonzero(lanes.busy).tolist():
@@ -423,7 +401,7 @@ def solve(job: TangentJob, stop: Stop | None = None) -> Followed:
                 over.append(lane)
             return over
 
-        for lane in range(ta.places):
+        for lane in range(LANES):
             begin(lane)
         lanes.follow(begin, stretch, stop)
     return Followed(sizes, last)
