@@ -16,7 +16,7 @@ from polhode.enclosures.task import Task
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import rounded_up
 from polhode.results.writer import beside
-from polhode.scenes.start_box import StartBox
+from polhode.scenes.library import StartBox
 
 CASE = "kovalevskaya/generic"
 

@@ -17,8 +17,7 @@ from polhode.judging import conditioning as rounding_errors
 from polhode.judging.conditioning import conditioning, spacing, variances
 from polhode.judging.correct_digits import digits_of, log10_errors, log10_rate
 from polhode.numbers import number_types
-from polhode.numbers.conversion import exactly
-from polhode.numbers.exact_sequences import ExactNumbers
+from polhode.numbers.conversion import ExactNumbers, exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, extended_here
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene

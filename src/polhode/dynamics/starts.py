@@ -30,11 +30,10 @@ from polhode.common.files import read_whole
 from polhode.dynamics.level_body import LevelBody
 from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.numbers import expression
-from polhode.numbers.conversion import exact_number, to_double
+from polhode.numbers.conversion import AREA, ENERGY, exact_number, reader, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import AnyNumber, AnyVector, Doubles, Indices
-from polhode.scenes.given_numbers import AREA, ENERGY, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE, check
 

@@ -32,13 +32,13 @@ from polhode.equations.columns import FORMULAS, derived_words
 from polhode.equations.terms import LINEAR, ROWS
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
+from polhode.numbers.conversion import TIME, reader
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import AnyNumber, AnyVector, Functions
 from polhode.numbers.polynomials import middle
-from polhode.scenes import start_box
-from polhode.scenes.given_numbers import TIME, reader
+from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS
 
@@ -110,7 +110,7 @@ def certify(
     >>> 1e-9 < max(found.radii[0]) < 1e-7
     True
     """
-    box = start_box.chosen(scene, omega_radius)
+    box = library.box_of(scene, omega_radius)
     scene = box.scene
     times = scene.times
     if at is not None:
@@ -151,7 +151,7 @@ def certify(
     if box.radii is not None:
         nearest = shown(min(job.times, key=abs))
         expected = f"narrower intervals, to be followed to t = {nearest}"
-        raise BadInput(scene.name, start_box.KEY, box.text, expected)
+        raise BadInput(scene.name, library.BOX_KEY, box.text, expected)
     had = f"{best.fewest:.1f} proven" if best else refusal
     expected = f"digits that can be proven to t = {shown(max(times, key=abs))} ({had})"
     raise BadInput(scene.name, "digits", job.digits, expected)

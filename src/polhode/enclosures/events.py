@@ -30,13 +30,13 @@ from polhode.enclosures.result import CertifiedEvents, EventTime
 from polhode.enclosures.task import MAX_STEPS, Side, Task, task
 from polhode.enclosures.zeros import Search, first_derivative, is_still
 from polhode.numbers import expression
+from polhode.numbers.conversion import TIME, reader
 from polhode.numbers.exact import sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import AnyNumber, AnyVector
 from polhode.numbers.polynomials import middle
-from polhode.scenes import start_box
-from polhode.scenes.given_numbers import TIME, reader
+from polhode.scenes import library
 from polhode.scenes.scene import Event, Scene
 from polhode.scenes.vocabulary import STATE
 
@@ -101,7 +101,7 @@ def certify_events(
     >>> [round(float(x), 12) for x in found.times[0].state]  # p q r gamma1 gamma2 gamma3
     [1.0, 0.0, 0.0, 0.0, 0.866025403784, 0.5]
     """
-    box = start_box.chosen(scene, omega_radius)
+    box = library.box_of(scene, omega_radius)
     scene = box.scene
     last = scene.end
     if end is not None:
@@ -126,7 +126,7 @@ def certify_events(
         except Refused as why:
             noise = job.raised(noise, why, tries)
     if box.radii is not None:
-        raise BadInput(scene.name, start_box.KEY, box.text, "narrower intervals")
+        raise BadInput(scene.name, library.BOX_KEY, box.text, "narrower intervals")
     raise BadInput(scene.name, "digits", job.digits, "digits that can be proven to the end")
 
 

@@ -155,8 +155,8 @@ def of_scene(on: LevelBody, near: Scene) -> Candidate:
     if near.gamma is None or near.end is None or sign(near.end) <= 0:
         raise BadInput(near.name, "orbit", None, "a start with gamma, and run.end, its period")
     exact_start = (*near.omega, *near.gamma)
-    start = [exact.binary(*exact.rounded(x, _BINARY)) if x else Fraction(0) for x in exact_start]
-    period = exact.binary(*exact.rounded(near.end, _BINARY))
+    start = [exact.nearest(x, _BINARY) if x else Fraction(0) for x in exact_start]
+    period = exact.nearest(near.end, _BINARY)
     inside = on.scene.body.axes.components
     scaled = tuple(on.unit * w for w in inside(near.omega))
     state = np.array([to_double(x) for x in (*scaled, *inside(near.gamma))])

@@ -34,9 +34,8 @@ from polhode.numbers.double_double import Pairs, pairs, sqrt
 from polhode.numbers.exact import Irrational, sign
 from polhode.numbers.number_types import Doubles, Flat, NumberType, Rows, Stack, read_only
 from polhode.numbers.row_formulas import Rationals
-from polhode.results.cells import DOUBLE, EXACT
+from polhode.results.cells import DOUBLE, EXACT, lines
 from polhode.results.result import Result
-from polhode.results.shown import lines
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.trajectory import ERROR, Trajectory
 from polhode.scenes import vary
