@@ -486,7 +486,11 @@ UNITS = {
 #: The same under all of their names.
 _NAMED = {name: UNITS[names.split()[0]] for names, _, _ in _TABLE for name in names.split()}
 
-_FUNCTIONS = {"sqrt": _root, "sin": partial(_of_angle, "sin"), "cos": partial(_of_angle, "cos")}
+_FUNCTIONS: Mapping[str, Callable[[Quantity], Quantity]] = {
+    "sqrt": _root,
+    "sin": partial(_of_angle, "sin"),
+    "cos": partial(_of_angle, "cos"),
+}
 _ALGEBRA = Algebra(Quantity, _FUNCTIONS, tuple(UNITS))
 
 

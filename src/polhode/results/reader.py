@@ -227,7 +227,7 @@ def _no_constant(text: str) -> float:
 
 
 def _content(about: dict[str, Value], columns: Mapping[str, Any], kinds: Sequence[str]) -> Content:
-    kind, version, title = (_text(about[key]) for key in ("result", "version", "title"))
+    kind, version, title = _text(about["result"]), _text(about["version"]), _text(about["title"])
     if kind not in kinds:
         raise ValueError(f"result {kind[:40]!r}")
     descriptions = about["about"]["facts"]

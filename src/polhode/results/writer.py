@@ -287,7 +287,7 @@ def written_table(table: Table) -> Table:
     columns, radii = [], []
     for column in table.columns:
         values = column.values
-        if not isinstance(values, (list, tuple)) or not any(isinstance(x, Ball) for x in values):
+        if not isinstance(values, (list, tuple)) or Ball not in map(type, values):
             columns.append(column)
             continue
         middles, bounds = zip(*map(_decimals, values), strict=True)

@@ -191,7 +191,7 @@ def run_of(content: Content) -> Trajectory:
     facts = {x.name: x.value for x in content.facts}
     columns = {x.name: x.values for x in content.table.columns}
     number = _number(facts)
-    times = tuple(exactly(t) for t in columns["t"])
+    times = tuple(map(exactly, columns["t"]))
     scene, outcome = _scene(facts, times), Outcome(facts["outcome"])
     outputs = scene.output_times.rounded(number)
     count = len(times)
@@ -235,7 +235,7 @@ def run_of(content: Content) -> Trajectory:
     if not 0 <= run.tolerance < math.inf or run.method not in ("taylor", "refined"):
         raise ValueError("no tolerance or method of a run")
     vars(run).update(dense=_Recomputed(run))
-    drift = Drift(*(_of(_GAP, facts[f"drift_{name}"]) for name in Drift._fields))
+    drift = Drift(**{name: _of(_GAP, facts[f"drift_{name}"]) for name in Drift._fields})
     outlook = _of(_GAP, facts["digits_expected"]), _of(_GAP, facts["lost_after"])
     vars(run).update(drift=drift, _least_expected=outlook)
     return run
@@ -266,15 +266,16 @@ def _scene(facts: Mapping[str, Value], times: tuple[Fraction, ...]) -> Scene:
 def _rows(columns: Mapping[str, Any], names: Sequence[str], number_type: NumberType) -> States:
     import numpy as np
 
-    parts = [columns[name] for name in names]
-    rows: Any = np.empty((len(parts[0]), len(names)), dtype=parts[0].dtype)
-    for k, part in enumerate(parts):
+    first = columns[names[0]]
+    rows: Any = np.empty((len(first), len(names)), dtype=first.dtype)
+    for k, name in enumerate(names):
+        part = columns[name]
         flat = part.dtype.kind == "f"
         finite = (
             np.isfinite(part).all() if flat else all(x is not None and x - x == 0 for x in part)
         )
         if part.dtype != rows.dtype or not finite:
-            raise ValueError(f"{names[k]}: not all are numbers of the run")
+            raise ValueError(f"{name}: not all are numbers of the run")
         rows[:, k] = part
     kinds = {"double": np.float64, "extended": np.longdouble}
     if rows.dtype != kinds.get(number_type.name, np.object_):
@@ -317,7 +318,8 @@ def _projection(fact: Mapping[str, Value]) -> Projection:
         tuple(_of(str, name) for name in fact["onto"]),
         _whole(fact["every"]),
         _whole(fact["count"]),
-        *(float(_of((int, float), fact[key])) for key in ("largest", "sum")),
+        float(_of((int, float), fact["largest"])),
+        float(_of((int, float), fact["sum"])),
     )
 
 

@@ -95,9 +95,10 @@ def load(scene: Scene | str | Path, *, takes: Collection[str] | None = None) -> 
 
         scene = scene_file.read(*place(scene))
         scene.speak()
-    for word, key, value, usual in scene.extras if takes is not None else ():
-        if word not in takes:
-            raise BadInput(scene.name, key, value, f"{usual}, or polhode.integrate")
+    if takes is not None:
+        for word, key, value, usual in scene.extras:
+            if word not in takes:
+                raise BadInput(scene.name, key, value, f"{usual}, or polhode.integrate")
     return scene
 
 

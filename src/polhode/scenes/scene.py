@@ -236,9 +236,8 @@ class SceneTables:
 
     def whole(self, section: str, table: Mapping[str, Any], name: str, least: int) -> int:
         """What a section holds under a key, or its default: a whole number up to a million."""
-        value = table.get(name, vocabulary.default(section, name))
-        is_int = isinstance(value, int) and not isinstance(value, bool)
-        if not is_int or not least <= value <= MAX_SAMPLES:
+        value: object = table.get(name, vocabulary.default(section, name))
+        if not isinstance(value, int) or value is True or not least <= value <= MAX_SAMPLES:
             expected = f"a whole number from {least} to {MAX_SAMPLES}"
             raise self.bad(f"{section}.{name}", value, expected)
         return value
@@ -252,8 +251,8 @@ class SceneTables:
 
     def vector(self, key: str, value: Any) -> Vector:
         """Three numbers."""
-        a, b, c = (self.number(key, item) for item in self.array(key, value, 3))
-        return a, b, c
+        a, b, c = self.array(key, value, 3)
+        return self.number(key, a), self.number(key, b), self.number(key, c)
 
     def number(self, key: str, value: Any) -> Exact:
         """The exact number that a value stands for."""

@@ -65,13 +65,6 @@ class SceneText(str):
     tables: dict[str, Any]
     values: dict[str, Any]
 
-    @classmethod
-    def of(cls, text: str, tables: dict[str, Any], values: dict[str, Any]) -> SceneText:
-        """A text that was read."""
-        read_text = cls(text)
-        read_text.tables, read_text.values = tables, values
-        return read_text
-
     def tells(self, scene: Scene, *fields: str) -> bool:
         """Whether these fields of a scene, by default all, are still what the text says."""
         names = fields or tuple(self.values)
@@ -118,7 +111,7 @@ def tables_of(scene: Scene) -> dict[str, Any]:
     """The tables of body and start: those of the scene's file, if they still say what it is."""
     text = source_text(scene)
     if text is not None and text.tells(scene, "body", "omega", "gamma", "psi"):
-        return {name: dict(text.tables[name]) for name in ("body", "start")}
+        return {"body": dict(text.tables["body"]), "start": dict(text.tables["start"])}
     body = scene.body
     start: dict[str, Any] = {"omega": list(scene.omega)}
     if scene.gamma is not None:
@@ -223,7 +216,9 @@ class _File(SceneTables):
             "section": self.section(plan) if plan else SectionPlan(),
             "units": units or ("SI" if self.in_si else ""),
         }
-        source = SceneText.of(text, data, values) if isinstance(text, str) else waiting(text)
+        source = SceneText(text) if isinstance(text, str) else waiting(text)
+        if isinstance(source, SceneText):
+            source.tables, source.values = data, values
         return Scene(**values, name=self.name, source=source, change=self.change, doubt=self.doubt)
 
     # -- sections -----------------------------------------------------------------------------
@@ -250,7 +245,7 @@ class _File(SceneTables):
     def event(self, where: str, table: Mapping[str, Any]) -> Event:
         """One of the tables [[events]]."""
         _, _, number = where.strip("]").partition("[")
-        whole = {"name": f"event {number}", "zero": ""} | table
+        whole = {"name": f"event {number}", "zero": "", **table}
         name, zero, direction, stop = (
             self.read("events", whole, key, where) for key in ("name", "zero", "direction", "stop")
         )
@@ -300,7 +295,8 @@ class _File(SceneTables):
         bands = {}
         for number_type, band in table.items():
             key = f"expect.{number_type}"
-            least, most = (self.number(key, x) for x in self.array(key, band, 2))
+            low, high = self.array(key, band, 2)
+            least, most = self.number(key, low), self.number(key, high)
             if not 0 <= least < most <= 10_000:
                 raise self.bad(key, band, "the least and the most correct digits")
             bands[number_type] = (float(least), float(most))
