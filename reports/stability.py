@@ -13,8 +13,7 @@ import polhode
 from accuracy import case_rows
 from kit import expected
 from polhode.equations.readout import Readout
-from polhode.numbers.conversion import number_value
-from polhode.numbers.exact_sequences import ExactNumbers
+from polhode.numbers.conversion import ExactNumbers, number_value
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 

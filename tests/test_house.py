@@ -218,7 +218,7 @@ def test_types_tell_a_user_what_is_wrong(tmp_path):
 
 def test_nobody_computes_at_a_precision_that_others_share():
     """Mpmath's context and flint's are imported where they are made private, and nowhere else."""
-    private = {"numbers/mpmath_context.py", "numbers/flint_context.py", "numbers/lossless_mpf.py"}
+    private = {"numbers/mpmath_context.py", "numbers/flint_context.py"}
     private.add("certificates/verify.py")  # which is to run without polhode, and is held by it
     shared = re.compile(r"^ *(import mpmath|from mpmath import (?!libmp)|from flint.*\bctx)", re.M)
     for path in (TOP / "src/polhode").rglob("*.py"):

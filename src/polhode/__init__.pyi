@@ -86,5 +86,5 @@ from polhode.scenes.scene import Event as Event
 from polhode.scenes.scene import Published as Published
 from polhode.scenes.scene import Scene as Scene
 from polhode.scenes.scene import SectionPlan as SectionPlan
-from polhode.scenes.scene_text import as_toml as as_toml
+from polhode.scenes.scene_file import as_toml as as_toml
 from polhode.scenes.shapes import Part as Part

@@ -15,7 +15,7 @@ import polhode
 from polhode import cli
 from polhode.enclosures.task import Task
 from polhode.numbers.decimals import rounded_up
-from polhode.scenes.start_box import StartBox
+from polhode.scenes.library import StartBox
 from shared.values import exactly
 
 CASE = "kovalevskaya/generic"

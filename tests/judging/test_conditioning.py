@@ -18,7 +18,7 @@ from polhode.judging import limits
 from polhode.judging.conditioning import Band
 from polhode.judging.correct_digits import log10_rate
 from polhode.motion.frame import Frame
-from polhode.numbers.exact_sequences import ExactNumbers
+from polhode.numbers.conversion import ExactNumbers
 from polhode.numbers.mpmath_context import mpmath
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import system

@@ -17,7 +17,7 @@ from polhode import Body, Scene, conditioning
 from polhode.judging import conditioning as rounding_errors
 from polhode.judging.conditioning import variances
 from polhode.judging.correct_digits import digits_of, log10_errors, log10_rate
-from polhode.numbers.exact_sequences import ExactNumbers
+from polhode.numbers.conversion import ExactNumbers
 from polhode.taylor.error_growth import passage
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import system

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.numbers import lossless_mpf, mpmath_context
+from polhode.numbers import mpmath_context
 from shared.tiers import tiers
 
 
@@ -75,7 +75,8 @@ def test_copies_of_an_answer_are_it_to_the_bit(name):
         again = copied(answer)
         assert raw(again) == bits
         assert raw([copied(x) for x in numbers(again)]) == bits  # and of copies
-        assert {*map(type, numbers(again))} <= {lossless_mpf.mpf, lossless_mpf.mpc}
+        kinds = {mpmath_context.OrdinaryReal, mpmath_context.OrdinaryComplex}
+        assert {*map(type, numbers(again))} <= kinds
 
 
 def same(value: Any) -> Any:

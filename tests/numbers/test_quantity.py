@@ -5,8 +5,16 @@ from fractions import Fraction
 import pytest
 
 from polhode.numbers import exact
-from polhode.numbers.expression import MAX_LENGTH, ExpressionError, number
-from polhode.scenes.given_numbers import UNITS, Quantity, in_unit, named, quantity
+from polhode.numbers.expression import (
+    MAX_LENGTH,
+    UNITS,
+    ExpressionError,
+    Quantity,
+    in_unit,
+    named,
+    number,
+    quantity,
+)
 
 
 @pytest.mark.parametrize(

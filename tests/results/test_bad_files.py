@@ -20,9 +20,8 @@ import polhode
 from polhode.common.errors import BadInput
 from polhode.common.files import write_whole
 from polhode.results import writer
-from polhode.results.frames import needed
 from polhode.results.reader import content_of
-from polhode.results.writer import ENDINGS, as_json, csv_text, digest
+from polhode.results.writer import ENDINGS, as_json, csv_text, digest, needed
 
 Document = dict[str, Any]
 INSERTED = (b"9" * 50, b"null", b"[", b"\0", b'"', b"1e400000", b"{", b"NaN", b"\xff", b",\n", b"-")

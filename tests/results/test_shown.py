@@ -9,7 +9,7 @@ import pytest
 
 from polhode.numbers.decimals import Ball
 from polhode.numbers.exact import sqrt
-from polhode.results.shown import cells, lines
+from polhode.results.cells import header_and_rows, lines
 from polhode.results.table import Column, Table
 
 THIRD = Fraction(1, 3)
@@ -33,7 +33,7 @@ THIRD = Fraction(1, 3)
     ],
 )
 def test_cells_are_rounded_and_empty_where_there_is_no_number(column, shown):
-    assert cells(Table([column])) == (["x"], [[x] for x in shown])
+    assert header_and_rows(Table([column])) == (["x"], [[x] for x in shown])
 
 
 def test_a_column_of_no_digits_is_not_shown_and_no_rows_are_a_header():

@@ -12,8 +12,8 @@ from hypothesis import strategies as some
 
 import polhode
 from polhode.common.errors import BadInput
+from polhode.numbers.conversion import ExactNumbers, spaced
 from polhode.numbers.exact import sqrt
-from polhode.numbers.exact_sequences import ExactNumbers, spaced
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, Flat
 from polhode.scenes.scene import Scene, even_times
 

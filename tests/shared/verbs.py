@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 import polhode
+from polhode.numbers.conversion import ExactNumbers
 from polhode.numbers.exact import Irrational, rounded
-from polhode.numbers.exact_sequences import ExactNumbers
 
 GENERAL = "general/asymmetric-regular"
 THREADS = 16

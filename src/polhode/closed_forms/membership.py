@@ -14,7 +14,7 @@ from flint import arb
 
 from polhode.closed_forms.balls.frames import Frame, Motion
 from polhode.numbers.decimals import decimal_string
-from polhode.numbers.exact import ONE, ZERO, Exact, binary, exact, log10, rounded, sign, sqrt
+from polhode.numbers.exact import ONE, ZERO, Exact, exact, log10, nearest, rounded, sign, sqrt
 from polhode.numbers.mpmath_context import mpf
 from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import Vector, cross, dot, is_zero, minus, momentum, scaled
@@ -47,7 +47,7 @@ class Misfit(NamedTuple):
     def __str__(self) -> str:
         if self.off is None:
             return self.condition
-        off = decimal_string(binary(*rounded(self.off, 60)), 3)
+        off = decimal_string(nearest(self.off, 60), 3)
         names = ""
         if self.order != (0, 1, 2):
             names = f" (its axes 1, 2, 3 are here {', '.join(str(i + 1) for i in self.order)})"

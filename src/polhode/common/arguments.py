@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Mapping, Set
 from fractions import Fraction
 from operator import index
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -124,22 +124,26 @@ def steps(source: str, value: object) -> int:
     return min(whole(source, "max_steps", value, 1), MOST_STEPS)
 
 
+def numbers_given(t: object) -> tuple[list[Any], bool]:
+    """What was given as one number or several: a list of them, and whether it was several.
+
+    What has no order, a set or a mapping, is no several numbers: whoever reads it refuses it.
+    """
+    if isinstance(t, (str, bytes, Set, Mapping)) or not isinstance(t, Iterable):
+        return [t], False
+    if getattr(t, "ndim", 1) == 0:  # an array of no dimension is a number
+        return [t], False
+    return list(t), True
+
+
 def each(
     source: str, key: str, values: object, read: Callable[[Any], T], expected: str
 ) -> tuple[T, ...]:
-    """Each of some values read, such as the times ``at``; what ``read`` refuses is named.
-
-    A set or a mapping is refused, for it has no order.
-    """
-    if isinstance(values, (str, bytes, Set, Mapping)) or not isinstance(
-        values, (Iterable, Sequence)
-    ):
+    """Each of some values read, such as the times ``at``; what ``read`` refuses is named."""
+    listed, several = numbers_given(values)
+    if not several:
         raise BadInput(source, key, values, expected)
     elements = []
-    try:
-        listed = list(values)
-    except TypeError:  # an array of no dimension
-        raise BadInput(source, key, values, expected) from None
     for k, value in enumerate(listed):
         try:
             elements.append(read(value))

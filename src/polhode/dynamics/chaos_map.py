@@ -39,14 +39,13 @@ from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.equations.terms import NAMES
 from polhode.judging.tables.table_file import read_starts
 from polhode.motion.frame import Frame
-from polhode.numbers.conversion import to_double
+from polhode.numbers.conversion import TIME, reader, to_double
 from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.number_types import AnyNumber, Doubles, Integers
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.integrate_many import varied_of
 from polhode.scenes import library, vary
-from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column, unit_of

@@ -29,7 +29,7 @@ from polhode.dynamics.orbit import (
 from polhode.dynamics.section import section
 from polhode.dynamics.starts import MAXIMA, MOST_STARTS, Cut, cut_of, starts_of
 from polhode.equations.section_functions import MOMENTUM
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import AREA, ENERGY, exactly, reader, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import DOUBLE, AnyNumber, Doubles
@@ -37,7 +37,6 @@ from polhode.results.cells import INTEGER
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
-from polhode.scenes.given_numbers import AREA, ENERGY, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
     provenance_fact,

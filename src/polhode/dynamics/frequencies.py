@@ -21,7 +21,7 @@ from polhode.dynamics.level_body import LevelBody
 from polhode.judging.reference import Reference, reference
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.table_file import is_table, read_table
-from polhode.numbers.conversion import doubles, to_double
+from polhode.numbers.conversion import TIME, doubles, reader, to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import DOUBLE, AnyNumber, Complexes, Doubles
@@ -33,7 +33,6 @@ from polhode.results.table import Table as ResultTable
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
-from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene, even_times
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column
 from polhode.scenes.vocabulary import ATTITUDE, REQUESTS, STATE

@@ -19,7 +19,7 @@ from polhode.dynamics.exact_levels import RationalBody, Region
 from polhode.dynamics.level_body import LevelBody
 from polhode.equations.integrals import exact_values, first_integrals
 from polhode.motion.frame import Frame
-from polhode.numbers.conversion import to_double
+from polhode.numbers.conversion import AREA, reader, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
@@ -37,7 +37,6 @@ from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import body as classification
 from polhode.scenes import library
-from polhode.scenes.given_numbers import AREA, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column
 from polhode.scenes.vocabulary import REQUESTS

@@ -25,14 +25,13 @@ from polhode.common.errors import BadInput
 from polhode.equations.readout import at_rest
 from polhode.judging.reference import Reference, reference
 from polhode.motion.frame import Frame
-from polhode.numbers.conversion import to_double
+from polhode.numbers.conversion import TIME, reader, to_double
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.number_types import AnyNumber, Doubles
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
 from polhode.scenes.body import EULER, KOVALEVSKAYA, LAGRANGE, SPHERE, Body, kind_of_body
-from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 from polhode.scenes.vocabulary import REQUESTS

@@ -424,7 +424,7 @@ def decimal(x: Fraction, scale: Fraction, digits: int) -> str:
 
 def binary(x: Exact, bits: int) -> Fraction:
     """x rounded to so many bits."""
-    return exact.binary(*exact.rounded(x, bits)) if x else Fraction(0)
+    return exact.nearest(x, bits) if x else Fraction(0)
 
 
 # --- continuation ---------------------------------------------------------------------------------

@@ -19,7 +19,7 @@ from polhode.common.values import ByValue
 from polhode.dynamics import newton_shooting as newton
 from polhode.dynamics.level_body import LevelBody, level_of
 from polhode.numbers import exact
-from polhode.numbers.conversion import exactly, to_double, to_mpf
+from polhode.numbers.conversion import TIME, exactly, reader, to_double, to_mpf
 from polhode.numbers.decimals import decimal_string, in_full, shown
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.mpmath_context import mpmath, ordinary
@@ -39,11 +39,9 @@ from polhode.results.table import Column, Fact, Table
 from polhode.runs.options import Options
 from polhode.runs.solve import solve
 from polhode.scenes import library, scene_file
-from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Literal, Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
-from polhode.scenes.scene_file import tables_of
-from polhode.scenes.scene_text import as_toml, written
+from polhode.scenes.scene_file import as_toml, tables_of, written
 from polhode.scenes.vocabulary import REQUESTS, STATE
 from polhode.taylor.variations import NotFollowed
 

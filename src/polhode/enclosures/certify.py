@@ -36,14 +36,14 @@ from polhode.equations.columns import FORMULAS, derived_words
 from polhode.equations.terms import LINEAR, ROWS
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact, expression
+from polhode.numbers.conversion import TIME, reader
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import AnyNumber, AnyVector, Functions
 from polhode.numbers.polynomials import middle
-from polhode.scenes import start_box
-from polhode.scenes.given_numbers import TIME, reader
+from polhode.scenes import library
 from polhode.scenes.scene import Event, Scene
 from polhode.scenes.vocabulary import COLUMNS, STATE
 
@@ -120,7 +120,7 @@ def certify(
     >>> 1e-9 < max(found.radii[0]) < 1e-7
     True
     """
-    box = start_box.chosen(scene, omega_radius)
+    box = library.box_of(scene, omega_radius)
     scene = box.scene
     times = scene.times
     if at is not None:
@@ -161,7 +161,7 @@ def certify(
     if box.radii is not None:
         nearest = shown(min(job.times, key=abs))
         expected = f"narrower intervals, to be followed to t = {nearest}"
-        raise BadInput(scene.name, start_box.KEY, box.text, expected)
+        raise BadInput(scene.name, library.BOX_KEY, box.text, expected)
     had = f"{best.fewest:.1f} proven" if best else refusal
     expected = f"digits that can be proven to t = {shown(max(times, key=abs))} ({had})"
     raise BadInput(scene.name, "digits", job.digits, expected)
@@ -350,7 +350,7 @@ def certify_events(
     >>> [round(float(x), 12) for x in found.times[0].state]  # p q r gamma1 gamma2 gamma3
     [1.0, 0.0, 0.0, 0.0, 0.866025403784, 0.5]
     """
-    box = start_box.chosen(scene, omega_radius)
+    box = library.box_of(scene, omega_radius)
     scene = box.scene
     last = scene.end
     if end is not None:
@@ -375,7 +375,7 @@ def certify_events(
         except Refused as why:
             noise = job.raised(noise, why, tries)
     if box.radii is not None:
-        raise BadInput(scene.name, start_box.KEY, box.text, "narrower intervals")
+        raise BadInput(scene.name, library.BOX_KEY, box.text, "narrower intervals")
     raise BadInput(scene.name, "digits", job.digits, "digits that can be proven to the end")
 
 

@@ -218,8 +218,8 @@ def problem(of: Motion, noise: int, constant_bits: int | None = None) -> Problem
 def _weights(of: Motion) -> tuple[float, ...]:
     """c m_i**(1/2), and 1 for gamma; doubles near them, m_i parts of the largest moment."""
     largest = max(of.moments)
-    moments = [max(to_double(exact.divide(m, largest)), _LEAST_WEIGHT) for m in of.moments]
-    pull = math.hypot(*(to_double(exact.divide(k, largest)) for k in of.torque))
+    moments = [max(to_double(m / largest), _LEAST_WEIGHT) for m in of.moments]
+    pull = math.hypot(*(to_double(k / largest) for k in of.torque))
     c = 1.0 / math.sqrt(max(pull, _SLOW))
     return (*(c * math.sqrt(m) for m in moments), 1.0, 1.0, 1.0)
 

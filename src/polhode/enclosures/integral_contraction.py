@@ -35,7 +35,6 @@ from polhode.enclosures.polynomial import (
 )
 from polhode.enclosures.step_bound import TINY, gamma
 from polhode.enclosures.zonotope import State
-from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 
 
@@ -59,7 +58,7 @@ def first_integrals(motion: Motion) -> dict[str, Polynomial]:
     largest = max(motion.moments)
     inertia = [m / largest for m in motion.moments]
     momentum = [x[i] * inertia[i] for i in range(3)]
-    torque = [exact.divide(k, largest) for k in motion.torque]
+    torque = [k / largest for k in motion.torque]
     kinetic = total([momentum[i] * x[i] for i in range(3)])
     weight = total([x[3 + i] * torque[i] * 2 for i in range(3)])
     integrals = {"h": kinetic + weight}

@@ -40,7 +40,7 @@ class Polynomial:
         product = Polynomial({})
         for a, x in self.terms.items():
             moved = {
-                tuple(i + j for i, j in zip(a, b, strict=True)): exact.multiply(x, y)
+                tuple(i + j for i, j in zip(a, b, strict=True)): x * y
                 for b, y in factor.terms.items()
             }
             product = product + Polynomial(moved)
@@ -55,7 +55,7 @@ class Polynomial:
     def __truediv__(self, other: Polynomial) -> Polynomial:
         if set(other.terms) != {_NOTHING}:
             raise ValueError("a polynomial is divided by numbers alone")
-        return self * exact.divide(exact.ONE, other.terms[_NOTHING])
+        return self * (1 / other.terms[_NOTHING])
 
     def __pow__(self, exponent: int) -> Polynomial:
         if not 0 <= exponent <= MOST_POWER:
@@ -71,7 +71,7 @@ class Polynomial:
         for key, value in self.terms.items():
             if key[variable]:
                 lower = (*key[:variable], key[variable] - 1, *key[variable + 1 :])
-                terms[lower] = exact.multiply(Fraction(key[variable]), value)
+                terms[lower] = key[variable] * value
         return Polynomial(terms)
 
     @property

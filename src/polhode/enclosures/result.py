@@ -20,9 +20,8 @@ from polhode.numbers.decimals import Ball, decimal_ball, guaranteed, shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import ordinary
 from polhode.numbers.number_types import DOUBLE, Real
-from polhode.results.cells import EXACT, INTEGER, TEXT
+from polhode.results.cells import EXACT, INTEGER, TEXT, lines
 from polhode.results.result import Result
-from polhode.results.shown import lines
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of

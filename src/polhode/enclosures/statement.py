@@ -25,11 +25,10 @@ from polhode.equations.kinematics import (
 )
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, noted, sign
-from polhode.numbers.expression import ExpressionError
+from polhode.numbers.expression import ExpressionError, number_in_text
 from polhode.numbers.vectors import Vector, dot
 from polhode.scenes import scene_file
 from polhode.scenes.body import principal
-from polhode.scenes.given_numbers import number_in_text
 from polhode.scenes.scene import Literal, Scene
 
 NUMBERS = "which numbers under a root, and which of the weight and the centre, are 0"
@@ -57,15 +56,15 @@ TRUSTED = (
         f"numbers/{name}"
         for name in (
             *("exact", "expression", "conversion", "decimals", "flint_context"),
-            *("number_types", "row_formulas", "mpmath_context", "lossless_mpf"),
-            *("vectors", "polynomials", "exact_sequences"),
+            *("number_types", "row_formulas", "mpmath_context"),
+            *("vectors", "polynomials"),
         )
     ),
     *(
         f"scenes/{name}"
         for name in (
-            *("body", "body_and_start", "scene", "scene_file", "scene_text", "start_box"),
-            *("shapes", "vocabulary", "given_numbers"),
+            *("body", "body_and_start", "scene", "scene_file", "library"),
+            *("shapes", "vocabulary"),
         )
     ),
     *(f"equations/{name}" for name in ("kinematics", "columns", "integrals", "terms")),
@@ -79,7 +78,6 @@ BESIDE = {
     "certificates": "a certificate, which is checked by itself",
     "motion/outcomes": "how a proof ended, in words",
     "enclosures/approximation": "guesses, which the proof does not trust",
-    "scenes/library": "where a case's file is, names of closed forms",
     "numbers/double_double": "drift of sweeps, in pairs of doubles",
     "scenes/scene_facts": "names, units and meanings of columns",
     "results": "tables and files of what is proven, whose decimals are of numbers/decimals",

@@ -42,8 +42,8 @@ from polhode.numbers import exact
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
+from polhode.scenes.library import StartBox
 from polhode.scenes.scene import Scene
-from polhode.scenes.start_box import StartBox
 
 # --- proof loop -----------------------------------------------------------------------------------
 #

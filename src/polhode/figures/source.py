@@ -26,7 +26,8 @@ from polhode.judging.tables.explanations import table_as_told
 from polhode.judging.tables.table import PARTS, Table, of_run
 from polhode.judging.tables.table_file import is_table, read_table
 from polhode.numbers import exact
-from polhode.numbers.conversion import doubles, exactly, mpf_row, to_double
+from polhode.numbers.conversion import TIME, doubles, exactly, mpf_row, to_double
+from polhode.numbers.conversion import reader as read_times
 from polhode.numbers.decimals import brief
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.exact import Exact
@@ -37,8 +38,6 @@ from polhode.runs.options import choose_number
 from polhode.runs.saved import Saved, load_result
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
-from polhode.scenes.given_numbers import TIME
-from polhode.scenes.given_numbers import reader as read_times
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, REQUESTS, SPACE, STATE, Several, Single
 

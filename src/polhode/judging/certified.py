@@ -13,13 +13,13 @@ from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
 from polhode.motion.outcomes import Outcome
+from polhode.numbers.conversion import TIME, reader
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import AnyNumber, Real
 from polhode.results.result import Storable
 from polhode.results.table import Content
 from polhode.scenes.body import kind_of_body
-from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:

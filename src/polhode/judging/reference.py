@@ -21,7 +21,7 @@ from polhode.equations.kinematics import Hodographs
 from polhode.judging.certified import Certified, NoAnswer
 from polhode.judging.reference_rows import ReferenceTable, tabulated
 from polhode.numbers import exact, number_types
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import TIME, exactly, reader, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.mpmath_context import mpmath, ordinary
@@ -29,7 +29,6 @@ from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, AnyNumber, Numb
 from polhode.results.result import Storable
 from polhode.results.table import Content
 from polhode.scenes import library
-from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Event, Scene
 from polhode.scenes.vocabulary import COLUMNS, REQUESTS
 

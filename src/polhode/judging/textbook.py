@@ -12,11 +12,11 @@ from polhode.common.arguments import each, whole
 from polhode.common.errors import BadInput
 from polhode.judging.reference_rows import tabulated
 from polhode.numbers import number_types
+from polhode.numbers.conversion import TIME, reader
 from polhode.numbers.mpmath_context import mpmath, ordinary
 from polhode.numbers.number_types import AnyNumber, Real
 from polhode.results.result import Storable
 from polhode.results.table import Content
-from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 
 FAMILIES = ("euler", "lagrange", "kovalevskaya")

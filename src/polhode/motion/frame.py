@@ -122,17 +122,16 @@ class Frame(NamedTuple):
             inertia = along(axes, inertia)
             x, y, z = map(axes.components, own.directions)
             own = PrincipalAxes((x, y, z), own.squares)
-        principal = _changed(
+        return _changed(
             body,
             {
                 "inertia": inertia,
                 "centre": axes.components(body.centre),
                 "weight": body.weight * square,
                 "parts": (),
+                "axes": own,
             },
         )
-        principal.__dict__["_principal"] = body.moments, own
-        return principal
 
     def _psi(self, gamma: Vector) -> Exact:
         """By how much psi of these axes is ahead of that of the scene's.

@@ -108,7 +108,7 @@ def as_decimal(x: AnyNumber | Real, digits: int = 17) -> str:
     except ValueError as fault:
         raise BadInput("as_decimal", "x", x, f"a number ({fault})") from None
     if isinstance(near, Irrational):
-        near = exact.binary(*exact.rounded(near, bits_for(2 * count) + 64))
+        near = exact.nearest(near, bits_for(2 * count) + 64)
     return decimal_string(near, count)
 
 
@@ -118,7 +118,7 @@ def shown(x: Number) -> str:
         text = str(x)
         if len(text) <= 12:
             return text
-    return decimal_string(exact.binary(*exact.rounded(x, 60)), 17)
+    return decimal_string(exact.nearest(x, 60), 17)
 
 
 def digits_of(numbers: Iterable[Fraction]) -> int:
@@ -130,7 +130,7 @@ def digits_of(numbers: Iterable[Fraction]) -> int:
 
 def brief(x: Number, digits: int = 6) -> str:
     """x to a few digits, as ``%g`` prints it, also beyond the range of a double."""
-    near = exact.binary(*exact.rounded(x, 60)) if isinstance(x, Irrational) else Fraction(x)
+    near = exact.nearest(x, 60) if isinstance(x, Irrational) else Fraction(x)
     if near == 0 or 10**-300 < abs(near) < 10**300:
         return f"{float(near):.{digits}g}"
     return decimal_string(near, digits)

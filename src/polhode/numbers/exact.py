@@ -83,26 +83,46 @@ class Irrational:
         return self._known[prec]
 
     def __add__(self, other: Number) -> Exact:
-        return add(self, exact(other))
+        b = exact(other)
+        return self if isinstance(b, Fraction) and b == 0 else Irrational(added, self, b)
 
     __radd__ = __add__
 
     def __sub__(self, other: Number) -> Exact:
-        return add(self, -exact(other))
+        return self + -exact(other)
 
     def __rsub__(self, other: Number) -> Exact:
-        return add(exact(other), -self)
+        return -self + other
 
     def __mul__(self, other: Number) -> Exact:
-        return multiply(self, exact(other))
+        """The product; the square of a root is its radicand."""
+        b = exact(other)
+        if b is self:
+            return _integer_power(self, 2)
+        if not isinstance(b, Fraction):
+            return Irrational(mul, self, b)
+        if b in (0, 1):
+            return self if b else ZERO
+        square = b * b * self.square if isinstance(self.square, Fraction) else None
+        return Irrational(mul, self, b, square=square)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Number) -> Exact:
-        return divide(self, exact(other))
+        """The quotient; raises ZeroDivisionError where the divisor is zero by the rule."""
+        b = exact(other)
+        if sign(b) == 0:
+            raise ZeroDivisionError("division by zero")
+        return self * (1 / b) if isinstance(b, Fraction) else Irrational(ball_quotient, self, b)
 
-    def __rtruediv__(self, other: Number) -> Exact:
-        return divide(exact(other), self)
+    def __rtruediv__(self, other: int | Fraction) -> Exact:
+        a = Fraction(other)
+        if sign(self) == 0:
+            raise ZeroDivisionError("division by zero")
+        if a == 0:
+            return ZERO
+        square = a * a / self.square if isinstance(self.square, Fraction) else None
+        return Irrational(ball_quotient, a, self, square=square)
 
     def __pow__(self, exponent: Number) -> Exact:
         return power(self, exact(exponent))
@@ -152,50 +172,6 @@ ONE = Fraction(1)
 def exact(value: Number) -> Exact:
     """``value`` as an exact number; an ``int`` becomes a ``Fraction``."""
     return Fraction(value) if isinstance(value, int) else value
-
-
-def add(a: Exact, b: Exact) -> Exact:
-    """a + b."""
-    if isinstance(a, Fraction) and isinstance(b, Fraction):
-        return a + b
-    if isinstance(a, Fraction) and a == 0:
-        return b
-    if isinstance(b, Fraction) and b == 0:
-        return a
-    return Irrational(added, a, b)
-
-
-def multiply(a: Exact, b: Exact) -> Exact:
-    """a·b; the square of a root is its radicand."""
-    if isinstance(a, Fraction) and isinstance(b, Fraction):
-        return a * b
-    if a is b and isinstance(a, Irrational):
-        return a.square if a.square is not None else _integer_power(a, 2)
-    for first, second in ((a, b), (b, a)):
-        if isinstance(first, Fraction):
-            if first == 0:
-                return ZERO
-            if first == 1:
-                return second
-            own_square = second.square if isinstance(second, Irrational) else None
-            square = first * first * own_square if isinstance(own_square, Fraction) else None
-            return Irrational(mul, a, b, square=square)
-    return Irrational(mul, a, b)
-
-
-def divide(a: Exact, b: Exact) -> Exact:
-    """a/b; raises ZeroDivisionError where b is zero by the rule."""
-    if sign(b) == 0:
-        raise ZeroDivisionError("division by zero")
-    if isinstance(a, Fraction) and isinstance(b, Fraction):
-        return a / b
-    if isinstance(a, Fraction) and a == 0:
-        return ZERO
-    if isinstance(b, Fraction):
-        return multiply(a, 1 / b)
-    own_square = b.square if isinstance(a, Fraction) else None
-    square = a * a / own_square if isinstance(own_square, Fraction) else None
-    return Irrational(ball_quotient, a, b, square=square)
 
 
 def sqrt(x: Exact) -> Exact:
@@ -266,7 +242,7 @@ def _integer_power(x: Exact, n: int) -> Exact:
     if n == 0:
         return ONE
     if n < 0:
-        return divide(ONE, _integer_power(x, -n))
+        return ONE / _integer_power(x, -n)
     if n == 1:
         return x
     if n == 2 and x.square is not None:
@@ -318,6 +294,11 @@ def rounded(x: Number, bits: int) -> tuple[int, int]:
             middle = ball_middle(ball)
             return _rounded_binary(*_rounded_binary(*middle, bits + 8), bits)
         prec *= 2
+
+
+def nearest(x: Number, bits: int) -> Fraction:
+    """The number of ``bits`` significant bits nearest to x (ties to even)."""
+    return binary(*rounded(x, bits))
 
 
 def log10(x: Number) -> float:

@@ -1,8 +1,8 @@
 """Expressions in scene files: numbers, names, ``+ - * / **``, brackets, sqrt, sin, cos, pi.
 
-One parser for numbers, events and published figures.  It computes while it reads: numbers
-combine exactly (:mod:`polhode.numbers.exact`); where a number meets a name, it is lifted into
-the name's own arithmetic.  Precedence is Python's: ``-2**2`` is -4, ``2**3**2`` is 512.
+One parser for numbers, with units or without, events and published figures.  It computes while it
+reads: numbers combine exactly (:mod:`polhode.numbers.exact`); where a number meets a name, it is
+lifted into the name's own arithmetic.  Precedence is Python's: ``-2**2`` is -4, ``2**3**2`` is 512.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
+from functools import partial
 from itertools import accumulate
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from polhode.common.errors import listed, nearest
 from polhode.numbers import exact
@@ -29,6 +30,8 @@ MOST_BITS = 16 * MAX_BITS  # of a numerator or a denominator that is not written
 TOO_LARGE = "a number too large to hold"  # or too small
 
 FUNCTIONS = ("sqrt", "sin", "cos")
+_EXACTLY = {"sqrt": exact.sqrt, "sin": exact.sin, "cos": exact.cos}
+_EXACT = Fraction, Irrational
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
@@ -49,6 +52,7 @@ _DECIMAL = re.compile(
     r"([+-]?)(?:([0-9]+)(?:\.([0-9]*))?|\.([0-9]+))(?:[eE]([+-]?[0-9]{1,9}))?", re.ASCII
 )
 _SHORT = re.compile(r"-?[0-9]{1,18}(?:\.[0-9]{0,18})?(?:[eE][+-]?[0-9]{1,2})?", re.ASCII)
+_RATIO = re.compile(r"-?[0-9]{1,18}/[1-9][0-9]{0,17}", re.ASCII)
 _UNDERSCORE = re.compile(r"(?<=[0-9])_(?=[0-9])")
 
 
@@ -72,7 +76,9 @@ class Algebra(NamedTuple):
 def number(text: str) -> Exact:
     """The exact value of an expression without names."""
     if _SHORT.fullmatch(text):
-        return decimal(text)
+        return Fraction(Decimal(text))
+    if _RATIO.fullmatch(text):
+        return Fraction(text)
     value = evaluate(text, {})
     assert isinstance(value, (Fraction, Irrational))
     return value
@@ -80,14 +86,8 @@ def number(text: str) -> Exact:
 
 def decimal(text: str) -> Fraction:
     """The exact value of a decimal such as ``-1.25e-3``; underscores between digits may stand."""
-    return Fraction(as_it_stands(text))
-
-
-def as_it_stands(text: str) -> Decimal | Fraction:
-    """The same, as a Decimal where it is short: for numbers of tables, of which few are computed
-    with, in a third of the time."""
     if _SHORT.fullmatch(text):
-        return Decimal(text)
+        return Fraction(Decimal(text))
     plain = text.strip()
     match = _DECIMAL.fullmatch(_UNDERSCORE.sub("", plain) if "_" in plain else plain)
     if match is None:
@@ -103,6 +103,12 @@ def as_it_stands(text: str) -> Decimal | Fraction:
     if exponent < 0:
         return Fraction(int(minus + digits), 10**-exponent)
     return Fraction(int(minus + digits) * 10**exponent)
+
+
+def as_it_stands(text: str) -> Decimal | Fraction:
+    """The same, as a Decimal where it is short: for numbers of tables, of which few are computed
+    with, in a third of the time."""
+    return Decimal(text) if _SHORT.fullmatch(text) else decimal(text)
 
 
 def evaluate(text: str, names: Mapping[str, Scalar], algebra: Algebra | None = None) -> Scalar:
@@ -161,7 +167,7 @@ class _Reader:
                 raise ExpressionError(f"write * or / before {self.token!r}")
             operator = "*" if self.names_unit() else self.take()
             operand = self.value(rank + 1)
-            divided |= operator == "/" and not _is_exact(operand)
+            divided |= operator == "/" and not isinstance(operand, _EXACT)
             value = self.combine(operator, value, operand)
         return value
 
@@ -194,7 +200,11 @@ class _Reader:
         if token in FUNCTIONS:
             if self.token != "(":
                 raise ExpressionError(f"{token} needs its argument in brackets")
-            return self.applied(token, self.atom())
+            argument = self.atom()
+            if isinstance(argument, _EXACT):
+                return _EXACTLY[token](argument)
+            assert self.algebra is not None
+            return self.algebra.functions[token](argument)
         if token == "pi":
             return exact.pi()
         if token in self.names:
@@ -215,37 +225,27 @@ class _Reader:
             raise ExpressionError(f"nested deeper than {MAX_NESTING}")
 
     def combine(self, operator: str, a: Scalar, b: Scalar) -> Scalar:
-        if not (_is_exact(a) and _is_exact(b)):
-            if operator == "/" and _is_exact(b) and exact.sign(b) == 0:
+        if isinstance(a, _EXACT) != isinstance(b, _EXACT):
+            if operator == "/" and isinstance(b, _EXACT) and exact.sign(b) == 0:
                 raise ZeroDivisionError
-            a, b = self.lifted(a), self.lifted(b)
+            assert self.algebra is not None
+            lift = self.algebra.lift
+            a, b = (lift(a), b) if isinstance(a, _EXACT) else (a, lift(b))
         if operator == "+":
-            return bounded(a + b)
+            return _bounded(a + b)
         if operator == "-":
-            return bounded(a - b)
-        return bounded(a * b) if operator == "*" else bounded(a / b)
+            return _bounded(a - b)
+        return _bounded(a * b) if operator == "*" else _bounded(a / b)
 
     def raised(self, base: Scalar, exponent: Scalar) -> Scalar:
         if not isinstance(exponent, Fraction):
             raise ExpressionError("an exponent must be a rational number")
-        if not _is_exact(base):
+        if not isinstance(base, _EXACT):
             if exponent.denominator == 1 and abs(exponent) <= MAX_EXPONENT:
                 power = pow if self.algebra is None else self.algebra.power
                 return power(base, int(exponent))
             raise ExpressionError(f"a power of a name has an integer exponent up to {MAX_EXPONENT}")
-        return exact_power(base, exponent)
-
-    def applied(self, name: str, argument: Scalar) -> Scalar:
-        if _is_exact(argument):
-            return exact_function(name, argument)
-        assert self.algebra is not None
-        return self.algebra.functions[name](argument)
-
-    def lifted(self, value: Scalar) -> Scalar:
-        if not _is_exact(value):
-            return value
-        assert self.algebra is not None
-        return self.algebra.lift(value)
+        return _exact_power(base, exponent)
 
 
 def odd_part(text: str) -> str:
@@ -334,11 +334,7 @@ def _split(text: str) -> list[str]:
         position = match.end()
 
 
-def _is_exact(value: object) -> bool:
-    return isinstance(value, (Fraction, Irrational))
-
-
-def exact_power(base: Exact, exponent: Fraction) -> Exact:
+def _exact_power(base: Exact, exponent: Fraction) -> Exact:
     """A power of a number; raises ExpressionError where it is too large to hold."""
     size = max(abs(exponent.numerator), exponent.denominator)
     if isinstance(base, Fraction):
@@ -347,17 +343,11 @@ def exact_power(base: Exact, exponent: Fraction) -> Exact:
             raise ExpressionError("a power too large to hold")
     elif size > MAX_EXPONENT:
         raise ExpressionError(f"an exponent larger than {MAX_EXPONENT}")
-    power: Exact = bounded(exact.power(base, exponent))
+    power: Exact = _bounded(exact.power(base, exponent))
     return power
 
 
-def exact_function(name: str, argument: Exact) -> Exact:
-    """The root, sine or cosine of a number."""
-    value: Exact = {"sqrt": exact.sqrt, "sin": exact.sin, "cos": exact.cos}[name](argument)
-    return value
-
-
-def bounded(value: Scalar) -> Scalar:
+def _bounded(value: Scalar) -> Scalar:
     """The value; raises ExpressionError where it is a number too large to hold."""
     if isinstance(value, Fraction):
         size = max(value.numerator.bit_length(), value.denominator.bit_length())
@@ -366,3 +356,198 @@ def bounded(value: Scalar) -> Scalar:
     elif isinstance(value, Irrational) and abs(exact.magnitude(value)) > MAX_BITS:
         raise ExpressionError("a number too large or too small to hold")
     return value
+
+
+# --- quantity -------------------------------------------------------------------------------------
+#
+# Numbers with units: ``"600 rpm"``, ``"5 cm"``, ``"9.81 m/s**2"``, exact, in SI.
+#
+# A unit is a name in an expression.  It may follow a number or another unit without a sign and is
+# then multiplied from left to right: ``"1/2 deg"`` is half a degree, ``"2 rev/s"`` is two turns a
+# second, and so are ``"2 Hz"``.  An angle counts as a dimension of its own, so that a length of
+# ``"30 deg"`` is refused.
+
+
+#: Exponents of kilogram, metre, second and radian.
+Dimension: TypeAlias = tuple[Fraction, ...]
+
+_SYMBOLS = ("kg", "m", "s", "rad")
+_NAME = re.compile(r"[A-Za-z_]+")
+_AFTER_NUMBER = re.compile(r"[0-9.)]\s*(?![eE][-+]?[0-9])[A-Za-z_]")
+_NONE: Dimension = (Fraction(0),) * 4
+_ANGLE: Dimension = (*_NONE[:3], Fraction(1))
+
+
+class Quantity(NamedTuple):
+    """An exact number of SI units: ``value`` times kilogram, metre, second, radian to powers."""
+
+    value: Exact
+    dimension: Dimension = _NONE
+
+    def __add__(self, other: object) -> Quantity:
+        assert isinstance(other, Quantity)
+        if self.dimension != other.dimension:
+            mine, theirs = named(self.dimension), named(other.dimension)
+            raise ExpressionError(f"{mine} and {theirs} are added")
+        return Quantity(_bounded(self.value + other.value), self.dimension)
+
+    def __sub__(self, other: Quantity) -> Quantity:
+        return self + -other
+
+    def __neg__(self) -> Quantity:
+        return Quantity(-self.value, self.dimension)
+
+    def __mul__(self, other: object) -> Quantity:
+        assert isinstance(other, Quantity)
+        summed = tuple(a + b for a, b in zip(self.dimension, other.dimension, strict=True))
+        return Quantity(_bounded(self.value * other.value), summed)
+
+    def __truediv__(self, other: Quantity) -> Quantity:
+        return self * other**-1
+
+    def __pow__(self, exponent: int) -> Quantity:
+        power = _exact_power(self.value, Fraction(exponent))
+        return Quantity(power, tuple(a * exponent for a in self.dimension))
+
+
+def _root(x: Quantity) -> Quantity:
+    return Quantity(exact.sqrt(x.value), tuple(a / 2 for a in x.dimension))
+
+
+def _of_angle(name: str, x: Quantity) -> Quantity:
+    if x.dimension not in (_NONE, _ANGLE):
+        raise ExpressionError(f"{name} of {named(x.dimension)}, not of an angle")
+    return Quantity(_EXACTLY[name](x.value))
+
+
+def _dimension(kg: int = 0, m: int = 0, s: int = 0, rad: int = 0) -> Dimension:
+    return tuple(map(Fraction, (kg, m, s, rad)))
+
+
+_LENGTH, _MASS, _TIME = _dimension(m=1), _dimension(kg=1), _dimension(s=1)
+_FORCE, _ENERGY, _RATE = _dimension(1, 1, -2), _dimension(1, 2, -2), _dimension(s=-1, rad=1)
+
+_POUND, _FOOT = Fraction("0.45359237"), Fraction("0.3048")
+_POUND_FORCE = _POUND * Fraction("9.80665")
+_TURN = 2 * exact.pi()
+
+#: Each unit's names, the first of which tables and refusals list; its size and dimension in SI.
+_TABLE: tuple[tuple[str, Exact | str, Dimension], ...] = (
+    ("m metre metres meter meters", "1", _LENGTH),
+    ("km kilometre kilometres kilometer kilometers", "1000", _LENGTH),
+    ("cm centimetre centimetres centimeter centimeters", "0.01", _LENGTH),
+    ("mm millimetre millimetres millimeter millimeters", "0.001", _LENGTH),
+    ("um micron microns", "1e-6", _LENGTH),
+    ("nm", "1e-9", _LENGTH),
+    ("inch in inches", "0.0254", _LENGTH),
+    ("ft foot feet", _FOOT, _LENGTH),
+    ("kg kilogram kilograms", "1", _MASS),
+    ("g gram grams", "0.001", _MASS),
+    ("mg milligram milligrams", "1e-6", _MASS),
+    ("t tonne tonnes", "1000", _MASS),
+    ("lb lbs lbm pound pounds", _POUND, _MASS),
+    ("oz ounce ounces", _POUND / 16, _MASS),
+    ("slug slugs", _POUND_FORCE / _FOOT, _MASS),
+    ("s sec secs second seconds", "1", _TIME),
+    ("ms msec millisecond milliseconds", "0.001", _TIME),
+    ("us usec microsecond microseconds", "1e-6", _TIME),
+    ("ns", "1e-9", _TIME),
+    ("min mins minute minutes", "60", _TIME),
+    ("h hr hrs hour hours", "3600", _TIME),
+    ("d day days", "86400", _TIME),
+    ("N newton newtons", "1", _FORCE),
+    ("kN", "1000", _FORCE),
+    ("mN", "0.001", _FORCE),
+    ("lbf", _POUND_FORCE, _FORCE),
+    ("kgf", "9.80665", _FORCE),
+    ("J joule joules Nm", "1", _ENERGY),
+    ("kJ", "1000", _ENERGY),
+    ("mJ", "0.001", _ENERGY),
+    ("rad radian radians", "1", _ANGLE),
+    ("mrad", "0.001", _ANGLE),
+    ("deg degree degrees", _TURN / 360, _ANGLE),
+    ("arcmin arcminute arcminutes", _TURN / (360 * 60), _ANGLE),
+    ("arcsec arcsecond arcseconds", _TURN / (360 * 3600), _ANGLE),
+    ("rev revs revolution revolutions turn turns", _TURN, _ANGLE),
+    ("rpm RPM", _TURN / 60, _RATE),
+    ("rps RPS", _TURN, _RATE),
+    ("dps DPS", _TURN / 360, _RATE),
+    ("Hz hz", _TURN, _RATE),
+    ("kHz", 1000 * _TURN, _RATE),
+)
+
+
+#: The units by name, one name for each.
+UNITS = {
+    names.split()[0]: Quantity(Fraction(size) if isinstance(size, str) else size, dimension)
+    for names, size, dimension in _TABLE
+}
+
+#: The same under all of their names.
+_NAMED = {name: UNITS[names.split()[0]] for names, _, _ in _TABLE for name in names.split()}
+
+_FUNCTIONS: Mapping[str, Callable[[Quantity], Quantity]] = {
+    "sqrt": _root,
+    "sin": partial(_of_angle, "sin"),
+    "cos": partial(_of_angle, "cos"),
+}
+_ALGEBRA = Algebra(Quantity, _FUNCTIONS, tuple(UNITS))
+
+
+def quantity(text: str) -> Exact | Quantity:
+    """The exact value of an expression, a Quantity where units are in it."""
+    value = evaluate(text, _NAMED, _ALGEBRA)
+    assert isinstance(value, (Quantity, *_EXACT))
+    return value
+
+
+def in_units(text: str) -> bool:
+    """Whether a name in a text follows a number, or is a unit's."""
+    text = in_ascii(text)
+    return bool(_AFTER_NUMBER.search(text)) or any(x in _NAMED for x in _NAME.findall(text))
+
+
+def in_unit(text: str, unit: str) -> Exact:
+    """The exact value in SI of an expression, with units or without.
+
+    ``unit``: what it may be a multiple of, such as ``"kg*m**2"``; "" for a number without a unit.
+    An angle's unit may be left out: ``"10/s"`` for ``"10 rad/s"``.  Raises ExpressionError for
+    another dimension.
+    """
+    value = quantity(text)
+    if not isinstance(value, Quantity):
+        return value
+    target = quantity(unit or "1 rad/rad")
+    assert isinstance(target, Quantity)
+    if not unit and any(value.dimension):
+        raise ExpressionError(f"in {named(value.dimension)}, where no unit belongs")
+    if value.dimension not in (target.dimension, (*target.dimension[:3], Fraction(0))):
+        raise ExpressionError(f"in {named(value.dimension)}, not in {unit}")
+    return value.value
+
+
+def named(dimension: Dimension) -> str:
+    """A dimension as SI units: ``kg*m**2/s``; ``no unit`` for none."""
+    factors: tuple[list[str], list[str]] = [], []  # above the stroke, and below it
+    for symbol, power in zip(_SYMBOLS, dimension, strict=True):
+        size = abs(power)
+        raised = f"**{size}" if size.denominator == 1 else f"**({size})"
+        if power:
+            factors[power < 0].append(symbol + raised * (size != 1))
+    above, below = factors
+    return "/".join(["*".join(above) or "1", *below]) if above or below else "no unit"
+
+
+def number_in_text(text: str, unit: str) -> tuple[Exact, bool]:
+    """The value of an expression, and whether its units make it a number in SI.
+
+    Those of an angle do not: it is the same number in any units.  ``unit``: as in :func:`in_unit`.
+    Raises ExpressionError.
+    """
+    try:
+        return number(text), False
+    except ExpressionError:
+        if not in_units(text):
+            raise
+    exactly, value = in_unit(text, unit), quantity(text)
+    return exactly, isinstance(value, Quantity) and value.dimension not in (_NONE, _ANGLE)

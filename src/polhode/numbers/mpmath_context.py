@@ -3,8 +3,7 @@
 mpmath keeps the precision in force in its context, and all its numbers belong to one.  The context
 that a program shares by ``import mpmath`` is the caller's.  Everything here computes with the one
 of this module, and only inside ``with mpmath.workprec(bits)``, which holds a lock: threads take
-turns, each at the precision that it asked for.  What leaves polhode is made :func:`ordinary`
-(:mod:`polhode.numbers.lossless_mpf`).
+turns, each at the precision that it asked for.  What leaves polhode is made :func:`ordinary`.
 """
 
 from __future__ import annotations
@@ -14,11 +13,11 @@ from collections.abc import Generator, Mapping
 from threading import get_ident
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import mpmath as shared
 from mpmath import libmp
 from mpmath.ctx_mp import MPContext
 
 from polhode.common.interrupts import Held, Lock, Place
-from polhode.numbers.lossless_mpf import Raw, pair, plain, real
 
 if TYPE_CHECKING:
     from mpmath import mpc as mpc
@@ -39,8 +38,8 @@ class _Private(MPContext):  # type: ignore[misc]
     def __init__(self) -> None:
         super().__init__()
         self._outer = 0, 0, 0  # the thread that is inside, and the precision that it found
-        self.mpf.__reduce__ = lambda x: (_real, (plain(x._mpf_),))  # mpmath's own would round
-        self.mpc.__reduce__ = lambda x: (_pair, tuple(map(plain, x._mpc_)))
+        self.mpf.__reduce__ = lambda x: (_real, (_plain(x._mpf_),))  # mpmath's own would round
+        self.mpc.__reduce__ = lambda x: (_pair, tuple(map(_plain, x._mpc_)))
 
     def _holding(self, bits: int) -> Generator[None, None, None]:
         """The lock and so many bits, as long as this generator lives."""
@@ -85,6 +84,8 @@ mpmath: Any = _Private()
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=mpmath.forget)
 
+#: What mpmath holds of a number: sign, mantissa, exponent, bits.
+Raw = tuple[int, int, int, int]
 T = TypeVar("T")
 
 if not TYPE_CHECKING:
@@ -100,13 +101,70 @@ def _pair(*raw: Raw) -> mpc:
     return mpmath.make_mpc(raw)
 
 
+def _plain(raw: Raw) -> Raw:
+    """Without the type of integers that mpmath was built on, which may not be there on arrival."""
+    sign, mantissa, exponent, bits = raw
+    return int(sign), int(mantissa), int(exponent), int(bits)
+
+
+# --- ordinary numbers -----------------------------------------------------------------------------
+#
+# The numbers that leave polhode: plain mpmath's mpf and mpc, which keep all bits when copied.
+#
+# mpmath rounds an mpf that is copied, pickled or sent to another process to the precision in force
+# where it arrives, 53 bits as a rule, and says nothing. These are of mpmath's own classes in all
+# else: arithmetic with them gives mpmath's numbers, at the caller's precision.
+
+
+class OrdinaryReal(shared.mpf):  # type: ignore[misc]
+    """An mpf whose copies are it, to the bit."""
+
+    __slots__ = ()
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return ordinary_real, (_plain(self._mpf_),)
+
+
+class OrdinaryComplex(shared.mpc):  # type: ignore[misc]
+    """An mpc whose copies, and whose parts' copies, are them, to the bit."""
+
+    __slots__ = ()
+
+    @property
+    def real(self) -> OrdinaryReal:
+        """The real part."""
+        return ordinary_real(self._mpc_[0])
+
+    @property
+    def imag(self) -> OrdinaryReal:
+        """The imaginary part."""
+        return ordinary_real(self._mpc_[1])
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return ordinary_complex, tuple(map(_plain, self._mpc_))
+
+
+def ordinary_real(raw: Raw) -> OrdinaryReal:
+    """The mpf that mpmath holds as these."""
+    number = object.__new__(OrdinaryReal)
+    number._mpf_ = raw
+    return number
+
+
+def ordinary_complex(first: Raw, second: Raw) -> OrdinaryComplex:
+    """The mpc whose parts mpmath holds as these."""
+    number = object.__new__(OrdinaryComplex)
+    number._mpc_ = first, second
+    return number
+
+
 def ordinary(value: T) -> T:
     """A value with its mpf and mpc, in lists, tuples and dicts too, as those of plain mpmath."""
     copy: Any = value
     if (raw := getattr(value, "_mpf_", None)) is not None:
-        copy = real(raw)
+        copy = ordinary_real(raw)
     elif (parts := getattr(value, "_mpc_", None)) is not None:
-        copy = pair(*parts)
+        copy = ordinary_complex(*parts)
     elif type(value) in (list, tuple):
         copy = type(copy)(map(ordinary, copy))
     elif isinstance(value, Mapping):

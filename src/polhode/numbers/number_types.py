@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -79,7 +79,7 @@ class NumberType:
                 return x
             if self.bits == 53 and -960 < top.bit_length() - bottom.bit_length() < 960:
                 return Fraction(top / bottom)  # Python rounds the quotient correctly
-        return exact.binary(*exact.rounded(x, self.bits))
+        return exact.nearest(x, self.bits)
 
 
 SINGLE = NumberType("single", 24)  # of somebody's arrays; nothing runs in it
@@ -180,18 +180,6 @@ class Real(Protocol):
     def __le__(self, other: Real | float, /) -> bool: ...
     def __gt__(self, other: Real | float, /) -> bool: ...
     def __ge__(self, other: Real | float, /) -> bool: ...
-
-
-def numbers_given(t: object) -> tuple[list[object], bool]:
-    """What was given as one number or several: a list of them, and whether it was several.
-
-    What has no order, a set or a mapping, is no several numbers: whoever reads it refuses it.
-    """
-    if isinstance(t, (str, bytes, Set, Mapping)) or not isinstance(t, Iterable):
-        return [t], False
-    if getattr(t, "ndim", 1) == 0:  # an array of no dimension is a number
-        return [t], False
-    return list(t), True
 
 
 class Functions(NamedTuple):

@@ -61,4 +61,4 @@ def fraction_near(x: Number, bits: int) -> tuple[Fraction, bool]:
     """x as a Fraction and whether that is x itself; an irrational one has so many bits."""
     if isinstance(x, (int, Fraction)):
         return Fraction(x), True
-    return exact.binary(*exact.rounded(x, bits)), False
+    return exact.nearest(x, bits), False

@@ -73,7 +73,7 @@ def inverse(matrix: Matrix) -> Matrix:
 
 def is_zero(a: Vector) -> bool:
     """Whether every component is zero (by the rule for *equal*)."""
-    return all(sign(component) == 0 for component in a)
+    return not any(map(sign, a))
 
 
 def parallel(a: Vector, b: Vector) -> bool:

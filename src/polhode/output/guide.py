@@ -10,8 +10,8 @@ from pathlib import Path
 
 from polhode.common.errors import BadInput, listed
 from polhode.common.texts import JsonObject
+from polhode.numbers.expression import UNITS, named
 from polhode.scenes import vocabulary
-from polhode.scenes.given_numbers import UNITS, named
 from polhode.scenes.vocabulary import COLUMNS
 
 FOLDER = Path(__file__).parents[1] / "guide"

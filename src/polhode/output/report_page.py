@@ -20,8 +20,7 @@ from polhode.common.provenance import cpu, versions
 from polhode.common.texts import JsonObject
 from polhode.figures import accuracy, canvas
 from polhode.output.accuracy import Row, SceneSection
-from polhode.results.cells import DOUBLE, TEXT
-from polhode.results.shown import cells
+from polhode.results.cells import DOUBLE, TEXT, header_and_rows
 from polhode.results.table import Table, table_of_rows
 from polhode.scenes.scene_facts import scene_facts
 
@@ -115,7 +114,7 @@ def _table(name: str, groups: Sequence[tuple[str, Sequence[Row]]]) -> Table:
 
 def shown(table: Table) -> tuple[list[str], list[list[str]]]:
     """Header and rows as people read them, without columns that are empty."""
-    header, rows = cells(table)
+    header, rows = header_and_rows(table)
     used = [k for k in range(len(header)) if any(row[k] for row in rows)]
     return [header[k] for k in used], [[row[k] for k in used] for row in rows]
 

@@ -88,7 +88,7 @@ def rational_system(scene: Scene, bits: int, backward: bool) -> RationalSystem:
 
 def rational(x: Exact, bits: int) -> Fraction:
     """A rational as it is; an irrational to an error below 2**-bits of itself."""
-    return x if isinstance(x, Fraction) else exact.binary(*exact.rounded(x, bits))
+    return x if isinstance(x, Fraction) else exact.nearest(x, bits)
 
 
 # --- double run -----------------------------------------------------------------------------------

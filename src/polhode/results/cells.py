@@ -12,25 +12,36 @@ N digits   Fraction, rounded to N decimal digits     those
 N bits     binary numbers wider than a double        1 + ceil(N log10 2) digits
 ========== ========================================= ================================
 
-Where there is no number the text is empty.
+Where there is no number the text is empty.  And tables for people: numbers rounded as their columns
+say, balls to the digits that are proven.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
+from html import escape
 from typing import TYPE_CHECKING, Any
 
+from polhode.common.errors import aligned, printable
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, number_value
-from polhode.numbers.decimals import decimal_string, in_full
+from polhode.numbers.decimals import (
+    Ball,
+    decimal_string,
+    guaranteed,
+    in_full,
+    is_decimal,
+    strings,
+)
 from polhode.numbers.exact import Irrational
+from polhode.numbers.number_types import DOUBLE as DOUBLE_TYPE
 from polhode.numbers.number_types import EXTENDED, Doubles, NumberType
-from polhode.results.table import Column, Fact, Value, Values
+from polhode.results.table import Column, Fact, Table, Value, Values
 
 if TYPE_CHECKING:  # what shows texts alone, as the list of cases, starts without numpy
     import numpy as np
@@ -148,7 +159,7 @@ def _whole_characters(text: str) -> str:
 def wide(x: Value, digits: int) -> str:
     """An exact or wide number to so many digits, of 0 in full; empty for nan."""
     if isinstance(x, Irrational):
-        x = exact.binary(*exact.rounded(x, 4 * digits))
+        x = exact.nearest(x, 4 * digits)
     if x != x:
         return ""
     try:
@@ -283,3 +294,70 @@ def decimal(text: str) -> Fraction:
     if match is None or abs(int(match[1] or 0)) > MOST_EXPONENT:
         raise ValueError(f"no decimal: {text[:40]!r}")
     return Fraction(Decimal(text))
+
+
+# --- shown ----------------------------------------------------------------------------------------
+#
+# Tables for people.
+
+
+MOST_ROWS, MOST_LINES = 8, 40  # that a notebook shows
+
+
+def lines(table: Table) -> list[str]:
+    """The lines of a table as a terminal shows it, in aligned columns."""
+    return aligned(*header_and_rows(table))
+
+
+def header_and_rows(table: Table) -> tuple[list[str], list[list[str]]]:
+    """Header and rows of what is shown of a table; empty where there is no number."""
+    columns = [x for x in table.columns if x.digits]
+    return [x.name for x in columns], [*map(list, zip(*map(_cells, columns), strict=True))]
+
+
+def to_html(title: str, report: str, table: Callable[[], Table] | None = None) -> str:
+    """What a notebook shows of a result: a short report, else the first rows of its table.
+
+    ``report``: the title again where there is none.  Nothing is computed that it does not show.
+    """
+    if report != title and report.count("\n") < MOST_LINES:
+        return f"<pre>{escape(printable(report))}</pre>"
+    heading = f"<p>{escape(printable(title.strip('<>')))}</p>"
+    if table is None:
+        return heading
+    whole = table()
+    few_rows = [column._replace(values=column.values[:MOST_ROWS]) for column in whole.columns]
+    header, rows = header_and_rows(whole._replace(columns=few_rows))
+    head = "".join(f"<th>{escape(name)}</th>" for name in header)
+    lines = "".join(
+        "<tr>" + "".join(f"<td>{escape(printable(x[:24]))}</td>" for x in row) + "</tr>"
+        for row in rows
+    )
+    more = f"<p>{whole.rows} rows in all</p>" if whole.rows > MOST_ROWS else ""
+    return f"{heading}<table><tr>{head}</tr>{lines}</table>{more}"
+
+
+def _cells(column: Column) -> list[str]:
+    values, digits = column.values, column.digits
+    if any(isinstance(x, Ball) for x in values):
+        return ["" if x is None else guaranteed(x.centre, x.radius) for x in values]
+    word = word_of(column)
+    if word in (INTEGER, TRUTH, TEXT):
+        return texts(values, word)
+    if word != DOUBLE:
+        return ["" if x is None else _wide(x, word, digits) for x in values]
+    numbers = doubles(values).tolist()
+    if digits < DOUBLE_TYPE.printed_digits:
+        return ["" if x != x else f"{x:.{digits}g}" for x in numbers]
+    (row,) = strings([numbers], DOUBLE_TYPE)
+    return ["" if x is None or x == "nan" else x for x in row]
+
+
+def _wide(x: Value, word: str, digits: int) -> str:
+    text = wide(x, digits)
+    if word != EXACT:
+        return text
+    if not is_decimal(x) and len(whole := in_full(x)) <= digits:
+        return whole
+    head, power, exponent = text.partition("e")
+    return head.rstrip("0").rstrip(".") + power + exponent if "." in head else text

@@ -29,14 +29,14 @@ from polhode.results.cells import (
     plain,
     values_of,
 )
-from polhode.results.frames import needed
 from polhode.results.table import RESERVED, Column, Content, Fact, Table, Value
-from polhode.results.writer import ABOUT, ENDINGS, FORMAT, METADATA, beside, digest
+from polhode.results.writer import ABOUT, ENDINGS, FORMAT, METADATA, beside, digest, needed
 
 MOST_BYTES = 1 << 31
 MOST_COLUMNS = 10_000  # and facts
 MOST_CELLS = 200_000_000
 MOST_DIGITS = 70_000  # of a column on a terminal
+_USUAL_DIGITS = Column._field_defaults["digits"]
 _HEAD = 4096  # bytes of a JSON file that tell its kind
 
 #: The kinds of results, by the names of their classes.
@@ -227,7 +227,7 @@ def _no_constant(text: str) -> float:
 
 
 def _content(about: dict[str, Value], columns: Mapping[str, Any], kinds: Sequence[str]) -> Content:
-    kind, version, title = (_text(about[key]) for key in ("result", "version", "title"))
+    kind, version, title = _text(about["result"]), _text(about["version"]), _text(about["title"])
     if kind not in kinds:
         raise ValueError(f"result {kind[:40]!r}")
     descriptions = about["about"]["facts"]
@@ -238,35 +238,30 @@ def _content(about: dict[str, Value], columns: Mapping[str, Any], kinds: Sequenc
     return Content(kind, version, title, table, facts)
 
 
-def _table(columns: Mapping[str, Any], descriptions: Mapping[str, Value], labels: Value) -> Table:
-    if {*columns} != {*_described(descriptions)}:
+def _table(columns: Mapping[str, Any], descriptions: Value, labels: Value) -> Table:
+    if not isinstance(descriptions, dict):
+        raise ValueError("no columns")
+    if {*columns} != {*descriptions}:
         raise ValueError("other columns than those that it describes")
-    sizes = {len(x) for x in columns.values()}
+    sizes = {*map(len, columns.values())}
     if len(sizes) > 1:
         raise ValueError("columns of several lengths")
     _check_size(len(columns), max(sizes, default=0))
     if type(labels) is not int or not 0 <= labels <= len(columns):
         raise ValueError("labels")
-    return Table(tuple(_column(name, columns[name], x) for name, x in descriptions.items()), labels)
-
-
-def _described(descriptions: Value) -> dict[str, Value]:
-    if not isinstance(descriptions, dict):
-        raise ValueError("no columns")
-    return descriptions
+    listed = []
+    for name, description in descriptions.items():
+        word, digits = _text(description["type"]), description.get("digits", _USUAL_DIGITS)
+        if type(digits) is not int or not 0 <= digits <= MOST_DIGITS:
+            raise ValueError(f"{name}: digits")
+        values = _values(columns[name], word)
+        listed.append(Column(name, values, *_meaning(description), word, digits))
+    return Table(tuple(listed), labels)
 
 
 def _check_size(columns: int, rows: int) -> None:
     if columns > MOST_COLUMNS or columns * rows > MOST_CELLS:
         raise ValueError(f"{columns} columns of {rows} rows")
-
-
-def _column(name: str, cells: Any, description: Mapping[str, Value]) -> Column:
-    word = _text(description["type"])
-    digits = description.get("digits", Column._field_defaults["digits"])
-    if type(digits) is not int or not 0 <= digits <= MOST_DIGITS:
-        raise ValueError(f"{name}: digits")
-    return Column(name, _values(cells, word), *_meaning(description), word, digits)
 
 
 _DTYPES = {"<f8": DOUBLE, "<i8": INTEGER, "|b1": TRUTH}

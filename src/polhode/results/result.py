@@ -95,20 +95,20 @@ class Storable:
         Needs the extra ``polhode[frames]``.  Columns that tell the rows apart are the index; exact
         numbers are doubles there.
         """
-        from polhode.results import frames
+        from polhode.results import writer
 
-        return frames.to_pandas(self.content())
+        return writer.to_pandas(self.content())
 
     def to_xarray(self) -> xr.Dataset:
         """Give the table as an xarray Dataset along its index (extra ``polhode[frames]``)."""
-        from polhode.results import frames
+        from polhode.results import writer
 
-        return frames.to_xarray(self.content())
+        return writer.to_xarray(self.content())
 
     def _repr_html_(self) -> str:
-        from polhode.results import shown
+        from polhode.results import cells
 
-        return shown.to_html(repr(self), str(self))
+        return cells.to_html(repr(self), str(self))
 
 
 class Result(Storable):
@@ -136,15 +136,15 @@ class Result(Storable):
 
     def content(self) -> Content:
         """What a file of the result holds."""
-        from polhode.results.frames import written_facts, written_table
+        from polhode.results.writer import written_facts, written_table
 
         kind, facts = type(self).__name__, tuple(written_facts(self.facts()))
         return Content(kind, __version__, repr(self), written_table(self.table()), facts)
 
     def _repr_html_(self) -> str:
-        from polhode.results import shown
+        from polhode.results import cells
 
-        return shown.to_html(repr(self), str(self), self.table)
+        return cells.to_html(repr(self), str(self), self.table)
 
     def column(self, name: str) -> Values:
         """The values of a column of the table; raises BadInput for another name.

@@ -1,5 +1,7 @@
 """The content of a result as files, by the ending of a name: one way for ``.save`` and ``-o``.
 
+And as tables of other packages: pandas DataFrames and xarray Datasets.
+
 Nothing in a file depends on the time of day, the machine's name, a path or the command: the
 same content gives the same bytes.
 """
@@ -9,17 +11,23 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import math
 import re
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from polhode.common.errors import BadInput, nearest
 from polhode.common.files import is_stream
+from polhode.numbers.conversion import to_double
+from polhode.numbers.decimals import Ball
+from polhode.numbers.exact import Irrational
 from polhode.results.cells import (
     DOUBLE,
     EXACT,
@@ -31,11 +39,12 @@ from polhode.results.cells import (
     texts,
     word_of,
 )
-from polhode.results.frames import needed
 from polhode.results.table import Column, Content, Fact, Table, Value
 
 if TYPE_CHECKING:
     import numpy.typing as npt
+    import pandas as pd
+    import xarray as xr
 
 FORMAT = "polhode result 2"
 ENDINGS = (".csv", ".json", ".npz", ".parquet")
@@ -83,8 +92,8 @@ def document(
     """
     table, facts = content.table, content.facts
     about = {
-        "columns": {x.name: _about_column(x) for x in table.columns},
-        "facts": {x.name: _about_fact(x) for x in facts},
+        "columns": {x.name: _about(x) for x in table.columns},
+        "facts": {x.name: _about(x) for x in facts},
     }
     return {
         "format": FORMAT,
@@ -99,20 +108,18 @@ def document(
     }
 
 
-def _about_column(column: Column) -> dict[str, Value]:
-    digits = {} if column.digits == _USUAL_DIGITS else {"digits": column.digits}
-    return {"type": word_of(column)} | _unit_and_meaning(column) | digits
-
-
-def _about_fact(fact: Fact) -> dict[str, Value]:
-    if not isinstance(fact.value, Table):
-        return {"type": word_of(fact)} | _unit_and_meaning(fact)
-    columns = {x.name: _about_column(x) for x in fact.value.columns}
-    return {"labels": fact.value.labels, "columns": columns} | _unit_and_meaning(fact)
-
-
-def _unit_and_meaning(x: Column | Fact) -> dict[str, Value]:
-    return {key: text for key, text in (("unit", x.unit), ("meaning", x.meaning)) if text}
+def _about(x: Column | Fact) -> dict[str, Value]:
+    """What a file says of a column or a fact beside its values."""
+    about: dict[str, Value] = {}
+    if isinstance(x, Fact) and isinstance(x.value, Table):
+        columns = {column.name: _about(column) for column in x.value.columns}
+        about |= {"labels": x.value.labels, "columns": columns}
+    else:
+        about["type"] = word_of(x)
+    about |= {key: text for key, text in (("unit", x.unit), ("meaning", x.meaning)) if text}
+    if isinstance(x, Column) and x.digits != _USUAL_DIGITS:
+        about["digits"] = x.digits
+    return about
 
 
 def _fact(fact: Fact) -> Value:
@@ -168,16 +175,13 @@ def _quoted(text: str) -> str:
 
 def _exactly_timed(table: Table) -> Table:
     """A table for a stream, beside which no file tells types: times have every digit."""
-    return table._replace(columns=[*map(_exact, table.columns)])
-
-
-def _exact(column: Column) -> Column:
-    if column.name != "t" or word_of(column) != DOUBLE:
-        return column
-    times = doubles(column.values)
-    if not np.isfinite(times).all():
-        return column
-    return column._replace(values=list(map(Fraction, times.tolist())), type=EXACT)
+    columns = [*table.columns]
+    for k, column in enumerate(columns):
+        if column.name == "t" and word_of(column) == DOUBLE:
+            times = doubles(column.values)
+            if np.isfinite(times).all():
+                columns[k] = column._replace(values=[*map(Fraction, times.tolist())], type=EXACT)
+    return table._replace(columns=columns)
 
 
 def _npz(content: Content) -> bytes:
@@ -220,3 +224,98 @@ def _parquet(content: Content) -> bytes:
 
 
 _ARROW = {"f": "float64", "i": "int64", "b": "bool"}
+
+
+# --- packages -------------------------------------------------------------------------------------
+#
+# Packages that not everybody has.
+
+
+def needed(package: str, source: str = "tables") -> ModuleType:
+    """A package by its name; raises BadInput, for ``source``, where it is missing."""
+    try:
+        return import_module(package)
+    except ImportError:
+        name = package.partition(".")[0]
+        expected = f"it to be installed: pip install {name}"
+        if name in ("pandas", "xarray"):
+            expected = "it to be installed: pip install 'polhode[frames]'"
+        raise BadInput(source, name, None, expected) from None
+
+
+# --- frames ---------------------------------------------------------------------------------------
+
+
+def to_pandas(content: Content) -> pd.DataFrame:
+    """A DataFrame whose index are the labels; exact numbers are doubles there.
+
+    ``attrs`` has the facts that are no tables.
+    """
+    pandas = needed("pandas")
+    table = content.table
+    frame = pandas.DataFrame({x.name: _frame_values(x) for x in table.columns})
+    if table.labels:
+        frame = frame.set_index([x.name for x in table.columns[: table.labels]])
+    frame.attrs = {x.name: x.value for x in content.facts if not isinstance(x.value, Table)}
+    return frame
+
+
+def to_xarray(content: Content) -> xr.Dataset:
+    """A Dataset along the labels."""
+    needed("xarray")
+    frame = to_pandas(content)
+    dataset: xr.Dataset = frame.to_xarray()
+    return dataset.assign_attrs(frame.attrs)
+
+
+def _frame_values(column: Column) -> Any:
+    if word_of(column) == DOUBLE:
+        return doubles(column.values)
+    values = column.values
+    if any(isinstance(x, (Fraction, Irrational)) for x in values):
+        return np.array([np.nan if x is None else to_double(x) for x in values])
+    return values if isinstance(values, np.ndarray) else list(values)
+
+
+# --- ball columns ---------------------------------------------------------------------------------
+#
+# Balls as two columns or facts: a decimal, and the radius of a ball around it that holds them.
+
+
+def written_table(table: Table) -> Table:
+    """A table with two columns for each of balls: the radii come after all others."""
+    columns, radii = [], []
+    for column in table.columns:
+        values = column.values
+        if not isinstance(values, (list, tuple)) or Ball not in map(type, values):
+            columns.append(column)
+            continue
+        middles, bounds = zip(*map(_decimals, values), strict=True)
+        columns.append(column._replace(values=[*middles], type=EXACT))
+        name = f"{column.name}_radius"
+        radii.append(Column(name, [*bounds], "proven bound", column.unit, DOUBLE, digits=0))
+    return Table([*columns, *radii], table.labels)
+
+
+def written_facts(facts: Sequence[Fact]) -> Iterator[Fact]:
+    """Facts with two for each ball, and for each list of balls."""
+    for fact in facts:
+        value = fact.value
+        if isinstance(value, Table):
+            yield fact._replace(value=written_table(value))
+        elif isinstance(value, Ball):
+            centre, radius = _decimals(value)
+            yield fact._replace(value=centre, type=EXACT)
+            yield Fact(f"{fact.name}_radius", radius, "proven bound", fact.unit, DOUBLE)
+        else:
+            yield fact
+
+
+def _decimals(ball: Ball | None) -> tuple[Fraction | None, float | None]:
+    """The midpoint that is written, and a radius around that very number."""
+    if ball is None:
+        return None, None
+    if not math.isfinite(ball.radius):
+        return Fraction(round(ball.centre)), math.inf
+    middle, radius = ball.decimals
+    return Fraction(middle), float(radius)

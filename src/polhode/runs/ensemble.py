@@ -38,9 +38,8 @@ from polhode.numbers.number_types import (
     read_only,
 )
 from polhode.numbers.row_formulas import Rationals
-from polhode.results.cells import DOUBLE, EXACT
+from polhode.results.cells import DOUBLE, EXACT, lines
 from polhode.results.result import Result
-from polhode.results.shown import lines
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.trajectory import ERROR, Trajectory
 from polhode.scenes import vary

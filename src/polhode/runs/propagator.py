@@ -13,7 +13,7 @@ from weakref import finalize
 
 import numpy as np
 
-from polhode.common.arguments import not_taken, rows_of, unit_rows, whole
+from polhode.common.arguments import not_taken, numbers_given, rows_of, unit_rows, whole
 from polhode.common.errors import BadInput, plain
 from polhode.common.values import cached_property, refuse_too_much
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
@@ -28,7 +28,6 @@ from polhode.numbers.number_types import (
     Flat,
     double_array,
     flat,
-    numbers_given,
 )
 from polhode.runs.options import Options, cadence, checked_options, choose_number
 from polhode.scenes import library

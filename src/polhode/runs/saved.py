@@ -34,6 +34,8 @@ from polhode.scenes import scene_file
 from polhode.scenes.scene import Scene, listed_times
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE
 
+_GAP = float, type(None)
+
 
 class Saved(Result):
     """A result that was read from a file: its columns and facts, as attributes by their names.
@@ -189,13 +191,20 @@ def run_of(content: Content) -> Trajectory:
     facts = {x.name: x.value for x in content.facts}
     columns = {x.name: x.values for x in content.table.columns}
     number = _number(facts)
-    times = tuple(exactly(t) for t in columns["t"])
+    times = tuple(map(exactly, columns["t"]))
     scene, outcome = _scene(facts, times), Outcome(facts["outcome"])
     outputs = scene.output_times.rounded(number)
     count = len(times)
     if outputs[:count] != times or (outcome is Outcome.REACHED_END and count < len(outputs)):
         raise ValueError("times: not those of the scene")
-    angles = errors = attitude = None
+    angles = errors = attitude = projection = None
+    digits, events = facts["digits"], Events(())
+    if digits is not None and not 0 < _whole(digits) <= MAX_DIGITS:
+        raise ValueError("no digits of a run")
+    if scene.events:
+        events = _events(facts, scene, number)
+    if facts.get("projection") is not None:
+        projection = _projection(facts["projection"])
     if "psi" in columns:
         rows = zip(*(columns[name] for name in ANGLES), strict=True)
         angles = tuple(tuple(map(_number_or_none, row)) for row in rows)
@@ -211,23 +220,23 @@ def run_of(content: Content) -> Trajectory:
         outcome=outcome,
         steps=_whole(facts["steps"]),
         reached=exactly(facts["reached"]),
-        tolerance=_finite(facts["tolerance"]),
-        digits=_digits(facts["digits"]),
+        tolerance=float(_of((int, float), facts["tolerance"])),
+        digits=digits,
         attitude=attitude,
         angles=angles,
-        events=_events(facts, scene, number),
-        projection=_projection(facts.get("projection")),
+        events=events,
+        projection=projection,
         provenance=_of(dict, facts["provenance"]),
         method=_of(str, facts["method"]),
         errors=errors,
-        correct_digits=_gap_or_float(facts["correct_digits"]),
+        correct_digits=_of(_GAP, facts["correct_digits"]),
         checked_by=_of(str, facts["checked_by"]),
     )
     if not 0 <= run.tolerance < math.inf or run.method not in ("taylor", "refined"):
         raise ValueError("no tolerance or method of a run")
     vars(run).update(dense=_Recomputed(run))
-    drift = Drift(*(_gap_or_float(facts[f"drift_{name}"]) for name in Drift._fields))
-    outlook = _gap_or_float(facts["digits_expected"]), _gap_or_float(facts["lost_after"])
+    drift = Drift(**{name: _of(_GAP, facts[f"drift_{name}"]) for name in Drift._fields})
+    outlook = _of(_GAP, facts["digits_expected"]), _of(_GAP, facts["lost_after"])
     vars(run).update(drift=drift, _least_expected=outlook)
     return run
 
@@ -257,11 +266,16 @@ def _scene(facts: Mapping[str, Value], times: tuple[Fraction, ...]) -> Scene:
 def _rows(columns: Mapping[str, Any], names: Sequence[str], number_type: NumberType) -> States:
     import numpy as np
 
-    parts = [columns[name] for name in names]
-    rows: Any = np.empty((len(parts[0]), len(names)), dtype=parts[0].dtype)
-    for k, part in enumerate(parts):
-        if part.dtype != rows.dtype or not _all_finite(part):
-            raise ValueError(f"{names[k]}: not all are numbers of the run")
+    first = columns[names[0]]
+    rows: Any = np.empty((len(first), len(names)), dtype=first.dtype)
+    for k, name in enumerate(names):
+        part = columns[name]
+        flat = part.dtype.kind == "f"
+        finite = (
+            np.isfinite(part).all() if flat else all(x is not None and x - x == 0 for x in part)
+        )
+        if part.dtype != rows.dtype or not finite:
+            raise ValueError(f"{name}: not all are numbers of the run")
         rows[:, k] = part
     kinds = {"double": np.float64, "extended": np.longdouble}
     if rows.dtype != kinds.get(number_type.name, np.object_):
@@ -269,17 +283,7 @@ def _rows(columns: Mapping[str, Any], names: Sequence[str], number_type: NumberT
     return read_only(rows, len(names))
 
 
-def _all_finite(part: Any) -> bool:
-    import numpy as np
-
-    if part.dtype.kind == "f":
-        return bool(np.isfinite(part).all())
-    return all(x is not None and x - x == 0 for x in part)
-
-
 def _events(facts: Mapping[str, Value], scene: Scene, number_type: NumberType) -> Events:
-    if not scene.events:
-        return Events(())
     columns = {x.name: x.values for x in facts["events"].columns}
     names = columns["event"]
     if not {*names} <= {event.name for event in scene.events}:
@@ -309,15 +313,13 @@ def _picked(values: Any, place: Sequence[int]) -> Any:
     return [values[k] for k in place] if isinstance(values, list) else values[list(place)]
 
 
-def _projection(fact: Value) -> Projection | None:
-    if fact is None:
-        return None
+def _projection(fact: Mapping[str, Value]) -> Projection:
     return Projection(
         tuple(_of(str, name) for name in fact["onto"]),
         _whole(fact["every"]),
         _whole(fact["count"]),
-        _finite(fact["largest"]),
-        _finite(fact["sum"]),
+        float(_of((int, float), fact["largest"])),
+        float(_of((int, float), fact["sum"])),
     )
 
 
@@ -335,21 +337,6 @@ def _whole(value: Value) -> int:
     if type(value) is not int or value < 0:
         raise ValueError(f"{str(value)[:40]!r}: no whole number")
     return value
-
-
-def _digits(value: Value) -> int | None:
-    if value is not None and not 0 < _whole(value) <= MAX_DIGITS:
-        raise ValueError("no digits of a run")
-    return None if value is None else _whole(value)
-
-
-def _gap_or_float(value: Value) -> float | None:
-    number: float | None = _of((float, type(None)), value)
-    return number
-
-
-def _finite(value: Value) -> float:
-    return float(_of((int, float), value))
 
 
 class _Recomputed:

@@ -11,9 +11,11 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
+from polhode.common.arguments import numbers_given
 from polhode.common.errors import BadInput, plain
 from polhode.common.interrupts import Progress
 from polhode.motion.outcomes import CannotSolve, Events, Interpolant, Outcome, RowReader
+from polhode.numbers.conversion import TIME, reader
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import sign
 from polhode.numbers.number_types import (
@@ -23,12 +25,10 @@ from polhode.numbers.number_types import (
     NumberType,
     Reread,
     Row,
-    numbers_given,
     read_only,
 )
 from polhode.runs.options import USUAL, Options, cadence, hindrance_to_refinement, refinement_pays
 from polhode.runs.trajectory import Trajectory
-from polhode.scenes.given_numbers import TIME, reader
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE
 from polhode.taylor import defaults

@@ -15,9 +15,8 @@ from polhode.equations.form import equations
 from polhode.equations.integrals import Drift, drift
 from polhode.equations.kinematics import Hodographs
 from polhode.motion.outcomes import NO_EVENTS, Events, Interpolant, Outcome, Projection
-from polhode.numbers.conversion import to_double
+from polhode.numbers.conversion import ExactNumbers, to_double
 from polhode.numbers.decimals import in_full, shown, strings
-from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import (
     AnyNumber,
     Columns,

@@ -9,20 +9,20 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import InitVar, dataclass, field, replace
 from decimal import Decimal
 from fractions import Fraction
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
-from polhode.common.arguments import each, of_kind
+from polhode.common.arguments import each, numbers_given, of_kind
 from polhode.common.errors import BadInput
 from polhode.common.values import cached_property
 from polhode.numbers import exact
 from polhode.numbers.conversion import derived_number, exact_number
 from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import ONE, ZERO, Exact, Irrational, sign
-from polhode.numbers.number_types import AnyNumber, AnyVector, numbers_given
+from polhode.numbers.number_types import AnyNumber, AnyVector
 from polhode.numbers.vectors import (
     Matrix,
     Vector,
@@ -69,28 +69,33 @@ def _is_double(x: float | Fraction) -> bool:
     return small and under & (under - 1) == 0
 
 
-def asymmetry(matrix: Matrix) -> tuple[Exact, tuple[int, int]]:
-    """The largest difference of two elements across the diagonal, and where it is."""
-    pairs = ((matrix[i][j], matrix[j][i], (i, j)) for i, j in _PAIRS)
-    gaps = [(abs(x - y), where) for x, y, where in pairs if x is not y and x != y]
-    return max(gaps, key=lambda gap: gap[0], default=(ZERO, (0, 0)))
+def symmetric(matrix: Matrix, rounded: bool) -> tuple[Matrix, str]:
+    """A symmetric matrix as it is; one that is so to 8 eps made symmetric, and what was changed.
 
-
-def symmetrised(matrix: Matrix) -> tuple[Matrix, str]:
-    """A matrix made symmetric where it is so to 8 eps, and what was changed; else as it is."""
-    gap, _ = asymmetry(matrix)
-    if gap is ZERO or gap > GRACE * max(abs(x) for row in matrix for x in row):
+    ``rounded``: whether that is rounding.  Raises UnphysicalBody for any other.
+    """
+    gap: Exact = ZERO
+    place = 0, 0
+    for i, j in _PAIRS:
+        x, y = matrix[i][j], matrix[j][i]
+        if x is not y and x != y and abs(x - y) > gap:
+            gap, place = abs(x - y), (i, j)
+    if gap is ZERO:
         return matrix, ""
+    if not rounded or gap > GRACE * max(abs(x) for row in matrix for x in row):
+        i, j = place
+        pair = f"[{i + 1}][{j + 1}] and [{j + 1}][{i + 1}]"
+        expected = f"a symmetric matrix: {pair} differ by {brief(gap, 3)}; {PRODUCTS}"
+        raise UnphysicalBody(expected)
     a, b, c = ((*((matrix[i][j] + matrix[j][i]) / 2 for j in range(3)),) for i in range(3))
     change = f"inertia made symmetric (elements differed by {brief(gap, 2)} at most: rounding)"
     return (a, b, c), change  # type: ignore[return-value]  # of three elements each
 
 
 def excess(moments: Vector) -> Exact:
-    """By how much the largest principal moment exceeds the sum of the others; 0 if it does not."""
+    """By how much the largest principal moment exceeds the sum of the others; below 0 if less."""
     a, b, c = moments
-    over = 2 * max(moments) - (a + b + c)
-    return over if sign(over) > 0 else ZERO
+    return 2 * max(moments) - (a + b + c)
 
 
 def flattened(matrix: Matrix, over: Exact) -> tuple[Matrix, str]:
@@ -102,27 +107,20 @@ def flattened(matrix: Matrix, over: Exact) -> tuple[Matrix, str]:
     if over > GRACE * max(abs(x) for row in matrix for x in row):
         return matrix, ""
     rows = [[*row] for row in matrix]
-    diagonal = all(sign(matrix[i][j]) == 0 for i, j in _PAIRS)
-    if diagonal:
+    if all(sign(matrix[i][j]) == 0 for i, j in _PAIRS):
+        change = "largest moment made the sum of the others"
         k = max(range(3), key=lambda i: matrix[i][i])
         rows[k][k] = rows[k][k] - over
     else:
-        more = over if isinstance(over, Fraction) else _above(over)
+        change = "inertia made that of a flat body, by its diagonal"
+        more = over  # or a little more, where it is no fraction
+        if isinstance(over, Irrational):
+            more = exact.nearest(over, 30) * (1 + Fraction(1, 1 << 28))
         for i in range(3):
             rows[i][i] = rows[i][i] + more
-    change = (
-        "largest moment made the sum of the others"
-        if diagonal
-        else "inertia made that of a flat body, by its diagonal"
-    )
     a, b, c = (tuple(row) for row in rows)
     words = f"{change} (the largest moment exceeded it by {brief(over, 2)}: rounding)"
     return (a, b, c), words  # type: ignore[return-value]  # of three elements each
-
-
-def _above(x: Irrational) -> Fraction:
-    """A rational a little above a number above 0."""
-    return exact.binary(*exact.rounded(x, 30)) * (1 + Fraction(1, 1 << 28))
 
 
 # --- body -----------------------------------------------------------------------------------------
@@ -145,12 +143,6 @@ MATRIX = (
 PRODUCTS = "off the diagonal stand minus the products of inertia"
 _NO_WAY_OUT = "; with a torque of the weight no other body moves so (of free bodies others do)"
 _READABLE = 0.01  # the least c that is proposed, times the largest moment
-
-
-def _listed(row: object) -> list[object]:
-    """A row for looking at it twice; what is none is refused where it is read."""
-    items, several = numbers_given(row)
-    return items if several else cast(list[object], row)
 
 
 def exact_vector(values: object, source: str = "Body", key: str = "vector") -> Vector:
@@ -220,6 +212,11 @@ class Body:
     so.  ``rounded`` says whether it is to be taken so, whatever the numbers.  ``parts``: the solids
     that it was made of, if any.
 
+    ``moments``: the principal moments A, B, C in the order of ``axes``.  ``axes``: the principal
+    axes; the body axes themselves where the matrix is diagonal.  Else, with two equal moments the
+    third axis is the axis of symmetry and the second is at right angles to the centre of mass; with
+    three different ones they are in ascending order.
+
     >>> import polhode
     >>> top = polhode.Body.of_moments([2, 2, 1], centre=[1, 0, 0], weight="3/2")
     >>> top.torque  # Mg r0
@@ -236,46 +233,38 @@ class Body:
     parts: tuple[Part, ...] = ()
     rounded: InitVar[bool | None] = None
     change: str = field(default="", init=False, repr=False, compare=False)
+    moments: Vector = field(init=False, repr=False, compare=False)
+    axes: PrincipalAxes = field(init=False, repr=False, compare=False)
 
     def __post_init__(self, rounded: bool | None) -> None:
-        rows = each("Body", "inertia", self.inertia, _listed, MATRIX)
-        if len(rows) != 3 or isinstance(self.inertia, Mapping):
-            shown = f"{len(rows)} rows" if len(rows) != 3 else self.inertia
-            raise BadInput("Body", "inertia", shown, MATRIX)
+        rows, several = numbers_given(self.inertia)
+        if len(rows) != 3:
+            raise BadInput("Body", "inertia", f"{len(rows)} rows" if several else rows[0], MATRIX)
+        if rounded is None:  # looked at twice
+            rows = [[*row] if numbers_given(row)[1] else row for row in rows]
         x, y, z = (exact_vector(row, key=f"inertia[{i + 1}]") for i, row in enumerate(rows))
         if rounded is None:
             rounded = are_rounded(number for row in rows for number in row)
-        object.__setattr__(self, "inertia", (x, y, z))
-        if rounded:
-            self._take(*symmetrised(self.inertia))
-        object.__setattr__(self, "centre", exact_vector(self.centre, key="centre"))
+        centre = exact_vector(self.centre, key="centre")
         (weight,) = each("Body", "weight", (self.weight,), derived_number, "a number")
-        object.__setattr__(self, "weight", weight)
-        self._check_parts()
-        gap, (i, j) = asymmetry(self.inertia)
-        if gap is not ZERO:
-            pair = f"[{i + 1}][{j + 1}] and [{j + 1}][{i + 1}]"
-            expected = f"a symmetric matrix: {pair} differ by {brief(gap, 3)}; {PRODUCTS}"
-            raise UnphysicalBody(expected)
-        self._check_moments(rounded)
+        inertia, change = symmetric((x, y, z), rounded)
+        if self.parts and together(self.parts)[1:] != (centre, inertia):
+            raise BadInput("Body", "parts", None, "parts of this inertia and centre")
+        moments, axes = principal(inertia, centre)
+        over, positive = excess(moments), min(map(sign, moments)) > 0
+        if rounded and positive and sign(over) > 0:
+            inertia, flat = flattened(inertia, over)
+            if flat:
+                change, over = "; ".join(filter(None, (change, flat))), ZERO
+                moments, axes = principal(inertia, centre)
+        values = {"inertia": inertia, "centre": centre, "weight": weight, "change": change}
+        vars(self).update(values, moments=moments, axes=axes)
+        if sign(over) > 0 or not positive:
+            raise self._unphysical(over, positive)
 
-    def _take(self, inertia: Matrix, change: str) -> None:
-        """Take another inertia matrix where something of it was rounding."""
-        if change:
-            object.__setattr__(self, "inertia", inertia)
-            object.__setattr__(self, "change", "; ".join(filter(None, (self.change, change))))
-            self.__dict__.pop("_principal", None)
-
-    def _check_moments(self, rounded: bool) -> None:
-        """Refuse principal moments that no body has, unless that is rounding."""
-        over = excess(self.moments)
-        if all(sign(moment) > 0 for moment in self.moments):
-            if rounded and sign(over) > 0:
-                flat, change = flattened(self.inertia, over)
-                self._take(flat, change)
-                over = ZERO if change else over
-            if sign(over) == 0:
-                return
+    def _unphysical(self, over: Exact, positive: bool) -> UnphysicalBody:
+        """What is wrong with the principal moments; ``over``: see :func:`excess`."""
+        if positive:
             expected = "principal moments of which none exceeds the sum of the others"
             amount = f", too much by {brief(over, 3)}"
             way_out = _free_body_of_same_path(self.moments) if self.torque_free else _NO_WAY_OUT
@@ -283,7 +272,7 @@ class Body:
             expected, amount, way_out = "positive principal moments", "", self._as_pendulum()
         words = f"{expected}: they are {', '.join(brief(x) for x in self.moments)}{amount}"
         signs = "" if self.axes.trivial else f"; {PRODUCTS}"
-        raise UnphysicalBody(f"{words}{signs}{way_out}")
+        return UnphysicalBody(f"{words}{signs}{way_out}")
 
     def _as_pendulum(self) -> str:
         """What to write of a thin rod, or a point on one, which turn about it without any moment.
@@ -307,12 +296,12 @@ class Body:
         cls, moments: AnyVector, centre: AnyVector = (0, 0, 0), weight: AnyNumber = 0
     ) -> Body:
         """A body given in principal axes by its moments A, B, C."""
-        values = _listed(moments)
+        values, several = numbers_given(moments)
         return cls(
-            diagonal(exact_vector(values, key="moments")),
-            exact_vector(centre, key="centre"),
-            weight,  # type: ignore[arg-type]  # taken exactly there
-            rounded=isinstance(values, list) and are_rounded(values),
+            diagonal(exact_vector(values if several else moments, key="moments")),
+            centre,  # type: ignore[arg-type]  # taken exactly there
+            weight,  # type: ignore[arg-type]
+            rounded=several and are_rounded(values),
         )
 
     @classmethod
@@ -329,12 +318,11 @@ class Body:
         ``rounded``: as of the body itself.
         """
         own = cls(inertia, centre, weight, rounded=rounded)  # type: ignore[arg-type]
-        place = exact_vector(centre, key="centre")
         (of_mass,) = each("Body", "mass", (mass,), exact_number, "a number")
         if sign(of_mass) <= 0:
             raise BadInput("Body", "mass", mass, "a mass above 0")
-        moved = carried(own.inertia, of_mass, place)
-        body = cls(moved, place, weight, rounded=rounded)  # type: ignore[arg-type]
+        moved = carried(own.inertia, of_mass, own.centre)
+        body = cls(moved, own.centre, own.weight, rounded=rounded)
         object.__setattr__(body, "change", own.change)
         return body
 
@@ -373,27 +361,6 @@ class Body:
             changes["parts"] = ()
         return replace(self, **changes)
 
-    def _check_parts(self) -> None:
-        """Refuse parts that are not this body's."""
-        if self.parts:
-            _, centre, inertia = together(self.parts)
-            if (centre, inertia) != (self.centre, self.inertia):
-                raise BadInput("Body", "parts", None, "parts of this inertia and centre")
-
-    @property
-    def moments(self) -> Vector:
-        """The principal moments A, B, C in the order of ``axes``."""
-        return self._principal[0]
-
-    @property
-    def axes(self) -> PrincipalAxes:
-        """The principal axes; the body axes themselves where the matrix is diagonal.
-
-        Else, with two equal moments the third axis is the axis of symmetry and the second is at
-        right angles to the centre of mass; with three different ones they are in ascending order.
-        """
-        return self._principal[1]
-
     @cached_property
     def torque(self) -> Vector:
         """Mg r0 in body axes; exactly zero for a torque-free body."""
@@ -427,10 +394,6 @@ class Body:
         """w = I⁻¹ G in body axes."""
         return apply(inverse(self.inertia), momentum)
 
-    @cached_property
-    def _principal(self) -> tuple[Vector, PrincipalAxes]:
-        return principal(self.inertia, self.centre)
-
 
 def _free_body_of_same_path(moments: Vector) -> str:
     """A free body whose momentum moves in the body as Euler's equations say for such numbers.
@@ -446,7 +409,7 @@ def _free_body_of_same_path(moments: Vector) -> str:
     for digit in (1, 2, 5, 10, 20):
         c = digit * Fraction(10) ** power
         x, y, z = (1 / (1 / moment + c) for moment in moments)
-        if digit * 10.0**power * float(largest) >= least and not sign(excess((x, y, z))):
+        if digit * 10.0**power * float(largest) >= least and sign(excess((x, y, z))) <= 0:
             break
     return (
         f"; a free body of moments {shown(x)}, {shown(y)}, {shown(z)}, which are 1/(1/I + c) with "
@@ -461,19 +424,14 @@ def diagonal(moments: Vector) -> Matrix:
 
 
 def principal(inertia: Matrix, centre: Vector) -> tuple[Vector, PrincipalAxes]:
-    """The principal moments and axes of a body; see :class:`Body`."""
-    (a, d, e), (_, b, f), (_, _, c) = inertia
-    if is_zero((d, e, f)):
-        return (a, b, c), OWN_AXES
-    return _diagonalised(inertia, centre)
-
-
-def _diagonalised(inertia: Matrix, centre: Vector) -> tuple[Vector, PrincipalAxes]:
-    """Principal moments and axes of a symmetric matrix that is not diagonal.
+    """The principal moments and axes of a body; see :class:`Body`.
 
     With I = mean·1 + K, tr K² = 6 s² and det K = 2 d, the moments are mean + 2 s cos(angle) for
     three angles with cos(3 angle) = d/s³; two of them are equal exactly where d² = s⁶.
     """
+    (a, d, e), (_, b, f), (_, _, c) = inertia
+    if is_zero((d, e, f)):
+        return (a, b, c), OWN_AXES
     mean = (inertia[0][0] + inertia[1][1] + inertia[2][2]) / 3
     rest = _shifted(inertia, mean)
     s2 = (dot(rest[0], rest[0]) + dot(rest[1], rest[1]) + dot(rest[2], rest[2])) / 6

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from itertools import chain
+from operator import mul
 from typing import Any, NamedTuple
 
 from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
+from polhode.numbers.expression import in_units
 from polhode.numbers.vectors import (
     Vector,
     cross,
@@ -27,8 +30,7 @@ from polhode.scenes.body import (
     diagonal,
     is_unit_but_for_rounding,
 )
-from polhode.scenes.given_numbers import in_units
-from polhode.scenes.scene import SceneTables, is_expression
+from polhode.scenes.scene import SceneTables, is_text
 from polhode.scenes.shapes import Part
 from polhode.scenes.vocabulary import CENTRE, FIXED_POINT, SIGNS
 
@@ -175,7 +177,14 @@ def _roots(a: Exact, b: Exact, c: Exact, d: Exact) -> list[Exact]:
 
 THETA = "start.angles[2]"
 _NOWHERE: Vector = (ZERO, ZERO, ZERO)
-_WAYS_TO_TURN = ("gamma", "angles", "quaternion", "mrp", "matrix")
+#: The keys of an orientation, and what may not stand beside each.
+_BESIDE = {
+    "gamma": (),
+    "angles": ("psi", "normalise"),
+    "quaternion": ("psi",),
+    "mrp": ("psi", "normalise"),
+    "matrix": ("psi",),
+}
 _SKEWED = Fraction(1, 1000)  # of an element of a matrix that is still meant as a rotation
 _WAYS_TO_MOVE = ("omega", "momentum", "rates", "h")
 
@@ -198,6 +207,7 @@ def body_of(reading: SceneTables, table: Mapping[str, Any]) -> Body:
         raise reading.bad("body.moments", None, expected)
     reading.alone("body", table, [second], "only one of moments and inertia")
     if key == "moments":
+        rows = [table["moments"]]
         inertia = diagonal(reading.read("body", table, "moments"))
     else:
         rows = table["inertia"]
@@ -208,8 +218,18 @@ def body_of(reading: SceneTables, table: Mapping[str, Any]) -> Body:
         a, b, c = (reading.vector(f"body.inertia[{i + 1}]", row) for i, row in enumerate(rows))
         inertia = (a, b, c)
     centre = reading.read("body", table, "centre") if "centre" in table else _NOWHERE
-    mass = _mass(reading, table)
-    weight = _weight(reading, table, mass)
+    mass = reading.read("body", table, "mass") if "mass" in table else None
+    if mass is not None and sign(mass) <= 0:
+        raise reading.bad("body.mass", table["mass"], "a mass above 0")
+    if "g" in table:
+        if mass is None:
+            raise reading.bad("body.mass", None, "a number, with g")
+        reading.alone("body", table, ["weight"], "only one of weight and g")
+        weight = mass * reading.read("body", table, "g")
+    elif mass is not None and "weight" not in table:
+        raise reading.bad("body.g", None, "g or weight together with mass; 0 for none")
+    else:
+        weight = reading.read("body", table, "weight")
     if "centre" not in table and sign(weight) != 0:
         raise reading.bad("body.centre", None, "three numbers, since weight is not 0")
     about = reading.read("body", table, "about")
@@ -218,16 +238,13 @@ def body_of(reading: SceneTables, table: Mapping[str, Any]) -> Body:
     if about == CENTRE and (mass is None or "centre" not in table):
         missing = "mass" if mass is None else "centre"
         raise reading.bad(f"body.{missing}", None, "a value, with about = 'centre'")
-    value = table[key]
-    rounded = not any(
-        is_expression(x) for row in (value if key == "inertia" else [value]) for x in row
-    )
+    rounded = not any(map(is_text, chain(*rows)))
     try:
         if about == CENTRE and mass is not None:
             return Body.about_centre(inertia, centre, mass, weight, rounded)
         return Body(inertia, centre, weight, rounded=rounded)
     except UnphysicalBody as fault:
-        raise reading.bad(f"body.{key}", value, fault.expected) from None
+        raise reading.bad(f"body.{key}", table[key], fault.expected) from None
 
 
 def _of_parts(reading: SceneTables, table: Mapping[str, Any]) -> Body:
@@ -259,34 +276,14 @@ def _part(reading: SceneTables, index: int, table: dict[str, Any]) -> Part:
         raise reading.bad(f"{key}.{fault.key}", shown, fault.expected) from None
 
 
-def _mass(reading: SceneTables, table: Mapping[str, Any]) -> Exact | None:
-    if "mass" not in table:
-        return None
-    mass: Exact = reading.read("body", table, "mass")
-    if sign(mass) <= 0:
-        raise reading.bad("body.mass", table["mass"], "a mass above 0")
-    return mass
-
-
-def _weight(reading: SceneTables, table: Mapping[str, Any], mass: Exact | None) -> Exact:
-    if "g" in table:
-        if mass is None:
-            raise reading.bad("body.mass", None, "a number, with g")
-        reading.alone("body", table, ["weight"], "only one of weight and g")
-        return mass * reading.number("body.g", table["g"])
-    if mass is not None and "weight" not in table:
-        raise reading.bad("body.g", None, "g or weight together with mass; 0 for none")
-    weight: Exact = reading.read("body", table, "weight")
-    return weight
-
-
 def start_of(
     reading: SceneTables, table: Mapping[str, Any], body: Body
 ) -> tuple[Vector, Vector | None, Exact]:
     """Omega, gamma and psi of a table [start]; raises BadInput."""
-    turns = [key for key in _WAYS_TO_TURN if key in table]
+    turns = [key for key in _BESIDE if key in table]
     if turns:
-        reading.alone("start", table, turns[1:], f"no value together with {turns[0]}")
+        others = [*turns[1:], *_BESIDE[turns[0]]]
+        reading.alone("start", table, others, f"no value together with {turns[0]}")
     motions = [key for key in _WAYS_TO_MOVE if key in table]
     for whole in ("rates", "h"):
         if whole in motions:
@@ -310,25 +307,21 @@ def start_of(
     if "omega" in table:
         omega = reading.read("start", table, "omega")
     elif "h" in table:
-        omega = _on_level(reading, table, body, turn)
+        if turn is None:
+            expected = "a unit vector, for a start on the level h, f"
+            raise reading.bad("start.gamma", None, expected)
+        h, f, p_phi, positive = _momenta(reading, table)
+        name = reading.name
+        if p_phi is None:
+            omega = omega_on_level(body, turn.gamma, h, f, positive, name)
+        else:
+            omega = omega_of_momenta(body, turn.gamma, h, f, p_phi, positive, name)
     elif "momentum" in table:
         omega = body.omega(reading.read("start", table, "momentum"))
     else:
         assert turn is not None
         omega = _of_rates(turn, reading.read("start", table, "rates"))
     return (omega, None, ZERO) if turn is None else (omega, turn.gamma, turn.psi)
-
-
-def _on_level(
-    reading: SceneTables, table: Mapping[str, Any], body: Body, turn: Orientation | None
-) -> Vector:
-    if turn is None:
-        expected = "a unit vector, for a start on the level h, f"
-        raise reading.bad("start.gamma", None, expected)
-    h, f, p_phi, positive = _momenta(reading, table)
-    if p_phi is not None:
-        return omega_of_momenta(body, turn.gamma, h, f, p_phi, positive, reading.name)
-    return omega_on_level(body, turn.gamma, h, f, positive, reading.name)
 
 
 def _momenta(
@@ -349,17 +342,16 @@ def _turn(reading: SceneTables, table: Mapping[str, Any], body: Body) -> Orienta
     """The orientation, None of a torque-free body of which none is given."""
     normalise = reading.read("start", table, "normalise")
     if "angles" in table:
-        reading.alone("start", table, ("psi", "normalise"), "no value together with angles")
         return _of_angles(reading, table)
     if "quaternion" in table:
-        reading.alone("start", table, ["psi"], "no value together with quaternion")
-        return _of_quaternion(reading, table["quaternion"], normalise)
+        numbers = reading.array("start.quaternion", table["quaternion"], 4)
+        q = [reading.number("start.quaternion", x) for x in numbers]
+        _square(reading, "quaternion", numbers, q, normalise)
+        return _turn_of(*q)
     if "mrp" in table:
-        reading.alone("start", table, ("psi", "normalise"), "no value together with mrp")
         sigma = reading.read("start", table, "mrp")
         return _turn_of(1 - dot(sigma, sigma), *(2 * x for x in sigma))
     if "matrix" in table:
-        reading.alone("start", table, ["psi"], "no value together with matrix")
         return _of_matrix(reading, table["matrix"], normalise)
     if "gamma" not in table:
         if not body.torque_free:
@@ -376,9 +368,10 @@ def _square(
     reading: SceneTables, key: str, values: list[object], numbers: Sequence[Exact], normalise: bool
 ) -> Exact:
     """The squared length of a unit vector, 1 or anything above 0 that may be normalised."""
-    square = sum((x * x for x in numbers), ZERO)
+    square = sum(map(mul, numbers, numbers), ZERO)
     if square != 1 and not normalise:
-        amount = f"1 {_signed(square - 1)}"
+        over = square - 1
+        amount = f"1 {'-' if sign(over) < 0 else '+'} {brief(abs(over), 2)}"
         if not is_unit_but_for_rounding(values):
             expected = f"length exactly 1, or normalise = true: its square is {amount}"
             raise reading.bad(f"start.{key}", values, expected)
@@ -388,15 +381,11 @@ def _square(
     return square
 
 
-def _signed(x: Exact) -> str:
-    return f"{'-' if sign(x) < 0 else '+'} {brief(abs(x), 2)}"
-
-
 def _of_angles(reading: SceneTables, table: Mapping[str, Any]) -> Orientation:
     """R = Rz(psi) Rx(theta) Rz(phi)."""
     psi, theta, phi = reading.read("start", table, "angles")
     nutation = table["angles"][1]
-    if abs(theta) > 2 * exact.pi() and not (is_expression(nutation) and in_units(nutation)):
+    if abs(theta) > 2 * exact.pi() and not (is_text(nutation) and in_units(nutation)):
         reading.doubt = doubtful_theta(theta)
     try:
         sine, cosine = exact.sin(theta), exact.cos(theta)
@@ -428,13 +417,6 @@ def _of_rates(turn: Orientation, rates: Vector) -> Vector:
     )
 
 
-def _of_quaternion(reading: SceneTables, value: object, normalise: bool) -> Orientation:
-    numbers = reading.array("start.quaternion", value, 4)
-    q = [reading.number("start.quaternion", x) for x in numbers]
-    _square(reading, "quaternion", numbers, q, normalise)
-    return _turn_of(*q)
-
-
 def _of_matrix(reading: SceneTables, value: object, normalise: bool) -> Orientation:
     """By the quaternion, whose largest component times itself the matrix tells without a root."""
     rows: list[Any] = value if isinstance(value, list) and len(value) == 3 else [None] * 3
@@ -443,8 +425,7 @@ def _of_matrix(reading: SceneTables, value: object, normalise: bool) -> Orientat
     q = products[max(range(4), key=lambda k: products[k][k])]
     off = max(abs(x - y) for x, y in zip(r, rotation(q), strict=True))
     if sign(off) and not normalise:
-        rounded = not any(is_expression(x) for row in rows for x in row)
-        if not rounded or off > GRACE:
+        if any(map(is_text, chain(*rows))) or off > GRACE:
             expected = f"a rotation, or normalise = true: it is off by {brief(off, 2)}"
             raise reading.bad("start.matrix", None, expected)
         reading.change = f"start.matrix made a rotation (it was off by {brief(off, 2)}: rounding)"

@@ -10,7 +10,7 @@ from polhode.common.errors import BadInput, plain
 from polhode.numbers.number_types import AnyNumber, AnyVector
 from polhode.scenes import scene_file, vocabulary
 from polhode.scenes.scene import Event, Scene
-from polhode.scenes.scene_text import owned, written
+from polhode.scenes.scene_file import owned, written
 from polhode.scenes.shapes import Part
 
 

@@ -1,18 +1,28 @@
-"""The case library and its catalogue."""
+"""The case library, its catalogue, and scenes whose start is a box."""
 
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from fnmatch import fnmatchcase
+from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
+from polhode.common.arguments import each
 from polhode.common.errors import BadInput, nearest
+from polhode.common.files import called
 from polhode.common.provenance import digest
-from polhode.scenes import library
-from polhode.scenes.scene import Scene
+from polhode.numbers import exact
+from polhode.numbers.conversion import exact_number
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact, sign
+from polhode.numbers.number_types import AnyNumber, AnyVector
+from polhode.scenes.scene import PLUS_MINUS, Scene, SceneTables, is_text
+from polhode.scenes.vocabulary import REQUESTS
 
 # --- library --------------------------------------------------------------------------------------
 #
@@ -85,9 +95,10 @@ def load(scene: Scene | str | Path, *, takes: Collection[str] | None = None) -> 
 
         scene = scene_file.read(*place(scene))
         scene.speak()
-    for word, key, value, usual in scene.extras:
-        if takes is not None and word not in takes:
-            raise BadInput(scene.name, key, value, f"{usual}, or polhode.integrate")
+    if takes is not None:
+        for word, key, value, usual in scene.extras:
+            if word not in takes:
+                raise BadInput(scene.name, key, value, f"{usual}, or polhode.integrate")
     return scene
 
 
@@ -164,7 +175,7 @@ class Entry(NamedTuple):
 
 def entries() -> Mapping[str, Entry]:
     """The entries of the cases whose files are as they were when the catalogue was made."""
-    top, entries = library.folder(), {}
+    top, entries = folder(), {}
     try:
         rows = json.loads((top / FILE).read_bytes())
         for name, (fingerprint, title, tags, regime, reference) in rows.items():
@@ -178,8 +189,100 @@ def entries() -> Mapping[str, Entry]:
 
 def written(entries: Mapping[str, Entry]) -> str:
     """The text of the catalogue's file."""
-    top, rows = library.folder(), {}
+    top, rows = folder(), {}
     for name, entry in sorted(entries.items()):
         rows[name] = [digest((top / f"{name}.toml").read_text("utf-8")), *entry]
     lines = [f"{json.dumps(name)}: {json.dumps(row)}" for name, row in rows.items()]
     return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+# --- start box ------------------------------------------------------------------------------------
+#
+# Starts that are boxes: ``start.omega = ["3/10 ± 1e-9", 0, 1]``, every motion from it at once.
+#
+# What proves something of all motions from a box reads its scene here; everything else refuses such
+# a scene, since it would take one motion of many.
+
+
+BOX_KEY = "start.omega"
+
+
+class StartBox(NamedTuple):
+    """All starts whose omega differs from the scene's by at most ``radii``, in its body axes.
+
+    ``radii``: fractions; None for the scene's own start alone.
+    """
+
+    scene: Scene
+    radii: tuple[Fraction, Fraction, Fraction] | None = None
+
+    @property
+    def text(self) -> str:
+        """The radii for a complaint."""
+        return f"{PLUS_MINUS[0]} ({', '.join(map(shown, self.radii or ()))})"
+
+
+def load_box(scene: Scene | str | Path) -> StartBox:
+    """A scene, and the radii of its start where its file gives intervals; raises BadInput."""
+    from polhode.scenes import scene_file
+
+    if isinstance(scene, Scene):
+        return StartBox(load(scene, takes=REQUESTS))
+    path, name = place(scene)
+    source = name or str(path)
+    text = scene_file.text_of(path, source)
+    tables = scene_file.tables(text, source)
+    start = tables.get("start")
+    omega = start.get("omega") if isinstance(start, dict) else None
+    if not isinstance(omega, list) or len(omega) != 3 or not any(map(_mark, omega)):
+        return StartBox(load(scene, takes=REQUESTS))
+    reading, radii = SceneTables(source, tables), [Fraction(0)] * 3
+    for k, item in enumerate(omega):
+        if mark := _mark(item):
+            middle, _, radius = (part.strip() for part in item.partition(mark))
+            exactly = reading.number(BOX_KEY, radius)
+            if sign(exactly) < 0:
+                raise reading.bad(BOX_KEY, item, "a middle and a radius of 0 or more")
+            radii[k], omega[k], text = _fraction(exactly), middle, text.replace(item, middle)
+    own = scene_file.of_tables(tables, source, text)
+    own.speak()
+    a, b, c = radii
+    return StartBox(own if name else replace(own, name=called(path)), (a, b, c))
+
+
+def box_of(scene: Scene | str | Path, radius: AnyNumber | AnyVector | None) -> StartBox:
+    """What a scene's file gives, or the box with one radius, or with one for each component."""
+    box = load_box(scene)
+    if radius is None:
+        return box
+    scene = box.scene
+    if box.radii is not None:
+        expected = "no value together with intervals in the scene"
+        raise BadInput(scene.name, "omega_radius", None, expected)
+    listed = (radius,) * 3 if isinstance(radius, (str, int, float, Fraction)) else radius
+    radii = each(scene.name, "omega_radius", listed, _radius, "a number, or three")
+    if len(radii) != 3:
+        raise BadInput(scene.name, "omega_radius", len(radii), "a number, or three")
+    a, b, c = radii
+    return StartBox(scene, (a, b, c))
+
+
+def _radius(radius: AnyNumber) -> Fraction:
+    exactly = exact_number(radius)
+    if sign(exactly) < 0:
+        raise ValueError("0 or more")
+    return _fraction(exactly)
+
+
+def _fraction(radius: Exact) -> Fraction:
+    """The radius; where it is no fraction, as of degrees, a decimal of four digits above it."""
+    if isinstance(radius, Fraction):
+        return radius
+    near = exact.nearest(radius, 53) * (1 + Fraction(1, 1 << 50))
+    unit = Fraction(10) ** math.floor(math.log10(near) - 3)
+    return math.ceil(near / unit) * unit
+
+
+def _mark(item: object) -> str:
+    """What stands before a component's radius; empty where there is none."""
+    return next((mark for mark in PLUS_MINUS if is_text(item) and mark in item), "")

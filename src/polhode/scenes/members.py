@@ -13,16 +13,14 @@ import numpy as np
 
 from polhode.common.errors import BadInput, FileName, nearest, say_change
 from polhode.common.values import Recent, cached_property
-from polhode.numbers.conversion import exactly
+from polhode.numbers.conversion import ExactNumbers, LazySequence, exactly
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.exact_sequences import ExactNumbers, LazySequence
 from polhode.numbers.number_types import Booleans, Flat, Scalar
 from polhode.numbers.row_formulas import Rationals, of_floats, of_fractions
 from polhode.scenes import scene_file, vocabulary
 from polhode.scenes.body import OWN_AXES, Body, PrincipalAxes
 from polhode.scenes.scene import Scene
-from polhode.scenes.scene_file import exact_value
 from polhode.scenes.vary import Grid
 from polhode.scenes.vocabulary import CENTRE
 
@@ -44,7 +42,13 @@ _KEY = re.compile(r"(body|start)\.[a-z_]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
 #: Where a number of the tables stands: in which table or list, and under which key or index.
 Slot: TypeAlias = tuple[Any, Any]
 
-_WORDS = vocabulary.words("body") | vocabulary.words("body.parts") | vocabulary.words("start")
+#: Keys that hold no number, and so cannot be varied.
+_WORDS = {
+    key.name
+    for section in ("body", "body.parts", "start")
+    for key in vocabulary.KEYS[section]
+    if key.kind in (vocabulary.WORD, vocabulary.TRUTH)
+}
 
 
 class Members(LazySequence[Scene]):
@@ -71,11 +75,8 @@ class Members(LazySequence[Scene]):
 
     __hash__ = None
 
-    def __getstate__(self) -> tuple[Scene, Grid]:
-        return self.scene, self.varied
-
-    def __setstate__(self, state: tuple[Scene, Grid]) -> None:
-        self.__init__(*state)  # type: ignore[misc]
+    def __reduce__(self) -> tuple[type, tuple[Scene, Grid]]:
+        return Members, (self.scene, self.varied)
 
     @cached_property
     def vectors(self) -> frozenset[str]:
@@ -185,7 +186,7 @@ class Members(LazySequence[Scene]):
                 return False
         if "start.gamma" not in self.vectors or self.given_as_array("start.gamma"):
             return True
-        gamma = (exact_value(x, "start.gamma", scene.name) for x in start["gamma"])
+        gamma = (scene_file.exact_value(x, "start.gamma", scene.name) for x in start["gamma"])
         return not start.get("normalise") and all(isinstance(x, Fraction) for x in gamma)
 
     def given_as_array(self, vector: str) -> bool:
@@ -218,7 +219,7 @@ class Members(LazySequence[Scene]):
         moments, torque = vector("body.moments", body.moments), body.torque
         weight, bad = columns.get("body.weight", body.weight), np.zeros(count, dtype=bool)
         if "body.weight" in vectors or "body.centre" in vectors:
-            x, y, z = (_times(weight, c) for c in vector("body.centre", body.centre))
+            x, y, z = (weight * c for c in vector("body.centre", body.centre))
             torque = x, y, z
         omega = vector("start.omega", scene.omega)
         gamma = None if scene.gamma is None else vector("start.gamma", scene.gamma)
@@ -226,7 +227,7 @@ class Members(LazySequence[Scene]):
             bad |= _unphysical(moments)
         exact_gamma = "start.gamma" in vectors and not self.given_as_array("start.gamma")
         if gamma is not None and exact_gamma:
-            square = sum((_times(g, g) for g in gamma), Rationals(0, 1)) - 1
+            square = sum((g * g for g in gamma), Rationals(0, 1)) - 1
             bad |= np.asarray(_sign(square) != 0)
         if torque is not body.torque and (gamma is None or "centre" not in self.tables["body"]):
             for x in (weight, *torque):
@@ -412,10 +413,6 @@ class Block:
 
         gamma = None if self.gamma is None else vector(self.gamma)
         return replace(self, moments=vector(self.moments), omega=vector(self.omega), gamma=gamma)
-
-
-def _times(a: Column, b: Column) -> Column:
-    return a * b
 
 
 def _sign(x: Column) -> Any:

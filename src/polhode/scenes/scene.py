@@ -9,26 +9,24 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple, TypeGuard
 
-from polhode.common.arguments import each, of_kind
+from polhode.common.arguments import each, numbers_given, of_kind
 from polhode.common.errors import BadInput, counted, nearest, one_line, plain, say_change, say_doubt
 from polhode.common.provenance import provenance
 from polhode.common.values import cached_property, may_wait
 from polhode.numbers import exact, expression
-from polhode.numbers.conversion import derived_number
+from polhode.numbers.conversion import TIME, ExactNumbers, derived_number, reader
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.numbers.exact_sequences import ExactNumbers, spaced
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import AnyNumber
 from polhode.numbers.vectors import Vector, dot, scaled
 from polhode.scenes import vocabulary
 from polhode.scenes.body import Body, exact_vector, kind_of_body
-from polhode.scenes.given_numbers import TIME, number_in_text, reader
 from polhode.scenes.vocabulary import (
     COLUMNS,
     DIRECTIONS,
@@ -121,7 +119,7 @@ def check_event(event: Event, scene: str, key: str) -> None:
 
 def even_times(end: Exact, samples: int) -> ExactNumbers[Exact]:
     """The times end·k/(samples - 1), 0 and end included."""
-    return spaced(ZERO, end, samples)
+    return ExactNumbers(ends=(ZERO, end), size=samples)
 
 
 def listed_times(
@@ -173,17 +171,18 @@ class SceneTables:
         return BadInput(self.name, key, as_written(value), expected)
 
     def refuse_unknown(self, section: str, table: Mapping[str, Any], where: str = "") -> None:
-        """Refuse a key that the section has not."""
-        allowed = vocabulary.names(section)
+        """Refuse a key that the section has not; ``where``: the table of several."""
+        allowed = vocabulary.BY_NAME[section]
         for key, value in table.items():
             if key not in allowed:
-                full = ".".join(filter(None, (where or section, key)))
-                if ours := vocabulary.ours(section, key):
-                    raise self.bad(full, value, ours)
-                home = vocabulary.homes(key)
-                if home:
-                    raise self.bad(full, value, f"no such key here: it belongs in {home}")
-                raise self.bad(full, value, f"one of the keys {nearest(key, allowed)}")
+                every = vocabulary.BY_NAME.items()
+                homes = [vocabulary.HEADS[home] for home, keys in every if key in keys]
+                expected = f"one of the keys {nearest(key, [*allowed])}"
+                if homes:
+                    expected = f"no such key here: it belongs in {' or '.join(homes)}"
+                if section == "start":
+                    expected = vocabulary.OF_OTHERS.get(key, expected)
+                raise self.bad(".".join(filter(None, (where or section, key))), value, expected)
 
     def table(self, section: str, required: bool = True) -> Mapping[str, Any]:
         """A section that is one table."""
@@ -195,14 +194,15 @@ class SceneTables:
         self.refuse_unknown(section, table)
         return table
 
-    def tables(self, section: str) -> list[dict[str, Any]]:
-        """A section of several tables."""
+    def tables(self, section: str) -> Iterator[tuple[str, dict[str, Any]]]:
+        """The tables of a section of several, and what each is called."""
         tables = self.data.get(section, [])
-        if not isinstance(tables, list) or not all(isinstance(t, dict) for t in tables):
-            raise self.bad(section, tables, f"tables [[{section}]]")
-        for index, table in enumerate(tables):
-            self.refuse_unknown(section, table, f"{section}[{index + 1}]")
-        return tables
+        for index, table in enumerate(tables if isinstance(tables, list) else [tables]):
+            if tables is table or not isinstance(table, dict):
+                raise self.bad(section, tables, f"tables [[{section}]]")
+            where = f"{section}[{index + 1}]"
+            self.refuse_unknown(section, table, where)
+            yield where, table
 
     def alone(
         self, section: str, table: Mapping[str, Any], others: Iterable[str], expected: str
@@ -217,67 +217,56 @@ class SceneTables:
 
         ``where``: the table of several, as ``events[1]``.
         """
-        key = vocabulary.key(section, name)
-        readers: dict[str, Callable[[str, Any], Any]] = {
-            vocabulary.NUMBER: self.number,
-            vocabulary.VECTOR: self.vector,
-            vocabulary.WORD: self.word,
-            vocabulary.WORDS: self.words,
-            vocabulary.TRUTH: self.truth,
-        }
-        full = ".".join(filter(None, (where or section, name)))
+        key = f"{where or section}.{name}".lstrip(".")
+        kind = vocabulary.BY_NAME[section][name].kind
         value = table[name] if name in table else vocabulary.default(section, name)
-        return readers[key.kind](full, value)
-
-    def truth(self, key: str, value: object) -> bool:
-        """True or false."""
-        if not isinstance(value, bool):
-            raise self.bad(key, value, "true or false")
-        return value
+        if kind == vocabulary.NUMBER:
+            return self.number(key, value)
+        if kind == vocabulary.VECTOR:
+            return self.vector(key, value)
+        if kind == vocabulary.TRUTH:
+            if not isinstance(value, bool):
+                raise self.bad(key, value, "true or false")
+            return value
+        texts = self.array(key, value) if kind == vocabulary.WORDS else [value]
+        for text in texts:
+            if not is_text(text):
+                raise self.bad(key, text, "a text")
+        return tuple(texts) if kind == vocabulary.WORDS else value
 
     def whole(self, section: str, table: Mapping[str, Any], name: str, least: int) -> int:
         """What a section holds under a key, or its default: a whole number up to a million."""
-        value = table.get(name, vocabulary.default(section, name))
-        if not is_int(value) or not least <= value <= MAX_SAMPLES:
+        value: object = table.get(name, vocabulary.default(section, name))
+        if not isinstance(value, int) or value is True or not least <= value <= MAX_SAMPLES:
             expected = f"a whole number from {least} to {MAX_SAMPLES}"
             raise self.bad(f"{section}.{name}", value, expected)
         return value
 
-    def word(self, key: str, value: object) -> str:
-        """A text."""
-        if not is_expression(value):
-            raise self.bad(key, value, "a text")
-        return value
-
-    def words(self, key: str, value: object) -> tuple[str, ...]:
-        """A list of texts."""
-        return tuple(self.word(key, item) for item in self.array(key, value))
-
     def array(self, key: str, value: Any, length: int | None = None) -> list[Any]:
         """An array, of so many numbers."""
-        expected = "an array" if length is None else f"an array of {length} numbers"
         if not isinstance(value, list) or (length is not None and len(value) != length):
+            expected = "an array" if length is None else f"an array of {length} numbers"
             raise self.bad(key, value, expected)
         return value
 
     def vector(self, key: str, value: Any) -> Vector:
         """Three numbers."""
-        a, b, c = (self.number(key, item) for item in self.array(key, value, 3))
-        return a, b, c
+        a, b, c = self.array(key, value, 3)
+        return self.number(key, a), self.number(key, b), self.number(key, c)
 
     def number(self, key: str, value: Any) -> Exact:
         """The exact number that a value stands for."""
         try:
             if isinstance(value, Literal):
                 return expression.decimal(value)
-            if is_int(value):
+            if isinstance(value, str):
+                exactly, in_si = expression.number_in_text(value, vocabulary.unit(key))
+                self.in_si |= in_si
+                return exactly
+            if isinstance(value, int) and not isinstance(value, bool):
                 if abs(value).bit_length() > expression.MAX_BITS:
                     raise ExpressionError("too large")
                 return Fraction(value)
-            if isinstance(value, str):
-                exactly, in_units = number_in_text(value, vocabulary.unit(key))
-                self.in_si |= in_units
-                return exactly
             if hasattr(value, "__float__") and not isinstance(value, bool):  # given in Python
                 return derived_number(value)
         except ValueError as fault:
@@ -287,24 +276,10 @@ class SceneTables:
             raise self.bad(key, value, f"a number ({fault})") from None
         raise self.bad(key, value, "a number")
 
-    def readable(self, key: str, text: str, names: tuple[str, ...]) -> None:
-        """Check an expression in named columns by computing it once with arbitrary values."""
-        from polhode.scenes.vocabulary import check
 
-        try:
-            check(text, names)
-        except ExpressionError as fault:
-            raise self.bad(key, text, f"an expression in {' '.join(names)} ({fault})") from None
-
-
-def is_expression(value: object) -> TypeGuard[str]:
+def is_text(value: object) -> TypeGuard[str]:
     """Whether a value is a text, which holds an exact expression; a decimal of the file is none."""
     return isinstance(value, str) and not isinstance(value, Literal)
-
-
-def is_int(value: object) -> TypeGuard[int]:
-    """Whether a value is a whole number of the file."""
-    return isinstance(value, int) and not isinstance(value, bool)
 
 
 def as_written(value: object, depth: int = 4) -> Any:
@@ -454,17 +429,17 @@ class Scene:
     def __post_init__(self, normalise: bool) -> None:
         for key in ("name", "title", "form", "reference", "units"):
             of_kind("Scene", key, getattr(self, key), str, "text")
-        if (name := one_line(self.name)) != self.name:  # it stands in every line that is said of it
-            object.__setattr__(self, "name", name)
+        if not self.name.isprintable():  # it stands in every line that is said of it
+            object.__setattr__(self, "name", one_line(self.name))
         if not callable(vars(self)["_source"]):
             of_kind("Scene", "source", self.source, str, "text")
         for key, kind in _PARTS.items():
-            parts = each(
-                self.name, key, getattr(self, key), lambda x: x, f"a list of {kind.__name__}"
-            )
+            parts, several = numbers_given(getattr(self, key))
+            if not several:
+                raise self._bad(key, parts[0], f"a list of {kind.__name__}")
             for k, part in enumerate(parts):
                 of_kind(self.name, f"{key}[{k + 1}]", part, kind, f"{kind.__name__}")
-            object.__setattr__(self, key, parts)
+            object.__setattr__(self, key, tuple(parts))
         if len(self.events) > MOST_EVENTS:
             raise self._bad("events", f"{len(self.events)} events", f"at most {MOST_EVENTS}")
         for k, event in enumerate(self.events):
@@ -475,27 +450,24 @@ class Scene:
         of_kind(self.name, "section", self.section, SectionPlan, "a SectionPlan")
         of_kind(self.name, "expect", self.expect, Mapping, "bands of digits by number type")
         of_kind(self.name, "body", self.body, Body, "a Body")
-        object.__setattr__(self, "omega", exact_vector(self.omega, self.name, "start.omega"))
+        omega, gamma = exact_vector(self.omega, self.name, "start.omega"), self.gamma
         (psi,) = each(self.name, "start.psi", (self.psi,), derived_number, "a number")
-        object.__setattr__(self, "psi", psi)
-        object.__setattr__(self, "times", self._checked_times("run.at", self.times))
-        if self.gamma is not None:
-            gamma = exact_vector(self.gamma, self.name, "start.gamma")
+        times = self._checked_times("run.at", self.times)
+        if gamma is not None:
+            gamma = exact_vector(gamma, self.name, "start.gamma")
             square = dot(gamma, gamma)
-            if normalise and square != 1 and sign(square) != 0:
-                gamma = scaled(1 / exact.sqrt(square), gamma)
-            object.__setattr__(self, "gamma", gamma)
-        if self.gamma is None:
-            if not self.body.torque_free:
-                raise self._bad("start.gamma", None, "a unit vector, since the weight has a moment")
-            if self.outputs:
-                raise self._bad("run.outputs", ", ".join(self.outputs), "none without start.gamma")
-        elif dot(self.gamma, self.gamma) != 1:
-            raise self._bad(
-                "start.gamma",
-                f"length {shown(exact.sqrt(dot(self.gamma, self.gamma)))}",
-                "a vector of length exactly 1, or normalise = true",
-            )
+            if square != 1 and not (normalise and sign(square)):
+                raise self._bad(
+                    "start.gamma",
+                    f"length {shown(exact.sqrt(square))}",
+                    "a vector of length exactly 1, or normalise = true",
+                )
+            gamma = gamma if square == 1 else scaled(1 / exact.sqrt(square), gamma)
+        elif not self.body.torque_free:
+            raise self._bad("start.gamma", None, "a unit vector, since the weight has a moment")
+        elif self.outputs:
+            raise self._bad("run.outputs", ", ".join(self.outputs), "none without start.gamma")
+        vars(self).update(omega=omega, gamma=gamma, psi=psi, times=times)
         if self.units not in UNITS:
             raise self._bad("units", self.units, "SI, or left out for any consistent units")
         for output in self.outputs:
@@ -512,7 +484,7 @@ class Scene:
         return f"<Scene {self.name}: moments {moments}{until}>"
 
     def _repr_html_(self) -> str:
-        from polhode.results.shown import to_html
+        from polhode.results.cells import to_html
 
         facts = {
             "": self.title or self.name,
@@ -535,7 +507,7 @@ class Scene:
 
         ``key``: of the argument or the scene file that gives them.
         """
-        times = (
+        times: ExactNumbers[Exact] = (
             values
             if isinstance(values, ExactNumbers)
             else listed_times(self.name, key, values, self.units)

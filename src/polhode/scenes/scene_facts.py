@@ -7,13 +7,13 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from polhode.numbers import exact
+from polhode.numbers.conversion import ExactNumbers
 from polhode.numbers.exact import Irrational
-from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import Doubles, Given, Indices, NumberType
 from polhode.results.cells import EXACT, TEXT, bits_word
 from polhode.results.table import Column, Fact, Value, Values
 from polhode.scenes.scene import Scene
-from polhode.scenes.scene_text import as_toml
+from polhode.scenes.scene_file import as_toml
 from polhode.scenes.vary import Grid
 from polhode.scenes.vocabulary import (
     ANGLES,
@@ -60,7 +60,7 @@ def scene_facts(
     outputs = scene.output_times
     in_column = times is not None and outputs.floats is not None and outputs == times
     if outputs.floats is None and any(isinstance(t, Irrational) for t in outputs.ends or outputs):
-        scene = scene.at(times or tuple(exact.binary(*exact.rounded(t, 160)) for t in outputs))
+        scene = scene.at(times or tuple(exact.nearest(t, 160) for t in outputs))
     text = as_toml(scene.at(()) if in_column else scene)
     return [
         Fact("scene", name or scene.name, "the scene's name"),

@@ -1,20 +1,25 @@
-"""Scene files: TOML text to a Scene, every number exact, every fault one line."""
+"""Scene files: TOML text to a Scene, every number exact, every fault one line; and back."""
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import replace
+from fractions import Fraction
+from itertools import starmap
 from pathlib import Path
 from typing import Any
 
-from polhode.common.errors import UNREADABLE, BadInput, nearest
+from polhode.common.arguments import of_kind
+from polhode.common.errors import UNREADABLE, BadInput, nearest, plain
 from polhode.common.files import called, read_whole
 from polhode.common.values import waiting
 from polhode.numbers import expression
-from polhode.numbers.exact import Exact, sign
-from polhode.numbers.exact_sequences import ExactNumbers
+from polhode.numbers.conversion import ExactNumbers, exact_number
+from polhode.numbers.decimals import in_full, is_decimal
+from polhode.numbers.exact import Exact, Irrational, sign
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.vectors import Vector
 from polhode.scenes import vocabulary
@@ -28,7 +33,6 @@ from polhode.scenes.scene import (
     SceneTables,
     SectionPlan,
     even_times,
-    is_int,
 )
 from polhode.scenes.vocabulary import (
     EXTREMA,
@@ -61,13 +65,6 @@ class SceneText(str):
     tables: dict[str, Any]
     values: dict[str, Any]
 
-    @classmethod
-    def of(cls, text: str, tables: dict[str, Any], values: dict[str, Any]) -> SceneText:
-        """A text that was read."""
-        read_text = cls(text)
-        read_text.tables, read_text.values = tables, values
-        return read_text
-
     def tells(self, scene: Scene, *fields: str) -> bool:
         """Whether these fields of a scene, by default all, are still what the text says."""
         names = fields or tuple(self.values)
@@ -79,10 +76,9 @@ class SceneText(str):
 
 def read(path: Path, name: str | None = None) -> Scene:
     """The scene in a file, by that name or by the file's; raises BadInput, which tells the path."""
-    if name is None:
-        scene = read(path, str(path))
-        return scene if scene.name == called(path) else replace(scene, name=called(path))
-    return parse(text_of(path, name), name)
+    source = name or str(path)
+    scene, own = parse(text_of(path, source), source), name or called(path)
+    return scene if scene.name == own else replace(scene, name=own)
 
 
 def text_of(path: Path, name: str) -> str:
@@ -115,7 +111,7 @@ def tables_of(scene: Scene) -> dict[str, Any]:
     """The tables of body and start: those of the scene's file, if they still say what it is."""
     text = source_text(scene)
     if text is not None and text.tells(scene, "body", "omega", "gamma", "psi"):
-        return {name: dict(text.tables[name]) for name in ("body", "start")}
+        return {"body": dict(text.tables["body"]), "start": dict(text.tables["start"])}
     body = scene.body
     start: dict[str, Any] = {"omega": list(scene.omega)}
     if scene.gamma is not None:
@@ -128,8 +124,8 @@ def tables_of(scene: Scene) -> dict[str, Any]:
     return {"body": {**form, "centre": list(body.centre), "weight": body.weight}, "start": start}
 
 
-def of_tables(data: dict[str, object], name: str, text: Callable[[], str]) -> Scene:
-    """The scene in tables that were never a text; ``text`` writes them where it is wanted."""
+def of_tables(data: dict[str, Any], name: str, text: str | Callable[[], str]) -> Scene:
+    """The scene in the tables of a text, or of one that a function writes where it is wanted."""
     return _File(name, data).scene(text)
 
 
@@ -156,7 +152,7 @@ def exact_value(value: object, key: str, name: str) -> Exact:
 
 def tables(text: str, name: str = "scene") -> dict[str, Any]:
     """The tables of a TOML text, decimals kept digit for digit; raises BadInput."""
-    if any(len(line) > MAX_LINE for line in text.splitlines()):
+    if max(map(len, text.splitlines()), default=0) > MAX_LINE:
         raise BadInput(name, "file", None, f"lines of at most {MAX_LINE} characters")
     if text.lstrip().startswith("{"):
         raise BadInput(name, "file", None, f"a scene file (TOML): this is JSON: {_JSON}")
@@ -193,13 +189,14 @@ class _File(SceneTables):
         body = body_of(self, self.table("body"))
         omega, gamma, psi = start_of(self, self.table("start"), body)
         run = self.table("run", required=False)
+        plan = self.table("section", required=False)
         judged = self.table("reference", required=False)
         kind = self.read("reference", judged, "kind")
         if kind not in REFERENCES and kind not in (more := vocabulary.added_names()):
             expected = FORMER_REFERENCES.get(kind) or nearest(kind, [*REFERENCES, *more])
             raise self.bad("reference.kind", kind, expected)
         times = self.times(run)
-        published = tuple(self.published(i, p) for i, p in enumerate(self.tables("published")))
+        published = tuple(starmap(self.published, self.tables("published")))
         units = self.read("", data, "units")
         values: dict[str, Any] = {
             "body": body,
@@ -212,14 +209,16 @@ class _File(SceneTables):
             "cite": self.read("", data, "cite"),
             "form": self.read("run", run, "form"),
             "outputs": self.read("run", run, "outputs"),
-            "events": tuple(self.event(i, e) for i, e in enumerate(self.tables("events"))),
+            "events": tuple(starmap(self.event, self.tables("events"))),
             "published": published,
             "reference": kind,
             "expect": self.expect(self.table("expect", required=False)),
-            "section": self.section(self.table("section", required=False)),
+            "section": self.section(plan) if plan else SectionPlan(),
             "units": units or ("SI" if self.in_si else ""),
         }
-        source = SceneText.of(text, data, values) if isinstance(text, str) else waiting(text)
+        source = SceneText(text) if isinstance(text, str) else waiting(text)
+        if isinstance(source, SceneText):
+            source.tables, source.values = data, values
         return Scene(**values, name=self.name, source=source, change=self.change, doubt=self.doubt)
 
     # -- sections -----------------------------------------------------------------------------
@@ -243,31 +242,31 @@ class _File(SceneTables):
             raise self.bad("run.end", run["end"], "a time other than 0")
         return even_times(end, self.whole("run", run, "samples", 2))
 
-    def event(self, index: int, table: Mapping[str, Any]) -> Event:
+    def event(self, where: str, table: Mapping[str, Any]) -> Event:
         """One of the tables [[events]]."""
-        key = f"events[{index + 1}]"
-        name = self.word(f"{key}.name", table.get("name", f"event {index + 1}"))
+        _, _, number = where.strip("]").partition("[")
+        whole = {"name": f"event {number}", "zero": "", **table}
+        name, zero, direction, stop = (
+            self.read("events", whole, key, where) for key in ("name", "zero", "direction", "stop")
+        )
         if "zero" not in table and Event(name).needs_zero:
             words = nearest(name, [*READY_MADE, f"{SECTION}<expression>"])
-            raise self.bad(f"{key}.zero", None, f"an expression, or one of the names {words}")
-        zero = self.word(f"{key}.zero", table.get("zero", ""))
-        direction, stop = (self.read("events", table, x, key) for x in ("direction", "stop"))
+            raise self.bad(f"{where}.zero", None, f"an expression, or one of the names {words}")
         return Event(name, zero, direction, stop)  # the scene checks what they say
 
-    def published(self, index: int, table: Mapping[str, Any]) -> Published:
+    def published(self, where: str, table: Mapping[str, Any]) -> Published:
         """One of the tables [[published]]."""
-        key = f"published[{index + 1}]"
         t, quantity, value, cite = (
-            self.read("published", table, x, key) for x in ("t", "quantity", "value", "cite")
+            self.read("published", table, key, where) for key in ("t", "quantity", "value", "cite")
         )
-        self.readable(f"{key}.quantity", quantity, (*STATE, *column_names()))
+        self.readable(f"{where}.quantity", quantity, (*STATE, *column_names()))
         try:
             expression.decimal(value)
         except ExpressionError as fault:
-            raise self.bad(f"{key}.value", value, f"a decimal as printed ({fault})") from None
+            raise self.bad(f"{where}.value", value, f"a decimal as printed ({fault})") from None
         right = table.get("right")
-        if right is not None and (not is_int(right) or not 0 <= right <= 100):
-            raise self.bad(f"{key}.right", right, "how many of its digits are right")
+        if right is not None and (type(right) is not int or not 0 <= right <= 100):
+            raise self.bad(f"{where}.right", right, "how many of its digits are right")
         return Published(t, quantity, value, cite, right)
 
     def section(self, table: Mapping[str, Any]) -> SectionPlan:
@@ -284,13 +283,216 @@ class _File(SceneTables):
             starts.append(tuple(self.number(key, item) for item in self.array(key, row)))
         return SectionPlan(by, extremum, crossings, tuple(starts))
 
+    def readable(self, key: str, text: str, names: tuple[str, ...]) -> None:
+        """Check an expression in named columns by computing it once with arbitrary values."""
+        try:
+            vocabulary.check(text, names)
+        except ExpressionError as fault:
+            raise self.bad(key, text, f"an expression in {' '.join(names)} ({fault})") from None
+
     def expect(self, table: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
         """Bands of digits by number type."""
         bands = {}
-        for number, band in table.items():
-            key = f"expect.{number}"
-            least, most = (self.number(key, x) for x in self.array(key, band, 2))
+        for number_type, band in table.items():
+            key = f"expect.{number_type}"
+            low, high = self.array(key, band, 2)
+            least, most = self.number(key, low), self.number(key, high)
             if not 0 <= least < most <= 10_000:
                 raise self.bad(key, band, "the least and the most correct digits")
-            bands[number] = (float(least), float(most))
+            bands[number_type] = (float(least), float(most))
         return bands
+
+
+# --- scene text -----------------------------------------------------------------------------------
+#
+# A scene as the text of a scene file: every number in full, so that reading it gives it back.
+
+
+_TITLES = ("title", "tags", "cite", "units")
+_OF_TIMES = ("end", "samples", "at")
+
+#: A half of a character that stands alone, which no text in a file can hold.
+_SURROGATE = re.compile("[\ud800-\udfff]")
+
+
+def as_toml(scene: Scene) -> str:
+    """Write a scene as the text of a file that holds it exactly.
+
+    It is the file's own text if the scene was not changed since; body and start are written as they
+    were given.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene; its numbers rational, or the expressions that they were read from.
+
+    Returns
+    -------
+    str
+        A scene file in TOML: ``polhode.load`` of it gives an equal scene.
+
+    Raises
+    ------
+    BadInput
+        A scene that no file can hold.
+
+    Examples
+    --------
+    >>> import polhode
+    >>> text = polhode.as_toml(polhode.top(moments=[2, 2, 1], omega=[0.5, 0, 3], end=10))
+    >>> print(text)
+    schema = 1
+    <BLANKLINE>
+    [body]
+    moments = [2, 2, 1]
+    <BLANKLINE>
+    [start]
+    omega = [0.5, 0, 3]
+    <BLANKLINE>
+    [run]
+    end = 10
+    <BLANKLINE>
+    """
+    of_kind("as_toml", "scene", scene, Scene, "a Scene")
+    text = source_text(scene)
+    if text is not None and text.tells(scene):
+        return str(text)
+    data: dict[str, Any] = {key: getattr(scene, key) for key in _TITLES}
+    data |= tables_of(scene)
+    data["run"] = {"form": scene.form, "outputs": scene.outputs} | _times(scene)
+    data["section"] = scene.section._asdict()
+    data["events"] = [event.table for event in scene.events]
+    data["published"] = [figure._asdict() for figure in scene.published]
+    data["reference"] = {"kind": scene.reference}
+    data["expect"] = {  # doubles that were read from decimals as short as these
+        name: [Fraction(repr(x)) for x in band] for name, band in scene.expect.items()
+    }
+    return written(data, scene.name)
+
+
+def written(data: Mapping[str, Any], name: str) -> str:
+    """The tables of a scene as TOML; what has its default is left out; raises BadInput."""
+    lines = ["schema = 1", *_lines("", data, name)]
+    for section in ("body", "start", "run", "section", "reference", "expect"):
+        table = data.get(section, {})
+        body_lines = list(_lines(section, table, name))
+        if body_lines or section in ("body", "start"):
+            lines += ["", f"[{section}]", *body_lines]
+        if section == "body":
+            for part in table.get("parts", ()):
+                lines += ["", "[[body.parts]]", *_lines("body.parts", part, name)]
+    for section in ("events", "published"):
+        for table in data.get(section, ()):
+            lines += ["", f"[[{section}]]", *_lines(section, table, name)]
+    return "\n".join(lines) + "\n"
+
+
+def owned(value: Any, name: str, key: str = "") -> Any:
+    """A value given in Python as a file holds it, which no change of what was given reaches.
+
+    Lists, arrays and tables are copied, what is None in a table is left out; floats stay floats.
+    Raises BadInput for what no file can hold.
+    """
+    if hasattr(value, "tolist"):  # numpy's arrays and numbers
+        value = value.tolist()
+    if value is None:
+        raise BadInput(name, key, "None", "a value")
+    if isinstance(value, (bool, int, float)):
+        return value
+    if isinstance(value, str):
+        if len(value) > MAX_LINE or _SURROGATE.search(value):
+            expected = f"a text of at most {MAX_LINE} whole characters"
+            raise BadInput(name, key, value, expected)
+        return str(value)
+    if isinstance(value, Mapping):
+        each = ((word, x) for word, x in value.items() if x is not None)
+        return {word: owned(x, name, f"{key}.{word}".lstrip(".")) for word, x in each}
+    if isinstance(value, Iterable) and not isinstance(value, (bytes, Set)):  # a set has no order
+        listed = enumerate(value, 1)
+        return [owned(x, name, f"{key}[{k}]" if isinstance(x, Mapping) else key) for k, x in listed]
+    if not hasattr(value, "__float__"):
+        return value  # refused by who reads it
+    try:
+        x = exact_number(value)
+    except ValueError as fault:
+        raise BadInput(name, key, plain(value), f"a number ({fault})") from None
+    return _finite(x, name, key)
+
+
+def _finite(x: Exact, name: str, key: str) -> int | Fraction | str:
+    """A number that a file can hold: a decimal, or a fraction as text; raises BadInput."""
+    if isinstance(x, Irrational):
+        expected = "a number with finitely many digits, or its expression as text"
+        raise BadInput(name, key, float(x), expected)
+    if x.denominator == 1:
+        return x.numerator
+    return x if is_decimal(x) else in_full(x)
+
+
+def _lines(section: str, table: Mapping[str, Any], name: str) -> Iterable[str]:
+    for key in vocabulary.KEYS[section]:
+        value = table.get(key.name)
+        tabled = key.kind in (vocabulary.TABLE, vocabulary.TABLES)
+        if value is None or tabled or key.name == "schema":
+            continue
+        text = _text(value, name, f"{section}.{key.name}".lstrip("."))
+        if text == key.default:
+            continue
+        floats = [x for x in _flat(value) if isinstance(x, float) and not _short(x)]
+        doubles = ", ".join(map(repr, floats[:3])) + ", ..." * (len(floats) > 3)
+        yield f"{key.name} = {text}" + (f"  # the doubles {doubles} in full" if floats else "")
+
+
+def _text(value: Any, name: str, key: str) -> str:
+    """One value as TOML text: numbers in full, texts quoted."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, Literal):
+        return str(value)
+    if isinstance(value, str):
+        return _quoted(value)
+    if isinstance(value, (list, tuple)):
+        items = [_text(x, name, key) for x in value]
+        many = sum(map(len, items)) > 1000
+        return "[\n  " + ",\n  ".join(items) + ",\n]" if many else f"[{', '.join(items)}]"
+    number = _finite(exact_number(value), name, key)
+    return json.dumps(number) if isinstance(number, str) else in_full(Fraction(number))
+
+
+def _quoted(text: str) -> str:
+    """A text as TOML writes it: to it JSON's two halves of one character are none."""
+    if text.isascii() or max(text) < "\U00010000":
+        return json.dumps(text)
+    return f'"{"".join(map(_escaped, text))}"'
+
+
+def _escaped(x: str) -> str:
+    return json.dumps(x)[1:-1] if x < "\U00010000" else f"\\U{ord(x):08x}"
+
+
+def _flat(value: Any) -> Iterable[Any]:
+    if isinstance(value, (list, tuple)):
+        for item in value:
+            yield from _flat(item)
+    else:
+        yield value
+
+
+def _short(x: float) -> bool:
+    """Whether a double is just the decimal that Python prints for it."""
+    return Fraction(repr(x)) == Fraction(x)
+
+
+def _times(scene: Scene) -> dict[str, Any]:
+    """The file's own words for the times; end and samples where they are even; else the times."""
+    times, count = scene.times, len(scene.times)
+    text = source_text(scene)
+    if text is not None and text.tells(scene, "times"):
+        written_there = text.tables.get("run", {})
+        return {key: written_there[key] for key in _OF_TIMES if key in written_there}
+    if not times:
+        return {}
+    even = count > 1 and times[0] == 0
+    if even and all(t == scene.end * Fraction(k, count - 1) for k, t in enumerate(times)):
+        return {"end": scene.end, "samples": count}
+    return {"at": list(times)}

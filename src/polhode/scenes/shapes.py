@@ -13,14 +13,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput, nearest
+from polhode.numbers.conversion import reader
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
+from polhode.numbers.expression import in_units
 from polhode.numbers.number_types import AnyNumber, AnyVector
 from polhode.numbers.vectors import Matrix, Vector
-from polhode.scenes.given_numbers import in_units, reader
 
 AXES = ("z", "x", "y", "-z", "-x", "-y")
 _LENGTHS = ("size", "semi_axes", "radius", "height", "inner")
-_VECTORS = ("size", "semi_axes")
+_VECTORS = ("size", "semi_axes", "at")
 _MAY_VANISH = ("height", "inner")
 
 
@@ -148,13 +149,13 @@ class Part:
                 needed = ", ".join((*shape.needs, *shape.takes)) or "no length"
                 raise BadInput("Part", key, length, f"nothing: shape {self.shape} has {needed}")
             if length is not None:
-                object.__setattr__(self, key, self._lengths(key, length))
+                object.__setattr__(self, key, self._exactly(key, length))
             if length is None and key in shape.takes:
                 object.__setattr__(self, key, ZERO)
-        object.__setattr__(self, "mass", self._numbers("mass", (self.mass,))[0])
+        object.__setattr__(self, "mass", self._exactly("mass", self.mass))
         if sign(self.mass) <= 0:
             raise BadInput("Part", "mass", self.mass, "a mass above 0")
-        object.__setattr__(self, "at", self._vector("at", self.at))
+        object.__setattr__(self, "at", self._exactly("at", self.at))
         if self.axis not in AXES:
             raise BadInput("Part", "axis", self.axis, nearest(self.axis, [*AXES]))
         if self.axis != "z" and not shape.round:
@@ -162,24 +163,21 @@ class Part:
         if self.inner is not None and self.radius is not None and self.inner > self.radius:
             raise BadInput("Part", "inner", self.inner, "a radius no larger than radius")
 
-    def _lengths(self, key: str, value: object) -> Any:
-        values = self._vector(key, value) if key in _VECTORS else self._numbers(key, (value,))
-        for x in values:
+    def _exactly(self, key: str, value: object) -> Any:
+        """A number, or three of them, exactly."""
+        several = key in _VECTORS
+        numbers = each("Part", key, value if several else (value,), lambda x: x, "numbers")
+        if any(isinstance(x, str) and in_units(x) for x in numbers):
+            object.__setattr__(self, "units", "SI")
+        numbers = each(
+            "Part", key, numbers, reader("SI", "kg" if key == "mass" else "m"), "numbers"
+        )
+        if several and len(numbers) != 3:
+            raise BadInput("Part", key, f"{len(numbers)} numbers", "three numbers")
+        for x in numbers if key in _LENGTHS else ():
             if sign(x) < 0 or (sign(x) == 0 and key not in _MAY_VANISH):
                 raise BadInput("Part", key, x, "a length above 0")
-        return values if key in _VECTORS else values[0]
-
-    def _vector(self, key: str, value: object) -> Vector:
-        values = self._numbers(key, value)
-        if len(values) != 3:
-            raise BadInput("Part", key, f"{len(values)} numbers", "three numbers")
-        return values[0], values[1], values[2]
-
-    def _numbers(self, key: str, value: object) -> tuple[Exact, ...]:
-        values = each("Part", key, value, lambda x: x, "numbers")
-        if any(isinstance(x, str) and in_units(x) for x in values):
-            object.__setattr__(self, "units", "SI")
-        return each("Part", key, values, reader("SI", "kg" if key == "mass" else "m"), "numbers")
+        return numbers if several else numbers[0]
 
     @property
     def table(self) -> dict[str, object]:

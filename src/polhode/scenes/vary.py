@@ -8,14 +8,12 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from polhode.common.arguments import each, of_kind, rows_of
+from polhode.common.arguments import each, numbers_given, of_kind, rows_of
 from polhode.common.errors import BadInput, plain, say_doubt
+from polhode.numbers.conversion import ExactNumbers, LazySequence, in_text, reader, spaced
 from polhode.numbers.exact import ZERO, Exact, pi
-from polhode.numbers.exact_sequences import ExactNumbers, LazySequence, spaced
 from polhode.numbers.expression import ExpressionError
-from polhode.numbers.number_types import numbers_given
 from polhode.scenes.body_and_start import THETA, doubtful_theta
-from polhode.scenes.given_numbers import in_text, reader
 from polhode.scenes.vocabulary import unit
 
 if TYPE_CHECKING:
@@ -187,7 +185,7 @@ def options(texts: Sequence[str], name: str, units: str = "") -> dict[str, Seque
 def numbers(text: str, key: str, name: str, units: str, dimension: str) -> Sequence[Exact]:
     """The numbers of ``a,b,c``, where each may be ``FROM:TO:N``: N evenly spaced, ends included.
 
-    ``dimension``: as in ``given_numbers.in_text``.  Raises BadInput.
+    ``dimension``: as ``unit`` in :func:`polhode.numbers.conversion.in_text`.  Raises BadInput.
     """
     parts = []
     for item in text.split(","):
@@ -211,58 +209,50 @@ def grid(vary: Vary, name: str, units: str = "", starts: Flat | None = None) -> 
     if isinstance(vary, (list, tuple)) and vary and all(isinstance(x, str) for x in vary):
         vary = options(vary, name, units)
     product = isinstance(vary, Mapping)
+    arrays: list[ExactNumbers[Fraction]] = []
     if isinstance(vary, Mapping):
-        array_keys, arrays = row_by_row(vary, name, starts)
-        if array_keys:
-            return _limited(Grid(tuple(array_keys), Rows(arrays, product=False)), name)
-        columns = [_column(key, values, name, units) for key, values in vary.items()]
-        keys = tuple(vary)
+        keys, arrays = row_by_row(vary, name, starts)
+        if not arrays:
+            columns = [_column(key, values, name, units) for key, values in vary.items()]
+            keys = [*vary]
     else:
         vary = each(name, "vary", vary, lambda member: member, "keys with their values, or members")
         for k, member in enumerate(vary):
             of_kind(name, f"vary[{k + 1}]", member, Mapping, "a mapping of keys to values")
-        keys = tuple(vary[0]) if vary else ()
+        keys = [*vary[0]] if vary else []
         for k, member in enumerate(vary):
             if set(member) != set(keys):
                 listed = ", ".join(map(plain, member))
                 raise BadInput(name, f"member {k + 1}", listed, f"the keys {', '.join(keys)}")
-        columns = [[_exact(m[key], key, name, units) for m in vary] for key in keys]
+        columns = [
+            ExactNumbers(tuple(_exact(m[key], key, name, units) for m in vary)) for key in keys
+        ]
     if not keys:
         raise BadInput(name, "vary", None, "at least one number of the scene file to vary")
-    exact = [x if isinstance(x, ExactNumbers) else ExactNumbers(tuple(x)) for x in columns]
-    whole = _limited(Grid(keys, Rows(exact, product)), name)
-    if THETA in keys:
-        _doubt(whole.rows.columns[keys.index(THETA)], name)
-    return whole
+    rows = Rows(arrays or columns, product and not arrays)
+    if len(rows) > MAX_MEMBERS:
+        expected = f"at most {MAX_MEMBERS}; split the sweep"
+        raise BadInput(name, "vary", f"{len(rows)} members", expected)
+    if THETA in keys and not arrays:
+        thetas = rows.columns[keys.index(THETA)]
+        largest = max(thetas.ends or thetas, key=abs, default=ZERO)
+        if abs(largest) > 2 * pi():
+            say_doubt(name, doubtful_theta(largest))
+    return Grid(tuple(keys), rows)
 
 
-def _limited(whole: Grid, name: str) -> Grid:
-    """A grid that is not too large; raises BadInput."""
-    count = len(whole.rows)
-    if count > MAX_MEMBERS:
-        raise BadInput(name, "vary", f"{count} members", f"at most {MAX_MEMBERS}; split the sweep")
-    return whole
-
-
-def _doubt(column: ExactNumbers[Exact], name: str) -> None:
-    """Say where a theta is of more than a turn."""
-    largest = max(column.ends or column, key=abs, default=ZERO)
-    if abs(largest) > 2 * pi():
-        say_doubt(name, doubtful_theta(largest))
-
-
-def _column(key: str, values: object, name: str, units: str) -> Sequence[Exact]:
+def _column(key: str, values: object, name: str, units: str) -> ExactNumbers[Exact]:
     if isinstance(values, str):
-        return numbers(values, key, name, units, unit(key))
+        values = numbers(values, key, name, units, unit(key))
+        return values if isinstance(values, ExactNumbers) else ExactNumbers(tuple(values))
     if isinstance(values, ExactNumbers):
         return values
     listed, several = numbers_given(values)
     if not several:
         raise BadInput(name, key, plain(values), "a sequence of numbers, or FROM:TO:N")
-    column = [_exact(x, key, name, units) for x in listed]
-    if not column:
+    if not listed:
         raise BadInput(name, key, "nothing", "at least one value")
-    return column
+    return ExactNumbers(tuple(_exact(x, key, name, units) for x in listed))
 
 
 def _exact(value: object, key: str, name: str, units: str) -> Exact:

@@ -213,45 +213,24 @@ OF_OTHERS = {
 }
 
 _OF_TABLES = ("body.parts", "events", "published")
-_HEADS = {x: f"[[{x}]]" if x in _OF_TABLES else f"[{x}]" for x in KEYS} | {"": _TOP}
+HEADS = {x: f"[[{x}]]" if x in _OF_TABLES else f"[{x}]" for x in KEYS} | {"": _TOP}
 
-
-def names(section: str) -> list[str]:
-    """The keys that a section may have."""
-    return [key.name for key in KEYS[section]]
-
-
-def ours(section: str, name: str) -> str:
-    """What a section calls a key of that name in other books; "" for nothing."""
-    return OF_OTHERS.get(name, "") if section == "start" else ""
-
-
-def homes(name: str) -> str:
-    """The sections that have a key of this name, as they are written; "" for none."""
-    return " or ".join(_HEADS[section] for section in KEYS if name in names(section))
-
-
-def words(section: str) -> set[str]:
-    """The keys of a section that hold no number, and so cannot be varied."""
-    return {key.name for key in KEYS[section] if key.kind in (WORD, WORDS, TRUTH, WHOLE)}
+#: The same keys, of each section by name.
+BY_NAME = {section: {key.name: key for key in keys} for section, keys in KEYS.items()}
 
 
 def unit(full: str) -> str:
     """The unit of a key's numbers; ``full``: the key as ``body.parts[1].size``; "" for none."""
     section, _, name = _INDEX.sub("", full).rpartition(".")
-    return key(section, name).unit if section in KEYS and name in names(section) else ""
-
-
-@cache
-def key(section: str, name: str) -> Key:
-    """A key by its name."""
-    return next(x for x in KEYS[section] if x.name == name)
+    key = BY_NAME.get(section, {}).get(name)
+    return "" if key is None else key.unit
 
 
 @cache
 def default(section: str, name: str) -> Any:
     """What leaving out a key means; None where it has no default."""
-    return tomllib.loads(f"x = {text}")["x"] if (text := key(section, name).default) else None
+    text = BY_NAME[section][name].default
+    return tomllib.loads(f"x = {text}")["x"] if text else None
 
 
 # --- column expressions ---------------------------------------------------------------------------

@@ -17,9 +17,8 @@ from polhode.equations.readout import at_rest
 from polhode.equations.terms import NAMES
 from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Outcome
-from polhode.numbers.conversion import to_double
+from polhode.numbers.conversion import ExactNumbers, to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import DOUBLE, Doubles, double_array
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE

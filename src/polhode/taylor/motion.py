@@ -17,10 +17,16 @@ from polhode.common.interrupts import Progress
 from polhode.common.values import Recent, cached_property
 from polhode.equations import kinematics, readout
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
-from polhode.numbers.conversion import exactly, joined, number_value, to_double, to_extended
+from polhode.numbers.conversion import (
+    ExactNumbers,
+    exactly,
+    joined,
+    number_value,
+    to_double,
+    to_extended,
+)
 from polhode.numbers.double_double import two_sum
 from polhode.numbers.exact import ZERO
-from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import (
     Array,

@@ -16,9 +16,8 @@ from polhode.equations import kinematics, readout
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.motion.frame import Frame
-from polhode.numbers.conversion import number_value, rounds_to_nearest
+from polhode.numbers.conversion import ExactNumbers, number_value, rounds_to_nearest
 from polhode.numbers.exact import Exact
-from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import (
     DOUBLE,
     EXACT,

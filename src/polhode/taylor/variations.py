@@ -16,9 +16,8 @@ from polhode.common.interrupts import Stop
 from polhode.equations.terms import NAMES
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact, number_types
-from polhode.numbers.conversion import doubles, to_double
+from polhode.numbers.conversion import ExactNumbers, doubles, to_double
 from polhode.numbers.exact import Exact, Number, sign
-from polhode.numbers.exact_sequences import ExactNumbers
 from polhode.numbers.number_types import (
     DOUBLE,
     EXTENDED,

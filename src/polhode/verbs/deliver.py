@@ -74,15 +74,14 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
     places.check()
     places.check_figure(vars(namespace))
     if verb.scene:
-        from polhode.scenes import start_box
-        from polhode.scenes.start_box import StartBox
+        from polhode.scenes.library import StartBox, load_box
 
         first = function.parameters[0].name
         source = arguments[first]
         if isinstance(source, list):
             arguments[first] = scene_options.applied_to_all(namespace, source, verb.scene)
         else:
-            box = start_box.read(source) if verb.is_box else StartBox(library.load(source))
+            box = load_box(source) if verb.is_box else StartBox(library.load(source))
             scene = scene_options.applied(namespace, box.scene, verb.scene)
             arguments[first] = StartBox(scene, box.radii) if verb.is_box else scene
     with ProgressLine(verb.name) as line:
@@ -282,8 +281,8 @@ def shown(result: Any, details: bool = False) -> str:
 
     ``details``: whether all that is known is asked for.
     """
+    from polhode.results.cells import lines
     from polhode.results.result import Result as Base
-    from polhode.results.shown import lines
 
     if details:
         return str(result.details())

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from polhode.numbers.number_types import AnyNumber
     from polhode.runs.ensemble import Ensemble
     from polhode.scenes import vary
+    from polhode.scenes.library import StartBox
     from polhode.scenes.scene import Scene
-    from polhode.scenes.start_box import StartBox
 
 _SECONDS = 1e-4  # about, for a radian of the motion that is followed
 _MOTION_STEPS = 100_000  # a moment's work on whether the motion is chaotic
@@ -283,7 +283,7 @@ def certified(
     from polhode.enclosures.certify import certify, certify_events
     from polhode.enclosures.task import MAX_STEPS
     from polhode.judging.reference_rows import held_times
-    from polhode.scenes import start_box
+    from polhode.scenes.library import BOX_KEY
 
     top, radii = scene
     if events and not top.events:
@@ -293,7 +293,7 @@ def certified(
         raise BadInput(top.name, "run.end", None, "a time, or times given with --at")
     if certificate:
         if radii is not None:
-            raise BadInput(top.name, start_box.KEY, None, "numbers, for a certificate")
+            raise BadInput(top.name, BOX_KEY, None, "numbers, for a certificate")
         state_certificate.check(top, moments)
 
     def foretell(seconds: float) -> None:

@@ -71,8 +71,8 @@ def _add_times(parser: ArgumentParser) -> None:
 
 def times_of(options: Namespace, scene: Scene) -> Sequence[Exact]:
     """The times that are asked for, exact: the scene's own unless an option says otherwise."""
+    from polhode.numbers.conversion import TIME
     from polhode.numbers.exact import sign
-    from polhode.scenes.given_numbers import TIME
     from polhode.scenes.scene import MAX_SAMPLES, even_times
     from polhode.scenes.vary import numbers
 
@@ -116,8 +116,8 @@ def _multiples(scene: Scene, end: Exact, text: str) -> Sequence[Exact]:
 
 def time_of(scene: Scene, key: str, text: str) -> Exact:
     """A time in the scene's units; raises BadInput, with the option's name as ``key``."""
+    from polhode.numbers.conversion import TIME, in_text
     from polhode.numbers.expression import ExpressionError
-    from polhode.scenes.given_numbers import TIME, in_text
 
     try:
         return in_text(text, scene.units, TIME)

@@ -130,9 +130,7 @@ def _of_vector(vector: Sequence[Fraction], bits: int) -> Quaternion:
     angle = root(sum((x * x for x in vector), Fraction(0)), bits)
     if angle == 0:
         return [Fraction(1), *(x / 2 for x in vector)]
-    cosine, sine = (
-        exact.binary(*exact.rounded(f(angle / 2), bits)) for f in (exact.cos, exact.sin)
-    )
+    cosine, sine = (exact.nearest(f(angle / 2), bits) for f in (exact.cos, exact.sin))
     return [cosine, *(x / angle * sine for x in vector)]
 
 

@@ -131,7 +131,7 @@ def _quaternion_length(q: Sequence[int]) -> Fraction:
 @cache
 def degree() -> Fraction:
     """A degree in radians."""
-    return exact.binary(*exact.rounded(exact.pi() / 180, _BITS))
+    return exact.nearest(exact.pi() / 180, _BITS)
 
 
 # --- table ----------------------------------------------------------------------------------------
