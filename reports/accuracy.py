@@ -105,7 +105,7 @@ def _case(scene: polhode.Scene) -> dict[str, Any]:
 
 def _run(
     scene: polhode.Scene,
-    reference: polhode.Reference | polhode.Certified,
+    reference: polhode.Reference,
     name: str,
     growth: polhode.Conditioning | None,
 ) -> dict[str, Any]:

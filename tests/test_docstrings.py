@@ -102,7 +102,9 @@ def results() -> dict[str, Callable[[], object]]:
         ),
         "judged": lambda: polhode.compare(run()),
         "reference": lambda: polhode.reference(scene),
-        "certified": lambda: polhode.Certified(polhode.load("general/asymmetric-chaotic")),
+        "certified": lambda: polhode.reference(
+            polhode.load("general/asymmetric-chaotic"), "certified"
+        ),
         "enclosure": lambda: polhode.certify("euler/sphere", at=[1], digits=15),
         "zeros": lambda: polhode.certify_events(scene, end=2)[0],
         "kappa": lambda: polhode.conditioning(scene, [1]),

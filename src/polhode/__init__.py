@@ -23,6 +23,8 @@ def _homes() -> dict[str, str]:
 
 _HOMES = _homes()
 __all__ = [*_HOMES]
+#: Deprecated names, gone in 0.5: kinds of references, by the backend that makes them.
+_BACKENDS = {"Certified": "certified", "Textbook": "mpmath"}
 
 
 def __getattr__(name: str) -> object:
@@ -31,6 +33,14 @@ def __getattr__(name: str) -> object:
 
     if name == "testing":
         return import_module("polhode.testing")
+    if name in _BACKENDS:
+        from functools import partial
+        from warnings import warn
+
+        backend = _BACKENDS[name]
+        words = f"polhode.{name}(scene) is polhode.reference(scene, {backend!r})"
+        warn(words, DeprecationWarning, stacklevel=2)
+        return partial(import_module("polhode.judging.reference").reference, backend=backend)
     if name not in _HOMES:
         raise AttributeError(f"module 'polhode' has no attribute {name!r}")
     found: object = getattr(import_module(_HOMES[name]), name)

@@ -41,7 +41,6 @@ from polhode.figures.canvas import paper as paper
 from polhode.figures.motion_page import view as view
 from polhode.figures.source import plot as plot
 from polhode.judging.adaptive_precision import integrate as integrate
-from polhode.judging.certified import Certified as Certified
 from polhode.judging.compare import compare as compare
 from polhode.judging.conditioning import Conditioning as Conditioning
 from polhode.judging.conditioning import conditioning as conditioning
@@ -53,7 +52,6 @@ from polhode.judging.reference import Reference as Reference
 from polhode.judging.reference import reference as reference
 from polhode.judging.reference import reference_table as reference_table
 from polhode.judging.reference_rows import ReferenceTable as ReferenceTable
-from polhode.judging.textbook import Textbook as Textbook
 from polhode.motion.outcomes import EventTimes as EventTimes
 from polhode.motion.outcomes import Outcome as Outcome
 from polhode.motion.outcomes import Projection as Projection

@@ -11,7 +11,7 @@ from polhode import BadInput
 from polhode.closed_forms.balls import clocks
 from polhode.closed_forms.balls.core import TooFewBits
 from polhode.closed_forms.families import closed_form
-from polhode.judging import reference, score
+from polhode.judging import score, sources
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
@@ -110,7 +110,7 @@ def test_angles_at_the_start_and_past_a_pole():
     ("t", "why"), [(10**9, "300000 steps"), (10**3, "at most 1 s .* about [34]")]
 )
 def test_an_attitude_too_far_away_is_refused_before_it_is_begun(t, why, monkeypatch):
-    monkeypatch.setattr(reference, "_FORETOLD_SECONDS", 1)
+    monkeypatch.setattr(sources, "_FORETOLD_SECONDS", 1)
     truth = polhode.reference("goryachev-chaplygin/two-frequencies")
     assert len(truth.at([t], 20)[0]) == 6
     with pytest.raises(BadInput, match=f"{why}.*has the state alone, attitude is enclosed"):
@@ -119,13 +119,13 @@ def test_an_attitude_too_far_away_is_refused_before_it_is_begun(t, why, monkeypa
 
 def test_one_enclosure_goes_through_all_rows_of_a_table(monkeypatch):
     """Its forecast and its limit on the time are then those of the whole table."""
-    proofs, certified = [], reference.Certified
+    proofs, certified = [], sources.EnclosureSource
 
     def counted(*arguments, **options):
         proofs.append(arguments)
         return certified(*arguments, **options)
 
-    monkeypatch.setattr(reference, "Certified", counted)
+    monkeypatch.setattr(sources, "EnclosureSource", counted)
     monkeypatch.setattr(score, "_PIECE", 2)
     truth, times = polhode.reference("goryachev-chaplygin/released"), [F(k, 9) for k in range(7)]
     table = score.Answers(truth, times, True, None)

@@ -315,7 +315,7 @@ def test_a_body_that_stays_at_a_pole_has_theta_alone() -> None:
     enclosure = polhode.certify(scene, at=[2], digits=15)
     assert enclosure.angles is not None
     assert enclosure.angles.centres[0][0] is None is enclosure.angles.centres[0][2]
-    ((psi, theta, phi),) = polhode.Certified(scene).angles([2], 15)
+    ((psi, theta, phi),) = polhode.reference(scene, "certified").angles([2], 15)
     assert psi is None is phi
     assert theta is not None
     assert abs(theta) < 1e-15
@@ -326,7 +326,7 @@ def test_a_passage_through_a_pole_is_refused_where_angles_are_asked() -> None:
     body = polhode.Body.of_moments((3, 2, Fraction(3, 2)), (0, 1, 1), 1)
     scene = Scene(body, (3, 0, 0), (0, Fraction(3, 5), Fraction(4, 5)), outputs=OUTPUTS)
     with pytest.raises(polhode.BadInput, match="psi and phi are lost at t = "):
-        polhode.Certified(scene).angles([5], 15)
+        polhode.reference(scene, "certified").angles([5], 15)
     enclosure = polhode.certify(scene, at=["1/100", 5], digits=15)
     ((since,), angles) = enclosure.lost, enclosure.angles
     assert angles is not None

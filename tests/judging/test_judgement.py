@@ -129,10 +129,13 @@ CHAOTIC = "general/asymmetric-chaotic"
     ("call", "said"),
     [
         (
-            lambda: polhode.Certified(polhode.load(CHAOTIC)).at(["soon"]),
+            lambda: polhode.reference(CHAOTIC, "certified").at(["soon"]),
             rf"^{CHAOTIC}: t\[1\] = so",
         ),
-        (lambda: polhode.Certified(polhode.load(CHAOTIC)).at([1], 300), "a whole number, 1 to 250"),
+        (
+            lambda: polhode.reference(CHAOTIC, "certified").at([1], 300),
+            "a whole number, 1 to 250",
+        ),
         (
             lambda: polhode.reference(replace(polhode.load(CHAOTIC), reference="two-precisions")),
             "= two-precisions: expected certified, which fits",
@@ -186,12 +189,13 @@ def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
     assert narrow.comparison.answers is wide.comparison.answers
     assert alone.comparison.answers is not wide.comparison.answers
     assert narrow.worst == pytest.approx(alone.worst, abs=1e-8)
-    by_known = judgement(narrow, details=True, known=conditions)
-    assert by_known.details() == judgement(alone, details=True).details()
+    bands = limits.expectation(narrow, conditions).bands, judgement(alone, details=True).expected
+    by_known, anew = ([band.shown(runs[1].number) for band in row] for row in bands)
+    assert by_known == anew
     again = score(of_run(runs[0]), against, earlier=alone)  # which has too few digits for it
     assert again.worst == pytest.approx(wide.worst, abs=1e-8)
     later = polhode.integrate(scene, at=[1, 6])
-    for run, truth in ((later, against), (runs[1], polhode.Certified(scene))):
+    for run, truth in ((later, against), (runs[1], polhode.reference(scene, "certified"))):
         narrower = score(of_run(run), truth, earlier=wide)
         assert narrower.comparison.answers is not wide.comparison.answers
         assert 14 < narrower.worst <= 16

@@ -11,6 +11,7 @@ import pytest
 
 import polhode
 from polhode import cli
+from polhode.closed_forms.families import ClosedForm
 from polhode.judging.reference import Reference
 from shared.answers import judged
 from shared.tables import of_run, right, text
@@ -39,7 +40,7 @@ def compared(tmp_path, capsys):
 @pytest.mark.slow
 def test_a_file_of_the_attitude_alone_is_judged_by_an_enclosure(compared):
     name = "general/asymmetric-regular"
-    rows = polhode.Certified(polhode.load(name)).attitude([0, 1], 20)
+    rows = polhode.reference(polhode.load(name), "certified").attitude([0, 1], 20)
     columns = zip(*rows, strict=True)
     answer, said = compared({"t": [0, 1]} | {f"q{k}": x for k, x in enumerate(columns)}, name)
     assert min(answer["parts"]["attitude"]) == answer["worst"] > 15
@@ -151,6 +152,22 @@ def test_no_more_digits_are_told_than_the_type_has(compared):
         least, most = map(float, band.split("-"))
         assert least <= most <= 15.95
         assert float(digits) <= 15.95
+
+
+def test_a_closed_form_that_has_no_answer_gives_way_to_an_enclosure(monkeypatch):
+    """A closed form that refuses stands in for motions whose phases are not found."""
+
+    def refused(self, times, digits, *, attitude):
+        raise ValueError("a question that it answers")
+
+    scene = polhode.load("euler/attitude").at([1, 2])
+    run = polhode.integrate(replace(scene, outputs=("attitude",)))
+    monkeypatch.setattr(ClosedForm, "pairs", refused)
+    judgement = polhode.compare(run)
+    assert judgement.worst > 14
+    assert judgement.parts["attitude"] > 14
+    assert judgement.reference.kind == "certified"
+    assert "proven to " in judgement.details()
 
 
 def test_a_long_proof_is_foretold(tmp_path, capsys):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import json
+import pickle
+import random
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -15,7 +17,7 @@ from flint import acb
 import polhode
 from polhode.cli import main
 from polhode.closed_forms.kovalevskaya.theta_attitude import EigenspaceChoice, Moment
-from polhode.judging import reference
+from polhode.judging import sources
 from polhode.judging.score import angles_of_attitudes
 from polhode.motion.outcomes import EventTimes
 from polhode.numbers.conversion import to_mpf
@@ -112,7 +114,7 @@ def test_an_attitude_that_has_not_the_gamma_of_the_state_is_no_answer(
 
 @pytest.mark.parametrize("word", ["at", "attitude"])
 def test_a_proof_to_more_digits_is_not_made_again(word: str) -> None:
-    proven = polhode.Certified(polhode.load("general/asymmetric-regular"))
+    proven = polhode.reference(polhode.load("general/asymmetric-regular"), "certified")
     ask = getattr(proven, word)
     rows, agreement = ask([1], 30), proven.agreement
     assert 30 <= agreement < 45
@@ -123,8 +125,29 @@ def test_a_proof_to_more_digits_is_not_made_again(word: str) -> None:
     assert ask([2], 20) != rows
 
 
+@pytest.mark.parametrize(("name", "backend"), [("Certified", "certified"), ("Textbook", "mpmath")])
+def test_a_deprecated_name_makes_the_same_reference(name: str, backend: str) -> None:
+    scene = polhode.load("euler/largest-axis")
+    with pytest.warns(DeprecationWarning, match=f"reference\\(scene, '{backend}'\\)"):
+        earlier = getattr(polhode, name)(scene)
+    assert earlier == polhode.reference(scene, backend)
+    assert earlier != polhode.reference(scene)
+    assert pickle.loads(pickle.dumps(earlier)) == earlier
+
+
+def test_what_a_closed_form_alone_tells_is_none_of_an_enclosure() -> None:
+    scene = polhode.load("kovalevskaya/generic")
+    exact, proven = polhode.reference(scene), polhode.reference(scene, "certified")
+    assert exact.frequencies
+    assert exact.curve
+    assert (proven.frequencies, proven.conditions, proven.rates_of) == ({}, (), {})
+    assert proven.period is proven.curve is proven.approach is proven.radii([1]) is None
+    rows = [x.column("hodographs", [1], 20)[0] for x in (exact, proven)]
+    assert max(abs(x - y) for x, y in zip(*rows, strict=True)) < 1e-19
+
+
 def test_a_time_may_be_irrational() -> None:
-    proven = polhode.Certified(polhode.load("euler/largest-axis"))
+    proven = polhode.reference(polhode.load("euler/largest-axis"), "certified")
     exact = polhode.reference("euler/largest-axis").at(["sqrt(2)"], 30)
     rows = proven.at(["sqrt(2)"], 20)
     assert max(abs(x - y) for x, y in zip(rows[0], exact[0], strict=True)) < 1e-19
@@ -274,7 +297,7 @@ def test_a_run_that_leaves_the_motion_tells_no_turns(monkeypatch):
     exact = polhode.reference("euler/separatrix")
     ((psi, _, phi),) = exact.angles([200], 20)  # by more digits
     assert (round(float(psi)), round(float(phi))) == (209, 7)
-    monkeypatch.setattr(reference, "_TURNING", reference._TURNING[:1])
+    monkeypatch.setattr(sources, "_TURNING", sources._TURNING[:1])
     assert None not in exact.angles([5], 20)[0]
     with pytest.raises(polhode.BadInput, match="went round to t = 200 is not known"):
         exact.angles([5, 200], 20)

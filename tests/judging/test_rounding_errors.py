@@ -158,7 +158,7 @@ def test_a_projection_rounds_the_state_once_more():
     steps = n / 2 * (stretch.carried @ first @ stretch.carried.T + last)
     for every in (0, n + 1):  # of no projection, or not yet
         assert np.allclose(spread(every), steps, rtol=1e-12, atol=0)
-    keep = rounding_errors._Clearing(along, 1).removed(stretch.state)
+    (keep,) = rounding_errors.level_projections(along, stretch.state[None])
     for every in (n, 1):
         whole = keep @ (steps + (n // every - 1) * more) @ keep.T + more
         assert np.allclose(spread(every), whole, rtol=1e-9, atol=1e-12)
@@ -175,7 +175,7 @@ def test_a_projection_leaves_what_no_integral_sees():
         *([*(moments * w), *none], [*(moments**2 * w), *none]),
         *([*(moments * gamma), *(moments * w)], [*none, *gamma]),
     ]
-    keep = rounding_errors._Clearing(along, 1).removed(stretch.state)
+    (keep,) = rounding_errors.level_projections(along, stretch.state[None])
     assert np.trace(keep) == pytest.approx(2, abs=1e-12)
     for row in gradients:
         assert np.linalg.norm(keep @ row) < 1e-8 * np.linalg.norm(row)
@@ -219,7 +219,8 @@ def test_a_band_is_continuous_in_the_covariance():
     for size in (0, 1e-9, 1e-9, 1e-9):
         change = draw.normal(size=(6, 6))
         spread = rounding_errors.Scaled(np.eye(6) + size * (change + change.T), 0)
-        bands.append(rounding_errors.Rounding(nothing, spread).quantiles(along))
+        rounding = rounding_errors.Rounding(nothing, spread)
+        bands.append(rounding_errors.quantiles(along, [rounding])[0])
     assert np.ptp(bands, axis=0).max() < 1e-8
     assert bands[0][0] + 0.1 < bands[0][1] < bands[0][2] - 0.1
 

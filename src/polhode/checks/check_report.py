@@ -16,10 +16,10 @@ from polhode.common.processes import cores
 from polhode.common.values import ByValue
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.limits import LAST, expectation, lost_digits, plain_limit_of, state_limit
-from polhode.judging.reference import AnyReference
+from polhode.judging.limits import LAST, expectation, limit_of, lost_digits
+from polhode.judging.reference import Reference
 from polhode.judging.reference import reference as reference_of
-from polhode.judging.score import Score, score
+from polhode.judging.score import STATE_PART, Score, score
 from polhode.judging.tables.table import as_judged, of_run
 from polhode.numbers import number_types
 from polhode.numbers.decimals import decimal_string, shown
@@ -173,7 +173,7 @@ def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True)
 
 def _report_line(
     scene: Scene,
-    reference: AnyReference,
+    reference: Reference,
     number: str,
     conditions: Conditioning | None,
     earlier: Score | None,
@@ -195,12 +195,12 @@ def _report_line(
         return NumberCheck(number, 0.0, band, outcome, ended=False), None
     own = score(as_judged(of_run(run), scene), reference, earlier=earlier)
     line = NumberCheck(number, own.state_worst, band, outcome, ended=True)
-    limit = plain_limit_of(own, own.digits)
+    limit = limit_of(own, STATE_PART)
     is_limit_told = details or not line.passed
     if own.state_worst < LAST or (is_limit_told and limit is None):
         expected = expectation(own, conditions)
         line = replace(line, lost=lost_digits(own.digits, expected))
-        limit = limit or state_limit(own, expected)
+        limit = limit_of(own, STATE_PART, expected)
     return replace(line, limit=limit or "") if is_limit_told else line, own
 
 

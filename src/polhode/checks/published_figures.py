@@ -12,14 +12,13 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
 from typing import Any, NamedTuple
 
 from polhode.common.errors import BadInput
-from polhode.judging.certified import Certified
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.reference import Reference, column_of
-from polhode.judging.textbook import FAMILIES, Textbook
+from polhode.judging.reference import Reference
+from polhode.judging.reference import reference as reference_of
+from polhode.judging.sources import FAMILIES
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_string
@@ -58,7 +57,7 @@ class TimeLabel(NamedTuple):
 
 def time_labels(
     scene: Scene,
-    reference: Reference | Certified,
+    reference: Reference,
     printed_figures: Sequence[PrintedFigure],
 ) -> Iterator[TimeLabel]:
     """The sources of which a shift of the time explains all figures at once."""
@@ -142,7 +141,7 @@ class PrintedFigure:
         return f"{right} digits right, where {expected} are expected: differs by {difference}"
 
 
-def figures(scene: Scene, reference: Reference | Certified) -> list[PrintedFigure]:
+def figures(scene: Scene, reference: Reference) -> list[PrintedFigure]:
     """Every published figure of a scene beside ours."""
     columns = {
         (t, digits): columns_at(scene, reference, t, digits)
@@ -202,9 +201,7 @@ def _leading_unit(x: Fraction) -> Fraction:
     return unit
 
 
-def columns_at(
-    scene: Scene, reference: Reference | Certified, t: Fraction, digits: int
-) -> dict[str, Any]:
+def columns_at(scene: Scene, reference: Reference, t: Fraction, digits: int) -> dict[str, Any]:
     """All columns that the scene's figures name, at one time."""
     columns: dict[str, Real | None] = dict(
         zip(scene.columns, reference.at([t], digits)[0], strict=True)
@@ -212,7 +209,7 @@ def columns_at(
     used = " ".join(p.quantity for p in scene.published)
     for word, column in COLUMNS.items():
         if any(name in used for name in column.names):
-            (row,) = column_of(partial(getattr, reference), scene, word, [t], digits)
+            (row,) = reference.column(word, [t], digits)
             columns |= dict(zip(column.names, row, strict=True))
     return columns
 
@@ -234,18 +231,18 @@ WANTED = 30  # digits
 _MOST_LOG10_ANGLE = 2  # radians turned up to the time of the comparison
 
 
-def textbook_digits(ours: Reference | Certified) -> float | None:
+def textbook_digits(ours: Reference) -> float | None:
     """The digits to which a reference and mpmath's closed form agree at one time, at most WANTED.
 
     At the end of a short run, at a time on the way of a long one.  None of another family, and of
     motions that the textbook's formulas do not have.
     """
-    if not isinstance(ours, Reference) or ours.kind not in FAMILIES:
+    if ours.kind not in FAMILIES:
         return None
     scene = ours.scene
     t = time_of(scene)
     try:
-        rows = Textbook(scene).at([t], digits=WANTED)
+        rows = reference_of(scene, "mpmath").at([t], digits=WANTED)
     except BadInput:
         return None
     return min(

@@ -18,7 +18,7 @@ from polhode.common.provenance import provenance
 from polhode.common.values import ByValue
 from polhode.dynamics import naff
 from polhode.dynamics.level_body import LevelBody
-from polhode.judging.reference import Reference, reference
+from polhode.judging.reference import reference
 from polhode.judging.tables.table import Table
 from polhode.judging.tables.table_file import is_table, read_table
 from polhode.numbers.conversion import TIME, doubles, reader, to_double
@@ -258,14 +258,12 @@ def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
         columns |= zip(ATTITUDE, doubles(run.attitude).T, strict=True)
     closed = reference(scene)
     rates: dict[str, float] = {}
-    if closed.is_closed_form:
-        half = {"s1", "s2", "u", "v"}  # of separated variables: the state has twice their period
-        for name, x in closed.frequencies.items():
-            rates |= {f"{name}/2": float(x) / 2} if name in half else {name: float(x)}
+    half = {"s1", "s2", "u", "v"}  # of separated variables: the state has twice their period
+    for name, x in closed.frequencies.items():
+        rates |= {f"{name}/2": float(x) / 2} if name in half else {name: float(x)}
     signals = {name: _signal(scene.name, name, columns, scene) for name in names}
     result = _lines_of(scene.name, signals, step, count, rates, scene.provenance())
-    if isinstance(closed, Reference):
-        result = replace(result, rates_of=closed.rates_of)
+    result = replace(result, rates_of=closed.rates_of)
     listed = scene.output_times.floats is not None  # which a text would hold one by one
     return result if listed else replace(result, scene=scene)
 

@@ -35,7 +35,6 @@ from polhode.numbers.number_types import (
 )
 from polhode.numbers.polynomials import fraction_near
 from polhode.numbers.vectors import dot
-from polhode.scenes.given_numbers import AREA, ENERGY, reader
 from polhode.scenes.scene import Scene
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from polhode.closed_forms.rotation_stability import jacobian, spectrum
 from polhode.common.arguments import each, steps
 from polhode.common.errors import BadInput
 from polhode.equations.readout import at_rest
-from polhode.judging.reference import Reference, reference
+from polhode.judging.reference import reference
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import TIME, reader, to_double
 from polhode.numbers.exact import ZERO, sign
@@ -101,7 +101,7 @@ def known_stability(scene: Scene, plain: System, most: int) -> Known:
     if rest.state or (rest.omega and scene.body.torque_free):
         return Known(_growth_at_rest(Frame.of(scene).inside(scene)), "its eigenvalues")
     motion = reference(scene)
-    if not isinstance(motion, Reference):
+    if not motion.is_closed_form:
         return Known(None, "")
     rates = motion.frequencies.keys()
     if (is_integrable(scene.body) and rates & _TORI) or "u" in rates:

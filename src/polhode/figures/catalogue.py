@@ -34,7 +34,6 @@ _PROVEN = {"digits": ("results", "proven")}
 _EVENTS = {"intervals": ("results", "intervals")}
 #: Of each kind of result its figures, the first is the default.
 FIGURES: Mapping[str, Mapping[str, tuple[str, str]]] = {
-    "Certified": _PROVEN,
     "CertifiedEvents": _EVENTS,
     "ChaosMap": _MAPS,
     "Enclosure": _PROVEN,
@@ -50,7 +49,6 @@ FIGURES: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "ProvedOrbit": _PERIOD,
     "ProvedStability": {"curves": ("proofs", "stability")},
     "Reductions": {"kept": ("results", "reductions")},
-    "Reference": _ROWS,
     "ReferenceTable": _ROWS,
     "Section": {"crossings": ("diagrams", "crossings")},
     "Trajectory": MOTION,
@@ -61,7 +59,7 @@ def kind_of(subject: Storable | Samples) -> str:
     """The kind of a result, by whose name its figures are listed; samples are a run's."""
     if isinstance(subject, Samples):
         return "Trajectory"
-    return subject.result if isinstance(subject, Saved) else type(subject).__name__
+    return subject.result if isinstance(subject, Saved) else subject.kind_of_file
 
 
 def words(kind: str) -> tuple[str, ...]:

@@ -16,7 +16,6 @@ from polhode.equations import integrals
 from polhode.figures import canvas, catalogue
 from polhode.figures import samples as sampling
 from polhode.figures.samples import ANOTHER, Samples, of_samples
-from polhode.judging.certified import Certified
 from polhode.judging.correct_digits import largest, log10_differences, log10_rate, scaled
 from polhode.judging.reference import Reference
 from polhode.judging.reference import reference as reference_of
@@ -57,7 +56,7 @@ SPARE_DIGITS = 6
 _NAMES = {integrals.ENERGY: "h", integrals.AREA: "f", integrals.LENGTH: "gamma"}
 
 
-def errors(table: Table, reference: Reference | Certified, number: NumberType | None) -> Samples:
+def errors(table: Table, reference: Reference, number: NumberType | None) -> Samples:
     """Errors against a reference: of omega over its largest modulus, and of gamma.
 
     As far as the table has columns of the state; ``number``: the type of its numbers, if known.

@@ -14,23 +14,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Never
 from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput, TooManySteps
 from polhode.common.interrupts import Progress
-from polhode.judging.certified import Certified, NoAnswer
-from polhode.judging.conditioning import Conditioning
 from polhode.judging.judgement import Judgement
 from polhode.judging.limits import (
     LAST,
     NO_LIMIT,
     NOISES,
-    attitude_limit,
     departure,
     expectation,
     is_unexpected,
-    plain_limit_of,
-    state_limit,
+    limit_of,
 )
-from polhode.judging.reference import AnyReference, Reference, reference
+from polhode.judging.reference import Reference, reference
 from polhode.judging.residuals import Residual, ResidualRows, rotation_errors
-from polhode.judging.score import Score, bits_of, score
+from polhode.judging.score import STATE_PART, Score, bits_of, score
+from polhode.judging.sources import NoAnswer, ProofLimits
 from polhode.judging.tables.column_aliases import PLAIN, Naming, naming
 from polhode.judging.tables.csv_file import table_of_columns, table_of_rows
 from polhode.judging.tables.explanations import Cause, as_meant, read_as_told
@@ -59,7 +56,7 @@ def compare(
     | Mapping[str, AnyVector]
     | pd.DataFrame
     | xr.Dataset,
-    against: AnyReference | Scene | str | Path | None = None,
+    against: Reference | Scene | str | Path | None = None,
     *,
     number: str | NumberType | None = None,
     digits: int | None = None,
@@ -140,9 +137,8 @@ def compare(
     gate = "no threshold: polhode.testing.assert_digits(run, scene, at_least) has one"
     refuse_unknown("compare", compare, unknown, at_least=gate)
     of_kind("compare", "details", details, bool, "True or False")
-    options = JudgingOptions(
-        number, digits, at, columns, progress, as_it_stands, read, max_seconds, forecast
-    )
+    limits = ProofLimits(progress, forecast, max_seconds)
+    options = JudgingOptions(number, digits, at, columns, as_it_stands, read, limits)
     score, offered = scored(what, against, options)
     return judgement(score, offered, details)
 
@@ -154,25 +150,14 @@ class JudgingOptions(NamedTuple):
     digits: int | None = None
     at: Iterable[AnyNumber] | None = None
     columns: Sequence[str] | None = None
-    progress: Progress | None = None
     as_it_stands: bool = False
     read: str | None = None
-    max_seconds: float | None = None
-    forecast: Callable[[float], None] | None = None
-
-    def certified(self, scene: Scene) -> Certified:
-        """The enclosure that judges where there is no closed form."""
-        return Certified(
-            scene,
-            progress=self.progress,
-            max_seconds=self.max_seconds,
-            forecast=self.forecast,
-        )
+    limits: ProofLimits = ProofLimits()
 
 
 def scored(
     source: Any,
-    against: AnyReference | Scene | str | Path | None,
+    against: Reference | Scene | str | Path | None,
     options: JudgingOptions,
 ) -> tuple[Score, tuple[Reading, ...]]:
     """The score of what :func:`compare` judges, as it is read; readings that were not applied.
@@ -191,44 +176,39 @@ def scored(
     elif is_read:
         table, offered = as_meant(table_given, truth)
     try:
-        return score(table, truth, options.progress), offered
+        return score(table, truth, options.limits.progress), offered
     except TooManySteps as fault:
         expected = "; ".join([fault.expected, *clock_remark(table, truth.scene)])
         raise TooManySteps(fault.source, "t", fault.value, expected) from None
     except NoAnswer:
         if not truth.is_closed_form:
             raise
-    truth = options.certified(truth.scene)
+    truth = reference(truth.scene, "certified", **options.limits._asdict())
     if is_read:
         table, offered = as_meant(table_given, truth)
-    return score(table, truth, options.progress), offered
+    return score(table, truth, options.limits.progress), offered
 
 
 def judgement(
     score: Score,
     offered: tuple[Reading, ...] = (),
     details: bool = False,
-    known: Conditioning | None = None,
 ) -> Judgement:
     """What the digits of a score mean: the digits to expect, what limits them, what may be wrong.
 
     ``offered``: readings that were not applied.  ``details``: also what no limit needs.
-    ``known``: as of :func:`expectation`.
     """
     table, scene = score.subject, score.reference.scene
     is_foreign = table.run is None
     offers = offered if score.is_wrong else ()
     falls = {name: departure(score.times, row) for name, row in score.part_digits.items()}
-    limit = plain_limit_of(score, score.digits)
-    limit_of_attitude = plain_limit_of(score, score.other_parts.get("attitude", ()))
+    plain = [limit_of(score, part) for part in (STATE_PART, "attitude")]
     loses_all = bool(score.digits) and score.state_worst < LAST
-    is_plain = limit is not None and limit_of_attitude is not None and not any(falls.values())
-    expected = None if is_plain and not (loses_all or details) else expectation(score, known)
-    if limit is None and expected is not None:
-        limit = state_limit(score, expected)
-    if limit_of_attitude is None and expected is not None:
-        limit_of_attitude = attitude_limit(score, expected)
-    limit, limit_of_attitude = limit or NO_LIMIT, limit_of_attitude or NO_LIMIT
+    is_plain = None not in plain and not any(falls.values())
+    expected = None if is_plain and not (loses_all or details) else expectation(score)
+    limit, limit_of_attitude = (
+        limit_of(score, part, expected) or NO_LIMIT for part in (STATE_PART, "attitude")
+    )
     rotation = rotation_errors(score)
     residuals: tuple[Residual, ...] = ()
     blamed = is_foreign and "method" in (limit.name, limit_of_attitude.name)
@@ -271,15 +251,15 @@ def judgement(
 
 def _truth(
     source: Any,
-    against: AnyReference | Scene | str | Path | None,
+    against: Reference | Scene | str | Path | None,
     options: JudgingOptions,
-) -> AnyReference:
+) -> Reference:
     """The reference that judges; raises BadInput."""
     if against is None:
         if not isinstance(source, Trajectory):
             raise BadInput("compare", "against", None, "a reference, or a scene")
         against = source.scene
-    kinds = (Reference, Certified, Scene, str, Path)
+    kinds = (Reference, Scene, str, Path)
     of_kind("compare", "against", against, kinds, "a reference, or a scene")
     if isinstance(against, (str, Path)) and Path(against).suffix.lower() in ENDINGS:
         expected = (
@@ -291,11 +271,10 @@ def _truth(
         raise BadInput("compare", "SCENE", str(against), expected)
     if not isinstance(against, (Scene, str, Path)):
         return against
-    truth = reference(against)
-    return options.certified(truth.scene) if isinstance(truth, Certified) else truth
+    return reference(against, **options.limits._asdict())
 
 
-def _table(source: Any, truth: AnyReference, options: JudgingOptions) -> Table:
+def _table(source: Any, truth: Reference, options: JudgingOptions) -> Table:
     """What is judged, as a table of those columns that the scene has; raises BadInput."""
     number, digits, columns = options.number, options.digits, options.columns
     scene = truth.scene

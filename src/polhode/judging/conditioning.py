@@ -27,6 +27,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
+from statistics import NormalDist
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -93,9 +94,10 @@ from polhode.taylor.variations import six
 
 VARIANCE = 1 / 12  # of a rounding, in squared spacings
 INCREMENT = 4  # roundings of the whole increment
-_SAMPLES = 2000  # of the normal deviates; fixed ones, so that the quantiles are always the same
+_SAMPLES = 512  # normal deviates; fixed ones, so that the quantiles are always the same
 _QUANTILES = (0.05, 0.5, 0.95)
 _TINY = 2.0**-300  # of derivatives by an imaginary step, which take no difference
+_DEPENDENT = 1e-7  # of the largest: gradients that are combinations of the others
 
 
 class Scaled(NamedTuple):
@@ -142,22 +144,28 @@ class Rounding(NamedTuple):
     inputs: Scaled
     steps: Scaled
 
-    def inputs_size(self, along: Passage) -> float:
-        """log10 of the size of the inputs' part; -inf for none."""
-        (size,) = _sizes(along, self.inputs.values[None, :])
-        return _log10(float(size)) + self.inputs.exponent * LOG10_2
 
-    def quantiles(self, along: Passage) -> tuple[float, ...]:
-        """log10 of the 5 %, 50 % and 95 % quantiles of the size of both together."""
-        squares, axes = np.linalg.eigh(self.steps.values)
-        exponent, odd = divmod(self.steps.exponent, 2)
-        # the symmetric root: of eigenvectors any signs, and in a plane any pair, may be found
-        root = axes * np.sqrt(np.maximum(squares, 0) * 2.0**odd) @ axes.T
-        common = max(exponent, self.inputs.exponent)
-        values = np.ldexp(self.inputs.values, self.inputs.exponent - common)
-        values = values + np.ldexp(_deviates() @ root, exponent - common)
-        sizes = np.quantile(_sizes(along, values), _QUANTILES)
-        return tuple(_log10(float(x)) + common * LOG10_2 for x in sizes)
+def inputs_sizes(along: Passage, roundings: Sequence[Rounding]) -> Doubles:
+    """log10 of the size of the inputs' part of each; -inf for none."""
+    values = np.array([x.inputs.values for x in roundings]).reshape(-1, 6, 1)
+    return _logs(_sizes(along, values)[:, 0], [x.inputs.exponent for x in roundings])
+
+
+def quantiles(along: Passage, roundings: Sequence[Rounding]) -> Doubles:
+    """log10 of the 5 %, 50 % and 95 % quantiles of the size of inputs and steps together, a row
+    for each."""
+    exponents = np.array([x.steps.exponent for x in roundings], int)
+    of_inputs = np.array([x.inputs.exponent for x in roundings], int)
+    squares, axes = np.linalg.eigh(np.array([x.steps.values for x in roundings]).reshape(-1, 6, 6))
+    sizes = np.sqrt(np.maximum(squares, 0) * 2.0 ** (exponents % 2)[:, None])
+    # the symmetric root: of eigenvectors any signs, and in a plane any pair, may be found
+    roots = axes * sizes[:, None, :] @ axes.transpose(0, 2, 1)
+    common = np.maximum(exponents // 2, of_inputs)
+    roots = np.ldexp(roots, (exponents // 2 - common)[:, None, None])
+    inputs = np.array([x.inputs.values for x in roundings]).reshape(-1, 6)
+    inputs = np.ldexp(inputs, (of_inputs - common)[:, None])
+    errors = roots @ _deviates() + inputs[:, :, None]
+    return _logs(np.quantile(_sizes(along, errors), _QUANTILES, axis=1), common).T
 
 
 def kappa(along: Passage) -> Iterator[float]:
@@ -200,14 +208,16 @@ def rounding(along: Passage, number: NumberType, every: int = 0) -> Iterator[Rou
             for name, unit in zip(NAMES, along.units, strict=True)
         ]
     )
-    clear, rests = _Clearing(along, every), _Rests(along, v.values)
-    for stretch, variances in zip(along.stretches, _of_steps(along), strict=True):
+    counts, rests = _projections(along, every), _Rests(along, v.values)
+    ends = [stretch.state for stretch, count in zip(along.stretches, counts, strict=True) if count]
+    keeps = iter(level_projections(along, np.array(ends)) if ends else ())
+    for stretch, variances, count in zip(along.stretches, _of_steps(along), counts, strict=True):
         first, rest, once = (np.diag(np.ldexp(x, -c.exponent)) for x in variances)
         half, carried = stretch.steps / 2, stretch.carried
         errors = carried @ v.values + np.ldexp(stretch.driven @ drive, -v.exponent)
         spread = carried @ (c.values + half * first) @ carried.T + half * rest
-        if (count := clear.made(stretch.steps)) > 0:
-            keep = clear.removed(stretch.state)
+        if count:
+            keep = next(keeps)
             errors = keep @ errors
             rests.keep(errors, v.exponent, count)
             spread = keep @ (spread + (count - 1) * once) @ keep.T + once
@@ -267,41 +277,44 @@ def _of_steps(along: Passage) -> Iterator[tuple[Doubles, Doubles, Doubles]]:
 
 @cache
 def _deviates() -> Doubles:
-    """Normal deviates in six dimensions, the same ones for every motion."""
-    return np.random.default_rng(1850).standard_normal((_SAMPLES, 6))
+    """Normal deviates in six dimensions, (6, n), the same ones for every motion.
+
+    Of the points k a that fill a cube evenly, a_j = g**-j with g**7 = g + 1 (Kronecker; Roberts).
+    """
+    g = 1.0
+    for _ in range(60):
+        g = (1 + g) ** (1 / 7)
+    multiples = np.arange(1, _SAMPLES + 1) * g ** -np.arange(1.0, 7.0)[:, None]
+    normal = NormalDist()
+    return np.array([[*map(normal.inv_cdf, row)] for row in ((0.5 + multiples) % 1).tolist()])
 
 
-class _Clearing:
-    """Takes away what lies across the level of the first integrals, as often as a run does."""
+def _projections(along: Passage, every: int) -> list[int]:
+    """How many projections a run makes in each stretch, one every so many steps; 0 for none."""
+    counts, left = [], float(every)
+    for stretch in along.stretches:
+        left -= stretch.steps
+        count = 0 if not every or left > 0 else 1 + math.floor(-left / every)
+        left += count * every
+        counts.append(count)
+    return counts
 
-    def __init__(self, along: Passage, every: int) -> None:
-        self._every, self._left = every, float(every)
-        self._columns = len(along.plain.start)
-        self._known = first_integrals(along.inside)
-        self._k = {name: to_double(x) for name, x in self._known.coefficients.items()}
 
-    def made(self, steps: float) -> int:
-        """How many projections a run makes in so many steps more."""
-        self._left -= steps
-        if not self._every or self._left > 0:
-            return 0
-        count = 1 + math.floor(-self._left / self._every)
-        self._left += count * self._every
-        return count
+def level_projections(along: Passage, states: Doubles) -> Doubles:
+    """The projections onto the level's tangent spaces at states, shape (n, 6), as (n, 6, 6).
 
-    def removed(self, state: Doubles) -> Doubles:
-        """The projection onto the level's tangent space at a state, (6, 6).
-
-        By the least change of the state in the unit of time of a run, as the run does it.
-        """
-        n = self._columns
-        moved = state[:n, None] + 1j * _TINY * np.eye(n)  # a column for each component
-        gradients = np.imag(np.stack(self._known.values([*moved], self._k, 0.0))) / _TINY
-        _, strengths, rows = np.linalg.svd(gradients, full_matrices=False)
-        rows = rows[strengths > 1e-7 * strengths[0]]
-        keep = np.eye(6)
-        keep[:n, :n] -= rows.T @ rows
-        return keep
+    By the least change of the state in the unit of time of a run, as the run does it.
+    """
+    n, integrals = len(along.plain.start), first_integrals(along.inside)
+    k = {name: to_double(x) for name, x in integrals.coefficients.items()}
+    moved = states[:, :n, None] + 1j * _TINY * np.eye(n)  # the last index: which component moves
+    values = integrals.values([*moved.swapaxes(0, 1)], k, 0.0)
+    gradients = np.imag(np.stack(values, axis=1)) / _TINY
+    _, strengths, rows = np.linalg.svd(gradients, full_matrices=False)
+    rows = rows * (strengths > _DEPENDENT * strengths[:, :1])[..., None]
+    keep: Doubles = np.tile(np.eye(6), (len(states), 1, 1))
+    keep[:, :n, :n] -= rows.swapaxes(1, 2) @ rows
+    return keep
 
 
 class _Rests:
@@ -335,10 +348,17 @@ class _Rests:
 
 
 def _sizes(along: Passage, errors: Doubles) -> Doubles:
-    """The size of each row."""
-    w, gamma = (np.abs(errors[:, i : i + 3] @ along.turn.T).max(axis=1) for i in (0, 3))
+    """The size of each error, of columns of six."""
+    w, gamma = (np.abs(along.turn @ errors[..., i : i + 3, :]).max(axis=-2) for i in (0, 3))
     sizes: Doubles = np.maximum(w / along.rate_scale, gamma)
     return sizes
+
+
+def _logs(sizes: Doubles, exponents: npt.ArrayLike) -> Doubles:
+    """log10 of sizes times powers of two; -inf for none."""
+    with np.errstate(divide="ignore"):
+        logs: Doubles = np.log10(sizes) + LOG10_2 * np.asarray(exponents)
+    return logs
 
 
 def _off(x: Exact, number: NumberType) -> float:
@@ -378,7 +398,7 @@ class Conditioning(Result, ByValue):
     >>> found = polhode.conditioning("euler/separatrix", [10, 120])
     >>> print(found)
                  t      kappa  amplification  expected in double  inputs  bound
-                10       41.2           14.6         14.80-15.58    15.4   14.0
+                10       41.2           14.6         14.78-15.56    15.4   14.0
     no digits left after t = 100
     >>> found.digits_bound("double")[1], found.lost
     (0.0, 'no digits left after t = 100')
@@ -414,10 +434,12 @@ class Conditioning(Result, ByValue):
         """
         kind = self._kind(number)
 
-        def left(k: int) -> float:
-            return _digits(self._rounding(kind, every)[k].inputs_size(self.along), kind)
+        def left(places: Sequence[int]) -> list[float]:
+            roundings = self._rounding(kind, every)
+            sizes = inputs_sizes(self.along, [roundings[k] for k in places])
+            return [*map(float, _digits(sizes, kind))]
 
-        return tuple(self._at(n, kind, left, 0.0) for n in range(len(self.times)))
+        return self._at_times(kind, left, 0.0)
 
     def expected(
         self, number: NumberType | str | None = None, every: int | None = None
@@ -427,22 +449,17 @@ class Conditioning(Result, ByValue):
         ``number``: as in ``inputs``.  ``every``: steps between two projections, 0 for none; those
         of the type's runs unless given.
         """
-        return tuple(self.band(n, number, every) for n in range(len(self.times)))
-
-    def band(
-        self, place: int, number: NumberType | str | None = None, every: int | None = None
-    ) -> Band | None:
-        """What ``expected`` gives at ``times[place]``."""
         kind = self._kind(number)
         if every is None:
             row = defaults.of(kind)
             every = row.project_every if row.projected else 0
 
-        def band(k: int) -> Band:
-            sizes = self._rounding(kind, every)[k].quantiles(self.along)
-            return Band(*(_digits(size, kind) for size in reversed(sizes)))
+        def bands(places: Sequence[int]) -> list[Band]:
+            roundings = self._rounding(kind, every)
+            logs = quantiles(self.along, [roundings[k] for k in places])
+            return [Band(*row) for row in _digits(logs, kind)[:, ::-1].tolist()]
 
-        return self._at(place, kind, band, Band(0.0, 0.0, 0.0))
+        return self._at_times(kind, bands, Band(0.0, 0.0, 0.0))
 
     def digits_bound(self, number: NumberType | str | None = None) -> tuple[float | None, ...]:
         """-log10 of the bound at each time, between 0 and what the type holds.
@@ -451,10 +468,10 @@ class Conditioning(Result, ByValue):
         """
         kind = self._kind(number)
 
-        def left(k: int) -> float:
-            return _digits(self._kappas[k], kind)
+        def left(places: Sequence[int]) -> list[float]:
+            return [*map(float, _digits(np.array([self._kappas[k] for k in places]), kind))]
 
-        return tuple(self._at(n, kind, left, 0.0) for n in range(len(self.times)))
+        return self._at_times(kind, left, 0.0)
 
     @cached_property
     def lost_after(self) -> float | None:
@@ -525,18 +542,20 @@ class Conditioning(Result, ByValue):
                 )
         return "\n".join([*lines, *filter(None, (self.lost, self.note))])
 
-    def _at(
-        self, place: int, number: NumberType, quantity: Callable[[int], T], none_left: T
-    ) -> T | None:
-        """What is known of the stretch that ends at ``times[place]``; None where that is unknown.
+    def _at_times(
+        self, number: NumberType, quantity: Callable[[Sequence[int]], list[T]], none_left: T
+    ) -> tuple[T | None, ...]:
+        """What is known at each time of the stretch that ends there; None where that is unknown.
 
-        ``none_left``: what is told where it is known that no digits of the type are left.
+        ``quantity``: of many stretches.  ``none_left``: what is told where it is known that no
+        digits of the type are left.
         """
-        k = self._places[place]
-        if k is not None:
-            return quantity(k)
-        lost = self._gone(self.along.outputs[place]) and number.bits <= self.number.bits
-        return none_left if lost else None
+        values = iter(quantity([k for k in self._places if k is not None]))
+        beyond = none_left if number.bits <= self.number.bits else None
+        pairs = zip(self._places, self.along.outputs, strict=True)
+        return tuple(
+            next(values) if k is not None else beyond if self._gone(t) else None for k, t in pairs
+        )
 
     def _rounding(self, number: NumberType, every: int) -> list[Rounding]:
         """What rounding has done at the end of each stretch, computed once a type."""
@@ -624,9 +643,10 @@ def conditioning(
     return Conditioning(scene, scene.times, kind, along)
 
 
-def _digits(log10_size: float, number: NumberType) -> float:
-    """Correct digits at an error of so many eps."""
-    return min(number.most_digits, max(0.0, _limit(number) - log10_size))
+def _digits(log10_sizes: Doubles, number: NumberType) -> Doubles:
+    """Correct digits at errors of so many eps."""
+    digits: Doubles = np.clip(_limit(number) - log10_sizes, 0.0, number.most_digits)
+    return digits
 
 
 def _limit(number: NumberType) -> float:

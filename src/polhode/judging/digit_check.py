@@ -12,6 +12,7 @@ from polhode.common.errors import BadInput, few
 from polhode.common.interrupts import Progress
 from polhode.judging.correct_digits import worst_digits
 from polhode.judging.reference import reference
+from polhode.judging.sources import ProofTooLong
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import Given, wider
 from polhode.runs.options import Options
@@ -33,10 +34,6 @@ class _Judge(NamedTuple):
     states: Given
     by: str
     known: float = math.inf
-
-
-class _Dearer(Exception):
-    """The proof would cost more than it may."""
 
 
 def checked(
@@ -87,10 +84,7 @@ def _proof(
     progress: Progress | None,
 ) -> _Judge | None:
     """Midpoints of proven balls; None where there are none, or the second run costs less."""
-    from polhode.enclosures.certify import certify
-    from polhode.enclosures.task import MOST_DIGITS
-
-    if digits + _SPARE > MOST_DIGITS or not (demanded or run.number.bits > 64):
+    if not (demanded or run.number.bits > 64):
         return None
     limit = MOST_SECONDS
     if not demanded:
@@ -98,16 +92,14 @@ def _proof(
 
     def forecast(seconds: float) -> None:
         if seconds > limit:
-            raise _Dearer
+            raise ProofTooLong(scene.name, "digits", digits, f"a proof of {limit:.0f} s")
 
     plain = replace(scene, outputs=(), events=())
+    proof = reference(plain, "certified", progress=progress, forecast=forecast)
     try:
-        proof = certify(plain, times, digits=digits + _SPARE, progress=progress, forecast=forecast)
-    except (BadInput, _Dearer):
+        return _Judge(proof.at(times, digits + _SPARE), PROOF, proof.agreement)
+    except BadInput:  # ProofTooLong is one
         return None
-    if not proof.outcome.done:
-        raise KeyboardInterrupt
-    return _Judge(proof.midpoints, PROOF, proof.proven)
 
 
 def _second(run: Trajectory, scene: Scene, progress: Progress | None) -> Trajectory:

@@ -20,13 +20,11 @@ import numpy as np
 from polhode.common.errors import few
 from polhode.equations.form import field
 from polhode.judging.conditioning import Band, Conditioning, conditioning
-from polhode.judging.reference import by_sign
-from polhode.judging.score import SHOWN, RowDigits, Score
-from polhode.judging.tables.table import Table
+from polhode.judging.score import SHOWN, STATE_PART, RowDigits, Score
+from polhode.judging.sources import by_sign
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.double_double import Pairs
-from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import Doubles
 from polhode.scenes.body import Body
 from polhode.taylor import heyoka
@@ -254,31 +252,25 @@ def expectation(score: Score, conditions: Conditioning | None = None) -> Expecta
     table, times, scene = score.subject, score.times, score.reference.scene
     lowest = {score.lowest_row} if score.digits else set()
     rows = sorted({*few(len(times), FOLLOWED), *few(len(times), SHOWN)} | lowest)
-    if conditions is not None:
-        parts, rows = [conditions], [*range(len(times))]
+    parts: list[tuple[Sequence[Fraction], Conditioning]] = []
+    if conditions is not None:  # at the same times, though the table's are rounded
+        parts, rows = [(times, conditions)], [*range(len(times))]
     elif heyoka.installed:
         instants = by_sign([times[k] for k in rows])
-        parts = [conditioning(scene, part, table.number) for part in instants]
-    else:
-        parts = []
+        parts = [(part, conditioning(scene, part, table.number)) for part in instants]
     every = 0 if table.run is None or table.run.projection is None else table.run.projection.every
 
     def at_all_times(question: Callable[[Conditioning], Sequence[Any]]) -> tuple[Any, ...]:
-        if not parts:
-            return (None,) * len(times)
-        if conditions is not None:  # at the same times, though the table's are rounded
-            return between(dict(zip(rows, question(conditions), strict=False)), times)
-        answers: dict[Exact, Any] = {}
-        for part in parts:
-            answers |= dict(zip(part.times, question(part), strict=True))
-        return between({k: answers[times[k]] for k in rows}, times)
+        pairs = (zip(part, question(known), strict=False) for part, known in parts)
+        answers = {t: x for pair in pairs for t, x in pair}
+        return between({k: answers[times[k]] for k in rows if answers}, times)
 
-    after = [part.lost_after for part in parts if part.lost_after is not None]
+    after = [x.lost_after for _, x in parts if x.lost_after is not None]
     return Expectation(
         at_all_times(lambda part: part.expected(table.number, every)),
         at_all_times(lambda part: part.inputs(table.number, every)),
         min(after, key=abs, default=None),
-        next((part.lost for part in parts if part.lost), ""),
+        next((x.lost for _, x in parts if x.lost), ""),
     )
 
 
@@ -290,61 +282,37 @@ def lost_digits(digits: RowDigits, expected: Expectation) -> str:
 
 
 # --- limits of a score ----------------------------------------------------------------------------
-#
-# What limits the state and the attitude of a table.
 
 
-def most_digits(table: Table) -> float:
-    """The most correct digits that a table may have."""
-    return min(table.held, table.number.most_digits)
+def limit_of(score: Score, part: str, expected: Expectation | None = None) -> Limit | None:
+    """What limits the digits of the state, or of the attitude; none of what was not judged.
 
-
-def plain_limit_of(score: Score, digits: RowDigits) -> Limit | None:
-    """The limit of a part that needs nothing of the motion: none of a part that was not judged, or
-    its last digits; None where the motion has to be known."""
+    Without ``expected`` None where the motion has to be known.  The rate at which an attitude goes
+    wrong is the error of omega, and that of the state is what it was expected to be: so it is
+    expected to lose the digits of the state, and those of the angle that was turned until then.
+    """
+    table, scene = score.subject, score.reference.scene
+    digits = score.digits if part == STATE_PART else score.other_parts.get(part, ())
     there = [d for d in digits if d is not None]
     if not there:
         return NO_LIMIT
-    worst, table = min(there), score.subject
+    worst, most = min(there), min(table.held, table.number.most_digits)
     if table.run is None and worst >= table.printed - 1:
         return PRINTED
-    return plain_limit(worst, most_digits(table), score.agreement)
-
-
-def state_limit(score: Score, expected: Expectation) -> Limit:
-    """What limits the state where its limit is not plain."""
-    at, table = score.lowest_row, score.subject
-    of_rounding = limit(
-        score.state_worst,
-        most_digits(table),
-        expected.bands[at],
-        expected.inputs[at],
-        table.steps,
-        score.rows_judged,
-        is_thin(score.reference.scene.body),
-    )
-    if of_rounding.name == "method" and (off := time_rounding(score, expected)) is not None:
-        return Limit("rounding", f"of the times, by up to {off:.1g}")
-    return of_rounding
-
-
-def attitude_limit(score: Score, expected: Expectation) -> Limit:
-    """What limits the attitude where its limit is not plain.
-
-    The rate at which an attitude goes wrong is the error of omega, and that of the state is what it
-    was expected to be: so it is expected to lose the digits of the state, and those of the angle
-    that was turned until then.
-    """
-    digits, table, scene = score.other_parts["attitude"], score.subject, score.reference.scene
-    there = [d for d in digits if d is not None]
-    worst = min(there)
-    at = digits.index(worst)
-    band = expected.bands[at]
-    if band is not None:
-        angle = 10.0**scene.log10_rate * abs(to_double(score.times[at]))
-        band = band._replace(least=max(0.0, band.least - math.log10(1 + angle)))
-    most, thin = most_digits(table), is_thin(scene.body)
-    return limit(worst, most, band, None, table.steps, len(there), thin)
+    if (plain := plain_limit(worst, most, score.agreement)) is not None or expected is None:
+        return plain
+    at, thin = digits.index(worst), is_thin(scene.body)
+    band, inputs, times = expected.bands[at], expected.inputs[at], score.rows_judged
+    if part != STATE_PART:
+        inputs, times = None, len(there)
+        if band is not None:
+            angle = 10.0**scene.log10_rate * abs(to_double(score.times[at]))
+            band = band._replace(least=max(0.0, band.least - math.log10(1 + angle)))
+    of_rounding = limit(worst, most, band, inputs, table.steps, times, thin)
+    if part != STATE_PART or of_rounding.name != "method":
+        return of_rounding
+    off = time_rounding(score, expected)
+    return of_rounding if off is None else Limit("rounding", f"of the times, by up to {off:.1g}")
 
 
 def time_rounding(score: Score, expected: Expectation) -> float | None:

@@ -10,9 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Protocol
 
-from polhode.common.arguments import whole
 from polhode.common.values import ByValue
 from polhode.numbers import number_types
 from polhode.numbers.decimals import is_decimal
@@ -26,26 +24,8 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
 from polhode.scenes.vocabulary import COLUMNS
 
-USUAL_DIGITS = 30  # of a reference that is saved as it is
 _RADIUS_DIGITS = 3
 _SPARE = 4  # digits beyond the last printed one: the last is then right to 0.5001 of its unit
-
-
-class _Answers(Protocol):
-    """A closed form of a scene, by whatever arithmetic."""
-
-    scene: Scene
-    kind: str
-    regime: str
-
-    @property
-    def proven(self) -> bool | str: ...
-
-    def at(self, times: Sequence[Exact], digits: int) -> list[list[Real]]: ...
-
-    def radii(self, times: Sequence[Exact], digits: int) -> list[list[Real]] | None: ...
-
-    def column(self, word: str, times: Sequence[Exact], digits: int) -> list[list[Any]]: ...
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -80,7 +60,7 @@ class ReferenceTable(Result, ByValue):
     @property
     def number(self) -> NumberType:
         """The number type whose decimals hold the digits."""
-        return _number(self.digits)
+        return number_of(self.digits)
 
     def table(self) -> Table:
         """A row a time: the state and the outputs, and bounds of the state's errors."""
@@ -119,33 +99,6 @@ class ReferenceTable(Result, ByValue):
         return f"<ReferenceTable of {self.scene.name}: {summary}, {self.digits} digits>"
 
 
-def tabulated(source: _Answers, digits: int = USUAL_DIGITS) -> ReferenceTable:
-    """A reference at the times of its scene."""
-    scene = source.scene
-    digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
-    printed = _number(digits).printed_digits
-    exact_times = held_times(scene, scene.times, digits)
-    states: Any = right_rows(source.at, exact_times, printed)
-    radii = source.radii(exact_times, printed)
-    outputs: dict[str, Any] = {
-        word: right_rows(partial(source.column, word), exact_times, printed)
-        for word in COLUMNS
-        if word in scene.outputs
-    }
-    return ReferenceTable(
-        scene,
-        source.kind,
-        source.regime,
-        digits,
-        tuple(exact_times),
-        states,
-        None if radii is None else [*map(partial(_bounds, printed), states, radii)],
-        outputs,
-        source.proven,
-        scene.provenance(),
-    )
-
-
 def held_times(scene: Scene, times: Sequence[Exact], digits: int) -> list[Exact]:
     """Times to be printed in full: decimals as they are, others rounded where no digit notices."""
     bits = number_types.bits_for(digits + 1)
@@ -153,12 +106,17 @@ def held_times(scene: Scene, times: Sequence[Exact], digits: int) -> list[Exact]
     return [t if is_decimal(t) else fine.rounded(t) for t in times]
 
 
-def _number(digits: int) -> NumberType:
+def number_of(digits: int) -> NumberType:
+    """The number type whose decimals hold so many digits."""
     return NumberType("mp", number_types.bits_for(digits + 1))
 
 
-def _bounds(printed: int, row: Sequence[Real], radii: Sequence[Real]) -> list[Real]:
-    return [*map(partial(_bound, printed), row, radii)]
+def bounds(
+    rows: Sequence[Sequence[Real]], radii: Sequence[Sequence[Real]], printed: int
+) -> list[list[Real]]:
+    """Bounds of the errors of rows as they are printed, from those of the numbers."""
+    pairs = zip(rows, radii, strict=True)
+    return [[*map(partial(_bound, printed), row, radius)] for row, radius in pairs]
 
 
 def _bound(printed: int, x: Real, radius: Real) -> Real:

@@ -9,7 +9,6 @@ signs about the median (Wald, Wolfowitz), and the ratio of the variances of thei
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from statistics import NormalDist
 from typing import NamedTuple
 
@@ -18,7 +17,7 @@ import numpy as np
 from polhode.judging.correct_digits import log10_rate, plain_rows
 from polhode.judging.limits import BIASED, WHITE, Limit
 from polhode.judging.score import Score
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import doubles, exactly, to_double
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.number_types import Doubles, Given, Scalar
 from polhode.scenes.vocabulary import ATTITUDE, STATE
@@ -66,7 +65,7 @@ def rotations(own: Given | Pairs, true: Given | Pairs) -> Doubles:
     By the quaternions' difference d: the vector part of true* own is that of true* d.  They are of
     any length and sign.
     """
-    theirs, right = (_doubles(rows) for rows in (own, true))
+    theirs, right = (x.hi if isinstance(x, Pairs) else doubles(x) for x in (own, true))
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # of any numbers
         product = np.sum(theirs * right, axis=1)
         d = differences(own, true, np.where(product < 0, -1.0, 1.0))
@@ -77,18 +76,6 @@ def rotations(own: Given | Pairs, true: Given | Pairs) -> Doubles:
         factor = np.where(sine > 0, np.degrees(angle) / sine, 0.0)
         rotation: Doubles = vector * factor[:, None]
     return rotation
-
-
-def residuals(names: Sequence[str], rows: Doubles) -> tuple[Residual, ...]:
-    """Of each column, of whole rows in the order of time."""
-    if not len(rows):
-        return tuple(Residual(name, 0.0, 0.0, 0.0) for name in names)
-    count = len(rows)
-    # powers of two, so that no square is beyond doubles: of numbers that are no motion's
-    sizes = np.ldexp(1.0, np.frexp(np.max(np.abs(rows), axis=0))[1] - 1)
-    spread, means = (sizes * f(rows / sizes, axis=0) for f in (np.std, np.mean))
-    pairs = zip(names, spread.tolist(), means.tolist(), strict=True)
-    return tuple(Residual(name, rms, bias, rms / math.sqrt(count)) for name, rms, bias in pairs)
 
 
 def are_white(rows: Doubles) -> bool:
@@ -132,14 +119,6 @@ def _halves(values: Doubles) -> float:
         return math.inf
     spread = 2 / (len(first) - 1) + 2 / (len(second) - 1)
     return math.log(variances[1] / variances[0]) / math.sqrt(spread)
-
-
-def _doubles(rows: Given | Pairs) -> Doubles:
-    if isinstance(rows, Pairs):
-        return np.asarray(rows.hi, dtype=float)
-    return np.array(
-        [[math.nan if x is None else to_double(exactly(x)) for x in row] for row in rows]
-    )
 
 
 def _difference(sign: float, x: Scalar | None, y: Scalar | None) -> float:
@@ -193,7 +172,14 @@ class ResidualRows(NamedTuple):
     @property
     def residuals(self) -> tuple[Residual, ...]:
         """Of each column root mean square, bias, and the bias's standard error."""
-        return residuals(self.names, self.rows)
+        count = len(self.rows)
+        if not count:
+            return tuple(Residual(name, 0.0, 0.0, 0.0) for name in self.names)
+        # powers of two, so that no square is beyond doubles: of numbers that are no motion's
+        sizes = np.ldexp(1.0, np.frexp(np.max(np.abs(self.rows), axis=0))[1] - 1)
+        spread, means = (sizes * f(self.rows / sizes, axis=0) for f in (np.std, np.mean))
+        pairs = zip(self.names, spread.tolist(), means.tolist(), strict=True)
+        return tuple(Residual(name, rms, bias, rms / math.sqrt(count)) for name, rms, bias in pairs)
 
     def noise(self, score: Score) -> Limit | None:
         """What white noise of a tenth of its size or less is called: by its bias, where that is

@@ -16,7 +16,6 @@ from polhode.common.interrupts import Progress
 from polhode.common.values import ByValue, cached_property
 from polhode.equations import kinematics
 from polhode.equations.kinematics import principal_angles
-from polhode.judging.certified import Certified, NoAnswer
 from polhode.judging.correct_digits import (
     digits_of,
     largest,
@@ -26,7 +25,8 @@ from polhode.judging.correct_digits import (
     plain_rows,
     scaled,
 )
-from polhode.judging.reference import AnyReference, Reference, column_of
+from polhode.judging.reference import Reference, column_of, reference
+from polhode.judging.sources import NoAnswer
 from polhode.judging.tables.motions import integrated
 from polhode.judging.tables.table import PARTS, WRONG, Table
 from polhode.numbers import double_double
@@ -130,7 +130,7 @@ class RowSelection(NamedTuple):
         return f"{left} of {count} rows, for their closed form is dear; judged were {chosen}"
 
 
-def selection(subject: Table, reference: AnyReference) -> RowSelection | None:
+def selection(subject: Table, reference: Reference) -> RowSelection | None:
     """The rows that are judged; None for all of them."""
     count = len(subject.times)
     if count <= MOST_DEAR or not reference.is_dear:
@@ -193,7 +193,7 @@ class Answers:
     with attitudes, so that both are asked for together.  ``progress``: told of the rows.
     """
 
-    reference: AnyReference
+    reference: Reference
     times: Sequence[Fraction]
     attitude: bool
     progress: Progress | None
@@ -234,9 +234,9 @@ class Answers:
         """Answers to questions that are asked together, of each or why there is none."""
         pieces: dict[str, list[Answer]] = {name: [] for name in questions}
         faults: dict[str, ValueError] = {}
-        # turns are counted from t = 0 on, and a proof goes through all times: not in pieces
+        # a proof goes through all times: not in pieces
         enclosed = "attitude" in questions and self.reference.encloses_attitude
-        whole = enclosed or "angles" in questions or not self.reference.is_closed_form
+        whole = enclosed or not self.reference.is_closed_form
         count = len(self.times)
         size = count if whole else _PIECE
         if in_pairs is None:
@@ -262,8 +262,8 @@ class Answers:
         self, question: str, times: Sequence[Fraction], digits: int, in_pairs: bool
     ) -> Answer:
         """Rows at some of the times."""
-        if in_pairs and isinstance(self.reference, Reference):
-            return self.reference.pairs(question, times, digits)
+        if in_pairs and (pairs := self.reference.pairs(question, times, digits)) is not None:
+            return pairs
         rows: Answer = getattr(self.reference, question)(times, digits)
         return rows
 
@@ -316,7 +316,7 @@ class Comparison(NamedTuple):
     def of(
         cls,
         subject: Table,
-        reference: AnyReference,
+        reference: Reference,
         progress: Progress | None = None,
         earlier: Answers | None = None,
     ) -> Comparison:
@@ -452,7 +452,7 @@ class Score(ByValue):
     """
 
     subject: Table
-    reference: AnyReference
+    reference: Reference
     halves: Mapping[str, RowDigits]
     other_parts: Mapping[str, RowDigits]
     refusals: Mapping[str, str]
@@ -589,7 +589,7 @@ def gaps_of_parts(missing: Mapping[str, Sequence[int]]) -> dict[str, tuple[int, 
 
 def score(
     subject: Table,
-    reference: AnyReference,
+    reference: Reference,
     progress: Progress | None = None,
     earlier: Score | None = None,
 ) -> Score:
@@ -650,8 +650,9 @@ def _part_or_refusal(comparison: Comparison, name: str) -> RowDigits | str:
     try:
         return comparison.part(name)
     except ValueError as fault:  # BadInput is one
-        reference = comparison.answers.reference
-        if isinstance(fault, NoAnswer) and reference.is_closed_form:
+        truth = comparison.answers.reference
+        if isinstance(fault, NoAnswer) and truth.is_closed_form:
             with suppress(ValueError):
-                return Comparison.of(comparison.subject, Certified(reference.scene)).part(name)
+                proven = reference(truth.scene, "certified")
+                return Comparison.of(comparison.subject, proven).part(name)
         return str(fault)

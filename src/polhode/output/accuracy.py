@@ -16,12 +16,12 @@ from polhode.common.errors import BadInput, TooManySteps, few
 from polhode.common.interrupts import Message, heard
 from polhode.dynamics.lyapunov import Lyapunov, lyapunov
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.certified import Certified, ProofTooLong
 from polhode.judging.compare import JudgingOptions, compare, scored
 from polhode.judging.conditioning import conditioning
 from polhode.judging.convergence_order import order_between
 from polhode.judging.judgement import Judgement
-from polhode.judging.reference import AnyReference, reference
+from polhode.judging.reference import Reference, reference
+from polhode.judging.sources import ProofTooLong
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import brief
@@ -358,9 +358,7 @@ def _work_rows(
     if any(line.judgement for line in lines):
         until = min((x.until for x in lines if x.until is not None), key=abs, default=scene.end)
         plain = replace(scene, outputs=(), events=(), form="principal").at((to_double(until),))
-        against = reference(plain)
-        if isinstance(against, Certified):
-            against = Certified(plain, **request.limits(plain))
+        against = reference(plain, **request.limits(plain))
         for number in NUMBERS if request.number is None else [request.number]:
             with suppress(BadInput):  # of which the table of runs tells
                 for tolerance in (None, *TOLERANCES.get(number, ())):
@@ -370,7 +368,7 @@ def _work_rows(
             yield (line.name, None, line.digits[-1], line.source.seconds)
 
 
-def _costed(scene: Scene, against: AnyReference, number: str, tolerance: str | None) -> Row:
+def _costed(scene: Scene, against: Reference, number: str, tolerance: str | None) -> Row:
     """The digits at the scene's end of a prepared run, and the least seconds of several calls."""
     call: Callable[[], Any] = partial(_last_state, scene, number)
     if number in TOLERANCES:
@@ -392,7 +390,7 @@ def _last_state(scene: Scene, number: str) -> Any:
 # --- words beside them ----------------------------------------------------------------------------
 
 
-def _measured(against: AnyReference, times: int, judged: int) -> str:
+def _measured(against: Reference, times: int, judged: int) -> str:
     how = "the closed form in balls" if against.is_closed_form else "a proven enclosure"
     thinned = f" of the scene's {times}" if times > judged else ""
     return f"Measured against {how} ({against.kind}: {against.regime}) at {judged}{thinned} times."

@@ -117,7 +117,7 @@ def described(scene: Scene) -> JsonObject:
     facts["integrals"] = {"h": shown(values.energy)}
     if values.area is not None:
         facts["integrals"] |= {"f": shown(values.area)}
-    if isinstance(reference, Reference):
+    if reference.is_closed_form:
         if reference.conditions:
             facts["conditions"] = list(reference.conditions)
         facts |= _frequencies(reference)

@@ -15,7 +15,6 @@ from polhode.common.files import check_writable
 from polhode.common.interrupts import Message
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue, cached_property
-from polhode.judging.certified import Certified
 from polhode.judging.reference import reference
 from polhode.judging.tables.table_file import is_table
 from polhode.numbers.number_types import MAX_DIGITS, AnyNumber, AnyVector
@@ -253,7 +252,7 @@ def _foretold(groups: Sequence[tuple[Scene, Sequence[Given]]]) -> str:
     """How long all will take, in words."""
     seconds = 0.0
     for scene, tables_given in groups:
-        cost = _PROOF if isinstance(reference(scene), Certified) else _RADIAN
+        cost = _PROOF if not reference(scene).is_closed_form else _RADIAN
         radians = min(_FOLLOWED, 10.0**scene.log10_angle)
         seconds += _LEAST + cost * radians + len(tables_given)
     count = sum(len(tables_given) for _, tables_given in groups)

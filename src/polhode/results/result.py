@@ -26,6 +26,11 @@ if TYPE_CHECKING:
 class Storable:
     """What is saved, drawn and tabulated by its content: results, and what makes one when asked."""
 
+    @property
+    def kind_of_file(self) -> str:
+        """The kind of the result that a file of it holds."""
+        return type(self).__name__
+
     def content(self) -> Content:
         """What a file of it holds."""
         raise NotImplementedError

@@ -147,8 +147,8 @@ def _judged(
     **options: Unpack[FileOptions],
 ) -> Judgement:
     """The judgement of a file; ``options``: others of :func:`polhode.compare`."""
-    from polhode.judging.certified import ProofTooLong
     from polhode.judging.compare import compare
+    from polhode.judging.sources import ProofTooLong
     from polhode.proofs.theorem import NotProved
 
     def foretold(seconds: float) -> None:

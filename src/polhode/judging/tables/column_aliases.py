@@ -357,17 +357,6 @@ def _g_is_a_rate(parts: Sequence[_Component | None], meant: Sequence[NamedColumn
     return (accelerated or bool({*STATE[3:]} & others)) and not {*STATE[:3]} & others
 
 
-def column(header: str) -> NamedColumn:
-    """What the header of a single column means.
-
-    >>> column("qw").name, column("wx [deg/s]")[:2], column("psi_deg")[:2], column("note").name
-    ('q0', ('p', True), ('psi', True), None)
-    >>> column("time_ms").factor, column("pose.orientation.w").name, column("p_dps")[:2]
-    (Fraction(1, 1000), 'q0', ('p', True))
-    """
-    return columns([header])[0]
-
-
 def twice(named: Iterable[NamedColumn]) -> str | None:
     """A name that two columns have; None where there is none."""
     names = [column.name for column in named]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from polhode.judging.tables.hypotheses import Evidence, Hypothesis
 from polhode.judging.tables.motions import Right, errors_of_rows, matrices, size_of_motion
 from polhode.judging.tables.table import TURN, Change
 from polhode.numbers.number_types import Doubles
+from polhode.numbers.vectors import quaternion_products
 from polhode.scenes.vocabulary import STATE
 
 SAME = (0, 1, 2)
@@ -85,15 +86,8 @@ TURNED = [m for m in (renaming(*axes) for axes in AXES) if np.linalg.det(m) > 0]
 
 def quaternion(matrix: Doubles) -> tuple[int, ...]:
     """The quaternion of a renaming that is a turn, of some length, in small whole numbers."""
-    trace = np.trace(matrix)
-    m = matrix
-    candidates = [
-        (1 + trace, m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]),
-        (m[2, 1] - m[1, 2], 1 + 2 * m[0, 0] - trace, m[0, 1] + m[1, 0], m[0, 2] + m[2, 0]),
-        (m[0, 2] - m[2, 0], m[0, 1] + m[1, 0], 1 + 2 * m[1, 1] - trace, m[1, 2] + m[2, 1]),
-        (m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], 1 + 2 * m[2, 2] - trace),
-    ]
-    best = max(candidates, key=lambda q: sum(x * x for x in q))
+    products = quaternion_products(matrix.ravel().tolist())
+    best = max(products, key=lambda q: sum(x * x for x in q))
     least = min(abs(x) for x in best if x)
     return tuple(round(float(x / least)) for x in best)
 
@@ -209,66 +203,37 @@ def _in_frames(forms: Sequence[_Form], true: Any) -> list[_Way]:
     frames."""
     ways: list[_Way] = []
     for form, rotations, change in forms:
-        for frames in _frames(rotations, true):
-            words = ", ".join(filter(None, (form, frames.words)))
-            tries = len(forms) * frames.tries
-            whole = None
-            if change is not None and not frames.is_fitted:
-                space, body = quaternion(frames.space.T), quaternion(frames.body)
-                whole = change._replace(space=space, body=body)
-            if words:
-                fitted, renamed = 3 if frames.is_fitted else 0, frames.renamed
-                convention = Hypothesis(words, whole, None, tries, fitted, renamed)
-                ways.append((convention, frames.rows))
-    return sorted(ways, key=lambda pair: pair[0].renamed)
+        for frames, rows in _frames(rotations, true, change):
+            if words := ", ".join(filter(None, (form, frames.words))):
+                ways.append((frames._replace(words=words, tries=len(forms) * frames.tries), rows))
+    return sorted(ways, key=lambda way: way[0].renamed)
 
 
-class _Frames(NamedTuple):
-    """Frames of space U and of the body B in which a matrix is U R Bᵀ, and its digits then."""
-
-    space: Doubles
-    body: Doubles
-    rows: Doubles
-    is_fitted: bool = False
-
-    @property
-    def words(self) -> str:
-        """What the frames are called."""
-        if not self.is_fitted:
-            return _words_of(self.space, self.body)
-        if np.array_equal(self.body, np.eye(3)):
-            return f"{TURN}{rotation_in_words(self.space.T)} in space axes"
-        return f"{TURN}{rotation_in_words(self.body)} in body axes"
-
-    @property
-    def tries(self) -> int:
-        """How many frames are as plain."""
-        if self.is_fitted:
-            return 2
-        return len(TURNED) ** 2 if self.words else 1
-
-    @property
-    def renamed(self) -> int:
-        """How many frames are renamed; a turned one is less plain."""
-        return 3 if self.is_fitted else self.words.count("=")
-
-
-def _frames(rotations: Doubles, true: Any) -> Iterator[_Frames]:
-    """Frames in which matrices are the true ones, nearly in the first row.
+def _frames(rotations: Doubles, true: Any, change: Change | None) -> Iterator[_Way]:
+    """Frames of space U and of the body B in which matrices R are the true ones as U R Bᵀ, nearly
+    in the first row.
 
     Axes may have other names, or the first row tells by which rotation all differ.  Two left-handed
-    frames turn a matrix as two right-handed ones do, their opposites.
+    frames turn a matrix as two right-handed ones do, their opposites.  ``change``: to R.
     """
     few, same = len(rotations) < LEAST_ROWS, np.eye(3)
     for body in TURNED[:1] if few else TURNED:
         space = nearest_renaming(rotations[0] @ body @ true[0].T)
-        if space is not None and (np.array_equal(space, same) or not few):
-            yield _Frames(space, body, _against(space.T @ rotations @ body, true))
+        if space is None or (few and not np.array_equal(space, same)):
+            continue
+        words, whole = _words_of(space, body), change
+        if change is not None:
+            whole = change._replace(space=quaternion(space.T), body=quaternion(body))
+        tries = len(TURNED) ** 2 if words else 1
+        renaming_frames = Hypothesis(words, whole, tries=tries, renamed=words.count("="))
+        yield renaming_frames, _against(space.T @ rotations @ body, true)
     if few or not np.all(np.isfinite(rotations[0])):
         return
     space, body = rotations[0] @ true[0].T, rotations[0].T @ true[0]
-    yield _Frames(space, same, _against(space.T @ rotations, true), True)
-    yield _Frames(same, body, _against(rotations @ body, true), True)
+    pairs = (("space", space.T, space.T @ rotations), ("body", body, rotations @ body))
+    for axes, turn, turned_back in pairs:
+        words = f"{TURN}{rotation_in_words(turn)} in {axes} axes"
+        yield Hypothesis(words, tries=2, fitted=3, renamed=3), _against(turned_back, true)
 
 
 def _words_of(space: Doubles, body: Doubles) -> str:

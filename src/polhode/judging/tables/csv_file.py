@@ -86,14 +86,11 @@ def type_of(parts: Iterable[Any]) -> NumberType | None:
 
     ``parts``: arrays, lists or tuples of cells.  Integers and empty cells go with any type.
     """
-    widest = -1
-    for kind in {kind for part in parts for kind in _kinds(part)}:
-        if _is_neutral(kind):
-            continue
-        if kind.__name__ not in _KINDS:
-            return None
-        widest = max(widest, _KINDS[kind.__name__])
-    return None if widest < 0 else _WIDER[widest]
+    names = {kind.__name__ for part in parts for kind in _kinds(part)}
+    floats = {x for x in names if x not in _NEUTRAL and not x.startswith(("int", "uint"))}
+    if not floats or not floats <= _KINDS.keys():
+        return None
+    return _WIDER[max(_KINDS[name] for name in floats)]
 
 
 def _kinds(part: Any) -> set[type]:
@@ -102,10 +99,6 @@ def _kinds(part: Any) -> set[type]:
     if dtype is not None and dtype.kind != "O":
         return {dtype.type}
     return {*map(type, part)} if dtype is not None or isinstance(part, (list, tuple)) else {object}
-
-
-def _is_neutral(kind: type) -> bool:
-    return kind.__name__ in _NEUTRAL or kind.__name__.startswith(("int", "uint"))
 
 
 def printed_type(columns: Iterable[Sequence[str]], printed: int) -> NumberType | None:

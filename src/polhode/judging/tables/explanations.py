@@ -19,8 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode.common.errors import BadInput, few, listed
-from polhode.judging.certified import Certified
-from polhode.judging.reference import AnyReference
+from polhode.judging.reference import Reference
 from polhode.judging.tables.column_aliases import lengths, of_length_one
 from polhode.judging.tables.conventions import (
     ALIKE_AT_START,
@@ -116,36 +115,27 @@ class View(NamedTuple):
 
     def readings(self) -> list[Reading]:
         """Of each part that is wrong the convention that makes its first rows right, if any."""
-        explained = {name: part for name, part in self.parts.items() if part.is_told}
         return [
-            Reading(
-                name,
-                part.plain.digits,
-                part.best.hypothesis.words,
-                part.best.digits,
-                _change_of(part.best),
-                shown_rows(part.best, self.times),
-            )
-            for name, part in explained.items()
+            _reading(name, part.plain.digits, part.best, self.times)
+            for name, part in self.parts.items()
+            if part.is_told
         ]
 
     def readings_in(self, scene: Hypothesis, parts: Mapping[str, _Part]) -> list[Reading]:
         """Of each part that is wrong its convention in another scene's motion."""
         readings = []
         for name, there in parts.items():
-            plain = self.parts[name].plain
-            same = is_alike(self.parts[name].best.course, there.convention.course)
+            plain, best = self.parts[name].plain, there.convention
+            same = is_alike(self.parts[name].best.course, best.course)
             if plain.digits >= WRONG or (same and not there.is_told):
                 continue
-            best = there.convention
             words = ", ".join(filter(None, (scene.words, best.hypothesis.words)))
-            rows = shown_rows(best, self.times)
-            reading = Reading(name, plain.digits, words, best.digits, rows=rows, how="right with")
-            readings.append(reading)
+            reading = _reading(name, plain.digits, best, self.times)
+            readings.append(reading._replace(convention=words, change=None, how="right with"))
         return readings
 
 
-def view(subject: Table, reference: AnyReference) -> View:
+def view(subject: Table, reference: Reference) -> View:
     """A table beside the motion of a reference."""
     values, times = whole_parts(subject)
     right = _motion(reference, times)
@@ -182,12 +172,18 @@ def shown_rows(evidence: Evidence, times: Sequence[Fraction]) -> tuple[tuple[Fra
     return tuple((times[k], float(evidence.rows[k])) for k in sorted({first, middle, last}))
 
 
+def _reading(part: str, before: float, evidence: Evidence, times: Sequence[Fraction]) -> Reading:
+    """A part in its convention; ``before``: its digits as it stands."""
+    words, rows = evidence.hypothesis.words, shown_rows(evidence, times)
+    return Reading(part, before, words, evidence.digits, _change_of(evidence), rows)
+
+
 def _change_of(evidence: Evidence) -> Change | None:
     change = evidence.hypothesis.change
     return change if isinstance(change, Change) else None
 
 
-def _motion(reference: AnyReference, times: Sequence[Fraction]) -> Right | None:
+def _motion(reference: Reference, times: Sequence[Fraction]) -> Right | None:
     """The reference's motion with its attitude; a run in double tells what is enclosed, whose proof
     may have far to go."""
 
@@ -198,7 +194,7 @@ def _motion(reference: AnyReference, times: Sequence[Fraction]) -> Right | None:
             return None
 
     run = integrated(reference.scene, times) if reference.encloses_attitude else None
-    if isinstance(reference, Certified):
+    if not reference.is_closed_form:
         return run
     states = rows(reference.at)
     if states is None:
@@ -272,8 +268,7 @@ def _with_same_axes(parts: dict[str, _Part]) -> dict[str, _Part]:
         if own is None or theirs is None or own.order != theirs.order:
             continue
         same = own.signs in (theirs.signs, tuple(-s for s in theirs.signs))  # omega: a pseudovector
-        alone = mine.best._replace(hypothesis=mine.best.hypothesis._replace(tries=1))
-        if same and explains([Comparison(alone, mine.plain, mine.goes)]):
+        if same and explains([Comparison(_of_tries(mine.best, 1), mine.plain, mine.goes)]):
             parts[name] = mine._replace(is_told=True)
     return parts
 
@@ -503,7 +498,7 @@ class FittedTable:
 # --- readings -------------------------------------------------------------------------------------
 
 
-def read_as_told(subject: Table, reference: AnyReference, readings: str) -> Table:
+def read_as_told(subject: Table, reference: Reference, readings: str) -> Table:
     """A table as it is read in readings separated by semicolons, in the words that tell them.
 
     Raises BadInput for one that is none of the table's.
@@ -525,7 +520,7 @@ def read_as_told(subject: Table, reference: AnyReference, readings: str) -> Tabl
 def at_times_told(
     subject: Table,
     current: View,
-    reference: AnyReference,
+    reference: Reference,
     words: str,
     change: TimeChange,
 ) -> tuple[Table, View]:
@@ -543,13 +538,13 @@ def at_times_told(
     return replace(moved, readings=(*moved.readings, reading)), there
 
 
-def table_as_told(table: Table, reference: AnyReference, words: str) -> Table:
+def table_as_told(table: Table, reference: Reference, words: str) -> Table:
     """A table whose state, angles and attitude are read so; raises BadInput likewise."""
     reread = read_as_told(as_judged(table, reference.scene), reference, words)
     return replace(table, times=reread.times, columns={**table.columns, **reread.columns})
 
 
-def _readings(subject: Table, reference: AnyReference, phrases: Sequence[str]) -> list[Reading]:
+def _readings(subject: Table, reference: Reference, phrases: Sequence[str]) -> list[Reading]:
     """Readings of parts, in the words that tell them."""
     sample = view(subject, reference)
     if sample.right is None and sample.parts:
@@ -567,12 +562,11 @@ def _readings(subject: Table, reference: AnyReference, phrases: Sequence[str]) -
         if phrase not in by_phrase:
             raise BadInput(subject.name, "read", phrase, _possible(phrase, by_phrase, subject))
         part, evidence = by_phrase[phrase]
-        change = _change_of(evidence)
-        if change is None or part in readings:
-            expected = f"no second reading of {part}" if change else _APPLIED
+        reading = _reading(part, digits[part], evidence, sample.times)
+        if reading.change is None or part in readings:
+            expected = f"no second reading of {part}" if reading.change else _APPLIED
             raise BadInput(subject.name, "read", phrase, expected)
-        words, rows = evidence.hypothesis.words, shown_rows(evidence, sample.times)
-        readings[part] = Reading(part, digits[part], words, evidence.digits, change, rows)
+        readings[part] = reading
     return [*readings.values()]
 
 
@@ -585,7 +579,7 @@ def _possible(phrase: str, by_phrase: Mapping[str, tuple[str, Evidence]], subjec
     return f"readings that this table can have: {listed(phrase, [*near, *plain, *times])}"
 
 
-def as_meant(subject: Table, against: AnyReference) -> tuple[Table, tuple[Reading, ...]]:
+def as_meant(subject: Table, against: Reference) -> tuple[Table, tuple[Reading, ...]]:
     """A table in the conventions in which its wrong parts begin right, where some do; and the
     readings that are told and not applied."""
     current = view(subject, against)

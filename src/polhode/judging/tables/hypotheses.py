@@ -135,30 +135,22 @@ class Comparison(NamedTuple):
     rival: Evidence
     goes: bool
 
-    @property
-    def courses(self) -> tuple[Doubles, Doubles]:
-        """Both courses, as far as both go."""
-        mine, rival = self.evidence.course, self.rival.course
-        count = min(len(mine), len(rival))
-        return mine[:count], rival[:count]
-
-    @property
-    def is_better(self) -> bool:
-        """Whether it has so many more digits at some row, and fewer at none before."""
-        mine, rival = self.courses
-        more = mine - rival
-        rows = np.flatnonzero(more >= self.evidence.gain)
-        return bool(len(rows)) and not np.any(more[: rows[0]] < -_slack(rival[: rows[0]]))
-
 
 def explains(parts: Sequence[Comparison]) -> bool:
     """The rule: whether evidence of all parts of a table explains it.
 
-    All of them begin right and have more digits together; one or more have far more, and go with
-    the motion.
+    All of them begin right and have more digits together; one or more have far more at some row,
+    and no fewer before it, and go with the motion.
     """
-    better = [part for part in parts if part.is_better]
-    more = sum(float(np.sum(mine - rival)) for mine, rival in (part.courses for part in parts))
+    better, more = [], 0.0
+    for part in parts:
+        mine, rival = part.evidence.course, part.rival.course
+        count = min(len(mine), len(rival))  # as far as both go
+        gains = mine[:count] - rival[:count]
+        more += float(np.sum(gains))
+        first = np.flatnonzero(gains >= part.evidence.gain)[:1]
+        if len(first) and np.all(gains[: first[0]] >= -_slack(rival[: first[0]])):
+            better.append(part)
     begin = all(float(part.evidence.course[0]) >= LEAST_GAIN for part in parts)
     return bool(better) and all(part.goes for part in better) and more > 0 and begin
 

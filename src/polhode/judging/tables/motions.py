@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.judging.reference import in_double
+from polhode.judging.sources import in_double
 from polhode.judging.tables.hypotheses import Hypothesis
 from polhode.judging.tables.table import WRONG, Table, TimeChange
 from polhode.motion.frame import Frame

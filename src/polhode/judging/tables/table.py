@@ -241,7 +241,7 @@ class Table(ByValue):
         """The rows that have a number in each of these columns."""
         if not {*names} <= self.columns.keys():
             return []
-        gaps = {k for name in names for k, x in enumerate(self.columns[name]) if x is None}
+        gaps = {*self.gaps(names)}
         return [k for k in range(len(self.times)) if k not in gaps]
 
     def gaps(self, names: Sequence[str]) -> list[int]:
