@@ -77,13 +77,13 @@ class RunStart(NamedTuple):
     """One member of an ensemble: a top, the number of the start, the times."""
 
     top: str
-    index: int
+    place: int
     times: tuple[Fraction, ...]
 
     @property
     def scene(self) -> polhode.Scene:
         """The exact scene."""
-        return random_scene(self.top, self.index, self.times)
+        return random_scene(self.top, self.place, self.times)
 
     @property
     def name(self) -> str:
@@ -481,7 +481,7 @@ def _beside(row: kit.JsonObject) -> kit.JsonObject:
 
     The same at the last time, where it went on like t.
     """
-    alone, over, times = *row["inputs"].values(), row["times"]
+    times, alone, over = row["times"], row["inputs"]["median"], row["inputs"]["error_over_it"]
     grown = alone[-1] * times[-1] / times[len(alone) - 1]
     cells = {
         str(t): f"{left:.1e}; ×{ratio:.3g}"
