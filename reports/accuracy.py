@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import ceil
@@ -15,7 +15,6 @@ from typing import Any
 
 import kit
 import polhode
-from kit import digits
 from polhode.checks.published_figures import (
     PrintedFigure,
     TimeLabel,
@@ -47,38 +46,23 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> kit.JsonObject:
     every = [
         polhode.load(name) for name in (QUICK_CASES if quick else polhode.cases().column("scene"))
     ]
-    workers = 1 if quick else kit.cores()
-
-    def tell(scene: polhode.Scene) -> None:
-        say(scene.name)
-
-    cases = case_rows([scene for scene in every if only(scene.name)], workers, tell)
-    cases_asked = [scene for scene in every if only(scene.name, "proven")]
-    alone = [scene for scene in map(provable, cases_asked) if scene is not None]
-    printed, labels = [], []
-    for scene in every:
-        if scene.published and only(scene.name, "printed"):
-            tell(scene)
-            figures, moved = printed_figures(scene)
-            printed += figures
-            labels += moved
-    return {
-        "cases": cases,
-        "proven": [*kit.in_order(proven_case, alone, workers, tell)],
-        "printed": printed,
-        "time_labels": labels,
+    cases = case_rows([scene for scene in every if only(scene.name)], quick, say)
+    wanted = [scene for scene in every if only(scene.name, "proven")]
+    published = [scene for scene in every if scene.published and only(scene.name, "printed")]
+    parts: kit.Parts = {
+        "proven": (proven_case, [scene for scene in map(provable, wanted) if scene is not None]),
+        "printed": (printed_figures, published),
     }
+    rows = kit.rows_by_part(parts, quick, say)
+    figures, labels = ([x for pair in rows["printed"] for x in pair[k]] for k in (0, 1))
+    return {"cases": cases, **rows, "printed": figures, "time_labels": labels}
 
 
-def case_rows(
-    scenes: Sequence[polhode.Scene],
-    workers: int,
-    tell: Callable[[polhode.Scene], object],
-) -> list[dict[str, Any]]:
+def case_rows(scenes: Sequence[polhode.Scene], quick: bool, say: kit.Say) -> list[dict[str, Any]]:
     """One row per case of the library, made once in a process; the longest motions come first."""
     missing = [scene for scene in scenes if scene.name not in _case_rows]
     missing.sort(key=lambda scene: -scene.log10_angle)
-    for row in kit.in_order(_case, missing, workers, tell):
+    for row in kit.rows_by_part({"cases": (_case, missing)}, quick, say)["cases"]:
         _case_rows[row["case"]] = row
     return [_case_rows[scene.name] for scene in scenes]
 
@@ -287,103 +271,10 @@ def proven_case(scene: polhode.Scene) -> dict[str, Any]:
 
 # --- page -----------------------------------------------------------------------------------------
 #
-# Tables and facts of the accuracy study's page.
+# Rows of the tables and facts of the accuracy study's page.
 
 
-_AGAIN = "python reports/make.py accuracy"
-_DRIFT = (
-    "the largest departure from the exact value of an integral (energy h, area integral f) during "
-    "the run in double"
-)
-_CASES = (
-    *kit.ABOUT,
-    kit.Column(
-        *("judged by", "reference", ""),
-        "the closed form of that family of motions (of euler, lagrange, pendulum and most of "
-        "kovalevskaya proven), or a proven enclosure",
-    ),
-    kit.Column(
-        *("mpmath", "textbook", ".1f"),
-        "digits, of 30 asked for, to which the closed form and a textbook's formulas in mpmath's "
-        "functions agree at one time (a dash: none of the three classical tops, or a motion that "
-        "those formulas do not have)",
-    ),
-    *kit.in_numbers(
-        digits,
-        "correct digits of the run in that number type, at its worst output time (a dash: not "
-        "run, it would take too long)",
-    ),
-    kit.Column(
-        "inputs",
-        "runs.double.inputs",
-        ".1f",
-        "correct digits if the scene's rounded numbers were the only error",
-    ),
-    kit.Column(
-        "expected", "runs.double.band", ">", "where nine in ten such runs in double would end"
-    ),
-    kit.Column("limit", "runs.double.limit", "", "what limits the digits in double"),
-    kit.Column("drift h", "runs.double.drift.h", ".0e", _DRIFT),
-    kit.Column("drift f", "runs.double.drift.f", ".0e", _DRIFT),
-    kit.Column(
-        "corrections",
-        "runs.double.projection.sum",
-        ".0e",
-        "the sum of all corrections that put the run in double back on its integrals, w in units "
-        "in which it is of order 1 (a dash: it was not put back)",
-    ),
-    kit.Column("steps", "runs.double.steps", "d", "steps of the run in double"),
-    kit.Column(
-        "outcome",
-        lambda case: kit.listed(run["outcome"] for run in case["runs"].values()),
-        meaning="how the runs ended",
-    ),
-)
-
-_PROVEN = (
-    kit.CASE,
-    kit.Column("closed form", "reference"),
-    kit.END,
-    kit.Column("proven digits", "digits", ".1f"),
-    kit.Column(
-        "worst",
-        "ratio",
-        ".2g",
-        "the largest |closed form − midpoint| over the radius: 1 or less lies inside",
-    ),
-    kit.Column(
-        "tries", "tries", "d", "proofs begun, with more bits each, until one gave the digits"
-    ),
-    kit.Column("inside", kit.yes("inside", "NO")),
-)
 _KINDS = ("value", "printout", "recomputed")
-_FIGURES = (
-    kit.CASE,
-    kit.Column("kind", "kind"),
-    kit.T,
-    kit.Column("quantity", "quantity", "code"),
-    kit.Column("printed", "printed", ">"),
-    kit.Column(
-        "ours", "ours", ">", "evaluated to 8 digits more than are printed, shown with 2 more"
-    ),
-    kit.Column("difference", "difference", ">"),
-    kit.Column("units", "last_units", ".2g", "the difference in units of the last digit printed"),
-    kit.Column(
-        "digits right",
-        lambda row: f"{row['digits_right']:.1f} of {row['digits_shown']}",
-        *(">", "-log10 of the relative difference, and how many digits are printed"),
-    ),
-    kit.Column("verdict", lambda row: _verdict(row)),
-    kit.Column("source", "cite"),
-)
-_LABELS = (
-    kit.CASE,
-    kit.Column("source", "cite"),
-    kit.T,
-    kit.Column("shift", "shift", "+.4g", "the figures agree at the time t and this shift"),
-    kit.Column("largest difference", "before", ".1e", "at the time that the source gives"),
-    kit.Column("shifted", "after", ".1e", "the same at the shifted time"),
-)
 
 
 def _verdict(row: kit.JsonObject) -> str:
@@ -393,15 +284,20 @@ def _verdict(row: kit.JsonObject) -> str:
     return f"agrees to {row['digits_right']:.1f} digits"
 
 
-def tables(results: kit.JsonObject) -> dict[str, kit.PageTable]:
-    """The page's tables from the study's JSON object."""
-    printed = f"{_AGAIN} --only printed --only {{0}}"
-    by_kind = sorted(results["printed"], key=lambda row: _KINDS.index(row["kind"]))
+def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
+    """The rows of the page's tables from the study's JSON object."""
+    cases = map(kit.by_number, results["cases"])
     return {
-        "cases": kit.table(map(kit.by_number, results["cases"]), _CASES, f"{_AGAIN} --only {{0}}"),
-        "proven": kit.table(results["proven"], _PROVEN, f"{_AGAIN} --only proven --only {{0}}"),
-        "printed": kit.table(by_kind, _FIGURES, printed),
-        "time_labels": kit.table(results["time_labels"], _LABELS, printed),
+        "cases": (
+            {**x, "outcomes": kit.listed(run["outcome"] for run in x["runs"].values())}
+            for x in cases
+        ),
+        "proven": ({**x, "lies": "yes" if x["inside"] else "NO"} for x in results["proven"]),
+        "printed": (
+            {**x, "verdict": _verdict(x), "of": f"{x['digits_right']:.1f} of {x['digits_shown']}"}
+            for x in sorted(results["printed"], key=lambda row: _KINDS.index(row["kind"]))
+        ),
+        "time_labels": results["time_labels"],
     }
 
 

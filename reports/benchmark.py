@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import polhode
-from kit import Say, write_whole
+from kit import HERE, Say, template, write_whole
 from polhode.certificates import state_certificate
 from polhode.enclosures.statement import LENGTH
 from polhode.equations.kinematics import starting_attitude
@@ -191,7 +191,6 @@ CHECKERS = ("check.py", "check.c", "check.js")
 SECONDS = 7  # of the processor that a top takes, about
 NAME = "heavy top benchmark"
 _PLACES = 60  # of decimals of data that have no end
-_HERE = Path(__file__).parent
 
 
 def write_benchmark(folder: Path, only: Iterable[str] = (), tick: Say | None = None) -> list[Path]:
@@ -210,9 +209,7 @@ def write_benchmark(folder: Path, only: Iterable[str] = (), tick: Say | None = N
         certificate = json.dumps(values.certificate()) + "\n"
         written += _save(folder, {f"{top.name}.csv": values.csv, _proof(top): certificate})
     if len(values_of) == len(TOPS):
-        texts = {
-            name: (_HERE / "benchmark" / name).read_text(encoding="utf-8") for name in CHECKERS
-        }
+        texts = {name: (HERE / "benchmark" / name).read_text(encoding="utf-8") for name in CHECKERS}
         written += _save(folder, texts | {DATA: data(values_of), PAGE: page()})
     return written
 
@@ -281,8 +278,7 @@ def page() -> str:
         f"| [{top.name}]({top.name}.csv) | {top.about} | {top.times[-1]} | [proof]({_proof(top)}) |"
         for top in TOPS
     ]
-    text = (_HERE / "templates/benchmark.md").read_text(encoding="utf-8")
-    return text.format(
+    return template("benchmark").format(
         version=VERSION,
         count=len(TOPS),
         digits=DIGITS,

@@ -437,7 +437,7 @@ def _truths(
         if job[-1] == 0:
             say(f"references of {job[0]} to t = {job[1]}{', many starts' if job[2] else ''}")
 
-    return dict(zip(jobs, in_order(_truth_of, jobs, cores(), tell), strict=True))
+    return dict(zip(jobs, in_order(_truth_of, jobs, False, tell), strict=True))
 
 
 def _truth_of(job: tuple[str, int, bool, int]) -> Truth:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import mpmath
 
@@ -32,11 +32,10 @@ PROVEN = ("general/asymmetric-regular", "general/asymmetric-chaotic")
 PROVEN_END = 100
 
 
-@dataclass(frozen=True)
-class EventMotion:
+class EventMotion(NamedTuple):
     """A case, what vanishes, and what it is to people."""
 
-    case: str
+    name: str
     zero: str
     what: str
 
@@ -56,43 +55,25 @@ COST_EVENTS = ("p*gamma2 - q*gamma1", "q", "gamma3 - 1/2")
 
 def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; only the seconds in them depend on the clock."""
-    far = QUICK_FAR if quick else FAR
-    jobs: list[tuple[Any, ...]] = [
-        *(("motions", m, far) for m in (MOTIONS[:3] if quick else MOTIONS) if only(m.case, m.what)),
-        *(("proven", name, PROVEN_END) for name in PROVEN[: 1 if quick else 2] if only(name)),
-    ]
-    workers = 1 if quick or len(jobs) == 1 else kit.cores()
-    answers = kit.in_order(_row_of, jobs, workers, lambda job: say(f"{job[0]}, {_label(job[1])}"))
-    parts: dict[str, list[dict[str, Any]]] = {part: [] for part in _MAKERS}
-    for job, row in zip(jobs, answers, strict=True):
-        parts[job[0]].append(row)
-    cost = []
-    for name in kit.NUMBERS:  # alone: a clock runs
-        if only("cost", name):
-            say(f"cost in {name}")
-            cost.append(_cost_row(name, 3 if quick else 9))
-    return {**parts, "cost": cost}
-
-
-def _row_of(job: tuple[Any, ...]) -> dict[str, Any]:
-    """A row: the part of the study that it belongs to, and what it is made of."""
-    part, *task = job
-    return _MAKERS[part](*task)
-
-
-def _label(subject: EventMotion | str) -> str:
-    return subject if isinstance(subject, str) else f"{subject.case}, {subject.what}"
+    motions = [m for m in (MOTIONS[:3] if quick else MOTIONS) if only(m.name, m.what)]
+    proven = [name for name in PROVEN[: 1 if quick else 2] if only(name)]
+    motion_row = partial(_motion, far=QUICK_FAR if quick else FAR)
+    parts: kit.Parts = {"proven": (_proven, proven), "motions": (motion_row, motions)}
+    numbers = [name for name in kit.NUMBERS if only("cost", name)]
+    cost: kit.Parts = {"cost": (partial(_cost_row, repeats=3 if quick else 9), numbers)}
+    # a clock runs beside nothing else
+    return kit.rows_by_part(parts, quick, say) | kit.rows_by_part(cost, True, say)
 
 
 # -- times and counts -------------------------------------------------------------------------
 
 
 def _motion(motion: EventMotion, far: dict[str, int]) -> dict[str, Any]:
-    scene = _watching(polhode.load(motion.case), motion.zero)
+    scene = _watching(polhode.load(motion.name), motion.zero)
     zeros = Zeros(scene, motion.zero)
     near = math.floor(PERIODS * zeros.period)
     return {
-        "case": motion.case,
+        "case": motion.name,
         "zero": motion.zero,
         "what": motion.what,
         "period": polhode.as_decimal(zeros.period, 18),
@@ -143,13 +124,11 @@ def _watching(scene: polhode.Scene, *zeros: str) -> polhode.Scene:
 # -- proven -----------------------------------------------------------------------------------
 
 
-def _proven(name: str, end: int) -> dict[str, Any]:
+def _proven(name: str) -> dict[str, Any]:
     """Events proven to be these and no others, and how far heyoka's in double are from them."""
     scene = _watching(polhode.load(name), *COST_EVENTS)
-    run = polhode.integrate(scene, "double", at=[end])
-    began = time.process_time()
-    certified = polhode.certify_events(scene, end)
-    seconds = time.process_time() - began
+    run = polhode.integrate(scene, "double", at=[PROVEN_END])
+    certified, seconds = kit.clocked(partial(polhode.certify_events, scene, PROVEN_END))
     rows = []
     for true, event in zip(certified, run.events, strict=True):
         row: dict[str, Any] = {
@@ -165,13 +144,9 @@ def _proven(name: str, end: int) -> dict[str, Any]:
             row["error"] = kit.significant(float(max(off)), 3)
             row["radius"] = kit.significant(max(t.radius for t in true.times), 2)
         rows.append(row)
-    return {"case": name, "end": end, "events": rows, "seconds": kit.significant(seconds, 2)}
+    shared = {"case": name, "end": PROVEN_END}
+    return {**shared, "events": rows, "seconds": kit.significant(seconds, 2)}
 
-
-_MAKERS: dict[str, Callable[..., dict[str, Any]]] = {
-    "proven": _proven,
-    "motions": _motion,
-}
 
 # -- cost -------------------------------------------------------------------------------------
 
@@ -278,68 +253,29 @@ def ulp(t: Fraction, bits: int) -> Fraction:
 
 # --- page -----------------------------------------------------------------------------------------
 #
-# Tables and facts of the events study's page.
+# Rows of the tables and facts of the events study's page.
 
 
-_ZERO = kit.Column("zero", "zero", "code", "an event is where this is zero")
-_TIMES = (
-    kit.Column("motion", "what", meaning="what the events are"),
-    kit.CASE,
-    _ZERO,
-    kit.Column("period", "period", ">", "the period of the motion, by its closed form"),
-    kit.NUMBER,
-    kit.END,
-    kit.Column("true", "true", "d", "events of the closed form"),
-    kit.Column(
-        "found",
-        lambda run: f"{run['found']}{'' if run['complete'] else ' (incomplete)'}",
-        *(">", "events that the run found"),
-    ),
-    kit.Column("largest error, ulps", "ulps", ".3g", "in units in the last place of the time"),
-    kit.Column("largest error", "error", ".1e"),
-    kit.DIGITS,
-)
-_PROVEN = (
-    kit.CASE,
-    kit.END,
-    _ZERO,
-    kit.Column("proven", "proven", "d", "events that are proved to happen"),
-    kit.Column("undecided", "undecided", "d", "zeros of which the proof decides nothing"),
-    kit.Column("in double", "double", "d", "events that a run in double found"),
-    kit.Column("its largest error", "error", ".1e", "the largest error of a time of that run"),
-    kit.Column("radius", "radius", ".1e", "the largest radius of a proven time"),
-)
-_COST = (
-    kit.NUMBER,
-    kit.Column("steps", "steps.0", "d"),
-    kit.Column("none, µs a step", "microseconds_a_step.0", ".3g", "time of a step without events"),
-    kit.Column("one", "microseconds_a_step.1", ".3g", "the same with one event"),
-    kit.Column("three", "microseconds_a_step.2", ".3g", "the same with three events"),
-    kit.Column("found, one", "found.1", "d"),
-    kit.Column("found, three", "found.2", "d"),
-    kit.Column("µs an event, three", "microseconds_an_event.2", ".3g", "added by each event found"),
-)
-
-
-def tables(results: kit.JsonObject) -> dict[str, kit.PageTable]:
-    """The page's tables from the study's JSON object."""
-    again = "python reports/make.py events --only"
-    near, far = (
-        [{**motion, **run} for motion in results["motions"] for run in motion[part]]
-        for part in ("near", "far")
-    )
+def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
+    """The rows of the page's tables from the study's JSON object."""
     return {
-        "near": kit.table(near, _TIMES, f"{again} {{1}} --only '{{0}}'"),
-        "far": kit.table(far, _TIMES, f"{again} {{1}} --only '{{0}}'"),
-        "proven": kit.table(_proven_rows(results), _PROVEN, f"{again} {{0}}"),
-        "cost": kit.table(results["cost"], _COST, f"{again} cost --only {{0}}"),
+        "near": _runs(results, "near"),
+        "far": _runs(results, "far"),
+        "proven": _proven_rows(results),
+        "cost": results["cost"],
     }
+
+
+def _runs(results: kit.JsonObject, part: str) -> list[kit.JsonObject]:
+    """Every run of a part, near or far, each with its motion."""
+    runs = [{**motion, **run} for motion in results["motions"] for run in motion[part]]
+    incomplete = {True: "", False: " (incomplete)"}
+    return [{**run, "count": f"{run['found']}{incomplete[run['complete']]}"} for run in runs]
 
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    near = [run for motion in results["motions"] for run in motion["near"]]
-    far = [run for motion in results["motions"] for run in motion["far"]]
+    near, far = _runs(results, "near"), _runs(results, "far")
     return {
         "end": max((run["end"] for run in far), default=0),
         "true": sum(run["true"] for run in far),
@@ -374,13 +310,12 @@ FLOOR = 0.01  # ulps: smaller errors are drawn there, on the axis
 
 def svgs(results: kit.JsonObject) -> dict[str, str]:
     """Above: how large errors of event times are, in ulps; below: cost of a run with events."""
-    with polhode.paper() as plt:
-        size = kit.WIDTH, 5.6
-        figure, (above, below) = plt.subplots(2, figsize=size, layout="constrained")
+
+    def draw(above: Axes, below: Axes) -> None:
         _draw_errors(above, results["motions"])
         _draw_cost(below, results["cost"])
-        kit.legend(figure, len(kit.COLOURS))
-        return {"events": kit.as_svg(figure)}
+
+    return {"events": kit.drawn(draw, 5.6, 2)}
 
 
 def _draw_errors(axes: Axes, motions: Sequence[kit.JsonObject]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import signal
 import statistics
 import time
@@ -11,7 +12,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import partial
 from io import StringIO
 from multiprocessing import active_children, get_context
 from pathlib import Path
@@ -74,17 +74,20 @@ def clocked(call: Callable[[], Answer]) -> tuple[Answer, float]:
 def in_order(
     answer: Callable[[Job], Answer],
     jobs: Sequence[Job],
-    workers: int,
+    alone: bool,
     tell: Callable[[Job], object],
 ) -> Iterator[Answer]:
-    """The answers in the order of the jobs, made here or by so many processes; ``begun``: told."""
-    if workers < 2 or len(jobs) < 2:
+    """The answers in the order of the jobs, by as many processes as there are processors.
+
+    ``alone``: by this one.  ``tell``: told each job before its answer is given.
+    """
+    if alone or min(cores(), len(jobs)) < 2:
         for job in jobs:
             tell(job)
             yield answer(job)
         return
     ignore: dict[str, Any] = {"initializer": signal.signal, "initargs": _IGNORE}
-    with ProcessPoolExecutor(workers, get_context("spawn"), **ignore) as pool:
+    with ProcessPoolExecutor(cores(), get_context("spawn"), **ignore) as pool:
         try:
             futures = [pool.submit(answer, job) for job in jobs]
             for job, future in zip(jobs, futures, strict=True):
@@ -95,6 +98,28 @@ def in_order(
             for process in active_children():
                 process.terminate()
             raise
+
+
+#: The makers of a study's parts, each with what its rows are of.
+Parts: TypeAlias = Mapping[str, tuple[Callable[[Any], Any], Sequence[Any]]]
+
+
+def rows_by_part(parts: Parts, alone: bool, say: Say) -> dict[str, list[Any]]:
+    """The rows of each part, the first begun first; ``alone``: as of :func:`in_order`."""
+    jobs = [(part, make, subject) for part, (make, every) in parts.items() for subject in every]
+    rows: dict[str, list[Any]] = {part: [] for part in parts}
+
+    def tell(job: tuple[str, Any, Any]) -> None:
+        say(f"{job[0]}: {getattr(job[2], 'name', job[2])}")
+
+    for (part, *_), row in zip(jobs, in_order(_row, jobs, alone, tell), strict=True):
+        rows[part].append(row)
+    return rows
+
+
+def _row(job: tuple[str, Callable[[Any], Any], Any]) -> Any:
+    _, make, subject = job
+    return make(subject)
 
 
 def cores() -> int:
@@ -153,6 +178,8 @@ def formatted(value: object, form: str) -> str:
     """A value in a form of columns (see ``Column``); a dash where there is none."""
     if value is None or value == "":
         return DASH
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     if form == "code":
         return f"`{value}`"
     return value if isinstance(value, str) else format(value, form)
@@ -190,27 +217,85 @@ def listed(words: Iterable[str]) -> str:
     return ", ".join(sorted(set(words))) or DASH
 
 
-# --- tables ---------------------------------------------------------------------------------------
+# --- page -----------------------------------------------------------------------------------------
 #
-# Tables of a study's rows: what stands in each column, and columns that several studies share.
+# A study's page is its template: Markdown with a field {NAME} for each fact, for each table a block
+#
+#     ```table NAME: the words of the command that makes a row again, {0} its first cell
+#     header | where the value stands in a row | form | what the column holds
+#     ```
+#
+# A line that begins with a blank continues the one before; one of a header alone is a column that
+# several tables have, see templates/columns.md. A block without lines has the columns of the last.
 
 
-#: A key of a row, a path of keys and places with dots between them, or a function of the row.
-Value: TypeAlias = str | Callable[[JsonObject], object]
+TABLE = re.compile(r"^```table (\w+)(?:: ([^\n]*))?\n(.*?)^```$", re.M | re.S)
+
+
+class Column(NamedTuple):
+    """A column of a table.
+
+    ``path``: the keys and places that lead to its value in a row; with "*" as the last of them it
+    is a column for each key there, which stands for the * in the header.  ``form``: "" for text,
+    "code", or a format of numbers, which stand to the right (">" for text that reads as a number).
+    A value that is missing is a dash; a text that stands where a number would, such as how a run
+    ended, is written as it is.  ``meaning``: what the column holds, for a stranger, in words that
+    follow the header and a colon; "" where the header tells it.
+    """
+
+    header: str
+    path: tuple[str, ...]
+    form: str = ""
+    meaning: str = ""
+
+    @classmethod
+    def of_line(cls, line: str) -> Column:
+        """The column that a line of a template describes."""
+        header, path, *rest = (part.strip() for part in line.split("|", 3))
+        return cls(header, tuple(path.split(".")), *rest)
+
+    @property
+    def side(self) -> str:
+        """Text stands to the left, numbers to the right, as Markdown has it."""
+        return "---" if self.form in ("", "code") else "--:"
+
+    def spread(self, rows: Sequence[JsonObject]) -> list[Column]:
+        """A column for each key of the rows' values, where its path asks for that."""
+        *place, last = self.path
+        if last != "*":
+            return [self]
+        keys = dict.fromkeys(key for row in rows for key in at(row, place) or ())
+        return [
+            self._replace(header=self.header.replace("*", key), path=(*place, key)) for key in keys
+        ]
+
+    def cell(self, row: JsonObject) -> str:
+        """What stands in this column of a row."""
+        return formatted(at(row, self.path), self.form)
+
+
+def at(row: JsonObject, path: Iterable[str]) -> Any:
+    """The value at a path of keys and places; None where there is none."""
+    value: Any = row
+    for part in path:
+        if isinstance(value, list):
+            value = value[int(part)] if value else None
+        else:
+            value = value.get(part) if isinstance(value, dict) else None
+    return value
 
 
 class PageTable(NamedTuple):
-    """Rows of cells under a header; ``align``: one character a column, l or r.
+    """Rows of cells under their columns; ``again``: the command that makes a row again, or ""."""
 
-    ``again``: the command that makes a row again; {0}, {1} stand for its cells.  ``meanings``: what
-    each column holds, "" where its header tells it.
-    """
-
-    header: tuple[str, ...]
+    columns: tuple[Column, ...]
     rows: tuple[tuple[str, ...], ...]
-    align: str = ""
     again: str = ""
-    meanings: tuple[str, ...] = ()
+
+    @property
+    def header(self) -> tuple[str, ...]:
+        """The names of the columns."""
+        return tuple(column.header for column in self.columns)
 
     def command(self, row: tuple[str, ...]) -> str:
         """The command that makes one of the rows again."""
@@ -221,11 +306,11 @@ class PageTable(NamedTuple):
         """The table, what its columns hold, and how to make a row again; empty without rows."""
         if not self.rows:
             return ""
-        sides = ("--:" if side == "r" else "---" for side in self.align)
-        lines = [_line(self.header), f"|{'|'.join(sides)}|", *map(_line, self.rows)]
+        sides = "|".join(column.side for column in self.columns)
+        lines = [_line(self.header), f"|{sides}|", *map(_line, self.rows)]
         headers: dict[str, list[str]] = {}  # of one meaning, such as number types, together
-        for header, meaning in zip(self.header, self.meanings, strict=False):
-            headers.setdefault(meaning, []).append(header)
+        for column in self.columns:
+            headers.setdefault(column.meaning, []).append(column.header)
         meanings = [
             f"*{', '.join(names)}*: {meaning}" for meaning, names in headers.items() if meaning
         ]
@@ -239,88 +324,30 @@ def _line(cells: Iterable[str]) -> str:
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
-class Column(NamedTuple):
-    """A column of a table of rows.
+def table(rows: Iterable[JsonObject], lines: str, again: str = "") -> PageTable:
+    """A table of rows, its columns from lines as a template has them."""
+    shown = [*rows]
+    every = (_SHARED.get(line, line) for line in re.sub(r"\n +", " ", lines).splitlines())
+    columns = [column for line in every for column in Column.of_line(line).spread(shown)]
+    cells = (tuple(column.cell(row) for column in columns) for row in shown)
+    return PageTable(tuple(columns), tuple(cells), again)
 
-    ``form``: "" for text, "code", or a format of numbers, which stand to the right (">" for text
-    that reads as a number).  A value that is missing is a dash; a text that stands where a number
-    would, such as how a run ended, is written as it is.  ``meaning``: what the column holds, for a
-    stranger, in words that follow the header and a colon; "" where the header tells it.
+
+def tables(
+    template: str, rows: Mapping[str, Iterable[JsonObject]], command: str
+) -> dict[str, PageTable]:
+    """The tables that a template describes, of the rows of their names.
+
+    ``command``: what makes the whole study again.
     """
-
-    header: str
-    value: Value
-    form: str = ""
-    meaning: str = ""
-
-    @property
-    def side(self) -> str:
-        """``l`` for text, ``r`` for numbers."""
-        return "l" if self.form in ("", "code") else "r"
-
-    def cell(self, row: JsonObject) -> str:
-        """What stands in this column of a row."""
-        value = at(row, self.value) if isinstance(self.value, str) else self.value(row)
-        return formatted(value, self.form)
+    every, columns = dict[str, PageTable](), ""
+    for name, again, lines in TABLE.findall(template):
+        columns = lines or columns
+        every[name] = table(rows[name], columns, again and f"{command} {again}")
+    return every
 
 
-def at(row: JsonObject, path: str) -> Any:
-    """The value at a path of keys and places; None where there is none."""
-    value: Any = row
-    for part in path.split("."):
-        if isinstance(value, list):
-            value = value[int(part)] if value else None
-        else:
-            value = value.get(part) if isinstance(value, dict) else None
-    return value
-
-
-def table(rows: Iterable[JsonObject], columns: Sequence[Column], again: str = "") -> PageTable:
-    """A table of rows; ``again``: see :class:`PageTable`."""
-    return PageTable(
-        tuple(column.header for column in columns),
-        tuple(tuple(column.cell(row) for column in columns) for row in rows),
-        "".join(column.side for column in columns),
-        again,
-        tuple(column.meaning for column in columns),
-    )
-
-
-def at_times(
-    times: Iterable[object], write: Callable[[JsonObject, int], object], meaning: str = ""
-) -> list[Column]:
-    """A column for each of the times, in which something is written of its place in the row."""
-
-    def column(place: int, t: object) -> Column:
-        return Column(f"t = {t}", lambda row: write(row, place), ">", meaning)
-
-    return [column(place, t) for place, t in enumerate(times)]
-
-
-def yes(key: str, no: str = "no") -> Value:
-    """Whether a key of the row is true, in words; None where it has no such key."""
-
-    def value(row: JsonObject) -> str | None:
-        return None if key not in row else "yes" if row[key] else no
-
-    return value
-
-
-CASE = Column("case", "case", "", "a scene of the library, which `polhode show CASE` prints")
-NUMBER = Column("number", "number", "", "the number type of the run")
-REGIME = Column("regime", "regime", "", "the kind of motion")
-T = Column("t", "t", "g")
-END = Column("to t", "end", "g", "the last time of the run")
-STEPS = Column("steps", "steps", "d")
-DIGITS = Column("digits", "digits", ".1f", "-log10 of the largest relative error")
-
-
-# --- template -------------------------------------------------------------------------------------
-#
-# A study's page: the Markdown template beside its rows, filled with their tables and facts.
-
-
-def filled(template: str, tables: Mapping[str, PageTable], facts: Mapping[str, object]) -> str:
+def filled(template: str, page_tables: Mapping[str, PageTable], facts: Mapping[str, object]) -> str:
     """The template with its fields filled, as Markdown.
 
     Under each heading what names tables is left out where none of them has rows.
@@ -328,33 +355,51 @@ def filled(template: str, tables: Mapping[str, PageTable], facts: Mapping[str, o
     >>> filled("# A\\n\\n{n} rows\\n\\n## B\\n\\n{none}\\n", {"none": PageTable((), ())}, {"n": 2})
     '# A\\n\\n2 rows\\n'
     """
-    first, *others = template.split("\n#")
+    first, *others = TABLE.sub(r"{\1}", template).split("\n#")
     parts = [first, *(f"\n#{part}" for part in others)]
-    named = [[tables[name] for name in tables if f"{{{name}}}" in part] for part in parts]
-    shown = [part for part, there in zip(parts, named, strict=True) if _has_rows(there)]
-    fields = {name: page_table.markdown for name, page_table in tables.items()} | dict(facts)
+    named = [[x for name, x in page_tables.items() if f"{{{name}}}" in part] for part in parts]
+    shown = [
+        part
+        for part, there in zip(parts, named, strict=True)
+        if not there or any(page_table.rows for page_table in there)
+    ]
+    fields = {name: page_table.markdown for name, page_table in page_tables.items()} | dict(facts)
     text = "".join(shown).format_map(fields)
     while "\n\n\n" in text:  # a table without rows beside one that has some
         text = text.replace("\n\n\n", "\n\n")
     return f"{text.strip()}\n"
 
 
-def _has_rows(tables: list[PageTable]) -> bool:
-    return not tables or any(page_table.rows for page_table in tables)
+HERE = Path(__file__).parent
+
+
+def template(name: str) -> str:
+    """A file of templates."""
+    return (HERE / "templates" / f"{name}.md").read_text(encoding="utf-8")
+
+
+_SHARED = {line.partition(" |")[0]: line for line in template("columns").splitlines()}
 
 
 # --- case runs ------------------------------------------------------------------------------------
 #
-# Columns of a case that was run in several number types, the same in every study.
+# A case that was run in several number types, as rows of tables.
 
 
 NUMBERS = tuple(BITS)
 
 
-def by_number(case: JsonObject) -> JsonObject:
-    """A case with its runs by their number types, each with the digits expected as text."""
-    runs = [{**run, "band": expected(run.get("expected"))} for run in case["runs"]]
-    return {**case, "runs": {run["number"]: run for run in runs}}
+def by_number(
+    case: JsonObject, write: Callable[[JsonObject | None], object] | None = None
+) -> JsonObject:
+    """A case with its runs by their number types, each with the digits expected as text.
+
+    ``cells``: what is written of each run, unless told its digits.
+    """
+    runs = {run["number"]: {**run, "band": expected(run.get("expected"))} for run in case["runs"]}
+    headers = {name: f"mp ({MP_DIGITS})" if name == "mp" else name for name in NUMBERS}
+    cells = {header: (write or digits)(runs.get(name)) for name, header in headers.items()}
+    return {**case, "end": float(case["end"]), "runs": runs, "cells": cells}
 
 
 def runs_of(cases: list[JsonObject]) -> list[tuple[JsonObject, JsonObject]]:
@@ -373,26 +418,6 @@ def digits(run: JsonObject | None) -> float | str | None:
         return None
     right: float | str = run["correct_digits"] if "correct_digits" in run else run["outcome"]
     return run.get("lost") or right
-
-
-def in_numbers(write: Callable[[JsonObject | None], object], meaning: str) -> tuple[Column, ...]:
-    """A column for each number type, in which something is written of the case's run in it."""
-
-    def value(case: JsonObject, number: str) -> object:
-        return write(case["runs"].get(number))
-
-    headers = {"mp": "mp (50)"}
-    return tuple(
-        Column(headers.get(name, name), partial(value, number=name), ".1f", meaning)
-        for name in NUMBERS
-    )
-
-
-ABOUT = (
-    CASE,
-    REGIME,
-    Column("t", lambda case: float(case["end"]), "g", "the last time of the runs"),
-)
 
 
 # --- figures --------------------------------------------------------------------------------------
@@ -473,6 +498,57 @@ def legend(figure: Figure, columns: int) -> None:
     figure.legend(handles.values(), handles.keys(), **place)
 
 
+def drawn(
+    draw: Callable[..., None],
+    height: float,
+    lines: int = 1,
+    columns: int = 1,
+    names: int = len(BITS),
+    **how: Any,
+) -> str:
+    """A figure as SVG text: ``draw`` is given its panels.
+
+    ``height``: of the whole, in inches.  ``names``: of a line of its legend.
+    """
+    with polhode.paper() as plt:
+        size, out = (WIDTH, height), StringIO()
+        figure, panels = plt.subplots(
+            lines, columns, figsize=size, layout="constrained", squeeze=False, **how
+        )
+        draw(*panels.flat)
+        legend(figure, names)
+        figure.savefig(out, format="svg", metadata={"Date": None})
+    return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
+
+
+def side_by_side(
+    subjects: Mapping[str, Any],
+    draw: Callable[[Axes, Any], None],
+    labels: tuple[str, str],
+    height: float,
+    names: int = len(BITS),
+    **how: Any,
+) -> str:
+    """A figure of two panels a line, each with its title; ``labels``: what all axes are of.
+
+    ``height``: of a line, in inches.
+    """
+    lines = -(-len(subjects) // 2)
+
+    def draw_all(*panels: Axes) -> None:
+        for axes in panels[len(subjects) :]:
+            axes.remove()
+        for axes, (title, subject) in zip(panels, subjects.items(), strict=False):
+            draw(axes, subject)
+            axes.set_title(title, size=9, loc="left")
+            plain(axes)
+        figure: Any = panels[0].figure
+        figure.supxlabel(labels[0], size=9)
+        figure.supylabel(labels[1], size=9)
+
+    return drawn(draw_all, height * lines + 1, lines, 2, names, **how)
+
+
 # --- strips ---------------------------------------------------------------------------------------
 #
 # Strips of dots, correct digits of many runs: one per group, one colour per number type.
@@ -488,19 +564,11 @@ _GOLDEN = 0.618034  # of a strip's height from one dot to the next: any few in a
 _HEIGHT = 0.3  # inches of a strip
 
 
-def as_svg(figure: Figure) -> str:
-    """A figure as SVG text."""
-    out = StringIO()
-    figure.savefig(out, format="svg", metadata={"Date": None})
-    return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
-
-
 def strips(groups: Mapping[str, Sequence[JsonObject]]) -> str:
     """A figure of a study's runs, those that have digits; one strip per group from the top down."""
     count = max(len(groups), 1)
-    with polhode.paper() as plt:
-        size = WIDTH, 1.1 + _HEIGHT * count
-        figure, axes = plt.subplots(figsize=size, layout="constrained")
+
+    def draw(axes: Axes) -> None:
         for level in range(0, count, 2):
             axes.axhspan(level - 0.5, level + 0.5, color=SHADE, lw=0)
         for number, digits in HELD.items():
@@ -516,8 +584,8 @@ def strips(groups: Mapping[str, Sequence[JsonObject]]) -> str:
         axes.set_yticks(range(len(groups)), [*groups])
         axes.tick_params(axis="y", length=0)
         axes.grid(axis="x")
-        legend(figure, len(COLOURS))
-        return as_svg(figure)
+
+    return drawn(draw, 1.1 + _HEIGHT * count)
 
 
 def _dots(

@@ -16,10 +16,10 @@ from __future__ import annotations
 import math
 import statistics
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
+from functools import partial
+from itertools import starmap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -58,14 +58,13 @@ class Member(NamedTuple):
     """One start's errors at the times for each method, departures, and what projection took.
 
     ``departures``: of each integral, relative, with its sign, in the run that is not projected;
-    after a projection they say nothing about accuracy.  ``projection``: the integrals' names, and
-    the largest and the sum of the corrections.  ``inputs``: errors that rounding the inputs leaves
-    of a projected run, at the first times.
+    after a projection they say nothing about accuracy.  ``inputs``: errors that rounding the inputs
+    leaves of a projected run, at the first times.
     """
 
     errors: dict[str, list[float]]
     departures: dict[str, list[float]]
-    projection: tuple[tuple[str, ...], float, float] | None
+    projection: polhode.Projection | None
     inputs: list[float]
 
     @property
@@ -74,19 +73,22 @@ class Member(NamedTuple):
         return [max(map(abs, row)) for row in zip(*self.departures.values(), strict=True)]
 
 
-@dataclass(frozen=True)
-class RunStart:
-    """One member of an ensemble: a top, the number of the start, the times, the methods."""
+class RunStart(NamedTuple):
+    """One member of an ensemble: a top, the number of the start, the times."""
 
     top: str
-    index: int
+    place: int
     times: tuple[Fraction, ...]
-    methods: tuple[str, ...]
 
     @property
     def scene(self) -> polhode.Scene:
         """The exact scene."""
-        return random_scene(self.top, self.index, self.times)
+        return random_scene(self.top, self.place, self.times)
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return self.scene.name
 
 
 def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
@@ -101,25 +103,15 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
 
 
 def ensembles(
-    decades: tuple[int, int], starts: int, say: kit.Say, only: kit.Only, workers: int = 2
+    decades: tuple[int, int], starts: int, say: kit.Say, only: kit.Only, alone: bool = False
 ) -> Iterator[dict[str, Any]]:
     """One row per top: medians over its starts at every half decade, and exponents."""
     times = half_decades(*decades)
-    methods = (PLAIN, PROJECTED)
     tops = [top for top in TOPS if only(f"{top} growth", *FAR)]
-    starts_of = [RunStart(top, k, times, methods) for top in tops for k in range(starts)]
-    members: list[Member] = []
-
-    def tell(start: RunStart) -> None:
-        say(f"{start.scene.name} of {starts}")
-
-    for start, member in zip(
-        starts_of, kit.in_order(follow, starts_of, workers, tell), strict=True
-    ):
-        members.append(member)
-        if len(members) == starts:
-            yield _top_row(start.top, times, members)
-            members = []
+    starts_of = [RunStart(top, k, times) for top in tops for k in range(starts)]
+    members = kit.rows_by_part({"growth": (follow, starts_of)}, alone, say)["growth"]
+    for k, top in enumerate(tops):
+        yield _top_row(top, times, members[k * starts : (k + 1) * starts])
 
 
 def half_decades(first: int, last: int) -> tuple[Fraction, ...]:
@@ -128,74 +120,78 @@ def half_decades(first: int, last: int) -> tuple[Fraction, ...]:
 
 
 def follow(start: RunStart) -> Member:
-    """Integrate one start by every method and judge it at every time."""
+    """Integrate one start by both methods and judge it at every time."""
     scene = start.scene
     reference = polhode.reference(scene).at(scene.times, DIGITS)
-    errors, strayed, projection, left = {}, {}, None, []
-    for method in start.methods:
-        run = polhode.integrate(scene, "double", project=method == PROJECTED)
-        errors[method] = polhode.state_errors(run.states, reference, scene).tolist()
-        if method == PROJECTED:
-            corrections = run.projection
-            assert corrections is not None
-            projection = corrections.onto, corrections.largest, corrections.sum
-            left = _inputs(scene, corrections.every)
-        else:
-            departed = polhode.departures(scene, run.states)
-            strayed = {name: [float(x) for x in column] for name, column in departed.items()}
-    return Member(errors, strayed, projection, left)
-
-
-def _inputs(scene: polhode.Scene, every: int) -> list[float]:
-    """What rounding the inputs leaves of a run that is projected so often, at the first times."""
+    runs = {
+        method: polhode.integrate(scene, "double", project=method == PROJECTED)
+        for method in (PLAIN, PROJECTED)
+    }
+    projection = runs[PROJECTED].projection
+    assert projection is not None
+    # what rounding the inputs leaves of a run that is projected so often, at the first times
     first = [t for t in scene.times if t <= INPUTS_UNTIL]
-    digits = polhode.conditioning(scene, first).inputs(kit.DOUBLE, every)
-    return [10.0**-x for x in digits if x is not None]
+    left = polhode.conditioning(scene, first).inputs(kit.DOUBLE, projection.every)
+    departed = polhode.departures(scene, runs[PLAIN].states)
+    return Member(
+        {
+            method: polhode.state_errors(run.states, reference, scene).tolist()
+            for method, run in runs.items()
+        },
+        {name: [float(x) for x in column] for name, column in departed.items()},
+        projection,
+        [10.0**-x for x in left if x is not None],
+    )
 
 
 def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> dict[str, Any]:
-    first = RunStart(top, 0, tuple(times), ()).scene
+    first = RunStart(top, 0, tuple(times)).scene
     shown = [float(t) for t in times]
     since = min(FIT_SINCE, shown[-1] / 100)
-    methods = []
-    for method in members[0].errors:
-        row: dict[str, Any] = {"method": method}
-        for name, series in (
-            ("error", [m.errors[method] for m in members]),
-            ("drift", [m.drift for m in members] if method == PLAIN else []),
-        ):
-            if series:
-                row[name] = {
-                    "median": _short(np.median(series, axis=0)),
-                    "largest": _short(np.max(series, axis=0)),
-                    **_exponents(exponent(shown, series, since)),
-                    "law": LINEAR if method == PROJECTED else BROUWER[name],
-                }
-        if method == PLAIN:
-            row["integrals"] = _integrals(shown, members, since)
-        if method == PROJECTED:
-            onto, largest, total = zip(
-                *(m.projection for m in members if m.projection), strict=True
-            )
-            row["projection"] = {
-                "onto": sorted({name for names in onto for name in names}),
-                "largest": kit.significant(max(largest), 3),
-                "sum": kit.significant(max(total), 3),
-            }
-            row["inputs"] = _beside_inputs(members)
-        methods.append(row)
+    corrections = [m.projection for m in members if m.projection is not None]
+    plain, projected = ([m.errors[method] for m in members] for method in (PLAIN, PROJECTED))
+    methods = [
+        {
+            "method": PLAIN,
+            "error": _growth(shown, plain, since, BROUWER["error"]),
+            "drift": _growth(shown, [m.drift for m in members], since, BROUWER["drift"]),
+            "integrals": _integrals(shown, members, since),
+        },
+        {
+            "method": PROJECTED,
+            "error": _growth(shown, projected, since, LINEAR),
+            "projection": {
+                "onto": sorted({name for x in corrections for name in x.onto}),
+                "largest": kit.significant(max(x.largest for x in corrections), 3),
+                "sum": kit.significant(max(x.sum for x in corrections), 3),
+            },
+            "inputs": _beside_inputs(members),
+        },
+    ]
     reference = polhode.reference(first)
     assert isinstance(reference, polhode.Reference)
     limit = kit.significant(float(reference.error(first.times[-1:], DIGITS)), 3)
-    least = min(x for row in methods for x in row["error"]["median"])
+    least = min(np.median(errors, axis=0).min() for errors in (plain, projected))
     return {
         "top": top,
         "starts": len(members),
         "times": [int(t) for t in times],
         "fitted_since": since,
         "reference_error": limit,
-        "wall": limit > least / 10,
+        "wall": bool(limit > least / 10),
         "methods": methods,
+    }
+
+
+def _growth(
+    times: Sequence[float], series: Sequence[Sequence[float]], since: float, law: float
+) -> dict[str, Any]:
+    """How an ensemble's errors or drifts grow; ``law``: the exponent that is expected."""
+    return {
+        "median": _short(np.median(series, axis=0)),
+        "largest": _short(np.max(series, axis=0)),
+        **_exponents(exponent(times, series, since)),
+        "law": law,
     }
 
 
@@ -322,41 +318,36 @@ NOT_RUN = {
 }
 
 
-class Asked(NamedTuple):
+class FarRun(NamedTuple):
     """A program on the first starts of a kind of top."""
 
     top: str
     program: str
     starts: int
 
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        return f"{self.top}, {self.program}"
+
 
 def far_rows(end: int, starts: int, quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """For each kind of top the errors of every other program at ``end``, over the starts."""
-    contests = [
-        Asked(top, name, starts if name in CHEAP else starts // 2)
+    runs = [
+        FarRun(top, name, starts if name in CHEAP else starts // 2)
         for name in (CHEAP if quick else TOLERANCES)
         for top in TOPS
         if only(f"{top} t={end}", name, "far")
     ]
-
-    def row(task: Asked) -> dict[str, Any]:
-        say(f"{task.top}, {task.program}")
-        return _row(task, end)
-
-    with ThreadPoolExecutor(2) as two:  # no clock is read here
-        answers = [*two.map(row, contests)]
-    tops = [
-        {
-            "top": top,
-            "methods": [x for task, x in zip(contests, answers, strict=True) if task.top == top],
-        }
-        for top in TOPS
-        if any(task.top == top for task in contests)
-    ]
+    rows = kit.rows_by_part({"far": (partial(_row, end=end), runs)}, quick, say)["far"]
+    methods: dict[str, list[dict[str, Any]]] = {top: [] for top in TOPS}
+    for run, row in zip(runs, rows, strict=True):
+        methods[run.top].append(row)
+    tops = [{"top": top, "methods": own} for top, own in methods.items() if own]
     return {"t": end, "starts": starts, "tops": tops, "not_run": NOT_RUN}
 
 
-def _row(task: Asked, end: int) -> dict[str, Any]:
+def _row(task: FarRun, end: int) -> dict[str, Any]:
     """Median and largest error over the starts that came back, and why others did not."""
     tol = TOLERANCES[task.program]
     scenes = [draw(task.top, k, end, 2) for k in range(task.starts)]
@@ -389,80 +380,25 @@ def _error(scene: polhode.Scene, state: Sequence[float]) -> float:
 
 # --- page -----------------------------------------------------------------------------------------
 #
-# Tables and facts of the long-run study's page.
+# Rows of the tables and facts of the long-run study's page.
 
 
-_AGAIN = "python reports/make.py long-run --only '{0} growth'"
-_SPREAD = "median / largest of the ensemble"
-_LEFT = "the error that the rounded inputs leave, and × the run's own error over it"
-
-_TOP = kit.Column("top", "top")
-_METHOD = kit.Column("method", "method")
-_LAW = kit.Column("law", "law", "g", "the exponent of the law above")
-_LAST_DECADE = kit.Column(
-    "last decade alone", lambda row: _fitted(row, "last_decade"), ">", "fitted to the last decade"
-)
-_EXPONENTS = (
-    _TOP,
-    _METHOD,
-    kit.Column("of", "of"),
-    kit.Column("exponent", lambda row: _fitted(row, "exponent"), ">", "of t, ± its standard error"),
-    _LAST_DECADE,
-    _LAW,
-)
-_PROJECTION = (
-    _TOP,
-    kit.Column(
-        "onto",
-        lambda row: _squared(", ".join(row["projection"]["onto"])),
-        meaning="integrals that were kept",
-    ),
-    kit.Column("largest", "projection.largest", ".1e", "the largest correction of the state"),
-    kit.Column("sum", "projection.sum", ".1e", "the largest sum of a run's corrections"),
-)
-_WALKS = (
-    _TOP,
-    kit.Column("integral", lambda row: _squared(row["integral"])),
-    kit.Column(
-        "mean at the end",
-        lambda row: f"{row['mean'][-1]:+.1e} ± {_standard_error(row):.1e}",
-        *(">", "of the integral's departure over the ensemble, ± its standard error"),
-    ),
-    kit.Column("standard deviation", lambda row: row["deviation"][-1], ".1e"),
-    kit.Column(
-        "mean / its error", lambda row: _pull(row), "+.1f", "the mean in its own standard errors"
-    ),
-    kit.Column("exponent of the deviation", lambda row: _fitted(row, "exponent"), ">"),
-    _LAST_DECADE,
-    _LAW,
-)
-_FAULTS = (
-    _METHOD,
-    kit.Column("top", "top", "", "a dash: every kind of top"),
-    kit.Column("why it is missing or failed", "fault"),
-)
-
-
-def tables(results: kit.JsonObject) -> dict[str, kit.PageTable]:
-    """The page's tables from the study's JSON object."""
-    tops = results["tops"]
-    rows, times = _methods(tops), tops[0]["times"] if tops else []
-    projected = [row for row in rows if "inputs" in row]
-    followed = times[: len(projected[0]["inputs"]["median"])] if projected else []
-    inputs = (
-        _TOP,
-        *kit.at_times(followed, _over_inputs, _LEFT),
-        kit.Column("last, like t", _like_t, ">"),
-    )
+def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
+    """The rows of the page's tables from the study's JSON object."""
+    rows = _methods(results["tops"])
     return {
-        "exponents": kit.table(_exponent_rows(rows), _EXPONENTS, _AGAIN),
-        "walks": kit.table(_integral_rows(rows), _WALKS, _AGAIN),
-        "inputs": kit.table(projected, inputs, _AGAIN),
-        "error": _growth_table(rows, times, "error"),
-        "drift": _growth_table(rows, times, "drift"),
-        "projection": kit.table([row for row in rows if "projection" in row], _PROJECTION, _AGAIN),
-        "far": far_table(results),
-        "faults": kit.table(_faults(results["at"]), _FAULTS),
+        "exponents": _exponent_rows(rows),
+        "walks": map(_walk, _integral_rows(rows)),
+        "inputs": [_beside(row) for row in rows if "inputs" in row],
+        "error": _growth_rows(rows, "error"),
+        "drift": _growth_rows(rows, "drift"),
+        "projection": [
+            {**row, "onto": _squared(", ".join(row["projection"]["onto"]))}
+            for row in rows
+            if "projection" in row
+        ],
+        "far": far_table_rows(results),
+        "faults": _faults(results["at"]),
     }
 
 
@@ -490,26 +426,40 @@ def _methods(tops: list[kit.JsonObject]) -> list[kit.JsonObject]:
 def _exponent_rows(rows: list[kit.JsonObject]) -> list[kit.JsonObject]:
     """What grew by each method on each kind of top, of which an exponent was found."""
     return [
-        {**row, **row[name], "of": name}
+        {**row, **row[name], **_fitted(row[name]), "of": name}
         for row in rows
         for name in ("error", "drift")
         if row.get(name) is not None and row[name]["exponent"] is not None
     ]
 
 
-def _fitted(row: kit.JsonObject, name: str) -> str | None:
-    """An exponent, or that of the last decade, with its standard error."""
+def _fitted(row: kit.JsonObject) -> kit.JsonObject:
+    """An exponent, and that of the last decade, each with its standard error, as texts."""
     if row["exponent"] is None:
-        return None
+        return {}
     if row["exponent"] == row["uncertainty"] == 0:  # such as the spin of a Lagrange top
-        return "stays"
-    error = {"exponent": "uncertainty", "last_decade": "last_uncertainty"}[name]
-    return f"{row[name]:.2f} ± {row[error]:.2f}"
+        return dict.fromkeys(("fitted", "last"), "stays")
+    return {
+        "fitted": f"{row['exponent']:.2f} ± {row['uncertainty']:.2f}",
+        "last": f"{row['last_decade']:.2f} ± {row['last_uncertainty']:.2f}",
+    }
 
 
 def _integral_rows(rows: list[kit.JsonObject]) -> list[kit.JsonObject]:
     """Every integral of every kind of top."""
     return [{**row, **integral} for row in rows for integral in row.get("integrals", ())]
+
+
+def _walk(row: kit.JsonObject) -> kit.JsonObject:
+    """An integral's departure at the end: its mean beside its standard deviation."""
+    return {
+        **row,
+        **_fitted(row),
+        "name": _squared(row["integral"]),
+        "end_mean": f"{row['mean'][-1]:+.1e} ± {_standard_error(row):.1e}",
+        "end_deviation": row["deviation"][-1],
+        "pull": _pull(row),
+    }
 
 
 def _squared(names: str) -> str:
@@ -526,26 +476,33 @@ def _pull(row: kit.JsonObject) -> float:
     return 0.0 if error == 0 else row["mean"][-1] / error
 
 
-def _over_inputs(row: kit.JsonObject, k: int) -> str:
-    """What rounding the inputs leaves at a time, and the run's error over it."""
-    return f"{row['inputs']['median'][k]:.1e}; ×{row['inputs']['error_over_it'][k]:.3g}"
+def _beside(row: kit.JsonObject) -> kit.JsonObject:
+    """What rounding the inputs leaves at each time, and the run's error over it.
 
-
-def _like_t(row: kit.JsonObject) -> str:
-    """The same at the last time, where it went on like t."""
-    alone, times = row["inputs"]["median"], row["times"]
+    The same at the last time, where it went on like t.
+    """
+    times, alone, over = row["times"], row["inputs"]["median"], row["inputs"]["error_over_it"]
     grown = alone[-1] * times[-1] / times[len(alone) - 1]
-    return f"{grown:.1e}; ×{row['error']['median'][-1] / grown:.3g}"
+    cells = {
+        str(t): f"{left:.1e}; ×{ratio:.3g}"
+        for t, left, ratio in zip(times, alone, over, strict=False)
+    }
+    like_t = f"{grown:.1e}; ×{row['error']['median'][-1] / grown:.3g}"
+    return {**row, "cells": cells, "like_t": like_t}
 
 
-def _growth_table(rows: list[kit.JsonObject], times: list[int], name: str) -> kit.PageTable:
+def _growth_rows(rows: list[kit.JsonObject], name: str) -> list[kit.JsonObject]:
     """Median and largest error, or drift, at each time."""
-    columns = kit.at_times(times, lambda row, k: _middle_and_most(row[name], k), _SPREAD)
-    return kit.table([row for row in rows if name in row], (_TOP, _METHOD, *columns), _AGAIN)
+    grown = [row for row in rows if name in row]
+    pairs = [zip(row[name]["median"], row[name]["largest"], strict=True) for row in grown]
+    return [
+        {**row, "cells": dict(zip(map(str, row["times"]), starmap(_spread, both), strict=True))}
+        for row, both in zip(grown, pairs, strict=True)
+    ]
 
 
-def _middle_and_most(row: kit.JsonObject, k: int) -> str:
-    return f"{kit.formatted(row['median'][k], '.1e')} / {kit.formatted(row['largest'][k], '.1e')}"
+def _spread(middle: float | None, most: float | None) -> str:
+    return f"{kit.formatted(middle, '.1e')} / {kit.formatted(most, '.1e')}"
 
 
 def _faults(far: kit.JsonObject) -> list[kit.JsonObject]:
@@ -554,30 +511,25 @@ def _faults(far: kit.JsonObject) -> list[kit.JsonObject]:
     return failed + [{"method": k, "fault": f"not run: {why}"} for k, why in far["not_run"].items()]
 
 
-def far_table(results: kit.JsonObject) -> kit.PageTable:
-    """Median and largest error of every method at the far moment, one column per kind of top."""
+def far_table_rows(results: kit.JsonObject) -> list[kit.JsonObject]:
+    """Median and largest error of every method at the far moment, by the kinds of tops."""
     far = results["at"]
     rows: dict[str, kit.JsonObject] = {}
     for method in _methods(results["tops"]):
         name = "polhode" if "projected" in method["method"] else "polhode, not projected"
-        cell = _middle_and_most(method["error"], method["times"].index(far["t"]))
+        k, error = method["times"].index(far["t"]), method["error"]
+        cell = _spread(error["median"][k], error["largest"][k])
         rows.setdefault(name, {})[method["top"]] = cell
     rows = dict(sorted(rows.items()))
     for method in _methods(far["tops"]):
-        cell = (
-            f"{kit.formatted(method['median'], '.1e')} / {kit.formatted(method['largest'], '.1e')}"
+        few = method.get("starts", far["starts"]) < far["starts"]
+        cell = _spread(method["median"], method["largest"])
+        cell += f", {method['starts']} starts" if few else ""
+        rows.setdefault(method["method"], {})[method["top"]] = (
+            cell if method["reached"] else "failed"
         )
-        if method["reached"] == 0:
-            cell = "failed"
-        elif method.get("starts", far["starts"]) < far["starts"]:
-            cell += f", {method['starts']} starts"
-        rows.setdefault(method["method"], {})[method["top"]] = cell
     tops = dict.fromkeys(top["top"] for top in (*results["tops"], *far["tops"]))
-    return kit.table(
-        [{"method": name, **cells} for name, cells in rows.items()],
-        (_METHOD, *(kit.Column(top, top, ">") for top in tops)),
-        "python reports/make.py long-run --only far --only '{0}'",
-    )
+    return [{"method": name, "cells": dict.fromkeys(tops) | cells} for name, cells in rows.items()]
 
 
 # --- figure ---------------------------------------------------------------------------------------
@@ -595,23 +547,22 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
     """Medians over the ensembles against time, and above each what the worst start has."""
     tops = results["tops"]
     growth = f"median of {tops[0]['starts']} starts, bar to the worst"
-    with polhode.paper() as plt:
-        size = kit.WIDTH, 9.4
-        figure, panels = plt.subplots(3, figsize=size, layout="constrained", sharex=True)
+    walks = "Energy, not projected: deviation (filled), |mean| (open)"
+
+    def draw(*panels: Axes) -> None:
+        titles = f"Error: {growth}", f"Drift: {growth}", walks
+        labels = "error", "drift", "departure of h"
         for axes, name in zip(panels, ("error", "drift"), strict=False):
             _draw_growth(axes, tops, name)
-            axes.set(ylabel=name)
-            axes.set_title(f"{name.capitalize()}: {growth}", size=9, loc="left")
         _draw_inputs(panels[0], tops)
         _draw_walks(panels[2], tops)
-        panels[2].set(ylabel="departure of h", xlabel="t (units of the scene)")
-        walks = "Energy, not projected: deviation (filled), |mean| (open)"
-        panels[2].set_title(walks, size=9, loc="left")
-        for axes in panels:
-            axes.set(xscale="log", yscale="log")
+        panels[2].set(xlabel="t (units of the scene)")
+        for axes, title, label in zip(panels, titles, labels, strict=True):
+            axes.set(xscale="log", yscale="log", ylabel=label)
+            axes.set_title(title, size=9, loc="left")
             kit.plain(axes)
-        kit.legend(figure, 2)
-        return {"long-run": kit.as_svg(figure)}
+
+    return {"long-run": kit.drawn(draw, 9.4, 3, names=2, sharex=True)}
 
 
 def _draw_growth(axes: Axes, tops: Sequence[kit.JsonObject], name: str) -> None:

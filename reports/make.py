@@ -1,10 +1,10 @@
 """polhode's own evidence, made again: ``python reports/make.py [NAME] [--quick] [--only TEXT]``.
 
 A study is a file beside this one with QUESTION, ``rows(quick, say, only)``, the JSON object of the
-rows that are wanted (``say``: told what is being done), ``tables(results)`` and ``facts(results)``,
-what stands in the fields of its page ``templates/NAME.md``, and ``svgs(results)``, its figures by
-name.  Where it has ``versions()``, they belong to its provenance.  Pages and figures are made from
-the JSON alone.
+rows that are wanted (``say``: told what is being done), ``tables(results)``, the rows of the tables
+that its page ``templates/NAME.md`` describes, ``facts(results)``, what stands in its fields, and
+``svgs(results)``, its figures by name.  Where it has ``versions()``, they belong to its provenance.
+Pages and figures are made from the JSON alone.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ from textwrap import fill
 from typing import Any
 
 import benchmark
+import kit
 import polhode
-from kit import JsonObject, Only, PageTable, filled, write_whole
+from kit import HERE, JsonObject, Only, PageTable, template, write_whole
 from polhode.common.texts import as_json
 
 #: The studies, each a file of that name, with _ for -; the seconds that each takes on two
@@ -37,7 +38,6 @@ STUDIES = {
     "events": (35, 10),
 }
 BENCHMARK = "benchmark"
-HERE = Path(__file__).parent
 README = HERE.parent / "README.md"
 _WIDTH = 118
 
@@ -138,8 +138,7 @@ def part(name: str, texts: Sequence[str], quick: bool = False) -> str:
     if not only.taken:
         likely = f"part of the name of a row, such as {', '.join(dict.fromkeys(only.passed[:8]))}"
         raise polhode.BadInput("make.py", "--only", " ".join(texts), likely)
-    tables: dict[str, PageTable] = module(name).tables(results)
-    return "\n\n".join(table.markdown for table in tables.values() if table.rows)
+    return "\n\n".join(x.markdown for x in tables(name, results).values() if x.rows)
 
 
 def pages(results: JsonObject) -> dict[str, str]:
@@ -155,11 +154,13 @@ def page(results: JsonObject) -> str:
     packages = [f"{package} {version}" for package, version in origin["versions"].items()]
     again = _command(name) + " --quick" * results["quick"]
     origin |= {"again": again, "packages": ", ".join(packages), "polhode": packages[0]}
-    templates = (HERE / "templates" / f"{file}.md" for file in (name, "provenance"))
-    template = "".join(path.read_text(encoding="utf-8") for path in templates)
-    study = module(name)
-    shared = {"question": results["question"], "origin": origin}
-    return filled(template, study.tables(results), study.facts(results) | shared)
+    facts = module(name).facts(results) | {"question": results["question"], "origin": origin}
+    return kit.filled(template(name) + template("provenance"), tables(name, results), facts)
+
+
+def tables(name: str, results: JsonObject) -> dict[str, PageTable]:
+    """The tables of a study's page, from its JSON object."""
+    return kit.tables(template(name), module(name).tables(results), _command(name))
 
 
 def write_stale(folder: Path, names: Sequence[str]) -> list[Path]:
@@ -187,7 +188,7 @@ def results_of(folder: Path, name: str) -> JsonObject:
 
 def with_summary(readme: str, speed: JsonObject) -> str:
     """README with the speed study's table of four lengths and of many starts."""
-    from speed import SUMMARY_OUTPUTS, summary
+    from speed import SUMMARY_OUTPUTS
     from tops import DRAWS
 
     origin = speed["provenance"]
@@ -199,7 +200,7 @@ def with_summary(readme: str, speed: JsonObject) -> str:
         f"{SUMMARY_OUTPUTS} outputs (many starts: the end), one thread; "
         f"{packages}, {origin['cpu']}. [All rows and rules](reports/speed.md)."
     )
-    text = f"{summary(speed['cells']).markdown}\n\n{fill(conditions, _WIDTH)}\n"
+    text = f"{tables('speed', speed)['summary'].markdown}\n\n{fill(conditions, _WIDTH)}\n"
     pattern = r"(<!-- summary: [^>]*-->\n).*?(<!-- end -->)"
     return re.sub(pattern, lambda match: match[1] + text + match[2], readme, flags=re.DOTALL)
 

@@ -61,47 +61,43 @@ class Program(NamedTuple):
         return run
 
 
-def _peer(
-    name: str, module: str, method: str, line: str, needs: Sequence[str], **limits: Any
-) -> Program:
-    return Program(name, f"peers.{module}", method, line, needs=tuple(needs), **limits)
+#: Of the other packages the module here, the line of the diagram, and what has to be installed.
+_PACKAGES = {
+    "CyRK": ("cyrk", "CyRK", ("numba", "CyRK")),
+    "numbalsoda": ("numbalsoda_cfunc", "numbalsoda", ("numba", "numbalsoda")),
+    "SciPy": ("scipy_ode", "SciPy, numba", ("scipy", "numba")),
+    "diffrax": ("diffrax_dopri8", "diffrax", ("diffrax",)),
+    "splitting": ("splitting", "splitting", ("numba",)),
+}
 
 
-_NUMBA = ("numba",)
+def _peer(name: str, **limits: Any) -> Program:
+    """A program called by its package and method."""
+    package, _, method = name.partition(" ")
+    module, line, needs = _PACKAGES[package]
+    if method.endswith(", Python"):  # nothing to compile, and slow: of first results alone
+        line, needs, limits = "", tuple(x for x in needs if x != "numba"), {"last": 0}
+    return Program(name, f"peers.{module}", method, line, needs=needs, **limits)
+
+
 _OWN = "peers.own"
 _SHORT: dict[str, Any] = {"last": 1000, "outputs": 101}
 PROGRAMS = (
     Program(OURS, _OWN, "propagator", "polhode, double", (*_TAYLOR, PROJECTED)),
     Program(RUN, _OWN, "integrate", "", _TAYLOR),
     Program(WIDER, _OWN, "extended", "polhode, extended", _WIDER_LADDER, *DIAGRAM),
-    _peer(ENGINE, "bare_heyoka", "", "heyoka by hand", ("heyoka",), tolerances=_TAYLOR),
-    _peer("CyRK DOP853", "cyrk", "DOP853", "CyRK", (*_NUMBA, "CyRK")),
-    _peer("CyRK VERN8", "cyrk", "VERN8", "CyRK", (*_NUMBA, "CyRK")),
-    _peer(
-        *("numbalsoda dop853", "numbalsoda_cfunc", "dop853", "numbalsoda"),
-        (*_NUMBA, "numbalsoda"),
-    ),
-    _peer(
-        *("numbalsoda lsoda", "numbalsoda_cfunc", "lsoda", "numbalsoda"),
-        (*_NUMBA, "numbalsoda"),
-        last=1000,
-    ),
-    _peer("SciPy DOP853", "scipy_ode", "DOP853", "SciPy, numba", ("scipy", *_NUMBA), **_SHORT),
-    _peer("SciPy LSODA", "scipy_ode", "LSODA", "SciPy, numba", ("scipy", *_NUMBA), last=1000),
-    _peer(
-        *("diffrax Dopri8", "diffrax_dopri8", "Dopri8", "diffrax", ("diffrax",)),
-        last=100,
-        outputs=101,
-    ),
-    _peer("splitting 8", "splitting", "8", "splitting", _NUMBA, tolerances=_FIXED, **_SHORT),
-    _peer(
-        *("splitting 8 compensated", "splitting", "8 compensated", "splitting", _NUMBA),
-        tolerances=_FIXED,
-        **_SHORT,
-    ),
-    #: Of the table of first results alone: nothing to compile, and slow ever after.
-    _peer("SciPy DOP853, Python", "scipy_ode", "DOP853, Python", "", ("scipy",), last=0),
-    _peer("CyRK DOP853, Python", "cyrk", "DOP853, Python", "", ("CyRK",), last=0),
+    Program(ENGINE, "peers.bare_heyoka", "", ENGINE, _TAYLOR, needs=("heyoka",)),
+    _peer("CyRK DOP853"),
+    _peer("CyRK VERN8"),
+    _peer("numbalsoda dop853"),
+    _peer("numbalsoda lsoda", last=1000),
+    _peer("SciPy DOP853", **_SHORT),
+    _peer("SciPy LSODA", last=1000),
+    _peer("diffrax Dopri8", last=100, outputs=101),
+    _peer("splitting 8", tolerances=_FIXED, **_SHORT),
+    _peer("splitting 8 compensated", tolerances=_FIXED, **_SHORT),
+    _peer("SciPy DOP853, Python"),
+    _peer("CyRK DOP853, Python"),
 )
 #: Those that are called with many starts: all that have a way of their own for them.
 MANY = (

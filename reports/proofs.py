@@ -7,19 +7,17 @@ again by it from the certificate that was written.
 from __future__ import annotations
 
 import tempfile
-import time
 from collections import Counter
-from copy import copy
+from collections.abc import Callable, Iterable
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import kit
 import polhode
-from polhode.figures.canvas import residue_axis
-from polhode.figures.proofs import SectionCrossings, crossings, draw_crossings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,35 +48,15 @@ GRID, CROSSINGS, DIGITS = (16, 16), 3, 20
 _QUICK_GRID = (6, 6)
 _QUICK = ("asymmetric, regular",)
 
-Row: TypeAlias = kit.JsonObject
-#: What is proved, of which top, and the cells of a search.
-Job: TypeAlias = tuple[str, str, tuple[int, int]]
-
 
 def rows(quick: bool, say: kit.Say, only: kit.Only) -> kit.JsonObject:
     """The study's rows."""
     grid = _QUICK_GRID if quick else GRID
-    jobs = [("chaos", name, grid) for name in ([] if quick else CHAOS) if only(f"chaos: {name}")]
-    jobs += [
-        ("orbits", name, grid) for name in (_QUICK if quick else ORBITS) if only(f"orbits: {name}")
-    ]
-
-    def tell(job: Job) -> None:
-        say(f"{job[0]} of {job[1]}")
-
-    workers = 1 if quick or len(jobs) < 2 else kit.cores()
-    answers = [*kit.in_order(_answer, jobs, workers, tell)]
-    return {
-        "grid": list(grid),
-        "crossings": CROSSINGS,
-        "digits": DIGITS,
-        "orbits": [
-            answer for (kind, *_), answer in zip(jobs, answers, strict=True) if kind == "orbits"
-        ],
-        "chaos": [
-            answer for (kind, *_), answer in zip(jobs, answers, strict=True) if kind == "chaos"
-        ],
-    }
+    chaos = [name for name in ([] if quick else CHAOS) if only(f"chaos: {name}")]
+    orbits = [name for name in (_QUICK if quick else ORBITS) if only(f"orbits: {name}")]
+    parts: kit.Parts = {"chaos": (_chaos, chaos), "orbits": (partial(_orbits, grid=grid), orbits)}
+    searched = {"grid": list(grid), "crossings": CROSSINGS, "digits": DIGITS}
+    return searched | kit.rows_by_part(parts, quick, say)
 
 
 def scene_of(top_name: str) -> polhode.Scene:
@@ -98,18 +76,13 @@ def scene_of(top_name: str) -> polhode.Scene:
     )
 
 
-def _answer(job: Job) -> Row:
-    kind, name, grid = job
-    return _orbits(name, grid) if kind == "orbits" else _chaos(name)
-
-
-def _orbits(name: str, grid: tuple[int, int]) -> Row:
+def _orbits(name: str, grid: tuple[int, int]) -> kit.JsonObject:
     """All orbits of a search on the scene's own level."""
     scene = scene_of(name)
     every = polhode.prove_orbits(scene, grid, CROSSINGS, digits=DIGITS)
     search, rows = every.search, []
     for orbit, proof in zip(search.orbits, every.proofs, strict=True):
-        row: Row = {"period": float(orbit.period), "residue": float(orbit.residue)}
+        row: kit.JsonObject = {"period": float(orbit.period), "residue": float(orbit.residue)}
         if isinstance(proof, polhode.NotProved):
             rows.append(row | {"proved": False, "cause": str(proof).partition(": ")[2]})
             continue
@@ -126,49 +99,55 @@ def _orbits(name: str, grid: tuple[int, int]) -> Row:
     }
 
 
-def _stable(proof: polhode.ProvedOrbit) -> Row:
+def _stable(proof: polhode.ProvedOrbit) -> kit.JsonObject:
     """Whether an elliptic orbit is proved to be stable for all time, and how long that takes."""
     if proof.kind != "elliptic":
         return {}
-    began = time.process_time()
-    try:
-        twist = str(polhode.prove_stability(proof).twist)
-    except polhode.NotProved as why:
-        return {"stable": False, "why_not_stable": str(why).partition(": ")[2]}
-    return {
-        "stable": True,
-        "twist": twist,
-        "stability_seconds": round(time.process_time() - began, 2),
-    }
+    stable, seconds, cause = _attempt(partial(polhode.prove_stability, proof))
+    if stable is None:
+        return {"stable": False, "why_not_stable": cause}
+    return {"stable": True, "twist": str(stable.twist), "stability_seconds": round(seconds, 2)}
 
 
-def _chaos(top_name: str) -> Row:
+def _attempt(prove: Callable[[], Any]) -> tuple[Any, float, str]:
+    """A proof, or None, the processor seconds that it took, and why there is none."""
+
+    def proof_or_cause() -> Any:
+        try:
+            return prove()
+        except polhode.NotProved as why:
+            return why
+
+    proof, seconds = kit.clocked(proof_or_cause)
+    failed = isinstance(proof, polhode.NotProved)
+    return (None, seconds, str(proof).partition(": ")[2]) if failed else (proof, seconds, "")
+
+
+def _chaos(top_name: str) -> kit.JsonObject:
     """A proof of chaos on the scene's own level."""
     scene = scene_of(top_name)
-    began = time.process_time()
-    try:
-        proof = polhode.prove_chaos(scene)
-    except polhode.NotProved as why:
-        seconds = round(time.process_time() - began, 1)
-        cause = str(why).partition(": ")[2]
-        return {"what": top_name, "scene": scene.name, "proved": False, "cause": cause} | {
-            "seconds": seconds
-        }
-    period, _ = proof.orbit.period.decimals
-    row: Row = {"what": top_name, "scene": scene.name, "proved": True, "period": period}
+    proof, seconds, cause = _attempt(partial(polhode.prove_chaos, scene))
+    row: kit.JsonObject = {"what": top_name, "scene": scene.name, "proved": proof is not None}
+    row |= {"seconds": round(seconds, 1)}
+    if proof is None:
+        return row | {"cause": cause}
+    row |= {"period": proof.orbit.period.decimals[0]}
     row |= {"kind": proof.orbit.kind, "coverings": proof.coverings, "tries": proof.tries}
     row |= {"entropy": proof.entropy, "short": proof.short, "long": proof.long}
     row |= {"stretch": proof.stretch, "height": proof.height, "cone": proof.cone}
     row |= {"h": f"{float(proof.h):g}", "f": f"{float(proof.f):g}"}
     if top_name == DRAWN:
+        panels: Any = polhode.plot(proof)
         row["drawn"] = {
-            name: [[round(float(x), 3) for x in axis] for axis in points]
-            for name, points in crossings(proof)._asdict().items()
+            line.get_gid().partition(" ")[0]: [
+                [round(float(x), 3) for x in axis] for axis in line.get_data()
+            ]
+            for line in panels[0].lines
         }
-    return row | {"seconds": round(time.process_time() - began, 1)} | _checked(proof)
+    return row | _checked(proof)
 
 
-def _checked(proof: polhode.ProvedOrbit | Any) -> Row:
+def _checked(proof: polhode.ProvedOrbit | Any) -> kit.JsonObject:
     """Whether the checker proves the proof's certificate, and how long that takes."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "proof.json"
@@ -176,79 +155,18 @@ def _checked(proof: polhode.ProvedOrbit | Any) -> Row:
             proof.save(path)
         except polhode.BadInput as why:
             return {"verified": False, "why": why.expected}
-        began = time.process_time()
-        verdict = polhode.verify(path)
-    seconds = round(time.process_time() - began, 2)
-    return {"verified": verdict.proved, "verify_seconds": seconds}
+        verdict, seconds = kit.clocked(partial(polhode.verify, path))
+    return {"verified": verdict.proved, "verify_seconds": round(seconds, 2)}
 
 
 # --- page -----------------------------------------------------------------------------------------
 #
-# Tables and facts of the proofs study's page.
+# Rows of the tables and facts of the proofs study's page.
 
 
-_AGAIN = "python reports/make.py proofs --only '{0}'"
-_ORBITS = (
-    kit.Column("top", "top"),
-    kit.Column("level", lambda top: f"h = {top['h']}, f = {top['f']}"),
-    kit.Column("proved", "share", meaning="orbits proved to exist, of those that the search found"),
-    kit.Column("kinds", "kinds"),
-    kit.Column("periods", "periods", meaning="least and largest period of the proved orbits"),
-    kit.Column("fewest digits", "digits", ".1f", "the fewest proven digits of an orbit"),
-    kit.Column("s", "seconds", ">", "processor seconds of a proof, the median"),
-    kit.Column(
-        "checked",
-        "checked",
-        "d",
-        "proofs that the checker, which imports nothing of polhode, proves again from their "
-        "certificates",
-    ),
-    kit.Column("check, s", "verify_seconds", ">", "processor seconds of such a check, the median"),
-)
-_STABLE = kit.Column(
-    "stable",
-    "stable",
-    meaning="elliptic orbits that are stable for all time by J. Moser's theorem, of those proved",
-)
-_REFUSED = (
-    kit.Column("top", "top"),
-    kit.Column("period", "period", ">", "about that of all these orbits"),
-    kit.Column("orbits", "orbits", "d"),
-    kit.Column("residue", "residue", ">", "Greene's residue, 0 on a resonant torus"),
-    kit.Column("cause", "cause", "", "why the proof was refused"),
-)
-_CHAOS = (
-    kit.Column("top", lambda row: f"chaos: {row['what']}"),
-    kit.Column("h", "h"),
-    kit.Column("f", "f"),
-    kit.Column(
-        "orbit",
-        lambda row: row["kind"] if row["proved"] else row["cause"],
-        meaning="the unstable periodic orbit whose manifolds meet, or why the proof was refused",
-    ),
-    kit.Column("period", lambda row: float(row["period"]) if row["proved"] else None, ".6g"),
-    kit.Column("coverings", "coverings", "d", "covering relations that the proof consists of"),
-    kit.Column("stretch", "stretch", ".2f", "their least stretch, which must be above 1"),
-    kit.Column("height", "height", ".2f", "their largest height, which must be below 1"),
-    kit.Column(
-        "entropy",
-        "entropy",
-        ".2g",
-        "proven lower bound of the topological entropy, per unit of time",
-    ),
-    kit.Column("s", "seconds", ".1f", "processor seconds"),
-    kit.Column(
-        "checked",
-        kit.yes("verified"),
-        meaning=(
-            "whether the checker, which imports nothing of polhode, proves it again from its "
-            "certificate"
-        ),
-    ),
-    kit.Column("check, s", "verify_seconds", ".1f", "processor seconds of that check"),
-)
-
-
+#: Of the proofs of chaos, where there are any.
+_CHAOS = """ The checker proves chaos for {proved} tops, in {seconds} s; of these proofs {verified}
+certificates hold when they are read again."""
 #: Of the proof that is drawn, where it is proved.
 _PICTURE = """![Manifolds of the proved orbit, and the sets of the proof](manifolds.svg)
 
@@ -257,14 +175,12 @@ unstable manifold (orange) of the proved orbit, as computed in double, and the s
 which lie in planes of their own."""
 
 
-def tables(results: kit.JsonObject) -> dict[str, kit.PageTable]:
-    """The page's tables from the study's JSON object, of 0.3 too, which tells of no stability."""
-    proved = [*map(_proved, results["orbits"])]
-    stable = [_STABLE] if any(row["stable"] for row in proved) else []
+def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
+    """The rows of the page's tables from the study's JSON object."""
     return {
-        "orbits": kit.table(proved, [*_ORBITS[:4], *stable, *_ORBITS[4:]], _AGAIN),
-        "refused": kit.table(_refused(results["orbits"]), _REFUSED, _AGAIN),
-        "chaos": kit.table(results["chaos"], _CHAOS, _AGAIN),
+        "orbits": map(_proved, results["orbits"]),
+        "refused": _refused(results["orbits"]),
+        "chaos": map(_proved_chaos, results["chaos"]),
     }
 
 
@@ -282,9 +198,12 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
         "kinds": _kinds(proved) or kit.DASH,
         "seconds": kit.median([row["seconds"] for row in proved], ".2g"),
         "verified": sum(row["verified"] for row in proved),
-        "proved_chaos": kit.share(row["proved"] for row in results["chaos"]),
-        "chaos_seconds": kit.between([row["seconds"] for row in chaos], ".2g"),
-        "verified_chaos": sum(row["verified"] for row in chaos),
+        "of_chaos": _CHAOS.format(
+            proved=kit.share(row["proved"] for row in results["chaos"]),
+            seconds=kit.between([row["seconds"] for row in chaos], ".2g"),
+            verified=sum(row["verified"] for row in chaos),
+        )
+        * bool(results["chaos"]),
         "picture": "".join(_PICTURE.format(**row) for row in chaos if "drawn" in row),
     }
 
@@ -302,15 +221,23 @@ def _proved(top: kit.JsonObject) -> kit.JsonObject:
     return {
         **top,
         "top": f"orbits: {top['what']}",
+        "level": f"h = {top['h']}, f = {top['f']}",
         "share": kit.share(row["proved"] for row in top["orbits"]),
         "kinds": _kinds(proved) or None,
-        "stable": kit.share(stable) if stable else None,
+        "stability": {"stable": kit.share(stable)} if stable else {},
         "periods": kit.between([row["period"] for row in proved], ".3g", kit.DASH),
         "digits": min((row["digits"] for row in proved), default=None),
         "seconds": kit.median([row["seconds"] for row in proved], ".2f"),
         "checked": sum(row["verified"] for row in proved),
         "verify_seconds": kit.median(checked, ".2f"),
     }
+
+
+def _proved_chaos(row: kit.JsonObject) -> kit.JsonObject:
+    """A row of a top whose chaos was to be proved."""
+    orbit = row["kind"] if row["proved"] else row["cause"]
+    period = float(row["period"]) if row["proved"] else None
+    return {**row, "top": f"chaos: {row['what']}", "orbit": orbit, "period": period}
 
 
 def _refused(tops: list[kit.JsonObject]) -> list[kit.JsonObject]:
@@ -337,7 +264,6 @@ def _refused(tops: list[kit.JsonObject]) -> list[kit.JsonObject]:
 
 
 _COLOURS = {"elliptic": kit.BLUE, "hyperbolic": kit.ORANGE, "inverse hyperbolic": kit.GREEN}
-_COLUMNS = 2
 _DOTS_PER_INCH = 200  # of the manifolds, which are pixels
 
 
@@ -352,36 +278,23 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
 
 def manifolds(drawn: kit.JsonObject) -> str:
     """The manifolds of an unstable orbit on a section, and the sets of the proof."""
-    with polhode.paper() as plt:
-        size = kit.WIDTH, 4.4
-        figure, axes = plt.subplots(figsize=size, layout="constrained", dpi=_DOTS_PER_INCH)
-        points = (np.array(drawn[key]) for key in SectionCrossings._fields)
-        draw_crossings(axes, SectionCrossings(*((x, y) for x, y in points)))
-        place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 2}
-        handles, names = axes.get_legend_handles_labels()
-        shown = [copy(handle) for handle in handles]
-        for handle in shown[:2]:
-            handle.set_markersize(6)
-        axes.legend(shown, names, **place)
-        return kit.as_svg(figure)
+
+    def draw(axes: Axes) -> None:
+        for name, colour in (("unstable", kit.ORANGE), ("stable", kit.BLUE)):
+            axes.plot(*drawn[name], ".", ms=1.4, mew=0, color=colour, rasterized=True)
+            axes.plot([], [], ".", ms=6, mew=0, color=colour, label=f"{name} manifold")
+        axes.plot(*drawn["sets"], "+", ms=5, color="#222222", label="sets, each in its own plane")
+        axes.set(xlabel="azimuth of γ about r₀ (rad)", ylabel="cos(γ, r₀)")
+        axes.set(xlim=(-0.1, 2 * np.pi + 0.1), ylim=(-1.1, 1.1))  # marks at the edges whole
+        axes.set_xticks(np.pi * np.arange(5) / 2, ["0", "π/2", "π", "3π/2", "2π"])
+
+    return kit.drawn(draw, 4.4, names=2, dpi=_DOTS_PER_INCH)
 
 
 def residues(tops: list[kit.JsonObject]) -> str:
     """One panel per top: the residue of every orbit over its period."""
-    lines = -(-len(tops) // _COLUMNS)
-    with polhode.paper() as plt:
-        size = kit.WIDTH, 0.6 + 1.6 * lines
-        figure, panels = plt.subplots(
-            lines, _COLUMNS, figsize=size, layout="constrained", squeeze=False
-        )
-        for axes in panels.flat[len(tops) :]:
-            axes.set_axis_off()
-        for axes, top in zip(panels.flat, tops, strict=False):
-            _draw_top(axes, top)
-        figure.supxlabel("period", size=9)
-        figure.supylabel("residue (shaded: elliptic, 0 to 1)", size=9)
-        kit.legend(figure, 4)
-        return kit.as_svg(figure)
+    labels = "period", "residue (shaded: elliptic, 0 to 1)"
+    return kit.side_by_side({top["what"]: top for top in tops}, _draw_top, labels, 1.6)
 
 
 def _draw_top(axes: Axes, top: kit.JsonObject) -> None:
@@ -395,6 +308,6 @@ def _draw_top(axes: Axes, top: kit.JsonObject) -> None:
     for name, colour, mark, rows in kinds:
         at = [row["period"] for row in rows], [row["residue"] for row in rows]
         axes.plot(*at, mark, color=colour, ms=4, label=name)
-    residue_axis(axes)
-    axes.set_title(top["what"], size=9, loc="left")
-    kit.plain(axes)
+    axes.set_yscale("symlog", linthresh=1, linscale=1.5)
+    axes.locator_params("y", numticks=9)
+    axes.yaxis.set_major_formatter("{x:g}")

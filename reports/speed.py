@@ -7,11 +7,11 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from fractions import Fraction
+from dataclasses import replace
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import contest
 import kit
@@ -22,6 +22,9 @@ from kit import clocked
 from peers import process
 from peers.process import ask
 from programs import BY_NAME, ENGINE, OURS, PROGRAMS, RUN, Program
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 QUESTION = (
     "What does a correct digit cost: the first result in a new process, a new start of a prepared "
@@ -36,42 +39,34 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
 
     ``without``: the programs that are not installed.
     """
-    asked_cells = contest.wanted_cells(quick, only)
-    ways_of = motions(quick, only)
-    first = only("first result")
+    wanted_cells, ways_of = contest.wanted_cells(quick, only), motions(quick, only)
     chosen = [p for p in PROGRAMS if not quick or p.name in QUICK_PROGRAMS]
     programs = [p for p in chosen if p.is_there]
+    first: kit.Parts = {
+        "first": (partial(first_row, quick=quick), programs if only("first result") else [])
+    }
+    others: kit.Parts = {
+        "motions": (partial(row, ways_of, quick=quick), [*ways_of]),
+        "refined": (_row, contests(quick, only)),
+    }
+    starting = kit.rows_by_part(first, True, say)  # alone: clocks run
     with tempfile.TemporaryDirectory() as cache:
-        starting = [*first_results(programs, quick, say)] if first else []
-        contest_rows = contest.rows(
-            asked_cells, [p for p in programs if p.last], Path(cache), quick, say
-        )
-    motions_rows = []
-    for motion, ways in ways_of.items():
-        say(f"number types: {motion.name}")
-        motions_rows.append(row(motion, ways, quick))
+        contestants = [p for p in programs if p.last]
+        cells = contest.rows(wanted_cells, contestants, Path(cache), quick, say)
     return {
         "once_above": PATIENCE,
         "programs": [program.name for program in programs],
         "without": [p.name for p in chosen if not p.is_there],
-        "first": starting,
-        "cells": contest_rows,
-        "motions": motions_rows,
-        "refined": contests(quick, say, only),
+        **starting,
+        "cells": cells,
+        **kit.rows_by_part(others, True, say),
     }
 
 
 def versions() -> dict[str, str]:
     """Of the programs that are there."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    versions_of = {}
-    for name in sorted({need for program in PROGRAMS for need in program.needs}):
-        try:
-            versions_of[name] = version(name)
-        except PackageNotFoundError:
-            continue
-    return versions_of
+    needs = {need for program in PROGRAMS if program.is_there for need in program.needs}
+    return {name: version(name) for name in sorted(needs)}
 
 
 # --- first result ---------------------------------------------------------------------------------
@@ -84,45 +79,39 @@ FIRST_REPEATS, ENOUGH = 3, 8.0  # times; none more once a program's processes to
 _FIRST_LIMIT = 120.0
 
 
-def first_results(
-    programs: Sequence[Program], quick: bool, say: kit.Say
-) -> Iterator[dict[str, Any]]:
-    """A row a program: wall and processor seconds, with empty caches of compiled code and after."""
-    run, present = tops.draw(KIND, 0, END, OUTPUTS).run(TOLERANCE), tops.present(KIND)
-    for program in programs:
-        say(f"first result: {program.name}")
-        job = program.job(present, [run])
-        clocks: dict[str, tuple[float, float]] = {}
-        fault = ""
-        began = time.perf_counter()
+def first_row(program: Program, quick: bool) -> dict[str, Any]:
+    """Wall and processor seconds, with empty caches of compiled code and after that."""
+    run = tops.draw(KIND, 0, END, OUTPUTS).run(TOLERANCE)
+    job = program.job(tops.present(KIND), [run])
+    clocks: dict[str, tuple[float, float]] = {}
+    began, fault = time.perf_counter(), ""
+    try:
         for _ in range(1 if quick else FIRST_REPEATS):
             with tempfile.TemporaryDirectory() as cache:
                 for word in ("cold", "warm"):
                     clock = _clocked(job, Path(cache))
-                    if isinstance(clock, str):
-                        fault = clock
-                        break
                     clocks[word] = min(clock, clocks.get(word, clock))
-            if fault or time.perf_counter() - began > ENOUGH:
+            if time.perf_counter() - began > ENOUGH:
                 break
-        clocked = {
-            word: {"wall": round(wall, 3), "processor": round(processor, 3)}
-            for word, (wall, processor) in clocks.items()
-        }
-        yield {"program": program.name, **clocked, "fault": fault}
+    except ArithmeticError as failed:
+        fault = str(failed)
+    rounded = {
+        word: {"wall": round(wall, 3), "processor": round(processor, 3)}
+        for word, (wall, processor) in clocks.items()
+    }
+    return {"program": program.name, **rounded, "fault": fault}
 
 
-def _clocked(job: dict[str, Any], cache: Path) -> tuple[float, float] | str:
-    """Wall and processor seconds of one process from its start to its end, or what went wrong."""
-    before, began = os.times(), time.perf_counter()
+def _clocked(job: dict[str, Any], cache: Path) -> tuple[float, float]:
+    """Wall and processor seconds of one process from its start to its end.
+
+    Raises ArithmeticError where it failed.
+    """
+    before, began = sum(os.times()[2:4]), time.perf_counter()  # of children: user, system
     answers, fault = ask(process.__name__, job, _FIRST_LIMIT, cache)
-    wall, after = time.perf_counter() - began, os.times()
+    wall, spent = time.perf_counter() - began, sum(os.times()[2:4]) - before
     if fault or "failed" in answers[0]:
-        return fault or str(answers[0]["failed"])
-    spent = sum(
-        getattr(after, name) - getattr(before, name)
-        for name in ("children_user", "children_system")
-    )
+        raise ArithmeticError(fault or answers[0]["failed"])
     return wall, spent
 
 
@@ -216,31 +205,31 @@ def scene_of(motion: SpeedMotion) -> polhode.Scene:
     return replace(polhode.load(motion.case), times=times, outputs=(), events=(), published=())
 
 
-def row(motion: SpeedMotion, ways: list[Way], quick: bool = False) -> dict[str, Any]:
-    """What the ways give on one motion, judged against its exact scene."""
-    scene = scene_of(motion)
+def row(
+    ways_of: Mapping[SpeedMotion, Sequence[Way]], motion: SpeedMotion, quick: bool
+) -> dict[str, Any]:
+    """What its ways give on one motion, judged against its exact scene."""
+    scene, ways = scene_of(motion), ways_of[motion]
     most = max(kit.TYPES[curve.number].most_digits for curve in ways)
     true = polhode.reference(scene).at(scene.times, math.ceil(most) + SPARE_DIGITS)
     return {
         **motion._asdict() | {"motion": motion.name},
-        "methods": [_way_row(curve, scene, true, quick) for curve in ways],
+        "methods": [
+            {
+                **{"method": curve.name, "number": curve.number},
+                "points": [_point(curve, scene, tol, true, quick) for tol in curve.tolerances],
+            }
+            for curve in ways
+        ],
     }
-
-
-def _way_row(curve: Way, scene: polhode.Scene, true: Any, quick: bool) -> dict[str, Any]:
-    points = [_point(curve, scene, tol, true, quick) for tol in curve.tolerances]
-    return {"method": curve.name, "number": curve.number, "points": points}
 
 
 def _point(curve: Way, scene: polhode.Scene, tol: float, true: Any, quick: bool) -> dict[str, Any]:
     """Digits and the least seconds at one tolerance, or why there are none."""
     number = kit.TYPES[curve.number]
-    options: dict[str, Any] = {
-        "tol": None if tol <= float(number.eps) else tol,
-        "project": curve.project,
-    }
-    polhode.integrate(scene, number, max_steps=_FEW.get(curve.number, 2), **options)
-    call = partial(polhode.integrate, scene, number, **options)
+    tolerance = None if tol <= float(number.eps) else tol
+    call = partial(polhode.integrate, scene, number, tol=tolerance, project=curve.project)
+    call(max_steps=_FEW.get(curve.number, 2))
     run, seconds, calls = timed(call, QUICK_REPEATS if quick else REPEATS, PATIENCE)
     if not run.outcome.done:
         return {"tol": tol, "reason": run.outcome.cause}
@@ -278,8 +267,7 @@ _SPARE = 12  # digits more that the reference has
 _OUTPUTS = ("angles", "attitude")
 
 
-@dataclass(frozen=True)
-class Contest:
+class Contest(NamedTuple):
     """A motion to be run both ways; ``digits`` None: quad."""
 
     name: str
@@ -303,26 +291,17 @@ CONTESTS = (
 )
 
 
-def contests(quick: bool, say: kit.Say, only: kit.Only) -> list[dict[str, Any]]:
-    """A row a contest: CPU seconds and correct digits both ways, digits to which both agree, and
-    what refinement estimated."""
-    rows = []
-    for motion in CONTESTS:
-        if quick and not motion.quick:
-            continue
-        if only(f"refined: {motion.name} t={motion.end}"):
-            say(f"refined runs: {motion.name} to t = {motion.end}")
-            rows.append(_row(motion))
-    return rows
+def contests(quick: bool, only: kit.Only) -> list[Contest]:
+    """Those that are wanted."""
+    chosen = [x for x in CONTESTS if x.quick or not quick]
+    return [x for x in chosen if only(f"refined: {x.name} t={x.end}")]
 
 
 def _row(contest: Contest) -> dict[str, Any]:
-    scene = replace(
-        polhode.load(contest.case),
-        times=(Fraction(contest.end),),
-        outputs=contest.outputs,
-        events=(),
-    )
+    """CPU seconds and correct digits both ways, digits to which both agree, and what refinement
+    estimated."""
+    scene = polhode.load(contest.case).at([contest.end])
+    scene = replace(scene, outputs=contest.outputs, events=())
     number = kit.QUAD if contest.digits is None else kit.TYPES["mp"]
     row: dict[str, Any] = {"motion": contest.name, "end": contest.end, "bits": number.bits}
     wide = math.ceil(number.most_digits) + _SPARE
@@ -337,11 +316,9 @@ def _row(contest: Contest) -> dict[str, Any]:
         true, row["by"] = steps.states, "steps in more digits"
     runs = []
     for method in ("refined", "taylor"):
-        polhode.integrate(
-            scene.at([min(10, scene.end)]), number, method=method
-        )  # loads what is compiled
-        call = partial(polhode.integrate, scene, number, method=method)
-        run, seconds, calls = timed(call, _REPEATS, _PATIENCE)
+        call = partial(polhode.integrate, number=number, method=method)
+        call(scene.at([min(10, scene.end)]))  # loads what is compiled
+        run, seconds, calls = timed(partial(call, scene), _REPEATS, _PATIENCE)
         runs.append(run.states)
         row[method] = {
             "cpu": kit.significant(seconds, 3),
@@ -358,7 +335,7 @@ def _row(contest: Contest) -> dict[str, Any]:
 
 # --- page -----------------------------------------------------------------------------------------
 #
-# Tables and facts of the speed study's page: polhode beside other programs, and alone.
+# Rows of the tables and facts of the speed study's page: polhode beside other programs, and alone.
 
 
 #: Levels of digits, each with its cell.
@@ -368,129 +345,37 @@ LONG = 1000  # from this end on a run is told as a long one
 SUMMARY_ENDS, SUMMARY_OUTPUTS = (1, 10, 100, 1000), 101
 WORDS = ("ahead", "even", "behind", "alone", "not run", "not reached")
 
-_MOTION = kit.Column("motion", "motion")
-_BEST = (
-    _MOTION,
-    kit.Column("method", "method", "", "the number type, and whether the run is projected"),
-    kit.Column("to", lambda row: f"{row['motion']}, t = {row['end']}"),
-    kit.Column("tol", "tol", ".1e", "the tolerance of the steps, the tightest of several"),
-    kit.DIGITS,
-    kit.Column("least s", "seconds_min", ".3g", "processor seconds of a run, the least of several"),
-)
-_REFINED = (
-    _MOTION,
-    kit.Column("t", "end", "d"),
-    kit.Column("bits", "bits", "d", "bits of the number type"),
-    kit.Column("steps, s", "taylor.cpu", ".3g", "CPU seconds of heyoka's steps in that type"),
-    kit.Column("steps, digits", "taylor.digits", ".1f", "their correct digits at the end"),
-    kit.Column("refined, s", "refined.cpu", ".3g", "CPU seconds of the refined run"),
-    kit.Column("refined, digits", "refined.digits", ".1f", "its correct digits at the end"),
-    kit.Column("agreement", "agreement", ".1f", "digits to which the two agree"),
-    kit.Column("estimate", "estimate", ".3g", "the refined run's own estimate of its error"),
-    kit.Column("gain", "gain", ".1f", "seconds of the steps over those of the refined run"),
-)
-_FAULTS = (
-    kit.Column("program", "program"),
-    kit.Column("fault", "fault", "", "counted as not reached, or missing"),
-)
 
-
-def _first_column(header: str, curve: str, clock: str) -> kit.Column:
-    """Seconds of one way by one clock; why there are none, where a program failed."""
-
-    def value(row: kit.JsonObject) -> object:
-        return row[curve][clock] if curve in row else row["fault"] or None
-
-    return kit.Column(header, value, ".2f")
-
-
-_FIRST = (
-    kit.Column("program", "program"),
-    _first_column("cold, s", "cold", "wall"),
-    _first_column("cold, processor s", "cold", "processor"),
-    _first_column("warm, s", "warm", "wall"),
-    _first_column("warm, processor s", "warm", "processor"),
-)
-_RATIO = "the time of that program over the propagator's, likewise"
-_CELLS = (
-    kit.Column("cells", "cells", "", "the last time, and the number of output times"),
-    kit.Column("digits", "digits", "g", "correct digits that are asked for"),
-    kit.Column("propagator, ms", "own", ">", "a polhode propagator, the median over the kinds"),
-    kit.Column("stands", "stands", "", "how the propagator stands against the best of the others"),
-    kit.Column("best other", "best", "", "the other programs that are fastest in most kinds"),
-    kit.Column(
-        *("its ratio", "ratio", ">"),
-        "the time of the best other over the propagator's: median over the kinds (least, most)",
-    ),
-    kit.Column(ENGINE, ENGINE, ">", _RATIO),
-    kit.Column(RUN, RUN, ">", _RATIO),
-)
-
-
-_STANDING = (
-    kit.Column("run", "run"),
-    kit.Column("ahead", "ahead", "d", "cells in which a polhode propagator is faster"),
-    kit.Column("even", "even", "d", "the 95 % interval of the median ratio contains 1"),
-    kit.Column("behind", "behind", "d", "it is slower"),
-    kit.Column("alone", "alone", "d", "no other program run there reaches the digits"),
-    kit.Column("not run", "not run", "d", "no other program was run there"),
-    kit.Column(
-        "not reached", "not reached", "d", "it does not reach them from 7 of 8 draws itself"
-    ),
-    kit.Column(
-        *("where behind", "lost", ">"),
-        "the time of the best other program over the propagator's: median (least, most)",
-    ),
-    kit.Column("which is", "best"),
-    kit.Column(
-        *("over heyoka", "engine", ">"),
-        "the propagator's time over that of heyoka written by hand: median (least, most)",
-    ),
-)
-_MANY = (
-    kit.Column("cells", "cells", "", "the last time, and the number of starts of each body"),
-    kit.Column(
-        "digits", "digits", "g", "correct digits that are asked for, the median over starts"
-    ),
-    kit.Column(
-        "arrays, µs", "own", ">", "a start of an array that a propagator is given, the median"
-    ),
-    *_CELLS[3:6],
-    kit.Column(f"{ENGINE}, in batches", ENGINE, ">", _RATIO),
-    kit.Column("polhode integrate_many", RUN, ">", _RATIO),
-)
-
-
-def tables(results: kit.JsonObject) -> dict[str, kit.PageTable]:
-    """The page's tables from the study's JSON object."""
-    first = sorted(results["first"], key=lambda row: row.get("cold", {}).get("wall", 1e9))
+def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
+    """The rows of the page's tables from the study's JSON object."""
     many, single = _parted(results["cells"])
-    short = [cell for cell in single if cell["end"] < LONG]
-    long = [cell for cell in single if cell["end"] >= LONG]
-    cells = "python reports/make.py speed --only '{0}'"
-    types = "python reports/make.py speed --only '{0}' --only '{1}'"
-    refined = "python reports/make.py speed --only 'refined: {0} t={1}'"
     return {
         "summary": summary(results["cells"], _not_run(results)),
-        "standing": standing(results["cells"]),
-        "first": kit.table(first, _FIRST, "python reports/make.py speed --only 'first result'"),
-        "short": kit.table(_by_length(short), _CELLS, cells),
-        "long": kit.table(_by_length(long), _CELLS, cells),
-        "many": kit.table(_by_length(many), _MANY, cells),
-        "faults": kit.table(_faults(results), _FAULTS),
-        "types": kit.table(_best(results["motions"]), _BEST, types),
-        "refined": kit.table(results.get("refined", ()), _REFINED, refined),
+        "standing": standings(results["cells"]),
+        "first": sorted(map(_first, results["first"]), key=lambda row: row["order"]),
+        "short": _by_length([cell for cell in single if cell["end"] < LONG]),
+        "long": _by_length([cell for cell in single if cell["end"] >= LONG]),
+        "many": _by_length(many),
+        "faults": _faults(results),
+        "types": _best(results["motions"]),
+        "refined": results["refined"],
     }
 
 
-def summary(cells: Sequence[kit.JsonObject], not_run: str = "not run") -> kit.PageTable:
+def _first(row: kit.JsonObject) -> kit.JsonObject:
+    """Seconds to a first result; where a program failed, why there are none."""
+    failed = dict.fromkeys(("wall", "processor"), row["fault"])
+    ways = {way: row.get(way, failed) for way in ("cold", "warm")}
+    return {**row, **ways, "order": row["cold"]["wall"] if "cold" in row else math.inf}
+
+
+def summary(cells: Sequence[kit.JsonObject], not_run: str) -> Iterator[kit.JsonObject]:
     """The time of the best other program over the propagator's: lengths down, digits across.
 
     Medians over the kinds of motion, and the program that is best in most of them; above 1 in bold.
     The last row is of many starts at once.  ``not_run``: what stands where no other program was.
     """
     digits = dict.fromkeys(level["digits"] for cell in cells for level in cell["levels"])
-    columns = [kit.Column("run", "run"), *(kit.Column(f"{x:g} digits", f"{x:g}") for x in digits)]
     many, single = _parted(cells)
     usual = [cell for cell in single if cell["outputs"] == SUMMARY_OUTPUTS]
     shown = {f"t = {end}": [c for c in usual if c["end"] == end] for end in SUMMARY_ENDS}
@@ -498,14 +383,9 @@ def summary(cells: Sequence[kit.JsonObject], not_run: str = "not run") -> kit.Pa
     largest = [cell for cell in many if cell["starts"] == most]
     ends = " and ".join(str(end) for end in sorted({cell["end"] for cell in largest}))
     shown[f"{most} starts at once, t = {ends}"] = largest
-    return kit.table(
-        (
-            {"run": run, **{f"{x:g}": _best_other(here, x, not_run) for x in digits}}
-            for run, here in shown.items()
-            if here
-        ),
-        columns,
-    )
+    for run, here in shown.items():
+        if here:
+            yield {"run": run, "cells": {f"{x:g}": _best_other(here, x, not_run) for x in digits}}
 
 
 def _best_other(cells: Sequence[kit.JsonObject], digits: float, not_run: str) -> str:
@@ -523,22 +403,20 @@ def _best_other(cells: Sequence[kit.JsonObject], digits: float, not_run: str) ->
     return f"{f'**{ratio}**' if float(ratio) > 1 else ratio} {often}{part}"
 
 
-def standing(cells: Sequence[kit.JsonObject]) -> kit.PageTable:
+def standings(cells: Sequence[kit.JsonObject]) -> Iterator[kit.JsonObject]:
     """How often polhode is ahead of the others, and how far it is from heyoka: a row a length."""
-    rows = [*_standings(cells)]
-    every_run = not any(row["not run"] for row in rows)
-    return kit.table(rows, [x for x in _STANDING if not (every_run and x.header == "not run")])
-
-
-def _standings(cells: Sequence[kit.JsonObject]) -> Iterator[kit.JsonObject]:
+    counts = stands(levels(cells))
+    missing = ["not run"] if counts["not run"] else []
     for (starts, end), here in _groups(cells, "starts", "end").items():
         pairs = levels(here)
+        counts = stands(pairs)
         lost = [x["verdict"] for _, x in pairs if x["verdict"]["stands"] == "behind"]
         ratios = [verdict["ratio"][0] for verdict in lost]
         own = [1 / ratio for ratio in ratios_of(pairs, ENGINE)]
         yield {
             "run": f"t = {end}" + f", {starts} starts" * (starts > 0),
-            **stands(pairs),
+            **counts,
+            "missing": {word: counts[word] for word in missing},
             "lost": kit.spread(ratios, ".2f"),
             "best": kit.listed(verdict["best"] for verdict in lost),
             "engine": kit.spread(own, ".2f"),
@@ -547,7 +425,7 @@ def _standings(cells: Sequence[kit.JsonObject]) -> Iterator[kit.JsonObject]:
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    refined = results.get("refined", ())
+    refined = results["refined"]
     _, cells = _parted(results["cells"])
     better = [row["refined"]["digits"] - row["taylor"]["digits"] for row in refined]
     return {
@@ -648,7 +526,9 @@ def _best(motions: Sequence[kit.JsonObject]) -> Iterator[kit.JsonObject]:
         for method in motion["methods"]:
             points = [p for p in method["points"] if "digits" in p]
             if points:
-                yield {**motion, **method, **min(points, key=lambda p: p["tol"])}
+                tightest = min(points, key=lambda p: p["tol"])
+                to = f"{motion['motion']}, t = {motion['end']}"
+                yield {**motion, **method, **tightest, "to": to}
 
 
 def _faults(results: kit.JsonObject) -> list[kit.JsonObject]:
@@ -671,8 +551,6 @@ def _faults(results: kit.JsonObject) -> list[kit.JsonObject]:
 # Figures of the study speed: error against time, of all programs and of polhode's number types.
 
 
-_COLUMNS, _HEIGHT = 2, 1.9  # panels side by side, inches of each
-
 #: Curves of a panel by their names: points (seconds, error).
 Curves = Mapping[str, Sequence[tuple[float, float]]]
 
@@ -682,10 +560,10 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
     drawn = {}
     panels = {_panel(cell): lines(cell["curves"]) for cell in results["cells"] if "curves" in cell}
     if panels:
-        drawn["speed"] = work_precision(panels, "processor seconds of a run")
+        drawn["speed"] = work_precision(panels)
     if results["motions"]:
         types = {_title(motion): _types(motion) for motion in results["motions"]}
-        drawn["types"] = work_precision(types, "processor seconds of a run")
+        drawn["types"] = work_precision(types)
     return drawn
 
 
@@ -708,28 +586,17 @@ def lines(curves: Mapping[str, Sequence[Sequence[float]]]) -> Curves:
     }
 
 
-def work_precision(panels: Mapping[str, Curves], unit: str) -> str:
+def work_precision(panels: Mapping[str, Curves]) -> str:
     """Error against seconds, one panel per motion; lower left is better."""
-    rows = -(-len(panels) // _COLUMNS)
-    with polhode.paper() as plt:
-        size = kit.WIDTH, _HEIGHT * rows + 1
-        figure, grid = plt.subplots(
-            rows, _COLUMNS, figsize=size, layout="constrained", sharey=True, squeeze=False
-        )
-        for axes in grid.flat[len(panels) :]:
-            axes.remove()
-        for axes, (title, curves) in zip(grid.flat, panels.items(), strict=False):
-            for name, points in curves.items():
-                axes.plot(
-                    *zip(*points, strict=True), label=name, **kit.LOOKS.get(name, kit.OTHER_LOOK)
-                )
-            axes.set(xscale="log", yscale="log")
-            axes.set_title(title, size=9, loc="left")
-            kit.plain(axes)
-        figure.supxlabel(unit, size=9)
-        figure.supylabel("error", size=9)
-        kit.legend(figure, 3)
-        return kit.as_svg(figure)
+
+    def draw(axes: Axes, curves: Curves) -> None:
+        for name, points in curves.items():
+            look = kit.LOOKS.get(name, kit.OTHER_LOOK)
+            axes.plot(*zip(*points, strict=True), label=name, **look)
+        axes.set(xscale="log", yscale="log")
+
+    labels = "processor seconds of a run", "error"
+    return kit.side_by_side(panels, draw, labels, 1.9, 3, sharey=True)
 
 
 def _panel(cell: kit.JsonObject) -> str:

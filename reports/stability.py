@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from textwrap import fill
@@ -11,7 +12,6 @@ from typing import Any
 import kit
 import polhode
 from accuracy import case_rows
-from kit import expected
 from polhode.equations.readout import Readout
 from polhode.numbers.conversion import ExactNumbers, number_value
 from polhode.taylor.motion import Motion
@@ -31,21 +31,12 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; no figure in them depends on the clock."""
     chosen = [name for name in hard_names(quick) if only(name)]
 
-    def tell(scene: polhode.Scene) -> None:
-        say(f"{scene.name}, {chosen.index(scene.name) + 1} of {len(chosen)}")
-
-    workers = 1 if quick else kit.cores()
     scenes = [polhode.load(name) for name in chosen]
-    pairs = zip(scenes, case_rows(scenes, workers, tell), strict=True)
+    pairs = zip(scenes, case_rows(scenes, quick, say), strict=True)
     cases = [_hard(scene, row) for scene, row in pairs]
     longest_first = sorted(scenes, key=lambda scene: -scene.log10_angle)
-    ways_back = dict(
-        zip(
-            (s.name for s in longest_first),
-            kit.in_order(_back, longest_first, workers, tell),
-            strict=True,
-        )
-    )
+    ways = kit.rows_by_part({"back": (_back, longest_first)}, quick, say)["back"]
+    ways_back = dict(zip((scene.name for scene in longest_first), ways, strict=True))
     return {
         "kinds": [
             {"kind": kind, "cases": [name for name in names if name in chosen]}
@@ -106,65 +97,9 @@ def _back(scene: polhode.Scene) -> list[dict[str, Any]]:
 # The hard cases by what is hard about them: names of cases that ship.
 
 
-#: The cases of each difficulty.
-KINDS = {
-    kind: tuple(names.split())
-    for kind, names in {
-        "Flips from next to the middle axis": """
-            hard/dzhanibekov-1e-3 euler/dzhanibekov hard/dzhanibekov-1e-9 hard/dzhanibekov-1e-12
-        """,
-        "Exact separatrices": """
-            euler/separatrix euler/separatrix-backward euler/separatrix-irrational
-            lagrange/homoclinic lagrange/planar-separatrix pendulum/separatrix
-        """,
-        "Next to a separatrix": """
-            euler/near-separatrix hard/near-homoclinic hard/complementary-modulus-1e-40
-        """,
-        "Nearly equal moments": "euler/nearly-symmetric hard/nearly-symmetric-heavy",
-        "Spin about its critical value": """
-            lagrange/sleeping-critical hard/sleeping-above-critical-spin
-            hard/sleeping-below-critical-spin hard/tilted-critical-spin
-            hard/tilted-above-critical-spin hard/tilted-below-critical-spin hard/near-steady
-        """,
-        "Cusps": "lagrange/cusped hard/near-cusp",
-        "Next to a solvable case": """
-            hard/near-bobylev-steklov-asymmetric hard/near-chaplygin hard/near-goryachev-chaplygin
-            hard/near-goryachev hard/near-grioli hard/near-hess hard/near-n-kowalewski
-            hard/near-staude hard/near-steklov
-        """,
-        "Through a pole or past it": """
-            lagrange/upper-pole lagrange/lower-pole lagrange/from-the-pole hard/near-pole
-            published/bruels-cardona-arnold
-        """,
-        "Next to degenerate motions of the Kovalevskaya top": """
-            kovalevskaya/near-delaunay hard/near-appelrot hard/near-bobylev-steklov
-            hard/near-asymptotic hard/near-quasi-periodic hard/near-multiply-degenerate
-            hard/near-axial-pendulum hard/near-equatorial-pendulum
-        """,
-        "Fast spin": "euler/fast-spin hard/fast-top hard/very-fast-top",
-        "Units that make the numbers huge or tiny": """
-            euler/huge-units euler/tiny-units hard/heavy-huge-units hard/heavy-tiny-units
-        """,
-        "Needle and flat body": "euler/needle euler/flat",
-        "Unstable equilibria and permanent rotations": """
-            euler/permanent-middle euler/turned-permanent lagrange/sleeping-unstable
-            pendulum/upright hard/staude
-        """,
-        "Chaotic and falling bodies": """
-            general/asymmetric-chaotic hard/chaotic-long general/near-upright
-        """,
-        "A million units of time": "hard/million",
-    }.items()
-}
-
-QUICK = (
-    "euler/dzhanibekov",
-    "euler/separatrix",
-    "hard/near-homoclinic",
-    "hard/near-pole",
-    "hard/heavy-tiny-units",
-    "hard/sleeping-below-critical-spin",
-)
+_HARD = tomllib.loads((kit.HERE / "hard-cases.toml").read_text(encoding="utf-8"))
+KINDS: Mapping[str, Sequence[str]] = _HARD["kinds"]
+QUICK: Sequence[str] = _HARD["quick"]
 
 
 def hard_names(quick: bool = False) -> list[str]:
@@ -210,10 +145,7 @@ def way_back(scene: polhode.Scene, t: Any, state: Sequence[Any]) -> polhode.Scen
 
 # --- page -----------------------------------------------------------------------------------------
 #
-# Tables and facts of the stability study's page.
-
-
-_AGAIN = "python reports/make.py stability --only {0}"
+# Rows of the tables and facts of the stability study's page.
 
 
 def _pair(run: kit.JsonObject | None) -> float | str | None:
@@ -224,84 +156,32 @@ def _pair(run: kit.JsonObject | None) -> float | str | None:
     return f"{right:.1f} / {kit.formatted(run['band'], '')}"
 
 
-_KAPPA = kit.Column(
-    "log10 kappa",
-    "log10_kappa",
-    ".1f",
-    "the decimal logarithm of kappa, the most that the state at the end changes per unit of "
-    "relative change of all inputs at once (a dash: not computed)",
-)
-_CASES = (
-    kit.CASE,
-    kit.Column("difficulty", "kind"),
-    *kit.ABOUT[1:],
-    _KAPPA,
-    *kit.in_numbers(
-        _pair,
-        "correct digits at the worst output time / where nine in ten runs would end there that "
-        "round the state once a step (see [accuracy](accuracy.md)), in that number type (a dash: "
-        "not run, it would take too long)",
-    ),
-)
-_BEHIND = (
-    kit.CASE,
-    kit.NUMBER,
-    kit.Column("correct", "correct_digits", ".1f", "correct digits at the worst output time"),
-    kit.Column(
-        "expected",
-        lambda run: expected(run["expected"]),
-        ">",
-        "where nine in ten such runs would end",
-    ),
-    kit.Column("behind", "behind", ".1f", "the least digits expected less those correct"),
-    kit.Column(
-        "inputs", "inputs", ".1f", "correct digits of the exact motion of the rounded inputs"
-    ),
-    kit.STEPS,
-    kit.Column("limited by", "limit"),
-)
-_BACK = (
-    kit.CASE,
-    _KAPPA,
-    kit.Column(
-        "back",
-        "log10_kappa_back",
-        ".1f",
-        "the largest on the way back, from the end and three times before",
-    ),
-    *(
-        kit.Column(
-            *(f"{name}, eps", f"runs.{name}.error_eps", ".2g"),
-            "the error of the state at 0 against the rounded start, in eps of the number type",
-        )
-        for name in kit.NUMBERS[:3]
-    ),
-    kit.Column("within kappa·eps", lambda case: _within(case["runs"])),
-)
-_UNJUDGED = (
-    kit.CASE,
-    kit.NUMBER,
-    kit.Column("why", lambda run: run.get("limit") or run["outcome"]),
-    kit.Column("kappa", "kappa_note", "", "why the digits expected are not known"),
-)
-
-
-def tables(results: kit.JsonObject) -> dict[str, kit.PageTable]:
-    """The page's tables from the study's JSON object."""
-    cases = {case["case"]: kit.by_number(case) for case in results["cases"]}
-    hard = [
-        {**cases[name], "kind": kind["kind"]} for kind in results["kinds"] for name in kind["cases"]
-    ]
+def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
+    """The rows of the page's tables from the study's JSON object."""
+    cases = {case["case"]: kit.by_number(case, _pair) for case in results["cases"]}
     runs = [{**case, **run} for case, run in kit.runs_of(results["cases"])]
     late = [run for run in runs if (run.get("behind") or 0) > 0]
     ways: dict[str, kit.JsonObject] = {}
     for row in results["back"]:
-        ways.setdefault(row["case"], {**row, "runs": {}})["runs"][row["number"]] = row
+        empty = {**row, "runs": {}, "eps": dict.fromkeys(LONGEST)}
+        way = ways.setdefault(row["case"], empty)
+        way["runs"][row["number"]], way["eps"][row["number"]] = row, row["error_eps"]
     return {
-        "cases": kit.table(hard, _CASES, _AGAIN),
-        "behind": kit.table(sorted(late, key=lambda run: -float(run["behind"])), _BEHIND, _AGAIN),
-        "unjudged": kit.table([r for r in runs if r.get("behind") is None], _UNJUDGED, _AGAIN),
-        "back": kit.table(ways.values(), _BACK, _AGAIN),
+        "cases": (
+            {**cases[name], "kind": kind["kind"]}
+            for kind in results["kinds"]
+            for name in kind["cases"]
+        ),
+        "behind": (
+            {**run, "band": kit.expected(run["expected"])}
+            for run in sorted(late, key=lambda run: -float(run["behind"]))
+        ),
+        "unjudged": (
+            {**run, "why": run.get("limit") or run["outcome"]}
+            for run in runs
+            if run.get("behind") is None
+        ),
+        "back": ({**way, "within": _within(way["runs"])} for way in ways.values()),
     }
 
 

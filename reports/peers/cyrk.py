@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from peers.field import Array, Run, Top, of_pattern
+from peers.field import Array, Run, Top, loop_of, of_pattern, run_of
 
 
 def prepared(present: Sequence[bool], method: str) -> Run:
@@ -13,17 +13,11 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     ``method``: DOP853 or VERN8; with ", Python" pysolve_ivp instead, which compiles nothing.
     """
     word, _, python = method.partition(", ")
-    if python:
-        return _in_python(present, word)
-    from peers.field import run_of
-
-    return run_of(_solver(present, method))
+    return _in_python(present, word) if python else run_of(_solver(present, method))
 
 
 def prepared_many(present: Sequence[bool], method: str) -> Run:
     """The same function called in a loop that numba compiles."""
-    from peers.field import loop_of
-
     return loop_of(_solver(present, method))
 
 

@@ -7,22 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from peers.field import Array, Run, of_pattern
+from peers.field import Array, Run, loop_of, of_pattern, run_of
 
 _MOST_STEPS = 10**8
 
 
 def prepared(present: Sequence[bool], method: str) -> Run:
     """One compiled function around the solver; its limit of 10 000 steps is lifted."""
-    from peers.field import run_of
-
     return run_of(_solver(present, method))
 
 
 def prepared_many(present: Sequence[bool], method: str) -> Run:
     """The same function called in a loop that numba compiles."""
-    from peers.field import loop_of
-
     return loop_of(_solver(present, method))
 
 

@@ -1,4 +1,4 @@
-"""A geometric integrator: Lie–Poisson splitting of the heavy top, composed to order 4, 6 or 8.
+"""A geometric integrator: Lie–Poisson splitting of the heavy top, composed to order 8.
 
 With G = I w and T = Mg r0 the Hamiltonian is a sum of parts whose motions are known:
 
@@ -8,8 +8,8 @@ The first turns gamma about G, which stays; the next two turn G and gamma about 
 the last adds h gamma × T to G.  Axis k is that of the middle moment: a symmetric body has one turn
 less, and its free motion is exact.  Every part keeps the Poisson structure and with it |gamma|² and
 f = G·gamma; h swings about its value.  McLachlan 1993, Touma & Wisdom 1994, Reich 1994.  A step is
-a symmetric composition of leapfrogs: order 4 with five of them, Suzuki 1990; order 6 with nine,
-Kahan & Li 1997; order 8 with fifteen, the weights of Rein & Tamayo's JANUS, 2017.
+a symmetric composition of leapfrogs: order 8 with fifteen, the weights of Rein & Tamayo's JANUS,
+2017.
 
 The step is fixed, at most tol^(1/order) over the larger of |w| at the start and the square root of
 |T| over the least moment.
@@ -26,20 +26,13 @@ import numpy as np
 
 from peers.field import Array, Run, Top
 
-_FIVE = 1 / (4 - 4 ** (1 / 3))
-#: Weights of the leapfrogs of a step by order, up to the middle one.
-WEIGHTS = {
-    4: (_FIVE, _FIVE, 1 - 4 * _FIVE),
-    6: (
-        *(0.39216144400731413928, 0.33259913678935943860, -0.70624617255763935981),
-        *(0.082213596293550800230, 0.79854399093482996340),
-    ),
-    8: (
-        *(0.74167036435061295345, -0.40910082580003159400, 0.19075471029623837995),
-        *(-0.57386247111608226666, 0.29906418130365592384, 0.33462491824529818378),
-        *(0.31529309239676659663, -0.79688793935291635402),
-    ),
-}
+ORDER = 8
+#: Weights of the leapfrogs of a step, up to the middle one.
+WEIGHTS = (
+    *(0.74167036435061295345, -0.40910082580003159400, 0.19075471029623837995),
+    *(-0.57386247111608226666, 0.29906418130365592384, 0.33462491824529818378),
+    *(0.31529309239676659663, -0.79688793935291635402),
+)
 
 
 def prepared(present: Sequence[bool], method: str) -> Run:
@@ -47,14 +40,10 @@ def prepared(present: Sequence[bool], method: str) -> Run:
 
     ``present``: unused, the parts that vanish are left out as the steps are made.
     """
-    order, _, word = method.partition(" ")
-    half = WEIGHTS[int(order)]
-    weights, carry = np.array([*half, *half[-2::-1]]), word == "compensated"
+    weights, carry = np.array([*WEIGHTS, *WEIGHTS[-2::-1]]), method == "8 compensated"
 
     def run(top: Top, start: Array, times: Array, tol: float) -> Array:
-        return along(
-            *(start, times, top.moments, top.torque, weights, tol ** (1 / int(order)), carry)
-        )
+        return along(start, times, top.moments, top.torque, weights, tol ** (1 / ORDER), carry)
 
     return run
 

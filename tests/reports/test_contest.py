@@ -16,6 +16,7 @@ import pytest
 
 import contest
 import kit
+import make
 import polhode
 import programs
 import speed
@@ -297,7 +298,7 @@ def synthetic(factor: float) -> dict:
 def test_what_the_page_counts_follows_from_the_rows(factor):
     results = synthetic(factor)
     words = {2.0: "ahead", 0.5: "behind", 1.0: "even"}
-    standing = speed.tables(results)["standing"]
+    standing = make.tables("speed", results)["standing"]
     own = standing.header.index(words[factor])
     lengths = {(x["starts"], x["end"]): [] for x in results["cells"]}
     for cell in results["cells"]:
@@ -310,12 +311,12 @@ def test_what_the_page_counts_follows_from_the_rows(factor):
         lost = (f"{0.5:.2f} (0.50–0.50)", PEER) if factor == 0.5 else ("–", "–")
         assert row[6:8] == lost
         assert row[8].startswith("1.00 (1.00–")
-    lines = speed.tables(results)["many"].markdown.splitlines()
+    lines = make.tables("speed", results)["many"].markdown.splitlines()
     assert sum("starts=100 " in line for line in lines) == 9
-    assert "starts" not in speed.tables(results)["short"].markdown
+    assert "starts" not in make.tables("speed", results)["short"].markdown
     ratio = f"{factor:.2f}"
     cell = f"**{ratio}** {PEER}" if factor > 1 else f"{ratio} {PEER}"
-    summary = speed.tables(results)["summary"]
+    summary = make.tables("speed", results)["summary"]
     assert [row[0] for row in summary.rows] == [
         *("t = 1", "t = 10", "t = 100"),
         "10000 starts at once, t = 1 and 10",
@@ -354,13 +355,13 @@ def test_polhode_is_not_alone_where_no_other_was_run(state, cell, without):
     rows = [contest.row(cell, {OURS: ours, ENGINE: ours}, {}) for cell in tops.cells("chaotic")]
     results = {**synthetic(1.0), **state, "cells": rows}
     assert {word for row in rows for word in stands(row)} == {"not run"}
-    tables = speed.tables(results)
+    tables = make.tables("speed", results)
     assert {x for row in tables["summary"].rows for x in row[1:]} == {cell}
     assert "not run" in tables["standing"].header
     assert speed.facts(results)["without"].startswith(without)
     lost = {OURS: ours, PEER: {}}  # it was run, and reached nothing
     assert stands(contest.row(Cell("euler", 10, 2), lost, {})) == ["alone"] * 3
-    assert "not run" not in speed.tables(synthetic(1.0))["standing"].header
+    assert "not run" not in make.tables("speed", synthetic(1.0))["standing"].header
 
 
 @pytest.mark.slow
@@ -392,7 +393,7 @@ def a_small_contest_of_many_starts_from_end_to_end():
         assert reached == dict.fromkeys((OURS, RUN, ENGINE), 8)
         seconds = {row["program"]: row["seconds"] for row in level["programs"]}
         assert seconds[ENGINE] < 10 * seconds[OURS]  # a hundred times as many would be a loop
-    assert "t=1 starts=100" in speed.tables(results)["many"].markdown
+    assert "t=1 starts=100" in make.tables("speed", results)["many"].markdown
 
 
 @pytest.mark.slow
@@ -406,4 +407,4 @@ def test_a_small_contest_from_end_to_end():
             reached = {row["program"]: row["reached"] for row in level["programs"]}
             assert reached == dict.fromkeys((OURS, RUN, ENGINE), 8)
             assert level["verdict"]["stands"] == "not run"
-    assert "t=10 outputs=101" in speed.tables(results)["short"].markdown
+    assert "t=10 outputs=101" in make.tables("speed", results)["short"].markdown

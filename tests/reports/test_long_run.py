@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import long_run
+import make
 import polhode
 from kit import Only
 from shared.reports import committed
@@ -64,7 +65,8 @@ def walks(bias: float, kind: str) -> list[dict]:
 
 def pulls_of(tops: list[dict]) -> dict[tuple[str, str], float]:
     """The means in their standard errors, as the page's table has them."""
-    shown = long_run.tables({"tops": tops, "at": {"t": 100, "tops": [], "not_run": {}}})["walks"]
+    results = {"tops": tops, "at": {"t": 100, "tops": [], "not_run": {}}}
+    shown = make.tables("long-run", results)["walks"]
     pull = shown.header.index("mean / its error")
     return {(row[0], row[1]): float(row[pull]) for row in shown.rows}
 
@@ -110,7 +112,7 @@ def test_departures_have_signs():
 @pytest.mark.parametrize("top", long_run.TOPS)
 def test_starts_are_exact_alike_every_time_and_all_different(top):
     scenes, again = (
-        [long_run.RunStart(top, k, (Fraction(1),), ()).scene for k in range(long_run.STARTS)]
+        [long_run.RunStart(top, k, (Fraction(1),)).scene for k in range(long_run.STARTS)]
         for _ in range(2)
     )
     assert [s.start for s in scenes] == [s.start for s in again]
@@ -126,7 +128,7 @@ def test_starts_are_exact_alike_every_time_and_all_different(top):
 
 def test_a_projected_member_beside_what_rounding_its_inputs_leaves():
     """Exact inputs leave nothing; the others an error that the run's own is of the size of."""
-    start = long_run.RunStart("lagrange", 2, (Fraction(100), Fraction(300)), (long_run.PROJECTED,))
+    start = long_run.RunStart("lagrange", 2, (Fraction(100), Fraction(300)))
     member = long_run.follow(start)
     assert all(1e-17 < x < 1e-13 for x in member.inputs)
     every = polhode.integrate(start.scene, "double").projection.every
@@ -141,7 +143,7 @@ def test_a_projected_member_beside_what_rounding_its_inputs_leaves():
 @pytest.mark.slow
 def test_a_small_study(monkeypatch):
     monkeypatch.setattr(long_run, "TOPS", {"euler": long_run.TOPS["euler"]})
-    (top,) = json.loads(json.dumps([*long_run.ensembles((1, 2), 3, print, Only(), workers=1)]))
+    (top,) = json.loads(json.dumps([*long_run.ensembles((1, 2), 3, print, Only(), alone=True)]))
     assert top["times"] == [10, 32, 100]
     assert top["starts"] == 3
     assert top["reference_error"] < 1e-20

@@ -19,10 +19,11 @@ import pytest
 
 import accuracy
 import events
+import kit
 import make
 import polhode
 import stability
-from kit import TYPES, Column, JsonObject, Only, PageTable, filled, table, yes
+from kit import TYPES, Column, JsonObject, Only, filled, table, tables
 from polhode.judging.limits import selected
 from shared.reports import COMMITTED, committed
 from shared.tiers import tiers
@@ -31,44 +32,61 @@ CASES = polhode.cases().column("scene")
 
 # -- tables ----------------------------------------------------------------------------------------
 
-ROW = {"name": "a", "digits": 12.34, "seconds": {"run": 0.5}, "found": [1, 2], "gap": None}
+ROW = {"name": "a", "digits": 12.34, "seconds": {"run": 0.5}, "found": [1, 2]}
+ROW |= {"gap": None, "right": False}
 
 
 @pytest.mark.parametrize(
     ("value", "form", "cell", "side"),
     [
-        ("name", "", "a", "l"),
-        ("name", "code", "`a`", "l"),
-        ("digits", ".1f", "12.3", "r"),
-        ("seconds.run", ".2g", "0.5", "r"),
-        ("found.1", "d", "2", "r"),
-        ("gap", ".1f", "–", "r"),
-        ("gap.deeper", "", "–", "l"),
-        ("name", ".1f", "a", "r"),  # such as how a run ended, in place of its digits
-        (lambda row: 2 * row["digits"], ".2f", "24.68", "r"),
-        (yes("gap", "NO"), "", "NO", "l"),
-        (yes("not there"), "", "–", "l"),
+        ("name", "", "a", "---"),
+        ("name", "code", "`a`", "---"),
+        ("digits", ".1f", "12.3", "--:"),
+        ("seconds.run", ".2g", "0.5", "--:"),
+        ("found.1", "d", "2", "--:"),
+        ("gap", ".1f", "–", "--:"),
+        ("gap.deeper", "", "–", "---"),
+        ("name", ".1f", "a", "--:"),  # such as how a run ended, in place of its digits
+        ("right", "", "no", "---"),
+        ("not there", "", "–", "---"),
     ],
 )
 def test_a_cell_is_a_value_of_the_row_in_the_form_of_its_column(value, form, cell, side):
-    column = Column("header", value, form)
+    column = Column.of_line(f"header | {value} | {form}")
     assert (column.cell(ROW), column.side) == (cell, side)
 
 
 def test_a_table_is_rows_of_columns_with_what_they_hold_and_how_to_make_them_again():
-    columns = Column("a|b", "name", "code"), Column("p", "digits", ".1f", "so *much*")
-    page_table = table([ROW, {"name": "b"}], columns, "x {0} '{1}'")
-    assert page_table.command(page_table.rows[1]) == "x b '–'"
+    lines = "a | name | code\np | digits | .1f | so\n  *much*, |p|\n"
+    page_table = table([ROW, {"name": "b|c"}], lines, "x {0} '{1}'")
+    assert page_table.command(page_table.rows[1]) == "x b|c '–'"
     assert page_table.markdown == (
-        "| a\\|b | p |\n|---|--:|\n| `a` | 12.3 |\n| `b` | – |\n\n"
-        "Columns: *p*: so *much*.\nTo make rows again, here the first: `x a '12.3'`."
+        "| a | p |\n|---|--:|\n| `a` | 12.3 |\n| `b\\|c` | – |\n\n"
+        "Columns: *p*: so *much*, |p|.\nTo make rows again, here the first: `x a '12.3'`."
     )
-    assert table([], columns).markdown == ""
+    assert table([], lines).markdown == ""
+
+
+def test_a_path_that_ends_in_a_star_is_a_column_for_each_key():
+    rows = {"at": {"1": 1, "0.5": 2}}, {"at": {"2": None, "1": 3}}, {}
+    page_table = table(rows, "t = * | at.* | d | count\n* | none.* | d\n")
+    assert page_table.header == ("t = 1", "t = 0.5", "t = 2")
+    assert page_table.rows == (("1", "2", "–"), ("3", "–", "–"), ("–", "–", "–"))
+
+
+def test_a_block_of_a_template_is_a_table_and_one_without_lines_has_the_columns_of_the_last():
+    template = "a\n\n```table x: --only {0}\np | p | d\ncase\n```\n\n{n}\n\n```table y\n```\n"
+    own = tables(template, {"x": [{"p": 1, "case": "c"}], "y": [{"p": 2}]}, "make x")
+    assert own["x"].markdown.splitlines()[2] == "| 1 | c |"
+    assert own["x"].markdown.endswith("first: `make x --only 1`.")
+    assert "which `polhode show CASE` prints" in own["y"].markdown
+    assert "To make" not in own["y"].markdown
+    assert filled(template, own, {"n": 3}).startswith("a\n\n| p | case |\n")
 
 
 def test_a_part_without_rows_is_left_out_under_its_heading():
     template = "# A\n\n{n} of it\n\n## B\n\nwords\n\n{b}\n\n{c}\n\n### C\n\nmore {n}\n\n{c}\n"
-    whole = PageTable(("x",), (("1",),), "l")
+    whole = table([{"x": 1}], "x | x")
     none = whole._replace(rows=())
     text = filled(template, {"b": whole, "c": none}, {"n": 2})
     assert text == "# A\n\n2 of it\n\n## B\n\nwords\n\n| x |\n|---|\n| 1 |\n"
@@ -118,14 +136,14 @@ def test_stale_files_are_made_again_and_named(tmp_path):
 @pytest.mark.parametrize("name", make.STUDIES)
 def test_every_table_and_every_fact_stands_on_the_page_once_and_is_explained(name):
     results, study = committed(name), make.module(name)
-    tables, facts = study.tables(results), study.facts(results)
-    template = (make.HERE / "templates" / f"{name}.md").read_text(encoding="utf-8")
-    named = [field for _, field, _, _ in Formatter().parse(template) if field is not None]
-    assert not {*tables} & {*facts}
-    assert sorted(field for field in named if field in tables) == sorted(tables)
-    assert {field.partition("[")[0] for field in named} == {*tables, *facts, "question", "origin"}
-    assert any(meaning for x in tables.values() for meaning in x.meanings)
-    for x in tables.values():  # two columns of one name tell a reader nothing
+    own, facts = make.tables(name, results), study.facts(results)
+    assert {*own} == {*study.tables(results)}
+    text = kit.TABLE.sub("", make.template(name))
+    named = [field for _, field, _, _ in Formatter().parse(text) if field is not None]
+    assert not {*own} & {*facts}
+    assert {field.partition("[")[0] for field in named} == {*facts, "question", "origin"}
+    assert any(column.meaning for x in own.values() for column in x.columns)
+    for x in own.values():  # two columns of one name tell a reader nothing
         assert len({*x.header}) == len(x.header)
 
 
@@ -154,9 +172,9 @@ def finds(command: str, name: str, rows: list[tuple[str, ...]]) -> bool:
 def test_every_row_has_a_command_that_finds_it(name):
     listed, results = Listed(("nothing",)), committed(name)
     make.module(name).rows(False, print, listed)  # nothing is run
-    tables = make.module(name).tables(results)
-    assert all(x.again or place in ("summary", "standing", "faults") for place, x in tables.items())
-    commands = [x.command(row) for x in tables.values() if x.again for row in x.rows]
+    own = make.tables(name, results)
+    assert all(x.again or place in ("summary", "standing", "faults") for place, x in own.items())
+    commands = [x.command(row) for x in own.values() if x.again for row in x.rows]
     text = make.page(results).partition("## Provenance")[0]
     commands += re.findall(r"`(python reports/make.py [^`]+)`", text)
     assert commands

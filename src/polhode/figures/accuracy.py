@@ -88,10 +88,10 @@ def body(plt: Any, of: Body) -> Any:
     return figure
 
 
-def drawn(draw: Callable[[Any], Any], title: str) -> str:
-    """The SVG text of a figure; ``draw(pyplot)`` makes it."""
+def drawn(title: str, draw: Callable[..., Any], *subject: Any) -> str:
+    """The SVG text of a figure of a subject; ``draw``: one of the functions above."""
     with canvas.paper() as plt:
-        figure = draw(plt)
+        figure = draw(plt, *subject)
         figure.patch.set_visible(False)
         svg = canvas.as_svg(figure, title)
     svg = svg[svg.index("<svg") :].replace("#000000", "currentColor")

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from functools import partial
-from io import BytesIO, StringIO
+from io import StringIO
 from itertools import cycle, groupby, islice
 from pathlib import Path
 from types import ModuleType
@@ -281,24 +281,6 @@ def power_of_ten(exponent: float) -> str:
 
 #: What a figure can be written as, by the ending of its file's name.
 SUFFIXES = (".svg", ".png", ".pdf")
-
-
-def drawn(draw: Callable[[Any, Any], Any], subject: object, suffix: str, title: str) -> bytes:
-    """The bytes of a printed figure: ``draw(pyplot, what)`` makes it; it depends on nothing else.
-
-    ``suffix``: one of SUFFIXES.
-    """
-    with paper() as plt:
-        figure = draw(plt, subject)
-        if suffix == ".svg":
-            return as_svg(figure, title).encode()
-        out = BytesIO()
-        metadata = {"Title": printable(title)} | (
-            {"CreationDate": None} if suffix == ".pdf" else {}
-        )
-        figure.savefig(out, format=suffix[1:], dpi=300, metadata=metadata)
-        plt.close(figure)
-        return out.getvalue()
 
 
 # --- residue axis ---------------------------------------------------------------------------------

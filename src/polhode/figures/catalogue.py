@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from functools import partial
 from importlib import import_module
+from io import BytesIO
 from typing import Any
 
 import numpy as np
 
-from polhode.common.errors import BadInput, nearest
+from polhode.common.errors import BadInput, nearest, printable
 from polhode.figures import canvas
 from polhode.figures.samples import Samples
 from polhode.results.result import Storable
@@ -114,10 +114,20 @@ def draw(
 def drawn(
     subject: Storable | Samples, suffix: str, of: str, what: str | None = None, **options: Any
 ) -> bytes:
-    """The bytes of a figure as printed, by the ending of its file; ``of``: whose it is."""
+    """The bytes of a figure as printed, by the ending of its file; they depend on nothing else.
+
+    ``suffix``: one of canvas.SUFFIXES.  ``of``: whose it is.
+    """
     what = chosen(kind_of(subject), what)
-    title = f"polhode: {what} of {of}"
-    return canvas.drawn(partial(draw, what=what, **options), subject, suffix, title)
+    title = printable(f"polhode: {what} of {of}")
+    with canvas.paper() as plt:
+        figure = draw(plt, subject, what=what, **options)
+        if suffix == ".svg":
+            return canvas.as_svg(figure, title).encode()
+        metadata = {"Title": title} | ({"CreationDate": None} if suffix == ".pdf" else {})
+        figure.savefig(out := BytesIO(), format=suffix[1:], dpi=300, metadata=metadata)
+        plt.close(figure)
+        return out.getvalue()
 
 
 def own_panels(figure: Any) -> list[Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -32,9 +32,6 @@ if TYPE_CHECKING:
 # Figure of a proof of chaos: manifolds on a section, and the first sets with their image.
 
 
-#: Two numbers of many points.
-Points: TypeAlias = tuple[Doubles, Doubles]
-
 SETS = "#222222"
 
 
@@ -45,50 +42,32 @@ def chaos(plt: ModuleType, proof: Storable, axes: Any = None) -> Figure:
         raise BadInput("plot", "what_of", repr(proof), expected)
     figure: Figure
     figure, ((left, right),) = canvas.panels(plt, axes, 1, 2, figsize=(9.2, 4.2))
-    draw_crossings(left, crossings(proof))
-    left.legend(fontsize=7, markerscale=1.5, loc="best")
-    left.set_title("maxima of the height of the centre of mass", size=9)
-    _sets(right, proof)
+    _draw_crossings(left, proof)
+    _draw_sets(right, proof)
     return figure
 
 
-class SectionCrossings(NamedTuple):
-    """Azimuth and cosine of points on the section: of the manifolds, of the sets' centres."""
-
-    unstable: Points
-    stable: Points
-    sets: Points
-
-
-def crossings(proof: ProvedChaos) -> SectionCrossings:
-    """Where the proof's guess of both manifolds crosses the section, and the sets of the proof."""
+def _draw_crossings(axes: Axes, proof: ProvedChaos) -> None:
+    """Where the guess of both manifolds crosses the section, and the centres of the sets."""
     surface, saddle, charts, sets, _ = proof.guess
     out, into, _ = homoclinic.manifolds(surface, saddle)
     on = LevelBody(proof.scene, proof.h, proof.f)
-    centres = [charts[x.chart].centre + charts[x.chart].wide[:, 0] * x.middle for x in sets]
-    return SectionCrossings(
-        height_coordinates(on, out.state.T),
-        height_coordinates(on, into.state.T),
-        height_coordinates(on, np.array(centres)),
-    )
-
-
-def draw_crossings(axes: Axes, points: SectionCrossings) -> None:
-    """The section with both manifolds and the sets."""
-    into, out = canvas.series(2)
-    for name, colour, where in (
-        ("unstable", out, points.unstable),
-        ("stable", into, points.stable),
-    ):
+    stable, unstable = canvas.series(2)
+    for name, colour, manifold in (("unstable", unstable, out), ("stable", stable, into)):
         gid = f"{name} manifold"
         look: dict[str, Any] = {"ms": 1.4, "mew": 0, "color": colour, "rasterized": True}
+        where = height_coordinates(on, manifold.state.T)
         axes.plot(*where, ".", label=gid, gid=gid, **look)
-    axes.plot(*points.sets, "+", ms=5, color=SETS, label="sets, each in its own plane", gid="sets")
+    centres = [charts[x.chart].centre + charts[x.chart].wide[:, 0] * x.middle for x in sets]
+    where = height_coordinates(on, np.array(centres))
+    axes.plot(*where, "+", ms=5, color=SETS, label="sets, each in its own plane", gid="sets")
     canvas.label(axes, height=True)
     axes.set(xlim=(-0.1, 2 * np.pi + 0.1), ylim=(-1.1, 1.1))  # marks at the edges whole
+    axes.legend(fontsize=7, markerscale=1.5, loc="best")
+    axes.set_title("maxima of the height of the centre of mass", size=9)
 
 
-def _sets(axes: Axes, proof: ProvedChaos) -> None:
+def _draw_sets(axes: Axes, proof: ProvedChaos) -> None:
     home, first = proof.guess.sets[:2]
     for name, rectangle in (("N0", home), ("M1", first)):
         low, high = rectangle.middle - rectangle.width, rectangle.middle + rectangle.width

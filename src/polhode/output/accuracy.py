@@ -144,20 +144,20 @@ class AccuracyLine(NamedTuple):
         The last two of a table as measured, of a run as expected; beyond the end by the exponent of
         a motion on which nearby ones separate exponentially.  None: not by the end.
         """
-        if self.judgement is None or self.fewest is None:
-            return ("", *(None,) * 3, *self._reach(motion))
         judged = self.judgement
+        if judged is None or self.fewest is None:
+            return ("", *(None,) * 3, *self._reach(motion))
         digits = judged.worst, to_double(judged.worst_time), self.digits[-1]
         return (judged.limit, *digits, *self._reach(motion))
 
     def _reach(self, motion: Lyapunov) -> Row:
         if self.run is None:
-            most = 0.0 if self.judgement is None else self.judgement.subject.held
-            times = () if self.judgement is None else self.judgement.times
-            rows = [*zip(times, self.digits, strict=True)]
+            if self.judgement is None:
+                return None, None
+            rows = [*zip(self.judgement.times, self.digits, strict=True)]
             return tuple(
                 next((to_double(t) for t, d in rows if d is not None and d < least), None)
-                for least in (most / 2, 1.0)
+                for least in (self.judgement.subject.held / 2, 1.0)
             )
         expected, end = self.run.expected, to_double(self.run.scene.end)
         after, rate = [expected.halved_after, expected.lost_after], motion.exponent / math.log(10)
@@ -181,11 +181,6 @@ class SceneSection:
     verdict: str
     rows: Mapping[str, Sequence[Row]]
     words: Mapping[str, Sequence[str]]
-
-    @property
-    def files(self) -> Sequence[tuple[str, str]]:
-        """The name of each file, and what is said of it."""
-        return [(row[0], row[-1]) for row in self.rows["files"]]
 
 
 def section(
@@ -225,7 +220,7 @@ def section(
         "runs": [_run_row(line, motion) for line in lines],
         "files": [_file_row(line, motion, request.digits) for line in files],
         "orders": [row for _, row in orders if row],
-        "drift": [*_drift_rows(scene, every, request)],
+        "drift": [*_drift_rows(scene, every)],
         "events": [row for line in lines for row in _event_rows(line)],
         "work": [*_work_rows(scene, lines, files, request)],
     }
@@ -254,7 +249,6 @@ def _judged(
     while any(part.times):
         try:
             judgement = compare(part, **request.limits(run.scene), details=True)
-            _ = judgement.worst
         except (ProofTooLong, TooManySteps) as fault:
             why = NO_PROOF
             seconds = fault.value if isinstance(fault.value, float) else 0.0
@@ -305,12 +299,11 @@ def _digit_rows(line: AccuracyLine) -> Iterator[Row]:
             yield (line.name, to_double(t), d, *edges)
 
 
-def _drift_rows(
-    scene: Scene, lines: Sequence[AccuracyLine], request: ReportRequest
-) -> Iterator[Row]:
-    """Of runs and files; first of a run that is not projected, which shows how integrals drift."""
-    with suppress(BadInput):
-        run = _run(scene, {"number": request.number or "double", "project": False})
+def _drift_rows(scene: Scene, lines: Sequence[AccuracyLine]) -> Iterator[Row]:
+    """Of runs and files; where the first run was projected of one that is not, too."""
+    first = lines[0].run
+    if first is not None and first.projection is not None:
+        run = _run(scene, {"number": first.number, "project": False})
         if run.times:
             yield (f"{run.number.name}, not projected", *run.drift)
     for line in lines:
@@ -370,10 +363,11 @@ def _work_rows(
 
 def _costed(scene: Scene, against: Reference, number: str, tolerance: str | None) -> Row:
     """The digits at the scene's end of a prepared run, and the least seconds of several calls."""
-    call: Callable[[], Any] = partial(_last_state, scene, number)
-    if number in TOLERANCES:
-        go = propagator(scene, number=number, tol=tolerance)
-        call = partial(go, t=to_double(scene.end))
+    call: Callable[[], Any] = (
+        partial(propagator(scene, number=number, tol=tolerance), t=to_double(scene.end))
+        if number in TOLERANCES
+        else lambda: _run(scene, {"number": number}).states[-1]
+    )
     row, seconds = call(), list[float]()
     while len(seconds) < REPEATS and sum(seconds) < PATIENCE:
         began = time.process_time()
@@ -381,10 +375,6 @@ def _costed(scene: Scene, against: Reference, number: str, tolerance: str | None
         seconds.append(time.process_time() - began)
     score, _ = scored([row], against, JudgingOptions(number, at=[scene.end], as_it_stands=True))
     return (number, float(tolerance or named(number).eps), score.worst, min(seconds))
-
-
-def _last_state(scene: Scene, number: str) -> Any:
-    return _run(scene, {"number": number}).states[-1]
 
 
 # --- words beside them ----------------------------------------------------------------------------

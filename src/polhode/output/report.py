@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -67,7 +66,7 @@ class Report(Result, ByValue):
         return f"<Report: {counted(len(self.sections), 'scene')}>"
 
     def __str__(self) -> str:
-        files = (f"{name}: {text}" for section in self.sections for name, text in section.files)
+        files = (f"{row[0]}: {row[-1]}" for x in self.sections for row in x.rows["files"])
         return "\n".join([*aligned(*shown(self.table())), *files])
 
     @cached_property
@@ -184,15 +183,8 @@ def report(
         files.append([accuracy.of_table(x, scene, request) for x in tables_given])
     if forecast is not None:
         forecast(_foretold(groups))
-    sections = []
-    for k, ((scene, _), lines) in enumerate(zip(groups, files, strict=True), 1):
-        tell = partial(_tell, say, f"{k} of {len(groups)}: ")
-        sections.append(accuracy.section(scene, lines, request, tell))
-    return Report(tuple(sections))
-
-
-def _tell(say: Message, place: str, text: str) -> None:
-    say(place + text)
+    pairs = zip(groups, files, strict=True)
+    return Report(tuple(accuracy.section(scene, x, request, say) for (scene, _), x in pairs))
 
 
 def _grouped(sources: Sequence[Any]) -> list[tuple[Scene, list[Given]]]:

@@ -6,7 +6,6 @@ import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from functools import partial
 from html import escape
 from importlib import resources
 from itertools import groupby
@@ -120,13 +119,17 @@ def shown(table: Table) -> tuple[list[str], list[list[str]]]:
 
 
 class ReportPage:
-    """A page as Markdown and as HTML, block by block; pictures are those that were drawn."""
+    """A page as Markdown and as HTML, block by block; ``draws``: whether it can have pictures."""
 
-    def __init__(self, path: Path, svgs: Mapping[str, str]) -> None:
-        self.path, self.svgs = path, svgs
-        self.folder = path.with_name(f"{path.stem}-figures")
+    def __init__(self, path: Path) -> None:
+        self.path, self.folder = path, path.with_name(f"{path.stem}-figures")
         self.markdown: list[str] = []
         self.html: list[str] = []
+        self.svgs: dict[str, str] = {}
+        self.draws = False
+        with suppress(BadInput):
+            canvas.require()
+            self.draws = True
 
     def heading(self, level: int, text: str, anchor: str = "") -> None:
         """A heading; ``anchor``: its name for links."""
@@ -145,13 +148,13 @@ class ReportPage:
             emphasised = re.sub(r"^\*(.+?)\*:", r"<b>\1</b>:", _escaped(text))
             self.html.append(f"<p>{emphasised}</p>")
 
-    def picture(self, name: str, text: str) -> None:
-        """A figure by the name of its file."""
-        if name in self.svgs:
-            word = name.partition("-")[2].removesuffix(".svg")
+    def picture(self, name: str, scene: str, text: str, draw: Callable[..., Any], *of: Any) -> None:
+        """A figure of a scene, where there can be any; ``name``: of its file."""
+        if self.draws:
+            self.svgs[f"{name}.svg"] = svg = accuracy.drawn(f"{scene}: {text}", draw, *of)
             caption = f"<figcaption>{_escaped(text)}</figcaption>"
-            self.markdown.append(f"![{text}]({self.folder.name}/{name})")
-            self.html.append(f'<figure class="{word}">{self.svgs[name]}{caption}</figure>')
+            self.markdown.append(f"![{text}]({self.folder.name}/{name}.svg)")
+            self.html.append(f'<figure class="{name.partition("-")[2]}">{svg}{caption}</figure>')
 
     def grid(self, header: Sequence[str], rows: Sequence[Sequence[str]], links: str = "") -> None:
         """A table; ``links``: where the first cells lead to, before the number of the row."""
@@ -191,29 +194,33 @@ def write(texts: Mapping[Path, str | bytes]) -> None:
 
 def page(path: Path, sections: Sequence[SceneSection]) -> Mapping[Path, str | bytes]:
     """The files of a page: a row for each scene, then a section each."""
-    to = ReportPage(path, _figures(sections))
+    to = ReportPage(path)
     to.heading(1, TITLE)
     header, lines = shown(tables(sections)["overview"])
     to.grid([name.replace("_", " ") for name in header], lines, links="scene-")
     to.words(PARTS["overview"].meaning)
-    if not to.svgs:
-        to.words(
-            "The figures need matplotlib, which is not installed: pip install 'polhode[figures]'."
-        )
+    if not to.draws:
+        to.words(_NO_FIGURES)
     for k, section in enumerate(sections, 1):
-        scene = section.scene
+        scene, rows_of = section.scene, section.rows
         title = f"{scene.name}: {one_line(scene.title)}" if scene.title else scene.name
         to.heading(2, title, f"scene-{k}")
+        pictures: Mapping[str, tuple[Any, ...]] = {
+            "description": (accuracy.body, scene.body),
+            "digits": (accuracy.digits, scene, rows_of["digits"]),
+            "work": (accuracy.work, rows_of["work"]),
+        }
         for name, part in [*PARTS.items()][1:]:
-            words, rows = section.words.get(name, ()), section.rows[name]
+            words, rows = section.words.get(name, ()), rows_of[name]
             if not words and not rows:
                 continue
             if part.title:
                 to.heading(3, part.title)
             for text in (part.meaning, *words):
                 to.words(text)
-            to.picture(f"{k}-{name}.svg", part.picture)
             if rows:
+                if name in pictures:
+                    to.picture(f"{k}-{name}", scene.name, part.picture, *pictures[name])
                 to.grid(*(_side_by_side(rows) if name == "digits" else _thinned(name, rows)))
         to.heading(3, "Scene")
         to.words(f"Fingerprint {scene.provenance()['case']}.")
@@ -222,26 +229,6 @@ def page(path: Path, sections: Sequence[SceneSection]) -> Mapping[Path, str | by
     to.heading(2, "Provenance")
     to.words(f"{packages}; {cpu()}. Seconds are processor seconds on this machine.")
     return to.files()
-
-
-def _figures(sections: Sequence[SceneSection]) -> Mapping[str, str]:
-    """All figures as SVG by the names of their files; none where matplotlib is not installed."""
-    drawn: dict[str, str] = {}
-    with suppress(BadInput):
-        canvas.require()
-        for k, section in enumerate(sections, 1):
-            draws: Mapping[str, Callable[[Any], Any]] = {
-                "description": partial(accuracy.body, of=section.scene.body),
-                "digits": partial(
-                    accuracy.digits, scene=section.scene, rows=section.rows["digits"]
-                ),
-                "work": partial(accuracy.work, rows=section.rows["work"]),
-            }
-            for name, draw in draws.items():
-                if section.rows[name]:
-                    title = f"{section.scene.name}: {PARTS[name].picture}"
-                    drawn[f"{k}-{name}.svg"] = accuracy.drawn(draw, title)
-    return drawn
 
 
 def _thinned(name: str, rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
@@ -258,8 +245,9 @@ def _side_by_side(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
     names = [*dict.fromkeys(row[0] for row in rows)]
     texts = {(row[0], f"{row[1]:.12g}"): _with_band(*row[2:]) for row in rows}
     counts = Counter(time for _, time in texts)
+    times = sorted(counts, key=lambda t: abs(float(t)))
     shared = max(counts.values())  # where files have other times than the scene
-    times = sorted((t for t, n in counts.items() if n == shared), key=lambda t: abs(float(t)))
+    times = [t for t in times if counts[t] == shared or t == times[-1]]
     lines = ([t, *(texts.get((name, t), "") for name in names)] for t in times)
     every = [*lines]
     return ["t", *names], [every[k] for k in few(len(every), ROWS)]
@@ -277,33 +265,23 @@ def of_tests(path: Path, rows: Sequence[JsonObject]) -> Mapping[Path, str | byte
     ``rows``: of each judgement the test and whether it passed, the scene, the times, the digits,
     and what they mean.
     """
-    scenes, svgs = [*dict.fromkeys(row["scene"] for row in rows)], dict[str, str]()
-    with suppress(BadInput):  # without matplotlib there are no figures
-        canvas.require()
-        for k, scene in enumerate(scenes, 1):
-            own = [x for x in rows if x["scene"] == scene]
-            curves = [
-                (x["test"].rpartition("::")[2], t, d, None, None)
-                for x in own
-                for t, d in zip(x["t"], x["digits"], strict=True)
-            ]
-            draw = partial(accuracy.digits, scene=None, rows=curves)
-            svgs[f"{k}-digits.svg"] = accuracy.drawn(draw, f"{scene}: correct digits over time")
-    to = ReportPage(path, svgs)
+    to = ReportPage(path)
     to.heading(1, TITLE)
-    header = ["test", "verdict", "digits", "scene", "what they mean"]
     words = {True: "passed", False: "failed"}
-    to.grid(
-        header,
-        [
-            (x["test"], words[x["passed"]], f"{x['worst']:.2f}", x["scene"], x["verdict"])
+    lines = [
+        (x["test"], words[x["passed"]], f"{x['worst']:.2f}", x["scene"], x["verdict"]) for x in rows
+    ]
+    to.grid(["test", "verdict", "digits", "scene", "what they mean"], lines)
+    for k, scene in enumerate(dict.fromkeys(x["scene"] for x in rows) if to.draws else (), 1):
+        curves = [
+            (x["test"].rpartition("::")[2], t, d, None, None)
             for x in rows
-        ],
-    )
-    for k, scene in enumerate(scenes, 1):
-        if svgs:
-            to.heading(2, scene)
-            to.picture(f"{k}-digits.svg", "correct digits over time")
+            if x["scene"] == scene
+            for t, d in zip(x["t"], x["digits"], strict=True)
+        ]
+        to.heading(2, scene)
+        text = "correct digits over time"
+        to.picture(f"{k}-digits", scene, text, accuracy.digits, None, curves)
     return to.files()
 
 
