@@ -21,7 +21,7 @@ from polhode.common.values import ByValue, cached_property
 from polhode.equations.forms import principal
 from polhode.motion.frame import Frame
 from polhode.numbers import exact
-from polhode.numbers.conversion import to_double
+from polhode.numbers.conversion import AREA, ENERGY, reader, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import (
