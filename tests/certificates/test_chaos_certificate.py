@@ -13,8 +13,7 @@ import pytest
 from flint import arb, arb_mat, ctx
 
 from polhode.certificates import verify
-from shared.mutation import altered, answer
-from shared.tiers import tiers
+from shared.tools import altered, answer, tiers
 
 Held = dict[str, Any]
 FILE = Path(__file__).parents[2] / "cases" / "certificates" / "chaos.json"

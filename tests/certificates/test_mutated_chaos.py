@@ -22,7 +22,7 @@ import pytest
 from flint import arb, arb_mat, ctx
 
 from polhode.certificates import verify
-from shared.mutation import answer, leaves
+from shared.tools import answer, leaves
 
 FILE = Path(__file__).parents[2] / "cases" / "certificates" / "chaos.json"
 #: By kind: the parts of the file that are changed.

@@ -16,10 +16,8 @@ from polhode.certificates.certificate_file import by_checker
 from polhode.dynamics.level_body import LevelBody
 from polhode.proofs import orbit_certificate
 from polhode.proofs.orbit_certificate import Box
-from shared import chaos_chains as chains
-from shared import orbit_proofs as proofs
-from shared.mutation import altered
-from shared.tiers import tiers
+from shared import proofs as chains
+from shared.tools import altered, tiers
 
 BODY = {"moments": [2, "3/2", 1], "centre": ["3/10", "1/5", "1/2"], "weight": 1}
 LEVEL = {"h": "261/200", "f": "31/25"}
@@ -210,7 +208,7 @@ def kind_of(zero):
 @pytest.mark.slow
 def test_the_box_and_not_its_centre_is_followed_to_a_part_of_the_period():
     """The centre is off by a part of the box, along the direction that grows."""
-    orbit, radius = proofs.proved(proofs.HYPERBOLIC), Fraction(1, 10**22)
+    orbit, radius = chains.proved(chains.HYPERBOLIC), Fraction(1, 10**22)
     grown = map(Fraction, chains.guess()[1].saddle.unstable.tolist())
     balls = zip((*orbit.omega, *orbit.gamma), grown, strict=True)
     start = [x.centre + Fraction(3, 10) * radius * y for x, y in balls]

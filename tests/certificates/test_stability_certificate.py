@@ -13,9 +13,8 @@ from flint import acb, arb
 import polhode
 from polhode.certificates import verify
 from polhode.numbers.flint_context import ctx
-from shared.mutation import altered, answer, leaves
-from shared.stable_orbits import certificate, stability
-from shared.tiers import tiers
+from shared.proofs import certificate, stability
+from shared.tools import altered, answer, leaves, tiers
 
 STORED = Path(__file__).parents[2] / "cases" / "certificates"
 

@@ -15,7 +15,7 @@ import accuracy
 import polhode
 from polhode import BadInput
 from polhode.certificates import certificate_file, verify
-from shared.tiers import tiers
+from shared.tools import tiers
 
 SHIPPED = sorted((Path(__file__).parents[2] / "cases" / "certificates").glob("*.json"))
 #: The scene of each.

@@ -23,8 +23,7 @@ from polhode import BadInput
 from polhode.certificates import verify
 from polhode.certificates.state_certificate import MAKING
 from polhode.cli import main
-from shared.mutation import altered, answer
-from shared.tiers import of_table, tiers
+from shared.tools import altered, answer, of_table, tiers
 
 REGULAR = "general/asymmetric-regular"
 NAMES = {"balls": verify.NAMES, "attitude": verify.TURN}

@@ -17,7 +17,7 @@ from polhode.closed_forms.families import FAMILIES
 from polhode.equations.forms import principal
 from polhode.scenes import library
 from shared.members import motion_table
-from shared.tiers import tiers
+from shared.tools import tiers
 
 #: Kinds of motion without a case.
 BARE = {

@@ -16,7 +16,7 @@ from polhode.closed_forms.balls import clocks
 from polhode.closed_forms.balls.clocks import Factors, Linear, Oscillating, circle, unit
 from polhode.closed_forms.balls.core import TooFewBits, ball
 from polhode.numbers.flint_context import ctx
-from shared.tiers import tiers
+from shared.tools import tiers
 
 F = Fraction
 RULES = {"circle": circle, "unit": unit}

@@ -12,10 +12,12 @@ import polhode
 from polhode.closed_forms import hess
 from polhode.numbers.flint_context import ctx
 from shared import members
-from shared.ball_checks import (
+from shared.closed_forms import (
+    gap,
     motion_of_family,
+    number,
+    scene_of,
 )
-from shared.closed_form_motions import gap, number, scene_of
 from shared.values import exactly
 
 F = Fraction

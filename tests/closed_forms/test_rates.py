@@ -12,8 +12,8 @@ import pytest
 from mpmath import mpf
 
 import polhode
-from shared.closed_form_motions import all_motions, gap, growth, number
-from shared.tiers import tiers
+from shared.closed_forms import all_motions, gap, growth, number
+from shared.tools import tiers
 from shared.values import exactly
 
 F = Fraction

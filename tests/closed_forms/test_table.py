@@ -18,7 +18,7 @@ from mpmath import mpc, mpf
 
 import polhode
 from polhode.numbers import exact
-from shared.closed_form_motions import (
+from shared.closed_forms import (
     IDENTITY,
     Motion,
     all_motions,
@@ -34,7 +34,7 @@ from shared.closed_form_motions import (
     vertical_of,
 )
 from shared.members import motion_table, rotation
-from shared.tiers import tiers
+from shared.tools import tiers
 from shared.values import exactly
 
 F = Fraction

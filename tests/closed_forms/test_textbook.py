@@ -12,7 +12,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from shared.tiers import tiers
+from shared.tools import tiers
 
 KOVALEVSKAYA = "gamma-along-r0", "irrational-centre", "type-e-ee", "type-e-minus", "type-eee-inside"
 

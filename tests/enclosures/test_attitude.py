@@ -29,8 +29,8 @@ from polhode.enclosures.quaternion import TurnBounds, Turned
 from polhode.enclosures.result import Part
 from polhode.enclosures.taylor_polynomials import Pieces
 from polhode.numbers import vectors
-from shared import enclosure_trials as trials
-from shared.tiers import of_table, tiers
+from shared import enclosures as trials
+from shared.tools import of_table, tiers
 from shared.values import exactly
 
 OUTPUTS = ("angles", "attitude")

@@ -17,9 +17,9 @@ from polhode import Body, Event, Scene, certify_events
 from polhode.enclosures import fixed_point_problem, task, zeros, zonotope
 from polhode.enclosures.polynomial import constant, rate, variable
 from polhode.numbers.conversion import exact_number
-from shared import enclosure_trials as trials
+from shared import enclosures as trials
 from shared.motions import asymmetric
-from shared.tiers import tiers
+from shared.tools import tiers
 from shared.values import exactly
 
 

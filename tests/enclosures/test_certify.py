@@ -17,9 +17,9 @@ from polhode.enclosures.fixed_point_problem import Refused
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import guaranteed
 from polhode.numbers.exact import Irrational
-from shared import enclosure_trials as trials
+from shared import enclosures as trials
 from shared.motions import ASYMMETRIC, asymmetric
-from shared.tiers import of_table
+from shared.tools import of_table
 from shared.values import exactly
 
 

@@ -17,8 +17,8 @@ from flint import arb, fmpq, fmpz_poly
 from polhode import Body, Scene
 from polhode.enclosures import fixed_point_problem, integral_contraction, step_bound, task, zonotope
 from polhode.enclosures.polynomial import BallPolynomial
-from shared import enclosure_terms as terms
-from shared.tiers import tiers
+from shared import enclosures as terms
+from shared.tools import tiers
 
 # -- roundings ----------------------------------------------------------------------------------
 

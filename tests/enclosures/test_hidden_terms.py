@@ -23,9 +23,9 @@ from polhode.enclosures import (
 )
 from polhode.enclosures.fixed_point_problem import CLOCK, Refused
 from shared import enclosure_checker as checker
-from shared import enclosure_trials as trials
+from shared import enclosures as trials
 from shared.motions import asymmetric
-from shared.tiers import tiers
+from shared.tools import tiers
 
 # -- the test of a step: s and r from growth, delta, sigma, rho, eps and h beta -----------------
 

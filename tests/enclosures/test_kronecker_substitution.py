@@ -20,7 +20,7 @@ from polhode.enclosures import (
 )
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.taylor_polynomials import Packing
-from shared import enclosure_trials as trials
+from shared import enclosures as trials
 
 CYCLE = ((1, 2), (2, 0), (0, 1))
 

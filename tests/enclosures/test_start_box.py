@@ -14,7 +14,7 @@ import polhode
 from polhode import BadInput, Outcome
 from polhode.cli import main
 from polhode.scenes import scene_file
-from shared.tiers import tiers
+from shared.tools import tiers
 from shared.values import exactly
 
 RADII = Fraction(1, 10**8), Fraction(3, 10**9), Fraction(1, 10**8)

@@ -23,7 +23,7 @@ from polhode.numbers.row_formulas import mapped
 from polhode.output import guide
 from polhode.scenes.vocabulary import COLUMNS, ColumnWord, column_names
 from shared.tables import STATE
-from shared.tiers import tiers
+from shared.tools import tiers
 from shared.values import DOUBLE, EXTENDED, QUAD, exactly, mp
 
 NUMBERS = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD, "mp": mp(50)}

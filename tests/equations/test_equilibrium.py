@@ -14,8 +14,8 @@ from polhode import Event, Outcome
 from polhode.cli import main
 from polhode.equations import readout
 from polhode.numbers.exact import sqrt
-from shared.closed_form_motions import number as number_at
-from shared.tiers import tiers
+from shared.closed_forms import number as number_at
+from shared.tools import tiers
 from shared.values import DOUBLE, EXTENDED, QUAD, exactly, mp
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, mp(50)]

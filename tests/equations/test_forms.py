@@ -19,7 +19,7 @@ from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.vocabulary import FORMS
 from shared.form_trials import BITS, numbers, state
 from shared.motions import ASYMMETRIC, asymmetric, in_other_units, same_bits
-from shared.tiers import tiers
+from shared.tools import tiers
 from shared.values import exactly
 
 F = Fraction

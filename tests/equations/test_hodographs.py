@@ -16,13 +16,11 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode.cli import main
-from polhode.equations import kinematics
 from polhode.equations.columns import derived
 from polhode.numbers import row_formulas
 from polhode.numbers.conversion import to_extended, to_mpf
-from shared.closed_form_motions import number as number_at
-from shared.examples import examples
-from shared.tiers import tiers
+from shared.closed_forms import number as number_at
+from shared.tools import examples, tiers
 from shared.values import DOUBLE, EXTENDED, QUAD, exactly, mp
 
 COMPONENT = st.floats(-10, 10, allow_subnormal=False)

@@ -14,9 +14,8 @@ import polhode
 from polhode import Body
 from polhode.cli import main
 from polhode.judging.tables import motions
-from shared.rough_methods import euler, midpoint, rk4
-from shared.tables import STATE, of_run, text
-from shared.tiers import of_table
+from shared.tables import STATE, euler, midpoint, of_run, rk4, text
+from shared.tools import of_table
 
 TIMES = [Fraction(k, 4) for k in range(41)]
 

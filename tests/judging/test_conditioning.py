@@ -22,10 +22,9 @@ from polhode.numbers.conversion import ExactNumbers
 from polhode.numbers.mpmath_context import mpmath
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
-from shared.examples import examples
 from shared.motions import asymmetric, in_other_units
 from shared.tables import of_run, through
-from shared.tiers import tiers
+from shared.tools import examples, tiers
 from shared.values import DOUBLE, QUAD, mp
 
 # -- kappa against motions of perturbed inputs ------------------------------------------------

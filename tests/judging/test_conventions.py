@@ -18,7 +18,7 @@ from polhode.closed_forms.families import ClosedForm
 from polhode.judging.tables import explanations
 from shared import drifting_files as files
 from shared.tables import ANGLES, ATTITUDE, STATE, of_run, right, text, through
-from shared.tiers import of_table, tiers
+from shared.tools import of_table, tiers
 
 CASE = "lagrange/nutation"
 TIMES = [Fraction(k, 8) for k in range(33)]

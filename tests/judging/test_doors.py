@@ -13,8 +13,8 @@ import pytest
 
 import polhode
 from polhode import BadInput, cli
-from shared.answers import judged
 from shared.tables import ANGLES, ATTITUDE, DOORS, STATE, of_run, right, text, through
+from shared.tools import judged
 from shared.values import EXTENDED, EXTENDED_HERE, mp
 
 CASE = "lagrange/nutation"

@@ -13,7 +13,7 @@ import polhode
 from polhode.dynamics.lyapunov import known_stability
 from polhode.taylor.system import system
 from shared.motions import asymmetric
-from shared.tiers import tiers
+from shared.tools import tiers
 
 ENDS = [1, 3, 10, 20, 30, 100]
 

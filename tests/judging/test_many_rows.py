@@ -20,7 +20,7 @@ from polhode.judging.limits import between
 from polhode.numbers import double_double
 from polhode.numbers.double_double import binary_numbers, of_balls, of_cells
 from shared.tables import ANGLES, ATTITUDE, STATE, right
-from shared.tiers import of_table
+from shared.tools import of_table
 from shared.values import exactly
 
 #: With periods and without, through poles and towards them, before t = 0.

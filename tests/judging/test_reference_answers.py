@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import json
 import pickle
-import random
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -23,7 +22,7 @@ from polhode.motion.outcomes import EventTimes
 from polhode.numbers.conversion import to_mpf
 from shared import plain_taylor
 from shared.tables import STATE
-from shared.tiers import tiers
+from shared.tools import tiers
 from shared.values import exactly
 
 # -- What the answers say of their proof: in Python, in JSON, and in verdicts

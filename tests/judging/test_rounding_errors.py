@@ -23,7 +23,7 @@ from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 from polhode.taylor.variations import Flow, six
 from shared.motions import asymmetric
-from shared.tiers import tiers
+from shared.tools import tiers
 from shared.values import DOUBLE, EXTENDED, EXTENDED_HERE, QUAD, exactly, mp
 from tops import random_scene
 

@@ -26,7 +26,7 @@ import stability
 from kit import TYPES, Column, JsonObject, Only, filled, table, tables
 from polhode.judging.limits import selected
 from shared.reports import COMMITTED, committed
-from shared.tiers import tiers
+from shared.tools import tiers
 
 CASES = polhode.cases().column("scene")
 
