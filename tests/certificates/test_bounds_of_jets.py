@@ -15,7 +15,7 @@ from flint import arb, arb_mat
 
 from polhode.certificates import verify
 from polhode.numbers.flint_context import ctx
-from shared.mutation import without
+from shared.tools import without
 
 RHO = 3  # bits
 

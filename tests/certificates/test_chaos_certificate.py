@@ -12,8 +12,7 @@ from flint import arb, arb_mat, ctx
 
 from polhode.certificates import verify
 from polhode.scenes import library
-from shared.mutation import altered
-from shared.tiers import tiers
+from shared.tools import altered, tiers
 
 Held = dict[str, Any]
 FILE = library.folder() / "certificates" / "chaos.json"

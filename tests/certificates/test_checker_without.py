@@ -16,16 +16,15 @@ import pytest
 from polhode.certificates import verify
 from polhode.proofs import chaos_certificate, orbit_certificate
 from polhode.proofs.orbit_certificate import Choice, Problem
-from shared import chaos_chains as chains
-from shared import orbit_proofs as proofs
-from shared.mutation import without
+from shared import proofs as chains
+from shared.tools import without
 
 # -- orbits ---------------------------------------------------------------------------------------
 
 
 def several(point, times, off=Fraction(0), radius=Fraction(1, 10**22)):
     """What is proved of several times an orbit; the centre off by a part of the box."""
-    orbit = proofs.proved(point)
+    orbit = chains.proved(point)
     start = [x.centre for x in (*orbit.omega, *orbit.gamma)]
     if off:
         rows = chains.guess()[1].saddle.unstable.tolist()
@@ -40,16 +39,16 @@ TWICE = "the period may be 2 times the least one"
 
 @pytest.mark.slow
 def test_the_box_and_not_its_centre_is_followed_to_a_part_of_the_period():
-    assert several(proofs.HYPERBOLIC, 4, Fraction(3, 10)) == TWICE
+    assert several(chains.HYPERBOLIC, 4, Fraction(3, 10)) == TWICE
     with without(verify, "zero_near", "row[1] for row in stage.at", "row[0] for row in stage.at"):
-        assert several(proofs.HYPERBOLIC, 4, Fraction(3, 10)) == ""
+        assert several(chains.HYPERBOLIC, 4, Fraction(3, 10)) == ""
 
 
 @pytest.mark.slow
 def test_primes_up_to_the_steepness_times_the_period_are_tried():
-    assert several(proofs.ELLIPTIC, 3) == "the period may be 3 times the least one"
+    assert several(chains.ELLIPTIC, 3) == "the period may be 3 times the least one"
     with without(verify, "zero_near", "2 * arb.pi()", "16 * arb.pi()"):
-        assert several(proofs.ELLIPTIC, 3) == ""
+        assert several(chains.ELLIPTIC, 3) == ""
 
 
 # -- chaos ----------------------------------------------------------------------------------------

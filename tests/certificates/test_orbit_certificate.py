@@ -16,8 +16,7 @@ from polhode.certificates import certificate_file, verify
 from polhode.cli import main
 from polhode.proofs import orbit_certificate
 from polhode.proofs.orbit_certificate import Choice, Problem
-from shared.mutation import altered, without
-from shared.tiers import tiers
+from shared.tools import altered, tiers, without
 
 BODY = {"moments": [2, "3/2", 1], "centre": ["3/10", "1/5", "1/2"], "weight": 1}
 LEVEL = {"h": "261/200", "f": "31/25"}

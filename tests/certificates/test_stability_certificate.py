@@ -13,8 +13,8 @@ from flint import acb, arb
 import polhode
 from polhode.certificates import verify
 from polhode.numbers.flint_context import ctx
-from shared.mutation import altered, without
-from shared.stable_orbits import certificate, stability
+from shared.proofs import certificate, stability
+from shared.tools import altered, without
 
 STORED = Path(__file__).parents[2] / "cases" / "certificates"
 

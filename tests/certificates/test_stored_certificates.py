@@ -15,7 +15,7 @@ import polhode
 from polhode.certificates import certificate_file, verify
 from polhode.common.errors import BadInput
 from polhode.scenes import library
-from shared.tiers import tiers
+from shared.tools import tiers
 
 SHIPPED = sorted((library.folder() / "certificates").glob("*.json"))
 #: The scene of each.

@@ -25,8 +25,7 @@ from polhode.certificates.state_certificate import Attitude, certificate
 from polhode.cli import main
 from polhode.common.errors import BadInput
 from polhode.equations.kinematics import starting_attitude
-from shared.mutation import altered
-from shared.tiers import tiers
+from shared.tools import altered, tiers
 
 REGULAR = "general/asymmetric-regular"
 NAMES = {"balls": verify.NAMES, "attitude": verify.TURN}

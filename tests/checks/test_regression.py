@@ -18,7 +18,7 @@ from polhode.equations.forms import principal
 from polhode.scenes import library
 from polhode.scenes.scene import Published
 from shared.members import motion_table
-from shared.tiers import tiers
+from shared.tools import tiers
 
 #: Kinds of motion without a case.
 BARE = {

@@ -10,8 +10,8 @@ from polhode.closed_forms.balls.jacobi import Jacobi, Shift
 from polhode.closed_forms.lagrange import motion as lagrange_motion
 from polhode.numbers import exact
 from polhode.numbers.mpmath_context import mpf, mpmath, own
-from shared.ball_checks import (
-    PSI,
+from shared.closed_forms import (
+    BALLS_PSI,
     form,
     motion_of_family,
     row_at,
@@ -91,7 +91,7 @@ def test_by_force_a_derivative_for_a_value_at_a_cusp(monkeypatch):
 def test_phi_leaves_a_pole_on_the_side_of_the_start(weight, off, up, sense):
     """Next to pi or -pi: an argument that was known to 2^-25 was taken for pi, a whole turn off."""
     body = polhode.Body.of_moments((1, 1, F(1, 2)), (0, 0, weight), weight)
-    scene = polhode.Scene(body, (F(-sense * up), F(off), F(3)), (0, 0, F(up)), psi=PSI)
+    scene = polhode.Scene(body, (F(-sense * up), F(off), F(3)), (0, 0, F(up)), psi=BALLS_PSI)
     ((psi, _, phi),) = polhode.reference(scene).angles([sense * F(1, 1000)], 20)
     side = -1 if sense * up * F(off) > 0 else 1
     assert abs(phi - side * mpmath.pi) < 0.01
@@ -102,7 +102,7 @@ def test_phi_leaves_a_pole_on_the_side_of_the_start(weight, off, up, sense):
 def test_phi_leaves_a_pole_from_rest_on_the_side_of_the_slope(off):
     """A body whose centre is off axis 2 by a little, released with the third axis vertical."""
     body = polhode.Body.of_moments((3, 3, 4), (-F(off), 1, 0), 1)
-    scene = polhode.Scene(body, (0, 0, 0), (0, 0, 1), psi=PSI)
+    scene = polhode.Scene(body, (0, 0, 0), (0, 0, 1), psi=BALLS_PSI)
     for t in (F(1, 100), F(-1, 100)):
         ((_, _, phi),) = polhode.reference(scene).angles([t], 20)
         assert abs(phi - (1 if F(off) > 0 else -1) * mpmath.pi) < 0.01

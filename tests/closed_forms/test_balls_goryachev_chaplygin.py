@@ -19,8 +19,8 @@ from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
 from shared import members
-from shared.ball_checks import motion_of_family, row_at
-from shared.tiers import tiers
+from shared.closed_forms import motion_of_family, row_at
+from shared.tools import tiers
 
 F = Fraction
 NAME = "goryachev-chaplygin"

@@ -12,10 +12,11 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared import members
-from shared.ball_checks import (
+from shared.closed_forms import (
+    gap,
     motion_of_family,
+    number,
 )
-from shared.closed_form_motions import gap, number
 
 F = Fraction
 MOMENTS, TORQUE = (F(1), F(25, 34), F(1, 2)), (F(3, 5), F(0), F(4, 5))

@@ -23,14 +23,14 @@ from polhode.closed_forms.kovalevskaya.motion import first_turn
 from polhode.numbers.exact import ONE
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
-from shared.ball_checks import (
+from shared.closed_forms import (
     agrees_with_taylor,
     every_ball_holds_its_value,
     form,
     motion_of_family,
 )
 from shared.members import motion_table, read_start
-from shared.tiers import tiers
+from shared.tools import tiers
 
 F = Fraction
 BODY, TORQUE = (F(2), F(2), F(1)), (F(1), F(0), F(0))

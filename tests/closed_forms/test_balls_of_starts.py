@@ -13,14 +13,16 @@ import pytest
 
 from polhode.numbers.mpmath_context import mpf
 from shared import members, orbit_members
-from shared.ball_checks import (
+from shared.closed_forms import (
     FEW_BITS,
     TIMES,
     agrees_with_taylor,
     every_ball_holds_its_value,
+    gap,
     motion_of_family,
+    relabel,
+    table_gap,
 )
-from shared.closed_form_motions import gap, relabel, table_gap
 
 F = Fraction
 FAR = F(30)

@@ -17,10 +17,10 @@ from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
 from shared import steady_precession
-from shared.ball_checks import form, motion_of_family, row_at
+from shared.closed_forms import form, motion_of_family, row_at
 from shared.members import start
 from shared.orbit_members import steklov_start
-from shared.tiers import tiers
+from shared.tools import tiers
 
 F = Fraction
 

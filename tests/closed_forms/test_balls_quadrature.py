@@ -10,7 +10,7 @@ from polhode.closed_forms.balls import clocks
 from polhode.closed_forms.balls.clocks import Linear, circle, unit
 from polhode.closed_forms.balls.core import TooFewBits
 from polhode.numbers.flint_context import ctx
-from shared.tiers import tiers
+from shared.tools import tiers
 
 BITS = [24, 40, 53, 107, 200]
 RULES = {"circle": circle, "unit": unit}

@@ -9,7 +9,7 @@ from flint import acb, arb
 
 from polhode.closed_forms.kovalevskaya.theta_state import dot
 from polhode.numbers.flint_context import ctx
-from shared.ball_checks import form
+from shared.closed_forms import form
 from shared.members import motion_table, read_start
 
 GENERIC = motion_table()["kovalevskaya"]

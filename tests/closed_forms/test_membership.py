@@ -13,7 +13,7 @@ import polhode
 from polhode.closed_forms import families
 from polhode.closed_forms.membership import ALL_AXES
 from polhode.numbers.vectors import cross
-from shared.closed_form_motions import all_motions, number, scene_of
+from shared.closed_forms import all_motions, number, scene_of
 from shared.members import rotation, start
 
 F = Fraction

@@ -12,8 +12,8 @@ import pytest
 import polhode
 from polhode.numbers.conversion import exactly
 from polhode.numbers.mpmath_context import mpf, mpmath
-from shared.closed_form_motions import all_motions, gap, growth, number
-from shared.tiers import tiers
+from shared.closed_forms import all_motions, gap, growth, number
+from shared.tools import tiers
 
 F = Fraction
 MOTIONS = {str(motion): motion for motion in all_motions()}

@@ -9,8 +9,8 @@ import pytest
 
 import polhode
 from polhode.numbers.mpmath_context import mpf, mpmath
-from shared.closed_form_motions import table_gap
-from shared.tiers import tiers
+from shared.closed_forms import table_gap
+from shared.tools import tiers
 
 DATA = Path(__file__).parents[1] / "data"
 #: Errors: the first file has 55 digits, the other 50 of numbers up to 6.

@@ -16,7 +16,7 @@ import polhode
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
-from shared.closed_form_motions import (
+from shared.closed_forms import (
     IDENTITY,
     Motion,
     all_motions,

@@ -12,7 +12,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from shared.tiers import tiers
+from shared.tools import tiers
 
 FAST = (
     *("euler/largest-axis", "euler/odd-order", "euler/turned-axes", "euler/separatrix-irrational"),

@@ -13,7 +13,7 @@ from polhode.cli import main
 from polhode.common import checkpoint
 from polhode.dynamics import chaos_map
 from polhode.dynamics.level_body import LevelBody, tangents_of
-from shared.tiers import tiers
+from shared.tools import tiers
 
 GENERIC = polhode.load("general/asymmetric-chaotic")
 LEVEL = {"h": 3, "f": Fraction(1, 2)}

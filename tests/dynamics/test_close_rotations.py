@@ -14,7 +14,7 @@ from polhode.dynamics.exact_levels import RationalBody
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle
 from polhode.scenes.body import Body
-from shared.tiers import tiers
+from shared.tools import tiers
 
 START = {"omega": ("0.3", "0.2", "1.1"), "gamma": ("3/5", 0, "4/5")}
 NEAR = (2, "2.01", 1)

@@ -15,7 +15,7 @@ from polhode.dynamics import starts as geometry
 from polhode.dynamics.level_body import LevelBody
 from polhode.numbers.conversion import doubles, exactly
 from polhode.scenes import scene_file
-from shared.tiers import tiers
+from shared.tools import tiers
 
 EPS = 2.0**-52
 GENERIC = polhode.load("general/asymmetric-chaotic")

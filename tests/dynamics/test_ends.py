@@ -21,7 +21,7 @@ from polhode.scenes.vocabulary import STATE
 from polhode.taylor import batches, variations
 from polhode.taylor import event_batches as taylor
 from polhode.taylor.event_batches import Watched
-from shared.tiers import tiers
+from shared.tools import tiers
 
 REGULAR = "general/asymmetric-regular"
 

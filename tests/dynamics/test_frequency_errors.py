@@ -10,7 +10,7 @@ import pytest
 import polhode
 from polhode.dynamics import naff
 from polhode.dynamics.naff import leak
-from shared.tiers import tiers
+from shared.tools import tiers
 
 HALVES = {"s1", "s2", "u", "v"}  # of separated variables: the state has twice their period
 

@@ -17,7 +17,7 @@ from polhode.dynamics.exact_levels import RationalBody, between, region, regions
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import rational
 from polhode.scenes.body import Body
-from shared.tiers import tiers
+from shared.tools import tiers
 
 BODIES = {
     "generic": ((2, "3/2", 1), ("3/10", "1/5", "1/2")),

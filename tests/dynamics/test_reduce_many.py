@@ -15,7 +15,7 @@ from polhode.dynamics import reduce_many as module
 from polhode.motion.outcomes import Outcome
 from polhode.scenes import scene_file
 from shared.motions import heavy
-from shared.tiers import tiers
+from shared.tools import tiers
 
 VARIED = {"start.omega[3]": "0.5:4:5", "body.weight": ["1/2", 1, 3]}
 EVENTS = (

@@ -19,7 +19,7 @@ from polhode.dynamics import starts as geometry
 from polhode.dynamics.level_body import LevelBody
 from polhode.scenes import scene_file
 from polhode.taylor import event_batches, event_watch
-from shared.tiers import tiers
+from shared.tools import tiers
 
 EPS = 2.0**-52
 GENERIC = polhode.load("general/asymmetric-chaotic")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import polhode
-from shared.tiers import tiers
+from shared.tools import tiers
 
 BIG = Fraction(2) ** 500
 UNITS = [(BIG, 1), (1 / BIG, 1), (1, BIG), (1, 1 / BIG), (1 / BIG, BIG)]  # of inertia, of rates

@@ -33,9 +33,8 @@ from polhode.numbers import vectors
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import NumberType
 from polhode.scenes.scene import Scene
-from shared import enclosure_trials as trials
-from shared.mutation import without
-from shared.tiers import tiers
+from shared import enclosures as trials
+from shared.tools import tiers, without
 
 OUTPUTS = ("angles", "attitude")
 

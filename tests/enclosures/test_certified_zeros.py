@@ -19,9 +19,9 @@ from polhode.numbers.conversion import exact_number, exactly
 from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Event, Scene
-from shared import enclosure_trials as trials
+from shared import enclosures as trials
 from shared.motions import asymmetric
-from shared.mutation import without
+from shared.tools import without
 
 
 def top(third: str, *events: Event) -> Scene:

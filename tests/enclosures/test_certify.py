@@ -18,9 +18,9 @@ from polhode.numbers.decimals import guaranteed
 from polhode.numbers.exact import Irrational
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from shared import enclosure_trials as trials
+from shared import enclosures as trials
 from shared.motions import ASYMMETRIC, asymmetric
-from shared.tiers import tiers
+from shared.tools import tiers
 
 
 def top(body: Body = ASYMMETRIC, omega: Any = ("0.3", "0.2", 3), gamma: Any = None) -> Scene:

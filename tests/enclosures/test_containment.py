@@ -18,9 +18,8 @@ from polhode.enclosures import fixed_point_problem, integral_contraction, task
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.numbers.conversion import exactly
 from polhode.scenes import library
-from shared import enclosure_faults as faults
-from shared import enclosure_trials as trials
-from shared.tiers import tiers
+from shared import enclosures as faults
+from shared.tools import tiers
 
 #: Cases with closed forms, of every regime that the library ships.
 SOME = (
@@ -42,17 +41,17 @@ def _random_ratios(seed: int, rounds: int, levels: tuple[int, ...]) -> tuple[lis
     ratios: list[float] = []
     refused = 0
     for n in range(rounds):
-        scene = trials.random_scene(rng, trials.KINDS[n % len(trials.KINDS)])
-        trial = trials.trial(scene, _times(rng, rng.choice((1, 5, 20))), max(levels) + 120)
+        scene = faults.random_scene(rng, faults.KINDS[n % len(faults.KINDS)])
+        trial = faults.trial(scene, _times(rng, rng.choice((1, 5, 20))), max(levels) + 120)
         for noise in levels:
             problem = fixed_point_problem.problem(trial.motion, noise)
             integrals = integral_contraction.prepared(trial.motion, 400) if n % 2 else []
             try:
-                proof = task.run(problem, trials.times_inside(trial, problem), integrals)
+                proof = task.run(problem, faults.times_inside(trial, problem), integrals)
             except Refused:
                 refused += 1
                 continue
-            ratios += trials.ratios(proof.rows, trial.states)
+            ratios += faults.ratios(proof.rows, trial.states)
     return ratios, refused
 
 
@@ -90,8 +89,8 @@ def _faulty_runs(seed: int, count: int) -> tuple[int, int, float]:
     contained = refused = 0
     largest = 0.0
     while contained + refused < count:
-        scene = trials.random_scene(rng, rng.choice(trials.KINDS))
-        trial = trials.trial(scene, _times(rng, rng.choice((1, 4, 12))), 240)
+        scene = faults.random_scene(rng, rng.choice(faults.KINDS))
+        trial = faults.trial(scene, _times(rng, rng.choice((1, 4, 12))), 240)
         for _ in range(8):
             noise = rng.choice((42, 50, 60, 79, 96, 126))
             problem = fixed_point_problem.problem(trial.motion, noise)
@@ -105,13 +104,13 @@ def _faulty_runs(seed: int, count: int) -> tuple[int, int, float]:
             try:
                 with np.errstate(all="ignore"):
                     proof = task.run(
-                        problem, trials.times_inside(trial, problem), integrals, untrusted
+                        problem, faults.times_inside(trial, problem), integrals, untrusted
                     )
             except Refused:
                 refused += 1
                 continue
             contained += 1
-            largest = max(largest, *trials.ratios(proof.rows, trial.states))
+            largest = max(largest, *faults.ratios(proof.rows, trial.states))
     return contained, refused, largest
 
 
@@ -169,16 +168,16 @@ class Spoiler:
 
 
 def test_what_was_given_or_returned_may_be_changed() -> None:
-    trial = trials.trial(trials.random_scene(random.Random(8), "generic"), [Fraction(20)], 260)
+    trial = faults.trial(faults.random_scene(random.Random(8), "generic"), [Fraction(20)], 260)
     problem = fixed_point_problem.problem(trial.motion, 79)
     problem, times, arrays = (
         _boxed(problem, 2**45, [1] * 6),
-        trials.times_inside(trial, problem),
+        faults.times_inside(trial, problem),
         list[Any](),
     )
     spoiler, untrusted = Spoiler(arrays), _parts_that_keep_and_change_what_they_return(arrays)
     proof = task.run(problem, times, (), untrusted, watchers=[spoiler])
-    assert max(trials.ratios(proof.rows, trial.states)) <= 1.0
+    assert max(faults.ratios(proof.rows, trial.states)) <= 1.0
     assert spoiler.worst == 0.0
 
 
@@ -193,19 +192,19 @@ def test_a_correction_that_hides_the_defect_that_it_was_given_is_noticed() -> No
         arguments[1][:] = 0.0
         return 0.0 * task.HONEST.correction(*arguments)  # which is right where there is none
 
-    trial = trials.trial(trials.random_scene(random.Random(8), "generic"), [Fraction(61, 7)], 260)
+    trial = faults.trial(faults.random_scene(random.Random(8), "generic"), [Fraction(61, 7)], 260)
     problem = fixed_point_problem.problem(trial.motion, 79)
     untrusted = replace(task.HONEST, window=bent, correction=hiding)
     with contextlib.suppress(Refused):
-        proof = task.run(problem, trials.times_inside(trial, problem), (), untrusted)
-        assert max(trials.ratios(proof.rows, trial.states)) <= 1.0
+        proof = task.run(problem, faults.times_inside(trial, problem), (), untrusted)
+        assert max(faults.ratios(proof.rows, trial.states)) <= 1.0
 
 
 @pytest.mark.parametrize("part", tiers(["moment", "start"], ["torque", "constant"]))
 def test_a_motion_beside_the_true_one_is_excluded(part: str) -> None:
     # At 34 proven digits a change in the 30th must put the truth outside.
-    scene = trials.random_scene(random.Random(8), "generic")
-    trial = trials.trial(scene, [Fraction(10)], 300)
+    scene = faults.random_scene(random.Random(8), "generic")
+    trial = faults.trial(scene, [Fraction(10)], 300)
     small = Fraction(1, 10**30)
     body, omega = scene.body, scene.omega
     if part == "moment":
@@ -221,18 +220,18 @@ def test_a_motion_beside_the_true_one_is_excluded(part: str) -> None:
     if part == "constant":
         first, *rest = problem.constants
         problem = replace(problem, constants=(first + (1 << (142 - 100)), *rest))
-    proof = task.run(problem, trials.times_inside(trial, problem))
-    assert max(trials.ratios(proof.rows, trial.states)) > 100.0
+    proof = task.run(problem, faults.times_inside(trial, problem))
+    assert max(faults.ratios(proof.rows, trial.states)) > 100.0
 
 
 def test_an_integral_that_is_not_kept_is_a_contradiction() -> None:
-    trial = trials.trial(trials.random_scene(random.Random(9), "generic"), [Fraction(10)], 300)
+    trial = faults.trial(faults.random_scene(random.Random(9), "generic"), [Fraction(10)], 300)
     problem = fixed_point_problem.problem(trial.motion, 96)
     integrals = integral_contraction.prepared(trial.motion, 400)
     with ctx.workprec(400):
         wrong = [row._replace(value=row.value + arb((1, -60))) for row in integrals]
     with pytest.raises(integral_contraction.Contradiction):
-        task.run(problem, trials.times_inside(trial, problem), wrong)
+        task.run(problem, faults.times_inside(trial, problem), wrong)
 
 
 def _contained(name: str, digits: int) -> list[float]:

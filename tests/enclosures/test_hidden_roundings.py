@@ -17,7 +17,7 @@ from polhode.enclosures import fixed_point_problem, integral_contraction, step_b
 from polhode.enclosures.polynomial import BallPolynomial
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from shared.mutation import without
+from shared.tools import without
 
 # -- roundings ----------------------------------------------------------------------------------
 

@@ -24,8 +24,7 @@ from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from shared import enclosure_checker as checker
 from shared.motions import asymmetric
-from shared.mutation import without
-from shared.tiers import tiers
+from shared.tools import tiers, without
 
 # -- the test of a step: s and r from growth, delta, sigma, rho, eps and h beta -----------------
 

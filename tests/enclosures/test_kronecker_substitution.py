@@ -21,8 +21,8 @@ from polhode.enclosures import (
 )
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.enclosures.taylor_polynomials import Packing
-from shared import enclosure_trials as trials
-from shared.mutation import without
+from shared import enclosures as trials
+from shared.tools import without
 
 CYCLE = ((1, 2), (2, 0), (0, 1))
 

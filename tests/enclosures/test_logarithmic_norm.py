@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from polhode.enclosures import step_bound
-from shared.mutation import without
+from shared.tools import without
 
 STEPS = 400
 

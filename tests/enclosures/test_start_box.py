@@ -17,8 +17,7 @@ from polhode.enclosures import certify, events, fixed_point_problem, integral_co
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import exactly
 from polhode.scenes import scene_file
-from shared.mutation import without
-from shared.tiers import tiers
+from shared.tools import tiers, without
 
 RADII = Fraction(1, 10**8), Fraction(3, 10**9), Fraction(1, 10**8)
 SIDES = [*itertools.product((-1, 1), repeat=3), (Fraction(1, 3), Fraction(-2, 5), 0)]

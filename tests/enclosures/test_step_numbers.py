@@ -11,9 +11,8 @@ import pytest
 from polhode.enclosures import fixed_point_problem, step_bound, task, zonotope
 from polhode.enclosures.fixed_point_problem import CLOCK
 from shared import enclosure_checker as checker
-from shared import enclosure_trials as trials
-from shared.mutation import without
-from shared.tiers import tiers
+from shared import enclosures as trials
+from shared.tools import tiers, without
 
 #: How near the claimed numbers come to the exact ones at worst: neither wrong nor slack.
 LEAST = {"alpha": 0.999, "majorant": 0.999, "growth": 0.999, "sigma": 0.999, "delta": 0.2}

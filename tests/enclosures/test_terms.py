@@ -9,9 +9,8 @@ from typing import Any
 import pytest
 
 from polhode.enclosures import integral_contraction, step_bound, zonotope
-from shared import enclosure_terms as terms
-from shared.mutation import without
-from shared.tiers import tiers
+from shared import enclosures as terms
+from shared.tools import tiers, without
 
 #: The term, the motion that shows it, and how the term is dropped: module, function, old, new.
 DROPPED: list[tuple[str, Callable[[], list[float]], tuple[Any, str, str, str]]] = [

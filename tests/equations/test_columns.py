@@ -26,7 +26,7 @@ from polhode.numbers.row_formulas import mapped
 from polhode.output import guide
 from polhode.results.writer import beside
 from polhode.scenes.vocabulary import COLUMNS, STATE, ColumnWord, column_names
-from shared.tiers import tiers
+from shared.tools import tiers
 
 NUMBERS = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD, "mp": mp(50)}
 TOP = "lagrange/nutation"

@@ -17,7 +17,7 @@ from polhode.numbers.exact import sqrt
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes.scene import Event
-from shared.tiers import tiers
+from shared.tools import tiers
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
 F = Fraction

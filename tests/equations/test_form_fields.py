@@ -17,7 +17,6 @@ from polhode.numbers.exact import sign
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.vectors import cross, dot, inverse
 from polhode.scenes.vocabulary import FORMS
-from shared.examples import examples
 from shared.form_trials import (
     BITS,
     MP,
@@ -29,6 +28,7 @@ from shared.form_trials import (
     state,
     vector_field,
 )
+from shared.tools import examples
 
 KINDS = ("any", "A = B", "A = C", "B = C", "A = B = C")
 IN_ANGLES = ("lagrangian", "hamiltonian", "routhian")

@@ -23,7 +23,7 @@ from polhode.scenes.scene import Event, Scene
 from polhode.scenes.vocabulary import FORMS
 from shared.form_trials import BITS, numbers, rotated_vector, state, turned_scene
 from shared.motions import ASYMMETRIC, asymmetric, in_other_units, same_bits
-from shared.tiers import tiers
+from shared.tools import tiers
 
 F = Fraction
 OTHERS = [name for name in FORMS if name != "principal"]

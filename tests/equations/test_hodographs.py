@@ -21,8 +21,7 @@ from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
 from polhode.results.writer import beside
-from shared.examples import examples
-from shared.tiers import tiers
+from shared.tools import examples, tiers
 
 NUMBERS = ("double", "extended", "quad", "mp")
 TOPS = ("euler/largest-axis", "lagrange/turned-axes", "kovalevskaya/generic", "pendulum/librating")

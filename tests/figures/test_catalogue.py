@@ -11,7 +11,7 @@ from polhode.dynamics.frequencies import Frequencies
 from polhode.figures import catalogue
 from polhode.results.reader import KINDS
 from shared.results import MAKERS, result_of_kind
-from shared.tiers import tiers
+from shared.tools import tiers
 
 plt = pytest.importorskip("matplotlib.pyplot")
 TOP = "lagrange/nutation"

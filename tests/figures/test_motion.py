@@ -19,7 +19,7 @@ from polhode.cli import main
 from polhode.equations.kinematics import turned
 from polhode.figures import film
 from polhode.scenes.scene import even_times
-from shared.tiers import tiers
+from shared.tools import tiers
 
 pytest.importorskip("matplotlib")
 TOP = "lagrange/looping"

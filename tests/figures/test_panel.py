@@ -13,7 +13,7 @@ import polhode
 import speed
 from kit import COLOURS, LOOKS, plain
 from programs import PROGRAMS, RUN
-from shared.tiers import tiers
+from shared.tools import tiers
 from speed import lines, work_precision
 
 

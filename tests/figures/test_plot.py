@@ -20,7 +20,7 @@ from polhode.figures.samples import SAMPLES
 from polhode.figures.sphere import Globe, facing_most
 from polhode.scenes.scene import even_times
 from shared.tables import of_run, through
-from shared.tiers import tiers
+from shared.tools import tiers
 
 plt = pytest.importorskip("matplotlib.pyplot")
 TOP = "lagrange/looping"

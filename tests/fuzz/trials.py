@@ -18,7 +18,7 @@ import polhode
 from fuzz import cases, changed_files, motions, promise
 from polhode.numbers.mpmath_context import mpf, mpmath, own
 from shared import plain_taylor
-from shared.closed_form_motions import number
+from shared.closed_forms import number
 from shared.results import MAKERS
 
 #: Kinds of results that take little to make, a run in quad among them.

@@ -16,7 +16,7 @@ from polhode.judging.correct_digits import worst_digits
 from polhode.judging.digit_check import checked
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE, mp
-from shared.tiers import tiers
+from shared.tools import tiers
 
 
 @pytest.mark.slow

@@ -15,9 +15,8 @@ from polhode.cli import main
 from polhode.judging.tables import motions
 from polhode.scenes.body import Body
 from polhode.scenes.vocabulary import STATE
-from shared.rough_methods import euler, midpoint, rk4
-from shared.tables import of_run, text
-from shared.tiers import tiers
+from shared.tables import euler, midpoint, of_run, rk4, text
+from shared.tools import tiers
 
 TIMES = [Fraction(k, 4) for k in range(41)]
 NAMES = (

@@ -25,11 +25,9 @@ from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
-from shared.answers import judged
-from shared.examples import examples
 from shared.motions import asymmetric, in_other_units
 from shared.tables import of_run, through
-from shared.tiers import tiers
+from shared.tools import examples, judged, tiers
 
 # -- kappa against motions of perturbed inputs ------------------------------------------------
 

@@ -20,7 +20,7 @@ from polhode.scenes.body import Body
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared import drifting_files as files
 from shared.tables import of_run, right, text, through
-from shared.tiers import tiers
+from shared.tools import tiers
 
 CASE = "lagrange/nutation"
 TIMES = [Fraction(k, 8) for k in range(33)]

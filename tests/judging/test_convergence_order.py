@@ -15,8 +15,8 @@ from polhode import BadInput
 from polhode.cli import main
 from polhode.judging.convergence_order import ObservedOrder
 from polhode.testing import order_of
-from shared.rough_methods import euler, midpoint, rk4
-from shared.tiers import tiers
+from shared.tables import euler, midpoint, rk4
+from shared.tools import tiers
 
 SCENE = "kovalevskaya/generic"
 F = polhode.field(SCENE)

@@ -16,9 +16,8 @@ from polhode import BadInput, cli
 from polhode.numbers import number_types
 from polhode.numbers.number_types import EXTENDED, extended_here
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
-from shared.answers import judged
 from shared.tables import DOORS, of_run, right, text, through
-from shared.tiers import tiers
+from shared.tools import judged, tiers
 
 CASE = "lagrange/nutation"
 TIMES = [Fraction(k, 4) for k in range(13)]

@@ -11,7 +11,7 @@ import pytest
 import polhode
 from polhode.dynamics.lyapunov import known_stability
 from polhode.taylor.system import system
-from shared.tiers import tiers
+from shared.tools import tiers
 
 ENDS = [1, 3, 10, 20, 30, 100]
 

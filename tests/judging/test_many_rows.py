@@ -21,7 +21,7 @@ from polhode.numbers.double_double import binary_numbers, of_balls, of_cells
 from polhode.numbers.mpmath_context import mpf
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.tables import right
-from shared.tiers import tiers
+from shared.tools import tiers
 
 #: Of every family; with periods and without, through poles and towards them, before t = 0.
 CASES = {

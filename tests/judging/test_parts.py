@@ -13,9 +13,8 @@ import polhode
 from polhode import cli
 from polhode.judging.certified import NoAnswer
 from polhode.judging.reference import Reference
-from shared.answers import judged
 from shared.tables import of_run, right, text
-from shared.tiers import tiers
+from shared.tools import judged, tiers
 
 CASE = "lagrange/nutation"
 TIMES = [Fraction(k, 50) for k in range(151)]

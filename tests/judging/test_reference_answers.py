@@ -23,7 +23,7 @@ from polhode.numbers.conversion import exactly, to_mpf
 from polhode.scenes import library
 from polhode.scenes.vocabulary import STATE
 from shared import plain_taylor
-from shared.tiers import tiers
+from shared.tools import tiers
 
 # -- What the answers say of their proof: in Python, in JSON, and in verdicts
 

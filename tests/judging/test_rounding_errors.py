@@ -27,7 +27,7 @@ from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 from polhode.taylor.variations import Flow, six
 from shared.motions import asymmetric
-from shared.tiers import tiers
+from shared.tools import tiers
 from tops import random_scene
 
 F = Fraction

@@ -22,7 +22,7 @@ import polhode
 from polhode.common import interrupts
 from polhode.common.interrupts import TooLong
 from polhode.numbers import flint_context, mpmath_context
-from shared.tiers import tiers
+from shared.tools import tiers
 
 FAMILIES = (
     *("euler/separatrix", "lagrange/nutation", "kovalevskaya/generic", "hess/loxodrome"),

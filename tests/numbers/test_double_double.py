@@ -14,7 +14,7 @@ from polhode.numbers import double_double
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.exact import sqrt
 from polhode.numbers.row_formulas import Rationals, of_fractions
-from shared.examples import examples
+from shared.tools import examples
 
 HIGH = mpmath.MPContext()
 HIGH.prec = 400

@@ -14,7 +14,7 @@ import pytest
 
 import polhode
 from polhode.numbers import lossless_mpf, mpmath_context
-from shared.tiers import tiers
+from shared.tools import tiers
 
 
 def numbers(value: Any) -> Iterator[Any]:

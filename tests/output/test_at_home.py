@@ -17,7 +17,7 @@ import pytest
 import polhode
 from polhode.common.interrupts import bar
 from polhode.numbers.conversion import exactly
-from shared.tiers import tiers
+from shared.tools import tiers
 
 TOP = "lagrange/nutation"
 

@@ -13,7 +13,7 @@ from matplotlib import pyplot as plt
 import polhode
 from polhode.cli import main
 from shared.results import result_of_kind, watched
-from shared.tiers import tiers
+from shared.tools import tiers
 
 #: Kinds that have no figure.
 UNDRAWN = (

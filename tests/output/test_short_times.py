@@ -14,7 +14,7 @@ from polhode.judging.tables.table_file import read_table
 from polhode.numbers.decimals import decimal_string, shortest
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
 from polhode.results.writer import beside
-from shared.tiers import tiers
+from shared.tools import tiers
 
 SCENE = "lagrange/nutation"
 TIMES = ["0", "0.1", "1/3", "10", "20.1", "sqrt(2)*20"]

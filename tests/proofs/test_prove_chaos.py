@@ -16,8 +16,7 @@ from polhode.cli import main
 from polhode.proofs import chaos_certificate, homoclinic
 from polhode.proofs.chaos_certificate import Rectangle
 from polhode.proofs.proved_orbit import as_arb
-from shared import chaos_chains as chains
-from shared import orbit_proofs as proofs
+from shared import proofs as chains
 
 
 @pytest.mark.slow
@@ -169,7 +168,7 @@ def test_the_periodic_orbit_of_the_first_set_is_the_one_that_was_proved():
     example = chains.example()
     start, period = balls_of(example.orbit)
     chaos_certificate.check_orbit(example.proof, start, period)
-    elsewhere, _ = balls_of(proofs.proved(proofs.ELLIPTIC))
+    elsewhere, _ = balls_of(chains.proved(chains.ELLIPTIC))
     width, height = example.chain.sets[0].width, example.chain.sets[0].height
     wide, tall = (example.chain.charts[0].wide[:, j].tolist() for j in (0, 1))
     lower = example.chain.charts[0].deep[:, 0].tolist()

@@ -15,9 +15,8 @@ from polhode import NotProved
 from polhode.certificates import verify
 from polhode.cli import main
 from polhode.proofs.proved_orbit import down, up
-from shared import orbit_newton
-from shared import orbit_proofs as proofs
-from shared.tiers import tiers
+from shared import orbit_newton, proofs
+from shared.tools import tiers
 
 BODY = proofs.MOMENTS, proofs.TORQUE
 UNIT = 2  # of the scene's time are one of the checker's

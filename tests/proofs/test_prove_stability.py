@@ -16,8 +16,8 @@ from polhode.cli import main
 from polhode.common.errors import BadInput
 from polhode.numbers.decimals import Ball
 from polhode.proofs import proved_stability as module
-from shared import orbit_proofs as proofs
-from shared.stable_orbits import NAME, PERIOD, START, near, orbit, stability
+from shared import proofs
+from shared.proofs import NAME, PERIOD, START, orbit, stability, stable_start
 
 #: Rotation in turns, and the twist: by true returns in canonical coordinates, of an independent
 #: program with momenta in place of angular velocities, differences in place of jets.
@@ -34,8 +34,8 @@ def agrees(ball: Ball, text: str, digits: int) -> bool:
     """Whether a ball holds a decimal but for its last place, and is known to some digits."""
     truth = Fraction(text)
     last = Fraction(1, 10 ** len(text.partition(".")[2]))
-    near = abs(ball.centre - truth) <= last + Fraction(ball.radius)
-    return near and 0 < ball.radius < abs(float(truth)) * 10.0**-digits
+    stable_start = abs(ball.centre - truth) <= last + Fraction(ball.radius)
+    return stable_start and 0 < ball.radius < abs(float(truth)) * 10.0**-digits
 
 
 def of(name: str) -> polhode.ProvedStability:
@@ -129,9 +129,9 @@ def test_the_twist_is_one_over_the_unit_of_an_action():
     """In half the unit of time and with three times the mass: the same motions."""
     rates, gamma = ([Fraction(x) for x in START[k : k + 3]] for k in (0, 3))
     scene = polhode.top(
-        moments=[3 * x for x in near().body.moments],
-        centre=near().body.centre,
-        weight=12 * near().body.weight,
+        moments=[3 * x for x in stable_start().body.moments],
+        centre=stable_start().body.centre,
+        weight=12 * stable_start().body.weight,
         omega=[2 * x for x in rates],
         gamma=gamma,
         normalise=True,
@@ -155,7 +155,7 @@ def test_axes_that_are_not_principal_ones():
 @pytest.mark.slow
 def test_an_orbit_that_is_known_too_badly_is_proved_anew():
     """Its start's ball, which the return map multiplies, is made narrower."""
-    rough = polhode.prove_orbit(NAME, near(), digits=8)
+    rough = polhode.prove_orbit(NAME, stable_start(), digits=8)
     proved = polhode.prove_stability(rough)
     assert proved.runs == 2
     assert proved.orbit.digits > rough.digits + 3

@@ -16,7 +16,7 @@ from benchmark import COLUMNS, DIGITS, TOPS, certified_values
 from polhode.certificates import verify
 from polhode.numbers.conversion import exactly
 from polhode.numbers.flint_context import ctx
-from shared.tiers import tiers
+from shared.tools import tiers
 from test_house import TOP
 
 FOLDER = TOP / "reports" / "benchmark"

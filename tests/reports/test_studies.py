@@ -25,7 +25,7 @@ import stability
 from kit import TYPES, Column, JsonObject, Only, PageTable, filled, table, yes
 from polhode.judging.limits import selected
 from shared.reports import COMMITTED, committed
-from shared.tiers import tiers
+from shared.tools import tiers
 
 CASES = polhode.cases().column("scene")
 

@@ -24,8 +24,8 @@ from polhode.proofs.proved_chaos import ProvedChaos
 from polhode.results.writer import ENDINGS
 from polhode.scenes.scene import even_times
 from polhode.verbs.catalogue import ROWS, VERBS
-from shared.tiers import tiers
-from shared.verb_examples import EXAMPLES, TOP, prepare, verb_of, without_files
+from shared.results import EXAMPLES, TOP, prepare, verb_of, without_files
+from shared.tools import tiers
 
 GENERAL = "general/asymmetric-regular"
 VARY = {"start.omega[3]": "2:4:3"}

@@ -24,7 +24,7 @@ from polhode.results.table import RESERVED, Column, Content, Fact, Table
 from polhode.results.writer import as_json, document, files
 from polhode.runs.saved import Saved, load_result
 from shared.results import CERTIFIED, MAKERS, result_of_kind, watched
-from shared.tiers import tiers
+from shared.tools import tiers
 
 #: Whose files hold a table of them, at the times of their scene.
 TABULATED = ("Reference", "Certified", "Textbook")

@@ -15,8 +15,7 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers import vectors
 from polhode.numbers.conversion import exactly
 from polhode.scenes import library
-from shared.policies import change_policy
-from shared.tiers import tiers
+from shared.tools import change_policy, tiers
 
 BOTH = ("angles", "attitude")
 NUMBERS = ("double", "extended", "quad", "mp")

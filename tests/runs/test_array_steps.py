@@ -11,7 +11,7 @@ import pytest
 
 import polhode
 from polhode.taylor import array_steps, defaults, lanes
-from shared.tiers import tiers
+from shared.tools import tiers
 
 EPS = 2.0**-52
 MANY = defaults.ARRAYS.starts

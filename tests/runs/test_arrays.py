@@ -11,7 +11,7 @@ import pytest
 
 import polhode
 from polhode.taylor import batches, defaults, lanes
-from shared.tiers import tiers
+from shared.tools import tiers
 
 EPS = 2.0**-52
 BODY = {"moments": [3, 2, 1.5], "centre": [0.25, 0.125, 0.5], "weight": 4}

@@ -12,7 +12,7 @@ import pytest
 
 from polhode.common import processes
 from polhode.common.processes import in_order
-from shared.tiers import tiers
+from shared.tools import tiers
 
 HERE = os.getpid()
 

@@ -25,10 +25,8 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE
 from polhode.scenes import scene_file
-from shared.commands import STEPPING
 from shared.motions import heavy, heavy_file, in_other_units, same_bits
-from shared.policies import change_policy
-from shared.tiers import tiers
+from shared.tools import STEPPING, change_policy, tiers
 
 LONG = "euler/largest-axis"
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import polhode
-from shared.tiers import tiers
+from shared.tools import tiers
 
 BODY = {"moments": [3, 2, 1], "centre": [0.25, 0.125, 0.5], "weight": 4}
 START = [0.5, -0.25, 2.0, 0.6, 0.0, 0.8]  # 0.36 + 0.64 is 1 to an ulp

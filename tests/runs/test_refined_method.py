@@ -19,7 +19,7 @@ from polhode.refined.errors import Stalled
 from polhode.refined.refinement import refine
 from polhode.runs.options import refinement_pays
 from polhode.scenes.scene import Event
-from shared.tiers import tiers
+from shared.tools import tiers
 
 SCENE = "kovalevskaya/generic"
 UNSTABLE = "hard/dzhanibekov-1e-12"

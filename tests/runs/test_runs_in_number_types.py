@@ -17,7 +17,7 @@ import polhode
 from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
 from shared.motions import heavy
-from shared.tiers import tiers
+from shared.tools import tiers
 
 NAME, TIMES = "lagrange/nutation", [0, 1, 2, 5]
 

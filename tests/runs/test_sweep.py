@@ -22,10 +22,8 @@ from polhode.numbers.conversion import exactly, to_mpf
 from polhode.runs import members as sweep_plan
 from polhode.runs.members import fastest
 from polhode.scenes import members, scene_file, vary
-from shared.examples import examples
 from shared.motions import free_file, heavy, heavy_file
-from shared.policies import change_policy
-from shared.tiers import tiers
+from shared.tools import change_policy, examples, tiers
 
 
 def worst(one, other) -> float:

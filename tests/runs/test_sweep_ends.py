@@ -24,7 +24,7 @@ from polhode.common.values import same
 from polhode.motion.outcomes import Outcome
 from polhode.taylor import batches
 from shared.motions import heavy
-from shared.tiers import tiers
+from shared.tools import tiers
 
 GIVEN = {"start.omega[3]": "0.5:1.5:40", "body.weight": [0, 1]}
 

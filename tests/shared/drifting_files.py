@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shared import rough_methods
+from shared import tables
 
 VERTICAL = np.array([0.0, 0.0, 1.0])
 
@@ -111,7 +111,7 @@ def of_tops(method):
     return lambda top, y, h: method(lambda _, y: rate(top, y), y, h)
 
 
-rk4 = of_tops(rough_methods.rk4)
+rk4 = of_tops(tables.rk4)
 
 
 def run(top, times, step, longest):
@@ -180,9 +180,9 @@ def drifting(random, top, times, exact, kind):
 
 
 STEPS = {
-    "euler": (of_tops(rough_methods.euler), 0.004),
+    "euler": (of_tops(tables.euler), 0.004),
     "semi-implicit": (semi_implicit, 0.03),
-    "midpoint": (of_tops(rough_methods.midpoint), 0.08),
+    "midpoint": (of_tops(tables.midpoint), 0.08),
     "rk4": (rk4, 0.4),
 }
 DRIFTS = (*STEPS, "noise", "moment")

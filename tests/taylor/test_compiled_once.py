@@ -17,8 +17,7 @@ from polhode.numbers.number_types import NumberType
 from polhode.scenes.scene import Event
 from polhode.taylor import engine
 from polhode.taylor.engine import Pool
-from shared.policies import change_policy
-from shared.tiers import tiers
+from shared.tools import change_policy, tiers
 
 NAME = "lagrange/nutation"
 CENTRES = {"free": [0, 0, 0], "on an axis": [0, 0, 1], "anywhere": ["1/3", "1/5", "1/7"]}

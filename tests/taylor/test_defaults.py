@@ -11,8 +11,7 @@ import pytest
 import polhode
 from polhode.numbers.number_types import DOUBLE, EXTENDED, NAMES, QUAD, NumberType, mp
 from polhode.taylor import defaults, heyoka
-from shared.policies import change_policy
-from shared.tiers import tiers
+from shared.tools import change_policy, tiers
 
 TYPES = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD, "mp": mp()}
 

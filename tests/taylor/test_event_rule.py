@@ -16,7 +16,7 @@ from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes.scene import Event
-from shared.tiers import tiers
+from shared.tools import tiers
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
 
@@ -231,7 +231,7 @@ def test_nor_does_it_in_lanes(zero):
 )
 @pytest.mark.parametrize("steps", [None, 1])
 def test_zeros_on_a_seam_are_told_once(zero, signs, steps, monkeypatch):
-    from shared.policies import change_policy
+    from shared.tools import change_policy
 
     if steps is not None:
         change_policy(monkeypatch, chunk=steps)

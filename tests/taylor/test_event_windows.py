@@ -18,7 +18,7 @@ import polhode
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import DOUBLE
 from shared.event_windows import NAMES, TEXTS, Sized, Truth, Window, rates, value, windows
-from shared.tiers import tiers
+from shared.tools import tiers
 
 U = {"double": 2.0**-53, "extended": 2.0**-64, "quad": 2.0**-113}
 

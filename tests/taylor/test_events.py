@@ -20,8 +20,7 @@ from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
 from polhode.scenes import scene_file, vocabulary
 from polhode.scenes.scene import Event
-from shared.policies import change_policy
-from shared.tiers import tiers
+from shared.tools import change_policy, tiers
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
 BITS = 240

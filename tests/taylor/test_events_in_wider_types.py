@@ -11,7 +11,7 @@ import polhode
 from polhode.motion.outcomes import Outcome
 from polhode.scenes.scene import Event
 from polhode.scenes.vocabulary import value
-from shared.tiers import tiers
+from shared.tools import tiers
 
 SCENE = "kovalevskaya/generic"
 NUTATION = "p*gamma2 - q*gamma1"

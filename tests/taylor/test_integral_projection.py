@@ -17,8 +17,7 @@ from polhode.scenes.scene import Event
 from polhode.taylor import projection
 from polhode.taylor.motion import Motion
 from polhode.taylor.projection import Projector
-from shared.policies import change_policy
-from shared.tiers import tiers
+from shared.tools import change_policy, tiers
 
 STANDING = ("lagrange/sleeping-unstable",)  # no step is taken
 TOPS = ("euler/largest-axis", "lagrange/nutation", "kovalevskaya/generic")

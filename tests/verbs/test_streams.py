@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from shared.motions import free_file
-from shared.tiers import tiers
+from shared.tools import tiers
 
 TOP = free_file("at = [0, 1]")
 COMMAND = [sys.executable, "-m", "polhode"]

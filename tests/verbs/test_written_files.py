@@ -24,7 +24,7 @@ from polhode.common.errors import BadInput
 from polhode.numbers.expression import decimal
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.motions import free_file
-from shared.tiers import tiers
+from shared.tools import tiers
 
 TOP = free_file("at = [0, 1]")
 WATCHED = free_file('end = 2\nsamples = 3\noutputs = ["angles", "attitude"]')

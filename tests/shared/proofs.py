@@ -1,9 +1,11 @@
-"""A chain of sets along one homoclinic orbit of the example, for tests of chaos."""
+"""The body, the level and three orbits that tests prove, and their proofs."""
 
 from __future__ import annotations
 
 import contextlib
+import json
 from collections.abc import Sequence
+from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -11,14 +13,104 @@ import numpy as np
 import pytest
 from flint import ctx
 
-from polhode import ProvedOrbit
+import polhode
+from polhode import ProvedOrbit, ProvedStability
 from polhode.certificates import verify
 from polhode.dynamics.level_body import LevelBody
 from polhode.numbers.number_types import Doubles, double_array
 from polhode.proofs import chaos_certificate, homoclinic
 from polhode.proofs.chaos_certificate import Chain, Chart, Guess, Rectangle
 from polhode.proofs.homoclinic import Homoclinic
-from shared import orbit_proofs as proofs
+
+#: The body and the level of the examples; the orbits as a search in double found them.
+MOMENTS = [Fraction(2), Fraction(3, 2), Fraction(1)]
+TORQUE = [Fraction(3, 10), Fraction(1, 5), Fraction(1, 2)]
+H, F = Fraction(261, 200), Fraction(31, 25)
+BODY = polhode.top(
+    moments=MOMENTS, centre=TORQUE, weight=1, omega=["3/10", "1/5", 1], gamma=["3/5", 0, "4/5"]
+)
+ELLIPTIC = (
+    *(0.24648456378902078, 0.3484822174895774, -1.880218379593652),
+    *(-0.4532503649457642, -0.26342557792225096, -0.8515697690576267),
+    3.221902062960887,
+)
+HYPERBOLIC = (
+    *(0.39248732502901934, -1.4931034249442232, -0.3812431760503589),
+    *(-0.304878314545795, -0.5252810140625632, -0.7944363219195862),
+    4.265751022846151,
+)
+INVERSE = (
+    *(-0.2570580570985149, -0.22188153703552527, 1.623437027381608),
+    *(-0.7715547273133809, -0.4761773622001807, 0.4218511852400707),
+    5.625116696318105,
+)
+
+
+def near(point: Sequence[float], rate: int = 1) -> polhode.Scene:
+    """A scene that ends after about one period; of the same motion, so many times as fast."""
+    p, q, r, *gamma, period = map(Fraction, point)
+    return polhode.top(
+        moments=MOMENTS,
+        centre=TORQUE,
+        weight=rate**2,
+        omega=[rate * x for x in (p, q, r)],
+        gamma=gamma,
+        normalise=True,
+        end=period / rate,
+    )
+
+
+@cache
+def proved(point: tuple[float, ...], digits: int = 30) -> ProvedOrbit:
+    """The proof of an orbit of the level."""
+    scene = near(point)
+    return polhode.prove_orbit(scene, scene, digits=digits, h=H, f=F)
+
+
+# -- the elliptic orbit whose stability is proved
+
+NAME = "general/asymmetric-regular"
+START = (
+    *(0.12824297888944370, 0.16218517053029624, -3.3992382255227273),
+    *(-0.42077601050440881, -0.27781263962028001, -0.86357841928293117),
+)
+PERIOD = 1.81463648378177924
+
+
+def stable_start(start: tuple[float, ...] = START, period: float = PERIOD) -> polhode.Scene:
+    """A scene that ends after about one period."""
+    scene = polhode.load(NAME)
+    p, q, r, *gamma = map(Fraction, start)
+    body: dict[str, Any] = {"moments": scene.body.moments, "centre": scene.body.centre}
+    return polhode.top(
+        **body,
+        weight=scene.body.weight,
+        omega=[p, q, r],
+        gamma=gamma,
+        normalise=True,
+        end=Fraction(period),
+    )
+
+
+@cache
+def orbit() -> ProvedOrbit:
+    """The proved orbit."""
+    return polhode.prove_orbit(NAME, stable_start())
+
+
+@cache
+def stability() -> ProvedStability:
+    """Its proved stability."""
+    return polhode.prove_stability(orbit())
+
+
+def certificate() -> dict[str, Any]:
+    """The certificate, of which everyone may change a copy."""
+    document: dict[str, Any] = json.loads(stability().certificate)
+    return document
+
+
+# -- a chain of sets along one homoclinic orbit of the example
 
 #: As the search finds it.
 NEAR = Homoclinic(0.000179164892, -0.000465148702, 23.4075408124, 24.4302533376, 0.17)
@@ -37,8 +129,8 @@ class Example(NamedTuple):
 @cache
 def guess() -> tuple[ProvedOrbit, Guess]:
     """The chain at h = 261/200, f = 31/25, time in the scene's unit."""
-    orbit = proofs.proved(proofs.HYPERBOLIC)
-    surface = LevelBody(orbit.near, proofs.H, proofs.F)
+    orbit = proved(HYPERBOLIC)
+    surface = LevelBody(orbit.near, H, F)
     assert surface.unit == 1
     saddle = homoclinic.saddle(surface, np.array(start_of(orbit)), float(orbit.period))
     assert saddle is not None
@@ -65,17 +157,17 @@ def start_of(orbit: ProvedOrbit) -> Sequence[float]:
 # -- points of sets, in double
 
 CORNERS = [(a, b) for a in (-1.0, 0.3, 1.0) for b in (-1.0, -0.4, 1.0)]
-MOMENTS, TORQUE = (np.array([float(x) for x in v]) for v in (proofs.MOMENTS, proofs.TORQUE))
-LEVEL = np.array([2 * float(proofs.H), float(proofs.F), 1.0])
+INERTIA, PULL = (np.array([float(x) for x in v]) for v in (MOMENTS, TORQUE))
+LEVEL = np.array([2 * float(H), float(F), 1.0])
 
 
 def integrals(x: Doubles) -> tuple[Doubles, Doubles]:
     """The three integrals, and their gradients."""
     w, g = x[:3], x[3:]
-    values = [(MOMENTS * w * w).sum() + 2 * TORQUE @ g, (MOMENTS * w * g).sum(), g @ g]
+    values = [(INERTIA * w * w).sum() + 2 * PULL @ g, (INERTIA * w * g).sum(), g @ g]
     rows = [
-        [*(2 * MOMENTS * w), *(2 * TORQUE)],
-        [*(MOMENTS * g), *(MOMENTS * w)],
+        [*(2 * INERTIA * w), *(2 * PULL)],
+        [*(INERTIA * g), *(INERTIA * w)],
         [0, 0, 0, *2 * g],
     ]
     return np.array(values), np.array(rows)

@@ -1,0 +1,109 @@
+"""What tests of every room use: tiers, examples, policies, changed sources, answers of verbs."""
+
+from __future__ import annotations
+
+import copy
+import inspect
+import json
+import textwrap
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+from hypothesis import settings
+
+from polhode.taylor import defaults
+
+
+def tiers(fast: Iterable[Any], slow: Iterable[Any]) -> list[Any]:
+    """The fast cases, then the slow ones; the values of several parameters are a tuple."""
+    return [*fast, *(slow_case(case) for case in slow)]
+
+
+def slow_case(case: Any) -> Any:
+    """A case with the mark of the slow tier."""
+    values = case if isinstance(case, tuple) else (case,)
+    return pytest.param(*values, marks=pytest.mark.slow)
+
+
+# -- how many examples of a property are drawn where it says so itself
+
+_CI = 100  # of which CI draws a half
+
+
+def examples(count: int) -> int:
+    """A half of so many in CI; elsewhere a quarter, as of those that say nothing."""
+    return max(1, count * settings.default.max_examples // _CI)
+
+
+# -- runs by another policy than that of the table
+
+
+def change_policy(monkeypatch: pytest.MonkeyPatch, **changes: int) -> None:
+    """Change columns of the policy table, for every number type and the rest of a test."""
+    for name, row in defaults.TABLE.items():
+        monkeypatch.setitem(defaults.TABLE, name, row._replace(**changes))
+
+
+# -- a function with one piece of its text replaced, a certificate with one value replaced
+
+
+@contextmanager
+def without(module: Any, name: str, old: str, new: str) -> Iterator[None]:
+    """``module.name``, or ``module.Class.name``, with ``old``, found there once, as ``new``."""
+    owner, _, attribute = name.rpartition(".")
+    home = getattr(module, owner) if owner else module
+    honest = getattr(home, attribute)
+    source = textwrap.dedent(inspect.getsource(honest))
+    assert source.count(old) == 1, f"{name} no longer says {old!r} once"
+    local: dict[str, Any] = {}
+    exec(compile(source.replace(old, new), f"<{name}>", "exec"), module.__dict__, local)
+    setattr(home, attribute, local[attribute])
+    try:
+        yield
+    finally:
+        setattr(home, attribute, honest)
+
+
+def altered(certificate: Any, place: str, value: Any) -> Any:
+    """A JSON value with another one at a place, or made of the one there.
+
+    ``place``: keys and numbers, as ``statement start 0``.
+    """
+    changed = parent = copy.deepcopy(certificate)
+    *path, last = (int(key) if key.isdigit() else key for key in place.split())
+    for key in path:
+        parent = parent[key]
+    parent[last] = value(parent[last]) if callable(value) else value
+    return changed
+
+
+# -- programs that tell the tests how far they are, so that none waits by the clock
+
+#: ``polhode``, but that it prints a line as soon as it takes steps.
+STEPPING = """
+import sys
+from polhode.cli import main
+from polhode.taylor.motion import Motion
+chunk = Motion._chunk
+def announced(self, *given):
+    Motion._chunk = chunk
+    print("steps", flush=True)
+    return chunk(self, *given)
+Motion._chunk = announced
+sys.exit(main())
+"""
+
+
+# -- what --json of a judgement says, by name
+
+_PART = "correct_digits_"
+
+
+def judged(text):
+    """Facts and columns by name, and under ``parts`` the correct digits of each part."""
+    judgement = json.loads(text)
+    columns = judgement["columns"]
+    parts = {k.removeprefix(_PART): x for k, x in columns.items() if k.startswith(_PART)}
+    return judgement | columns | {"parts": parts}
