@@ -9,11 +9,11 @@ import pytest
 from flint import arb
 
 import polhode
+from polhode import Body
 from polhode.dynamics import exact_levels
 from polhode.dynamics.exact_levels import RationalBody
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle
-from polhode.scenes.body import Body
 from shared.tools import tiers
 
 START = {"omega": ("0.3", "0.2", "1.1"), "gamma": ("3/5", 0, "4/5")}

@@ -13,9 +13,9 @@ import polhode
 from polhode.cli import main
 from polhode.dynamics import starts as geometry
 from polhode.dynamics.level_body import LevelBody
-from polhode.numbers.conversion import doubles, exactly
-from polhode.scenes import scene_file
-from shared.tools import tiers
+from polhode.numbers.conversion import doubles
+from shared.motions import scene_of
+from shared.tools import exactly, tiers
 
 EPS = 2.0**-52
 GENERIC = polhode.load("general/asymmetric-chaotic")
@@ -123,7 +123,7 @@ def test_regular_orbits_keep_their_digits():
 
 
 def test_digits_are_the_same_in_any_unit_of_time():
-    quick = scene_file.parse(
+    quick = scene_of(
         "schema = 1\n[body]\nmoments = [2, 1.5, 1]\ncentre = [0.3, 0.2, 0.5]\nweight = 1048576\n"
         "[start]\nomega = [307.2, 204.8, 1126.4]\ngamma = [0.6, 0, 0.8]\n"
     )

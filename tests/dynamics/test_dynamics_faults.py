@@ -12,7 +12,7 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.dynamics.starts import cut_of
-from polhode.scenes import scene_file
+from shared.motions import scene_of
 
 # -- frequencies -----------------------------------------------------------------------------------
 
@@ -166,7 +166,7 @@ f = "3/10"
 
 def test_a_level_that_the_scene_says_is_not_rounded():
     """omega is a root there: h and f were computed from it, and were "(rounded)"."""
-    scene = scene_file.parse(LEVEL, "top.toml")
+    scene = scene_of(LEVEL, "top.toml")
     here = polhode.levels(scene).here
     for closed_orbit in (
         polhode.orbit(scene, digits=18),
@@ -182,7 +182,7 @@ def test_a_level_that_the_scene_says_is_not_rounded():
 
 @pytest.mark.slow
 def test_a_theorem_is_of_the_level_that_the_scene_says():
-    theorem = polhode.prove_orbit(scene_file.parse(LEVEL, "top.toml")).theorem
+    theorem = polhode.prove_orbit(scene_of(LEVEL, "top.toml")).theorem
     assert "on the level h = 2, f = 3/10 exactly one" in theorem
 
 

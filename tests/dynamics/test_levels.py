@@ -12,11 +12,11 @@ import pytest
 from flint import arb
 
 import polhode
+from polhode import Body
 from polhode.cli import main
 from polhode.dynamics.exact_levels import RationalBody, between, region, regions_between
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import rational
-from polhode.scenes.body import Body
 from shared.tools import tiers
 
 BODIES = {

@@ -15,8 +15,8 @@ from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.newton_shooting import at_level, bordered
 from polhode.dynamics.orbit import Return
 from polhode.numbers import exact, number_types
-from polhode.numbers.conversion import exactly
 from shared import plain_taylor
+from shared.tools import exactly, mp
 
 GRIOLI = polhode.load("grioli/precession")
 
@@ -214,7 +214,7 @@ def test_the_scene_that_is_written_is_the_orbit(tmp_path, capsys):
     assert "period      6.283185307179586476925286766559\n" in output.out
     assert "the motion in space closes after 1 period" in output.out
     scene = polhode.load(path)
-    run = polhode.integrate(scene.at([scene.end]), number_types.mp(36), project=False)
+    run = polhode.integrate(scene.at([scene.end]), mp(36), project=False)
     off = max(
         abs(exactly(a) - b)
         for a, b in zip(run.states[0], [*scene.omega, *gamma_of(scene, 60)], strict=True)

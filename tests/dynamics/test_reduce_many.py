@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import Outcome
 from polhode.dynamics import observables as observable_jobs
 from polhode.dynamics import reduce_many as module
-from polhode.motion.outcomes import Outcome
-from polhode.scenes import scene_file
-from shared.motions import heavy
+from shared.motions import heavy, scene_of
 from shared.tools import tiers
 
 VARIED = {"start.omega[3]": "0.5:4:5", "body.weight": ["1/2", 1, 3]}
@@ -42,7 +41,7 @@ def theta(states):
     tiers([("double", False), ("double", True)], [("extended", False), ("extended", True)]),
 )
 def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned):
-    scene = scene_file.parse(TURNED.format(end=9)) if turned else heavy("9")
+    scene = scene_of(TURNED.format(end=9)) if turned else heavy("9")
     varied = {"start.omega[1]": [1, 100], "body.inertia[1][2]": ["0.5", 0]} if turned else VARIED
     keep = ["final", "largest theta", "smallest p*gamma1 - q/3", "largest sin(t)*r"]
     found = polhode.reduce_many(scene, varied, keep, number=number)
@@ -67,7 +66,7 @@ def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned)
 def test_first_events_are_the_first_of_each_run(end, turned, monkeypatch):
     """Times and states to a few eps (times of a double end at eps t; errors grow with t)."""
     monkeypatch.setattr(observable_jobs, "STRETCH", 3.0)  # more than one stretch
-    scene = scene_file.parse(TURNED.format(end=end)) if turned else heavy(end)
+    scene = scene_of(TURNED.format(end=end)) if turned else heavy(end)
     varied = {"start.omega[1]": [1, 20], "body.inertia[1][2]": ["0.5", 0]} if turned else VARIED
     scene = replace(scene, events=EVENTS)
     keep = [f"first {event.name}" for event in EVENTS]

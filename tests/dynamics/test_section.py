@@ -17,8 +17,8 @@ from polhode.common.checkpoint import JobCheckpoint
 from polhode.dynamics import section as section_jobs
 from polhode.dynamics import starts as geometry
 from polhode.dynamics.level_body import LevelBody
-from polhode.scenes import scene_file
 from polhode.taylor import event_batches, event_watch
+from shared.motions import scene_of
 from shared.tools import tiers
 
 EPS = 2.0**-52
@@ -309,7 +309,7 @@ def test_an_executor_and_parts_give_the_same(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_an_expression_in_turned_axes_and_other_units():
     """The same motion in axes turned by 90 degrees about the third, in a unit of 1024 seconds."""
-    rotated = scene_file.parse(
+    rotated = scene_of(
         "schema = 1\n[body]\nmoments = [1.5, 2, 1]\ncentre = [-0.2, 0.3, 0.5]\nweight = 1048576\n"
         "[start]\nomega = [-204.8, 307.2, 1126.4]\ngamma = [0, 0.6, 0.8]\n"
     )
@@ -342,7 +342,7 @@ def test_section_verb(tmp_path, capsys):
 
 def test_the_scene_file_says_what_is_cut(capsys):
     text = GENERIC.source + '[section]\nby = "height"\ncrossings = 4\nstarts = [[1, 0, 0, -1]]\n'
-    scene = scene_file.parse(text)
+    scene = scene_of(text)
     assert scene.section == polhode.SectionPlan("height", "max", 4, ((1, 0, 0, -1),))
     cut = polhode.section(scene, **LEVEL)
     assert cut.states.shape == (1, 4, 6)
@@ -353,7 +353,7 @@ def test_the_scene_file_says_what_is_cut(capsys):
         ("starts = [1]", r"section.starts\[1\] = 1: expected an array"),
     ):
         with pytest.raises(polhode.BadInput, match=message):
-            scene_file.parse(GENERIC.source + "[section]\n" + fault + "\n")
+            scene_of(GENERIC.source + "[section]\n" + fault + "\n")
 
 
 def test_no_two_commands_share_a_folder(tmp_path):

@@ -10,11 +10,11 @@ import pytest
 import polhode
 from polhode.figures.motion_page import EXPLANATIONS, explained
 from polhode.judging.reference import reference
-from polhode.scenes import library
+from shared.tools import case_names
 
 
 def said(name, kind=None):
-    scene = library.load(name) if isinstance(name, str) else name
+    scene = polhode.load(name) if isinstance(name, str) else name
     top = reference(scene)
     return explained(kind or top.kind, top.regime, scene)
 
@@ -22,7 +22,7 @@ def said(name, kind=None):
 @pytest.mark.slow
 def test_every_case_of_the_library_has_words_of_its_own_kind_and_all_words_are_used():
     used = set()
-    for name in library.names():
+    for name in case_names():
         text = said(name)
         assert not text.startswith("A motion with a closed form"), name
         used.add(text)

@@ -18,8 +18,7 @@ import polhode
 from polhode.cli import main
 from polhode.equations.kinematics import turned
 from polhode.figures import film
-from polhode.scenes.scene import even_times
-from shared.tools import tiers
+from shared.tools import even_times, tiers
 
 pytest.importorskip("matplotlib")
 TOP = "lagrange/looping"

@@ -18,9 +18,8 @@ from polhode.figures import sphere
 from polhode.figures.canvas import label_text
 from polhode.figures.samples import SAMPLES
 from polhode.figures.sphere import Globe, facing_most
-from polhode.scenes.scene import even_times
 from shared.tables import of_run, through
-from shared.tools import tiers
+from shared.tools import even_times, tiers
 
 plt = pytest.importorskip("matplotlib.pyplot")
 TOP = "lagrange/looping"

@@ -16,9 +16,8 @@ import pytest
 
 import polhode
 from fuzz import signals
-from polhode import cli
+from polhode import BadInput, cli
 from polhode.common import files
-from polhode.common.errors import BadInput
 from polhode.common.interrupts import heard
 from polhode.runs import member_jobs
 from polhode.verbs import catalogue, guide

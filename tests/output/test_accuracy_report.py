@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import BadInput
 from polhode.cli import main
-from polhode.common.errors import BadInput
 from polhode.common.interrupts import heard
 from polhode.output.report_page import page
 

@@ -16,8 +16,7 @@ import pytest
 
 import polhode
 from polhode.common.interrupts import bar
-from polhode.numbers.conversion import exactly
-from shared.tools import tiers
+from shared.tools import exactly, tiers
 
 TOP = "lagrange/nutation"
 

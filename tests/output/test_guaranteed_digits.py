@@ -11,7 +11,8 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.judging.reference_rows import right_rows
-from polhode.numbers.conversion import exactly, to_mpf
+from polhode.numbers.conversion import to_mpf
+from shared.tools import exactly
 
 
 @pytest.mark.parametrize(

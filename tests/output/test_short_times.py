@@ -12,9 +12,9 @@ import polhode
 from polhode.cli import main
 from polhode.judging.tables.table_file import read_table
 from polhode.numbers.decimals import decimal_string, shortest
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, mp
+from polhode.numbers.number_types import mp
 from polhode.results.writer import beside
-from shared.tools import tiers
+from shared.tools import DOUBLE, EXTENDED, QUAD, tiers
 
 SCENE = "lagrange/nutation"
 TIMES = ["0", "0.1", "1/3", "10", "20.1", "sqrt(2)*20"]

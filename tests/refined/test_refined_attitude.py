@@ -8,11 +8,10 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode.numbers.conversion import exactly
+from polhode import Body, Scene
 from polhode.refined import refinement
-from polhode.scenes.body import Body
-from polhode.scenes.scene import Scene
 from shared.motions import asymmetric
+from shared.tools import exactly
 
 OUTPUTS = ("angles", "attitude", "hodographs")
 

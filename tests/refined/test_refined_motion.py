@@ -10,17 +10,15 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.numbers.conversion import exactly
+from polhode import Body, Scene
 from polhode.refined import double_run, refinement
 from polhode.refined.collocation_tables import tables
 from polhode.refined.compiled_field import Kernels, kernels
 from polhode.refined.errors import CannotRefine, TooFarOff
 from polhode.refined.refinement import QUAD, Accuracy, accuracy, refine
-from polhode.scenes import library
-from polhode.scenes.body import Body
-from polhode.scenes.scene import Scene
 from shared import exact_field
 from shared.motions import ASYMMETRIC, asymmetric
+from shared.tools import exactly
 
 
 def run(scene, *times, target=QUAD, **options):
@@ -63,7 +61,7 @@ CLOSED = [  # case, end, least and most correct digits of w and gamma
 
 @pytest.mark.parametrize(("name", "end", "least", "most"), CLOSED)
 def test_closed_forms_and_the_estimate(name, end, least, most):
-    scene = library.load(name)
+    scene = polhode.load(name)
     times = [Fraction(end, 7), Fraction(end)]
     motion = run(scene, *times)
     for i, t in enumerate(times):
@@ -136,9 +134,9 @@ def test_what_few_nodes_neglect_is_within_the_estimate_and_not_far_below():
     worst = []
     for scene in (
         asymmetric(),
-        library.load("kovalevskaya/generic"),
-        library.load("lagrange/spherical-pendulum"),
-        library.load("euler/dzhanibekov"),
+        polhode.load("kovalevskaya/generic"),
+        polhode.load("lagrange/spherical-pendulum"),
+        polhode.load("euler/dzhanibekov"),
     ):
         ends = [Fraction(k, 4) for k in range(1, 9)]
         true = run(scene, *ends, target=accuracy(40))
@@ -218,7 +216,7 @@ def test_a_body_that_hangs_at_rest_or_has_nothing_to_move_it():
 
 
 def test_no_estimate_where_the_motion_multiplies_errors_too_much():
-    motion = run(library.load("hard/chaotic-long"), 30, 330)
+    motion = run(polhode.load("hard/chaotic-long"), 30, 330)
     assert np.isfinite(motion.estimate.errors[0]).all()
     assert motion.estimate.kappa[1] > 1e14
     assert np.isinf(motion.estimate.errors[1]).all()
@@ -232,7 +230,7 @@ def test_no_estimate_where_the_motion_multiplies_errors_too_much():
     ],
 )
 def test_more_digits_by_the_closed_form(name, digits, end):
-    scene = library.load(name)
+    scene = polhode.load(name)
     motion = run(scene, end, target=accuracy(digits))
     errors = error(motion, scene, Fraction(end), digits=digits + 12)
     assert within(errors, motion)

@@ -9,8 +9,8 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 
+from polhode import Result
 from polhode.numbers import expression
-from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 
 ROOT = expression.number("sqrt(2)")

@@ -17,7 +17,7 @@ import pytest
 from invented import KINDS, Bare, Odd
 
 import polhode
-from polhode.common.errors import BadInput
+from polhode import BadInput
 from polhode.common.files import write_whole
 from polhode.results import writer
 from polhode.results.frames import needed

@@ -22,10 +22,9 @@ from polhode.output.description import describe
 from polhode.proofs import proved_chaos
 from polhode.proofs.proved_chaos import ProvedChaos
 from polhode.results.writer import ENDINGS
-from polhode.scenes.scene import even_times
 from polhode.verbs.catalogue import ROWS, VERBS
 from shared.results import EXAMPLES, TOP, prepare, verb_of, without_files
-from shared.tools import tiers
+from shared.tools import even_times, tiers
 
 GENERAL = "general/asymmetric-regular"
 VARY = {"start.omega[3]": "2:4:3"}

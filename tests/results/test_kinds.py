@@ -15,14 +15,15 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import Result, load_result
 from polhode.common.values import same
 from polhode.numbers.decimals import Ball
 from polhode.results import reader, writer
 from polhode.results.frames import written_facts, written_table
-from polhode.results.result import Result, Storable
+from polhode.results.result import Storable
 from polhode.results.table import RESERVED, Column, Content, Fact, Table
 from polhode.results.writer import as_json, document, files
-from polhode.runs.saved import Saved, load_result
+from polhode.runs.saved import Saved
 from shared.results import CERTIFIED, MAKERS, result_of_kind, watched
 from shared.tools import tiers
 

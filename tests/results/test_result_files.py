@@ -16,11 +16,11 @@ import pytest
 from invented import KINDS, TEXTS, Bare, Odd
 
 import polhode
+from polhode import Result
 from polhode.common.files import write_whole
 from polhode.results import writer
 from polhode.results.cells import type_of
 from polhode.results.reader import content_of
-from polhode.results.result import Result
 from polhode.results.table import Column, Content, Fact, Table
 from polhode.results.writer import ENDINGS
 

@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import Outcome
 from polhode.closed_forms.families import FAMILIES
-from polhode.motion.outcomes import Outcome
 from polhode.numbers import vectors
-from polhode.numbers.conversion import exactly
 from polhode.scenes import library
-from shared.tools import change_policy, tiers
+from shared.tools import case_names, change_policy, exactly, tiers
 
 BOTH = ("angles", "attitude")
 NUMBERS = ("double", "extended", "quad", "mp")
@@ -24,7 +23,7 @@ NUMBERS = ("double", "extended", "quad", "mp")
 FAMILY = {family.name for family in FAMILIES}
 CASES = [
     name
-    for name in library.names()
+    for name in case_names()
     if "outputs" in (library.folder() / f"{name}.toml").read_text()
     and polhode.load(name).outputs
     and (name.partition("/")[0] in FAMILY or polhode.reference(name).is_closed_form)

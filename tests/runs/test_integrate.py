@@ -20,13 +20,10 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.motion.outcomes import Outcome
+from polhode import Outcome
 from polhode.numbers import exact
-from polhode.numbers.conversion import exactly
-from polhode.numbers.number_types import DOUBLE
-from polhode.scenes import scene_file
-from shared.motions import heavy, heavy_file, in_other_units, same_bits
-from shared.tools import STEPPING, change_policy, tiers
+from shared.motions import heavy, heavy_file, in_other_units, same_bits, scene_of
+from shared.tools import DOUBLE, STEPPING, change_policy, exactly, tiers
 
 LONG = "euler/largest-axis"
 
@@ -57,7 +54,7 @@ def test_the_states_are_those_of_the_bare_integrator_bit_for_bit():
         [0.3, 0.4, 1.1, 2 / 7, 3 / 7, 6 / 7],
         pars=[-0.5, 2 / 3, -0.25],
     )
-    top = scene_file.parse(heavy_file("1000", samples=11, weight="0"))
+    top = scene_of(heavy_file("1000", samples=11, weight="0"))
     ours, theirs = (
         polhode.integrate(top, project=False),
         bare.propagate_grid(np.linspace(0, 1000, 11)),
@@ -109,7 +106,7 @@ POLE = {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1, "gamma": [0, 0, 
 @pytest.mark.parametrize(
     ("case", "options"),
     [
-        pytest.param(scene_file.parse(TURNED), {}, marks=pytest.mark.slow, id="turned, fast"),
+        pytest.param(scene_of(TURNED), {}, marks=pytest.mark.slow, id="turned, fast"),
         pytest.param(heavy("50", "1.1", STOPPING), {}, id="stopped"),
         pytest.param(heavy("2000"), {"max_steps": 400}, id="step limit"),
         pytest.param(

@@ -8,9 +8,9 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode.numbers.conversion import exactly
+from polhode import Body
 from polhode.numbers.vectors import scaled
-from polhode.scenes.body import Body
+from shared.tools import exactly
 
 
 def in_units(scene, mass, length, time):

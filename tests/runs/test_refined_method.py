@@ -11,15 +11,13 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import Event, Outcome
 from polhode.cli import main
-from polhode.motion.outcomes import Outcome
-from polhode.numbers.conversion import exactly
 from polhode.refined import compiled_field, refinement
 from polhode.refined.errors import Stalled
 from polhode.refined.refinement import refine
 from polhode.runs.options import refinement_pays
-from polhode.scenes.scene import Event
-from shared.tools import tiers
+from shared.tools import exactly, tiers
 
 SCENE = "kovalevskaya/generic"
 UNSTABLE = "hard/dzhanibekov-1e-12"

@@ -15,9 +15,8 @@ import pytest
 
 import polhode
 from polhode.numbers import number_types
-from polhode.numbers.conversion import exactly
 from shared.motions import heavy
-from shared.tools import tiers
+from shared.tools import exactly, tiers
 
 NAME, TIMES = "lagrange/nutation", [0, 1, 2, 5]
 

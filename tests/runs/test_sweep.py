@@ -18,12 +18,12 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode.equations import integrals
-from polhode.numbers.conversion import exactly, to_mpf
+from polhode.numbers.conversion import to_mpf
 from polhode.runs import members as sweep_plan
 from polhode.runs.members import fastest
-from polhode.scenes import members, scene_file, vary
-from shared.motions import free_file, heavy, heavy_file
-from shared.tools import change_policy, examples, tiers
+from polhode.scenes import members, vary
+from shared.motions import free_file, heavy, heavy_file, scene_of
+from shared.tools import change_policy, exactly, examples, tiers
 
 
 def worst(one, other) -> float:
@@ -88,7 +88,7 @@ SWEEPS = [
     (heavy("9"), {"start.gamma[1]": ["2/7"], "start.gamma[3]": ["6/7", "-6/7"]}),
     (LAGRANGE, {"start.omega[3]": "3.9:4.3:11"}),  # each lane has its own spin
     (polhode.top(moments=[1, 2, 3], **OMEGA, at=[0, 1, 3]), {"start.omega[1]": [0, "0.1"]}),
-    (scene_file.parse(MOMENTUM), {"start.omega[3]": [1, 3]}),  # members take the principal form
+    (scene_of(MOMENTUM), {"start.omega[3]": [1, 3]}),  # members take the principal form
     # turned axes: in columns, or from member to member
     *((MATRIX[x], {"start.omega[3]": "0.1:7:5"}) for x in INERTIA),
     (MATRIX["irrational"], {"start.omega[1]": ["1/3", -3, 0], "body.weight": "-2:2:3"}),
@@ -584,6 +584,6 @@ def test_no_attitude_is_made_up_where_a_member_did_not_come_or_has_no_vertical()
     there = np.isfinite(many.attitude[:, :, 0])
     assert there.tolist() == np.isfinite(many.states[:, :, 0]).tolist()
     assert there.sum() == 3
-    free = scene_file.parse(free_file("at = [0, 1]"), "top.toml")
+    free = scene_of(free_file("at = [0, 1]"), "top.toml")
     with pytest.raises(polhode.BadInput, match="attitude: expected a start with gamma"):
         _ = polhode.integrate_many(replace(free, gamma=None), {"start.omega[3]": [1]}).attitude

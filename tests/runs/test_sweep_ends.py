@@ -19,9 +19,9 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import Outcome
 from polhode.common import checkpoint
 from polhode.common.values import same
-from polhode.motion.outcomes import Outcome
 from polhode.taylor import batches
 from shared.motions import heavy
 from shared.tools import tiers

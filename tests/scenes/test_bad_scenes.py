@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.common.errors import BadInput
+from polhode import BadInput
 from polhode.scenes import scene_file
+from shared.motions import scene_of
 
 FREE = {"moments": [1, 2, 2.5], "omega": [0.1, 1, 0]}
 ROD = {"shape": "rod", "mass": 1, "height": 1}
@@ -125,7 +126,7 @@ BARE = [
 def test_an_expression_without_quotes_is_named(line, words):
     """An unclosed array, it said."""
     with pytest.raises(BadInput) as fault:
-        scene_file.parse(f"[start]\n{line}\n", "x.toml")
+        scene_of(f"[start]\n{line}\n", "x.toml")
     assert all(word in line_of(fault) for word in f"x.toml; {words}".split("; "))
 
 
@@ -312,7 +313,7 @@ FILES = [
 @pytest.mark.parametrize(("change", "words"), FILES, ids=[x[1][:40] for x in FILES])
 def test_a_refusal_names_key_value_and_what_was_expected(change, words):
     with pytest.raises(BadInput) as fault:
-        scene_file.parse(base(**change), "top.toml")
+        scene_of(base(**change), "top.toml")
     line = line_of(fault)
     assert line.startswith("top.toml: ")
     assert all(word in line for word in words.split("; ")), line

@@ -10,13 +10,13 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 import polhode
+from polhode import Body, Part
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.expression import number
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.vectors import Matrix, Vector, cross, dot
-from polhode.scenes.body import OWN_AXES, Body, UnphysicalBody, diagonal
-from polhode.scenes.shapes import Part
+from polhode.scenes.body import OWN_AXES, UnphysicalBody, diagonal
 from shared.members import rotation
 
 small = st.integers(-6, 6)

@@ -4,12 +4,13 @@ from fractions import Fraction
 
 import pytest
 
+import polhode
 from polhode.closed_forms.families import closed_forms
 from polhode.equations import integrals
 from polhode.motion.frame import Frame
 from polhode.scenes import body as classification
-from polhode.scenes import library
 from polhode.scenes.body import ClassicalTop, classical_top
+from shared.tools import case_names
 
 #: moments with the axis of C last, torque, what the body is.
 BODIES = [
@@ -53,8 +54,8 @@ def test_integrals_and_closed_forms_agree_with_the_finder():
         classification.KOVALEVSKAYA: ("kovalevskaya", integrals.KOVALEVSKAYA),
     }
     met = set()
-    for name in library.names():
-        scene = library.load(name)
+    for name in case_names():
+        scene = polhode.load(name)
         kind = classification.kind_of_body(scene.body)
         met.add(kind)
         if kind not in by_kind:

@@ -6,10 +6,11 @@ import pytest
 
 import polhode
 from polhode.scenes import library
+from shared.tools import case_names
 
 
 def test_every_name_ships():
-    assert all(map(library.ships, library.names()))
+    assert all(map(library.ships, case_names()))
 
 
 NO_NAMES = [
@@ -21,7 +22,7 @@ NO_NAMES = [
 
 @pytest.mark.parametrize("name", NO_NAMES)
 def test_what_is_no_name_is_refused(name):
-    assert name not in library.names()
+    assert name not in case_names()
     assert not library.ships(name)
     with pytest.raises(polhode.BadInput):
         polhode.load(name)

@@ -11,11 +11,11 @@ from hypothesis import example, given
 from hypothesis import strategies as some
 
 import polhode
-from polhode.common.errors import BadInput
+from polhode import BadInput, Scene
 from polhode.numbers.exact import sqrt
 from polhode.numbers.exact_sequences import ExactNumbers, spaced
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, Flat
-from polhode.scenes.scene import Scene, even_times
+from polhode.numbers.number_types import Flat
+from shared.tools import DOUBLE, EXTENDED, QUAD, even_times
 
 ENDS = [Fraction(1), Fraction(-7, 3), Fraction(1000), Fraction(10**30 + 1, 3), Fraction(1, 10**200)]
 

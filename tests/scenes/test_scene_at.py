@@ -8,7 +8,7 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode.scenes.scene import Scene
+from polhode import Scene
 
 
 @pytest.mark.parametrize("case", ["published/nasa-brick", "kovalevskaya/generic"])

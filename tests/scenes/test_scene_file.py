@@ -8,12 +8,13 @@ from pathlib import Path
 import pytest
 from test_bad_scenes import BASE, base
 
+from polhode import Scene
 from polhode.numbers import exact
 from polhode.numbers.exact import sign
 from polhode.numbers.expression import number
 from polhode.numbers.vectors import dot
 from polhode.scenes import scene_file
-from polhode.scenes.scene import Scene
+from shared.motions import scene_of
 
 FULL = """
 schema = 1
@@ -53,7 +54,7 @@ double = [11.0, 14.5]
 
 
 def test_every_key_of_the_contract_is_read() -> None:
-    scene = scene_file.parse(FULL, "full")
+    scene = scene_of(FULL, "full")
     assert scene.title == "Heavy top, generic motion"
     assert scene.tags == ("heavy", "hard")
     assert scene.cite == ("Kowalevski 1889",)
@@ -80,15 +81,15 @@ GAMMAS += ["['sqrt(1/3)', 'sqrt(1/3)', '-sqrt(1/3)']"]  # which is one, by the r
 @pytest.mark.parametrize("gamma", GAMMAS)
 def test_normalise_makes_gamma_a_unit_vector(gamma: str) -> None:
     normalise = "" if "1/3" in gamma else "\nnormalise = true"
-    scene = scene_file.parse(base(gamma=f"gamma = {gamma}{normalise}"))
+    scene = scene_of(base(gamma=f"gamma = {gamma}{normalise}"))
     assert dot(scene.gamma, scene.gamma) == 1
-    moved = scene_file.parse(base(omega="momentum = [2, 9, 'pi']", gamma=""))
+    moved = scene_of(base(omega="momentum = [2, 9, 'pi']", gamma=""))
     assert all(x == y for x, y in zip(moved.omega, (1, 3, exact.pi() / 4), strict=True))
     assert moved.columns == ("p", "q", "r")  # without a torque gamma may be left out
 
 
 def in_angles(angles: str, rates: str = "[0.4, -0.3, 0.7]") -> Scene:
-    return scene_file.parse(base(omega=f"angles = {angles}", gamma=f"rates = {rates}"))
+    return scene_of(base(omega=f"angles = {angles}", gamma=f"rates = {rates}"))
 
 
 def test_angles_and_rates_give_the_kinematic_equations() -> None:
@@ -114,12 +115,12 @@ def test_at_a_pole_phi_counts_as_psi(theta: str, sense: int) -> None:
 
 @pytest.mark.parametrize("at", ["[0]", "[0, 1]", "[-1, -2]", "[0, -1, '-pi']", "[1e-4000, 1]"])
 def test_times_away_from_zero_are_accepted(at: str) -> None:
-    assert scene_file.parse(base(end=f"at = {at}")).times[-1:]
+    assert scene_of(base(end=f"at = {at}")).times[-1:]
 
 
 @pytest.mark.parametrize("unit", ["1e-3000", "1e-30", "1", "1e30", "1e3000"])
 def test_scenes_in_any_units_are_accepted(unit: str) -> None:
-    scene = scene_file.parse(base(moments=f"moments = [2{unit[1:]}, 3{unit[1:]}, 4{unit[1:]}]"))
+    scene = scene_of(base(moments=f"moments = [2{unit[1:]}, 3{unit[1:]}, 4{unit[1:]}]"))
     assert scene.body.moments[0] == 2 * number(unit)
 
 

@@ -22,6 +22,11 @@ ASYMMETRIC = Body.of_moments(
 )
 
 
+def scene_of(text: str, name: str = "scene") -> Scene:
+    """The scene of a file's text."""
+    return scene_file.parse(text, name)
+
+
 def heavy_file(end: str = "20", spin: str = "1.1", samples: int = 5, weight: str = "1") -> str:
     """The scene file of a heavy body without any symmetry."""
     return (

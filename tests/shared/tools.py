@@ -1,4 +1,7 @@
-"""What tests of every room use: tiers, examples, policies, changed sources, answers of verbs."""
+"""What tests of every room use: tiers, examples, policies, changed sources, answers of verbs.
+
+Types of numbers and the exact value of a number come from here, so that a move is told once.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,12 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
+from polhode.numbers.conversion import exactly as exactly
+from polhode.numbers.number_types import DOUBLE as DOUBLE
+from polhode.numbers.number_types import EXTENDED as EXTENDED
+from polhode.numbers.number_types import QUAD as QUAD
+from polhode.numbers.number_types import mp as mp
+from polhode.scenes.scene import even_times as even_times
 from polhode.taylor import defaults
 
 

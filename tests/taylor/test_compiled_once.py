@@ -11,13 +11,10 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.motion.outcomes import Outcome
-from polhode.numbers.conversion import exactly
-from polhode.numbers.number_types import NumberType
-from polhode.scenes.scene import Event
+from polhode import Event, NumberType, Outcome
 from polhode.taylor import engine
 from polhode.taylor.engine import Pool
-from shared.tools import change_policy, tiers
+from shared.tools import change_policy, exactly, tiers
 
 NAME = "lagrange/nutation"
 CENTRES = {"free": [0, 0, 0], "on an axis": [0, 0, 1], "anywhere": ["1/3", "1/5", "1/7"]}

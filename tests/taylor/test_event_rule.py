@@ -11,14 +11,10 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.motion.outcomes import Outcome
-from polhode.numbers import number_types
-from polhode.numbers.conversion import exactly
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.scenes.scene import Event
-from shared.tools import tiers
+from polhode import Event, Outcome
+from shared.tools import DOUBLE, EXTENDED, QUAD, exactly, mp, tiers
 
-NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
+NUMBERS = [DOUBLE, EXTENDED, QUAD, mp(50)]
 
 
 def top(*events: Event, **keys: object) -> polhode.Scene:

@@ -15,10 +15,9 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.motion.outcomes import Outcome
-from polhode.numbers.number_types import DOUBLE
+from polhode import Outcome
 from shared.event_windows import NAMES, TEXTS, Sized, Truth, Window, rates, value, windows
-from shared.tools import tiers
+from shared.tools import DOUBLE, tiers
 
 U = {"double": 2.0**-53, "extended": 2.0**-64, "quad": 2.0**-113}
 

@@ -12,17 +12,15 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import Event, Outcome
 from polhode.cli import main
-from polhode.motion.outcomes import Outcome
-from polhode.numbers import number_types
-from polhode.numbers.conversion import exactly, to_mpf
+from polhode.numbers.conversion import to_mpf
 from polhode.numbers.mpmath_context import mpmath
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.scenes import scene_file, vocabulary
-from polhode.scenes.scene import Event
-from shared.tools import change_policy, tiers
+from polhode.scenes import vocabulary
+from shared.motions import scene_of
+from shared.tools import DOUBLE, EXTENDED, QUAD, change_policy, exactly, mp, tiers
 
-NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
+NUMBERS = [DOUBLE, EXTENDED, QUAD, mp(50)]
 BITS = 240
 
 EULER = "euler/largest-axis"
@@ -337,14 +335,14 @@ name = "section:gamma3 - 0.9"
 
 
 def test_scene_files_may_leave_the_zero_of_a_ready_made_event_out():
-    scene = scene_file.parse(FILE)
+    scene = scene_of(FILE)
     assert [event.expression for event in scene.events] == [
         *("p*gamma2 - q*gamma1", None, "gamma3 - 0.9")
     ]
-    own = scene_file.parse(FILE.replace('"flip"', '"flip"\nzero = "p"'))
+    own = scene_of(FILE.replace('"flip"', '"flip"\nzero = "p"'))
     assert own.events[1].expression == "p"
     with pytest.raises(polhode.BadInput, match=r"events\[2\].zero: .*mean 'flip'"):
-        scene_file.parse(FILE.replace('"flip"', '"flop"'))
+        scene_of(FILE.replace('"flip"', '"flop"'))
 
 
 def test_the_command_line_prints_events_and_a_stop_is_success(tmp_path, capsys):

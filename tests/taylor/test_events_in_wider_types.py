@@ -8,8 +8,7 @@ import mpmath
 import pytest
 
 import polhode
-from polhode.motion.outcomes import Outcome
-from polhode.scenes.scene import Event
+from polhode import Event, Outcome
 from polhode.scenes.vocabulary import value
 from shared.tools import tiers
 

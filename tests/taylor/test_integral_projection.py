@@ -10,14 +10,12 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import Event
 from polhode.cli import main
-from polhode.numbers.conversion import exactly
-from polhode.numbers.number_types import DOUBLE
-from polhode.scenes.scene import Event
 from polhode.taylor import projection
 from polhode.taylor.motion import Motion
 from polhode.taylor.projection import Projector
-from shared.tools import change_policy, tiers
+from shared.tools import DOUBLE, change_policy, exactly, tiers
 
 STANDING = ("lagrange/sleeping-unstable",)  # no step is taken
 TOPS = ("euler/largest-axis", "lagrange/nutation", "kovalevskaya/generic")

@@ -6,7 +6,7 @@ import heyoka as hy
 import numpy as np
 import pytest
 
-from polhode.motion.outcomes import Outcome
+from polhode import Outcome
 from polhode.taylor import batches
 
 END, LIMIT = Outcome.REACHED_END, Outcome.STEP_LIMIT

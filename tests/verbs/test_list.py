@@ -10,11 +10,12 @@ import pytest
 from polhode.cli import main
 from polhode.output.cases import entry_of
 from polhode.scenes import library
+from shared.tools import case_names
 
 
 @pytest.mark.slow
 def test_the_catalogue_is_of_the_files_as_they_are():
-    again = {name: entry_of(name) for name in library.names()}
+    again = {name: entry_of(name) for name in case_names()}
     maker = "python tests/measure/catalogue.py"
     assert library.written(again) == (library.folder() / library.FILE).read_text("utf-8"), maker
 

@@ -8,9 +8,11 @@ from dataclasses import replace
 
 import pytest
 
+import polhode
 from polhode.cli import main
 from polhode.output import new_scene
-from polhode.scenes import library, scene_file, vocabulary
+from polhode.scenes import vocabulary
+from shared.motions import scene_of
 
 
 @pytest.mark.parametrize(
@@ -23,9 +25,9 @@ from polhode.scenes import library, scene_file, vocabulary
     ],
 )
 def test_a_commented_case_is_the_case(case):
-    scene = library.load(case)
+    scene = polhode.load(case)
     text = new_scene.commented(scene.source)
-    assert replace(scene_file.parse(text, scene.name), source="") == replace(scene, source="")
+    assert replace(scene_of(text, scene.name), source="") == replace(scene, source="")
     lines = [line for line in text.splitlines() if line not in scene.source.splitlines()]
     assert lines
     assert all(line.startswith("# ") for line in lines)
@@ -44,7 +46,7 @@ def test_a_solid_is_a_scene_in_si(options, moment, tmp_path, capsys):
     path = tmp_path / "top.toml"
     assert main(["new", str(path), *options]) == 0
     assert f"polhode run {path}" in capsys.readouterr().out
-    scene = library.load(path)
+    scene = polhode.load(path)
     assert scene.units == "SI"
     if moment is not None:
         assert float(scene.body.moments[2]) == pytest.approx(moment, rel=1e-14)

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 import polhode
+from polhode import Result
 from polhode.cli import main
 from polhode.common.errors import counted
 from polhode.common.interrupts import ProgressLine
-from polhode.results.result import Result
 from polhode.results.table import Fact, Table
 from polhode.verbs.catalogue import Verb
 from polhode.verbs.deliver import Places

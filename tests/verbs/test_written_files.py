@@ -17,10 +17,9 @@ from pathlib import Path
 import pytest
 
 import polhode
-from polhode import cli
+from polhode import BadInput, cli
 from polhode.common import checkpoint, files
 from polhode.common.checkpoint import JobCheckpoint
-from polhode.common.errors import BadInput
 from polhode.numbers.expression import decimal
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
 from shared.motions import free_file
