@@ -35,7 +35,7 @@ COUNTS = {
     **dict.fromkeys(("scene", "call", "any result"), 6000),
     **dict.fromkeys(("toml", "command", "body"), 2000),
     "table": 1000,
-    **dict.fromkeys(("pieces", "event"), 500),
+    "event": 500,
     "proof": 50,
 }
 EXTREME = 100  # scenes of each kind

@@ -134,23 +134,15 @@ def test_digits_are_the_same_in_any_unit_of_time():
     assert (second.digits == plain.digits).all()
 
 
-def test_the_verb_tells_them(tmp_path, capsys):
-    file = tmp_path / "s.npz"
+def test_the_verb_tells_them(capsys):
     command = ["section", "general/asymmetric-chaotic", "--starts", "scene", "--crossings", "80"]
     assert main([*command, "--json"]) == 0
     printed = capsys.readouterr()
     content = json.loads(printed.out)
-    digits = content["columns"]["digits_expected"]
-    assert len(digits) == 80
     (first,) = content["orbits"]["none_left_from"]
+    digits = content["columns"]["digits_expected"]
     assert digits[first - 1] < 1 <= digits[first - 2]
     assert f"no digits are left from crossing {first} on in 1 of 1 orbits" in printed.err
-    assert main([*command, "-o", str(file)]) == 0
-    with np.load(file) as arrays:
-        assert arrays["digits_expected"].tolist() == digits
-        assert arrays["orbits.none_left_from"].tolist() == [first]
-        assert arrays["orbits.start_p"].shape == (1,)
-    capsys.readouterr()
     assert main(["section", "lagrange/nutation", "--grid", "2x1", "--crossings", "3"]) == 0
     printed = capsys.readouterr()
     names = ["orbit", "crossing", "t", "l", "L_over_G", "digits_expected"]

@@ -18,7 +18,6 @@ from shared.motions import scene_of
 
 FIVE = [0.5, 1.0, 1.7, 2.3, 3.1]
 STEP = 0.1
-CHAOTIC = "general/asymmetric-chaotic"
 
 
 def cosines(rates, t):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import deque
 from fractions import Fraction
 
@@ -13,7 +12,6 @@ from flint import arb
 
 import polhode
 from polhode import Body
-from polhode.cli import main
 from polhode.dynamics.exact_levels import RationalBody, between, region, regions_between
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import rational
@@ -176,16 +174,6 @@ def region_on_a_grid(top, h, f):
     return tuple(sorted(parts(label != k)[1] for k in range(1, count + 1)))
 
 
-FS = {
-    "generic": ("1", "19/10", "5/2"),
-    "one plane": ("3/2", "9/4"),
-    "one axis": ("1", "3"),
-    "kovalevskaya": ("1", "5/2"),
-    "lagrange": ("1/2", "3"),
-    "euler": ("2",),
-}
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "f"), [("generic", "1"), ("one axis", "3")])
 def test_regions_by_counting_on_a_grid(name, f):
@@ -222,38 +210,6 @@ def test_on_a_bifurcation_there_is_no_region():
 
 
 # -- the verb --------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_levels_as_json(capsys):
-    assert main(["levels", "general/asymmetric-chaotic", "--json"]) == 0
-    printed = json.loads(capsys.readouterr().out)
-    assert printed["region"] == [1]
-    assert printed["topology"] == "S3"
-    marks, arcs = printed["marks"], printed["arcs"]
-    cusp = marks["parameter"][marks["kind"].index("cusp")]
-    assert cusp.startswith("1.2627626270")
-    assert len(cusp) > 35
-    assert {*arcs["type"]} == {*("centre-centre", "centre-saddle", "focus-focus", "saddle-saddle")}
-    points = printed["columns"]
-    assert len(points["f"]) == len(points["h"])
-    assert min(points["arc"].count(arc) for arc in arcs["arc"]) > 200
-
-
-@pytest.mark.slow
-def test_levels_as_figure_and_arrays(tmp_path, capsys):
-    pytest.importorskip("matplotlib")
-    figure, file = tmp_path / "levels.svg", tmp_path / "levels.npz"
-    arguments = ["levels", "lagrange/nutation"]
-    assert main([*arguments, "--f-range", "-1:3", "-o", str(figure)]) == 0
-    assert "focus-focus" in figure.read_text()
-    assert "S²×S¹" in figure.read_text()
-    assert main([*arguments, "-o", str(file)]) == 0
-    with np.load(file) as arrays:
-        assert arrays["f"].shape == arrays["h"].shape == arrays["arc"].shape
-    assert capsys.readouterr().out.count("fourth integral  L = 2.05") == 2
-    assert main(arguments) == 0
-    assert "fourth integral  L = 2.05" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("f", tiers(["1e3", "1e19"], ["1e16"]))

@@ -10,7 +10,7 @@ from polhode.cli import main
 from polhode.dynamics.frequencies import Frequencies
 from polhode.figures import catalogue
 from polhode.results.reader import KINDS
-from shared.results import MAKERS, result_of_kind
+from shared.results import result_of_kind
 from shared.tools import tiers
 
 plt = pytest.importorskip("matplotlib.pyplot")
@@ -36,14 +36,6 @@ def test_every_kind_has_figures_or_is_known_to_have_none():
     drawn = set(catalogue.FIGURES) - {"Certified", "Reference"}
     assert drawn | WITHOUT == set(KINDS)
     assert not drawn & WITHOUT
-
-
-FROM_COLUMNS = [
-    name
-    for name in MAKERS
-    if name.split()[0] not in {*WITHOUT, "Trajectory", "Textbook", "ProvedChaos", "Frequencies"}
-    and name != "Orbit to 5 digits"  # whose file has these digits alone
-]
 
 
 @pytest.mark.parametrize(

@@ -317,23 +317,18 @@ def test_a_film_shows_the_motion_to_its_end(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "end", "turns"), [("pendulum/librating", 40, 4)])
-def test_a_film_ends_where_the_motion_is_back_at_its_start(
-    tmp_path, monkeypatch, capsys, name, end, turns
-):
-    """A pendulum's as many whole periods as there are; of a top that comes never back, not."""
+def test_a_film_ends_where_the_motion_is_back_at_its_start(tmp_path, monkeypatch, capsys):
+    """A pendulum's as many whole periods as there are."""
     monkeypatch.setattr(film, "FRAMES", 6)
     path = tmp_path / "x.gif"
-    command = ["plot", name, "--what", "motion", "--end", str(end), "-o", str(path)]
+    name = "pendulum/librating"
+    command = ["plot", name, "--what", "motion", "--end", "40", "-o", str(path)]
     assert main([*command, "--json"]) == 0
     out, err = capsys.readouterr()
     back = json.loads(out)["to"]
-    assert ("the motion is as at t = 0," in err) == (turns > 0)
-    if turns == 0:
-        assert back == end
-        return
+    assert "the motion is as at t = 0," in err
     period = float(polhode.reference(name).period)
-    assert back / period == pytest.approx(turns, abs=1e-4)
+    assert back / period == pytest.approx(4, abs=1e-4)
     first, *_, last = gif_pictures(path)
     assert np.any(first[20:] != last[20:])  # below the title: the one before the first
 

@@ -238,16 +238,13 @@ def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("quantity", ["hodographs"])
-def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, quantity):
+def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path):
     path, times = tmp_path / "run.csv", ",".join(f"{k}/10" for k in range(101))
     command = ["run", TOP, "--at", times, "--outputs", "angles,attitude", "-o", str(path)]
     assert main(command) == 0
-    own = [] if quantity in ("angles", "hodographs", "sphere") else ["--scene", TOP]
-    own += ["--number", "double"] if own else []
-    drawn = texts(plotted(tmp_path, str(path), "--what", quantity, *own))
+    drawn = texts(plotted(tmp_path, str(path), "--what", "hodographs"))
     assert drawn
-    theirs = texts(plotted(tmp_path, TOP, "--what", quantity, "--end", "10", name="y.svg"))
+    theirs = texts(plotted(tmp_path, TOP, "--what", "hodographs", "--end", "10", name="y.svg"))
     assert [text.replace("third axis", "centre of mass") for text in drawn] == theirs
 
 
@@ -260,12 +257,11 @@ def test_a_file_with_the_space_hodograph_needs_no_attitude(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("suffix", [".svg"])
-def test_the_same_motion_gives_the_same_bytes(tmp_path, suffix):
+def test_the_same_motion_gives_the_same_bytes(tmp_path):
     arguments = (TOP, "--what", "angles", "--end", "3")
-    first = plotted(tmp_path, *arguments, name=f"a{suffix}").read_bytes()
-    assert first == plotted(tmp_path, *arguments, name=f"b{suffix}").read_bytes()
-    assert first.startswith({".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}[suffix])
+    first = plotted(tmp_path, *arguments, name="a.svg").read_bytes()
+    assert first == plotted(tmp_path, *arguments, name="b.svg").read_bytes()
+    assert first.startswith(b"<?xml")
     assert len(first) < 500_000
 
 

@@ -1,4 +1,4 @@
-"""Files of polhode's own that somebody changed, as strategies: results, runs, finished pieces."""
+"""Files of polhode's own that somebody changed, as strategies: results and runs."""
 
 from __future__ import annotations
 
@@ -6,22 +6,17 @@ import copy
 import functools
 import io
 import json
-import shutil
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 from hypothesis import strategies as st
 
 import polhode
 from fuzz import values
 from fuzz.cases import Case, mangled, of, several
-from polhode import cli
-from polhode.common import checkpoint
-from polhode.common.checkpoint import Checkpoint
 from polhode.results.writer import beside
 from polhode.runs.saved import Saved
 from shared.results import CERTIFIED, result_of_kind
@@ -125,65 +120,3 @@ def result(draw: st.DrawFn, names: Sequence[str]) -> Case:
     beside_it = {"x.csv": b"t\n0\n"} if suffix == ".csv" else {}
     files = {f"x{suffix}".replace(".csv", ".csv.json"): text} | beside_it
     return Case(name, files, lambda: use_result(f"x{suffix}"))
-
-
-# -- finished pieces of a verb's work --------------------------------------------------------------
-
-KEEPERS = {
-    "sweep": "sweep top.toml --vary start.omega[3]=1:2:40 --workers 1",
-    "section": "section general/asymmetric-regular --grid 2x2 --crossings 3 --workers 1",
-    "map": "map lagrange/nutation --grid 2x2 --end 10 --workers 1",
-}
-
-
-def whole(path: Path) -> dict[str, Any]:
-    """The arrays of a result, but for what tells of its run."""
-    return {name: x.tolist() for name, x in unpacked(path.read_bytes()).items() if name != "about"}
-
-
-@functools.cache
-def pieces(verb: str) -> tuple[dict[str, bytes], dict[str, Any]]:
-    """The pieces that a verb keeps until it ends, by name, and what it gives."""
-    path = Path(f"{verb}.npz")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(checkpoint, "EVERY", 0.0)
-        patch.setattr(Checkpoint, "remove", Checkpoint.release)
-        assert cli.main([*KEEPERS[verb].split(), "-o", str(path), "--json"]) == 0
-    folder = Path(f"{path}.parts")
-    files = {piece.name: piece.read_bytes() for piece in folder.iterdir()}
-    shutil.rmtree(folder)
-    return files, whole(path)
-
-
-@st.composite
-def pieces_found(draw: st.DrawFn) -> Case:
-    """A verb that finds pieces of before, one of them changed, and ends as if undisturbed."""
-    verb = draw(of(KEEPERS))
-    files, right = pieces(verb)
-    files, name = dict(files), draw(of(sorted(files)))
-    turn = draw(st.integers(0, 9))
-    if turn < 3 or name == "manifest.json":
-        files[name] = draw(mangled(files[name]))
-    elif turn < 5:
-        files[name] = files[draw(of(sorted({*files} - {"manifest.json"})))]
-    elif turn < 6:
-        del files[name]
-    else:
-        files[name] = draw(arrays_changed(files[name]))
-    other_work = files.get("manifest.json") != pieces(verb)[0]["manifest.json"]
-
-    def again() -> None:
-        folder = Path(f"folder/in/{verb}.npz.parts")
-        shutil.rmtree(folder, ignore_errors=True)
-        folder.mkdir()
-        for piece, text in files.items():
-            (folder / piece).write_bytes(text)
-        code = cli.main([*KEEPERS[verb].split(), "-o", f"folder/in/{verb}.npz", "--json"])
-        if code == 2 and other_work:  # of another work: refused, and left as it is
-            assert {piece.name for piece in folder.iterdir()} == {*files}
-            return
-        assert code == 0
-        assert whole(Path(f"folder/in/{verb}.npz")) == right, "another result"
-        assert not folder.exists()
-
-    return Case(f"{verb}: {name}", {}, again)

@@ -16,7 +16,7 @@ from polhode.output import description
 
 #: How many cases of each class are tried.
 COUNTS = {"scene": 40, "call": 75, "toml": 20, "table": 10, "command": 20}
-COUNTS |= {"result": 20, "pieces": 8, "body": 15, "event": 5, "proof": 3}
+COUNTS |= {"result": 20, "body": 15, "event": 5, "proof": 3}
 SWEEP = "sweep x.toml --vary start.omega[3]=1:2:2 --workers 1"
 
 

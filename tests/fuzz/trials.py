@@ -34,7 +34,6 @@ CLASSES = {
     "command": cases.command(),
     "result": changed_files.result(QUICK_RESULTS),
     "any result": changed_files.result([*MAKERS]),
-    "pieces": changed_files.pieces_found(),
     "body": motions.body(),
     "event": motions.event(),
     "proof": motions.proof(),

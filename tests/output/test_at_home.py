@@ -6,7 +6,6 @@ import logging
 import re
 import sys
 import time
-import warnings
 from dataclasses import replace
 from itertools import count
 
@@ -16,7 +15,7 @@ import pytest
 
 import polhode
 from polhode.common.interrupts import bar
-from shared.tools import exactly, tiers
+from shared.tools import tiers
 
 TOP = "lagrange/nutation"
 
@@ -26,54 +25,6 @@ def a_run(number="double", **how):
     scene = polhode.load(TOP).at([0, 0.5, 1, 2])
     scene = replace(scene, events=(polhode.Event("nutation"),))
     return polhode.integrate(scene, number, **how)
-
-
-@pytest.mark.parametrize("number", tiers(["double", "quad"], ["extended"]))
-def test_a_saved_run_loads_again_with_every_digit_and_callable(tmp_path, number):
-    run = a_run(number, method="taylor")
-    path = tmp_path / "run.npz"
-    run.save(path)
-    again = polhode.load_run(path)
-    assert again == run
-    assert again.scene == run.scene
-    assert again.drift == run.drift
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        between = again(np.float64(1.25))
-    assert [exactly(x) for x in between] == [exactly(x) for x in run(1.25)]
-
-
-def test_a_projected_run_is_made_once_more_as_it_was(tmp_path):
-    run = polhode.integrate("kovalevskaya/generic", at=[600])
-    assert run.projection.count > 0
-    run.save(tmp_path / "run.npz")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        between = polhode.load_run(tmp_path / "run.npz")(599.5)
-    assert list(between) == list(run(599.5))
-
-
-@pytest.mark.parametrize(
-    ("scene", "how"),
-    [
-        ("euler/long", {"max_steps": 50}),
-        ("lagrange/nutation", {"at": [1, 2], "max_steps": 2}),  # no output: states of no rows
-        ("lagrange/nutation", {"number": "quad", "at": [1, 2], "max_steps": 2}),
-        ("lagrange/upper-pole", {"at": [0, 1]}),
-        ("euler/largest-axis", {"digits": 20, "at": [1, 2]}),
-        # more digits than a number of a scene file may have, a tolerance below all doubles
-        ("euler/sphere", {"digits": 350, "at": ["1e-3000"]}),
-        (polhode.top(moments=[1, 2, 2.5], omega=[1, 0.1, 0], end=1), {}),
-    ],
-)
-def test_runs_of_every_kind_are_archived(scene, how, tmp_path):
-    run = polhode.integrate(scene, **how)
-    run.save(tmp_path / "run.npz")
-    again = polhode.load_run(tmp_path / "run.npz")
-    assert again == run
-    assert np.shape(again.states) == np.shape(run.states)
-    with np.load(tmp_path / "run.npz", allow_pickle=False) as file:
-        assert all(file[name].dtype != object for name in file.files)
 
 
 def test_a_run_that_is_not_found_again_to_the_bit_says_so(tmp_path):

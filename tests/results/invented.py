@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
+from pathlib import Path
 
 import mpmath
 import numpy as np
 
 from polhode import Result
 from polhode.numbers import expression
-from polhode.results.table import Column, Fact, Table
+from polhode.results.reader import content_of
+from polhode.results.table import Column, Content, Fact, Table
 
 ROOT = expression.number("sqrt(2)")
 TEXTS = ['a,"b"\nc', "", "é#;", "c\rd"]
@@ -88,3 +90,8 @@ class Bare(Result):
 
 
 KINDS = ("Odd", "Bare")
+
+
+def content_at(path: Path) -> Content:
+    """What a file of one of them says."""
+    return content_of(path, KINDS)

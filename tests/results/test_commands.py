@@ -79,26 +79,11 @@ COMMANDS = {without_files(EXAMPLES[verb]): same for verb, same in SAME.items()} 
 DRAWN = [
     *(f"{x} -o x.svg" for x in COMMANDS if verb_of(x).figure_options is not None),
 ]
+QUICK = ["run top.toml --samples 51", "run lagrange/nutation --number quad --at 1"]
 CERTIFICATES = ("certify", "prove orbit grioli", "prove stability")
 
 
-@pytest.mark.parametrize(
-    "command",
-    tiers(
-        ["run top.toml --samples 51", "run lagrange/nutation --number quad --at 1"],
-        [
-            *("list --tag chaotic", "reference euler/separatrix --at 1 --digits 40"),
-            "compare top.csv top.toml",
-            "order coarse.csv fine.csv lagrange/nutation --steps 0.02,0.01",
-            *("levels general/asymmetric-regular", "orbit grioli/precession --digits 20"),
-            "orbits general/asymmetric-regular --grid 4x4 --crossings 1",
-            "prove orbits general/asymmetric-regular --grid 4x4 --crossings 1",
-            "prove stability general/asymmetric-regular",
-            "frequencies lagrange/nutation --of gamma3 --end 50",
-            "run lagrange/nutation --digits 20 --at 1 --no-prove",
-        ],
-    ),
-)
+@pytest.mark.parametrize("command", tiers(QUICK, [x for x in COMMANDS if x not in QUICK]))
 def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
     command, tmp_path, monkeypatch, capsys
 ):
@@ -132,14 +117,7 @@ def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "command",
-    [
-        "run top.toml --samples 51 -o x.svg",
-        DRAWN[6],
-        "frequencies lagrange/nutation --of gamma3 --end 50 -o x.svg",
-    ],
-)
+@pytest.mark.parametrize("command", [DRAWN[0], DRAWN[6], DRAWN[-1]])
 def test_a_command_draws_its_result_and_prints_what_the_figure_has_not(
     command, tmp_path, monkeypatch, capsys
 ):

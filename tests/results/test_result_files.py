@@ -13,14 +13,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from invented import KINDS, TEXTS, Bare, Odd
+from invented import TEXTS, Bare, Odd, content_at
 
 import polhode
 from polhode import Result
+from polhode.cli import main
 from polhode.common.files import write_whole
+from polhode.numbers.decimals import Ball
+from polhode.numbers.exact import sqrt
 from polhode.results import writer
 from polhode.results.cells import type_of
-from polhode.results.reader import content_of
+from polhode.results.shown import cells, lines
 from polhode.results.table import Column, Content, Fact, Table
 from polhode.results.writer import ENDINGS
 
@@ -35,7 +38,7 @@ def written(content: Content, path: Path) -> dict[Path, bytes]:
 
 def read(content: Content, path: Path) -> Content:
     write_whole(written(content, path))
-    return content_of(path, KINDS)
+    return content_at(path)
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
@@ -177,7 +180,7 @@ def test_an_unknown_ending_is_refused_before_anything(tmp_path: Path) -> None:
         with pytest.raises(polhode.BadInput, match=r"a name that ends in .*\.csv"):
             Odd().save(tmp_path / name)
         with pytest.raises(polhode.BadInput, match=r"a name that ends in .*\.csv"):
-            content_of(tmp_path / name, KINDS)
+            content_at(tmp_path / name)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -227,3 +230,101 @@ def test_a_file_tells_no_time_of_day() -> None:
     data = io.BytesIO(writer.files(Odd().content(), path)[path])
     with zipfile.ZipFile(data) as packed:
         assert {part.date_time for part in packed.infolist()} == {(1980, 1, 1, 0, 0, 0)}
+
+
+# -- What a result may replace: nothing, or an unchanged file of a result of its kind --------------
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {x.name: x.read_bytes() for x in folder.iterdir()}
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_result_replaces_its_own_kind_alone(ending: str, tmp_path: Path) -> None:
+    if ending == ".parquet":
+        pytest.importorskip("pyarrow")
+    path = tmp_path / f"x{ending}"
+    path.write_bytes(b"")  # an empty file is nothing
+    Odd(2).save(path)
+    Odd(3).save(path)
+    before = contents(tmp_path)
+    with pytest.raises(polhode.BadInput, match="another name: it holds a result Odd"):
+        Bare().save(path)
+    assert contents(tmp_path) == before
+    path.write_bytes(b"t,x\n1,2\n")
+    changed = contents(tmp_path)
+    with pytest.raises(polhode.BadInput, match="another name: "):
+        Odd(3).save(path)
+    assert contents(tmp_path) == changed
+
+
+def test_facts_that_are_somebody_s_are_not_replaced(tmp_path: Path) -> None:
+    path = tmp_path / "x.csv"
+    beside = writer.beside(path)
+    beside.write_text('{"a": 1}')
+    with pytest.raises(polhode.BadInput, match=r"x\.csv\.json: .* polhode did not write it"):
+        Odd().save(path)
+    assert not path.exists()
+    beside.unlink()
+    Odd().save(path)
+    path.unlink()  # of a table that is gone the facts are replaced
+    Odd(1).save(path)
+    path.unlink()
+    with pytest.raises(polhode.BadInput, match="it holds a result Odd"):
+        Bare().save(path)
+
+
+def test_the_name_of_a_table_s_facts_is_no_result_s(tmp_path: Path) -> None:
+    """A result there would take the facts from a table that is whole."""
+    Odd().save(tmp_path / "x.csv")
+    before = contents(tmp_path)
+    with pytest.raises(polhode.BadInput, match=r"another name: this is of the facts of x\.csv"):
+        Odd().save(tmp_path / "x.csv.json")
+    assert contents(tmp_path) == before
+    names = ["x.csv", "x.csv.json"]
+    for verb in ("run", "certify"):
+        places = [word for name in names for word in ("-o", str(tmp_path / name))]
+        assert main([verb, "lagrange/nutation", "--at", "1", *places]) == 2
+    assert contents(tmp_path) == before
+
+
+def test_json_that_is_cut_is_ours_still(tmp_path: Path) -> None:
+    """What was cut, by a full disk, can be written again."""
+    path = tmp_path / "x.json"
+    Odd().save(path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[:500])
+    Odd().save(path)
+    assert path.read_bytes() == whole
+
+
+# -- Tables as a terminal shows them: rounded as their columns say, never beyond what is known -----
+
+THIRD = Fraction(1, 3)
+
+
+@pytest.mark.parametrize(
+    ("column", "shown"),
+    [
+        (Column("x", [0.1, float("nan"), -2.5e-9]), ["0.1", "", "-2.5e-09"]),
+        (Column("x", np.array([1 / 3, 0.0]), digits=17), ["0.33333333333333331", "0"]),
+        (Column("x", [1.0, None], digits=17), ["1.0000000000000000", ""]),
+        (Column("x", [THIRD, Fraction(1, 8), Fraction(3)], digits=15), ["1/3", "0.125", "3"]),
+        (Column("x", [Fraction(10**8, 10**7 + 1), Fraction(1, 3 * 10**9)]), ["10", "3.33333e-10"]),
+        (Column("x", [Fraction(1, 10**7), None], type="exact"), ["1e-07", ""]),
+        (Column("x", [sqrt(Fraction(2))], digits=12), ["1.41421356237"]),
+        (Column("x", np.array([1], np.longdouble), digits=5), ["1.0000"]),
+        (Column("x", [Ball(THIRD, 1e-4), None]), ["0.333", ""]),
+        (Column("x", [3, 10**6]), ["3", "1000000"]),
+        (Column("x", [True, False]), ["true", "false"]),
+        (Column("x", ["a", ""]), ["a", ""]),
+    ],
+)
+def test_cells_are_rounded_and_empty_where_there_is_no_number(column, shown):
+    assert cells(Table([column])) == (["x"], [[x] for x in shown])
+
+
+def test_a_column_of_no_digits_is_not_shown_and_no_rows_are_a_header():
+    table = Table([Column("x", [1.5]), Column("y", [2.5], digits=0), Column("z", ["u\x1b"])])
+    assert lines(table) == ["x    z", "1.5  u?"]
+    assert lines(Table([Column("x", []), Column("name", [], type="text")])) == ["x  name"]

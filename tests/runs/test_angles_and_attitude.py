@@ -11,23 +11,10 @@ import pytest
 
 import polhode
 from polhode import Outcome
-from polhode.closed_forms.families import FAMILIES
 from polhode.numbers import vectors
-from polhode.scenes import library
-from shared.tools import case_names, change_policy, exactly, tiers
+from shared.tools import change_policy, exactly, tiers
 
 BOTH = ("angles", "attitude")
-NUMBERS = ("double", "extended", "quad", "mp")
-
-#: The folder of a family holds what has that closed form: see ``checks/test_regression.py``.
-FAMILY = {family.name for family in FAMILIES}
-CASES = [
-    name
-    for name in case_names()
-    if "outputs" in (library.folder() / f"{name}.toml").read_text()
-    and polhode.load(name).outputs
-    and (name.partition("/")[0] in FAMILY or polhode.reference(name).is_closed_form)
-]
 
 
 def scene(name, at, outputs=BOTH, **changes):

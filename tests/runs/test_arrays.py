@@ -433,15 +433,6 @@ def test_a_sweep_of_arrays_is_saved_as_it_is_also_one_of_nothing(tmp_path):
         assert np.array_equal(states.T, many.states.reshape(-1, 6))
 
 
-def test_extended_arrays_stay_extended():
-    rows = starts(9, kind=np.longdouble)
-    many = polhode.integrate_many(scene(), starts=rows, at=[0, 2], number="extended")
-    assert np.array_equal(many.states[:, 0], rows)
-    go = polhode.propagator(scene(), number="extended")
-    assert np.abs(go(rows, t=2.0) - many.states[:, 1]).max() < 64 * float(many.number.eps)
-    assert many.states.dtype == np.longdouble
-
-
 def test_reductions_take_arrays_too():
     rows = starts(30)
     columns = {"start.omega": rows[:, :3], "start.gamma": rows[:, 3:]}

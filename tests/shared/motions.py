@@ -60,14 +60,19 @@ def asymmetric(
 
 
 def in_other_units(scene: Scene, exponent: int) -> Scene:
-    """Time times 2**exponent, mass times 2**(2 exponent + 5): the same numbers but for a shift."""
+    """Time times 2**exponent, mass times 2**(2 exponent + 5), length times 2**(1 - exponent).
+
+    The numbers are the same but for a shift.
+    """
     body, stretch, mass = scene.body, Fraction(2) ** exponent, Fraction(2) ** (2 * exponent + 5)
+    length = Fraction(2) ** (1 - exponent)
     return replace(
         scene,
         body=replace(
             body,
-            inertia=tuple(tuple(mass * x for x in row) for row in body.inertia),
-            weight=body.weight * mass / stretch**2,
+            inertia=tuple(tuple(mass * length**2 * x for x in row) for row in body.inertia),
+            centre=tuple(length * x for x in body.centre),
+            weight=body.weight * mass * length / stretch**2,
         ),
         omega=tuple(x / stretch for x in scene.omega),
         times=tuple(t * stretch for t in scene.times),

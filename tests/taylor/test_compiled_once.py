@@ -74,15 +74,6 @@ def test_another_body_of_a_pattern_compiles_nothing(number, centre):
     assert list(first.states[0]) != list(second.states[0])
 
 
-def test_with_corrections_and_attitude_neither():
-    first, second = (top(**never_seen(), outputs=["attitude", "angles"], end=300) for _ in "ab")
-    polhode.integrate(first)
-    size = hy.llvm_state.get_memcache_size()
-    run = polhode.integrate(second)
-    assert run.projection.count > 0
-    assert hy.llvm_state.get_memcache_size() == size
-
-
 @pytest.mark.parametrize("bits", [53, 64, 65])
 def test_few_bits_are_parameters_too(bits):
     """heyoka takes parameters of its own precision alone, and an exponent has 64 bits at least."""
@@ -115,6 +106,8 @@ def test_what_differs_in_type_tolerance_outputs_events_or_pattern_is_built(built
         (top(centre=["1/3", 0, "1/7"]), {}, 1),
         (top(centre=["1/3", "1e-300", "1/7"]), {}, 0),
         (top(weight=0), {}, 1),
+        (top(outputs=["attitude", "angles"], end=300), {}, 1),
+        (top(**SPECIAL, outputs=["attitude", "angles"], end=300), {}, 0),
         (top(moments=[1, 1, "1.2"], centre=[1, 2, 3], weight=7), {}, 0),
     ]
     for again in (1, 0):
