@@ -73,6 +73,15 @@ def little_optimised() -> Iterator[None]:
 
 
 @pytest.fixture
+def quick_changes() -> Iterator[None]:
+    """Threads take turns far more often than they would."""
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(interval)
+
+
+@pytest.fixture
 def refusal(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Callable[..., str]:

@@ -5,10 +5,8 @@ from __future__ import annotations
 import os
 import random
 import signal
-import sys
 import threading
 import time
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import cycle
 
@@ -20,14 +18,6 @@ from shared.verbs import VERBS, alone, answer, in_pool, together
 
 #: Locks of two kinds, integrators compiled by both, and settings of the process.
 SOME = [("levels", "orbit"), ("integrate_many", "certify")]
-
-
-@pytest.fixture
-def quick_changes() -> Iterator[None]:
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(1e-5)
-    yield
-    sys.setswitchinterval(interval)
 
 
 @pytest.mark.slow

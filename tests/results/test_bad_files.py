@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import json
 import resource
@@ -13,12 +14,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from invented import Bare, Odd, content_at
+from invented import ENDINGS, Bare, Odd, content_at, facts_beside, written
 
 import polhode
-from polhode.common.files import write_whole
 from polhode.results import writer
-from polhode.results.writer import ENDINGS, as_json, digest
 
 Document = dict[str, Any]
 
@@ -135,7 +134,7 @@ def test_what_is_no_result_is_refused(text: str, ending: str, tmp_path: Path) ->
     with pytest.raises(polhode.BadInput, match=r"a result that polhode saved|the facts of"):
         content_at(path)
     if ending == ".csv":
-        writer.beside(path).write_bytes(text.encode(errors="surrogatepass"))
+        facts_beside(path).write_bytes(text.encode(errors="surrogatepass"))
         with pytest.raises(polhode.BadInput, match="a result that polhode saved"):
             content_at(path)
     with pytest.raises(polhode.BadInput):
@@ -145,15 +144,15 @@ def test_what_is_no_result_is_refused(text: str, ending: str, tmp_path: Path) ->
 def test_the_digest_of_a_table_is_asked(tmp_path: Path) -> None:
     """A digit that a spreadsheet cut is told; facts beside another table are none of it."""
     path = tmp_path / "x.csv"
-    files = writer.files(Odd().content(), path)
-    write_whole(files | {path: files[path].replace(b"0.333", b"0.33")})
+    files = written(Odd().content(), path)
+    path.write_bytes(files[path].replace(b"0.333", b"0.33"))
     with pytest.raises(polhode.BadInput, match="changed since polhode wrote it"):
         content_at(path)
-    write_whole({path: files[path]})
+    path.write_bytes(files[path])
     content_at(path)
     with pytest.raises(polhode.BadInput, match=r"these are the facts of x\.csv"):
-        content_at(writer.beside(path))
-    writer.beside(path).unlink()
+        content_at(facts_beside(path))
+    facts_beside(path).unlink()
     with pytest.raises(polhode.BadInput, match="the facts of x"):
         content_at(path)
 
@@ -162,11 +161,11 @@ def test_the_digest_of_a_table_is_asked(tmp_path: Path) -> None:
 def test_a_table_with_a_digest_that_is_another_is_refused(rows: str, tmp_path: Path) -> None:
     """Made by hand: the digest is right, rows are not those of columns."""
     path = tmp_path / "x.csv"
-    facts = json.loads(writer.files(Bare().content(), path)[writer.beside(path)])
+    facts = json.loads(written(Bare().content(), path)[facts_beside(path)])
     facts["about"]["columns"] = {name: {"type": "double"} for name in ("x", "y")}
     table = f"x,y\n0.5,0.25\n{rows}\n".encode()
     path.write_bytes(table)
-    writer.beside(path).write_text(as_json(facts | {"sha256": digest(table)}))
+    facts_beside(path).write_text(json.dumps(facts | {"sha256": hashlib.sha256(table).hexdigest()}))
     with pytest.raises(polhode.BadInput, match="a result that polhode saved"):
         content_at(path)
 
@@ -198,7 +197,7 @@ ARRAYS: dict[str, Any] = {
 @pytest.mark.parametrize("name", ARRAYS)
 def test_arrays_of_other_types_are_refused(name: str, tmp_path: Path) -> None:
     path = tmp_path / "x.npz"
-    data = writer.files(Odd().content(), path)[path]
+    data = written(Odd().content(), path)[path]
     path.write_bytes(packed(data))
     content_at(path)
     path.write_bytes(packed(data, x=ARRAYS[name]))
@@ -245,8 +244,8 @@ def test_parquet_of_one_long_text_for_many_rows_is_refused(plain: bool, tmp_path
 def test_a_table_without_a_header_is_refused_though_its_sum_is_right(text, tmp_path):
     path = tmp_path / "x.csv"
     Odd().save(path)
-    beside = writer.beside(path)
-    facts = json.loads(beside.read_text()) | {"sha256": writer.digest(text.encode())}
+    beside = facts_beside(path)
+    facts = json.loads(beside.read_text()) | {"sha256": hashlib.sha256(text.encode()).hexdigest()}
     path.write_text(text)
     beside.write_text(json.dumps(facts))
     with pytest.raises(polhode.BadInput, match="a result that polhode saved"):

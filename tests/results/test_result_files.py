@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 import random
@@ -13,31 +12,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from invented import TEXTS, Bare, Odd, content_at
+from invented import ENDINGS, TEXTS, Bare, Odd, content_at, facts_beside, written
 
 import polhode
 from polhode import Result
 from polhode.cli import main
-from polhode.common.files import write_whole
 from polhode.numbers.decimals import Ball
 from polhode.numbers.exact import sqrt
 from polhode.results import writer
 from polhode.results.cells import type_of
 from polhode.results.shown import cells, lines
 from polhode.results.table import Column, Content, Fact, Table
-from polhode.results.writer import ENDINGS
 
 RESULTS = {"all types": Odd(4), "three rows": Odd(3), "one": Odd(1), "none": Odd(0), "bare": Bare()}
 
 
-def written(content: Content, path: Path) -> dict[Path, bytes]:
-    if path.suffix == ".parquet":
-        pytest.importorskip("pyarrow")
-    return writer.files(content, path)
-
-
 def read(content: Content, path: Path) -> Content:
-    write_whole(written(content, path))
+    written(content, path)
     return content_at(path)
 
 
@@ -48,7 +39,7 @@ def test_what_is_read_is_written_to_the_same_bytes(name: str, ending: str, tmp_p
     path = tmp_path / f"x{ending}"
     files = written(content, path)
     again = read(content, path)
-    assert writer.files(again, path) == files
+    assert written(again, path) == files
     assert [x.name for x in again.table.columns] == [x.name for x in content.table.columns]
     assert [x[2:4] for x in again.table.columns] == [x[2:4] for x in content.table.columns]
     assert [x.digits for x in again.table.columns] == [x.digits for x in content.table.columns]
@@ -121,19 +112,20 @@ def test_json_is_json_and_a_line_each(tmp_path: Path) -> None:
     for name in facts["columns"]:
         assert sum(line.startswith(f"  {json.dumps(name)}: [") for line in text.splitlines()) == 1
     path = tmp_path / "x.json"
-    assert writer.files(Odd().content(), path)[path].decode() == text
+    assert written(Odd().content(), path)[path].decode() == text
 
 
 def test_a_table_is_what_others_read(tmp_path: Path) -> None:
     """numpy, its loadtxt too where there are no gaps, and pandas."""
     pandas = pytest.importorskip("pandas")
     path = tmp_path / "x.csv"
-    write_whole(writer.files(Odd().content(), path))
+    Odd().save(path)
     frame = pandas.read_csv(path)
     assert len(frame) == 4
     assert frame["a name, quoted"][0] == TEXTS[0]
     np.testing.assert_array_equal(frame["x"], [np.inf, np.nan, -0.0, 5.0])
-    write_whole(writer.files(Bare().content(), path))
+    path.unlink()
+    Bare().save(path)
     np.testing.assert_array_equal(pandas.read_csv(path)["x"], [np.nan, 1.5, np.nan])
 
 
@@ -164,7 +156,7 @@ def test_a_stream_has_a_table_alone_with_times_in_full() -> None:
 
 def test_npz_is_numpy_s_own(tmp_path: Path) -> None:
     path = tmp_path / "x.npz"
-    write_whole(writer.files(Odd().content(), path))
+    Odd().save(path)
     with np.load(path, allow_pickle=False) as file:
         assert file["k"].tolist() == [0, 1, 2, 3]
         assert file["e"].tolist() == ["1/3", "", "2.5", str(10**40 + 1)]
@@ -225,10 +217,9 @@ def test_a_value_of_no_type_is_a_fault_of_its_maker() -> None:
         writer.document(Content("Odd", "", "", Table(()), [Fact("object", deep)]))
 
 
-def test_a_file_tells_no_time_of_day() -> None:
-    path = Path("x.npz")
-    data = io.BytesIO(writer.files(Odd().content(), path)[path])
-    with zipfile.ZipFile(data) as packed:
+def test_a_file_tells_no_time_of_day(tmp_path: Path) -> None:
+    Odd().save(tmp_path / "x.npz")
+    with zipfile.ZipFile(tmp_path / "x.npz") as packed:
         assert {part.date_time for part in packed.infolist()} == {(1980, 1, 1, 0, 0, 0)}
 
 
@@ -260,7 +251,7 @@ def test_a_result_replaces_its_own_kind_alone(ending: str, tmp_path: Path) -> No
 
 def test_facts_that_are_somebody_s_are_not_replaced(tmp_path: Path) -> None:
     path = tmp_path / "x.csv"
-    beside = writer.beside(path)
+    beside = facts_beside(path)
     beside.write_text('{"a": 1}')
     with pytest.raises(polhode.BadInput, match=r"x\.csv\.json: .* polhode did not write it"):
         Odd().save(path)

@@ -21,7 +21,6 @@ import pytest
 
 import polhode
 from polhode import Outcome
-from polhode.numbers import exact
 from shared.motions import heavy, heavy_file, in_other_units, same_bits, scene_of
 from shared.tools import DOUBLE, STEPPING, change_policy, exactly, tiers
 
@@ -78,9 +77,7 @@ def test_forward_and_back_returns_to_the_start():
     """To t = 10 and back from the state reached: the start again, to what rounding leaves."""
     there = polhode.integrate("general/asymmetric-chaotic", at=[10])
     reached = [exactly(x) for x in there.states[0]]
-    length = exact.sqrt(sum(x * x for x in reached[3:]))
-    gamma = tuple(x / length for x in reached[3:])
-    scene = replace(there.scene, omega=tuple(reached[:3]), gamma=gamma)
+    scene = polhode.Scene(there.scene.body, reached[:3], reached[3:], normalise=True)
     back = polhode.integrate(scene, at=[-10])
     error = max(abs(exactly(x) - y) for x, y in zip(back.states[0], there.scene.start, strict=True))
     assert 0 < error < 300 * DOUBLE.eps

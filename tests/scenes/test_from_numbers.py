@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import noted
 from polhode.scenes import vocabulary
 from shared.motions import scene_of
@@ -121,9 +120,9 @@ def test_a_quaternion_is_the_same_start_as_its_angles(angles):
     of_quaternion = polhode.top(quaternion=quaternion, normalise=True, **body)
     doubled = polhode.top(quaternion=[-2 * x for x in quaternion], normalise=True, **body)
     for scene in (of_angles, of_quaternion, doubled):
-        assert np.allclose([to_double(x) for x in scene.gamma], matrix[2], rtol=0, atol=8 * EPS)
+        assert np.allclose([float(x) for x in scene.gamma], matrix[2], rtol=0, atol=8 * EPS)
         # psi is found by an arc tangent of sin(theta) sin(psi), sin(theta) cos(psi)
-        gap = to_double(scene.psi) - psi
+        gap = float(scene.psi) - psi
         assert abs(gap - 2 * np.pi * round(gap / 2 / np.pi)) < 8 * EPS / np.sin(theta)
 
 
@@ -140,7 +139,7 @@ def test_at_a_pole_phi_is_counted_as_zero(quaternion, gamma, psi):
     body = {"moments": [1, 1, 1], "omega": [0, 0, 1], "normalise": True}
     scene = polhode.top(quaternion=quaternion, **body)
     assert scene.gamma == gamma
-    assert to_double(scene.psi) == psi
+    assert float(scene.psi) == psi
     # the attitude at the start is the quaternion's rotation
     run = polhode.integrate(replace(scene, outputs=("attitude",)), at=[0])
     unit = np.array(quaternion) / np.linalg.norm(quaternion)

@@ -9,8 +9,6 @@ import pytest
 import polhode
 from polhode.numbers.exact import sign
 from polhode.numbers.vectors import cross, dot
-from polhode.scenes import vary
-from polhode.scenes.members import Members
 from shared.motions import scene_of
 
 HEAD = "schema = 1\n[body]\nmoments = [2, 1.5, 1]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
@@ -46,12 +44,12 @@ def test_the_least_energy_turns_about_the_vertical():
 
 def test_numbers_of_a_level_can_be_varied():
     scene = scene_of(HEAD + LEVEL + 'sign = "-"\n')
-    grid = vary.grid({"start.h": ["3", "4"], "start.f": "0:1:3"}, "scene")
-    members = Members(scene, grid)
+    varied = {"start.h": ["3", "4"], "start.f": "0:1:3"}
+    members = polhode.integrate_many(scene, varied, at=[0]).members
     assert [m.integrals.energy for m in members] == [3, 3, 3, 4, 4, 4]
     assert [m.integrals.area for m in members] == [0, Fraction(1, 2), 1] * 2
     with pytest.raises(polhode.BadInput, match=r"start.h.*at least 4569/6800"):
-        list(Members(scene, vary.grid({"start.h": ["0"]}, "scene")))
+        polhode.integrate_many(scene, {"start.h": ["0"]}, at=[0])
 
 
 def test_any_orientation_may_be_on_a_level_and_python_says_it_too():
@@ -144,7 +142,7 @@ def test_goldsteins_cusps_are_found_from_his_constants():
     h = p_phi**2 / (2 * Fraction(1, 2)) + u0
     scene = top_of(["1", "1", "1/2"], 1, (h, f, p_phi), at=[1])
     assert scene.gamma[2] == u0
-    assert sign(scene.omega[1]) == 0
+    assert scene.omega[1] == 0
     assert polhode.reference(scene).regime == "cusped"
     assert polhode.compare(polhode.integrate(scene)).worst > 14
 
@@ -155,12 +153,13 @@ def test_steady_precession_has_one_theta():
     h = Fraction(9, 4) + Fraction(3, 8) + Fraction(1, 2)
     ends = [top_of(["1", "1", "1/2"], 1, (h, f, Fraction(3, 2)), sign=x) for x in "+-"]
     assert ends[0].gamma[2] == ends[1].gamma[2] == Fraction(1, 2)
-    assert sign(ends[0].omega[1] ** 2 - Fraction(3, 4)) == 0
+    assert ends[0].omega[1] ** 2 == Fraction(3, 4)
 
 
 def test_momenta_can_be_varied():
     scene = top_of(*NUTATING[0])
-    members = Members(scene, vary.grid({"start.p_phi": ["2", "1"], "start.h": ["5", "6"]}, "scene"))
+    varied = {"start.p_phi": ["2", "1"], "start.h": ["5", "6"]}
+    members = polhode.integrate_many(scene, varied, at=[0]).members
     assert [momenta(m)[1:] for m in members] == [(2, 5), (2, 6), (1, 5), (1, 6)]
 
 

@@ -17,6 +17,7 @@ import pytest
 from hypothesis import settings
 
 from polhode.numbers.conversion import exactly as exactly
+from polhode.numbers.expression import number as number
 from polhode.numbers.number_types import DOUBLE as DOUBLE
 from polhode.numbers.number_types import EXTENDED as EXTENDED
 from polhode.numbers.number_types import QUAD as QUAD
