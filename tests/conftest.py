@@ -1,7 +1,5 @@
 """What holds for every test: the caller's precision is none that polhode would choose."""
 
-from __future__ import annotations
-
 import contextlib
 import importlib
 import os

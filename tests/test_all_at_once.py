@@ -1,7 +1,5 @@
 """All verbs at once in threads, in pools, and after Ctrl-C at any moment: the same to the bit."""
 
-from __future__ import annotations
-
 import os
 import random
 import signal

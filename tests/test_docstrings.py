@@ -1,7 +1,5 @@
 """The front door: its names, their examples, and what comes out as a value."""
 
-from __future__ import annotations
-
 import doctest
 import functools
 import importlib

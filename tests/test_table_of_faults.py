@@ -3,8 +3,6 @@
 Rooms test the kinds of these faults with many values; here is what was reported.
 """
 
-from __future__ import annotations
-
 import re
 import time
 import warnings

@@ -1,7 +1,5 @@
 """Chaos maps: verdicts on integrable tops, against lyapunov, and the same everywhere."""
 
-from __future__ import annotations
-
 import json
 from fractions import Fraction
 

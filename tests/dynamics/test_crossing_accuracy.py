@@ -1,7 +1,5 @@
 """The digits of a crossing beside true ones: closed forms, and quad runs of other bodies."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from fractions import Fraction

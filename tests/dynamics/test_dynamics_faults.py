@@ -1,7 +1,5 @@
 """The table of faults of dynamics: what once was wrong, a row each, by users' doors."""
 
-from __future__ import annotations
-
 import json
 import math
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Work that had no end, or no room: one line beforehand, or on the way, and nothing left behind."""
 
-from __future__ import annotations
-
 import re
 import time
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Critical values of the fourth integral, beside those that Newton's method finds on the level."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

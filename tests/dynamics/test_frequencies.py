@@ -1,7 +1,5 @@
 """Frequency analysis: known lines, closed forms, files, and honest errors."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from fractions import Fraction

@@ -1,8 +1,5 @@
 """Levels (h, f): curves of permanent rotations, types, and regions, each found another way."""
 
-from __future__ import annotations
-
-from collections import deque
 from fractions import Fraction
 
 import mpmath
@@ -12,7 +9,7 @@ from flint import arb
 
 import polhode
 from polhode import Body
-from polhode.dynamics.exact_levels import RationalBody, between, region, regions_between
+from polhode.dynamics.exact_levels import RationalBody, between, region
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import rational
 from shared.tools import tiers
@@ -130,67 +127,6 @@ def test_no_curve_is_a_single_point():
 
 
 # -- regions, counted on a grid of the sphere ------------------------------------------------------
-
-
-ROWS, TURNS = 60, 120
-POLAR = (np.arange(ROWS) + 0.5) * np.pi / ROWS
-ROUND = (np.arange(TURNS) + 0.5) * 2 * np.pi / TURNS
-GAMMA = np.array(
-    [
-        np.outer(np.sin(POLAR), np.cos(ROUND)),
-        np.outer(np.sin(POLAR), np.sin(ROUND)),
-        np.outer(np.cos(POLAR), np.ones(TURNS)),
-    ]
-)
-
-
-def parts(mask):
-    """Connected parts of a set of cells; all cells round a pole touch each other."""
-    label, count = np.zeros(mask.shape, dtype=int), 0
-    for seed in zip(*np.nonzero(mask), strict=True):
-        if label[seed]:
-            continue
-        count += 1
-        label[seed], queue = count, deque([seed])
-        while queue:
-            i, j = queue.popleft()
-            near = [(i, (j + 1) % TURNS), (i, (j - 1) % TURNS)]
-            near += [(k, j) for k in (i - 1, i + 1) if 0 <= k < ROWS]
-            near += [(i, k) for k in range(TURNS) if i in (0, ROWS - 1)]
-            for cell in near:
-                if mask[cell] and not label[cell]:
-                    label[cell] = count
-                    queue.append(cell)
-    return label, count
-
-
-def region_on_a_grid(top, h, f):
-    moments, torque = (
-        np.array([float(x) for x in numbers]) for numbers in (top.moments, top.torque)
-    )
-    inertia = np.tensordot(moments, GAMMA**2, 1)
-    potential = f * f / (2 * inertia) + np.tensordot(torque, GAMMA, 1)
-    label, count = parts(potential <= h)
-    return tuple(sorted(parts(label != k)[1] for k in range(1, count + 1)))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "f"), [("generic", "1"), ("one axis", "3")])
-def test_regions_by_counting_on_a_grid(name, f):
-    top, f = body(name), Fraction(f)
-    column = regions_between(top, f)
-    energies = [h for h, _ in column]
-    gap = (energies[-1] - energies[0]) / 30
-    looked = 0
-    for k, (low, shape) in enumerate(column):
-        high = energies[k + 1] if k + 1 < len(energies) else low + 1
-        if high - low > gap:  # the grid does not see less
-            h = (low + high) / 2
-            assert region_on_a_grid(top, h, float(f)) == shape, h
-            assert region(top, Fraction(h), f) == shape
-            looked += 1
-    assert looked >= 2
-    assert region(top, Fraction(energies[0] - gap), f) == ()
 
 
 def test_a_level_has_two_discs_or_three_edges():

@@ -1,7 +1,5 @@
 """Periodic orbits: closed forms of period, start and residue, exact properties, honest errors."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

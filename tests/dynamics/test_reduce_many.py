@@ -1,7 +1,5 @@
 """Sweeps reduced to numbers: the same as from states and runs that are kept, held by nobody."""
 
-from __future__ import annotations
-
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace

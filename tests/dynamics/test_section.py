@@ -1,7 +1,5 @@
 """Sections: starts on them, crossings against closed forms, curves of integrable tops."""
 
-from __future__ import annotations
-
 import itertools
 import json
 from concurrent.futures import ThreadPoolExecutor
@@ -15,7 +13,7 @@ from polhode.common import checkpoint
 from polhode.dynamics import section as section_jobs
 from polhode.dynamics import starts as geometry
 from polhode.dynamics.level_body import LevelBody
-from polhode.taylor import event_batches, event_watch
+from polhode.taylor import event_batches
 from shared.motions import scene_of
 from shared.tools import tiers
 
@@ -216,35 +214,6 @@ def test_flat_crossings_of_many_orbits_are_looked_at_each_with_its_own_numbers(t
         tmp_path / "tilted.toml", by="gamma3**5", starts="scene", crossings=12, workers=1
     )
     assert cut.counts.tolist() == [12]
-
-
-@pytest.mark.parametrize("lost", [3, 4])
-def test_a_crossing_that_heyoka_loses_is_found_again(lost, monkeypatch):
-    """One that is asked for, and one of the other direction: the signs at the ends tell."""
-    options = geometry.cut_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
-    on = options.on
-    states = geometry.momentum_states(on, *geometry.cell_centres(4, 3), True).states[:1]
-    zero = section_jobs.zero_of(on, "momentum")
-    (job,) = section_jobs.jobs_of(on, zero, -1, 6, states)
-    plain = event_batches.solve(job)
-    own = job.watched._replace(constants=())
-    first = job._replace(watched=own, most=1, end=64.0, level=None, starts=job.starts + 1e-3)
-    plain_first = event_batches.solve(first)
-    text, met = [], event_watch.Callback.__call__
-
-    def losing(self, ta, time, sign, lane):
-        text.extend([time] * (self.order == 0))
-        if self.order or len(text) != lost:
-            met(self, ta, time, sign, lane)
-
-    monkeypatch.setattr(event_watch.Callback, "__call__", losing)
-    result = event_batches.solve(job)
-    assert result.outcomes == plain.outcomes == (event_batches.DONE,)
-    assert np.abs(result.times + result.rests - plain.times - plain.rests).max() < 1e-11
-    text[:] = [0.0, 0.0]  # then its first or second zero is lost
-    result = event_batches.solve(first)
-    assert result.outcomes == plain_first.outcomes == (event_batches.DONE,)
-    assert np.abs(result.times - plain_first.times).max() < 1e-11
 
 
 def test_no_crossing_is_missed():

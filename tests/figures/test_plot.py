@@ -1,7 +1,5 @@
 """Figures of motions: what is drawn, of scenes, runs and files, and what is refused."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -3,8 +3,6 @@
 Many signals, and commands that are killed and given again: ``tests/campaigns/signals_met.py``.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Accuracy reports: every number is found again by compare and by what verdicts mean."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys

@@ -1,7 +1,5 @@
 """Every digit that ``reference`` prints is right to half a unit of its last place."""
 
-from __future__ import annotations
-
 import json
 import re
 from decimal import Decimal

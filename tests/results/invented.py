@@ -1,7 +1,5 @@
 """Two kinds of results that nobody computes: with every type of value, and with hardly any."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Files that nobody's writer wrote: refused in one line, before much is made of them."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json

@@ -1,7 +1,5 @@
 """Commands and Python write the same bytes, of every kind of result and every ending."""
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Every kind of result: what it tells, in files of every ending, read again."""
 
-from __future__ import annotations
-
 import copy
 import json
 import pickle

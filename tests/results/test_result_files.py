@@ -1,7 +1,5 @@
 """Results written and read again: every ending, the same bytes by every door."""
 
-from __future__ import annotations
-
 import json
 import math
 import random

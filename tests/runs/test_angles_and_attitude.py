@@ -1,7 +1,5 @@
 """Angles and attitude of runs: as good as the state, whole turns counted, whatever the times."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from fractions import Fraction

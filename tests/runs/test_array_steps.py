@@ -1,7 +1,5 @@
 """Large arrays of starts by one compiled Taylor step: rows as accurate as the tolerance asks."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Arrays in, arrays out: rows that depend on nothing beside them; what is no array of starts."""
 
-from __future__ import annotations
-
 import signal
 import time
 from fractions import Fraction

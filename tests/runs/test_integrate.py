@@ -1,7 +1,5 @@
 """Integration: what enters heyoka, how a run ends, what is refused, what the next run finds."""
 
-from __future__ import annotations
-
 import gc
 import os
 import pickle

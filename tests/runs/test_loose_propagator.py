@@ -1,7 +1,5 @@
 """A propagator of a tolerance above eps: rows by other ways than a run's, as accurate as told."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 import threading

@@ -1,7 +1,5 @@
 """A prepared propagator gives what a run gives, from any start, and refuses what is none."""
 
-from __future__ import annotations
-
 import copy
 import math
 import pickle

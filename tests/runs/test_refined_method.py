@@ -1,7 +1,5 @@
 """Runs by refinement as ``integrate`` hands them out: choice, errors, fallback, dense output."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

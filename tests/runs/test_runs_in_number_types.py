@@ -1,7 +1,5 @@
 """Number types and what is asked of a run in each: digits, arrays, any time, files."""
 
-from __future__ import annotations
-
 import copy
 import math
 import pickle

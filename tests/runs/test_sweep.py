@@ -1,7 +1,5 @@
 """Many tops at once: every member is its own run, whatever is varied and however it is planned."""
 
-from __future__ import annotations
-
 import ctypes
 import pickle
 import platform

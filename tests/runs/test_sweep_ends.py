@@ -1,7 +1,5 @@
 """How sweeps end: members that fail, Ctrl-C, executors that fail, and what goes on afterwards."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """Scenes that cannot be: key and bad value -> one line, from Python and from files."""
 
-from __future__ import annotations
-
 from decimal import Decimal
 
 import numpy as np

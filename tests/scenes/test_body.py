@@ -1,7 +1,5 @@
 """Bodies: principal axes recognised exactly after any rational rotation, and what no body has."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 

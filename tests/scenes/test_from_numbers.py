@@ -1,7 +1,5 @@
 """Scenes from people's numbers: in Python and in files, what is the same and what is refused."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 import re

@@ -1,7 +1,5 @@
 """A start on a level: gamma, h, f and a sign instead of omega."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

@@ -1,7 +1,5 @@
 """Times made where they are asked for are the exact ones, rounded once."""
 
-from __future__ import annotations
-
 import pickle
 from dataclasses import fields, replace
 from fractions import Fraction

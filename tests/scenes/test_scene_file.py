@@ -1,7 +1,5 @@
 """Scene files: every key of the contract, every fault one line, every text a Scene or BadInput."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from pathlib import Path
 

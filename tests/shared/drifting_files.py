@@ -6,8 +6,6 @@ A program starts exactly and loses digits on the way: by steps that are too long
 grows, by a moment that is slightly off, by friction.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

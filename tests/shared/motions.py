@@ -3,8 +3,6 @@
 ``heavy`` and ``free_file``: a body of moments 2, 3, 4.  ``asymmetric``: one of moments 2, 3/2, 1.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction

@@ -3,8 +3,6 @@
 Types of numbers and the exact value of a number come from here, so that a move is told once.
 """
 
-from __future__ import annotations
-
 import copy
 import inspect
 import json

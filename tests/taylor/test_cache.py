@@ -1,7 +1,5 @@
 """heyoka's cache of compiled code, read-only, full, damaged or absent, never stops a run."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

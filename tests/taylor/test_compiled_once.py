@@ -1,7 +1,5 @@
 """Compiled integrators taken up again: one for all bodies of a zero pattern, without a trace."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 from fractions import Fraction

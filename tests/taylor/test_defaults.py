@@ -1,7 +1,5 @@
 """The table of policy: what was measured for it, and what its columns owe each other."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

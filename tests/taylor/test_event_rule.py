@@ -1,7 +1,5 @@
 """What counts as an event: a change of side beyond rounding; what comes near and turns back."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from fractions import Fraction
@@ -439,7 +437,6 @@ def test_two_multiple_zeros_of_a_step_are_those_of_the_factors(powers):
     assert np.array_equal(first.states, second.states)
 
 
-@pytest.mark.slow
 def test_a_section_finds_again_what_heyoka_loses(monkeypatch):
     """Of all crossings that it meets, in either direction, every seventh; several of one step.
 
@@ -448,7 +445,7 @@ def test_a_section_finds_again_what_heyoka_loses(monkeypatch):
     from polhode.taylor.event_watch import Callback
 
     by = "(q - 1/10)*(q - 3/25)*(q - 7/50)"
-    options = {"by": by, "grid": (3, 3), "crossings": 12, "h": 3, "f": "1/2"}
+    options = {"by": by, "grid": (2, 2), "crossings": 8, "h": 3, "f": "1/2"}
     whole = polhode.section("general/asymmetric-chaotic", **options)
     count, met = [0], Callback.__call__
 
@@ -459,6 +456,6 @@ def test_a_section_finds_again_what_heyoka_loses(monkeypatch):
 
     monkeypatch.setattr(Callback, "__call__", deaf)
     alone = polhode.section("general/asymmetric-chaotic", **options, workers=1)
-    assert count[0] > 100
+    assert count[0] > 40
     assert alone.outcomes == whole.outcomes
     np.testing.assert_allclose(alone.times, whole.times, rtol=0, atol=1e-10)

@@ -1,7 +1,5 @@
 """Events: located to the last digits, each once, and never sure where rounding decides."""
 
-from __future__ import annotations
-
 import json
 import math
 import pickle

@@ -1,7 +1,5 @@
 """Projection onto the first integrals: what it gains, and what it leaves alone."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """The first minutes: a welcome, a version, which extra is missing, completion, how to cite."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex

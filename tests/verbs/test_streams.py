@@ -1,7 +1,5 @@
 """Programs of their own: streams that are full, closed or pipes, and what a terminal is shown."""
 
-from __future__ import annotations
-
 import fcntl
 import json
 import os

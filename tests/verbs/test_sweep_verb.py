@@ -1,7 +1,5 @@
 """`polhode sweep`: what it prints, writes, refuses, and how it exits."""
 
-from __future__ import annotations
-
 import json
 import re
 import signal

@@ -1,7 +1,5 @@
 """What verbs write, what they read again, and what stays as it was."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
