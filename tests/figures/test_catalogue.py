@@ -76,27 +76,6 @@ def test_the_file_of_frequencies_has_the_lines_without_a_spectrum(tmp_path):
     assert own["gamma3"].tolist() == pytest.approx(np.array(true))
 
 
-@pytest.mark.slow
-def test_the_command_draws_what_python_draws(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    level = ["section", TOP, "--grid", "2x2", "--crossings", "5"]
-    assert main([*level, "-o", "x.npz", "-o", "x.svg"]) == 0
-    assert main(["plot", "x.npz", "-o", "y.svg"]) == 0
-    points = [
-        np.concatenate([line.get_xydata() for line in axes.lines])
-        for axes in (
-            polhode.plot("x.npz"),
-            polhode.section(TOP, grid=(2, 2), crossings=5).plot(),
-        )
-    ]
-    assert points[0].tolist() == points[1].tolist()
-    x, y = ((tmp_path / name).read_text().splitlines() for name in ("x.svg", "y.svg"))
-    differing = [a for a, b in zip(x, y, strict=True) if a != b]
-    title = f"title>polhode: crossings of {TOP}</"
-    assert differing
-    assert all(title in line for line in differing)
-
-
 @pytest.mark.parametrize(
     "words",
     [

@@ -80,12 +80,6 @@ def test_an_interrupt_of_a_run_made_again_goes_on(monkeypatch):
             at([1.5])
 
 
-def test_times_as_doubles():
-    run = polhode.integrate(TOP, "quad", at=["1/3"])
-    assert run.t.dtype == np.float64
-    assert run.t.tolist() == [1 / 3]
-
-
 # -- other packages -----------------------------------------------------------------------------
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from invented import ENDINGS
 
 import polhode
 from polhode.checks.check_report import check_cases
@@ -19,7 +20,6 @@ from polhode.output.cases import cases
 from polhode.output.description import describe
 from polhode.proofs import proved_chaos
 from polhode.proofs.proved_chaos import ProvedChaos
-from polhode.results.writer import ENDINGS
 from polhode.verbs.catalogue import ROWS, VERBS
 from shared.results import EXAMPLES, TOP, prepare, verb_of, without_files
 from shared.tools import even_times, tiers

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from invented import ENDINGS
 
 import polhode
 from polhode import Result, load_result
@@ -20,7 +21,7 @@ from polhode.results import reader, writer
 from polhode.results.frames import written_facts, written_table
 from polhode.results.result import Storable
 from polhode.results.table import RESERVED, Column, Content, Fact, Table
-from polhode.results.writer import ENDINGS, as_json, document, files
+from polhode.results.writer import as_json, document, files
 from polhode.runs.saved import Saved
 from shared.results import CERTIFIED, MAKERS, result_of_kind, watched
 from shared.tools import tiers

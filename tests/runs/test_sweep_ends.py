@@ -340,11 +340,13 @@ def test_two_sweeps_do_not_share_a_folder(tmp_path):
     assert "no other command running in this folder" in tried[0]
 
 
-def test_a_disk_that_fills_ends_the_sweep_and_keeps_what_was_written(tmp_path, monkeypatch):
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_disk_that_fills_ends_the_sweep_and_keeps_what_was_written(first, tmp_path, monkeypatch):
+    """Where nothing was written there is no folder."""
     folder, whole, write = tmp_path / "parts", swept(None), checkpoint.write_whole
 
     def full(texts: Any) -> None:
-        if any(path.name == "job-00001.npz" for path in texts):
+        if any(path.name == f"job-{first:05d}.npz" for path in texts):
             raise polhode.BadInput("part", "file", None, "a place to write to (No space left)")
         write(texts)
 
@@ -352,7 +354,9 @@ def test_a_disk_that_fills_ends_the_sweep_and_keeps_what_was_written(tmp_path, m
     monkeypatch.setattr(checkpoint, "write_whole", full)
     with pytest.raises(polhode.BadInput, match="No space left"):
         swept(folder)
-    assert [path.name for path in sorted(folder.iterdir())] == ["job-00000.npz", "manifest.json"]
+    assert folder.exists() == bool(first)
+    left = ["job-00000.npz", "manifest.json"][: 2 * first]
+    assert [path.name for path in sorted(folder.glob("*"))] == left
     monkeypatch.setattr(checkpoint, "write_whole", write)
     assert alike(swept(folder), whole)
 

@@ -105,7 +105,7 @@ def semi_implicit(top, y, h):
 
 
 def of_tops(method):
-    """A method of ``shared.rough_methods`` as one step of a top."""
+    """A method of ``shared.tables`` as one step of a top."""
     return lambda top, y, h: method(lambda _, y: rate(top, y), y, h)
 
 

@@ -21,6 +21,9 @@ from polhode.numbers.number_types import EXTENDED as EXTENDED
 from polhode.numbers.number_types import QUAD as QUAD
 from polhode.numbers.number_types import mp as mp
 from polhode.scenes.scene import even_times as even_times
+from polhode.scenes.vocabulary import ANGLES as ANGLES
+from polhode.scenes.vocabulary import ATTITUDE as ATTITUDE
+from polhode.scenes.vocabulary import STATE as STATE
 from polhode.taylor import defaults
 
 

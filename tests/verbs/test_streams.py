@@ -1,7 +1,6 @@
 """Programs of their own: streams that are full, closed or pipes, and what a terminal is shown."""
 
 import fcntl
-import json
 import os
 import pty
 import re
@@ -38,13 +37,6 @@ def ended(*words: str, **how: object) -> subprocess.CompletedProcess[str]:
 def shell(line: str) -> subprocess.CompletedProcess[str]:
     environment = {**os.environ, "PATH": PATH}
     return subprocess.run(["bash", "-c", line], capture_output=True, text=True, env=environment)
-
-
-@pytest.mark.slow
-def test_the_module_is_the_program():
-    process = ended("about", "--json")
-    assert (process.returncode, process.stderr) == (0, "")
-    assert json.loads(process.stdout)["columns"]["bits"][2] == 113
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
