@@ -102,13 +102,6 @@ def test_jobs_look_between_blocks_whether_to_stop(monkeypatch, section_job):
     assert len(options) == 3
 
 
-@pytest.mark.slow
-def test_a_first_crossing_beyond_a_pole_is_left_to_a_run(section_job):
-    """The steps were zero for ever, a hundred million of them."""
-    result = taylor.solve(first_job(section_job, "1/q", 64.0))
-    assert result.outcomes == (taylor.UNSURE,)
-
-
 # -- sizes ----------------------------------------------------------------------------------------
 
 

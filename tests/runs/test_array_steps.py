@@ -141,17 +141,6 @@ def test_no_bit_depends_on_what_is_beside_a_row(name, tol, monkeypatch):
         assert np.array_equal(go(rows, t=t, workers=workers), found)
 
 
-def test_the_bound_of_a_rate_does_not_depend_on_its_place():
-    """By which steps are counted: BLAS has other sums for the last rows, or for other strides."""
-    go = of("asymmetric", 1e-6)
-    rows, _ = starts(go, MANY + 3)
-    bounds = lanes.rates(rows, go._bound)
-    assert np.array_equal(lanes.rates(rows[::-1], go._bound), bounds[::-1])
-    assert np.array_equal(lanes.rates(np.asfortranarray(rows), go._bound), bounds)
-    for k in range(len(rows) - 8, len(rows)):
-        assert lanes.rates(rows[k : k + 1], go._bound) == bounds[k]
-
-
 def test_a_motion_along_a_separatrix_and_one_beside_it():
     """From the upper rest, by less and less: rates stay small for long and grow at last."""
     go = of("asymmetric", 1e-9)

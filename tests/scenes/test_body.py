@@ -11,14 +11,11 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode import BadInput, Body, Part
-from polhode.closed_forms.families import closed_forms
-from polhode.equations import integrals
-from polhode.motion.frame import Frame
 from polhode.numbers.vectors import cross, dot
 from polhode.scenes import body as classification
 from polhode.scenes.body import ClassicalTop, classical_top
 from shared.members import rotation
-from shared.tools import case_names, number
+from shared.tools import number
 
 small = st.integers(-6, 6)
 entries = st.fractions(min_value=-3, max_value=3, max_denominator=12)
@@ -389,33 +386,3 @@ def test_a_top_is_found_about_every_axis(moments, torque, kind, axis):
         body[i], weight[i] = Fraction(a), Fraction(t)
     about = None if (moments, torque, kind) in ROUND else axis
     assert classical_top(tuple(body), tuple(weight)) == ClassicalTop(kind, about)
-
-
-def test_integrals_and_closed_forms_agree_with_the_finder():
-    """Over the library: a closed form that depends on the body alone, its integral, its name."""
-    by_kind = {
-        classification.EULER: ("euler", integrals.MOMENTUM),
-        classification.LAGRANGE: ("lagrange", integrals.SPIN),
-        classification.SPHERE: ("lagrange", integrals.SPIN),
-        classification.KOVALEVSKAYA: ("kovalevskaya", integrals.KOVALEVSKAYA),
-    }
-    met = set()
-    for name in case_names():
-        scene = polhode.load(name)
-        kind = classification.kind_of_body(scene.body)
-        met.add(kind)
-        if kind not in by_kind:
-            continue
-        family, integral = by_kind[kind]
-        first = next(closed_forms(scene), None)
-        if name == "kovalevskaya/multiply-degenerate":  # two double roots: an enclosure judges it
-            assert first is None
-            continue
-        assert first is not None
-        if family == "kovalevskaya":  # motions of other bodies too are theirs
-            assert first[0] in (family, "pendulum", "bobylev-steklov")
-        else:
-            assert first[0] == family
-        inside = Frame.of(scene).inside(scene)
-        assert integrals.first_integrals(inside).onto[-1] == integral
-    assert met >= set(by_kind)

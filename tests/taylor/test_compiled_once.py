@@ -52,16 +52,8 @@ def built(monkeypatch) -> list:
 # -- what compiles, and what is built -------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("centre", "number"),
-    tiers(
-        [
-            *(("free", "double"), ("anywhere", "double"), ("on an axis", "extended")),
-            *(("on an axis", "quad"), ("free", "mp")),
-        ],
-        [*(("on an axis", "double"), ("free", "extended"), ("free", "quad")), ("on an axis", "mp")],
-    ),
-)
+@pytest.mark.parametrize("centre", CENTRES)
+@pytest.mark.parametrize("number", tiers(["double", "quad"], ["extended", "mp"]))
 def test_another_body_of_a_pattern_compiles_nothing(number, centre):
     """heyoka keeps in its memory whatever it compiles."""
     options = {"number": number, "method": "taylor", "project": False, "at": [1]}

@@ -42,17 +42,9 @@ def test_contacts_are_told_to_the_last_digits_of_their_times(number):
 # -- small motions, and levels near an extremum -----------------------------------------------
 
 
+@pytest.mark.parametrize("number", tiers([DOUBLE], [EXTENDED]), ids=lambda n: n.name)
 @pytest.mark.parametrize(
-    ("number", "size", "kind"),
-    tiers(
-        [(DOUBLE, "1e-8", "pendulum"), (DOUBLE, "1e-13", "pendulum"), (DOUBLE, "1e-11", "wobble")],
-        [
-            (EXTENDED, "1e-8", "pendulum"),
-            (EXTENDED, "1e-13", "pendulum"),
-            (EXTENDED, "1e-11", "wobble"),
-        ],
-    ),
-    ids=lambda x: getattr(x, "name", None),
+    ("size", "kind"), [("1e-8", "pendulum"), ("1e-13", "pendulum"), ("1e-11", "wobble")]
 )
 def test_a_small_motion_has_the_zeros_of_a_large_one(kind, size, number):
     """Of period 2 pi: gamma2 = -size sin t of a pendulum, q = size sin t of a wobble."""
@@ -191,14 +183,8 @@ AT_ZERO = {
 }
 
 
-@pytest.mark.parametrize(
-    ("number", "zero"),
-    tiers(
-        [(DOUBLE, "q*(p-0.28)"), (DOUBLE, "t*(t-1/10)"), (DOUBLE, "t**2*(t-1)")],
-        [(EXTENDED, "q*(p-0.28)"), (EXTENDED, "t*(t-1/10)"), (EXTENDED, "t**2*(t-1)")],
-    ),
-    ids=lambda x: getattr(x, "name", None),
-)
+@pytest.mark.parametrize("number", tiers([DOUBLE], [EXTENDED]), ids=lambda n: n.name)
+@pytest.mark.parametrize("zero", ["q*(p-0.28)", "t*(t-1/10)", "t**2*(t-1)"])
 def test_a_start_at_zero_hides_no_other_zero(zero, number):
     _, event = events_of(zero, number)
     assert [float(t) for t in event.times] == pytest.approx(AT_ZERO[zero], abs=1e-15)
@@ -401,23 +387,21 @@ def test_contacts_are_no_crossings_of_a_section():
 
 
 @pytest.mark.parametrize(
-    ("name", "plain", "flat"),
+    ("plain", "flat"),
     tiers(
-        [("general/asymmetric-chaotic", "q - 1/10", "(q - 1/10)**3")],
+        [("q - 1/10", "(q - 1/10)**3")],
         [
-            ("general/asymmetric-chaotic", "q - 1/10", "q**3 - 3/10*q**2 + 3/100*q - 1/1000"),
-            (
-                "general/asymmetric-chaotic",
-                "(q - 0.099)*(q - 0.102)",
-                "(q - 0.099)**3*(q - 0.102)**5",
-            ),
+            ("q - 1/10", "q**3 - 3/10*q**2 + 3/100*q - 1/1000"),
+            ("(q - 0.099)*(q - 0.102)", "(q - 0.099)**3*(q - 0.102)**5"),
         ],
     ),
 )
-def test_no_section_loses_flat_crossings(name, plain, flat):
+def test_no_section_loses_flat_crossings(plain, flat):
     """heyoka gives a triple zero up now and then, two of a step or of a stretch among them."""
     options = {"grid": (2, 3), "crossings": 10, "h": 3, "f": "1/2"}
-    plain_section, flat_section = (polhode.section(name, by=by, **options) for by in (plain, flat))
+    plain_section, flat_section = (
+        polhode.section("general/asymmetric-chaotic", by=by, **options) for by in (plain, flat)
+    )
     assert plain_section.complete
     assert flat_section.outcomes == plain_section.outcomes
     assert np.abs(plain_section.times - flat_section.times).max() < 1e-2

@@ -148,12 +148,9 @@ def next_to(motion: str, near: Fraction) -> polhode.Scene:
     return polhode.Scene(top, (0, near, 4), gamma, times=(20,))
 
 
+@pytest.mark.parametrize("exponent", tiers([5], [7]))
 @pytest.mark.parametrize(
-    ("exponent", "motion"),
-    tiers(
-        [(5, "rotation about C"), (5, "sleeping top, pushed"), (5, "sleeping top, tilted")],
-        [(7, "rotation about C"), (7, "sleeping top, pushed"), (7, "sleeping top, tilted")],
-    ),
+    "motion", ["rotation about C", "sleeping top, pushed", "sleeping top, tilted"]
 )
 def test_what_the_integrals_do_not_determine_is_left_alone(motion, exponent):
     """Undamped, the step would magnify the residual's rounding by ten to that exponent."""
