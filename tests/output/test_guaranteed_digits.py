@@ -1,4 +1,4 @@
-"""Every digit that ``reference`` prints is right to half a unit of its last place."""
+"""Digits that are printed: those of ``reference`` are right, times are as short as they can be."""
 
 import json
 import re

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 import polhode
 from polhode.runs import members as sweep_plan
 from polhode.scenes import members, vary
-from shared.motions import free_file, heavy, heavy_file, scene_of
+from shared.motions import TURNED, free_file, heavy, heavy_file, scene_of
 from shared.tools import exactly, examples, tiers
 
 
@@ -50,7 +50,7 @@ def assert_own_runs(many: polhode.Ensemble, turned: bool = False) -> None:
 START = {"omega": ["3/10", "2/5", "11/10"], "gamma": ["2/7", "3/7", "6/7"], "at": [0, 1, 3]}
 LEVER = {"centre": ["1/3", "1/5", "1/2"], "weight": 2}
 INERTIA = {
-    "irrational": [[3, "1/4", 0], ["1/4", 2.5, "1/8"], [0, "1/8", 1.5]],
+    "irrational": TURNED,
     "rational": [[3, 0, 0], [0, "5/2", "1/2"], [0, "1/2", "5/2"]],
     "exchanged": [[2, 1, 0], [1, 2, 0], [0, 0, 3]],
     "own": [[2, 0, 0], [0, 3, 0], [0, 0, 4]],

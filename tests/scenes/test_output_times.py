@@ -1,4 +1,4 @@
-"""Times made where they are asked for are the exact ones, rounded once."""
+"""Times made where they are asked for are the exact ones, rounded once; a scene at other times."""
 
 import pickle
 from dataclasses import fields, replace

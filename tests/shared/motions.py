@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from polhode.runs.integrate_many import integrate_many
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
 from polhode.scenes.body import Body
@@ -18,6 +19,19 @@ from polhode.scenes.scene import Scene
 ASYMMETRIC = Body.of_moments(
     (2, Fraction(3, 2), 1), (Fraction(3, 10), Fraction(1, 5), Fraction(1, 2)), 1
 )
+
+
+#: Inertia about principal axes that are irrational.
+TURNED = [[3, "1/4", 0], ["1/4", 2.5, "1/8"], [0, "1/8", 1.5]]
+
+
+def rows_in_quad(scene: Scene, rows: Any, t: float) -> Any:
+    """Where rows of starts are at a time, by runs of 113 bits, as doubles."""
+    keys = [f"start.{word}[{k}]" for word in ("omega", "gamma") for k in (1, 2, 3)]
+    names = keys[: rows.shape[1]]
+    members = [dict(zip(names, map(Fraction, row), strict=True)) for row in rows.tolist()]
+    many = integrate_many(scene, members, number="quad", method="taylor", at=[t])
+    return many.states[:, 0].astype(float)
 
 
 def scene_of(text: str, name: str = "scene") -> Scene:

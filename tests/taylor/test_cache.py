@@ -1,4 +1,4 @@
-"""heyoka's cache of compiled code, read-only, full, damaged or absent, never stops a run."""
+"""heyoka's cache of compiled code, read-only or absent, never stops a run; its threads."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Python at home: archives, tables of other packages, notebooks, bars, logs, completion."""
+"""polhode among other packages: tables, notebooks, bars, logs, and what studies take from it."""
 
 import io
 import logging

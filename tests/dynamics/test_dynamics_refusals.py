@@ -1,4 +1,4 @@
-"""Work that had no end, or no room: one line beforehand, or on the way, and nothing left behind."""
+"""What dynamics refuses, work without end or room too: in one line, and nothing is left behind."""
 
 import re
 import time
