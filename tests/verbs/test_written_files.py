@@ -444,18 +444,19 @@ def test_a_page_of_several_motions_has_each_one_s_page(tmp_path, monkeypatch, ca
 # -- Output times on the command line: the same options, read alike, of every verb that has them ---
 
 CASE = "lagrange/nutation"  # 81 times to t = 40
+PART = Fraction(1, 3)
 TIMES = {
     "--at 1,2.5": [1, Fraction(5, 2)],
     "--at 0:1:3,5": [0, Fraction(1, 2), 1, 5],
-    "--at -1/3": [-THIRD],
+    "--at -1/3": [-PART],
     "--at 2:2:1": [2],
-    "--at 0:-1:4,-2:-3:2": [0, -THIRD, -2 * THIRD, -1, -2, -3],
+    "--at 0:-1:4,-2:-3:2": [0, -PART, -2 * PART, -1, -2, -3],
     "--end 1 --samples 3": [0, Fraction(1, 2), 1],
     "--end -1 --samples 2": [0, -1],
     "--samples 3": [0, 20, 40],
     "--end 8": [Fraction(k, 10) for k in range(81)],
     "--every 16": [0, 16, 32],
-    "--end 1 --every 1/3": [0, THIRD, 2 * THIRD, 1],
+    "--end 1 --every 1/3": [0, PART, 2 * PART, 1],
     "--end 1 --every 0.1": [Fraction(k, 10) for k in range(11)],
     "--end -1 --every 0.3": [-Fraction(3 * k, 10) for k in range(4)],
     "--end 1.9999999999999999999 --every 1": [0, 1],
