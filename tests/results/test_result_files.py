@@ -122,9 +122,10 @@ def test_a_table_is_what_others_read(tmp_path: Path) -> None:
     assert len(frame) == 4
     assert frame["a name, quoted"][0] == TEXTS[0]
     np.testing.assert_array_equal(frame["x"], [np.inf, np.nan, -0.0, 5.0])
-    path.unlink()
-    Bare().save(path)
-    np.testing.assert_array_equal(pandas.read_csv(path)["x"], [np.nan, 1.5, np.nan])
+    Bare().save(tmp_path / "bare.csv")
+    np.testing.assert_array_equal(
+        pandas.read_csv(tmp_path / "bare.csv")["x"], [np.nan, 1.5, np.nan]
+    )
 
 
 def test_doubles_come_back_by_the_fast_way(tmp_path: Path) -> None:

@@ -318,7 +318,6 @@ def test_numbers_of_any_plain_kind_go_the_quick_way_to_the_same_bits(number, mon
 
 
 GRIDS = {
-    "0 alone": [0.0],
     "one": [2.0],
     "one after 0": [0.0, 2.0],
     "two": [1.0, 2.0],
@@ -406,6 +405,13 @@ def test_integers_beyond_2_53_are_no_other_times(number, several):
         assert np.isfinite(go(t=times)).all()
     with pytest.raises(polhode.BadInput, match=r"at\[1\] = True"):
         go(t=[True, 2])
+
+
+def test_a_time_alone_and_0_alone():
+    go = polhode.propagator(scene())
+    for zero in ([0], [0.0], np.array([0.0]), np.array([-0.0])):
+        assert go(t=zero).tolist() == [go(t=0.0).tolist()] == [go(t=0).tolist()]
+    assert go(t=[2]).tolist() == go(t=np.array([2.0])).tolist() == [go(t=2.0).tolist()]
 
 
 def test_a_million_outputs_are_those_of_few():
