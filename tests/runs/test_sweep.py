@@ -217,6 +217,9 @@ def test_the_unit_of_time_next_to_a_power_of_two():
     many = polhode.integrate_many(scene, {"start.omega[1]": rates})
     assert len({member.time_unit for member in many.members}) == 2
     assert_own_runs(many)
+    varied = vary.grid({"start.omega[1]": rates}, scene.name)
+    plan = sweep_plan.planned(scene, varied, None, None, None, None)
+    assert plan.tables.exponents.tolist() == [m.time_unit for m in plan.members]
 
 
 @pytest.mark.parametrize("key", ["start.omega[2]", "body.weight"])
