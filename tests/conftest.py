@@ -1,7 +1,5 @@
 """What holds for every test: the caller's precision is none that polhode would choose."""
 
-from __future__ import annotations
-
 import contextlib
 import importlib
 import os
@@ -70,6 +68,15 @@ def little_optimised() -> Iterator[None]:
             options = heyoka._TYPES[name]
             patch.setitem(heyoka._TYPES, name, lambda n, o=options: o(n) | {"opt_level": 0})
         yield
+
+
+@pytest.fixture
+def quick_changes() -> Iterator[None]:
+    """Threads take turns far more often than they would."""
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(interval)
 
 
 @pytest.fixture

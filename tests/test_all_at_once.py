@@ -1,14 +1,10 @@
 """All verbs at once in threads, in pools, and after Ctrl-C at any moment: the same to the bit."""
 
-from __future__ import annotations
-
 import os
 import random
 import signal
-import sys
 import threading
 import time
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import cycle
 
@@ -20,14 +16,6 @@ from shared.verbs import VERBS, alone, answer, in_pool, together
 
 #: Locks of two kinds, integrators compiled by both, and settings of the process.
 SOME = [("levels", "orbit"), ("integrate_many", "certify")]
-
-
-@pytest.fixture
-def quick_changes() -> Iterator[None]:
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(1e-5)
-    yield
-    sys.setswitchinterval(interval)
 
 
 @pytest.mark.slow

@@ -1,7 +1,5 @@
 """The front door: its names, their examples, and what comes out as a value."""
 
-from __future__ import annotations
-
 import doctest
 import functools
 import importlib
@@ -20,6 +18,7 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import cli
 from polhode.common.values import same
 
 PUBLIC = [name for name in polhode.__all__ if name != "__version__"]
@@ -100,6 +99,9 @@ def results() -> dict[str, Callable[[], object]]:
         "many": lambda: polhode.integrate_many(
             "euler/sphere", {"start.omega[1]": "0:1:3"}, at=[0, 1]
         ),
+        "many in quad": lambda: polhode.integrate_many(
+            "euler/sphere", {"start.omega[1]": ["1/3"]}, number="quad", at=[1]
+        ),
         "judged": lambda: polhode.compare(run()),
         "reference": lambda: polhode.reference(scene),
         "certified": lambda: polhode.reference(
@@ -137,15 +139,6 @@ def test_a_large_ensemble_prints_short():
     assert repr(many) == (
         "<Ensemble of euler/sphere: 1000 members in double, 2 times to t = 1, all reached the end>"
     )
-
-
-@pytest.mark.parametrize("number", ["double", "extended", "quad", "mp"])
-def test_a_trajectory_that_was_called_pickles_and_is_callable_again(number):
-    run = polhode.integrate("lagrange/nutation", number, at=[1, 2])
-    before = run("3/2")
-    again = pickle.loads(pickle.dumps(run))
-    assert same(list(again("3/2")), list(before))
-    assert again == run
 
 
 def test_other_states_are_another_trajectory():
@@ -195,10 +188,45 @@ def test_a_reference_that_was_used_keeps_its_digits_when_pickled():
     assert pickle.loads(pickle.dumps(exact)).at([1], 50) == rows
 
 
-def test_an_ensemble_above_extended_keeps_its_digits_when_pickled():
-    many = polhode.integrate_many(
-        "euler/sphere", {"start.omega[1]": ["1/3"]}, number="quad", at=[1]
-    )
-    again = pickle.loads(pickle.dumps(many))
-    assert again.states[0, 0, 0]._mpf_ == many.states[0, 0, 0]._mpf_
-    assert again.states.shape == many.states.shape
+# -- the documentation of the public names, as the signatures are ----------------------------------
+
+ALL_NAMES = [name for name in polhode.__all__ if not name.startswith("_")]
+FUNCTIONS = [name for name in ALL_NAMES if inspect.isroutine(getattr(polhode, name))]
+
+
+def sections(text: str) -> dict[str, str]:
+    _, *parts = re.split(r"^([A-Z][A-Za-z ]+)\n-{3,}\n", text, flags=re.M)
+    return dict(zip(parts[::2], parts[1::2], strict=True))
+
+
+def entries(section: str) -> list[str]:
+    heads = [line.partition(" : ")[0] for line in section.splitlines() if re.match(r"\S", line)]
+    return [name.strip() for head in heads for name in head.split(",")]
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_every_argument_of_a_public_function_is_told_once_and_nothing_else(name):
+    function = getattr(polhode, name)
+    told_sections = sections(inspect.getdoc(function))
+    signature = inspect.signature(function)
+    returns = ["Returns"] if signature.return_annotation != "None" else []
+    takes = ["Parameters"] if signature.parameters else []
+    assert {*takes, *returns, "Raises", "Examples"} <= set(told_sections)
+    assert ("Returns" in told_sections) == bool(returns)
+    parameters = [
+        {p.VAR_KEYWORD: "**", p.VAR_POSITIONAL: "*"}.get(p.kind, "") + p.name
+        for p in signature.parameters.values()
+    ]
+    assert sorted(entries(told_sections.get("Parameters", ""))) == sorted(parameters)
+    for kind in (*returns, "Raises"):
+        assert entries(told_sections[kind])
+    assert told_sections["Examples"].startswith(">>> ")
+    for section in (*takes, *returns, "Raises"):
+        for entry in re.split(r"\n(?=\S)", told_sections[section].strip()):
+            assert "\n    " in entry, f"{name}: nothing is said of {entry}"
+
+
+def test_the_guide_lists_every_public_name(capsys):
+    assert cli.main(["guide", "python"]) == 0
+    listed = re.findall(r"^\| `polhode\.(\w+)", capsys.readouterr().out, re.M)
+    assert listed == sorted(ALL_NAMES, key=lambda name: (name[0].isupper(), name))

@@ -1,7 +1,5 @@
 """README and guide: their commands and their Python are run, and print what stands there."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

@@ -1,7 +1,5 @@
 """The golden comparison notices what it is for: one bit, an entry that is gone, another refusal."""
 
-from __future__ import annotations
-
 import copy
 import gzip
 import json

@@ -1,7 +1,5 @@
 """The house: the layer table, rooms, types, and what a verb may import."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 import json

@@ -3,8 +3,6 @@
 Rooms test the kinds of these faults with many values; here is what was reported.
 """
 
-from __future__ import annotations
-
 import re
 import time
 import warnings
@@ -17,9 +15,8 @@ import pytest
 
 import polhode
 from polhode.numbers.mpmath_context import mpmath
-from polhode.scenes import scene_file
 from shared import tables
-from shared.motions import free_file
+from shared.motions import free_file, scene_of
 
 SECONDS = 2.0  # of processor time, for a refusal that once took minutes
 
@@ -32,7 +29,7 @@ SECONDS = 2.0  # of processor time, for a refusal that once took minutes
 )
 def test_an_event_with_a_pole_ends_there(zero, pole):
     """It hung for ever: at a pole heyoka's steps are 0 and count towards no limit."""
-    scene = scene_file.parse(free_file("at = [0.25, 2]"), "top.toml")
+    scene = scene_of(free_file("at = [0.25, 2]"), "top.toml")
     run = polhode.integrate(replace(scene, events=(polhode.Event("x", zero),)))
     assert run.outcome is polhode.Outcome.NON_FINITE
     assert "events that stay finite" in run.advice
@@ -42,7 +39,7 @@ def test_an_event_with_a_pole_ends_there(zero, pole):
 
 
 def test_an_event_that_stays_finite_is_followed_past_what_looks_like_a_pole():
-    scene = scene_file.parse(free_file("at = [5]"), "top.toml")
+    scene = scene_of(free_file("at = [5]"), "top.toml")
     run = polhode.integrate(replace(scene, events=(polhode.Event("x", "1/(p - 1) + 2"),)))
     assert run.outcome.done  # p < 1/2
     assert run.events[0].times == ()
@@ -51,7 +48,7 @@ def test_an_event_that_stays_finite_is_followed_past_what_looks_like_a_pole():
 # -- numbers and texts that people give ------------------------------------------------------------
 
 
-FREE = scene_file.parse(free_file("at = [0, 1]"), "top.toml")
+FREE = scene_of(free_file("at = [0, 1]"), "top.toml")
 ROW = [0.3, -0.4, 1.1, 0.6, 0, 0.8]
 
 

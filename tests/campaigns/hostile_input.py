@@ -28,14 +28,14 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from fuzz import cases, motions, trials
+from fuzz import cases, trials
 from polhode.output import description
 
 COUNTS = {
     **dict.fromkeys(("scene", "call", "any result"), 6000),
     **dict.fromkeys(("toml", "command", "body"), 2000),
     "table": 1000,
-    **dict.fromkeys(("pieces", "event"), 500),
+    "event": 500,
     "proof": 50,
 }
 EXTREME = 100  # scenes of each kind
@@ -46,7 +46,7 @@ def jobs(share: float) -> Iterator[tuple[str, Callable[[], Any]]]:
     for name, count in COUNTS.items():
         most = max(1, round(share * count))
         yield name, lambda name=name, most=most: trials.keep_many(name, most)
-    for name in motions.KINDS:
+    for name in cases.KINDS:
         most = max(1, round(share * EXTREME))
         yield (
             f"extreme {name}",

@@ -3,8 +3,8 @@
     python tests/campaigns/signals_met.py [SIGNALS] [WORK...]
 
 sends so many signals (50 if it is not said) to each work of :mod:`fuzz.signals`, or to those that
-are named, and prints how often it ended with which code, and each fault.  Works that end by
-themselves are killed, too, and given again.  The exit code is 1 where there was a fault.
+are named, and prints how often it ended with which code, and each fault.  The exit code is 1 where
+there was a fault.
 
 Last printed, with 2 signals each:
 
@@ -15,7 +15,6 @@ Last printed, with 2 signals each:
 
 from __future__ import annotations
 
-import signal
 import sys
 from collections import Counter
 from pathlib import Path
@@ -24,15 +23,12 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from fuzz import signals
 
-ALL = (signal.SIGKILL, *signals.OBEYED)
-
 
 def main(count: str = "50", *works: str) -> int:
     """Meet them."""
     faulty = 0
     for work in works or signals.WORKS:
-        kinds = ALL if work in signals.ENDING else signals.OBEYED
-        codes, faults = signals.met_at_random(work, int(count), 2, kinds)
+        codes, faults = signals.met_at_random(work, int(count), 2)
         ends = ", ".join(f"{code}: {n}" for code, n in sorted(Counter(map(str, codes)).items()))
         print(f"{work}: codes {ends}", *faults, sep="\n    ", flush=True)
         if work not in signals.QUICK and int(count) >= 20:

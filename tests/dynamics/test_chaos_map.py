@@ -1,7 +1,5 @@
 """Chaos maps: verdicts on integrable tops, against lyapunov, and the same everywhere."""
 
-from __future__ import annotations
-
 import json
 from fractions import Fraction
 
@@ -168,35 +166,6 @@ def test_the_same_in_any_company_and_after_a_stop(tmp_path, monkeypatch):
     again = polhode.chaos_map(GENERIC, parts=folder, workers=1, **options)
     assert (again.growth == plain.growth).all()
     assert (again.fli == plain.fli).all()
-
-
-def test_bodies_can_vary():
-    """From a Lagrange top across asymmetric bodies: the integrable column alone has no chaos."""
-    scene = polhode.load("general/asymmetric-chaotic")
-    varied = {"body.moments[1]": ["1.5", "2"], "start.omega[3]": "1:1.3:6"}
-    chart = polhode.chaos_map(scene, vary=varied, end=1000)
-    assert chart.keys == ("body.moments[1]", "start.omega[3]")
-    assert chart.at[0].tolist() == [1.5, 1.0]
-    assert len(chart.verdict) == 12
-
-
-@pytest.mark.slow
-def test_map_verb(tmp_path, capsys):
-    file, figure = tmp_path / "m.npz", tmp_path / "m.svg"
-    command = ["map", "lagrange/nutation", "--grid", "3x2", "--end", "500"]
-    assert main([*command, "--json"]) == 0
-    printed = json.loads(capsys.readouterr().out)
-    assert printed["counts"]["chaotic"] == 0
-    columns = printed["columns"]
-    assert len(columns["megno"]) == len(columns["cell"])
-    assert main([*command, "-o", str(file)]) == 0
-    with np.load(file) as arrays:
-        assert arrays["fli"].tolist() == columns["fli"]
-    pytest.importorskip("matplotlib")
-    for quantity in ("fli", "verdict"):
-        assert main([*command, "--what", quantity, "-o", str(figure)]) == 0
-        assert "0 chaotic" in figure.read_text()
-    assert not list(tmp_path.glob("*.parts"))
 
 
 #: Starts, grid, until when their verdicts are known; motions, undecided or calm ones at most.

@@ -1,7 +1,5 @@
 """Levels of permanent rotations that lie close to each other, and the figure of their regions."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np
@@ -9,31 +7,31 @@ import pytest
 from flint import arb
 
 import polhode
+from polhode import Body
 from polhode.dynamics import exact_levels
 from polhode.dynamics.exact_levels import RationalBody
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle
-from polhode.scenes.body import Body
 from shared.tools import tiers
 
 START = {"omega": ("0.3", "0.2", "1.1"), "gamma": ("3/5", 0, "4/5")}
 NEAR = (2, "2.01", 1)
 
 
-def found_of(moments, **start):
-    body = Body.of_moments(moments, (1, 0, 0), 1)
+def found_of(moments, centre=(1, 0, 0), **start):
+    body = Body.of_moments(moments, centre, 1)
     return polhode.levels(polhode.Scene(body, **(start or START)))
 
 
 # -- critical points on the sphere, in plain numpy -------------------------------------------------
 
 
-def counted(moments, f):
-    """(W, gamma, Morse index) of the critical points of W_f with T = (1, 0, 0), by Newton's method.
+def counted(moments, f, torque=(1, 0, 0)):
+    """(W, gamma, Morse index) of the critical points of W_f by Newton's method.
 
     On W'(gamma) - mu gamma = 0, gamma.gamma = 1, from many starts at once.
     """
-    a, push = np.array([float(Fraction(m)) for m in moments]), np.array([1.0, 0, 0])
+    a, push = (np.array([float(Fraction(x)) for x in v]) for v in (moments, torque))
     rng = np.random.default_rng(3)
     near = np.array([-1.0, 0, 0]) + 0.05 * rng.normal(size=(200, 3))
     g = np.concatenate([rng.normal(size=(600, 3)), near, np.eye(3), -np.eye(3)])
@@ -72,21 +70,29 @@ def counted(moments, f):
 
 
 @pytest.mark.parametrize(
-    ("moments", "f"),
+    ("moments", "f", "torque"),
     tiers(
-        [((2, "2.01", 1), "21"), ((2, "2.001", 1), "21"), ((2, "2.2", 1), "3")],
         [
-            *(((2, "2.01", 1), "20.001"), ((2, "2.01", 1), "19.999")),
-            *(((2, "2.001", 1), "200.01"), ((2, "2.001", 1), "199.99")),
-            *(((2, "2.01", "1/50"), "1"), ((2, "2.01", "1/50"), "21")),
+            *(
+                ((2, m, 1), f, (1, 0, 0))
+                for m, f in (("2.01", "21"), ("2.001", "21"), ("2.2", "3"))
+            ),
+            ((2, "3/2", 1), "1", ("3/10", "1/5", "1/2")),
+            ((2, "3/2", "6/5"), "3", (0, 1, 0)),
+        ],
+        [
+            *(((2, "2.01", 1), f, (1, 0, 0)) for f in ("20.001", "19.999")),
+            *(((2, "2.001", 1), f, (1, 0, 0)) for f in ("200.01", "199.99")),
+            *(((2, "2.01", "1/50"), f, (1, 0, 0)) for f in ("1", "21")),
+            ((2, "3/2", 1), "19/10", ("3/10", "1/5", "1/2")),
         ],
     ),
 )
-def test_regions_by_counting_critical_points(moments, f):
+def test_regions_by_counting_critical_points(moments, f, torque):
     """Their energies, and sum (2 - k) over the parts = minima - saddles + maxima below."""
-    points = counted(moments, float(f))
+    points = counted(moments, float(Fraction(f)), torque)
     assert sum((-1) ** index for _, _, index in points) == 2  # none is missed
-    result = found_of(moments).regions(f)
+    result = found_of(moments, torque).regions(f)
     energies = []
     for value, _, _ in points:
         if not energies or value - energies[-1] > 1e-12 * abs(value):

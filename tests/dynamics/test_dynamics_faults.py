@@ -1,7 +1,5 @@
 """The table of faults of dynamics: what once was wrong, a row each, by users' doors."""
 
-from __future__ import annotations
-
 import json
 import math
 from fractions import Fraction
@@ -12,13 +10,12 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.dynamics.starts import cut_of
-from polhode.scenes import scene_file
+from shared.motions import scene_of
 
 # -- frequencies -----------------------------------------------------------------------------------
 
 FIVE = [0.5, 1.0, 1.7, 2.3, 3.1]
 STEP = 0.1
-CHAOTIC = "general/asymmetric-chaotic"
 
 
 def cosines(rates, t):
@@ -166,7 +163,7 @@ f = "3/10"
 
 def test_a_level_that_the_scene_says_is_not_rounded():
     """omega is a root there: h and f were computed from it, and were "(rounded)"."""
-    scene = scene_file.parse(LEVEL, "top.toml")
+    scene = scene_of(LEVEL, "top.toml")
     here = polhode.levels(scene).here
     for closed_orbit in (
         polhode.orbit(scene, digits=18),
@@ -182,7 +179,7 @@ def test_a_level_that_the_scene_says_is_not_rounded():
 
 @pytest.mark.slow
 def test_a_theorem_is_of_the_level_that_the_scene_says():
-    theorem = polhode.prove_orbit(scene_file.parse(LEVEL, "top.toml")).theorem
+    theorem = polhode.prove_orbit(scene_of(LEVEL, "top.toml")).theorem
     assert "on the level h = 2, f = 3/10 exactly one" in theorem
 
 

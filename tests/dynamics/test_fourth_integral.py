@@ -1,7 +1,5 @@
 """Critical values of the fourth integral, beside those that Newton's method finds on the level."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +10,7 @@ from polhode.dynamics.exact_levels import BODY_BITS, RationalBody
 from polhode.dynamics.levels import fourth_integral
 from polhode.numbers.conversion import to_double
 from polhode.numbers.polynomials import fraction_near
-from polhode.scenes import scene_file
+from shared.motions import scene_of
 
 
 def kovalevskaya(x, moments, c):
@@ -96,7 +94,7 @@ def on_the_level(scene, name, starts, seed=18):
     ("case", "starts"), [("kovalevskaya/generic", 60), ("lagrange/nutation", 30)]
 )
 def test_critical_values_are_those_that_newton_finds(case, starts):
-    scene = scene_file.parse(UNREAL) if case == "class II unreal" else polhode.load(case)
+    scene = scene_of(UNREAL) if case == "class II unreal" else polhode.load(case)
     here = polhode.levels(scene).here.fourth
     values = np.array([value.value for value in here.critical])
     scale = max(1.0, np.abs(values).max())
@@ -150,7 +148,7 @@ UNITS = (
 @pytest.mark.parametrize("case", UNITS)
 def test_another_unit_of_mass_and_of_time_scales_every_value(case):
     """The library's tops have C = T = 1, where a factor of either too few or too many is unseen."""
-    scene = scene_file.parse(UNREAL) if case == "class II unreal" else polhode.load(case)
+    scene = scene_of(UNREAL) if case == "class II unreal" else polhode.load(case)
     body = polhode.Body(
         [[3 * x for x in row] for row in scene.body.inertia],
         scene.body.centre,

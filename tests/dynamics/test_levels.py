@@ -1,9 +1,5 @@
 """Levels (h, f): curves of permanent rotations, types, and regions, each found another way."""
 
-from __future__ import annotations
-
-import json
-from collections import deque
 from fractions import Fraction
 
 import mpmath
@@ -12,11 +8,10 @@ import pytest
 from flint import arb
 
 import polhode
-from polhode.cli import main
-from polhode.dynamics.exact_levels import RationalBody, between, region, regions_between
+from polhode import Body
+from polhode.dynamics.exact_levels import RationalBody, between, region
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import rational
-from polhode.scenes.body import Body
 from shared.tools import tiers
 
 BODIES = {
@@ -134,77 +129,6 @@ def test_no_curve_is_a_single_point():
 # -- regions, counted on a grid of the sphere ------------------------------------------------------
 
 
-ROWS, TURNS = 60, 120
-POLAR = (np.arange(ROWS) + 0.5) * np.pi / ROWS
-ROUND = (np.arange(TURNS) + 0.5) * 2 * np.pi / TURNS
-GAMMA = np.array(
-    [
-        np.outer(np.sin(POLAR), np.cos(ROUND)),
-        np.outer(np.sin(POLAR), np.sin(ROUND)),
-        np.outer(np.cos(POLAR), np.ones(TURNS)),
-    ]
-)
-
-
-def parts(mask):
-    """Connected parts of a set of cells; all cells round a pole touch each other."""
-    label, count = np.zeros(mask.shape, dtype=int), 0
-    for seed in zip(*np.nonzero(mask), strict=True):
-        if label[seed]:
-            continue
-        count += 1
-        label[seed], queue = count, deque([seed])
-        while queue:
-            i, j = queue.popleft()
-            near = [(i, (j + 1) % TURNS), (i, (j - 1) % TURNS)]
-            near += [(k, j) for k in (i - 1, i + 1) if 0 <= k < ROWS]
-            near += [(i, k) for k in range(TURNS) if i in (0, ROWS - 1)]
-            for cell in near:
-                if mask[cell] and not label[cell]:
-                    label[cell] = count
-                    queue.append(cell)
-    return label, count
-
-
-def region_on_a_grid(top, h, f):
-    moments, torque = (
-        np.array([float(x) for x in numbers]) for numbers in (top.moments, top.torque)
-    )
-    inertia = np.tensordot(moments, GAMMA**2, 1)
-    potential = f * f / (2 * inertia) + np.tensordot(torque, GAMMA, 1)
-    label, count = parts(potential <= h)
-    return tuple(sorted(parts(label != k)[1] for k in range(1, count + 1)))
-
-
-FS = {
-    "generic": ("1", "19/10", "5/2"),
-    "one plane": ("3/2", "9/4"),
-    "one axis": ("1", "3"),
-    "kovalevskaya": ("1", "5/2"),
-    "lagrange": ("1/2", "3"),
-    "euler": ("2",),
-}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "f"), [("generic", "1"), ("one axis", "3")])
-def test_regions_by_counting_on_a_grid(name, f):
-    top, f = body(name), Fraction(f)
-    column = regions_between(top, f)
-    energies = [h for h, _ in column]
-    gap = (energies[-1] - energies[0]) / 30
-    looked = 0
-    for k, (low, shape) in enumerate(column):
-        high = energies[k + 1] if k + 1 < len(energies) else low + 1
-        if high - low > gap:  # the grid does not see less
-            h = (low + high) / 2
-            assert region_on_a_grid(top, h, float(f)) == shape, h
-            assert region(top, Fraction(h), f) == shape
-            looked += 1
-    assert looked >= 2
-    assert region(top, Fraction(energies[0] - gap), f) == ()
-
-
 def test_a_level_has_two_discs_or_three_edges():
     """The levels at which the number of critical points alone would mislead."""
     generic = body("generic")
@@ -222,38 +146,6 @@ def test_on_a_bifurcation_there_is_no_region():
 
 
 # -- the verb --------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_levels_as_json(capsys):
-    assert main(["levels", "general/asymmetric-chaotic", "--json"]) == 0
-    printed = json.loads(capsys.readouterr().out)
-    assert printed["region"] == [1]
-    assert printed["topology"] == "S3"
-    marks, arcs = printed["marks"], printed["arcs"]
-    cusp = marks["parameter"][marks["kind"].index("cusp")]
-    assert cusp.startswith("1.2627626270")
-    assert len(cusp) > 35
-    assert {*arcs["type"]} == {*("centre-centre", "centre-saddle", "focus-focus", "saddle-saddle")}
-    points = printed["columns"]
-    assert len(points["f"]) == len(points["h"])
-    assert min(points["arc"].count(arc) for arc in arcs["arc"]) > 200
-
-
-@pytest.mark.slow
-def test_levels_as_figure_and_arrays(tmp_path, capsys):
-    pytest.importorskip("matplotlib")
-    figure, file = tmp_path / "levels.svg", tmp_path / "levels.npz"
-    arguments = ["levels", "lagrange/nutation"]
-    assert main([*arguments, "--f-range", "-1:3", "-o", str(figure)]) == 0
-    assert "focus-focus" in figure.read_text()
-    assert "S²×S¹" in figure.read_text()
-    assert main([*arguments, "-o", str(file)]) == 0
-    with np.load(file) as arrays:
-        assert arrays["f"].shape == arrays["h"].shape == arrays["arc"].shape
-    assert capsys.readouterr().out.count("fourth integral  L = 2.05") == 2
-    assert main(arguments) == 0
-    assert "fourth integral  L = 2.05" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("f", tiers(["1e3", "1e19"], ["1e16"]))

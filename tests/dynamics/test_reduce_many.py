@@ -1,7 +1,5 @@
 """Sweeps reduced to numbers: the same as from states and runs that are kept, held by nobody."""
 
-from __future__ import annotations
-
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -10,11 +8,10 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import Outcome
 from polhode.dynamics import observables as observable_jobs
 from polhode.dynamics import reduce_many as module
-from polhode.motion.outcomes import Outcome
-from polhode.scenes import scene_file
-from shared.motions import heavy
+from shared.motions import heavy, scene_of
 from shared.tools import tiers
 
 VARIED = {"start.omega[3]": "0.5:4:5", "body.weight": ["1/2", 1, 3]}
@@ -42,7 +39,7 @@ def theta(states):
     tiers([("double", False), ("double", True)], [("extended", False), ("extended", True)]),
 )
 def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned):
-    scene = scene_file.parse(TURNED.format(end=9)) if turned else heavy("9")
+    scene = scene_of(TURNED.format(end=9)) if turned else heavy("9")
     varied = {"start.omega[1]": [1, 100], "body.inertia[1][2]": ["0.5", 0]} if turned else VARIED
     keep = ["final", "largest theta", "smallest p*gamma1 - q/3", "largest sin(t)*r"]
     found = polhode.reduce_many(scene, varied, keep, number=number)
@@ -63,18 +60,16 @@ def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("end", "turned"), [("-11", True)])
-def test_first_events_are_the_first_of_each_run(end, turned, monkeypatch):
+def test_first_events_are_the_first_of_each_run(monkeypatch):
     """Times and states to a few eps (times of a double end at eps t; errors grow with t)."""
     monkeypatch.setattr(observable_jobs, "STRETCH", 3.0)  # more than one stretch
-    scene = scene_file.parse(TURNED.format(end=end)) if turned else heavy(end)
-    varied = {"start.omega[1]": [1, 20], "body.inertia[1][2]": ["0.5", 0]} if turned else VARIED
-    scene = replace(scene, events=EVENTS)
+    scene = replace(scene_of(TURNED.format(end="-11")), events=EVENTS)
+    varied = {"start.omega[1]": [1, 20], "body.inertia[1][2]": ["0.5", 0]}
     keep = [f"first {event.name}" for event in EVENTS]
     found = polhode.reduce_many(scene, varied, keep)
     many = polhode.integrate_many(replace(scene, events=()), varied)
     seen = set()
-    for k in (0, 3) if turned else (0, 5, 14):
+    for k in (0, 3):
         member = many.members[k]
         run = polhode.integrate(replace(member, times=scene.times, events=EVENTS), project=False)
         fast = max(float(abs(x)) for x in member.omega)
@@ -167,10 +162,9 @@ def test_no_more_states_are_held_than_a_job_has(monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("keep", "end", "many"), [(["final", "first nutation"], "9", 800)])
-def test_what_was_interrupted_goes_on_to_the_same_bits(keep, end, many, tmp_path):
+def test_what_was_interrupted_goes_on_to_the_same_bits(tmp_path):
     """Also where no step is counted: with an exponent alone, all finished jobs were lost."""
-    scene = heavy(end)
+    scene, keep, many = heavy("9"), ["final", "first nutation"], 800
     varied = {"start.omega[3]": f"1:3:{many}"}
     whole = polhode.reduce_many(scene, varied, keep)
 

@@ -1,7 +1,5 @@
 """Sections: starts on them, crossings against closed forms, curves of integrable tops."""
 
-from __future__ import annotations
-
 import itertools
 import json
 from concurrent.futures import ThreadPoolExecutor
@@ -11,14 +9,12 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.cli import main
 from polhode.common import checkpoint
-from polhode.common.checkpoint import JobCheckpoint
 from polhode.dynamics import section as section_jobs
 from polhode.dynamics import starts as geometry
 from polhode.dynamics.level_body import LevelBody
-from polhode.scenes import scene_file
-from polhode.taylor import event_batches, event_watch
+from polhode.taylor import event_batches
+from shared.motions import scene_of
 from shared.tools import tiers
 
 EPS = 2.0**-52
@@ -124,14 +120,10 @@ def test_curves_of_integrable_tops_close(case, level, low, high):
     cut = polhode.section(scene, grid=(4, 4), crossings=300, **level)
     assert cut.complete
     wide = cut.states.astype(np.longdouble)
-    p, q, r, g1, g2, g3 = np.moveaxis(wide, -1, 0)
+    p, q, r, _, _, g3 = np.moveaxis(wide, -1, 0)
     G = wide[..., :3] * np.array([float(a) for a in scene.body.moments])
-    if case.startswith("lagrange"):
-        value = r * float(scene.body.moments[2])
-    elif case.startswith("euler"):
+    if case.startswith("euler"):
         value = 2 * (G * wide[..., :3]).sum(-1) / (G * G).sum(-1)
-    elif case.startswith("kovalevskaya"):
-        value = (p * p - q * q - g1) ** 2 + (2 * p * q - g2) ** 2
     else:
         c = float(scene.body.torque[0] / scene.body.moments[2])
         value = r * (p * p + q * q) - c * p * g3
@@ -224,35 +216,6 @@ def test_flat_crossings_of_many_orbits_are_looked_at_each_with_its_own_numbers(t
     assert cut.counts.tolist() == [12]
 
 
-@pytest.mark.parametrize("lost", [3, 4])
-def test_a_crossing_that_heyoka_loses_is_found_again(lost, monkeypatch):
-    """One that is asked for, and one of the other direction: the signs at the ends tell."""
-    options = geometry.cut_of(GENERIC, "momentum", "max", 3, Fraction(1, 2))
-    on = options.on
-    states = geometry.momentum_states(on, *geometry.cell_centres(4, 3), True).states[:1]
-    zero = section_jobs.zero_of(on, "momentum")
-    (job,) = section_jobs.jobs_of(on, zero, -1, 6, states)
-    plain = event_batches.solve(job)
-    own = job.watched._replace(constants=())
-    first = job._replace(watched=own, most=1, end=64.0, level=None, starts=job.starts + 1e-3)
-    plain_first = event_batches.solve(first)
-    text, met = [], event_watch.Callback.__call__
-
-    def losing(self, ta, time, sign, lane):
-        text.extend([time] * (self.order == 0))
-        if self.order or len(text) != lost:
-            met(self, ta, time, sign, lane)
-
-    monkeypatch.setattr(event_watch.Callback, "__call__", losing)
-    result = event_batches.solve(job)
-    assert result.outcomes == plain.outcomes == (event_batches.DONE,)
-    assert np.abs(result.times + result.rests - plain.times - plain.rests).max() < 1e-11
-    text[:] = [0.0, 0.0]  # then its first or second zero is lost
-    result = event_batches.solve(first)
-    assert result.outcomes == plain_first.outcomes == (event_batches.DONE,)
-    assert np.abs(result.times - plain_first.times).max() < 1e-11
-
-
 def test_no_crossing_is_missed():
     """Against sign changes of D on dense output, on a chaotic orbit, while both have digits."""
     count = 48  # from there on doubles part: at 56 their crossings are 2 apart, and from quad's too
@@ -309,7 +272,7 @@ def test_an_executor_and_parts_give_the_same(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_an_expression_in_turned_axes_and_other_units():
     """The same motion in axes turned by 90 degrees about the third, in a unit of 1024 seconds."""
-    rotated = scene_file.parse(
+    rotated = scene_of(
         "schema = 1\n[body]\nmoments = [1.5, 2, 1]\ncentre = [-0.2, 0.3, 0.5]\nweight = 1048576\n"
         "[start]\nomega = [-204.8, 307.2, 1126.4]\ngamma = [0, 0.6, 0.8]\n"
     )
@@ -323,26 +286,9 @@ def test_an_expression_in_turned_axes_and_other_units():
 # -- the verb and what it refuses ------------------------------------------------------------------
 
 
-def test_section_verb(tmp_path, capsys):
-    file, figure = tmp_path / "s.npz", tmp_path / "s.svg"
-    command = ["section", "lagrange/nutation", "--grid", "3x2", "--crossings", "7"]
-    assert main([*command, "--json"]) == 0
-    printed = json.loads(capsys.readouterr().out)
-    assert printed["columns"]["orbit"] == [k for k in range(1, 7) for _ in range(7)]
-    assert printed["orbits"]["crossings"] == [7] * 6
-    assert main([*command, "-o", str(file)]) == 0
-    with np.load(file) as arrays:
-        for name in ("t", "l", "L_over_G", "p", "gamma3"):
-            assert arrays[name].tolist() == printed["columns"][name]
-    assert not list(tmp_path.glob("*.parts"))
-    pytest.importorskip("matplotlib")
-    assert main([*command, "-o", str(figure)]) == 0
-    assert "orbit 6" in figure.read_text()
-
-
 def test_the_scene_file_says_what_is_cut(capsys):
     text = GENERIC.source + '[section]\nby = "height"\ncrossings = 4\nstarts = [[1, 0, 0, -1]]\n'
-    scene = scene_file.parse(text)
+    scene = scene_of(text)
     assert scene.section == polhode.SectionPlan("height", "max", 4, ((1, 0, 0, -1),))
     cut = polhode.section(scene, **LEVEL)
     assert cut.states.shape == (1, 4, 6)
@@ -353,22 +299,7 @@ def test_the_scene_file_says_what_is_cut(capsys):
         ("starts = [1]", r"section.starts\[1\] = 1: expected an array"),
     ):
         with pytest.raises(polhode.BadInput, match=message):
-            scene_file.parse(GENERIC.source + "[section]\n" + fault + "\n")
-
-
-def test_no_two_commands_share_a_folder(tmp_path):
-    """The second one is refused while the first is at work, and not after it."""
-    first = JobCheckpoint(tmp_path / "jobs", "section", "key")
-    first.save(0, {"x": np.zeros(1)})
-    first.write_waiting()
-    with pytest.raises(polhode.BadInput, match="no other command running in this folder"):
-        JobCheckpoint(tmp_path / "jobs", "section", "key")
-    first.release()
-    with JobCheckpoint(tmp_path / "jobs", "section", "key") as again:
-        assert again.load(0)["x"].shape == (1,)
-        assert again.load(1) is None
-    with pytest.raises(polhode.BadInput, match="the jobs of the same command"):
-        JobCheckpoint(tmp_path / "jobs", "map", "key")
+            scene_of(GENERIC.source + "[section]\n" + fault + "\n")
 
 
 def test_an_interrupted_section_ends_without_digits():

@@ -1,7 +1,5 @@
 """Levels, sections, maps and frequencies in units of any size; their results as values."""
 
-from __future__ import annotations
-
 import pickle
 from fractions import Fraction
 

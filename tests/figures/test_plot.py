@@ -1,7 +1,5 @@
 """Figures of motions: what is drawn, of scenes, runs and files, and what is refused."""
 
-from __future__ import annotations
-
 import json
 import math
 import re
@@ -18,9 +16,8 @@ from polhode.figures import sphere
 from polhode.figures.canvas import label_text
 from polhode.figures.samples import SAMPLES
 from polhode.figures.sphere import Globe, facing_most
-from polhode.scenes.scene import even_times
 from shared.tables import of_run, through
-from shared.tools import tiers
+from shared.tools import even_times, tiers
 
 plt = pytest.importorskip("matplotlib.pyplot")
 TOP = "lagrange/looping"
@@ -239,16 +236,13 @@ def test_a_file_of_arrays_is_drawn_as_its_csv_is(tmp_path, ending):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("quantity", ["hodographs"])
-def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path, quantity):
+def test_a_trajectory_file_is_drawn_like_its_scene(tmp_path):
     path, times = tmp_path / "run.csv", ",".join(f"{k}/10" for k in range(101))
     command = ["run", TOP, "--at", times, "--outputs", "angles,attitude", "-o", str(path)]
     assert main(command) == 0
-    own = [] if quantity in ("angles", "hodographs", "sphere") else ["--scene", TOP]
-    own += ["--number", "double"] if own else []
-    drawn = texts(plotted(tmp_path, str(path), "--what", quantity, *own))
+    drawn = texts(plotted(tmp_path, str(path), "--what", "hodographs"))
     assert drawn
-    theirs = texts(plotted(tmp_path, TOP, "--what", quantity, "--end", "10", name="y.svg"))
+    theirs = texts(plotted(tmp_path, TOP, "--what", "hodographs", "--end", "10", name="y.svg"))
     assert [text.replace("third axis", "centre of mass") for text in drawn] == theirs
 
 
@@ -261,12 +255,11 @@ def test_a_file_with_the_space_hodograph_needs_no_attitude(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("suffix", [".svg"])
-def test_the_same_motion_gives_the_same_bytes(tmp_path, suffix):
+def test_the_same_motion_gives_the_same_bytes(tmp_path):
     arguments = (TOP, "--what", "angles", "--end", "3")
-    first = plotted(tmp_path, *arguments, name=f"a{suffix}").read_bytes()
-    assert first == plotted(tmp_path, *arguments, name=f"b{suffix}").read_bytes()
-    assert first.startswith({".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}[suffix])
+    first = plotted(tmp_path, *arguments, name="a.svg").read_bytes()
+    assert first == plotted(tmp_path, *arguments, name="b.svg").read_bytes()
+    assert first.startswith(b"<?xml")
     assert len(first) < 500_000
 
 

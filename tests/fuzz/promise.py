@@ -5,8 +5,6 @@ that names the file, the key and what was expected; nothing written that was not
 within so much processor time and memory; no thread, process or file left behind.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

@@ -3,16 +3,10 @@
 SIGINT and SIGTERM, to the process or as from a terminal to its whole group: it ends within SECONDS
 of the clock, or where the machine is busy of its processor time, with exit code 130 or the one that
 it had already, no more on stderr than lines of its own, and nothing left but what is documented:
-parts to go on from, a sweep's members, and its file if that was written before, whole.  What ends
-by itself (ENDING) is killed, too: what it leaves under its outputs' names is what the undisturbed
-work gives, and the same command given again ends with that.
+parts to go on from, a sweep's members, and its file if that was written before, whole.
 """
 
-from __future__ import annotations
-
 import contextlib
-import functools
-import json
 import os
 import re
 import signal
@@ -23,9 +17,7 @@ import time
 import zipfile
 from pathlib import Path
 from random import Random
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import NamedTuple
 
 from polhode.results.reader import kind_at
 
@@ -50,15 +42,8 @@ sys.argv[0] = "polhode"
 cli.command()
 """
 
-#: Commands that end within seconds, and what they give.
-ENDING = {
-    "ending-run": "run lagrange/nutation --number quad -o x.csv",
-    "ending-compare": "compare given.csv given.toml --json",
-    "ending-sweep": "sweep lagrange/nutation --number extended --vary start.omega[3]=1:4:40"
-    " --vary body.weight=1:2:10 -o x.npz",
-}
 #: Commands that run long, R for a regular motion and C for a chaotic one; and those that do not.
-WORKS = ENDING | {
+WORKS = {
     "run": "run C --at 1e9 --max-steps 10000000000 -o x.csv",
     "run-many-outputs": "run R --at 1e5 --outputs angles,attitude",
     "run-digits": "run R --digits 200 --at 300 -o x.csv",
@@ -212,33 +197,6 @@ def whole(path: Path) -> bool:
     return path.suffix in ENDS and path.read_bytes().endswith(ENDS[path.suffix])
 
 
-def timeless(text: str) -> Any:
-    """JSON without what differs from run to run."""
-    timed = {"provenance", "seconds", "about", "made"}
-    return json.loads(text, object_hook=lambda d: {k: x for k, x in d.items() if k not in timed})
-
-
-def contents(path: Path) -> Any:
-    """What a whole file says; raises where it is not whole."""
-    if path.suffix == ".npz":
-        with np.load(path, allow_pickle=False) as file:
-            return {name: file[name].tolist() for name in file.files if name != "about"}
-    if path.suffix == ".json":
-        return timeless(path.read_text())
-    text = re.sub(r" in [\d.]+ (second|minute)s?\b", "", path.read_text())
-    return re.sub(r"<dc:date>.*?</dc:date>|id=\"\w+\"|#\w+", "", text)
-
-
-def outputs() -> dict[str, Any]:
-    """The files under the names of outputs, and what they say."""
-    return {
-        str(path): contents(path)
-        for path in sorted(Path().rglob("*"))
-        if path.is_file() and path.name[0] != "." and ".parts" not in str(path)
-        if path.name not in ("given.csv", *_GIVEN)
-    }
-
-
 def prepare(work: str) -> None:
     """The files that a command reads, in the present folder."""
     for name, text in _GIVEN.items():
@@ -248,23 +206,10 @@ def prepare(work: str) -> None:
         subprocess.run(run, check=True, capture_output=True)
 
 
-@functools.cache
-def undisturbed(work: str) -> tuple[dict[str, Any], Any, float]:
-    """What an ending work writes and says, and the processor's seconds that it takes."""
-    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-        prepare(work)
-        before = os.times()
-        ended = carried_out(WORKS[work])
-        after = os.times()
-        assert ended.code == 0, ended
-        seconds = sum(after[2:4]) - sum(before[2:4])
-        return outputs(), "--json" in WORKS[work] and timeless(ended.out), seconds
-
-
 def faults_of(work: str, ended: Ended, by: int) -> list[str]:
     """What is wrong with how a work ended, in the folder where it did."""
     faults = []
-    if ended.code not in ((0, 3, 130) if by in OBEYED else (0, -by)):
+    if ended.code not in (0, 3, 130):
         faults.append(f"exit code {ended.code}")
     if ended.seconds > SECONDS:
         faults.append(f"ended after {ended.seconds:.1f} s")
@@ -282,28 +227,12 @@ def faults_of(work: str, ended: Ended, by: int) -> list[str]:
     return faults
 
 
-def faults_afterwards(work: str, ended: Ended) -> list[str]:
-    """What is wrong with the outputs that an ending work left, and with what it gives again."""
-    right, answer, _ = undisturbed(work)
-    # a sweep that Ctrl-C ends writes the members that it has
-    partly = "sweep" in work and ended.code == 130
-    faults = [f"{path} differs" for path, x in outputs().items() if x != right[path] and not partly]
-    again = carried_out(WORKS[work])
-    if again.code != 0 or outputs() != right:
-        faults.append(f"given again: code {again.code}, {again.err[-500:]}")
-    elif answer and timeless(again.out) != answer:
-        faults.append("given again: said something else")
-    if [*Path().glob("*.parts")]:
-        faults.append("parts left behind")
-    return faults
-
-
 def met_at_random(
     work: str, moments: int, seed: int, signals: tuple[int, ...] = OBEYED, longest: float = 8.0
 ) -> tuple[list[int | None], list[str]]:
     """A work met by so many signals, each in a folder of its own: how it ended, and the faults."""
     random, codes, faults = Random(f"{work} {seed}"), [], []
-    longest = 1.0 if work in QUICK else undisturbed(work)[2] if work in ENDING else longest
+    longest = 1.0 if work in QUICK else longest
     for _ in range(moments):
         by, moment = random.choice(signals), longest * random.random()
         group = by == signal.SIGINT and random.random() < 0.5
@@ -311,8 +240,6 @@ def met_at_random(
             prepare(work)
             ended = carried_out(WORKS[work], moment, by, group)
             these = faults_of(work, ended, by)
-            if work in ENDING:
-                these += faults_afterwards(work, ended)
         codes.append(ended.code)
         faults += [f"{signal.Signals(by).name} after {moment:.2f} s: {fault}" for fault in these]
     return codes, faults

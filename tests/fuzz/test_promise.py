@@ -3,20 +3,18 @@
 Many more of each class: ``tests/campaigns/hostile_input.py``.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
 
 import polhode
-from fuzz import cases, motions, promise, trials
+from fuzz import cases, promise, trials
 from polhode import cli
 from polhode.output import description
 
 #: How many cases of each class are tried.
 COUNTS = {"scene": 40, "call": 75, "toml": 20, "table": 10, "command": 20}
-COUNTS |= {"result": 20, "pieces": 8, "body": 15, "event": 5, "proof": 3}
+COUNTS |= {"result": 20, "body": 15, "event": 5, "proof": 3}
 SWEEP = "sweep x.toml --vary start.omega[3]=1:2:2 --workers 1"
 
 
@@ -55,7 +53,7 @@ def test_the_promise_is_kept_by_some_texts(kind):
     ],
 )
 def test_numbers_hundreds_of_powers_of_ten_apart(words, body, capsys):
-    Path("x.toml").write_text(motions.RATIO.format(*motions.RATIOS[body]))
+    Path("x.toml").write_text(cases.RATIO.format(*cases.RATIOS[body]))
     code = cli.main(words.split())
     err = capsys.readouterr().err
     assert code in (0, 2, 3)
@@ -101,6 +99,6 @@ def test_a_refusal_is_no_fault():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", motions.KINDS)
+@pytest.mark.parametrize("kind", cases.KINDS)
 def test_an_extreme_scene_is_as_right_as_it_is_said_to_be(kind):
     trials.judge_extreme_scenes(kind, 2)

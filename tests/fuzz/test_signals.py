@@ -3,8 +3,6 @@
 Many signals, and commands that are killed and given again: ``tests/campaigns/signals_met.py``.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess
@@ -16,9 +14,8 @@ import pytest
 
 import polhode
 from fuzz import signals
-from polhode import cli
+from polhode import BadInput, cli
 from polhode.common import files
-from polhode.common.errors import BadInput
 from polhode.common.interrupts import heard
 from polhode.runs import integrate_many
 from polhode.verbs import catalogue, guide

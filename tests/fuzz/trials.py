@@ -3,8 +3,6 @@
 A class of cases is a strategy; see :mod:`fuzz.promise` for what is promised.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 from collections.abc import Sequence
@@ -15,7 +13,7 @@ from typing import Any
 from hypothesis import HealthCheck, given, settings
 
 import polhode
-from fuzz import cases, changed_files, motions, promise
+from fuzz import cases, promise
 from polhode.numbers.mpmath_context import mpf, mpmath, own
 from shared import plain_taylor
 from shared.closed_forms import number
@@ -32,12 +30,11 @@ CLASSES = {
     "toml": cases.toml(),
     "table": cases.table(),
     "command": cases.command(),
-    "result": changed_files.result(QUICK_RESULTS),
-    "any result": changed_files.result([*MAKERS]),
-    "pieces": changed_files.pieces_found(),
-    "body": motions.body(),
-    "event": motions.event(),
-    "proof": motions.proof(),
+    "result": cases.result(QUICK_RESULTS),
+    "any result": cases.result([*MAKERS]),
+    "body": cases.body(),
+    "event": cases.event(),
+    "proof": cases.proof(),
 }
 OPTIONS: dict[str, Any] = {"database": None, "deadline": None}
 OPTIONS |= {"suppress_health_check": [*HealthCheck]}
@@ -98,7 +95,7 @@ def judge_extreme_scenes(kind: str, count: int) -> None:
     """Right to every digit asked, and a run to as many as is said."""
 
     @settings(max_examples=count, **OPTIONS)
-    @given(motions.extreme(kind))
+    @given(cases.extreme(kind))
     def as_right_as_said(drawn: polhode.Scene) -> None:
         run = polhode.integrate(drawn)
         assert run.outcome.done

@@ -1,7 +1,5 @@
 """Values that nobody should give: as TOML, as words of a command, as cells, and in Python."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 from typing import Any

@@ -1,7 +1,5 @@
 """Accuracy reports: every number is found again by compare and by what verdicts mean."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys
@@ -14,8 +12,8 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import BadInput
 from polhode.cli import main
-from polhode.common.errors import BadInput
 from polhode.common.interrupts import heard
 from polhode.output.report_page import page
 

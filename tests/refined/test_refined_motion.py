@@ -1,7 +1,6 @@
 """Refined runs against closed forms, against themselves in other intervals, at their limits."""
 
 import random
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -10,16 +9,32 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.numbers.conversion import exactly
+from polhode import Body, Scene
+from polhode.numbers.number_types import Doubles
 from polhode.refined import double_run, refinement
-from polhode.refined.collocation_tables import tables
-from polhode.refined.compiled_field import CannotRefine, Kernels, TooFarOff, kernels
-from polhode.refined.refinement import QUAD, Accuracy, accuracy, refine
-from polhode.scenes import library
-from polhode.scenes.body import Body
-from polhode.scenes.scene import Scene
-from shared import exact_field
+from polhode.refined.collocation_tables import LARGEST_FIELD, Tables, tables
+from polhode.refined.compiled_field import (
+    COEFFICIENTS,
+    FIELD_SHIFT,
+    VARIABLES,
+    CannotRefine,
+    Kernels,
+    Limbs,
+    TooFarOff,
+    kernels,
+)
+from polhode.refined.refinement import (
+    QUAD,
+    Accuracy,
+    ChainStretch,
+    OutputSide,
+    accuracy,
+    errors_made,
+    estimate,
+    refine,
+)
 from shared.motions import ASYMMETRIC, asymmetric
+from shared.tools import exactly
 
 
 def run(scene, *times, target=QUAD, **options):
@@ -62,7 +77,7 @@ CLOSED = [  # case, end, least and most correct digits of w and gamma
 
 @pytest.mark.parametrize(("name", "end", "least", "most"), CLOSED)
 def test_closed_forms_and_the_estimate(name, end, least, most):
-    scene = library.load(name)
+    scene = polhode.load(name)
     times = [Fraction(end, 7), Fraction(end)]
     motion = run(scene, *times)
     for i, t in enumerate(times):
@@ -135,9 +150,9 @@ def test_what_few_nodes_neglect_is_within_the_estimate_and_not_far_below():
     worst = []
     for scene in (
         asymmetric(),
-        library.load("kovalevskaya/generic"),
-        library.load("lagrange/spherical-pendulum"),
-        library.load("euler/dzhanibekov"),
+        polhode.load("kovalevskaya/generic"),
+        polhode.load("lagrange/spherical-pendulum"),
+        polhode.load("euler/dzhanibekov"),
     ):
         ends = [Fraction(k, 4) for k in range(1, 9)]
         true = run(scene, *ends, target=accuracy(40))
@@ -217,7 +232,7 @@ def test_a_body_that_hangs_at_rest_or_has_nothing_to_move_it():
 
 
 def test_no_estimate_where_the_motion_multiplies_errors_too_much():
-    motion = run(library.load("hard/chaotic-long"), 30, 330)
+    motion = run(polhode.load("hard/chaotic-long"), 30, 330)
     assert np.isfinite(motion.estimate.errors[0]).all()
     assert motion.estimate.kappa[1] > 1e14
     assert np.isinf(motion.estimate.errors[1]).all()
@@ -231,7 +246,7 @@ def test_no_estimate_where_the_motion_multiplies_errors_too_much():
     ],
 )
 def test_more_digits_by_the_closed_form(name, digits, end):
-    scene = library.load(name)
+    scene = polhode.load(name)
     motion = run(scene, end, target=accuracy(digits))
     errors = error(motion, scene, Fraction(end), digits=digits + 12)
     assert within(errors, motion)
@@ -248,7 +263,7 @@ def test_a_compiler_that_reassociates_is_found_out(monkeypatch):
     compiled = heyoka.cfunc
     monkeypatch.setattr("polhode.refined.compiled_field.hy.cfunc", careless)
     spoilt = kernels.__wrapped__(QUAD.limbs)
-    assert exact_field.field_error(spoilt, QUAD.limbs) > 2.0**-QUAD.limbs.bits
+    assert field_error(spoilt, QUAD.limbs) > 2.0**-QUAD.limbs.bits
 
 
 @pytest.mark.parametrize("digits", [34, 50, 90])
@@ -256,15 +271,15 @@ def test_products_by_levels_are_those_of_integers(digits):
     target = accuracy(digits)
     for steps in (5, 6):
         table = tables(target.limbs, target.nodes(steps))
-        assert exact_field.products_are_exact(table, target.limbs)
+        assert products_are_exact(table, target.limbs)
     spoilt = replace(table, levels=tuple(level * (1 + 2.0**-52) for level in table.levels))
-    assert not exact_field.products_are_exact(spoilt, target.limbs)
+    assert not products_are_exact(spoilt, target.limbs)
 
 
 @pytest.mark.parametrize("digits", [34, 50, 90])
 def test_the_compiled_field_is_that_of_integers(digits):
     limbs = accuracy(digits).limbs
-    assert exact_field.field_error(kernels(limbs), limbs) <= 2.0**-limbs.bits
+    assert field_error(kernels(limbs), limbs) <= 2.0**-limbs.bits
 
 
 @pytest.mark.parametrize("output", range(24))
@@ -276,21 +291,9 @@ def test_a_fault_in_any_limb_of_the_field_is_found_out(output):
         outputs[output] *= 1 + (2.0**-20 if output % 4 == 3 else 2.0**-52)
 
     limbs = QUAD.limbs
-    faulty = exact_field.field_error(Kernels(off, *good[1:]), limbs)
-    assert exact_field.field_error(good, limbs) < 2.0**-limbs.bits
-    assert faulty > 2 * exact_field.field_error(good, limbs)
-
-
-def test_threads_do_not_disturb_each_other():
-    import heyoka
-
-    scenes = [asymmetric(), asymmetric("1.1"), asymmetric("5")]
-    alone = [run(scene, 20).states for scene in scenes]
-    before = heyoka.get_nthreads()
-    with ThreadPoolExecutor(3) as pool:
-        together = list(pool.map(lambda scene: run(scene, 20).states, scenes * 3))
-    assert together == alone * 3
-    assert heyoka.get_nthreads() == before
+    faulty = field_error(Kernels(off, *good[1:]), limbs)
+    assert field_error(good, limbs) < 2.0**-limbs.bits
+    assert faulty > 2 * field_error(good, limbs)
 
 
 def test_a_block_of_one_interval_is_one(monkeypatch):
@@ -312,3 +315,248 @@ def test_a_block_of_one_interval_is_one(monkeypatch):
     good.append(0)
     with pytest.raises(CannotRefine, match="within one interval"):
         run(scene, 9)
+
+
+# -- The error estimate of a refined chain, beside each output's own -------------------------------
+
+OUTPUTS, INTERVALS, ROUNDING = 90, 60, 1e-3
+
+
+def chain():
+    """Stretches and sides in which no two outputs have the same error or kappa."""
+    draw = np.random.default_rng(11)
+
+    def turn(*shape):
+        return np.eye(6) + 0.1 * draw.normal(size=(*shape, 6, 6))
+
+    stretches = [
+        ChainStretch(turn(count), draw.uniform(0.1, 1.0, count), scale)
+        for count, scale in ((INTERVALS // 3, 2.0), (INTERVALS - INTERVALS // 3, 0.5))
+    ]
+    edges = np.sort(draw.integers(0, INTERVALS + 1, OUTPUTS))
+    edges[:2] = 0  # before the end of the first interval
+    sides = [OutputSide(int(edge), turn(), float(draw.uniform(0.1, 5.0)), 0.5) for edge in edges]
+    return stretches, sides
+
+
+def test_an_output_between_those_with_an_estimate_takes_the_larger_of_its_neighbours():
+    stretches, sides = chain()
+    estimates = estimate(stretches, sides, ROUNDING)
+    alone = [estimate(stretches, [side], ROUNDING) for side in sides]
+    own = np.array([stretch.errors[0] for stretch in alone])
+    kappas = np.array([stretch.kappa[0] for stretch in alone])
+    chosen = [k for k in range(OUTPUTS) if np.allclose(estimates.errors[k], own[k], rtol=1e-12)]
+    assert len(chosen) == 32
+    assert (chosen[0], chosen[-1]) == (0, OUTPUTS - 1)
+    for k in range(OUTPUTS):
+        both = [max(c for c in chosen if c <= k), min(c for c in chosen if c >= k)]
+        assert estimates.errors[k] == pytest.approx(own[both].max(axis=0), rel=1e-12)
+        assert estimates.kappa[k] == pytest.approx(kappas[both].max(), rel=1e-12)
+
+
+def test_what_each_interval_adds_is_carried_to_the_output_by_the_transitions_after_it():
+    """By products of all of them, one by one; rounding adds up by its square."""
+    stretches, sides = chain()
+    parts = [(stretch, k) for stretch in stretches for k in range(len(stretch.errors))]
+    for side in sides[::5]:
+        own = reached(np.eye(6), side.scale)
+        carried, sums, squares = side.transition, own * side.error, own**2
+        for stretch, k in reversed(parts[: side.edge]):
+            reach = reached(carried, stretch.scale)
+            sums, squares = sums + reach * stretch.errors[k], squares + reach**2
+            carried = carried @ stretch.transitions[k]
+        estimates = estimate(stretches, [side], ROUNDING)
+        assert estimates.errors[0] == pytest.approx(sums + ROUNDING * np.sqrt(squares), rel=1e-12)
+        assert estimates.kappa[0] == pytest.approx(np.abs(carried).sum(axis=1).max(), rel=1e-12)
+
+
+def reached(carried, scale):
+    """Largest errors of w and gamma by errors of w up to scale and of gamma up to 1."""
+    whole = np.abs(carried) @ np.array([scale] * 3 + [1.0] * 3)
+    return np.array([whole[:3].max(), whole[3:].max()])
+
+
+def test_collocation_neglects_what_grows_as_the_square_of_the_last_coefficients():
+    left, tails = np.array([1e-30, 2e-30]), np.array([1e-10, 3e-12])
+    assert errors_made(left, 0 * tails).tolist() == left.tolist()
+    single, two = errors_made(0 * left, tails), errors_made(0 * left, 2 * tails)
+    assert (single > 0).all()
+    assert two == pytest.approx(4 * single, rel=1e-15)
+    assert (errors_made(left, tails) == left + single).all()
+
+
+# -- The compiled field and the products by levels beside integers, to the bit ---------------------
+# Only these two, and the arithmetic of limbs, decide which digits of a refined run come out; a
+# fault in what corrects the stages would show as sweeps that do not converge.  A compiler that
+# contracts or reassociates, a damaged cache, a BLAS of fewer digits: all would show here.
+
+NODES = 8  # that the field is tried at
+LONGEST = 16  # H
+_COLUMNS = 2
+
+
+def field_error(compiled: Kernels, limbs: Limbs) -> float:
+    """The largest error of H f, over max(1, H), at random states; all in integers beside it."""
+    draw = random.Random(1)
+    unit = 1 << limbs.finest
+    k = [[draw.randint(-unit, unit) for _ in range(NODES)] for _ in range(COEFFICIENTS)]
+    x = [[draw.randint(-unit, unit) for _ in range(NODES)] for _ in range(VARIABLES)]
+    lengths, exact = [], []
+    for n in range(NODES):
+        rates = field([row[n] for row in x], [row[n] for row in k], unit)
+        largest = max(1, *map(abs, rates))
+        most = int(LARGEST_FIELD) * unit**4 // largest
+        length = min(draw.randint(0, LONGEST * unit), most)
+        lengths.append(length)
+        exact.append([rate * length for rate in rates])
+    columns = _columns(limbs, x)
+    parameters = _columns(limbs, [*k, lengths])
+    outputs = np.empty((VARIABLES * limbs.count, NODES))
+    compiled.field(columns, pars=parameters, outputs=outputs)
+    if not np.isfinite(outputs).all():
+        return float("inf")
+    worst = Fraction(0)
+    for n in range(NODES):
+        for v in range(VARIABLES):
+            value = limbs.value(outputs[v * limbs.count : (v + 1) * limbs.count, n])
+            error = abs(value - Fraction(exact[n][v], unit**4))
+            worst = max(worst, error / max(Fraction(1), Fraction(lengths[n], unit)))
+    return float(worst)
+
+
+def field(x: list[int], k: list[int], unit: int) -> list[int]:
+    """The rates (3.29) in integers: x and k in units of 1/one, the rates in units of 1/one³."""
+    w, g = x[:3], x[3:]
+    values = []
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        weight = k[3 + 2 * a] * g[b] + k[4 + 2 * a] * g[c]
+        values.append(k[a] * w[b] * w[c] + unit * weight)
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        values.append(unit * (g[b] * w[c] - g[c] * w[b]))
+    return values
+
+
+def _columns(limbs: Limbs, rows: list[list[int]]) -> Doubles:
+    """Integers in units of 2**-finest as limbs, the limbs of a row one below the other."""
+    split = np.array([[limbs.split_integer(x) for x in row] for row in rows])
+    return np.ascontiguousarray(split.transpose(0, 2, 1).reshape(-1, len(rows[0])))
+
+
+def products_are_exact(table: Tables, limbs: Limbs) -> bool:
+    """Whether the levels of A·F equal integer arithmetic, bit for bit, for fields up to 4."""
+    kind = limbs.shifted(FIELD_SHIFT)
+    most = int(LARGEST_FIELD) << kind.finest
+    draw = random.Random(1)
+    shape = (VARIABLES, len(table.nodes), _COLUMNS, limbs.count)
+    numbers = [kind.split_integer(draw.randint(-most, most)) for _ in range(np.prod(shape[:3]))]
+    fields = np.ascontiguousarray(np.array(numbers).reshape(shape).transpose(0, 3, 1, 2))
+    levels = table.integrated(fields)[:-1]
+    row = int(np.abs(table.levels[-1]).sum(axis=1).argmax())
+    return all(
+        level[0, row, 0] * 2.0 ** limbs.place(i + 2)
+        == exact_product(rows[row], fields[0, :, :, 0], limbs)
+        for i, (level, rows) in enumerate(zip(levels, table.levels, strict=True))
+    )
+
+
+def exact_product(row: Doubles, field: Doubles, limbs: Limbs) -> int:
+    """A row of ``Tables.levels`` times the limbs (L, M) of a field, in units of its level."""
+    nodes = field.shape[1]
+    top = len(row) // nodes  # limbs A_top ... A_1 against F_1 ... F_top
+    table, kind = limbs.shifted(-FIELD_SHIFT), limbs.shifted(FIELD_SHIFT)
+    total = 0
+    for j in range(1, top + 1):
+        part = row[(j - 1) * nodes : j * nodes] * 2.0 ** table.place(top + 1 - j)
+        factor = field[j - 1] * 2.0 ** kind.place(j)
+        total += sum(int(a) * int(f) for a, f in zip(part.tolist(), factor.tolist(), strict=True))
+    return total
+
+
+# -- Attitude and angles of refined runs: closed forms, heyoka's steps, windings near poles --------
+
+TURNS = ("angles", "attitude", "hodographs")
+
+
+def refined(scene, at, number="quad"):
+    run = polhode.integrate(replace(scene, outputs=TURNS), number, at=at, method="refined")
+    assert run.method == "refined"
+    return run
+
+
+def apart(rows, others):
+    """The largest difference of two tables."""
+    return max(
+        abs(float(exactly(a) - exactly(b)))
+        for row, second in zip(rows, others, strict=True)
+        for a, b in zip(row, second, strict=True)
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "at", "worst"),
+    [  # psi is rounded at 113 bits, to 2e-33 beyond 16
+        pytest.param("kovalevskaya/generic", "quad", ["1/3", 20], 4e-33, marks=pytest.mark.slow),
+        ("euler/backward", "quad", [-1, -50], 4e-33),
+        ("euler/turned-axes", "quad", [0, 1, 50], 4e-33),
+        ("lagrange/nutation", "quad", [1, 5, 10], 4e-33),
+        ("lagrange/spherical-pendulum", "quad", [1, 40], 4e-33),
+        ("euler/dzhanibekov", "quad", [1, 30], 4e-31),
+        ("lagrange/nutation", "mp", [2, 7], 1e-49),
+    ],
+)
+def test_closed_forms(name, number, at, worst):
+    run = refined(polhode.load(name), at, number)
+    true = polhode.reference(run.scene)
+    assert 0 < apart(run.angles, true.angles(run.times, 62)) < worst
+    assert 0 < apart(run.attitude, true.attitude(run.times, 62)) < worst / 4
+    assert 0 < apart(run.hodographs.space, true.hodographs(run.times, 62).space) < worst
+
+
+def test_turns_are_counted_over_several_runs_in_double(monkeypatch):
+    monkeypatch.setattr(refinement, "STEPS", 40)
+    run = refined(polhode.load("euler/turned-axes"), [10, 30, 60])
+    assert 0 < apart(run.angles, polhode.reference(run.scene).angles(run.times, 45)) < 1e-32
+    assert abs(run.angles[-1][0]) > 10
+
+
+@pytest.mark.parametrize("end", [15, -30])
+def test_heyokas_own_run_in_quad(end):
+    scene = replace(
+        polhode.load("general/asymmetric-chaotic") if end > 0 else asymmetric(), outputs=TURNS
+    )
+    ours, steps = (
+        polhode.integrate(scene, "quad", at=[end / 5, end], method=method)
+        for method in ("refined", "taylor")
+    )
+    assert ours.method == "refined"
+    assert 0 < apart(ours.angles, steps.angles) < 2e-30
+    assert 0 < apart(ours.attitude, steps.attitude) < 1e-30
+
+
+def sphere(near):
+    """A free sphere that turns about its first axis; gamma passes the pole at such a distance."""
+    body = Body.of_moments([1, 1, 1])
+    length = (1 + near**2) / (1 - near**2)  # rational: gamma1 = 2 near/(1 + near²)
+    gamma1, rest = 2 * near / (1 + near**2), 1 / length
+    gamma = gamma1, Fraction(3, 5) * rest, Fraction(4, 5) * rest
+    return Scene(body, (1, 0, 0), gamma, outputs=TURNS)
+
+
+@pytest.mark.parametrize("near", [Fraction(1, 10), Fraction(1, 10**4), -Fraction(1, 10**9)])
+def test_windings_past_both_poles(near):
+    run = refined(sphere(near), [5, 33])
+    true = polhode.reference(run.scene).angles(run.times, 60)
+    assert apart(run.angles, true) < 1e-32 / abs(near)
+    assert abs(run.angles[1][0]) > 10  # psi turns by pi at each pole
+
+
+def test_a_motion_through_a_pole_takes_heyokas_steps():
+    scene = sphere(Fraction(0))
+    run, attitude = (
+        polhode.integrate(replace(scene, outputs=outputs), "quad", at=[5], method="refined")
+        for outputs in (TURNS, ("attitude",))
+    )
+    assert (run.method, attitude.method) == ("taylor", "refined")
+    assert "pole" in run.provenance["not refined"]

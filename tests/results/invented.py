@@ -1,17 +1,20 @@
 """Two kinds of results that nobody computes: with every type of value, and with hardly any."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from fractions import Fraction
+from pathlib import Path
 
 import mpmath
 import numpy as np
+import pytest
 
+from polhode import Result
+from polhode.common.files import write_whole
 from polhode.numbers import expression
-from polhode.results.result import Result
-from polhode.results.table import Column, Fact, Table
+from polhode.results import writer
+from polhode.results.reader import content_of
+from polhode.results.table import Column, Content, Fact, Table
 
 ROOT = expression.number("sqrt(2)")
 TEXTS = ['a,"b"\nc', "", "é#;", "c\rd"]
@@ -88,3 +91,23 @@ class Bare(Result):
 
 
 KINDS = ("Odd", "Bare")
+ENDINGS = (".csv", ".json", ".npz", ".parquet")
+
+
+def written(content: Content, path: Path) -> dict[Path, bytes]:
+    """The files of a content, each with its place, as they are written there."""
+    if path.suffix == ".parquet":
+        pytest.importorskip("pyarrow")
+    files = writer.files(content, path)
+    write_whole(files)
+    return files
+
+
+def facts_beside(path: Path) -> Path:
+    """The file of the facts of a table."""
+    return path.with_name(f"{path.name}.json")
+
+
+def content_at(path: Path) -> Content:
+    """What a file of one of them says."""
+    return content_of(path, KINDS)

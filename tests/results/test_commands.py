@@ -1,7 +1,5 @@
 """Commands and Python write the same bytes, of every kind of result and every ending."""
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from invented import ENDINGS
 
 import polhode
 from polhode.checks.check_report import check_cases
@@ -21,11 +20,9 @@ from polhode.output.cases import cases
 from polhode.output.description import describe
 from polhode.proofs import proved_chaos
 from polhode.proofs.proved_chaos import ProvedChaos
-from polhode.results.writer import ENDINGS
-from polhode.scenes.scene import even_times
 from polhode.verbs.catalogue import ROWS, VERBS
 from shared.results import EXAMPLES, TOP, prepare, verb_of, without_files
-from shared.tools import tiers
+from shared.tools import even_times, tiers
 
 GENERAL = "general/asymmetric-regular"
 VARY = {"start.omega[3]": "2:4:3"}
@@ -80,26 +77,11 @@ COMMANDS = {without_files(EXAMPLES[verb]): same for verb, same in SAME.items()} 
 DRAWN = [
     *(f"{x} -o x.svg" for x in COMMANDS if verb_of(x).figure_options is not None),
 ]
+QUICK = ["run top.toml --samples 51", "run lagrange/nutation --number quad --at 1"]
 CERTIFICATES = ("certify", "prove orbit grioli", "prove stability")
 
 
-@pytest.mark.parametrize(
-    "command",
-    tiers(
-        ["run top.toml --samples 51", "run lagrange/nutation --number quad --at 1"],
-        [
-            *("list --tag chaotic", "reference euler/separatrix --at 1 --digits 40"),
-            "compare top.csv top.toml",
-            "order coarse.csv fine.csv lagrange/nutation --steps 0.02,0.01",
-            *("levels general/asymmetric-regular", "orbit grioli/precession --digits 20"),
-            "orbits general/asymmetric-regular --grid 4x4 --crossings 1",
-            "prove orbits general/asymmetric-regular --grid 4x4 --crossings 1",
-            "prove stability general/asymmetric-regular",
-            "frequencies lagrange/nutation --of gamma3 --end 50",
-            "run lagrange/nutation --digits 20 --at 1 --no-prove",
-        ],
-    ),
-)
+@pytest.mark.parametrize("command", tiers(QUICK, [x for x in COMMANDS if x not in QUICK]))
 def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
     command, tmp_path, monkeypatch, capsys
 ):
@@ -133,14 +115,7 @@ def test_a_command_writes_what_save_writes_and_prints_what_to_json_gives(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "command",
-    [
-        "run top.toml --samples 51 -o x.svg",
-        DRAWN[6],
-        "frequencies lagrange/nutation --of gamma3 --end 50 -o x.svg",
-    ],
-)
+@pytest.mark.parametrize("command", [DRAWN[0], DRAWN[6], DRAWN[-1]])
 def test_a_command_draws_its_result_and_prints_what_the_figure_has_not(
     command, tmp_path, monkeypatch, capsys
 ):

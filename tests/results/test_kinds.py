@@ -1,7 +1,5 @@
 """Every kind of result: what it tells, in files of every ending, read again."""
 
-from __future__ import annotations
-
 import copy
 import json
 import pickle
@@ -13,15 +11,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from invented import ENDINGS
 
 import polhode
+from polhode import Result, load_result
 from polhode.common.values import same
 from polhode.numbers.decimals import Ball
 from polhode.results import reader, writer
-from polhode.results.result import Result, Storable
+from polhode.results.result import Storable
 from polhode.results.table import RESERVED, Column, Content, Fact, Table
 from polhode.results.writer import as_json, document, files, written_facts, written_table
-from polhode.runs.saved import Saved, load_result
+from polhode.runs.saved import Saved
 from shared.results import CERTIFIED, MAKERS, result_of_kind, watched
 from shared.tools import tiers
 
@@ -31,19 +31,10 @@ WITHOUT_SCENE = (
     *("About", "Cases", "CheckReport", "CheckReport of bands", "EventTimes", "CertifiedEvents"),
     *("ObservedOrder", "Report", "Verdict"),
 )
-#: Proving chaos takes seconds.
-KINDS = [
-    *(name for name in MAKERS if name != "ProvedChaos"),
-    pytest.param("ProvedChaos", marks=pytest.mark.slow),
-]
 
 
 def result_named(name: str) -> Storable:
     return result_of_kind(name)
-
-
-def is_gap(x: Any) -> bool:
-    return x is None or x == "" or x != x
 
 
 def saved(content: Content, path: Path) -> dict[Path, bytes]:
@@ -55,41 +46,14 @@ def saved(content: Content, path: Path) -> dict[Path, bytes]:
     return written
 
 
-@pytest.mark.parametrize(
-    ("ending", "name"),
-    tiers(
-        [
-            *((".csv", "About"), (".csv", "Description in other axes")),
-            *((".json", "Trajectory"), (".npz", "Certified"), (".npz", "Conditioning")),
-            *((".parquet", "EventTimes"), (".csv", "Reductions"), (".csv", "ChaosMap")),
-            *((".json", "Frequencies"), (".npz", "Orbit"), (".npz", "ProvedStability")),
-            (".parquet", "Lyapunov of all"),
-        ],
-        [
-            *((".json", "About"), (".csv", "Cases"), (".csv", "Description")),
-            *((".parquet", "Description"), (".csv", "CheckReport")),
-            *((".parquet", "CheckReport"), (".parquet", "CheckReport of bands")),
-            *((".parquet", "Trajectory"), (".parquet", "Trajectory in quad")),
-            *((".npz", "Reference"), (".parquet", "Certified")),
-            *((".npz", "ReferenceTable"), (".npz", "Textbook")),
-            *((".json", "Conditioning"), (".npz", "Enclosure")),
-            *((".json", "CertifiedEvents"), (".json", "EventTimes")),
-            *((".json", "Judgement"), (".json", "Ensemble")),
-            *((".csv", "Ensemble of arrays"), (".json", "Reductions")),
-            *((".csv", "Reductions of events"), (".csv", "Section")),
-            *((".parquet", "Section"), (".csv", "ChaosMap of starts")),
-            *((".parquet", "ChaosMap of starts"), (".parquet", "Levels")),
-            *((".parquet", "Frequencies"), (".parquet", "OrbitSearch")),
-            *((".npz", "Orbit to 5 digits"), (".parquet", "Orbit")),
-            *((".npz", "ProvedOrbit"), (".npz", "ProvedOrbits")),
-            *((".json", "ProvedStability"), (".npz", "Verdict"), (".json", "Lyapunov")),
-            *((".json", "Lyapunov of all"), (".json", "ObservedOrder")),
-            *((".json", "Report"), (".csv", "OrbitFamily"), (".csv", "ProvedChaos")),
-            *((".json", "ProvedChaos"), (".npz", "ProvedChaos")),
-            (".parquet", "ProvedChaos"),
-        ],
-    ),
-)
+QUICK = {"About", "Trajectory", "Conditioning", "Reductions", "Frequencies", "ProvedStability"}
+BY_NAME = tiers([x for x in MAKERS if x in QUICK], [x for x in MAKERS if x not in QUICK])
+#: Each kind with two endings.
+FILES = [(ENDINGS[(k + i) % 4], name) for i in (0, 1) for k, name in enumerate(MAKERS)]
+FIRST = [(ending, name) for ending, name in FILES[: len(MAKERS)] if name in QUICK]
+
+
+@pytest.mark.parametrize(("ending", "name"), tiers(FIRST, [x for x in FILES if x not in FIRST]))
 def test_a_result_is_read_and_written_again_to_the_same_bytes(
     name: str, ending: str, tmp_path: Path
 ) -> None:
@@ -119,18 +83,7 @@ def test_a_result_is_read_and_written_again_to_the_same_bytes(
             )
 
 
-@pytest.mark.parametrize(
-    "name",
-    tiers(
-        [*("About", "Trajectory", "Conditioning", "Reductions", "Frequencies"), "ProvedStability"],
-        [
-            *("Cases", "Description in other axes", "Trajectory in quad"),
-            *("ReferenceTable", "Enclosure", "Judgement", "Reductions of events"),
-            *("ChaosMap", "OrbitSearch", "ProvedOrbit", "Verdict", "ObservedOrder"),
-            "ProvedChaos",
-        ],
-    ),
-)
+@pytest.mark.parametrize("name", BY_NAME)
 def test_names_are_names_once_and_the_scene_comes_first(name: str) -> None:
     content = result_named(name).content()
     columns = [x.name for x in content.table.columns]
@@ -152,18 +105,7 @@ def test_names_are_names_once_and_the_scene_comes_first(name: str) -> None:
         assert None not in [*column.values]
 
 
-@pytest.mark.parametrize(
-    "name",
-    tiers(
-        [*("About", "Trajectory", "Conditioning", "Reductions", "Frequencies"), "ProvedStability"],
-        [
-            *("Cases", "Description in other axes", "Trajectory in quad"),
-            *("ReferenceTable", "Enclosure", "Judgement", "Reductions of events"),
-            *("ChaosMap", "OrbitSearch", "ProvedOrbit", "Verdict", "ObservedOrder"),
-            "ProvedChaos",
-        ],
-    ),
-)
+@pytest.mark.parametrize("name", BY_NAME)
 def test_json_of_a_result_is_that_of_its_file(name: str, tmp_path: Path) -> None:
     result = result_named(name)
     if name not in CERTIFIED:
@@ -227,29 +169,20 @@ RUNS: dict[str, dict[str, Any]] = {
     },
     "cut short": {"scene": "euler/long", "max_steps": 100},
     "nothing": {"scene": "euler/long", "max_steps": 1, "at": [1e3]},
+    "nothing in quad": {"scene": "lagrange/nutation", "number": "quad", "at": [1], "max_steps": 2},
+    "from a pole": {"scene": "lagrange/upper-pole", "at": [0, 1]},
+    # more digits than a number of a scene file may have, a tolerance below all doubles
+    "350 digits": {"scene": "euler/sphere", "digits": 350, "at": ["1e-3000"]},
+    "a scene of no file": {"scene": polhode.top(moments=[1, 2, 2.5], omega=[1, 0.1, 0], end=1)},
     "projected": {"scene": "kovalevskaya/generic", "at": [1000]},
     "refined": {"scene": "lagrange/nutation", "number": "quad", "method": "refined", "at": [30]},
 }
 
 
-@pytest.mark.parametrize(
-    ("ending", "name"),
-    tiers(
-        [
-            *((".csv", "double"), (".parquet", "events"), (".npz", "extended")),
-            *((".npz", "60 digits"), (".json", "an array of times")),
-            *((".json", "cut short"), (".csv", "projected")),
-        ],
-        [
-            *((".json", "double"), (".csv", "events"), (".csv", "events in quad")),
-            *((".parquet", "events in quad"), (".parquet", "extended")),
-            *((".parquet", "quad"), (".parquet", "60 digits"), (".npz", "without gamma")),
-            *((".npz", "an array of times"), (".json", "an array in extended")),
-            *((".npz", "cut short"), (".json", "nothing"), (".json", "projected")),
-            (".csv", "refined"),
-        ],
-    ),
-)
+RUN_FILES = [(ENDINGS[k % 4], name) for k, name in enumerate(RUNS)]
+
+
+@pytest.mark.parametrize(("ending", "name"), tiers(RUN_FILES[::2], RUN_FILES[1::2]))
 def test_a_run_comes_back_whole(name: str, ending: str, tmp_path: Path) -> None:
     run = polhode.integrate(**RUNS[name])
     path = tmp_path / f"x{ending}"
@@ -371,17 +304,7 @@ def test_an_enclosure_s_file_holds_its_balls(tmp_path: Path) -> None:
             assert gap <= Fraction(bound)
 
 
-@pytest.mark.parametrize(
-    "name",
-    tiers(
-        [*("About", "Trajectory in quad", "EventTimes", "ChaosMap", "ProvedOrbits")],
-        [
-            *("Cases", "Description in other axes", "Trajectory", "ReferenceTable"),
-            *("Enclosure", "Judgement", "Reductions", "ChaosMap of starts"),
-            *("OrbitSearch", "Orbit", "Verdict", "ObservedOrder", "ProvedChaos"),
-        ],
-    ),
-)
+@pytest.mark.parametrize("name", BY_NAME)
 def test_frames_are_the_table(name: str) -> None:
     pytest.importorskip("pandas")
     pytest.importorskip("xarray")

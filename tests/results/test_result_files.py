@@ -1,8 +1,5 @@
 """Results written and read again: every ending, the same bytes by every door."""
 
-from __future__ import annotations
-
-import io
 import json
 import math
 import random
@@ -13,29 +10,24 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from invented import KINDS, TEXTS, Bare, Odd
+from invented import ENDINGS, TEXTS, Bare, Odd, content_at, facts_beside, written
+from polhode.results.shown import cells, lines
 
 import polhode
-from polhode.common.files import write_whole
+from polhode import Result
+from polhode.cli import main
+from polhode.numbers.decimals import Ball
+from polhode.numbers.exact import sqrt
 from polhode.results import writer
 from polhode.results.cells import type_of
-from polhode.results.reader import content_of
-from polhode.results.result import Result
 from polhode.results.table import Column, Content, Fact, Table
-from polhode.results.writer import ENDINGS
 
 RESULTS = {"all types": Odd(4), "three rows": Odd(3), "one": Odd(1), "none": Odd(0), "bare": Bare()}
 
 
-def written(content: Content, path: Path) -> dict[Path, bytes]:
-    if path.suffix == ".parquet":
-        pytest.importorskip("pyarrow")
-    return writer.files(content, path)
-
-
 def read(content: Content, path: Path) -> Content:
-    write_whole(written(content, path))
-    return content_of(path, KINDS)
+    written(content, path)
+    return content_at(path)
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
@@ -45,7 +37,7 @@ def test_what_is_read_is_written_to_the_same_bytes(name: str, ending: str, tmp_p
     path = tmp_path / f"x{ending}"
     files = written(content, path)
     again = read(content, path)
-    assert writer.files(again, path) == files
+    assert written(again, path) == files
     assert [x.name for x in again.table.columns] == [x.name for x in content.table.columns]
     assert [x[2:4] for x in again.table.columns] == [x[2:4] for x in content.table.columns]
     assert [x.digits for x in again.table.columns] == [x.digits for x in content.table.columns]
@@ -118,20 +110,22 @@ def test_json_is_json_and_a_line_each(tmp_path: Path) -> None:
     for name in facts["columns"]:
         assert sum(line.startswith(f"  {json.dumps(name)}: [") for line in text.splitlines()) == 1
     path = tmp_path / "x.json"
-    assert writer.files(Odd().content(), path)[path].decode() == text
+    assert written(Odd().content(), path)[path].decode() == text
 
 
 def test_a_table_is_what_others_read(tmp_path: Path) -> None:
     """numpy, its loadtxt too where there are no gaps, and pandas."""
     pandas = pytest.importorskip("pandas")
     path = tmp_path / "x.csv"
-    write_whole(writer.files(Odd().content(), path))
+    Odd().save(path)
     frame = pandas.read_csv(path)
     assert len(frame) == 4
     assert frame["a name, quoted"][0] == TEXTS[0]
     np.testing.assert_array_equal(frame["x"], [np.inf, np.nan, -0.0, 5.0])
-    write_whole(writer.files(Bare().content(), path))
-    np.testing.assert_array_equal(pandas.read_csv(path)["x"], [np.nan, 1.5, np.nan])
+    Bare().save(tmp_path / "bare.csv")
+    np.testing.assert_array_equal(
+        pandas.read_csv(tmp_path / "bare.csv")["x"], [np.nan, 1.5, np.nan]
+    )
 
 
 def test_doubles_come_back_by_the_fast_way(tmp_path: Path) -> None:
@@ -161,7 +155,7 @@ def test_a_stream_has_a_table_alone_with_times_in_full() -> None:
 
 def test_npz_is_numpy_s_own(tmp_path: Path) -> None:
     path = tmp_path / "x.npz"
-    write_whole(writer.files(Odd().content(), path))
+    Odd().save(path)
     with np.load(path, allow_pickle=False) as file:
         assert file["k"].tolist() == [0, 1, 2, 3]
         assert file["e"].tolist() == ["1/3", "", "2.5", str(10**40 + 1)]
@@ -177,7 +171,7 @@ def test_an_unknown_ending_is_refused_before_anything(tmp_path: Path) -> None:
         with pytest.raises(polhode.BadInput, match=r"a name that ends in .*\.csv"):
             Odd().save(tmp_path / name)
         with pytest.raises(polhode.BadInput, match=r"a name that ends in .*\.csv"):
-            content_of(tmp_path / name, KINDS)
+            content_at(tmp_path / name)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -222,8 +216,105 @@ def test_a_value_of_no_type_is_a_fault_of_its_maker() -> None:
         writer.document(Content("Odd", "", "", Table(()), [Fact("object", deep)]))
 
 
-def test_a_file_tells_no_time_of_day() -> None:
-    path = Path("x.npz")
-    data = io.BytesIO(writer.files(Odd().content(), path)[path])
-    with zipfile.ZipFile(data) as packed:
+def test_a_file_tells_no_time_of_day(tmp_path: Path) -> None:
+    Odd().save(tmp_path / "x.npz")
+    with zipfile.ZipFile(tmp_path / "x.npz") as packed:
         assert {part.date_time for part in packed.infolist()} == {(1980, 1, 1, 0, 0, 0)}
+
+
+# -- What a result may replace: nothing, or an unchanged file of a result of its kind --------------
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {x.name: x.read_bytes() for x in folder.iterdir()}
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_result_replaces_its_own_kind_alone(ending: str, tmp_path: Path) -> None:
+    if ending == ".parquet":
+        pytest.importorskip("pyarrow")
+    path = tmp_path / f"x{ending}"
+    path.write_bytes(b"")  # an empty file is nothing
+    Odd(2).save(path)
+    Odd(3).save(path)
+    before = contents(tmp_path)
+    with pytest.raises(polhode.BadInput, match="another name: it holds a result Odd"):
+        Bare().save(path)
+    assert contents(tmp_path) == before
+    path.write_bytes(b"t,x\n1,2\n")
+    changed = contents(tmp_path)
+    with pytest.raises(polhode.BadInput, match="another name: "):
+        Odd(3).save(path)
+    assert contents(tmp_path) == changed
+
+
+def test_facts_that_are_somebody_s_are_not_replaced(tmp_path: Path) -> None:
+    path = tmp_path / "x.csv"
+    beside = facts_beside(path)
+    beside.write_text('{"a": 1}')
+    with pytest.raises(polhode.BadInput, match=r"x\.csv\.json: .* polhode did not write it"):
+        Odd().save(path)
+    assert not path.exists()
+    beside.unlink()
+    Odd().save(path)
+    path.unlink()  # of a table that is gone the facts are replaced
+    Odd(1).save(path)
+    path.unlink()
+    with pytest.raises(polhode.BadInput, match="it holds a result Odd"):
+        Bare().save(path)
+
+
+def test_the_name_of_a_table_s_facts_is_no_result_s(tmp_path: Path) -> None:
+    """A result there would take the facts from a table that is whole."""
+    Odd().save(tmp_path / "x.csv")
+    before = contents(tmp_path)
+    with pytest.raises(polhode.BadInput, match=r"another name: this is of the facts of x\.csv"):
+        Odd().save(tmp_path / "x.csv.json")
+    assert contents(tmp_path) == before
+    names = ["x.csv", "x.csv.json"]
+    for verb in ("run", "certify"):
+        places = [word for name in names for word in ("-o", str(tmp_path / name))]
+        assert main([verb, "lagrange/nutation", "--at", "1", *places]) == 2
+    assert contents(tmp_path) == before
+
+
+def test_json_that_is_cut_is_ours_still(tmp_path: Path) -> None:
+    """What was cut, by a full disk, can be written again."""
+    path = tmp_path / "x.json"
+    Odd().save(path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[:500])
+    Odd().save(path)
+    assert path.read_bytes() == whole
+
+
+# -- Tables as a terminal shows them: rounded as their columns say, never beyond what is known -----
+
+THIRD = Fraction(1, 3)
+
+
+@pytest.mark.parametrize(
+    ("column", "shown"),
+    [
+        (Column("x", [0.1, float("nan"), -2.5e-9]), ["0.1", "", "-2.5e-09"]),
+        (Column("x", np.array([1 / 3, 0.0]), digits=17), ["0.33333333333333331", "0"]),
+        (Column("x", [1.0, None], digits=17), ["1.0000000000000000", ""]),
+        (Column("x", [THIRD, Fraction(1, 8), Fraction(3)], digits=15), ["1/3", "0.125", "3"]),
+        (Column("x", [Fraction(10**8, 10**7 + 1), Fraction(1, 3 * 10**9)]), ["10", "3.33333e-10"]),
+        (Column("x", [Fraction(1, 10**7), None], type="exact"), ["1e-07", ""]),
+        (Column("x", [sqrt(Fraction(2))], digits=12), ["1.41421356237"]),
+        (Column("x", np.array([1], np.longdouble), digits=5), ["1.0000"]),
+        (Column("x", [Ball(THIRD, 1e-4), None]), ["0.333", ""]),
+        (Column("x", [3, 10**6]), ["3", "1000000"]),
+        (Column("x", [True, False]), ["true", "false"]),
+        (Column("x", ["a", ""]), ["a", ""]),
+    ],
+)
+def test_cells_are_rounded_and_empty_where_there_is_no_number(column, shown):
+    assert cells(Table([column])) == (["x"], [[x] for x in shown])
+
+
+def test_a_column_of_no_digits_is_not_shown_and_no_rows_are_a_header():
+    table = Table([Column("x", [1.5]), Column("y", [2.5], digits=0), Column("z", ["u\x1b"])])
+    assert lines(table) == ["x    z", "1.5  u?"]
+    assert lines(Table([Column("x", []), Column("name", [], type="text")])) == ["x  name"]

@@ -1,9 +1,6 @@
 """Large arrays of starts by one compiled Taylor step: rows as accurate as the tolerance asks."""
 
-from __future__ import annotations
-
 import re
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +8,7 @@ import pytest
 
 import polhode
 from polhode.taylor import defaults, lanes
+from shared.motions import TURNED, rows_in_quad
 from shared.tools import tiers
 
 EPS = 2.0**-52
@@ -23,7 +21,7 @@ BODIES = {
     "sphere": {"moments": [1, 1, 1], "centre": [0, 0, 1], "weight": 1},
     "free": {"moments": [3, 2, 1], "centre": [0, 0, 0], "weight": 0, "gamma": None},
     "turned": {
-        "inertia": [[3, "1/4", 0], ["1/4", 2.5, "1/8"], [0, "1/8", 1.5]],
+        "inertia": TURNED,
         "centre": [0.25, 0.125, 0.5],
         "weight": 4,
     },
@@ -46,21 +44,6 @@ def starts(go, count, seed=1, spread=1.0):
     omega *= 10 ** rng.uniform(-2 * spread, spread / 2, count)[:, None]
     omega[:4], gamma[:2] = [[0, 0, 0], [0, 0, 0], [1e3, 0, 1e-3], [1e-200, 0, 0]], [UP, [0, 0, -1]]
     return np.hstack([omega / unit, gamma])[:, : len(go.scene.columns)], unit
-
-
-def true(go, rows, t):
-    """The rows by runs of 113 bits, as doubles."""
-    varied = {"omega": rows[:, :3], "gamma": rows[:, 3:]}
-    members = [
-        {
-            f"start.{key}[{i + 1}]": Fraction(x)
-            for key, part in varied.items()
-            for i, x in enumerate(part[k].tolist())
-        }
-        for k in range(len(rows))
-    ]
-    many = polhode.integrate_many(go.scene, members, number="quad", method="taylor", at=[t])
-    return many.states[:, 0].astype(float)
 
 
 def errors(states, exact, rows, unit):
@@ -90,20 +73,11 @@ def counted(monkeypatch):
     return late
 
 
-@pytest.mark.parametrize(
-    ("tol", "name"),
-    tiers(
-        [(0.0001, "asymmetric"), (1e-08, "flat"), (1e-11, "free")],
-        [
-            *((1e-08, "asymmetric"), (1e-11, "asymmetric"), (0.0001, "slender")),
-            *((1e-08, "slender"), (1e-11, "slender"), (0.0001, "flat"), (1e-11, "flat")),
-            *((0.0001, "sphere"), (1e-08, "sphere"), (1e-11, "sphere"), (0.0001, "free")),
-            *((1e-08, "free"), (0.0001, "turned"), (1e-08, "turned"), (1e-11, "turned")),
-            *((0.0001, "in other units"), (1e-08, "in other units")),
-            (1e-11, "in other units"),
-        ],
-    ),
-)
+QUICK = [(1e-4, "asymmetric"), (1e-8, "flat"), (1e-11, "free")]
+OTHERS = [(tol, name) for name in BODIES for tol in (1e-4, 1e-8, 1e-11)]
+
+
+@pytest.mark.parametrize(("tol", "name"), tiers(QUICK, [x for x in OTHERS if x not in QUICK]))
 def test_rows_are_as_accurate_as_the_tolerance_asks(name, tol, counted):
     """No row is off by more than the tolerance for each step; and they are no better than eps."""
     go = of(name, tol)
@@ -114,7 +88,7 @@ def test_rows_are_as_accurate_as_the_tolerance_asks(name, tol, counted):
     assert counted[0][0] > MANY * 0.9
     assert counted[0][1] < 0.2 * MANY  # else the steps are chosen too long
     which = members(MANY, 3)
-    off = errors(found[which], true(go, rows[which], t), rows[which], unit)
+    off = errors(found[which], rows_in_quad(go.scene, rows[which], t), rows[which], unit)
     allowed = 4 * tol + 200 * EPS
     assert off.max() < allowed * (100 if name == "slender" else 1)  # whose rate is 100 times w
     assert tol > 1e-10 or np.median(off) < tol
@@ -152,34 +126,6 @@ def test_no_bit_depends_on_what_is_beside_a_row(name, tol, monkeypatch):
         assert np.array_equal(go(rows, t=t, workers=workers), found)
 
 
-def test_the_bound_of_a_rate_does_not_depend_on_its_place():
-    """By which steps are counted: BLAS has other sums for the last rows, or for other strides."""
-    go = of("asymmetric", 1e-6)
-    rows, _ = starts(go, MANY + 3)
-    bounds = lanes.rates(rows, go._bound)
-    assert np.array_equal(lanes.rates(rows[::-1], go._bound), bounds[::-1])
-    assert np.array_equal(lanes.rates(np.asfortranarray(rows), go._bound), bounds)
-    for k in range(len(rows) - 8, len(rows)):
-        assert lanes.rates(rows[k : k + 1], go._bound) == bounds[k]
-
-
-def test_two_threads_with_an_engine_each_give_the_same():
-    import copy
-    from concurrent.futures import ThreadPoolExecutor
-
-    go = of("asymmetric", 1e-6)
-    rows, _ = starts(go, MANY)
-    found = go(rows, t=1.0)
-
-    def again(_):
-        own = copy.copy(go)
-        return [own(rows, t=1.0) for _ in range(5)]
-
-    with ThreadPoolExecutor(4) as pool:
-        for states in pool.map(again, range(8)):
-            assert all(np.array_equal(x, found) for x in states)
-
-
 def test_a_motion_along_a_separatrix_and_one_beside_it():
     """From the upper rest, by less and less: rates stay small for long and grow at last."""
     go = of("asymmetric", 1e-9)
@@ -190,7 +136,7 @@ def test_a_motion_along_a_separatrix_and_one_beside_it():
     rows[:, 3:] = -gamma
     rows[:, 0] = np.ldexp(1.0, -4 - np.arange(MANY) % 48)
     which = np.array([0, 1, 10, 30, 47])
-    off = np.abs(go(rows, t=4.0)[which] - true(go, rows[which], 4.0)).max(axis=1)
+    off = np.abs(go(rows, t=4.0)[which] - rows_in_quad(go.scene, rows[which], 4.0)).max(axis=1)
     assert off.max() < 40 * 1e-9
     assert np.array_equal(go(rows[::-1], t=4.0)[::-1], go(rows, t=4.0))
 

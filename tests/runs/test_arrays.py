@@ -1,7 +1,5 @@
 """Arrays in, arrays out: rows that depend on nothing beside them; what is no array of starts."""
 
-from __future__ import annotations
-
 import signal
 import time
 from fractions import Fraction
@@ -11,16 +9,16 @@ import pytest
 
 import polhode
 from polhode.taylor import batches, defaults, lanes
+from shared.motions import TURNED, rows_in_quad
 from shared.tools import tiers
 
 EPS = 2.0**-52
 BODY = {"moments": [3, 2, 1.5], "centre": [0.25, 0.125, 0.5], "weight": 4}
-INERTIA = [[3, "1/4", 0], ["1/4", 2.5, "1/8"], [0, "1/8", 1.5]]
 BODIES = {
     "plain": {},
     "slow": {"weight": 2.0**-20, "omega": [1e-3, 0, 2e-3]},
     "fast": {"weight": 2.0**20, "omega": [1e3, 0, 2e3]},
-    "turned": {"moments": None, "inertia": INERTIA},
+    "turned": {"moments": None, "inertia": TURNED},
     "symmetric": {"moments": [2, 2, 1], "centre": [0, 0, 1]},
     "free": {"weight": 0, "gamma": None},
     "sphere": {"moments": [1, 1, 1]},
@@ -107,21 +105,7 @@ def test_rows_are_as_right_as_starts_alone(name):
     """Errors against 113 bits, after 8 units of time, are those of a start alone."""
     go, rows, unit = of(name, 5)
     found = go(rows, t=8 * unit)
-    wide = polhode.integrate_many(
-        go.scene,
-        [
-            {
-                f"start.{key}[{i + 1}]": Fraction(x)
-                for key, part in (("omega", row[:3]), ("gamma", row[3:]))
-                for i, x in enumerate(part)
-            }
-            for row in rows.tolist()
-        ],
-        number="quad",
-        method="taylor",
-        at=[8 * unit],
-    )
-    true = wide.states[:, 0].astype(float)
+    true = rows_in_quad(go.scene, rows, 8 * unit)
     size = np.array([1 / unit] * 3 + [1] * (rows.shape[1] - 3))
     alone = np.array([go(row, t=8 * unit) for row in rows])
     errors, others = (np.abs((x - true) / size).max(axis=1) for x in (found, alone))
@@ -431,15 +415,6 @@ def test_a_sweep_of_arrays_is_saved_as_it_is_also_one_of_nothing(tmp_path):
         assert [column.dtype for column in held] == [rows.dtype] * 6
         states = np.array([back.column(name) for name in many.columns])
         assert np.array_equal(states.T, many.states.reshape(-1, 6))
-
-
-def test_extended_arrays_stay_extended():
-    rows = starts(9, kind=np.longdouble)
-    many = polhode.integrate_many(scene(), starts=rows, at=[0, 2], number="extended")
-    assert np.array_equal(many.states[:, 0], rows)
-    go = polhode.propagator(scene(), number="extended")
-    assert np.abs(go(rows, t=2.0) - many.states[:, 1]).max() < 64 * float(many.number.eps)
-    assert many.states.dtype == np.longdouble
 
 
 def test_reductions_take_arrays_too():

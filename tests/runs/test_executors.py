@@ -1,7 +1,5 @@
 """Jobs shared by processes: results in order, dead workers, callers that go, callers' scripts."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """A propagator of a tolerance above eps: rows by other ways than a run's, as accurate as told."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 import threading
@@ -12,6 +10,7 @@ import pytest
 
 import polhode
 from polhode.taylor import defaults
+from shared.motions import TURNED
 
 EPS = 2.0**-52
 MOTIONS = {
@@ -26,7 +25,7 @@ MOTIONS = {
     "symmetric": {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1},
     "no gamma": {"moments": [3, 2, 1], "weight": 0, "gamma": None},
     "turned": {
-        "inertia": [[3, "1/4", 0], ["1/4", 2.5, "1/8"], [0, "1/8", 1.5]],
+        "inertia": TURNED,
         **{"centre": [0.25, 0.125, 0.5], "weight": 4},
     },
     "unit": {"moments": [3, 2, 1], "centre": [0.5, 0, 1], "weight": 2**20, "omega": [1e3, 0, 2e3]},

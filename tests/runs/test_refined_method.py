@@ -1,7 +1,5 @@
 """Runs by refinement as ``integrate`` hands them out: choice, errors, fallback, dense output."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace
@@ -11,15 +9,13 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import Event, Outcome
 from polhode.cli import main
-from polhode.motion.outcomes import Outcome
-from polhode.numbers.conversion import exactly
 from polhode.refined import compiled_field, refinement
 from polhode.refined.compiled_field import Stalled
 from polhode.refined.refinement import refine
 from polhode.runs.options import refinement_pays
-from polhode.scenes.scene import Event
-from shared.tools import tiers
+from shared.tools import exactly, tiers
 
 SCENE = "kovalevskaya/generic"
 UNSTABLE = "hard/dzhanibekov-1e-12"

@@ -1,7 +1,5 @@
 """Number types and what is asked of a run in each: digits, arrays, any time, files."""
 
-from __future__ import annotations
-
 import copy
 import math
 import pickle
@@ -15,9 +13,8 @@ import pytest
 
 import polhode
 from polhode.numbers import number_types
-from polhode.numbers.conversion import exactly
 from shared.motions import heavy
-from shared.tools import tiers
+from shared.tools import exactly, tiers
 
 NAME, TIMES = "lagrange/nutation", [0, 1, 2, 5]
 

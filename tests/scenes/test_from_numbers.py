@@ -1,7 +1,5 @@
 """Scenes from people's numbers: in Python and in files, what is the same and what is refused."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 import re
@@ -13,9 +11,10 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import noted
-from polhode.scenes import library, scene_file, vocabulary
+from polhode.scenes import vocabulary
+from shared.motions import scene_of
+from shared.tools import case_names
 
 EPS = np.finfo(float).eps
 FREE = {"moments": [1, 2, 2.5], "omega": [0.1, 1, 0]}
@@ -56,7 +55,7 @@ MOVED = [
 @pytest.mark.parametrize("start", MOVED, ids=range(len(MOVED)))
 def test_the_text_of_a_scene_from_numbers_gives_it_back_to_the_bit(start):
     scene = polhode.top(moments=[1, 2, 2.3], centre=[0.1, 0, 0.2], weight=2.5, **start)
-    assert scene_file.parse(scene.source, scene.name) == scene
+    assert scene_of(scene.source, scene.name) == scene
     assert pickle.loads(pickle.dumps(scene)) == scene == copy.deepcopy(scene)
     written = polhode.top(moments=[1, 2, 2.3], centre=[0.1, 0, 0.2], weight=2.5, **start)
     assert written == scene  # before its text is made
@@ -69,7 +68,7 @@ CASES += ["goryachev-chaplygin/rotating", "hard/heavy-tiny-units", "published/na
 
 @pytest.mark.parametrize(
     "names",
-    [CASES, pytest.param(library.names(), marks=pytest.mark.slow)],
+    [CASES, pytest.param(case_names(), marks=pytest.mark.slow)],
     ids=["some", "all"],
 )
 def test_every_case_written_and_read_again_is_itself(names):
@@ -79,7 +78,7 @@ def test_every_case_written_and_read_again_is_itself(names):
         scene = replace(polhode.load(name), title="another")
         assert scene.source not in polhode.as_toml(scene)
         text = polhode.as_toml(scene)
-        again = scene_file.parse(text, name)
+        again = scene_of(text, name)
         assert replace(again, source="") == replace(scene, source="")
         assert {*long.findall(text)} <= {*long.findall(scene.source)}
 
@@ -119,9 +118,9 @@ def test_a_quaternion_is_the_same_start_as_its_angles(angles):
     of_quaternion = polhode.top(quaternion=quaternion, normalise=True, **body)
     doubled = polhode.top(quaternion=[-2 * x for x in quaternion], normalise=True, **body)
     for scene in (of_angles, of_quaternion, doubled):
-        assert np.allclose([to_double(x) for x in scene.gamma], matrix[2], rtol=0, atol=8 * EPS)
+        assert np.allclose([float(x) for x in scene.gamma], matrix[2], rtol=0, atol=8 * EPS)
         # psi is found by an arc tangent of sin(theta) sin(psi), sin(theta) cos(psi)
-        gap = to_double(scene.psi) - psi
+        gap = float(scene.psi) - psi
         assert abs(gap - 2 * np.pi * round(gap / 2 / np.pi)) < 8 * EPS / np.sin(theta)
 
 
@@ -138,7 +137,7 @@ def test_at_a_pole_phi_is_counted_as_zero(quaternion, gamma, psi):
     body = {"moments": [1, 1, 1], "omega": [0, 0, 1], "normalise": True}
     scene = polhode.top(quaternion=quaternion, **body)
     assert scene.gamma == gamma
-    assert to_double(scene.psi) == psi
+    assert float(scene.psi) == psi
     # the attitude at the start is the quaternion's rotation
     run = polhode.integrate(replace(scene, outputs=("attitude",)), at=[0])
     unit = np.array(quaternion) / np.linalg.norm(quaternion)
@@ -167,7 +166,7 @@ rates = [0, 0, 200]
 
 
 def test_a_top_in_si_units_is_the_same_by_shape_by_mass_and_by_weight():
-    shape = scene_file.parse(SI)
+    shape = scene_of(SI)
     height = Fraction(3, 4) * Fraction(5, 100)
     across = Fraction(1, 10) * (Fraction(3, 20) * Fraction(9, 10_000) + Fraction(3, 80) / 400)
     moments = [across, across, Fraction(1, 10) * Fraction(3, 10) * Fraction(9, 10_000)]
@@ -182,7 +181,7 @@ def test_a_top_in_si_units_is_the_same_by_shape_by_mass_and_by_weight():
 
 
 def test_numbers_of_parts_can_be_varied():
-    scene = scene_file.parse(SI, "si")
+    scene = scene_of(SI, "si")
     varied = {"body.parts[1].radius": ["0.03", "0.06"], "body.g": [0, "9.80665"]}
     many = polhode.integrate_many(scene, varied, at=[0])
     third = [member.body.moments[2] for member in many.members]
@@ -236,7 +235,7 @@ def scene_with(section, key, value):
     alone = {name for name in ("body.parts", "events", "published") if name != section}
     heads = {"": "", **{name: f"[[{name}]]" for name in ("body.parts", "events", "published")}}
     text = [f"{heads.get(n, f'[{n}]')}\n{x}" for n, x in lines.items() if n not in alone]
-    return scene_file.parse("\n".join(text), "x")
+    return scene_of("\n".join(text), "x")
 
 
 PLAIN = [
@@ -267,7 +266,7 @@ def test_a_scene_says_what_it_was_given_whatever_becomes_of_that():
     )
     moments[0], event["zero"] = 9, "q"
     omega += 1
-    assert scene_file.parse(scene.source, "top") == scene
+    assert scene_of(scene.source, "top") == scene
     assert scene.times == (1, 2)
 
 
@@ -275,7 +274,7 @@ def test_a_scene_says_what_it_was_given_whatever_becomes_of_that():
 def test_every_title_is_read_as_it_was_given(title):
     scene = polhode.top(**FREE, title=title)
     assert (scene.title, type(scene.title)) == (title, str)
-    assert scene_file.parse(scene.source, "top") == scene
+    assert scene_of(scene.source, "top") == scene
     assert polhode.as_toml(replace(scene, psi=1)).count(chr(10)) > 5
 
 

@@ -1,8 +1,7 @@
-"""Times made where they are asked for are the exact ones, rounded once."""
-
-from __future__ import annotations
+"""Times made where they are asked for are the exact ones, rounded once; a scene at other times."""
 
 import pickle
+from dataclasses import fields, replace
 from fractions import Fraction
 
 import numpy as np
@@ -11,11 +10,11 @@ from hypothesis import example, given
 from hypothesis import strategies as some
 
 import polhode
-from polhode.common.errors import BadInput
+from polhode import BadInput, Scene
 from polhode.numbers.conversion import ExactNumbers, spaced
 from polhode.numbers.exact import sqrt
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, Flat
-from polhode.scenes.scene import Scene, even_times
+from polhode.numbers.number_types import Flat
+from shared.tools import DOUBLE, EXTENDED, QUAD, even_times
 
 ENDS = [Fraction(1), Fraction(-7, 3), Fraction(1000), Fraction(10**30 + 1, 3), Fraction(1, 10**200)]
 
@@ -139,3 +138,29 @@ def test_a_place_of_numpy_s_is_a_place() -> None:
     assert type(time.numerator) is int
     with pytest.raises(IndexError):
         times[100_001]
+
+
+# -- A scene at other times: the same as one made with them, and what it keeps is shared -----------
+
+
+@pytest.mark.parametrize("case", ["published/nasa-brick", "kovalevskaya/generic"])
+@pytest.mark.parametrize("used", [False, True])
+def test_it_is_the_scene_made_with_those_times(case: str, used: bool) -> None:
+    scene = polhode.load(case)
+    if used:  # whatever a run leaves behind is no part of the other scene's times
+        polhode.integrate(scene, at=[0.25])
+        polhode.integrate(scene)
+        scene.text, scene.integrals  # noqa: B018
+    scene_at = scene.at([1, "7/3"])
+    replaced = replace(scene, times=(Fraction(1), Fraction(7, 3)))
+    assert scene_at == replaced
+    assert [getattr(scene_at, x.name) for x in fields(Scene)] == [
+        getattr(replaced, x.name) for x in fields(Scene)
+    ]
+    assert scene_at.text == replaced.text
+    assert scene_at.end == Fraction(7, 3)
+    assert scene_at.log10_angle == replaced.log10_angle
+    assert scene_at.identity is scene.identity is not replaced.identity
+    assert (
+        polhode.integrate(scene_at).states.tolist() == polhode.integrate(replaced).states.tolist()
+    )

@@ -10,7 +10,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.scenes import scene_file
+from shared.motions import scene_of
 
 EPS = np.finfo(float).eps
 FREE = {"omega": [0.3, 0.2, 1.1], "end": 1}
@@ -82,7 +82,7 @@ def test_unit_vectors_from_numpy_are_of_length_one_exactly(key):
         assert sum(x * x for x in scene.gamma) == 1
         if key == "gamma":
             assert np.allclose([float(x) for x in scene.gamma], vector, rtol=0, atol=2 * EPS)
-        again = scene_file.parse(scene.source, "top")
+        again = scene_of(scene.source, "top")
         assert again == scene
     for row in rotation(rng):  # of a rotation matrix
         assert polhode.top(**TOP, gamma=row).gamma is not None

@@ -1,19 +1,15 @@
 """Scene files: every key of the contract, every fault one line, every text a Scene or BadInput."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 from test_bad_scenes import BASE, base
 
-from polhode.numbers import exact
-from polhode.numbers.exact import sign
-from polhode.numbers.expression import number
-from polhode.numbers.vectors import dot
-from polhode.scenes import scene_file
-from polhode.scenes.scene import Scene
+import polhode
+from polhode.scenes import library
+from shared.motions import scene_of
+from shared.tools import case_names, number
 
 FULL = """
 schema = 1
@@ -52,8 +48,8 @@ double = [11.0, 14.5]
 """
 
 
-def test_every_key_of_the_contract_is_read() -> None:
-    scene = scene_file.parse(FULL, "full")
+def test_every_key_of_the_contract_is_read():
+    scene = scene_of(FULL, "full")
     assert scene.title == "Heavy top, generic motion"
     assert scene.tags == ("heavy", "hard")
     assert scene.cite == ("Kowalevski 1889",)
@@ -61,7 +57,7 @@ def test_every_key_of_the_contract_is_read() -> None:
     assert (scene.body.centre, scene.body.weight) == ((1, 0, 0), 1)
     assert scene.omega == (Fraction(3, 10), Fraction(1, 5), Fraction(11, 10))
     assert scene.gamma == (Fraction(3, 5), 0, Fraction(4, 5))
-    assert scene.psi == exact.pi() / 7
+    assert scene.psi == number("pi") / 7
     assert len(scene.times) == 401
     assert (scene.times[0], scene.times[1], scene.end) == (0, Fraction(1, 2), 200)
     assert scene.outputs == ("angles", "attitude")
@@ -78,20 +74,20 @@ GAMMAS += ["['sqrt(1/3)', 'sqrt(1/3)', '-sqrt(1/3)']"]  # which is one, by the r
 
 
 @pytest.mark.parametrize("gamma", GAMMAS)
-def test_normalise_makes_gamma_a_unit_vector(gamma: str) -> None:
+def test_normalise_makes_gamma_a_unit_vector(gamma: str):
     normalise = "" if "1/3" in gamma else "\nnormalise = true"
-    scene = scene_file.parse(base(gamma=f"gamma = {gamma}{normalise}"))
-    assert dot(scene.gamma, scene.gamma) == 1
-    moved = scene_file.parse(base(omega="momentum = [2, 9, 'pi']", gamma=""))
-    assert all(x == y for x, y in zip(moved.omega, (1, 3, exact.pi() / 4), strict=True))
+    scene = scene_of(base(gamma=f"gamma = {gamma}{normalise}"))
+    assert sum(x * x for x in scene.gamma) == 1
+    moved = scene_of(base(omega="momentum = [2, 9, 'pi']", gamma=""))
+    assert all(x == y for x, y in zip(moved.omega, (1, 3, number("pi") / 4), strict=True))
     assert moved.columns == ("p", "q", "r")  # without a torque gamma may be left out
 
 
-def in_angles(angles: str, rates: str = "[0.4, -0.3, 0.7]") -> Scene:
-    return scene_file.parse(base(omega=f"angles = {angles}", gamma=f"rates = {rates}"))
+def in_angles(angles: str, rates: str = "[0.4, -0.3, 0.7]"):
+    return scene_of(base(omega=f"angles = {angles}", gamma=f"rates = {rates}"))
 
 
-def test_angles_and_rates_give_the_kinematic_equations() -> None:
+def test_angles_and_rates_give_the_kinematic_equations():
     scene = in_angles("['1/3', 'pi/3', 0.2]")
     assert scene.gamma is not None
     sine, cosine = number("sqrt(3)/2"), Fraction(1, 2)
@@ -105,26 +101,62 @@ def test_angles_and_rates_give_the_kinematic_equations() -> None:
 
 
 @pytest.mark.parametrize(("theta", "sense"), [("0", 1), ("'pi'", -1), ("'-2*pi'", 1)])
-def test_at_a_pole_phi_counts_as_psi(theta: str, sense: int) -> None:
+def test_at_a_pole_phi_counts_as_psi(theta: str, sense: int):
     scene = in_angles(f"['1/3', {theta}, 0.2]")
     assert all(x == y for x, y in zip(scene.gamma, (0, 0, sense), strict=True))
     assert scene.psi == Fraction(1, 3) + sense * Fraction(1, 5)
-    assert sign(scene.omega[0] - Fraction(-3, 10)) == sign(scene.omega[1]) == 0
+    assert (scene.omega[0], scene.omega[1]) == (Fraction(-3, 10), 0)
 
 
 @pytest.mark.parametrize("at", ["[0]", "[0, 1]", "[-1, -2]", "[0, -1, '-pi']", "[1e-4000, 1]"])
-def test_times_away_from_zero_are_accepted(at: str) -> None:
-    assert scene_file.parse(base(end=f"at = {at}")).times[-1:]
+def test_times_away_from_zero_are_accepted(at: str):
+    assert scene_of(base(end=f"at = {at}")).times[-1:]
 
 
 @pytest.mark.parametrize("unit", ["1e-3000", "1e-30", "1", "1e30", "1e3000"])
-def test_scenes_in_any_units_are_accepted(unit: str) -> None:
-    scene = scene_file.parse(base(moments=f"moments = [2{unit[1:]}, 3{unit[1:]}, 4{unit[1:]}]"))
+def test_scenes_in_any_units_are_accepted(unit: str):
+    scene = scene_of(base(moments=f"moments = [2{unit[1:]}, 3{unit[1:]}, 4{unit[1:]}]"))
     assert scene.body.moments[0] == 2 * number(unit)
 
 
-def test_files_are_read_in_every_usual_encoding_of_lines(tmp_path: Path) -> None:
+def test_files_are_read_in_every_usual_encoding_of_lines(tmp_path: Path):
     path = tmp_path / "top.toml"
     for content in (BASE, "\ufeff" + BASE, BASE.replace("\n", "\r\n")):
         path.write_bytes(content.encode())
-        assert scene_file.read(path).omega[2] == Fraction(11, 10)
+        assert polhode.load(path).omega[2] == Fraction(11, 10)
+
+
+# -- Cases by their names: exactly those that ship, and nothing that is a path ---------------------
+
+
+NO_NAMES = [
+    *("", "/", "euler", "euler/", "/euler/sphere", "euler//sphere", "./euler/sphere", "sphere"),
+    *("euler/../euler/sphere", "euler/sphere.toml", "euler/sphere.toml/x", "Euler/sphere"),
+    *("euler/*", "euler/\0", "euler\nsphere", "euler/" + 300 * "x", 300 * "x"),
+]
+
+
+@pytest.mark.parametrize("name", NO_NAMES)
+def test_what_is_no_name_is_refused(name):
+    assert name not in case_names()
+    with pytest.raises(polhode.BadInput):
+        polhode.load(name)
+
+
+def test_without_cases_a_path_is_read_all_the_same(tmp_path, monkeypatch):
+    path = tmp_path / "own.toml"
+    path.write_text(polhode.as_toml(polhode.top(moments=[1, 2, 2.5], omega=[1, 0, 0])))
+    monkeypatch.setattr(library, "folder", lambda: tmp_path / "nowhere")
+    assert polhode.load(path).omega == (1, 0, 0)
+    with pytest.raises(polhode.BadInput, match="euler/sphere"):
+        polhode.load("euler/sphere")
+
+
+def test_a_top_stands_for_its_cases_unless_a_file_has_its_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    cases = [f"grioli/{name}" for name in ("irrational", "precession", "turned-axes")]
+    assert library.matching(["grioli"]) == cases
+    assert library.matching(["grioli/precession", "grioli"])[0] == "grioli/precession"
+    assert library.matching(["griol"]) == ["griol"]
+    (tmp_path / "grioli").write_text("schema = 1\n")
+    assert library.matching(["grioli"]) == ["grioli"]

@@ -1,7 +1,5 @@
 """Bodies by shape: moments against integrals over the solid, Steiner, parts put together."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import polhode
+from polhode import BadInput
 from polhode.cli import main
-from polhode.common.errors import BadInput
-from polhode.scenes import scene_file
+from shared.motions import scene_of
 
 TEXT = """
 schema = 1
@@ -41,7 +41,7 @@ samples = 3
 
 
 def test_a_scene_with_units_is_the_scene_in_si():
-    with_units, plain = scene_file.parse(TEXT), scene_file.parse(PLAIN)
+    with_units, plain = scene_of(TEXT), scene_of(PLAIN)
     assert (with_units.units, plain.units) == ("SI", "")
     assert (with_units.body, with_units.omega, with_units.gamma) == (
         plain.body,
@@ -51,7 +51,7 @@ def test_a_scene_with_units_is_the_scene_in_si():
     assert with_units.times == plain.times
     text = polhode.as_toml(with_units.at([1, 2]))  # units survive other times
     assert '"600 rpm"' in text
-    assert scene_file.parse(text).units == "SI"
+    assert scene_of(text).units == "SI"
     top = polhode.top(moments=[1, 1, "500 g m**2"], omega=["1 rev/s", 0, 1], end="1 min")
     assert (top.body.moments[2], float(top.omega[0]), top.end) == (Fraction(1, 2), 2 * np.pi, 60)
 
@@ -68,7 +68,7 @@ def test_a_scene_with_units_is_the_scene_in_si():
 )
 def test_an_angle_alone_makes_no_scene_in_si(unit, keys):
     scene = polhode.top(moments=[1, 1, 0.5], centre=[0, 0, 1], weight=1, **keys)
-    assert scene.units == unit == scene_file.parse(scene.source, "top").units
+    assert scene.units == unit == scene_of(scene.source, "top").units
     assert float(scene.gamma[2]) == pytest.approx(np.cos(np.radians(25)), rel=4e-16)
 
 

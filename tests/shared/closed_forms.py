@@ -4,8 +4,6 @@ A motion is a scene: of the library, of ``tests/data/motions.toml``, or of :mod:
 Its reference is asked as users ask it.
 """
 
-from __future__ import annotations
-
 import functools
 import itertools
 import math

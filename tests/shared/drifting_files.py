@@ -6,8 +6,6 @@ A program starts exactly and loses digits on the way: by steps that are too long
 grows, by a moment that is slightly off, by friction.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 
@@ -107,7 +105,7 @@ def semi_implicit(top, y, h):
 
 
 def of_tops(method):
-    """A method of ``shared.rough_methods`` as one step of a top."""
+    """A method of ``shared.tables`` as one step of a top."""
     return lambda top, y, h: method(lambda _, y: rate(top, y), y, h)
 
 

@@ -4,8 +4,6 @@ From the stored polynomials X, e, V of a step and the exact constants alone.  No
 trusted modules is called but to be compared with.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 from fractions import Fraction

@@ -4,8 +4,6 @@ Truth is a run at many more bits than the proof has: heyoka's, in MPFR, whose ow
 2**-40 of the radii that it judges; closed forms judge the same enclosures elsewhere.
 """
 
-from __future__ import annotations
-
 import itertools
 import random
 from collections.abc import Callable, Sequence

@@ -5,8 +5,6 @@ permanent rotations and poles, by 1e-1 to 1e-30.  A start is moments, Mg r0, ome
 principal axes; numbers are of order 1.
 """
 
-from __future__ import annotations
-
 import tomllib
 from fractions import Fraction
 from pathlib import Path

@@ -3,8 +3,6 @@
 ``heavy`` and ``free_file``: a body of moments 2, 3, 4.  ``asymmetric``: one of moments 2, 3/2, 1.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -12,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from polhode.runs.integrate_many import integrate_many
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
 from polhode.scenes.body import Body
@@ -20,6 +19,24 @@ from polhode.scenes.scene import Scene
 ASYMMETRIC = Body.of_moments(
     (2, Fraction(3, 2), 1), (Fraction(3, 10), Fraction(1, 5), Fraction(1, 2)), 1
 )
+
+
+#: Inertia about principal axes that are irrational.
+TURNED = [[3, "1/4", 0], ["1/4", 2.5, "1/8"], [0, "1/8", 1.5]]
+
+
+def rows_in_quad(scene: Scene, rows: Any, t: float) -> Any:
+    """Where rows of starts are at a time, by runs of 113 bits, as doubles."""
+    keys = [f"start.{word}[{k}]" for word in ("omega", "gamma") for k in (1, 2, 3)]
+    names = keys[: rows.shape[1]]
+    members = [dict(zip(names, map(Fraction, row), strict=True)) for row in rows.tolist()]
+    many = integrate_many(scene, members, number="quad", method="taylor", at=[t])
+    return many.states[:, 0].astype(float)
+
+
+def scene_of(text: str, name: str = "scene") -> Scene:
+    """The scene of a file's text."""
+    return scene_file.parse(text, name)
 
 
 def heavy_file(end: str = "20", spin: str = "1.1", samples: int = 5, weight: str = "1") -> str:
@@ -55,14 +72,19 @@ def asymmetric(
 
 
 def in_other_units(scene: Scene, exponent: int) -> Scene:
-    """Time times 2**exponent, mass times 2**(2 exponent + 5): the same numbers but for a shift."""
+    """Time times 2**exponent, mass times 2**(2 exponent + 5), length times 2**(1 - exponent).
+
+    The numbers are the same but for a shift.
+    """
     body, stretch, mass = scene.body, Fraction(2) ** exponent, Fraction(2) ** (2 * exponent + 5)
+    length = Fraction(2) ** (1 - exponent)
     return replace(
         scene,
         body=replace(
             body,
-            inertia=tuple(tuple(mass * x for x in row) for row in body.inertia),
-            weight=body.weight * mass / stretch**2,
+            inertia=tuple(tuple(mass * length**2 * x for x in row) for row in body.inertia),
+            centre=tuple(length * x for x in body.centre),
+            weight=body.weight * mass * length / stretch**2,
         ),
         omega=tuple(x / stretch for x in scene.omega),
         times=tuple(t * stretch for t in scene.times),

@@ -4,8 +4,6 @@
 none is where a formula's root would be imaginary, and the draw is repeated.
 """
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 from polhode.numbers import exact

@@ -4,8 +4,6 @@ It imports nothing of polhode.  The derivative of the flow comes from central di
 ``plain_taylor`` at a step of 1e-16, right to about thirty digits.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple

@@ -7,8 +7,6 @@ Cauchy products, over a length at which the last terms are below the working pre
 is an argument: the numbers belong to a context of this call alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import reduce

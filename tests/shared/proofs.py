@@ -1,7 +1,5 @@
 """The body, the level and three orbits that tests prove, and their proofs."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 from collections.abc import Sequence

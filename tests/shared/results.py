@@ -1,7 +1,5 @@
 """One result of every kind, each made once."""
 
-from __future__ import annotations
-
 import functools
 import shlex
 from collections.abc import Callable

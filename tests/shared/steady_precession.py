@@ -4,8 +4,6 @@ A = B, Mg r0 = (0, 0, T), T > 0, w = n gamma + s e3 with s != 0:  gamma' = s gam
 equations of motion leave A n s + (C - A) n r = T.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Right tables of motions, and the doors through which a table comes to be judged."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from functools import cache
 from pathlib import Path

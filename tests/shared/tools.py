@@ -1,6 +1,7 @@
-"""What tests of every room use: tiers, examples, policies, changed sources, answers of verbs."""
+"""What tests of every room use: tiers, examples, policies, changed sources, answers of verbs.
 
-from __future__ import annotations
+Types of numbers and the exact value of a number come from here, so that a move is told once.
+"""
 
 import copy
 import inspect
@@ -16,7 +17,21 @@ import pytest
 from hypothesis import settings
 
 import polhode
+from polhode.numbers.conversion import exactly as exactly
+from polhode.numbers.expression import number as number
+from polhode.numbers.number_types import DOUBLE as DOUBLE
+from polhode.numbers.number_types import EXTENDED as EXTENDED
+from polhode.numbers.number_types import QUAD as QUAD
+from polhode.numbers.number_types import mp as mp
+from polhode.scenes.library import names as library_names
+from polhode.scenes.scene import even_times as even_times
+from polhode.scenes.vocabulary import ANGLES as ANGLES
+from polhode.scenes.vocabulary import ATTITUDE as ATTITUDE
+from polhode.scenes.vocabulary import STATE as STATE
 from polhode.taylor import defaults
+
+#: The names of the library's cases.
+case_names = library_names
 
 
 def tiers(fast: Iterable[Any], slow: Iterable[Any]) -> list[Any]:

@@ -1,7 +1,5 @@
 """One small question to each of polhode's verbs, and its answer to the bit."""
 
-from __future__ import annotations
-
 import dataclasses
 import functools
 import multiprocessing

@@ -1,7 +1,5 @@
 """Compiled integrators taken up again: one for all bodies of a zero pattern, without a trace."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 from fractions import Fraction
@@ -11,13 +9,10 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.motion.outcomes import Outcome
-from polhode.numbers.conversion import exactly
-from polhode.numbers.number_types import NumberType
-from polhode.scenes.scene import Event
+from polhode import Event, NumberType, Outcome
 from polhode.taylor import engine
 from polhode.taylor.engine import Pool
-from shared.tools import change_policy, tiers
+from shared.tools import change_policy, exactly, tiers
 
 NAME = "lagrange/nutation"
 CENTRES = {"free": [0, 0, 0], "on an axis": [0, 0, 1], "anywhere": ["1/3", "1/5", "1/7"]}
@@ -57,16 +52,8 @@ def built(monkeypatch) -> list:
 # -- what compiles, and what is built -------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("centre", "number"),
-    tiers(
-        [
-            *(("free", "double"), ("anywhere", "double"), ("on an axis", "extended")),
-            *(("on an axis", "quad"), ("free", "mp")),
-        ],
-        [*(("on an axis", "double"), ("free", "extended"), ("free", "quad")), ("on an axis", "mp")],
-    ),
-)
+@pytest.mark.parametrize("centre", CENTRES)
+@pytest.mark.parametrize("number", tiers(["double", "quad"], ["extended", "mp"]))
 def test_another_body_of_a_pattern_compiles_nothing(number, centre):
     """heyoka keeps in its memory whatever it compiles."""
     options = {"number": number, "method": "taylor", "project": False, "at": [1]}
@@ -75,15 +62,6 @@ def test_another_body_of_a_pattern_compiles_nothing(number, centre):
     second = polhode.integrate(top(centre=CENTRES[centre], **never_seen()), **options)
     assert hy.llvm_state.get_memcache_size() == size
     assert list(first.states[0]) != list(second.states[0])
-
-
-def test_with_corrections_and_attitude_neither():
-    first, second = (top(**never_seen(), outputs=["attitude", "angles"], end=300) for _ in "ab")
-    polhode.integrate(first)
-    size = hy.llvm_state.get_memcache_size()
-    run = polhode.integrate(second)
-    assert run.projection.count > 0
-    assert hy.llvm_state.get_memcache_size() == size
 
 
 @pytest.mark.parametrize("bits", [53, 64, 65])
@@ -118,6 +96,8 @@ def test_what_differs_in_type_tolerance_outputs_events_or_pattern_is_built(built
         (top(centre=["1/3", 0, "1/7"]), {}, 1),
         (top(centre=["1/3", "1e-300", "1/7"]), {}, 0),
         (top(weight=0), {}, 1),
+        (top(outputs=["attitude", "angles"], end=300), {}, 1),
+        (top(**SPECIAL, outputs=["attitude", "angles"], end=300), {}, 0),
         (top(moments=[1, 1, "1.2"], centre=[1, 2, 3], weight=7), {}, 0),
     ]
     for again in (1, 0):

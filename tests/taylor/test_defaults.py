@@ -1,7 +1,5 @@
 """The table of policy: what was measured for it, and what its columns owe each other."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path
@@ -9,9 +7,10 @@ from pathlib import Path
 import pytest
 
 import polhode
-from polhode.numbers.number_types import DOUBLE, EXTENDED, NAMES, QUAD, NumberType, mp
+from polhode import NumberType
+from polhode.numbers.number_types import NAMES, mp
 from polhode.taylor import defaults, heyoka
-from shared.tools import change_policy, tiers
+from shared.tools import DOUBLE, EXTENDED, QUAD, change_policy, tiers
 
 TYPES = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD, "mp": mp()}
 

@@ -1,7 +1,5 @@
 """What counts as an event: a change of side beyond rounding; what comes near and turns back."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from fractions import Fraction
@@ -11,14 +9,10 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.motion.outcomes import Outcome
-from polhode.numbers import number_types
-from polhode.numbers.conversion import exactly
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD
-from polhode.scenes.scene import Event
-from shared.tools import tiers
+from polhode import Event, Outcome
+from shared.tools import DOUBLE, EXTENDED, QUAD, change_policy, exactly, mp, tiers
 
-NUMBERS = [DOUBLE, EXTENDED, QUAD, number_types.mp(50)]
+NUMBERS = [DOUBLE, EXTENDED, QUAD, mp(50)]
 
 
 def top(*events: Event, **keys: object) -> polhode.Scene:
@@ -48,17 +42,9 @@ def test_contacts_are_told_to_the_last_digits_of_their_times(number):
 # -- small motions, and levels near an extremum -----------------------------------------------
 
 
+@pytest.mark.parametrize("number", tiers([DOUBLE], [EXTENDED]), ids=lambda n: n.name)
 @pytest.mark.parametrize(
-    ("number", "size", "kind"),
-    tiers(
-        [(DOUBLE, "1e-8", "pendulum"), (DOUBLE, "1e-13", "pendulum"), (DOUBLE, "1e-11", "wobble")],
-        [
-            (EXTENDED, "1e-8", "pendulum"),
-            (EXTENDED, "1e-13", "pendulum"),
-            (EXTENDED, "1e-11", "wobble"),
-        ],
-    ),
-    ids=lambda x: getattr(x, "name", None),
+    ("size", "kind"), [("1e-8", "pendulum"), ("1e-13", "pendulum"), ("1e-11", "wobble")]
 )
 def test_a_small_motion_has_the_zeros_of_a_large_one(kind, size, number):
     """Of period 2 pi: gamma2 = -size sin t of a pendulum, q = size sin t of a wobble."""
@@ -190,24 +176,15 @@ def test_what_terms_cancel_is_uncertain_and_what_is_small_is_not():
 AT_ZERO = {
     "q*(p-0.28)": [0.36744942741237435],
     "q**3*(p-0.28)": [0.36744942741237435],
-    "t**4*(t-1/7)": [1 / 7],
     "t*(t-1/10)": [0.1],
     "q*cos(6*t)": [(2 * k + 1) * math.pi / 12 for k in range(4)],
     "gamma2*(t-1.5)": [1.5],
     "t**2*(t-1)": [1.0],
-    "-t*(t-1/1000)*(t-1)": [0.001, 1.0],
-    "sin(40*t)": [k * math.pi / 40 for k in range(1, 26)],
 }
 
 
-@pytest.mark.parametrize(
-    ("number", "zero"),
-    tiers(
-        [(DOUBLE, "q*(p-0.28)"), (DOUBLE, "t*(t-1/10)"), (DOUBLE, "t**2*(t-1)")],
-        [(EXTENDED, "q*(p-0.28)"), (EXTENDED, "t*(t-1/10)"), (EXTENDED, "t**2*(t-1)")],
-    ),
-    ids=lambda x: getattr(x, "name", None),
-)
+@pytest.mark.parametrize("number", tiers([DOUBLE], [EXTENDED]), ids=lambda n: n.name)
+@pytest.mark.parametrize("zero", ["q*(p-0.28)", "t*(t-1/10)", "t**2*(t-1)"])
 def test_a_start_at_zero_hides_no_other_zero(zero, number):
     _, event = events_of(zero, number)
     assert [float(t) for t in event.times] == pytest.approx(AT_ZERO[zero], abs=1e-15)
@@ -231,8 +208,6 @@ def test_nor_does_it_in_lanes(zero):
 )
 @pytest.mark.parametrize("steps", [None, 1])
 def test_zeros_on_a_seam_are_told_once(zero, signs, steps, monkeypatch):
-    from shared.tools import change_policy
-
     if steps is not None:
         change_policy(monkeypatch, chunk=steps)
     for at in ([1, 3, "3.0625", 4], [3, "3.0625", 4], [4]):
@@ -412,23 +387,21 @@ def test_contacts_are_no_crossings_of_a_section():
 
 
 @pytest.mark.parametrize(
-    ("name", "plain", "flat"),
+    ("plain", "flat"),
     tiers(
-        [("general/asymmetric-chaotic", "q - 1/10", "(q - 1/10)**3")],
+        [("q - 1/10", "(q - 1/10)**3")],
         [
-            ("general/asymmetric-chaotic", "q - 1/10", "q**3 - 3/10*q**2 + 3/100*q - 1/1000"),
-            (
-                "general/asymmetric-chaotic",
-                "(q - 0.099)*(q - 0.102)",
-                "(q - 0.099)**3*(q - 0.102)**5",
-            ),
+            ("q - 1/10", "q**3 - 3/10*q**2 + 3/100*q - 1/1000"),
+            ("(q - 0.099)*(q - 0.102)", "(q - 0.099)**3*(q - 0.102)**5"),
         ],
     ),
 )
-def test_no_section_loses_flat_crossings(name, plain, flat):
+def test_no_section_loses_flat_crossings(plain, flat):
     """heyoka gives a triple zero up now and then, two of a step or of a stretch among them."""
     options = {"grid": (2, 3), "crossings": 10, "h": 3, "f": "1/2"}
-    plain_section, flat_section = (polhode.section(name, by=by, **options) for by in (plain, flat))
+    plain_section, flat_section = (
+        polhode.section("general/asymmetric-chaotic", by=by, **options) for by in (plain, flat)
+    )
     assert plain_section.complete
     assert flat_section.outcomes == plain_section.outcomes
     assert np.abs(plain_section.times - flat_section.times).max() < 1e-2
@@ -448,34 +421,15 @@ def test_two_multiple_zeros_of_a_step_are_those_of_the_factors(powers):
     assert np.array_equal(first.states, second.states)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("direction", ["rising"])
-def test_no_first_zero_and_no_event_of_a_run_is_lost_where_it_is_flat(direction):
-    starts = {"start.omega[1]": [str(Fraction(k, 9)) for k in range(1, 17)]}
-    body = {"moments": [1, "1.4", 2], "centre": ["0.3", "0.2", "0.5"], "weight": 1, "at": [30]}
-    firsts, runs = [], []
-    for zero in ("gamma3 - 1/5", "(gamma3 - 1/5)**3"):
-        scene = top(Event("e", zero, direction), **body)
-        firsts.append(polhode.reduce_many(scene, starts, "first e")["t of first e"])
-        runs.append(polhode.integrate(scene).events[0])
-    assert np.isfinite(firsts[0]).all()
-    assert firsts[1] == pytest.approx(firsts[0], abs=1e-4)
-    assert runs[1].complete
-    assert runs[1].signs == runs[0].signs
-    assert len(runs[0].signs) >= 2
-    assert runs[1].t == pytest.approx(runs[0].t, abs=1e-4)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("by", ["(q - 1/10)*(q - 3/25)*(q - 7/50)"])
-def test_a_section_finds_again_what_heyoka_loses(by, monkeypatch):
+def test_a_section_finds_again_what_heyoka_loses(monkeypatch):
     """Of all crossings that it meets, in either direction, every seventh; several of one step.
 
     Of three in a step the second was told at the step's begin once the first was found.
     """
     from polhode.taylor.event_watch import Callback
 
-    options = {"by": by, "grid": (3, 3), "crossings": 12, "h": 3, "f": "1/2"}
+    by = "(q - 1/10)*(q - 3/25)*(q - 7/50)"
+    options = {"by": by, "grid": (2, 2), "crossings": 8, "h": 3, "f": "1/2"}
     whole = polhode.section("general/asymmetric-chaotic", **options)
     count, met = [0], Callback.__call__
 
@@ -486,6 +440,6 @@ def test_a_section_finds_again_what_heyoka_loses(by, monkeypatch):
 
     monkeypatch.setattr(Callback, "__call__", deaf)
     alone = polhode.section("general/asymmetric-chaotic", **options, workers=1)
-    assert count[0] > 100
+    assert count[0] > 40
     assert alone.outcomes == whole.outcomes
     np.testing.assert_allclose(alone.times, whole.times, rtol=0, atol=1e-10)

@@ -1,12 +1,10 @@
 """Batches in blocks of steps: the same bits, a signal's turn, and lanes that cannot go on."""
 
-from __future__ import annotations
-
 import heyoka as hy
 import numpy as np
 import pytest
 
-from polhode.motion.outcomes import Outcome
+from polhode import Outcome
 from polhode.taylor import batches
 
 END, LIMIT = Outcome.REACHED_END, Outcome.STEP_LIMIT

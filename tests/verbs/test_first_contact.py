@@ -1,12 +1,12 @@
 """The first minutes: a welcome, a version, which extra is missing, completion, how to cite."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex
+import shutil
 import sys
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,6 +15,11 @@ import polhode
 from polhode import cli
 from polhode.cli import main
 from polhode.common import provenance
+from polhode.output import new_scene
+from polhode.output.cases import entry_of
+from polhode.scenes import library, vocabulary
+from shared.motions import scene_of
+from shared.tools import case_names
 
 TOP = Path(__file__).parents[2]
 
@@ -84,3 +89,104 @@ def test_a_shell_completes_verbs_and_options(capsys, monkeypatch):
         assert "compare" in output
     monkeypatch.setitem(sys.modules, "shtab", None)
     assert "pip install 'polhode[shell]'" in said(capsys, "--print-completion", "bash", code=2)
+
+
+# -- ``polhode list`` shows of each case what its file says, though it reads few of them -----------
+
+
+@pytest.mark.slow
+def test_the_catalogue_is_of_the_files_as_they_are():
+    again = {name: entry_of(name) for name in case_names()}
+    maker = "python tests/measure/catalogue.py"
+    assert library.written(again) == (library.folder() / library.FILE).read_text("utf-8"), maker
+
+
+@pytest.fixture
+def cases(tmp_path, monkeypatch):
+    """A small library of its own."""
+    for name in ("euler/sphere", "lagrange/nutation"):
+        (tmp_path / name).parent.mkdir()
+        shutil.copy(library.folder() / f"{name}.toml", tmp_path / f"{name}.toml")
+    shutil.copy(library.folder() / library.FILE, tmp_path / library.FILE)
+    monkeypatch.setattr(library, "folder", lambda: tmp_path)
+    return tmp_path
+
+
+def listed(capsys):
+    assert main(["list", "--json"]) == 0
+    columns = json.loads(capsys.readouterr().out)["columns"]
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    return {row["scene"]: row for row in rows}
+
+
+def test_known_cases_are_listed_without_being_read(cases, capsys, monkeypatch):
+    right = listed(capsys)
+    assert right["lagrange/nutation"]["reference"] == "lagrange"
+    monkeypatch.setattr(library, "load", lambda name: pytest.fail(name))
+    assert listed(capsys) == right
+
+
+@pytest.mark.parametrize("broken", ["gone", "{", "[]", '{"x": 1}'])
+def test_a_changed_case_and_a_catalogue_that_is_none_are_seen(cases, capsys, broken):
+    right = listed(capsys)
+    path = cases / "euler/sphere.toml"
+    path.write_text(path.read_text().replace("Sphere turning freely", "another"))
+    changed = listed(capsys)
+    assert changed["euler/sphere"] == right["euler/sphere"] | {"title": "another"}
+    if broken == "gone":
+        (cases / library.FILE).unlink()
+    else:
+        (cases / library.FILE).write_text(broken)
+    assert listed(capsys) == changed
+
+
+# -- ``polhode new``: a commented scene that reads back --------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        *("bobylev-steklov/asymptotic", "euler/named-times"),
+        *("euler/turned-symmetric", "hard/dzhanibekov-1e-3"),
+        *("hard/near-quasi-periodic", "kovalevskaya/delaunay", "lagrange/lower-pole"),
+        "pendulum/hanging",
+    ],
+)
+def test_a_commented_case_is_the_case(case):
+    scene = polhode.load(case)
+    text = new_scene.commented(scene.source)
+    assert replace(scene_of(text, scene.name), source="") == replace(scene, source="")
+    lines = [line for line in text.splitlines() if line not in scene.source.splitlines()]
+    assert lines
+    assert all(line.startswith("# ") for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("options", "moment"),
+    [
+        ([], None),
+        (["--cone", "3 cm,5 cm,50 g"], 3 * 0.05 * 0.03**2 / 10),
+        (["--disc", "0.03,0.05,0.1"], 0.1 * 0.03**2 / 2),
+        (["--sphere", "30 mm,5 cm,100 g", "--tilt", "pi/4", "--spin", "10 rev/s"], 3.6e-5),
+    ],
+)
+def test_a_solid_is_a_scene_in_si(options, moment, tmp_path, capsys):
+    path = tmp_path / "top.toml"
+    assert main(["new", str(path), *options]) == 0
+    assert f"polhode run {path}" in capsys.readouterr().out
+    scene = polhode.load(path)
+    assert scene.units == "SI"
+    if moment is not None:
+        assert float(scene.body.moments[2]) == pytest.approx(moment, rel=1e-14)
+    text = path.read_text()
+    for name in ("g", "shape", "mass", "angles", "rates", "end", "samples"):
+        assert re.search(rf"\b{name} += ", text)
+        assert f"# {name}: " in text
+
+
+def test_a_case_is_written_with_comments(tmp_path, capsys):
+    path = tmp_path / "mine.toml"
+    assert main(["new", str(path), "--like", "lagrange/nutation", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["title"] == "Lagrange top, generic nutation"
+    (omega,) = [key for key in vocabulary.KEYS["start"] if key.name == "omega"]
+    assert f"# omega: {omega.meaning}\nomega = [0.16, 0.3, 4.1]\n" in path.read_text()

@@ -1,7 +1,5 @@
 """Verbs × bad input: exit code 2, one line that says what was expected, and nothing is written."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 

@@ -1,17 +1,19 @@
 """Programs of their own: streams that are full, closed or pipes, and what a terminal is shown."""
 
-from __future__ import annotations
-
-import json
+import fcntl
 import os
+import pty
 import re
 import resource
+import struct
 import subprocess
 import sys
+import termios
 from pathlib import Path
 
 import pytest
 
+from polhode.common.interrupts import ProgressLine
 from shared.motions import free_file
 from shared.tools import tiers
 
@@ -35,13 +37,6 @@ def ended(*words: str, **how: object) -> subprocess.CompletedProcess[str]:
 def shell(line: str) -> subprocess.CompletedProcess[str]:
     environment = {**os.environ, "PATH": PATH}
     return subprocess.run(["bash", "-c", line], capture_output=True, text=True, env=environment)
-
-
-@pytest.mark.slow
-def test_the_module_is_the_program():
-    process = ended("about", "--json")
-    assert (process.returncode, process.stderr) == (0, "")
-    assert json.loads(process.stdout)["columns"]["bits"][2] == 113
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
@@ -170,3 +165,58 @@ def test_the_closed_forms_run_where_heyoka_is_missing(words):
     else:
         assert (process.returncode, process.stderr) == (0, "")
         assert process.stdout
+
+
+# -- The line of progress on a terminal as narrow as it may be -------------------------------------
+
+
+@pytest.fixture
+def terminal(monkeypatch):
+    """A terminal in place of stderr: sets its width, and gives what was written to it."""
+    ours, theirs = pty.openpty()
+    with os.fdopen(theirs, "w", buffering=1) as stream:
+
+        class Terminal:
+            def shown(self) -> None:
+                """In the test itself: pytest sets its own stderr before."""
+                monkeypatch.setattr(sys, "stderr", stream)
+
+            def wide(self, columns: int) -> None:
+                fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+
+            def written(self) -> str:
+                stream.write("END")
+                stream.flush()
+                text = ""
+                while "END" not in text:  # it comes in pieces
+                    text += os.read(ours, 1 << 16).decode()
+                return text.removesuffix("END")
+
+        yield Terminal()
+    os.close(ours)
+
+
+@pytest.mark.parametrize("columns", [40, 80, 0])
+def test_the_line_never_wraps(terminal, columns):
+    """What wraps is not wiped: only the last of its lines would be."""
+    terminal.shown()
+    terminal.wide(columns)
+    with ProgressLine("compare") as progress:
+        progress.began -= 10
+        progress.say("rows of the reference")
+        progress.show(0.125, 10800, "rows of the closed form")
+        progress.say("x" * 300)
+    *lines, rest = terminal.written().split("\r\x1b[K")[1:]
+    assert rest == ""
+    assert [len(line) < (columns or 80) for line in lines] == [True] * 3
+    assert lines[1].startswith("compare: 12.5 %, 10800 rows")
+    assert len(lines[2]) == (columns or 80) - 1
+
+
+def test_nothing_is_shown_of_what_takes_no_time(terminal):
+    terminal.shown()
+    with ProgressLine("compare") as progress:
+        progress.began += 3600
+        progress.say("quick")
+    sys.stderr.write("end")
+    assert terminal.written() == "end"

@@ -1,7 +1,5 @@
 """`polhode sweep`: what it prints, writes, refuses, and how it exits."""
 
-from __future__ import annotations
-
 import json
 import re
 import signal
@@ -64,38 +62,6 @@ def test_a_table_on_stdout_and_a_note_on_stderr(scene, capsys):
     assert err == ("heavy.toml: 3 members, double (53 bits), not projected; 3 reached end\n")
 
 
-@pytest.mark.parametrize("number", ["double", "extended", "quad"])
-def test_npz(scene, capsys, tmp_path, number):
-    varied = ["--vary", "body.weight=0:1:2"]
-    code, out, _ = run(capsys, scene, *varied, "--number", number, "-o", "x.npz")
-    assert (code, out) == (0, "")
-    many = polhode.integrate_many(scene, {"body.weight": [0, 1]}, number=number)
-    with np.load(tmp_path / "x.npz", allow_pickle=False) as arrays:
-        states = np.stack([arrays[name].reshape(2, 3) for name in NAMES], axis=-1)
-        if number == "double":
-            assert np.array_equal(states, many.states)
-        else:
-            assert states[1].tolist() == many[1].state_strings()
-        assert arrays["members.body.weight"].tolist() == ["0", "1"]
-        assert arrays["members.outcome"].tolist() == ["reached end"] * 2
-        about = json.loads(bytes(arrays["about"]))
-    assert (about["number"], about["projected"], about["vary"]) == (number, False, ["body.weight"])
-    assert polhode.load_result("x.npz").to_json() == many.to_json()
-    assert {p.name for p in tmp_path.iterdir()} == {"heavy.toml", "x.npz"}
-
-
-def test_csv(scene, capsys, tmp_path):
-    code, out, _ = run(capsys, scene, "--vary", "start.omega[2]=1/3,1", "-o", "x.csv")
-    assert (code, out) == (0, "")
-    lines = (tmp_path / "x.csv").read_text().splitlines()
-    assert lines[0] == "member,t,start.omega[2],p,q,r,gamma1,gamma2,gamma3"
-    assert len(lines) == 1 + 2 * 3
-    assert lines[1].startswith("1,0.0,1/3,0.3,")
-    beside = json.loads((tmp_path / "x.csv.json").read_text())
-    assert beside["members"]["outcome"] == ["reached end"] * 2
-    assert "columns" not in beside
-
-
 def test_a_member_that_fails_is_told_and_written(scene, capsys, tmp_path):
     varied = ["--vary", "body.weight=1,1e6", "--max-steps", "300", "-o", "x.npz"]
     code, _, err = run(capsys, scene, *varied)
@@ -148,39 +114,6 @@ def test_what_is_finished_at_ctrl_c_is_kept_and_the_same_command_goes_on(
 
 
 # -- numbers kept instead of states ---------------------------------------------------------------
-
-KEEP = ["--vary", "body.weight=0:1:2", "--keep", "largest theta", "--keep", "first nutation"]
-
-
-def test_numbers_of_each_member(scene, capsys, tmp_path):
-    """The same numbers as a table, JSON, CSV and NPZ, and as Python has them."""
-    reductions = polhode.reduce_many(
-        scene, {"body.weight": [0, 1]}, ["largest theta", "first nutation"]
-    )
-    code, out, err = run(capsys, scene, *KEEP)
-    header, *lines = out.splitlines()
-    assert code == 0
-    assert header.split()[:4] == ["member", "body.weight", "outcome", "steps"]
-    assert len(lines) == 2
-    assert err == "heavy.toml: 2 members, double (53 bits), not projected; 2 reached end\n"
-    answer = json.loads(run(capsys, scene, *KEEP, "--json")[1])
-    assert answer["keep"] == ["largest theta", "first nutation"]
-    names = ["member", "body.weight", "outcome", "steps", *reductions.names]
-    assert [*answer["columns"]] == names
-    for name in reductions.names:
-        assert answer["columns"][name] == reductions[name].tolist()
-    assert run(capsys, scene, *KEEP, "-o", "x.csv")[:2] == (0, "")
-    rows = [line.split(",") for line in (tmp_path / "x.csv").read_text().splitlines()]
-    assert rows[0] == names
-    assert [float(x) for x in rows[2][4:]] == [reductions[n][1] for n in reductions.names]
-    assert json.loads((tmp_path / "x.csv.json").read_text())["keep"] == answer["keep"]
-    assert run(capsys, scene, *KEEP, "-o", "x.npz")[:2] == (0, "")
-    with np.load(tmp_path / "x.npz", allow_pickle=False) as arrays:
-        assert np.array_equal(arrays["largest theta"], reductions["largest theta"])
-        assert arrays["body.weight"].tolist() == ["0", "1"]
-        assert arrays["outcome"].tolist() == ["reached end"] * 2
-    written = {"heavy.toml", "x.csv", "x.csv.json", "x.npz"}
-    assert {p.name for p in tmp_path.iterdir()} == written
 
 
 def test_a_number_that_is_not_there_is_null(scene, capsys):

@@ -1,7 +1,5 @@
 """What verbs write, what they read again, and what stays as it was."""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -10,21 +8,25 @@ import re
 import signal
 import sys
 import threading
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from html import unescape
 from pathlib import Path
 
 import pytest
 
 import polhode
-from polhode import cli
-from polhode.common import checkpoint, files
-from polhode.common.checkpoint import JobCheckpoint
-from polhode.common.errors import BadInput
-from polhode.numbers.expression import decimal
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, STATE
+from polhode import BadInput, Result, cli
+from polhode.cli import main
+from polhode.common import files
+from polhode.common.errors import counted
+from polhode.common.interrupts import ProgressLine
+from polhode.results.table import Fact, Table
+from polhode.verbs.catalogue import Verb
+from polhode.verbs.deliver import Places
 from shared.motions import free_file
-from shared.tools import tiers
+from shared.tools import ANGLES, ATTITUDE, STATE, tiers
 
 TOP = free_file("at = [0, 1]")
 WATCHED = free_file('end = 2\nsamples = 3\noutputs = ["angles", "attitude"]')
@@ -196,7 +198,7 @@ def test_times_may_be_negative_unsorted_and_repeated(capsys):
     rows["1e-400"] = rows["0"]
     times = ["1", "-2", "0", "1", "-0.5", "1e-400"]
     verdict = judged(capsys, HEAD + "".join(",".join([t, *rows[t]]) + "\n" for t in times))
-    assert [Fraction(t) for t in verdict["columns"]["t"]] == [decimal(t) for t in times]
+    assert [Fraction(t) for t in verdict["columns"]["t"]] == [Fraction(t) for t in times]
     assert verdict["worst"] >= 20
 
 
@@ -311,27 +313,6 @@ def test_notes_that_nobody_hears_change_no_exit_code(words, code, monkeypatch):
     assert Path("x.csv").exists() == (code == 0)
 
 
-def no_space(written: dict[Path, object]) -> None:
-    if any(path.suffix in (".npz", ".md") for path in written):
-        raise BadInput("x", "file", None, "a place to write to (No space left on device)")
-    files.write_whole(written)
-
-
-def test_a_first_piece_that_cannot_be_kept_leaves_no_folder(monkeypatch):
-    jobs = JobCheckpoint(Path("x.parts"), "section", "key")
-    for piece in range(2):
-        with monkeypatch.context() as patch:
-            patch.setattr(checkpoint, "write_whole", no_space)
-            jobs.save(piece, {"a": [1.0]})
-            with pytest.raises(BadInput, match="No space left"):
-                jobs.write_waiting()
-        assert Path("x.parts").exists() == (piece == 1)  # what is finished stays
-        if piece == 0:
-            jobs.write_waiting()  # it waits still
-    assert jobs.load(0)["a"].tolist() == [1.0]
-    assert jobs.load(1) is None
-
-
 # -- names and titles ------------------------------------------------------------------------------
 
 
@@ -395,3 +376,108 @@ def test_a_callers_handlers_of_signals_are_put_back(capsys):
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
     ran(capsys, "about")
     assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
+
+
+# -- Several files of one command, several motions on one page -------------------------------------
+
+
+class Own(Result):
+    """A result with a file of its own, and no figure."""
+
+    def save(self, path: str | Path) -> None:
+        """Write that file."""
+        Path(path).write_text("own")
+
+    def table(self) -> Table:
+        """No columns."""
+        return Table([], 0)
+
+    def facts(self) -> Sequence[Fact]:
+        """None."""
+        return [Fact("scene", counted(1, "thing"))]
+
+
+@pytest.mark.parametrize("names", [["x.own", "x.svg"], ["x.npz", "x.own", "x.svg"]])
+def test_where_a_figure_fails_nothing_is_written(names):
+    pytest.importorskip("matplotlib")
+    verb = Verb("own", "", "", "Own", "", "", own=(".own",))
+    places = Places(verb, [*map(Path, names)], False, [])
+    with pytest.raises(polhode.BadInput, match="result = Own: expected one that has a figure"):
+        places.write(Own(), {}, ProgressLine("own"))
+    assert left() == set()
+    places = Places(verb, [*map(Path, names[:-1])], False, [])
+    places.write(Own(), {}, ProgressLine("own"))
+    assert left() == {*names[:-1]}
+
+
+def framed(text: str) -> list[str]:
+    """The pages in the frames of one."""
+    return [unescape(x) for x in re.findall(r'srcdoc="([^"]*)"', text)]
+
+
+def test_a_page_of_several_motions_has_each_one_s_page(capsys):
+    words = "One & two.\n\nThree <four>.\n"
+    polhode.integrate("lagrange/looping", at=[0, 1]).save("run.csv")
+    tops = ["euler/dzhanibekov", "run.csv"]
+    for top in tops:
+        assert main(["view", top, "--end", "1", "-o", f"{top[:5]}.html".replace("/", "")]) == 0
+    command = ["view", *tops, "--end", "1", "--title", "A <lesson>", "--text", words]
+    assert main([*command, "-o", "x.html"]) == 0
+    text = Path("x.html").read_text()
+    assert "<h1>A &lt;lesson&gt;</h1>" in text
+    assert "<p>One &amp; two.</p>\n<p>Three &lt;four&gt;.</p>" in text
+    assert text.endswith("</html>\n")
+    assert 'document.addEventListener("load"' in text  # the load of a frame reaches no window
+    assert "new ResizeObserver(fit)" in text  # a frame was 46rem high, with a scrollbar of its own
+    pages = framed(text)
+    for page, top in zip(pages, tops, strict=True):
+        alone = Path(f"{top[:5]}.html".replace("/", "")).read_text()
+        command = re.compile(r"<code>polhode view [^<]*</code>")
+        assert command.sub("", page) == command.sub("", alone)
+    inside = polhode.view(*tops, end=1, title="A <lesson>", text=words)
+    assert [len(x) for x in framed(inside.text)] == pytest.approx([len(x) for x in pages], abs=90)
+    assert inside.name == "A <lesson>"
+
+
+# -- Output times on the command line: the same options, read alike, of every verb that has them ---
+
+CASE = "lagrange/nutation"  # 81 times to t = 40
+PART = Fraction(1, 3)
+TIMES = {
+    "--at 1,2.5": [1, Fraction(5, 2)],
+    "--at 0:1:3,5": [0, Fraction(1, 2), 1, 5],
+    "--at -1/3": [-PART],
+    "--at 2:2:1": [2],
+    "--at 0:-1:4,-2:-3:2": [0, -PART, -2 * PART, -1, -2, -3],
+    "--end 1 --samples 3": [0, Fraction(1, 2), 1],
+    "--end -1 --samples 2": [0, -1],
+    "--samples 3": [0, 20, 40],
+    "--end 8": [Fraction(k, 10) for k in range(81)],
+    "--every 16": [0, 16, 32],
+    "--end 1 --every 1/3": [0, PART, 2 * PART, 1],
+    "--end 1 --every 0.1": [Fraction(k, 10) for k in range(11)],
+    "--end -1 --every 0.3": [-Fraction(3 * k, 10) for k in range(4)],
+    "--end 1.9999999999999999999 --every 1": [0, 1],
+    "--end 5 --every 5": [0, 5],
+}
+
+
+def times_told(capsys, verb: str, options: str) -> list[Fraction]:
+    """The times of a verb's answer."""
+    more = ["--vary", "start.omega[1]=0"] if verb == "sweep" else []
+    assert main([verb, CASE, *more, *options.split(), "--json"]) == 0
+    times = json.loads(capsys.readouterr().out)["columns"]["t"]
+    return [Fraction(t) for t in times]
+
+
+@pytest.mark.parametrize(
+    ("verb", "options"),
+    [("run", options) for options in TIMES]
+    + [(verb, options) for verb in ("reference", "sweep") for options in [*TIMES][1::4]],
+)
+def test_times_are_those_asked_for(verb, options, capsys):
+    """In double, but for the last digit printed."""
+    times = times_told(capsys, verb, options)
+    assert len(times) == len(TIMES[options])
+    for time, right in zip(times, TIMES[options], strict=True):
+        assert abs(time - right) <= abs(right) * Fraction(2) ** -52

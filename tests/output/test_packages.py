@@ -1,13 +1,12 @@
-"""Python at home: archives, tables of other packages, notebooks, bars, logs, completion."""
+"""polhode among other packages: tables, notebooks, bars, logs, and what studies take from it."""
 
-from __future__ import annotations
-
+import io
 import logging
 import re
 import sys
 import time
-import warnings
 from dataclasses import replace
+from fractions import Fraction
 from itertools import count
 
 import mpmath
@@ -16,7 +15,6 @@ import pytest
 
 import polhode
 from polhode.common.interrupts import bar
-from polhode.numbers.conversion import exactly
 from shared.tools import tiers
 
 TOP = "lagrange/nutation"
@@ -27,54 +25,6 @@ def a_run(number="double", **how):
     scene = polhode.load(TOP).at([0, 0.5, 1, 2])
     scene = replace(scene, events=(polhode.Event("nutation"),))
     return polhode.integrate(scene, number, **how)
-
-
-@pytest.mark.parametrize("number", tiers(["double", "quad"], ["extended"]))
-def test_a_saved_run_loads_again_with_every_digit_and_callable(tmp_path, number):
-    run = a_run(number, method="taylor")
-    path = tmp_path / "run.npz"
-    run.save(path)
-    again = polhode.load_run(path)
-    assert again == run
-    assert again.scene == run.scene
-    assert again.drift == run.drift
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        between = again(np.float64(1.25))
-    assert [exactly(x) for x in between] == [exactly(x) for x in run(1.25)]
-
-
-def test_a_projected_run_is_made_once_more_as_it_was(tmp_path):
-    run = polhode.integrate("kovalevskaya/generic", at=[600])
-    assert run.projection.count > 0
-    run.save(tmp_path / "run.npz")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        between = polhode.load_run(tmp_path / "run.npz")(599.5)
-    assert list(between) == list(run(599.5))
-
-
-@pytest.mark.parametrize(
-    ("scene", "how"),
-    [
-        ("euler/long", {"max_steps": 50}),
-        ("lagrange/nutation", {"at": [1, 2], "max_steps": 2}),  # no output: states of no rows
-        ("lagrange/nutation", {"number": "quad", "at": [1, 2], "max_steps": 2}),
-        ("lagrange/upper-pole", {"at": [0, 1]}),
-        ("euler/largest-axis", {"digits": 20, "at": [1, 2]}),
-        # more digits than a number of a scene file may have, a tolerance below all doubles
-        ("euler/sphere", {"digits": 350, "at": ["1e-3000"]}),
-        (polhode.top(moments=[1, 2, 2.5], omega=[1, 0.1, 0], end=1), {}),
-    ],
-)
-def test_runs_of_every_kind_are_archived(scene, how, tmp_path):
-    run = polhode.integrate(scene, **how)
-    run.save(tmp_path / "run.npz")
-    again = polhode.load_run(tmp_path / "run.npz")
-    assert again == run
-    assert np.shape(again.states) == np.shape(run.states)
-    with np.load(tmp_path / "run.npz", allow_pickle=False) as file:
-        assert all(file[name].dtype != object for name in file.files)
 
 
 def test_a_run_that_is_not_found_again_to_the_bit_says_so(tmp_path):
@@ -128,12 +78,6 @@ def test_an_interrupt_of_a_run_made_again_goes_on(monkeypatch):
     for at in (run, run.angles_at):
         with pytest.raises(KeyboardInterrupt):
             at([1.5])
-
-
-def test_times_as_doubles():
-    run = polhode.integrate(TOP, "quad", at=["1/3"])
-    assert run.t.dtype == np.float64
-    assert run.t.tolist() == [1 / 3]
 
 
 # -- other packages -----------------------------------------------------------------------------
@@ -225,3 +169,88 @@ def test_a_run_logs_what_it_did(caplog):
     assert re.match(
         r"lagrange/nutation: double \(53 bits\), reached end after \d+ steps", record.message
     )
+
+
+# -- What programs like polhode's own studies take from it: cases, errors, departures, decimals ----
+
+
+def test_errors_of_states_are_the_digits_of_compare():
+    run = polhode.integrate(TOP, at=[1, 5, 20])
+    true = polhode.reference(TOP).at(run.times, 30)
+    errors = polhode.state_errors(run.states, true, TOP)
+    judgement = polhode.compare(run.states, TOP, at=run.times, as_it_stands=True)
+    assert -np.log10(errors) == pytest.approx([*judgement.digits], abs=1e-9)
+    moved = run.states.copy()
+    moved[1, 4] += 1e-5
+    assert polhode.state_errors(moved, true, TOP)[1] == pytest.approx(1e-5, rel=1e-6)
+    with pytest.raises(polhode.BadInput, match="states = 2 rows: expected 3"):
+        polhode.state_errors(run.states[:2], true, TOP)
+
+
+def test_departures_are_those_of_the_drift_with_their_signs():
+    run = polhode.integrate(TOP, "quad", at=[1, 5, 20], project=False)
+    relative = polhode.departures(run.scene, run.states, run.number.bits)
+    largest = [float(max(map(abs, column))) for column in relative.values()]
+    assert largest == pytest.approx([x for x in run.drift if x is not None], rel=1e-12)
+    states = np.array([[float(x) for x in run.scene.start]] * 2)
+    states[1] *= [1, 1, 1, 1 + 1e-9, 1 + 1e-9, 1 + 1e-9]
+    length = polhode.departures(run.scene, states)["|gamma|^2"]
+    assert float(length[1]) == pytest.approx(2e-9, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("x", "digits", "text"),
+    [
+        (0.1, 3, "0.100"),
+        (Fraction(2, 3), 5, "0.66667"),
+        ("1/3", 4, "0.3333"),
+        ("sqrt(2)", 20, "1.4142135623730950488"),
+        (np.longdouble(1) / 3, 22, "0.3333333333333333333424"),
+        (-12345, 2, "-1.2e+04"),
+        (0, 7, "0"),
+    ],
+)
+def test_a_decimal_is_rounded_once_from_the_exact_value(x, digits, text):
+    assert polhode.as_decimal(x, digits) == text
+
+
+@pytest.mark.parametrize(
+    ("x", "digits", "message"),
+    [
+        (float("nan"), 5, "x = nan: expected a number"),
+        ("one", 5, "x = one: expected a number"),
+        (1, 0, "digits = 0: expected"),
+    ],
+)
+def test_what_has_no_decimal_is_refused(x, digits, message):
+    with pytest.raises(polhode.BadInput, match=message):
+        polhode.as_decimal(x, digits)
+
+
+def test_cases_are_those_that_load():
+    names = polhode.cases().column("scene")
+    assert len(names) > 150
+    assert polhode.load(names[-1]).name == names[-1]
+    chaotic = polhode.cases("chaotic")
+    assert {*chaotic.column("scene")} < {*names}
+    assert all("chaotic" in entry.tags for entry in chaotic.entries.values())
+    with pytest.raises(polhode.BadInput, match="chaos"):
+        polhode.cases("chaos")
+
+
+def test_a_printed_figure_is_the_same_each_time_and_leaves_the_style_as_it_was():
+    plt = pytest.importorskip("matplotlib.pyplot")
+    before = plt.rcParams["font.size"]
+
+    def svg() -> str:
+        with polhode.paper() as paper:
+            figure, axes = paper.subplots()
+            axes.plot([0, 1], [0, 2], label="text")
+            axes.legend()
+            figure.savefig(out := io.StringIO(), format="svg", metadata={"Date": None})
+            paper.close(figure)
+        return out.getvalue()
+
+    assert svg() == svg()
+    assert ">text</text>" in svg()
+    assert plt.rcParams["font.size"] == before
