@@ -64,8 +64,8 @@ def test_a_vector_is_turned_exactly_and_rounded_once(q, v, number):
         rows = tuple([[to_mpf(exactly(x), number.bits) for x in r]] for r in (q, state))
     exact = exact_rotation([exactly(x) for x in q], [exactly(x) for x in v])
     largest = max(abs(x) for x in exact)
-    (turned,) = derived("hodographs", polhode.load("euler/sphere"), rows[::-1], number)
-    for component, true in zip(turned, exact, strict=True):
+    (row,) = derived("hodographs", polhode.load("euler/sphere"), rows[::-1], number)
+    for component, true in zip(row, exact, strict=True):
         assert abs(exactly(component) - true) <= largest * number.eps * Fraction(51, 100)
 
 

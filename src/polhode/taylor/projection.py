@@ -174,9 +174,9 @@ class Corrector(ABC):
     ``seconds``: the time spent on compiling.
     """
 
-    def __init__(self, every: int) -> None:
-        self.every, self.count = every, 0
-        self.largest = self.sum = self.seconds = 0.0
+    every: int
+    count = 0
+    largest = sum = seconds = 0.0
 
     @abstractmethod
     def correct(self, state: Array) -> bool:
@@ -201,8 +201,7 @@ class Projector(Corrector):
     """
 
     def __init__(self, onto: Target, every: int, watcher: Watcher | None = None) -> None:
-        super().__init__(every)
-        self.target, self.watcher, self.waits = onto, watcher, 0
+        self.every, self.target, self.watcher, self.waits = every, onto, watcher, 0
         self._step: CompiledFunction | None = None
         #: what was rounded off components that stand still
         self._rests: dict[int, HeyokaNumber] = {}
@@ -483,8 +482,7 @@ class UnitNorm(Corrector):
     """The corrections of one run; ``which`` of its variables form the vector."""
 
     def __init__(self, which: slice, number: NumberType) -> None:
-        super().__init__(defaults.of(number).unit_norm_every)
-        self.which, self.number = which, number
+        self.which, self.number, self.every = which, number, defaults.of(number).unit_norm_every
 
     @property
     def projection(self) -> Projection:

@@ -6,14 +6,16 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import NamedTuple
+from functools import reduce
+from operator import mul
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from polhode.common.checkpoint import Arrays
 from polhode.common.interrupts import Stop
-from polhode.equations.terms import NAMES
+from polhode.equations.terms import NAMES, ROWS
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import ExactNumbers, doubles, to_double
@@ -33,8 +35,16 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import defaults
 from polhode.taylor.batches import LANES, CompiledBatch, LaneQueue, until
-from polhode.taylor.engine import Engine, Equations, principal_engine
-from polhode.taylor.heyoka import HeyokaNumber, HeyokaOutput, array, as_fraction, scalar, scalars
+from polhode.taylor.engine import Engine, Equations, integrator, lent, principal_engine
+from polhode.taylor.heyoka import (
+    HeyokaNumber,
+    HeyokaOutput,
+    array,
+    as_fraction,
+    hy,
+    scalar,
+    scalars,
+)
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import System
 
@@ -305,7 +315,7 @@ def path(
     """
     number = EXTENDED if wide and extended_here() else DOUBLE
     kind = np.longdouble if number == EXTENDED else np.float64
-    with principal_engine(Equations(STATE, NAMES, number), Engine) as ta:
+    with lent(("any body", number), lambda: _built(number)) as ta:
         ta.stand(np.array(start, dtype=kind), np.array(constants, dtype=kind))
         ended, output = ta.polynomials(kind(duration), _MOST_STEPS)
         order = ta.heyoka.order
@@ -318,6 +328,22 @@ def path(
     if len(steps) > 1:
         steps[-1] = max(steps[-1], steps[-2])  # the last step is cut at the end
     return Path(ends, steps / part, output, kind)
+
+
+def _built(number: NumberType) -> Engine:
+    """The engine of the equations for any body."""
+    x = hy.make_vars(*STATE)
+    system = []
+    for variable, row in zip(x, ROWS, strict=True):
+        values: list[list[Any]] = [[], []]  # of terms that are added, and that are taken away
+        for term in row:
+            factors = [x[n] for n in term.factors]
+            if term.coefficient is not None:
+                factors.insert(0, hy.par[term.coefficient])
+            values[term.sign < 0].append(reduce(mul, factors))
+        added, minus = values
+        system.append((variable, hy.sum(added) - hy.sum(minus) if minus else hy.sum(added)))
+    return Engine(integrator(system, number), number, coefficients=len(NAMES))
 
 
 # --- tangent batches ------------------------------------------------------------------------------
