@@ -395,7 +395,7 @@ def test_a_family_that_cannot_be_followed_ends_with_code_3(monkeypatch, capsys):
     def lost(*_):
         raise newton_shooting.NotClosed("no step is short enough")
 
-    monkeypatch.setattr(families, "stepped", lost)
+    monkeypatch.setattr(newton_shooting, "stepped", lost)
     assert main(["family", "grioli/precession", "--by", "h", "--to", "0.9"]) == 3
     assert "not followed beyond h = 0.851351" in capsys.readouterr().err
 
