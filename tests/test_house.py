@@ -352,7 +352,7 @@ _MOST_VAGUE = {
     "enclosures": 1,
     "equations": 2,
     "figures": 10,
-    "judging": 28,
+    "judging": 10,
     "motion": 1,
     "numbers": 13,
     "output": 1,

@@ -261,7 +261,7 @@ def expectation(score: Score, conditions: Conditioning | None = None) -> Expecta
     every = 0 if table.run is None or table.run.projection is None else table.run.projection.every
 
     def at_all_times(question: Callable[[Conditioning], Sequence[Any]]) -> tuple[Any, ...]:
-        pairs = (zip(part, question(known), strict=False) for part, known in parts)
+        pairs = (zip(part, question(growth), strict=False) for part, growth in parts)
         answers = {t: x for pair in pairs for t, x in pair}
         return between({k: answers[times[k]] for k in rows if answers}, times)
 

@@ -234,8 +234,8 @@ class Reference(Storable):
         'of principal axis 3 (of the largest moment) about the angular momentum'
         """
         rates = self.source.answer(lambda motion: motion.place.rates_of) or {}
-        known = self.frequencies if rates else {}
-        return {name: words for name, words in rates.items() if name in known}
+        frequencies = self.frequencies if rates else {}
+        return {name: words for name, words in rates.items() if name in frequencies}
 
     def _rows(self, word: str, times: Iterable[AnyNumber], digits: int) -> list[list[Any]]:
         instants, digits = self._question(times, digits)
