@@ -18,7 +18,7 @@ from shared.closed_forms import (
     number,
     scene_of,
 )
-from shared.values import exactly
+from shared.tools import exactly
 
 F = Fraction
 MOMENTS, TORQUE = (F(1), F(25, 34), F(1, 2)), (F(3, 5), F(0), F(4, 5))

@@ -13,8 +13,7 @@ from mpmath import mpf
 
 import polhode
 from shared.closed_forms import all_motions, gap, growth, number
-from shared.tools import tiers
-from shared.values import exactly
+from shared.tools import exactly, tiers
 
 F = Fraction
 MOTIONS = {str(motion): motion for motion in all_motions()}

@@ -34,8 +34,7 @@ from shared.closed_forms import (
     vertical_of,
 )
 from shared.members import motion_table, rotation
-from shared.tools import tiers
-from shared.values import exactly
+from shared.tools import exactly, tiers
 
 F = Fraction
 MOTIONS: dict[str, list[Motion]] = {}

@@ -9,7 +9,7 @@ from mpmath import MPContext
 
 import polhode
 from polhode.cli import main
-from polhode.dynamics import families, newton_shooting, orbit
+from polhode.dynamics import newton_shooting, orbit
 from polhode.dynamics import orbit as periodic_orbit
 from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.newton_shooting import at_level, bordered

@@ -30,8 +30,7 @@ from polhode.enclosures.result import Part
 from polhode.enclosures.taylor_polynomials import Pieces
 from polhode.numbers import vectors
 from shared import enclosures as trials
-from shared.tools import of_table, tiers
-from shared.values import exactly
+from shared.tools import exactly, of_table, tiers
 
 OUTPUTS = ("angles", "attitude")
 

@@ -19,8 +19,7 @@ from polhode.enclosures.polynomial import constant, rate, variable
 from polhode.numbers.conversion import exact_number
 from shared import enclosures as trials
 from shared.motions import asymmetric
-from shared.tools import tiers
-from shared.values import exactly
+from shared.tools import exactly, tiers
 
 
 def top(third: str, *events: Event) -> Scene:

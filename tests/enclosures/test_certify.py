@@ -19,8 +19,7 @@ from polhode.numbers.decimals import guaranteed
 from polhode.numbers.exact import Irrational
 from shared import enclosures as trials
 from shared.motions import ASYMMETRIC, asymmetric
-from shared.tools import of_table
-from shared.values import exactly
+from shared.tools import exactly, of_table
 
 
 def top(body: Body = ASYMMETRIC, omega: Any = ("0.3", "0.2", 3), gamma: Any = None) -> Scene:

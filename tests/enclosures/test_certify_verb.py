@@ -16,7 +16,7 @@ from polhode import cli
 from polhode.enclosures.task import Task
 from polhode.numbers.decimals import rounded_up
 from polhode.scenes.library import StartBox
-from shared.values import exactly
+from shared.tools import exactly
 
 CASE = "kovalevskaya/generic"
 

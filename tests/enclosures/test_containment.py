@@ -18,8 +18,7 @@ from polhode.enclosures import fixed_point_problem, integral_contraction, task
 from polhode.enclosures.fixed_point_problem import Refused
 from polhode.scenes import library
 from shared import enclosures as faults
-from shared.tools import tiers
-from shared.values import exactly
+from shared.tools import exactly, tiers
 
 
 def _times(rng: random.Random, most: float) -> list[Fraction]:

@@ -14,8 +14,7 @@ import polhode
 from polhode import BadInput, Outcome
 from polhode.cli import main
 from polhode.scenes import scene_file
-from shared.tools import tiers
-from shared.values import exactly
+from shared.tools import exactly, tiers
 
 RADII = Fraction(1, 10**8), Fraction(3, 10**9), Fraction(1, 10**8)
 SIDES = [*itertools.product((-1, 1), repeat=3), (Fraction(1, 3), Fraction(-2, 5), 0)]

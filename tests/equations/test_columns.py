@@ -23,8 +23,7 @@ from polhode.numbers.row_formulas import mapped
 from polhode.output import guide
 from polhode.scenes.vocabulary import COLUMNS, ColumnWord, column_names
 from shared.tables import STATE
-from shared.tools import tiers
-from shared.values import DOUBLE, EXTENDED, QUAD, exactly, mp
+from shared.tools import DOUBLE, EXTENDED, QUAD, exactly, mp, tiers
 
 NUMBERS = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD, "mp": mp(50)}
 TOP = "lagrange/nutation"

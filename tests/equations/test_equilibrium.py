@@ -15,8 +15,7 @@ from polhode.cli import main
 from polhode.equations import readout
 from polhode.numbers.exact import sqrt
 from shared.closed_forms import number as number_at
-from shared.tools import tiers
-from shared.values import DOUBLE, EXTENDED, QUAD, exactly, mp
+from shared.tools import DOUBLE, EXTENDED, QUAD, exactly, mp, tiers
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, mp(50)]
 F = Fraction

@@ -19,8 +19,7 @@ from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes.vocabulary import FORMS
 from shared.form_trials import BITS, numbers, state
 from shared.motions import ASYMMETRIC, asymmetric, in_other_units, same_bits
-from shared.tools import tiers
-from shared.values import exactly
+from shared.tools import exactly, tiers
 
 F = Fraction
 OTHERS = [name for name in FORMS if name != "principal"]

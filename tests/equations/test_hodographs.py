@@ -20,8 +20,7 @@ from polhode.equations.columns import derived
 from polhode.numbers import row_formulas
 from polhode.numbers.conversion import to_extended, to_mpf
 from shared.closed_forms import number as number_at
-from shared.tools import examples, tiers
-from shared.values import DOUBLE, EXTENDED, QUAD, exactly, mp
+from shared.tools import DOUBLE, EXTENDED, QUAD, exactly, examples, mp, tiers
 
 COMPONENT = st.floats(-10, 10, allow_subnormal=False)
 

@@ -11,7 +11,7 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from shared.values import exactly
+from shared.tools import exactly
 
 TOP = "kovalevskaya/generic"
 MATRIX = [f"R{i}{j}" for i in "123" for j in "123"]

@@ -14,8 +14,7 @@ import polhode
 from polhode import Outcome, cli
 from polhode.judging import adaptive_precision, digit_check
 from polhode.judging.digit_check import checked
-from shared.tools import tiers
-from shared.values import DOUBLE, mp
+from shared.tools import DOUBLE, mp, tiers
 
 MOST = DOUBLE.most_digits
 

@@ -18,7 +18,7 @@ from polhode.judging.tables.table import degree
 from polhode.judging.tables.table_file import read_table
 from polhode.numbers import expression
 from shared.tables import ANGLES, ATTITUDE, STATE, right, text, through
-from shared.values import DOUBLE, EXTENDED
+from shared.tools import DOUBLE, EXTENDED
 
 SCENE = "lagrange/nutation"
 TIMES = [Fraction(3 * k, 4) for k in range(1, 14)]

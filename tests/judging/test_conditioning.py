@@ -24,8 +24,7 @@ from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 from shared.motions import asymmetric, in_other_units
 from shared.tables import of_run, through
-from shared.tools import examples, tiers
-from shared.values import DOUBLE, QUAD, mp
+from shared.tools import DOUBLE, QUAD, examples, mp, tiers
 
 # -- kappa against motions of perturbed inputs ------------------------------------------------
 

@@ -14,8 +14,7 @@ import pytest
 import polhode
 from polhode import BadInput, cli
 from shared.tables import ANGLES, ATTITUDE, DOORS, STATE, of_run, right, text, through
-from shared.tools import judged
-from shared.values import EXTENDED, EXTENDED_HERE, mp
+from shared.tools import EXTENDED, EXTENDED_HERE, judged, mp
 
 CASE = "lagrange/nutation"
 TIMES = [Fraction(k, 4) for k in range(13)]

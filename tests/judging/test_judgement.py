@@ -26,7 +26,7 @@ from polhode.judging.score import Answers, score
 from polhode.judging.tables import explanations, motions
 from polhode.judging.tables.table import of_run
 from polhode.runs.trajectory import Trajectory
-from shared.values import DOUBLE, exactly
+from shared.tools import DOUBLE, exactly
 
 TIMES = (Fraction(0), Fraction(1), Fraction(2), Fraction(5))
 

@@ -20,8 +20,7 @@ from polhode.judging.limits import between
 from polhode.numbers import double_double
 from polhode.numbers.double_double import binary_numbers, of_balls, of_cells
 from shared.tables import ANGLES, ATTITUDE, STATE, right
-from shared.tools import of_table
-from shared.values import exactly
+from shared.tools import exactly, of_table
 
 #: With periods and without, through poles and towards them, before t = 0.
 CASES = {

@@ -22,8 +22,7 @@ from polhode.motion.outcomes import EventTimes
 from polhode.numbers.conversion import to_mpf
 from shared import plain_taylor
 from shared.tables import STATE
-from shared.tools import tiers
-from shared.values import exactly
+from shared.tools import exactly, tiers
 
 # -- What the answers say of their proof: in Python, in JSON, and in verdicts
 

@@ -13,7 +13,7 @@ import polhode
 from polhode.judging.residuals import SIGNIFICANCE, are_white
 from shared import drifting_files as files
 from shared.tables import ATTITUDE, STATE, right
-from shared.values import exactly
+from shared.tools import exactly
 
 SCENE = "lagrange/nutation"
 TIMES = [Fraction(k, 8) for k in range(160)]

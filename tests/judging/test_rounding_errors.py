@@ -23,8 +23,7 @@ from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 from polhode.taylor.variations import Flow, six
 from shared.motions import asymmetric
-from shared.tools import tiers
-from shared.values import DOUBLE, EXTENDED, EXTENDED_HERE, QUAD, exactly, mp
+from shared.tools import DOUBLE, EXTENDED, EXTENDED_HERE, QUAD, exactly, mp, tiers
 from tops import random_scene
 
 F = Fraction

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from invented import ENDINGS, TEXTS, Bare, Odd, content_at, facts_beside, written
-from polhode.results.shown import cells, lines
 
 import polhode
 from polhode import Result
@@ -19,7 +18,7 @@ from polhode.cli import main
 from polhode.numbers.decimals import Ball
 from polhode.numbers.exact import sqrt
 from polhode.results import writer
-from polhode.results.cells import type_of
+from polhode.results.cells import header_and_rows, lines, type_of
 from polhode.results.table import Column, Content, Fact, Table
 
 RESULTS = {"all types": Odd(4), "three rows": Odd(3), "one": Odd(1), "none": Odd(0), "bare": Bare()}
@@ -311,7 +310,7 @@ THIRD = Fraction(1, 3)
     ],
 )
 def test_cells_are_rounded_and_empty_where_there_is_no_number(column, shown):
-    assert cells(Table([column])) == (["x"], [[x] for x in shown])
+    assert header_and_rows(Table([column])) == (["x"], [[x] for x in shown])
 
 
 def test_a_column_of_no_digits_is_not_shown_and_no_rows_are_a_header():

@@ -6,23 +6,22 @@ Types of numbers and the exact value of a number come from here, so that a move 
 import copy
 import inspect
 import json
+import math
 import tempfile
 import textwrap
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import settings
 
 import polhode
-from polhode.numbers.conversion import exactly as exactly
+from polhode import NumberType
 from polhode.numbers.expression import number as number
-from polhode.numbers.number_types import DOUBLE as DOUBLE
-from polhode.numbers.number_types import EXTENDED as EXTENDED
-from polhode.numbers.number_types import QUAD as QUAD
-from polhode.numbers.number_types import mp as mp
 from polhode.scenes.library import names as library_names
 from polhode.scenes.scene import even_times as even_times
 from polhode.scenes.vocabulary import ANGLES as ANGLES
@@ -32,6 +31,27 @@ from polhode.taylor import defaults
 
 #: The names of the library's cases.
 case_names = library_names
+
+# -- number types, and exact values of numbers of any type, by code of the tests' own
+
+DOUBLE, EXTENDED, QUAD = (
+    NumberType(name, bits) for name, bits in (("double", 53), ("extended", 64), ("quad", 113))
+)
+EXTENDED_HERE = np.finfo(np.longdouble).nmant == 63
+
+
+def mp(digits: float) -> NumberType:
+    """The type of so many decimal digits."""
+    return NumberType("mp", max(64, math.ceil(digits / math.log10(2)) + 1))
+
+
+def exactly(x: Any) -> Fraction:
+    """What a float, a long double, a number of mpmath's or any other rational one is."""
+    raw = getattr(x, "_mpf_", None)
+    if raw is None:
+        return Fraction(*x.as_integer_ratio())
+    sign, mantissa, exponent, _ = raw
+    return (-1) ** sign * int(mantissa) * Fraction(2) ** int(exponent)
 
 
 def tiers(fast: Iterable[Any], slow: Iterable[Any]) -> list[Any]:
