@@ -219,7 +219,8 @@ def test_of_a_chaotic_motion_they_add_up_to_nothing_in_pairs(end, pair, zero):
     motion = polhode.lyapunov("general/asymmetric-chaotic", end, spectrum=True)
     first, *zeros, last = motion.spectrum
     assert 0.06 < first < 0.16
-    assert abs(first - motion.exponent) < 2 * motion.uncertainty
+    if end > 0:  # backwards the two are followed along motions that part
+        assert abs(first - motion.exponent) < 2 * motion.uncertainty
     assert sum(motion.spectrum) == pytest.approx(0, abs=1e-10)
     assert abs(first + last) < pair
     for exponent, opposite in zip(zeros[:2], zeros[:1:-1], strict=True):
