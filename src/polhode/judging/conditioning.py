@@ -210,7 +210,7 @@ def rounding(along: Passage, number: NumberType, every: int = 0) -> Iterator[Rou
     )
     counts, rests = _projections(along, every), _Rests(along, v.values)
     ends = [stretch.state for stretch, count in zip(along.stretches, counts, strict=True) if count]
-    keeps = iter(level_projections(along, np.array(ends)) if ends else ())
+    keeps: Iterator[Doubles] = iter(level_projections(along, np.array(ends)) if ends else ())
     for stretch, variances, count in zip(along.stretches, _of_steps(along), counts, strict=True):
         first, rest, once = (np.diag(np.ldexp(x, -c.exponent)) for x in variances)
         half, carried = stretch.steps / 2, stretch.carried

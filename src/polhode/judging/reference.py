@@ -169,7 +169,7 @@ class Reference(Storable):
         It is an estimate where the digits are only reproduced.
         """
         instants, digits = self._question(times, digits)
-        bound = self.source.answer(lambda motion: motion.error(digits, instants))
+        bound: Real | None = self.source.answer(lambda motion: motion.error(digits, instants))
         if bound is not None:
             return bound
         self.source.rows("at", instants, digits)  # which are proven to so many
