@@ -219,7 +219,7 @@ def test_of_a_chaotic_motion_they_add_up_to_nothing_in_pairs(end, pair, zero):
     motion = polhode.lyapunov("general/asymmetric-chaotic", end, spectrum=True)
     first, *zeros, last = motion.spectrum
     assert 0.06 < first < 0.16
-    if end > 0:  # backwards the two are followed along motions that part
+    if end > 0:  # the fit is compared forwards only
         assert abs(first - motion.exponent) < 2 * motion.uncertainty
     assert sum(motion.spectrum) == pytest.approx(0, abs=1e-10)
     assert abs(first + last) < pair
