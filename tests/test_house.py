@@ -308,6 +308,7 @@ def test_every_fault_made_by_hand_stands_once_in_its_file():
     assert len(rows) > 200
     counts = {row["id"]: (TOP / row["file"]).read_text().count(row["old"]) for row in rows}
     assert {name for name, count in counts.items() if count != 1} == set()
+    assert {path for row in rows for path in row["tests"] if not (TOP / path).exists()} == set()
 
 
 @pytest.mark.parametrize("name", more_cases.CAMPAIGNS)
