@@ -212,6 +212,13 @@ def test_a_first_zero_on_a_side_that_doubles_do_not_tell_is_that_of_the_run():
     assert firsts["t of first e"].tolist() == [float(event.times[0])] * 2
 
 
+def test_members_that_take_too_many_steps_to_their_first_event_are_no_members_without_one():
+    scene = top(Event("e", "t - 1.9"))
+    firsts = polhode.reduce_many(scene, {"start.omega[1]": ["0.3"] * 2}, "first e", max_steps=2)
+    assert firsts.tally() == {Outcome.STEP_LIMIT: 2}
+    assert np.isnan(firsts["t of first e"]).all()
+
+
 @pytest.mark.parametrize(
     ("zero", "signs"),
     [("t - 3", (1,)), ("(t-3)*(t-3.0625)", (-1, 1)), ("(t-3)**2", (0,)), ("(t-3)**3", (1,))],
