@@ -462,7 +462,7 @@ def test_a_section_finds_again_what_heyoka_loses(monkeypatch):
     np.testing.assert_allclose(alone.times, whole.times, rtol=0, atol=1e-10)
 
 
-def test_a_zero_that_nothing_finds_again_is_told(monkeypatch):
+def test_a_zero_that_nothing_finds_again_is_told(monkeypatch, tmp_path):
     """heyoka loses all that fall, and no other steps meet them: neither run nor section is sure."""
     from polhode.taylor.event_watch import Callback, Probe
 
@@ -476,7 +476,9 @@ def test_a_zero_that_nothing_finds_again_is_told(monkeypatch):
     monkeypatch.setattr(Probe, "crossing", lambda *_: None)
     case = polhode.load("general/asymmetric-chaotic")
     run = polhode.integrate(replace(case.at([6]), events=(Event("e", "q - 1/10"),), outputs=()))
+    run.save(tmp_path / "run.npz")
     assert not run.events[0].complete
+    assert not polhode.load_result(tmp_path / "run.npz").events[0].complete
     section = polhode.section(case, "q - 1/10", starts="scene", crossings=4, accuracy=False)
     assert section.outcomes == ("not certain of a crossing",)
     assert not section.complete
