@@ -1,4 +1,4 @@
-"""The members of a sweep, as columns of numbers."""
+"""The plan of a sweep: its members as the engine takes them, in principal axes and own units."""
 
 from __future__ import annotations
 

@@ -393,9 +393,9 @@ class Listener(Protocol):
 
 
 class Desk:
-    """What belongs to an integrator with events, whichever run takes it up: ``watch`` is told of
-    them.
+    """What belongs to an integrator with events, whichever run takes it up.
 
+    ``watch``: is told of them, that of the run that sat down here last (Watch.sit_down).
     ``jets``: of each expression, compiled: see :class:`polhode.taylor.event_functions.Jet`.
     """
 
