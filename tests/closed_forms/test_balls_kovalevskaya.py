@@ -11,12 +11,16 @@ from flint import acb, arb, fmpq
 import polhode
 from polhode.closed_forms.balls.core import Refused, TooFewBits
 from polhode.closed_forms.balls.weierstrass import (
+    Quartic,
     RealLattice,
+    Weierstrass,
+    WeierstrassSolution,
 )
 from polhode.closed_forms.families import closed_forms
 from polhode.closed_forms.kovalevskaya import motion as degenerate
 from polhode.closed_forms.kovalevskaya import theta_attitude, theta_state
 from polhode.closed_forms.membership import ENCLOSED_ATTITUDE
+from polhode.numbers.exact import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
 from shared.closed_forms import (
@@ -133,6 +137,41 @@ def test_a_curve_with_a_node(name):
     times = (F(3, 2), F(-7))
     assert every_ball_holds_its_value(motion, times, few=(64, 128, 200, 330), sure_to="1e-30") >= 12
     agrees_with_taylor(motion, plain)
+
+
+#: omega and gamma of motions of one frequency on a quartic with a double root, which they tend to.
+TENDING = {
+    "Delaunay, along the axis": ((0, 0, 2), (0, 0, 1)),
+    "Delaunay": (("4/5", "2/5", "6/5"), ("12/25", "16/25", "3/5")),
+    "Appelrot": (("-4/5", "7/5", "12/5"), ("-12/25", "16/25", "3/5")),
+}
+
+
+@pytest.mark.parametrize("name", TENDING)
+def test_a_motion_that_tends_to_a_rotation_without_a_period(name):
+    omega, gamma = (tuple(map(F, row)) for row in TENDING[name])
+    motion = motion_of_family("kovalevskaya", (BODY, TORQUE, omega, gamma))
+    assert motion.regime.startswith(name.partition(",")[0])
+    assert not motion.place.has_attitude
+    agrees_with_taylor(motion, (BODY, TORQUE, omega, gamma))
+
+
+@pytest.mark.parametrize(("double", "has_period"), [(F(1, 2), True), (F(2), False)])
+def test_a_quartic_with_a_double_root_is_solved_on_either_side_of_it(double, has_period):
+    """y'^2 = f(y) of f = (y - d)^2 (y^2 + 2 d y - 4)/4, from y = 3 on; real y swing below d = 2."""
+    d, e = double, F(-4)
+    a = F(1, 4), F(0), (e - 3 * d * d) / 24, (d**3 - d * e) / 8, d * d * e / 4
+    quartic = Quartic(tuple(map(exact, a)))
+    assert quartic.has_period is has_period
+    with ctx.workprec(200):
+        P, start = Weierstrass(quartic), acb(3)
+        assert (P.period is not None) is has_period
+        solution = WeierstrassSolution(P, start, quartic.derivatives(start)[0].sqrt())
+        for t in (acb(0), acb(1) / 8, acb(1, 1) / 16, acb(-5) / 2):
+            y, slope = solution.value(t)
+            left = slope * slope - quartic.derivatives(y)[0]
+            assert abs(left).upper() < arb(2) ** -120
+            assert t != 0 or abs(y - start).upper() < arb(2) ** -150
 
 
 @pytest.mark.parametrize("name", ["point alone", "along the equator"])

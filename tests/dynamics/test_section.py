@@ -3,6 +3,7 @@
 import itertools
 import json
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -143,6 +144,21 @@ def test_crossings_are_extrema_of_the_kind_asked_for_on_the_level(by, extremum):
     assert cut.times[:, 0].min() > 0.1  # a start is no crossing
     errors = off_level(on, cut.states, 3, Fraction(1, 2), by)
     assert all(x < most for x, most in zip(errors, (4, 2, 1, 4), strict=True))
+
+
+@pytest.mark.parametrize(
+    ("by", "extremum", "mirrored"), [("momentum", "max", "max"), ("height", "min", "max")]
+)
+def test_a_weight_below_zero_is_one_along_the_opposite_centre(by, extremum, mirrored):
+    """The same motion to the bit: extrema of |G| stay what they are, those of r0·gamma change."""
+    centre = tuple(-x for x in GENERIC.body.centre)
+    body = polhode.Body.of_moments(GENERIC.body.moments, centre, -GENERIC.body.weight)
+    options = {"by": by, "starts": "scene", "crossings": 4, "accuracy": False}
+    plain = polhode.section(GENERIC, extremum=extremum, **options)
+    lifted = polhode.section(replace(GENERIC, body=body), extremum=mirrored, **options)
+    assert np.array_equal(lifted.times, plain.times)
+    assert np.array_equal(lifted.states, plain.states)
+    assert np.array_equal(lifted.L_over_G, -plain.L_over_G)
 
 
 @pytest.mark.slow

@@ -85,6 +85,19 @@ def test_stretches_of_any_lengths_lead_where_one_leads():
     assert compared == len(few.stretches) > 2
 
 
+def test_a_passage_ends_where_the_product_of_its_stretches_has_grown_so_far():
+    """The last stretch is the leftmost factor: in the other order it went on for 5 more."""
+    scene = asymmetric("1.1", [12])
+    along = passage(scene)
+    rate = float(np.linalg.norm([float(x) for x in along.plain.start[:3]]))
+    sizes, product, heights = np.array([rate] * 3 + [1.0] * 3), np.eye(6), []
+    for stretch in along.stretches:
+        product = stretch.carried @ product
+        heights.append(math.log10(np.abs(product / sizes[:, None] * sizes).max()))
+    count = 1 + next(k for k, height in enumerate(heights) if height > 1)
+    assert len(passage(scene, until=1).stretches) == count < len(along.stretches) - 3
+
+
 @pytest.mark.parametrize("most", [2, 40])
 def test_a_limit_of_steps_keeps_the_stretches_that_are_whole(most):
     scene = asymmetric("1.1", [2, 40, 80])

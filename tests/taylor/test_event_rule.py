@@ -202,6 +202,23 @@ def test_nor_does_it_in_lanes(zero):
     assert firsts["t of first e"] == pytest.approx([AT_ZERO[zero][0]] * 3, abs=4e-16)
 
 
+def test_a_first_zero_on_a_side_that_doubles_do_not_tell_is_that_of_the_run():
+    """p = cos 2t begins 3e-15 above the level and leaves it at once; in lanes it began nowhere."""
+    body = {"moments": [1, 1, 2], "omega": [1, 0, 2], "gamma": [1, 0, 0]}
+    scene = top(Event("e", "p - 1 + 3e-15", stop=True), **body)
+    (event,) = polhode.integrate(scene, "double", project=False).events
+    assert event.signs == (-1,)
+    firsts = polhode.reduce_many(scene, {"start.omega[1]": [1, 1]}, "first e")
+    assert firsts["t of first e"].tolist() == [float(event.times[0])] * 2
+
+
+def test_members_that_take_too_many_steps_to_their_first_event_are_no_members_without_one():
+    scene = top(Event("e", "t - 1.9"))
+    firsts = polhode.reduce_many(scene, {"start.omega[1]": ["0.3"] * 2}, "first e", max_steps=2)
+    assert firsts.tally() == {Outcome.STEP_LIMIT: 2}
+    assert np.isnan(firsts["t of first e"]).all()
+
+
 @pytest.mark.parametrize(
     ("zero", "signs"),
     [("t - 3", (1,)), ("(t-3)*(t-3.0625)", (-1, 1)), ("(t-3)**2", (0,)), ("(t-3)**3", (1,))],
@@ -443,3 +460,23 @@ def test_a_section_finds_again_what_heyoka_loses(monkeypatch):
     assert count[0] > 40
     assert alone.outcomes == whole.outcomes
     np.testing.assert_allclose(alone.times, whole.times, rtol=0, atol=1e-10)
+
+
+def test_a_zero_that_nothing_finds_again_is_told(monkeypatch):
+    """heyoka loses all that fall, and no other steps meet them: neither run nor section is sure."""
+    from polhode.taylor.event_watch import Callback, Probe
+
+    met = Callback.__call__
+
+    def deaf(self, ta, time, sign, lane=None):
+        if self.order or sign > 0:
+            met(self, ta, time, sign, lane)
+
+    monkeypatch.setattr(Callback, "__call__", deaf)
+    monkeypatch.setattr(Probe, "crossing", lambda *_: None)
+    case = polhode.load("general/asymmetric-chaotic")
+    run = polhode.integrate(replace(case.at([6]), events=(Event("e", "q - 1/10"),), outputs=()))
+    assert not run.events[0].complete
+    section = polhode.section(case, "q - 1/10", starts="scene", crossings=4, accuracy=False)
+    assert section.outcomes == ("not certain of a crossing",)
+    assert not section.complete

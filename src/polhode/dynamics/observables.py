@@ -23,7 +23,7 @@ from polhode.common.checkpoint import Arrays
 from polhode.common.errors import BadInput, nearest
 from polhode.common.interrupts import Stop
 from polhode.dynamics import lyapunov
-from polhode.equations.section_functions import in_columns
+from polhode.equations.section_functions import UNSURE, in_columns
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers import expression
 from polhode.numbers.conversion import number_value, to_double
@@ -356,7 +356,7 @@ def _first(
             raise KeyboardInterrupt  # the run's own way to be stopped
 
     options = Options(max_steps=singles.max_steps, project=False)
-    for k in np.flatnonzero(ended == event_batches.UNSURE).tolist():
+    for k in np.flatnonzero(ended == UNSURE).tolist():
         if stop is not None and stop():
             break
         run = solve_one(singles.scene(k), DOUBLE, options, heard)

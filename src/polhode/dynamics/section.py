@@ -31,7 +31,7 @@ from polhode.dynamics.starts import (
 )
 from polhode.equations.forms import principal
 from polhode.equations.integrals import CHAPLYGIN, FirstIntegrals, first_integrals
-from polhode.equations.section_functions import HEIGHT, MOMENTUM, SectionZero
+from polhode.equations.section_functions import HEIGHT, MOMENTUM, UNSURE, SectionZero
 from polhode.numbers.conversion import to_extended
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import odd_part
@@ -300,8 +300,9 @@ class Section(Result, ByValue):
 
     @property
     def complete(self) -> bool:
-        """Whether every orbit made all its crossings."""
-        return not self.interrupted and bool((self.counts == self.times.shape[1]).all())
+        """Whether every orbit made all its crossings, and none may be lost."""
+        all_made = bool((self.counts == self.times.shape[1]).all())
+        return all_made and not self.interrupted and UNSURE not in self.outcomes
 
     def table(self) -> Table:
         """One row per crossing: its orbit, time, coordinates, and state."""

@@ -23,6 +23,9 @@ from polhode.scenes.vocabulary import STATE
 
 MOMENTUM, HEIGHT = "momentum", "height"
 
+#: How an orbit ended of which a crossing may be lost.
+UNSURE = "not certain of a crossing"
+
 
 class SectionZero(NamedTuple):
     """A section's function, as plain data.

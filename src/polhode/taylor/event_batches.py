@@ -15,7 +15,7 @@ from polhode.common.checkpoint import Arrays
 from polhode.common.interrupts import Stop
 from polhode.equations import kinematics
 from polhode.equations.forms import principal
-from polhode.equations.section_functions import SectionZero, in_columns
+from polhode.equations.section_functions import UNSURE, SectionZero, in_columns
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Number
@@ -173,7 +173,7 @@ def _double(x: Number) -> Scalar:
 
 
 DONE, NONE_LEFT, NON_FINITE = "all crossings", "no more crossings", "not finite"
-STOPPED, UNSURE = "stopped", "not certain of a crossing"
+STOPPED = "stopped"
 
 _BLOCK = 2048  # crossings whose arrays fit into a processor's own memory
 
