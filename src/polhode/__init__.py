@@ -43,9 +43,9 @@ def __getattr__(name: str) -> object:
         return partial(import_module("polhode.judging.reference").reference, backend=backend)
     if name not in _HOMES:
         raise AttributeError(f"module 'polhode' has no attribute {name!r}")
-    found: object = getattr(import_module(_HOMES[name]), name)
-    globals()[name] = found  # the next time it is found without this
-    return found
+    value: object = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value  # the next time it is found without this
+    return value
 
 
 def __dir__() -> list[str]:

@@ -440,7 +440,7 @@ def test_the_plain_series_imports_nothing_of_polhode_and_is_short():
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             names.add(node.module)
-    assert names == {"__future__", "collections.abc", "fractions", "functools", "typing", "mpmath"}
+    assert names == {"collections.abc", "fractions", "functools", "typing", "mpmath"}
 
 
 def test_the_plain_series_is_exact_on_a_motion_that_is_known():

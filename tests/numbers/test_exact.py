@@ -164,6 +164,13 @@ def test_zero_by_the_rule(zero: exact.Exact) -> None:
         1 / zero
 
 
+@pytest.mark.parametrize("value", ["1", 0.5, None])
+def test_what_is_no_exact_number_is_not_divided(value: object) -> None:
+    """A quotient took text and floats for fractions where a product refused them."""
+    with pytest.raises((AttributeError, TypeError)):
+        rounded(value / root(TWO), 53)  # type: ignore[operator]
+
+
 def test_powers_of_zero_and_of_what_has_none() -> None:
     zero, third = root(TWO) - root(TWO), Fraction(1, 3)
     for x in (Fraction(0), zero):

@@ -105,6 +105,7 @@ def test_parts_of_a_complex_number_keep_their_bits():
     for x in (z.real, z.imag, z):
         assert raw(pickle.loads(pickle.dumps(x))) == raw(x)
     assert z.imag == 2 * z.real
+    assert repr(z).startswith("mpc(real='0.33333")  # as mpmath writes it; it named a class of ours
 
 
 def test_polhode_s_own_numbers_stay_its_own():

@@ -1,1 +1,1 @@
-"""Closed forms of the solvable tops: independent evidence, one folder per family."""
+"""Closed forms of the solvable tops: independent evidence, a file or a folder per family."""

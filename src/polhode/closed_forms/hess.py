@@ -310,7 +310,7 @@ def _inverse(m: acb_mat) -> acb_mat:
 #     B w'' + w' x B w' = gamma x T,    gamma' = gamma x w'    in them:
 #
 # a sphere's motion with all moments B and without spin.  If f = Iw.gamma = 0 it is a swing in a
-# plane (:mod:`..pendulum`), else Lagrange's (:mod:`..lagrange`).  The body turns against these axes
+# plane (:mod:`.pendulum`), else Lagrange's (:mod:`.lagrange`).  The body turns against these axes
 # about e1 with a12 M2/B.  With z = w'_1 + i w'_2 the angle is 2 arg y,
 #
 #     y' = i (a12/2) z conj(y),    y(0) = 1,    (M2 + i M3)/B = z conj(y)/y.

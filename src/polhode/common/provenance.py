@@ -13,7 +13,7 @@ from functools import cache, lru_cache
 # Where a result comes from: versions, machine, the exact input.
 
 
-__version__ = "0.3.0"
+__version__ = "0.4.0.dev0"
 
 
 @cache
@@ -76,7 +76,7 @@ def provenance(source: str) -> dict[str, object]:
 
 TITLE = "polhode: the heavy rigid body about a fixed point, with proven digits"
 AUTHORS = "The polhode founders"
-RELEASED = "2026-11-28"
+RELEASED = "2026-11-29"
 
 
 def bibtex() -> str:

@@ -182,12 +182,12 @@ def integrate(
     if unknown:
         refuse_unknown("integrate", integrate, unknown, **_OF_THE_SCENE)
     if isinstance(progress, bool):
-        asked_for = locals().items()
-        asked = {k: value for k, value in asked_for if k not in ("progress", "unknown")}
+        listed = locals().items()
+        arguments = {k: value for k, value in listed if k not in ("progress", "unknown")}
         if not progress:
-            return integrate(**asked)
+            return integrate(**arguments)
         with bar(library.load(scene).name) as tell:
-            return integrate(**asked, progress=tell)
+            return integrate(**arguments, progress=tell)
     scene = library.load(scene, takes=REQUESTS)
     if at is not None:
         scene = scene.at(at)

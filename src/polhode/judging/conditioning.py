@@ -3,8 +3,7 @@
 Three quantities, and a bound:
 
 *inputs(t)*: the error that rounding this scene's numbers to the type causes; known differences,
-to first order (:mod:`polhode.judging.conditioning`); of projected runs, what
-projection leaves of it.
+to first order; of projected runs, what projection leaves of it.
 
 *amplification(t)* = max over s <= t of |Phi(t, s)|: what a change of the state on the way is
 multiplied by, w relative to the largest |w| at the output times, gamma as it is.
@@ -169,7 +168,7 @@ def quantiles(along: Passage, roundings: Sequence[Rounding]) -> Doubles:
 
 
 def kappa(along: Passage) -> Iterator[float]:
-    """log10 of kappa at the end of each stretch: :mod:`polhode.judging.conditioning`.
+    """log10 of kappa, the bound of this file's head, at the end of each stretch.
 
     The start and each number of the body, changed by one unit of itself.
     """

@@ -243,7 +243,7 @@ class Reference(Storable):
 
     def _question(self, times: Iterable[AnyNumber], digits: int) -> tuple[list[Exact], int]:
         """Times and digits of a question; raises BadInput."""
-        digits = whole(self.scene.name, "digits", digits, 1, number_types.MOST_ASKED)
+        digits = whole(self.scene.name, "digits", digits, 1, self.source.most_digits)
         return _times(self.scene, times), digits
 
 

@@ -20,7 +20,15 @@ from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.mpmath_context import mpmath, ordinary
-from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, NumberType, Real, Row
+from polhode.numbers.number_types import (
+    DOUBLE,
+    EXTENDED,
+    MOST_ASKED,
+    QUAD,
+    NumberType,
+    Real,
+    Row,
+)
 from polhode.scenes.body import kind_of_body
 from polhode.scenes.scene import Event, Scene
 
@@ -60,6 +68,11 @@ class Source:
 
     def __init__(self, scene: Scene, kind: str, regime: str) -> None:
         self.scene, self.kind, self.regime = scene, kind, regime
+
+    @property
+    def most_digits(self) -> int:
+        """How many digits may be asked for."""
+        return MOST_ASKED
 
     @property
     def proven(self) -> bool | str:
@@ -109,6 +122,13 @@ class EnclosureSource(Source):
         self._limits, self._began = limits, time.monotonic()
         self.agreement, self._has_states = math.nan, False
         self._proofs: list[tuple[tuple[str, ...], list[Exact], Enclosure]] = []
+
+    @property
+    def most_digits(self) -> int:
+        """As many as may be proven."""
+        from polhode.enclosures.task import MOST_DIGITS  # a closed form needs no enclosure
+
+        return MOST_DIGITS
 
     @property
     def proof(self) -> Enclosure:

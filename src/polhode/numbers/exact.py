@@ -115,8 +115,8 @@ class Irrational:
             raise ZeroDivisionError("division by zero")
         return self * (1 / b) if isinstance(b, Fraction) else Irrational(ball_quotient, self, b)
 
-    def __rtruediv__(self, other: int | Fraction) -> Exact:
-        a = Fraction(other)
+    def __rtruediv__(self, other: Number) -> Exact:
+        a = exact(other)
         if sign(self) == 0:
             raise ZeroDivisionError("division by zero")
         if a == 0:

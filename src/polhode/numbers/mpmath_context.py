@@ -144,6 +144,9 @@ class OrdinaryComplex(shared.mpc):  # type: ignore[misc]
         return ordinary_complex, tuple(map(_plain, self._mpc_))
 
 
+OrdinaryComplex.__name__ = "mpc"  # which mpmath's repr writes
+
+
 def ordinary_real(raw: Raw) -> OrdinaryReal:
     """The mpf that mpmath holds as these."""
     number = object.__new__(OrdinaryReal)

@@ -91,12 +91,12 @@ class Reader:
         ``rows``: (members, times, columns) inside the members' frames.
         """
         states = flat(rows)
-        for alike, one in self.bodies:  # one readout reads all of them
-            frame = Frame(one.body.axes, int(self.exponents[alike[0]]))
+        for alike, scene in self.bodies:  # one readout reads all of them
+            frame = Frame(scene.body.axes, int(self.exponents[alike[0]]))
             at = np.zeros(rows.shape[:2], dtype=bool)
             at[alike] = ~np.isnan(rows[alike, :, 0])
             if at.any():
-                states[at] = flat(Readout(one, self.number, frame).states(flat(rows[at])))
+                states[at] = flat(Readout(scene, self.number, frame).states(flat(rows[at])))
         if not self.bodies and self.exponents.any():
             states[:, :, :3] = np.ldexp(states[:, :, :3], -self.exponents[:, None, None])
         return states
@@ -114,8 +114,8 @@ def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
     )
     own = [base if stay else plan.members[int(members[k])] for k in first]
     bodies = tuple(
-        (np.flatnonzero(alike.ravel() == n), replace(one, form="principal"))
-        for n, one in enumerate(own)
+        (np.flatnonzero(alike.ravel() == n), replace(scene, form="principal"))
+        for n, scene in enumerate(own)
     )
     return Reader(plan.number, exponents, bodies)
 
@@ -158,8 +158,8 @@ class WideJob(NamedTuple):
 
         number, (first, *_) = self.number, self.members
         shape = len(self.members), len(first.times), len(first.columns)
-        found = Solved.undone(no_states(number, shape))
-        errors = found.errors = [None] * len(self.members)
+        results = Solved.undone(no_states(number, shape))
+        errors = results.errors = [None] * len(self.members)
         for k, member in enumerate(self.members):
             if stop is not None and stop():
                 break
@@ -169,10 +169,10 @@ class WideJob(NamedTuple):
             run = solve(member, number, options, heard)
             if run.outcome is Outcome.INTERRUPTED:
                 break
-            found.states[k, : len(run.states)] = run.states
-            found.outcomes[k], found.steps[k] = code(run.outcome), run.steps
-            found.reached[k], errors[k] = run.reached, run.errors
-        return found
+            results.states[k, : len(run.states)] = run.states
+            results.outcomes[k], results.steps[k] = code(run.outcome), run.steps
+            results.reached[k], errors[k] = run.reached, run.errors
+        return results
 
 
 def wide_job(plan: Plan, group: npt.NDArray[np.int64], method: str) -> WideJob:
@@ -182,7 +182,7 @@ def wide_job(plan: Plan, group: npt.NDArray[np.int64], method: str) -> WideJob:
         member = plan.members[index]
         start, coefficients = exact_numbers(member)
         refuse_out_of_range(plan.members, index, plan.number, [*start, *coefficients.values()])
-        return replace(member, times=plan.asked, form="principal")
+        return replace(member, times=plan.exact_times, form="principal")
 
     options = Options(method, plan.max_steps, False, plan.tolerance)
     return WideJob(tuple(map(ready, group.tolist())), plan.number, options)
@@ -194,23 +194,23 @@ def wide_job(plan: Plan, group: npt.NDArray[np.int64], method: str) -> WideJob:
 
 
 def put_together(
-    plan: Plan, groups: Sequence[npt.NDArray[np.int64]], found: Sequence[Solved | None]
+    plan: Plan, groups: Sequence[npt.NDArray[np.int64]], results: Sequence[Solved | None]
 ) -> tuple[Solved, dict[int, tuple[float | None, ...]]]:
     """The results of all members in their order, and the errors of those that have any."""
     shape = len(plan.members), len(plan.times), len(plan.members.scene.columns)
     whole = Solved.undone(no_states(plan.number, shape))
     errors: dict[int, tuple[float | None, ...]] = {}
-    for group, some in zip(groups, found, strict=True):
+    for group, some in zip(groups, results, strict=True):
         if some is not None:
             whole.put(group, some)
-            told = zip(group.tolist(), some.errors or (), strict=False)
-            errors |= {k: error for k, error in told if error is not None}
+            of_members = zip(group.tolist(), some.errors or (), strict=False)
+            errors |= {k: error for k, error in of_members if error is not None}
     return whole, errors
 
 
-def packed(found: Solved, number: NumberType) -> Mapping[str, npt.ArrayLike]:
+def packed(results: Solved, number: NumberType) -> Mapping[str, npt.ArrayLike]:
     """A job's result as arrays that need no pickle; states above extended as decimals."""
-    states: npt.NDArray[np.generic] = found.states
+    states: npt.NDArray[np.generic] = results.states
     if not number.flat:
         text = [
             strings([row], number)[0] if row[0] == row[0] else ["nan"] * len(row)
@@ -219,30 +219,30 @@ def packed(found: Solved, number: NumberType) -> Mapping[str, npt.ArrayLike]:
         states = np.array(text).reshape(states.shape)
     return {
         "states": states,
-        "outcomes": np.array([outcome.value for outcome in OUTCOMES])[found.outcomes],
-        "steps": found.steps,
-        "reached": np.array([str(t) for t in found.reached]),
-        "errors": np.array(json.dumps(found.errors)),
+        "outcomes": np.array([outcome.value for outcome in OUTCOMES])[results.outcomes],
+        "steps": results.steps,
+        "reached": np.array([str(t) for t in results.reached]),
+        "errors": np.array(json.dumps(results.errors)),
     }
 
 
-def unpacked(held: Arrays, number: NumberType) -> Solved:
+def unpacked(arrays: Arrays, number: NumberType) -> Solved:
     """The same back."""
-    told = json.loads(str(held["errors"]))
+    errors = json.loads(str(arrays["errors"]))
     return Solved(
-        flat(held["states"]) if number.flat else _numbers(held["states"], number),
-        np.array([code(Outcome(text)) for text in held["outcomes"].tolist()], dtype=np.uint8),
-        np.asarray(held["steps"], dtype=np.int64),
-        np.array([Fraction(text) for text in held["reached"].tolist()], dtype=object),
-        None if told is None else [None if x is None else tuple(x) for x in told],
+        flat(arrays["states"]) if number.flat else _numbers(arrays["states"], number),
+        np.array([code(Outcome(text)) for text in arrays["outcomes"].tolist()], dtype=np.uint8),
+        np.asarray(arrays["steps"], dtype=np.int64),
+        np.array([Fraction(text) for text in arrays["reached"].tolist()], dtype=object),
+        None if errors is None else [None if x is None else tuple(x) for x in errors],
     )
 
 
 def _numbers(texts: npt.NDArray[np.generic], number: NumberType) -> Stack:
-    found = no_states(number, texts.shape)
+    stack = no_states(number, texts.shape)
     for index in np.argwhere(texts != "nan"):
-        found[tuple(index)] = number_value(Fraction(str(texts[tuple(index)])), number)
-    return found
+        stack[tuple(index)] = number_value(Fraction(str(texts[tuple(index)])), number)
+    return stack
 
 
 # --- integrate many -------------------------------------------------------------------------------
@@ -355,12 +355,12 @@ def integrate_many(
     (100, 2, 6)
     """
     if isinstance(progress, bool):
-        given = {key: value for key, value in locals().items() if key != "progress"}
+        arguments = {key: value for key, value in locals().items() if key != "progress"}
         if not progress:
-            return integrate_many(**given)
+            return integrate_many(**arguments)
         with bar(library.load(scene).name) as tell:
-            return integrate_many(**given, progress=tell)
-    asked = time.perf_counter()
+            return integrate_many(**arguments, progress=tell)
+    called_at = time.perf_counter()
     scene = library.load(scene, takes=REQUESTS)
     if at is not None:
         scene = scene.at(at)
@@ -380,10 +380,10 @@ def integrate_many(
     groups = list(plan.groups(size, most, single))
     if here and most == 1:  # not worth a second thread
         workers = workers or 1
-    kept = None
+    checkpoint = None
     if parts is not None:  # writing a scene as text takes longer than a small sweep
         key = scene.text, plan.times, method, varied, plan.number, plan.tolerance
-        kept = JobCheckpoint(parts, "sweep", *key, plan.max_steps, *groups)
+        checkpoint = JobCheckpoint(parts, "sweep", *key, plan.max_steps, *groups)
     jobs: list[FlatJob | WideJob] = [
         flat_job(plan, group) if plan.number.flat else wide_job(plan, group, method)
         for group in groups
@@ -394,17 +394,17 @@ def integrate_many(
         [len(group) for group in groups],
         workers,
         executor,
-        kept,
+        checkpoint,
         partial(packed, number=plan.number),
         partial(unpacked, number=plan.number),
         progress,
     )
     with Delay() as delay:  # what is finished is not lost
-        found, told = put_together(plan, groups, finished.results)
+        results, errors = put_together(plan, groups, finished.results)
         delay.forget()
     plan.members.speak()
     seconds = {
-        "scenes": prepared - asked,
+        "scenes": prepared - called_at,
         "run": time.perf_counter() - prepared,
     }
     tolerance = plan.tolerance or plan.number.eps
@@ -414,15 +414,15 @@ def integrate_many(
         members=plan.members,
         number=plan.number,
         times=plan.times,
-        states=found.states,
-        endings=found.outcomes,
-        counts=found.steps,
-        arrived=found.reached,
+        states=results.states,
+        endings=results.outcomes,
+        counts=results.steps,
+        arrived=results.reached,
         tolerance=float(tolerance),
         digits=digits,
-        told=told,
+        told=errors,
         provenance=waiting(partial(_provenance, plan.members, seconds)),
-        kept=kept,
+        kept=checkpoint,
     )
 
 

@@ -1,4 +1,4 @@
-"""The members of a sweep, as columns of numbers."""
+"""The plan of a sweep: its members as the engine takes them, in principal axes and own units."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class Plan:
     tolerance: Fraction | None
     max_steps: int
     times: tuple[Fraction, ...]
-    asked: Sequence[Exact]
+    exact_times: Sequence[Exact]
     tables: Tables
 
     @cached_property
@@ -164,9 +164,9 @@ def planned(
     members = Members(scene, varied)
     count = len(members)
     numbers = (count if kept else 1) * len(scene.times) * len(scene.columns)
-    what = f"{count} members at {len(scene.times)} times"
+    amount = f"{count} members at {len(scene.times)} times"
     words = "numbers of states; fewer samples, or split the sweep"
-    refuse_too_much(scene.name, "vary", what, numbers, _BYTES, words)
+    refuse_too_much(scene.name, "vary", amount, numbers, _BYTES, words)
     _ = members.tables  # a key that is none is refused before anything else
     chosen = choose_number(scene, number, None)
     if digits is not None and count:
@@ -405,14 +405,14 @@ def _along(vector: Vector, axes: PrincipalAxes, unsure: Booleans) -> Sequence[Nu
         return vector
     if len(fixed) == 3:
         return axes.components((fixed[0], fixed[1], fixed[2]))
-    given = [pairs(_parted(x)) for x in vector]
-    found: list[Numbers] = []
+    numbers = [pairs(_parted(x)) for x in vector]
+    components: list[Numbers] = []
     for row in axes.rows:
-        a, b, c = (pairs(r) * x for r, x in zip(row, given, strict=True))
-        found.append(a + b + c)
+        a, b, c = (pairs(r) * x for r, x in zip(row, numbers, strict=True))
+        components.append(a + b + c)
         size = np.abs(a.hi) + np.abs(b.hi) + np.abs(c.hi)
-        _note(unsure, size, np.abs(found[-1].hi) < _CANCELLED * size)
-    return found
+        _note(unsure, size, np.abs(components[-1].hi) < _CANCELLED * size)
+    return components
 
 
 def _coefficients(

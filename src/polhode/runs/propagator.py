@@ -267,13 +267,13 @@ class Propagator:
                         rows = rows[:, : engine.columns].copy()
                     states: Flat = rows if len(rows) == grid.size else rows[1:]
                     return states if self._plain else self._read(states)
-            given, several = numbers_given(t)
-            if self._long_steps and _plain_numbers(given, self._kind) is None:
+            time_list, several = numbers_given(t)
+            if self._long_steps and _plain_numbers(time_list, self._kind) is None:
                 times, unit = self._times(t)[0], self._unit
                 rounded = [x / unit for x in times.tolist()]  # the way is that of these
                 if [x * unit for x in rounded] == times.tolist():
                     return self(start, t=rounded if several else rounded[0])
-            rows = self._at_times(start, cast(Sequence[AnyNumber], given))
+            rows = self._at_times(start, cast(Sequence[AnyNumber], time_list))
             return rows if several else rows[0]
         except KeyboardInterrupt:
             self.steps, self.outcome = None, Outcome.INTERRUPTED
@@ -297,8 +297,8 @@ class Propagator:
         if workers is not None:
             workers = whole(name, "workers", workers, 1)
         times, several = self._times(t)
-        what = f"{len(rows)} starts at {len(times)} times"
-        refuse_too_much(name, "start", what, rows.size * len(times), _BYTES, _SPLIT)
+        amount = f"{len(rows)} starts at {len(times)} times"
+        refuse_too_much(name, "start", amount, rows.size * len(times), _BYTES, _SPLIT)
         if not self._long and self._every is None:
             inside = rows if self._plain else self._inside(rows)
             motions = Columns(self._job.motions.coefficients, inside)
@@ -328,8 +328,8 @@ class Propagator:
         if tolerance is not None and tolerance > self.number.eps:
             order, own = defaults.ARRAYS.highest, order_of(float(tolerance))
             order = min(order, round(defaults.ARRAYS.factor * own)) if own < order else 0
-        asked = (*numbers,), self.number, tolerance, self._most, np.zeros(1)
-        return BatchJob(*asked, self._system.frame.unit, motions, order=order)
+        fields = (*numbers,), self.number, tolerance, self._most, np.zeros(1)
+        return BatchJob(*fields, self._system.frame.unit, motions, order=order)
 
     @cached_property
     def _bound(self) -> lanes.Bound:
@@ -415,26 +415,26 @@ class Propagator:
         """A start as an array of the propagator's type and shape; raises BadInput."""
         widths = "p q r gamma1 gamma2 gamma3" if self._shape == (6,) else "p q r"
         try:
-            given = np.asarray(start)
+            array = np.asarray(start)
         except ValueError:  # rows of different lengths
-            given = np.empty(0)
-        if given.shape != self._shape or np.any(getattr(start, "mask", False)):
+            array = np.empty(0)
+        if array.shape != self._shape or np.any(getattr(start, "mask", False)):
             raise self._bad("start", plain(start), f"the {self._shape[0]} numbers {widths}")
         narrower = f"numbers of {self.number.name} or narrower"
-        if not np.can_cast(given.dtype, self._kind, "safe"):
+        if not np.can_cast(array.dtype, self._kind, "safe"):
             raise self._bad("start", plain(start), narrower)
-        found: Flat = given.astype(self._kind)
-        if not_taken(start, found).any():
+        state: Flat = array.astype(self._kind)
+        if not_taken(start, state).any():
             raise self._bad("start", plain(start), narrower)
-        return found
+        return state
 
-    def _at_times(self, start: Flat | None, given: Sequence[AnyNumber]) -> Flat:
+    def _at_times(self, start: Flat | None, numbers: Sequence[AnyNumber]) -> Flat:
         """States at several times, or with corrections: as a run has them."""
         if start is not None and not np.isfinite(start).all():
             raise self._bad("start", plain(start), "finite numbers")
         self._state[...] = self._first if start is None else self._inside(start)
         self._engine.begin()
-        scene = self.scene.at(given)
+        scene = self.scene.at(numbers)
         times = self._system.times(scene).inside
         corrector = None
         if self._every is not None:
@@ -444,12 +444,12 @@ class Propagator:
         motion.begin(self._system, corrector=corrector, engine=self._engine)
         rows = self._state[None].copy()[: times[0] == 0]
         try:
-            found, self.outcome = motion.advance(times, self._most, rows)
+            inside, self.outcome = motion.advance(times, self._most, rows)
         except OutOfRange as fault:
             raise fault.refusal(self.scene.name, self.number) from None
         self.steps = motion.steps
         states = np.full((len(times), *self._shape), np.nan, self._kind)
-        states[: len(found)] = self._read(flat(found))
+        states[: len(inside)] = self._read(flat(inside))
         if self.outcome is Outcome.INTERRUPTED:
             raise KeyboardInterrupt
         return states

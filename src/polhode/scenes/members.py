@@ -1,4 +1,4 @@
-"""The members of a sweep: as scenes, and as columns of their numbers."""
+"""The members of a sweep in the scene's axes and units: scenes, and columns of exact numbers."""
 
 from __future__ import annotations
 

@@ -159,8 +159,8 @@ class BatchJob(NamedTuple):
 class Solved:
     """What became of systems, one after the other.
 
-    ``states``: (systems, times, columns) in principal axes and internal units, not a number where
-    a time was not reached.
+    ``states``: (systems, times, columns), not a number where a time was not reached: in principal
+    axes and internal units, until a sweep's reader has taken them to the scene's.
     ``outcomes``: by number, NOT_RUN of those that were stopped.  ``errors``: of the
     states of refined members, see :class:`polhode.runs.trajectory.Trajectory`; None without any.
     """
@@ -285,14 +285,14 @@ def in_lanes(rows: npt.NDArray[T], order: Indices | None = None) -> npt.NDArray[
     spare = -len(order) % LANES
     if spare and len(order):
         order = np.concatenate([order, order[-1:].repeat(spare)])
-    found = rows[order].reshape(-1, LANES, rows.shape[1]).transpose(0, 2, 1)
-    return np.ascontiguousarray(found)
+    lanes = rows[order].reshape(-1, LANES, rows.shape[1]).transpose(0, 2, 1)
+    return np.ascontiguousarray(lanes)
 
 
 def out_of_lanes(states: Doubles) -> Doubles:
     """Back from (batches, times, columns, LANES) to (rows, times, columns)."""
-    found: Doubles = states.transpose(0, 3, 1, 2).reshape(-1, *states.shape[1:3])
-    return found
+    rows: Doubles = states.transpose(0, 3, 1, 2).reshape(-1, *states.shape[1:3])
+    return rows
 
 
 class CompiledBatch(Engine):
@@ -376,9 +376,9 @@ def at_once(
     In this order they go through the lanes.  Not a number where ``stop`` came first, or a motion,
     or one beside it, did not arrive.  ``steps``: of each is put in there.
     """
-    many, (given, starts), ahead = len(order), job.motions, job.times[job.times != 0]
-    here, one = in_lanes(starts, order), len(ahead) == 1
-    own = None if _alike(given) else in_lanes(given, order)
+    many, (coefficients, starts), ahead = len(order), job.motions, job.times[job.times != 0]
+    here, end_alone = in_lanes(starts, order), len(ahead) == 1
+    own = None if _alike(coefficients) else in_lanes(coefficients, order)
     states = np.empty((len(here), len(job.times), job.columns, LANES))
     if len(ahead) < len(job.times):
         states[:, 0] = here
@@ -391,7 +391,7 @@ def at_once(
     with prepared(job) as ready:
         ta, state = ready.heyoka, ready.state
         if own is None:
-            ready.tell(given[:1].T)
+            ready.tell(coefficients[:1].T)
         for k, (start, rows) in enumerate(zip(here, states, strict=True)):
             if stop is not None and stop():
                 states[k:] = np.nan
@@ -400,7 +400,7 @@ def at_once(
             if own is not None:
                 ready.tell(own[k])
             ready.begin()
-            if one:  # the end alone needs no dense output
+            if end_alone:  # the end alone needs no dense output
                 ta.propagate_until(ends[k])
                 rows[-1] = state
             else:
@@ -417,12 +417,12 @@ def at_once(
     return out_of_lanes(states)[:many]
 
 
-def _note(job: BatchJob, there: Booleans, found: Solved) -> None:
+def _note(job: BatchJob, there: Booleans, results: Solved) -> None:
     """Which motions arrived; of the others nothing is known."""
     end = exactly(job.times[-1]) * job.unit
-    found.outcomes[there], found.reached[there] = _THERE, end
+    results.outcomes[there], results.reached[there] = _THERE, end
     if not there.all():
-        found.states[~there], found.steps[~there] = np.nan, 0
+        results.states[~there], results.steps[~there] = np.nan, 0
 
 
 def _alike(coefficients: Stack) -> bool:
@@ -436,8 +436,8 @@ def prepared(job: BatchJob) -> Engine:
     tolerance = job.tolerance
     if tolerance is not None and job.order:
         tolerance *= defaults.ARRAYS.part
-    asked = job.columns, job.names, job.number, tolerance, job.order
-    return principal_engine(_equations(*asked), kind)
+    parts = job.columns, job.names, job.number, tolerance, job.order
+    return principal_engine(_equations(*parts), kind)
 
 
 @lru_cache(maxsize=64)
@@ -486,10 +486,10 @@ class _Way:
     def _in_lanes(self, batch: CompiledBatch, results: Solved) -> None:
         """Batch after batch: all motions but those of batches that did not arrive as a whole."""
         job, many = self.job, self.job.motions.many
-        given, starts = job.motions.coefficients, in_lanes(job.motions.starts)
-        own = None if _alike(given) else in_lanes(given)
+        coefficients, starts = job.motions.coefficients, in_lanes(job.motions.starts)
+        own = None if _alike(coefficients) else in_lanes(coefficients)
         if own is None:
-            batch.tell(given[:1].T)
+            batch.tell(coefficients[:1].T)
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
         steps = np.zeros((len(starts), LANES), dtype=np.int64)
         done = np.zeros(len(starts), dtype=bool)

@@ -180,13 +180,12 @@ LONG = 500  # operations of a run's events whose code is compiled as loops
 class Equations:
     """What tells compiled code from any other, without its events.
 
-    ``columns``: the variables, ``cyclic`` of the last ones being cyclic, see
-    :mod:`polhode.taylor.engine`.  ``pattern``: the coefficients that are
-    parameters.  ``constants``: those of a form whose coefficients are none.  ``still``: no rate but
-    zero.  ``lanes``: of a batch, 0 for one motion.  ``tangents``: so many columns u with
-    u' = J(x) u follow the state; of the last ``driven`` of them the rate of the state by
-    coefficients of their own is added, which stand behind the first ones.  ``order``: of a step,
-    at least heyoka's own for the tolerance; 0: that one.
+    ``columns``: the variables, of which the last ``cyclic`` ones are cyclic (:class:`Cyclic`).
+    ``pattern``: the coefficients that are parameters.  ``constants``: those of a form whose
+    coefficients are none.  ``still``: no rate but zero.  ``lanes``: of a batch, 0 for one motion.
+    ``tangents``: so many columns u with u' = J(x) u follow the state; of the last ``driven`` of
+    them the rate of the state by coefficients of their own is added, which stand behind the first
+    ones.  ``order``: of a step, at least heyoka's own for the tolerance; 0: that one.
     """
 
     columns: tuple[str, ...]
@@ -394,9 +393,9 @@ class Listener(Protocol):
 
 
 class Desk:
-    """What belongs to an integrator with events, whichever run takes it up: ``watch`` is told of
-    them.
+    """What belongs to an integrator with events, whichever run takes it up.
 
+    ``watch``: is told of them, that of the run that sat down here last (Watch.sit_down).
     ``jets``: of each expression, compiled: see :class:`polhode.taylor.event_functions.Jet`.
     """
 

@@ -39,9 +39,8 @@ from polhode.taylor.variations import Leader, Variations, pendulum, six
 #     Phi v + U c,    Phi' = J(x) Phi,    U' = J(x) U + u df/dk,    Phi = 1 and U = 0 before,
 #
 # all in principal axes and the scene's own unit of time. Stretches are short enough that a double
-# holds each Phi; products of them are taken by
-# :mod:`polhode.judging.conditioning`. Where a run leads to is where the next
-# stretch begins, so that the lanes of a batch have one each.
+# holds each Phi; products of them are taken by :mod:`polhode.judging.conditioning`. Where a run
+# leads to is where the next stretch begins, so that the lanes of a batch have one each.
 
 
 STRIDES = (1.0, 8.0)  # units of the scene's own time a stretch: at least, at most

@@ -271,12 +271,12 @@ def stays(jet: Jet, heyoka: HeyokaIntegrator, parameters: Array, width: int) -> 
 # Events of a run: crossings and contacts of expressions along the motion.
 #
 # heyoka finds the zeros of each expression's Taylor polynomial and of its rate's, step by step. A
-# callback notes the state there; when the run is over all of them are polished together
-# (polhode.taylor.event_decision), and what they mean is decided in one pass
-# (polhode.taylor.event_decision). What heyoka is given is scaled down by sqrt(eps), so that an
-# event takes no part in choosing the steps: a run with events takes the steps of a run without
-# them, unless an expression varies far faster than the motion, or a step would be longer than the
-# run's unit of time. Last bits may differ, where an event shares terms with the equations.
+# callback notes the state there; when the run is over all of them are polished together, and what
+# they mean is decided in one pass (:mod:`polhode.taylor.event_decision`). What heyoka is given is
+# scaled down by sqrt(eps), so that an event takes no part in choosing the steps: a run with events
+# takes the steps of a run without them, unless an expression varies far faster than the motion, or
+# a step would be longer than the run's unit of time. Last bits may differ, where an event shares
+# terms with the equations.
 #
 # A zero at t = 0, to the rounding of the start's numbers, is not an event of the run.
 

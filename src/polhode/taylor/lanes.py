@@ -64,8 +64,8 @@ def rates(starts: Stack, bound: Bound) -> Doubles:
     with np.errstate(all="ignore"):
         for k, x in enumerate(rows.T):  # no product of matrices: some sum the last rows otherwise
             twice += bound.terms[..., k] * (x * x if k < 3 else x)
-        found: Doubles = np.sqrt(twice + bound.rest)
-    return found
+        bounds: Doubles = np.sqrt(twice + bound.rest)
+    return bounds
 
 
 def surely(job: BatchJob, fastest: float) -> bool:
@@ -212,28 +212,29 @@ def _block(
     step: CompiledFunction, job: BatchJob, some: Indices, counts: Doubles
 ) -> tuple[Doubles, Booleans]:
     """States after so many steps each, of which the first takes most, and whose are good."""
-    columns, size, (given, starts) = job.columns, len(some), job.motions
+    columns, size, (coefficients, starts) = job.columns, len(some), job.motions
     wide = _filled(size)
     inputs = np.empty((columns + 2 + len(job.names), wide))
     inputs[:columns, :size] = starts.take(some, axis=0).T
     inputs[columns] = 0.0
     np.divide(job.times[-1], counts, inputs[columns + 1, :size])
-    inputs[columns + 2 :, :size] = (given if len(given) == 1 else given[some]).T
+    own = coefficients if len(coefficients) == 1 else coefficients[some]
+    inputs[columns + 2 :, :size] = own.T
     inputs[:, size:] = inputs[:, size - 1 : size]
     scale = np.maximum(1.0, np.abs(inputs[:3, :size]).max(axis=0))
     allowed = defaults.ARRAYS.share * float(job.tolerance or 0) * scale
-    found = np.empty((columns + 1, size))
+    ends = np.empty((columns + 1, size))
     left = size
     for done in range(1, int(counts[0]) + 1):
         outputs = step(inputs, batch_parallel=False)
         on = int(np.searchsorted(-counts, -done))  # those that go on
-        found[:, on:left] = outputs[:, on:left]
+        ends[:, on:left] = outputs[:, on:left]
         left = on
         if _filled(on) < wide:
             wide = _filled(on)
             inputs = inputs[:, :wide].copy()
         inputs[: columns + 1] = outputs[:, :wide]
-    return found[:columns].T, found[columns] <= counts * allowed * allowed
+    return ends[:columns].T, ends[columns] <= counts * allowed * allowed
 
 
 def _filled(many: int) -> int:

@@ -379,7 +379,7 @@ ARRAYS = Functions(0.0, np.sin, np.cos, np.sqrt)
 TINY = 1e-30  # of a complex step
 
 _NO_ROUNDING = 1e-8  # a step as large as that is none of rounding's, and is not made
-_DAMPING, _FLOOR = 1 + 2.0**-18, 2.0**-256  # see polhode.taylor.projection
+_DAMPING, _FLOOR = 1 + 2.0**-18, 2.0**-256  # as of :func:`least_norm`
 
 
 class Level(NamedTuple):

@@ -1,6 +1,7 @@
 """The verbs of the command line.
 
-Most are functions with a row of :mod:`polhode.verbs.catalogue`, and :mod:`polhode.verbs.deliver` is
-the one way out for their results.  The others have a file each, with ``HELP``, ``options(parser)``
-for their own options, and ``main(options)``, which returns an exit code.
+Each is a row of :mod:`polhode.verbs.catalogue`.  Most are functions, and
+:mod:`polhode.verbs.deliver` is the one way out for their results.  The others (``new``, ``plot``,
+``view``, ``guide``) are functions of the verb's options that return an exit code, beside one that
+adds these options, such as ``add_new``.
 """

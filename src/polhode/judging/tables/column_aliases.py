@@ -144,8 +144,7 @@ def root(square: Fraction, bits: int) -> Fraction:
 # --- column aliases -------------------------------------------------------------------------------
 
 
-#: Another form of the attitude, which becomes a quaternion: see
-#: :mod:`polhode.judging.tables.column_aliases`.
+#: Another form of the attitude, which becomes a quaternion: see :func:`with_quaternions`.
 ROTATION_VECTOR = ("rotvec1", "rotvec2", "rotvec3")
 
 _WORDS = {
