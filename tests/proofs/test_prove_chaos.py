@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -31,6 +32,23 @@ def test_directions_keep_their_sign_whatever_linear_algebra_chooses(monkeypatch)
         first, second = (getattr(x, name) for x in saddles)
         assert np.array_equal(first, second)
         assert np.max(first) == 1.0 == np.max(np.abs(first))
+
+
+@pytest.mark.parametrize(
+    ("more", "why"),
+    [
+        ({"entropy": "0.6932"}, "not shown to be as large"),
+        ({"short": "0.9999"}, "the short loop may take longer"),
+        ({"long": "0.9999"}, "the long loop may take longer"),
+    ],
+)
+def test_no_more_is_proved_than_the_times_of_both_loops_allow(more, why):
+    """exp(-x short) + exp(-x long) > 1: where both are 1, up to x = ln 2 = 0.69314..."""
+    proof = SimpleNamespace(short=arb(1), long=arb(1))
+    claim = {"entropy": "0.6931", "short": "1", "long": "1"}
+    by_checker(verify.check_chaos, verify.read_chaos(claim), proof)
+    with pytest.raises(verify.NotProved, match=why):
+        by_checker(verify.check_chaos, verify.read_chaos(claim | more), proof)
 
 
 @pytest.mark.slow
