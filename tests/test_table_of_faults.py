@@ -144,6 +144,9 @@ CALLS = [
     ),
     (lambda: polhode.compare([ROW], FREE, dtype="quad"), "dtype = quad: expected number, as it"),
     (lambda: polhode.top(moments=[1, 1, 1], omga=[1, 1, 1]), "(did you mean 'omega'?)"),
+    # it was taken, and handed on to the search for the first orbit; others were told its names
+    (lambda: polhode.orbit_family(FREE, "h", 1, digits=30), "orbit_family: digits = 30: expected"),
+    (lambda: polhode.prove_stability(FREE, tol=1), "prove_stability: tol = 1: expected"),
 ]
 
 

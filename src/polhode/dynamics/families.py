@@ -9,7 +9,7 @@ from typing import NamedTuple, Unpack
 
 import numpy as np
 
-from polhode.common.arguments import cells, each, whole, with_options
+from polhode.common.arguments import cells, each, refuse_unknown, whole, with_options
 from polhode.common.errors import BadInput, counted, nearest
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
@@ -207,6 +207,7 @@ def orbit_family(
     >>> abs(found.points[-1].period - 3.141592653589793) < 1e-13, found.ended
     (True, 'reached h = 4')
     """
+    refuse_unknown("orbit_family", orbit_family, near)
     if by not in newton.BY:
         raise BadInput("orbit_family", "by", by, nearest(by, [*newton.BY]))
     progress = near.get("progress")

@@ -13,7 +13,7 @@ from typing import NamedTuple, Unpack
 
 from polhode.certificates import verify
 from polhode.certificates.certificate_file import JsonObject, by_checker
-from polhode.common.arguments import with_options
+from polhode.common.arguments import refuse_unknown, with_options
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
@@ -185,6 +185,7 @@ def prove_stability(
     >>> found
     <ProvedStability of grioli/precession: period 6.28319, twist -23.6475>
     """
+    refuse_unknown("prove_stability", prove_stability, near)
     progress = near.get("progress")
     start: Scene | str | Path
     if isinstance(scene, ProvedOrbit):
