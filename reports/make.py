@@ -187,17 +187,21 @@ def results_of(folder: Path, name: str) -> JsonObject:
 
 
 def with_summary(readme: str, speed: JsonObject) -> str:
-    """README with the speed study's table of four lengths and of many starts."""
-    from speed import SUMMARY_OUTPUTS
+    """README with the speed study's table of lengths, of outputs and of many starts."""
     from tops import DRAWS
 
     origin = speed["provenance"]
     packages = ", ".join(f"{name} {origin['versions'][name]}" for name in ("polhode", "heyoka"))
     kinds = {cell["kind"] for cell in speed["cells"]}
+    arrays: dict[tuple[int, int], set[str]] = {}
+    for cell in speed["cells"]:
+        if cell["starts"]:
+            arrays.setdefault((cell["starts"], cell["end"]), set()).add(cell["kind"])
+    counts = " or ".join(str(count) for count in sorted({len(x) for x in arrays.values()}))
     conditions = (
         f"Medians over {len(kinds)} kinds of motion of {DRAWS} bodies each (in n of m: in so many "
         "of the kinds both reach the digits), "
-        f"{SUMMARY_OUTPUTS} outputs (many starts: the end), one thread; "
+        f"one thread; many starts in one call, of {counts} of the kinds; "
         f"{packages}, {origin['cpu']}. [All rows and rules](reports/speed.md)."
     )
     text = f"{tables('speed', speed)['summary'].markdown}\n\n{fill(conditions, _WIDTH)}\n"

@@ -342,7 +342,7 @@ def _row(contest: Contest) -> dict[str, Any]:
 Levels: TypeAlias = Sequence[tuple[kit.JsonObject, kit.JsonObject]]
 
 LONG = 1000  # from this end on a run is told as a long one
-SUMMARY_ENDS, SUMMARY_OUTPUTS = (1, 10, 100, 1000), 101
+SUMMARY_ENDS = (1, 10, 100, 1000)
 WORDS = ("ahead", "even", "behind", "alone", "not run", "not reached")
 
 
@@ -370,22 +370,16 @@ def _first(row: kit.JsonObject) -> kit.JsonObject:
 
 
 def summary(cells: Sequence[kit.JsonObject], not_run: str) -> Iterator[kit.JsonObject]:
-    """The time of the best other program over the propagator's: lengths down, digits across.
+    """The time of the best other program over the propagator's: runs down, digits across.
 
     Medians over the kinds of motion, and the program that is best in most of them; above 1 in bold.
-    The last row is of many starts at once.  ``not_run``: what stands where no other program was.
+    The last rows are of many starts at once.  ``not_run``: what stands where no other program was.
     """
     digits = dict.fromkeys(level["digits"] for cell in cells for level in cell["levels"])
-    many, single = _parted(cells)
-    usual = [cell for cell in single if cell["outputs"] == SUMMARY_OUTPUTS]
-    shown = {f"t = {end}": [c for c in usual if c["end"] == end] for end in SUMMARY_ENDS}
-    most = max((cell["starts"] for cell in many), default=0)
-    largest = [cell for cell in many if cell["starts"] == most]
-    ends = " and ".join(str(end) for end in sorted({cell["end"] for cell in largest}))
-    shown[f"{most} starts at once, t = {ends}"] = largest
-    for run, here in shown.items():
-        if here:
-            yield {"run": run, "cells": {f"{x:g}": _best_other(here, x, not_run) for x in digits}}
+    usual = [cell for cell in cells if cell["end"] in SUMMARY_ENDS]
+    for (starts, outputs, end), here in _groups(usual, "starts", "outputs", "end").items():
+        run = f"t = {end}, " + (f"{starts} starts" if starts else f"{outputs} outputs")
+        yield {"run": run, "cells": {f"{x:g}": _best_other(here, x, not_run) for x in digits}}
 
 
 def _best_other(cells: Sequence[kit.JsonObject], digits: float, not_run: str) -> str:

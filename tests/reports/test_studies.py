@@ -117,7 +117,7 @@ def test_every_study_is_committed_with_its_page_and_figures(name):
 def test_the_table_in_readme_is_of_the_committed_rows():
     text = make.README.read_text(encoding="utf-8")
     assert make.with_summary(text, committed("speed")) == text
-    spoiled = text.replace("| t = 100 | 0", "| t = 100 | 9")
+    spoiled = text.replace("| t = 100, 2 outputs | 0", "| t = 100, 2 outputs | 9")
     assert make.with_summary(spoiled, committed("speed")) == text != spoiled
 
 
