@@ -14,7 +14,10 @@ import polhode
 from polhode.cli import main
 from shared.tools import tiers
 
-KOVALEVSKAYA = "gamma-along-r0", "irrational-centre", "type-e-ee", "type-e-minus", "type-eee-inside"
+KOVALEVSKAYA = (
+    *("kovalevskaya/gamma-along-r0", "kovalevskaya/irrational-centre", "kovalevskaya/type-e-ee"),
+    *("kovalevskaya/type-e-minus", "kovalevskaya/type-eee-inside"),
+)
 
 
 def distance(case: str, t: str, digits: int) -> mpmath.mpf:

@@ -29,8 +29,16 @@ def folder(tmp_path, monkeypatch):
 @pytest.mark.parametrize("kind", COUNTS)
 def test_the_promise_is_kept(kind):
     ends = trials.keep_many(kind, COUNTS[kind])
-    if kind in ("scene", "call"):  # what is refused is made, and what is not
+    if kind == "scene":  # what is refused is made, and what is not
         assert len(ends) >= 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted({*cases.CALLS} - {"rolling"}))  # which is given no run
+def test_a_call_that_is_not_spoiled_is_not_refused(name):
+    function, arguments, named = cases.CALLS[name]
+    right = {key: value for key, value in named.items() if value is not None}
+    assert trials.keep(cases.Case(name, {}, lambda: function(*arguments, **right))) is False
 
 
 @pytest.mark.parametrize("kind", ["scene", "toml"])
