@@ -263,7 +263,7 @@ PATIENCE, QUICK_PATIENCE = 0.5, 0.05
 QUICK_CELLS = ((10, 2, 0), (10, 101, 0), (1, 2, 100))
 QUICK_KINDS = ("kovalevskaya", "asymmetric")
 _FAR = 10.0  # times the fastest: no other build makes that up
-_LIMIT = 900.0  # seconds of a process
+_LIMIT = 1800.0  # seconds of a process
 _RESAMPLED, _SURE = 2000, 0.95
 _MODULE = "contest"
 
@@ -329,17 +329,21 @@ def _kind(
     for turn in range(1 if quick else PROCESSES):
         say(f"contest: {kind}, process {turn + 1}")
         answers, fault = ask(_MODULE, job, _LIMIT, cache)
-        ended = {f"process {turn + 1}": fault} if fault else {}
+        missing = {cell.label for cell in cells}
         for answer in answers:
             if "failed" in answer:
-                ended[answer["failed"]] = answer["fault"]
+                for cell in cells:
+                    faults[cell.label][answer["failed"]] = answer["fault"]
             else:
+                missing.discard(answer["cell"])
                 _enter(points[answer["cell"]], answer["points"])
                 faults[answer["cell"]] |= answer["faults"]
-        for cell in cells:
-            faults[cell.label] |= ended
-        job["tolerances"] = {
-            cell.label: held_again(points[cell.label], cell.every_tolerance) for cell in cells
+        for label in missing if fault else ():
+            faults[label][f"process {turn + 1}"] = fault
+        job["tolerances"] = {  # a cell that no process came to is held whole by the next one
+            cell.label: held_again(points[cell.label], cell.every_tolerance)
+            for cell in cells
+            if points[cell.label]
         }
     return [row(cell, points[cell.label], faults[cell.label]) for cell in cells]
 

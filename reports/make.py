@@ -201,7 +201,8 @@ def with_summary(readme: str, speed: JsonObject) -> str:
     conditions = (
         f"Medians over {len(kinds)} kinds of motion of {DRAWS} bodies each (in n of m: in so many "
         "of the kinds both reach the digits), "
-        f"one thread; many starts in one call, of {counts} of the kinds; "
+        "prepared once, processor time of a call with a new start, one thread; many starts in "
+        f"one call, of {counts} of the kinds; "
         f"{packages}, {origin['cpu']}. [All rows and rules](reports/speed.md)."
     )
     text = f"{tables('speed', speed)['summary'].markdown}\n\n{fill(conditions, _WIDTH)}\n"

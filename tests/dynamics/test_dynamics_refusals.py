@@ -324,3 +324,18 @@ VERBS = {
 def test_a_verb_refuses_in_one_line_and_leaves_nothing(words, refusal):
     command = words.replace(" R", f" {REGULAR}").replace(" G", f" {GRIOLI}")
     assert VERBS[words] in refusal(*command.split())
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("# a comment\n\n1/10, 0.2, x\n", "starts line 3[3] = x: expected a number"),
+        ("# a comment\n", "starts = nothing: expected at least one start"),
+    ],
+)
+def test_a_file_of_starts_is_refused_by_its_name_and_line(text, words, tmp_path):
+    path = tmp_path / "starts.txt"
+    path.write_text(text)
+    with pytest.raises(polhode.BadInput) as fault:
+        polhode.section("general/section", starts=str(path), crossings=2)
+    assert str(fault.value).startswith(f"{path}: {words}")

@@ -89,6 +89,16 @@ def test_every_number_is_found_again_by_compare(report, files):
         assert line["sentence"] == judged.verdict
 
 
+@pytest.mark.parametrize(
+    ("end", "runs"), [(2, ["double"]), (1000, ["double, not projected", "double"])]
+)
+def test_the_drift_of_a_run_that_is_not_projected_stands_beside_one_that_was_corrected(end, runs):
+    """It stood there a second time, to the digit, where a run was too short for a correction."""
+    drifts = rows(polhode.report(TOP, at=[end], number="double"), "drift")
+    assert [x["of"] for x in drifts] == runs
+    assert len({x["h"] for x in drifts}) == len(runs)
+
+
 def test_a_right_and_a_wrong_file_are_told_apart(report):
     right, wrong = rows(report, "files")
     assert (right["verdict"], wrong["verdict"]) == ("good", "bad")

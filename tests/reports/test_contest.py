@@ -153,6 +153,32 @@ def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatc
 # rows
 
 
+def test_a_cell_that_an_ended_process_did_not_come_to_is_held_whole_by_the_next(monkeypatch):
+    """It was never held again, and its programs were called so slow that they did not reach it."""
+    first, second = tops.cells("chaotic")[:2]
+    answer = {"cell": first.label, "points": {OURS: [[0, 1e-9, 9.0, 1e-3]]}, "faults": {}}
+    jobs = []
+
+    def process(_, job, *rest):
+        jobs.append(json.loads(json.dumps(job)))
+        answers = [answer, answer | {"cell": second.label}]
+        return (answers[:1], "stopped") if len(jobs) == 1 else (answers, "")
+
+    monkeypatch.setattr(contest, "ask", process)
+    monkeypatch.setattr(contest, "row", lambda cell, points, faults: (points, faults))
+    truths = {("chaotic", cell.end, False, k): () for cell in (first, second) for k in range(DRAWS)}
+    monkeypatch.setattr(contest, "_plain", lambda truth: [])
+    cells = [first, second]
+    rows = contest._kind("chaotic", cells, [], truths, None, False, lambda text: None)
+    assert [job["tolerances"] and {*job["tolerances"]} for job in jobs] == [
+        None,
+        {first.label},  # without a word of the other, which is held at all of its tolerances
+        {first.label, second.label},
+    ]
+    assert [faults for _, faults in rows] == [{}, {"process 1": "stopped"}]
+    assert all(points[OURS] for points, _ in rows)
+
+
 def points(digits: dict[float, float], seconds: dict[float, float], numbers=range(DRAWS)):
     return {
         (k, tol): (digits[tol], seconds[tol] * (1 + k / 100)) for k in numbers for tol in digits

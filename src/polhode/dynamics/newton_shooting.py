@@ -296,12 +296,12 @@ class Chord(NamedTuple):
         except NotFollowed as fault:
             raise NotClosed(f"its motion could not be followed: {fault}") from None
         moments, torque, level = (
-            [binary(x, bits) for x in v]
+            [exact.nearest(x, bits) for x in v]
             for v in (on.exact_moments, on.exact_torque, (*on.exact_level, Fraction(1)))
         )
         values = integrals(moments, torque, state)
-        anchor = [binary(x, bits) for x in self.anchor]
-        numbers = {name: binary(x, bits) for name, x in on.coefficients.items()}
+        anchor = [exact.nearest(x, bits) for x in self.anchor]
+        numbers = {name: exact.nearest(x, bits) for name, x in on.coefficients.items()}
         rates = principal.field(anchor, numbers, EXACT)
         length = Fraction(math.hypot(*map(float, rates)))
         displacements = zip(rates, state, anchor, strict=True)
@@ -355,7 +355,7 @@ def _written(
     on = chord.on
     wide = number_types.wider(kind)
     bits = wide.bits + 64
-    rows = [[binary(x, bits) for x in row] for row in on.scene.body.axes.rows]
+    rows = [[exact.nearest(x, bits) for x in row] for row in on.scene.body.axes.rows]
     unit, written = on.unit, digits + SPARE_DIGITS
 
     def in_scene_axes(vector: Fractions) -> list[Fraction]:
@@ -368,7 +368,7 @@ def _written(
     # the way back from the decimals; gamma of length one, as the scene file has it
     w = [unit * Fraction(x) for x in omega]
     g = [Fraction(x) for x in gamma]
-    length = binary(exact.sqrt(sum((x * x for x in g), Fraction(0))), bits)
+    length = exact.nearest(exact.sqrt(sum((x * x for x in g), Fraction(0))), bits)
     inside = [
         sum((a * b for a, b in zip(row, v, strict=True)), Fraction(0))
         for v in (w, g)
@@ -392,7 +392,7 @@ def monodromy(on: LevelBody, state: Fractions, time: Fraction, digits: int) -> M
     assert matrix is not None
     rows = [[Fraction(x) for x in row] for row in matrix]
     moments, torque = (
-        [binary(x, kind.bits) for x in v] for v in (on.exact_moments, on.exact_torque)
+        [exact.nearest(x, kind.bits) for x in v] for v in (on.exact_moments, on.exact_torque)
     )
     missed = Fraction(0)
     for row in gradients(moments, torque, start):
@@ -420,11 +420,6 @@ def decimal(x: Fraction, scale: Fraction, digits: int) -> str:
         return "0"
     fewer = math.floor(exact.log10(abs(x) / scale))
     return decimal_string(x, min(digits, digits + fewer)) if digits + fewer > 0 else "0"
-
-
-def binary(x: Exact, bits: int) -> Fraction:
-    """x rounded to so many bits."""
-    return exact.nearest(x, bits) if x else Fraction(0)
 
 
 # --- continuation ---------------------------------------------------------------------------------

@@ -199,12 +199,12 @@ def _decimal(x: Exact, digits: int) -> str:
         text = in_full(x)
         if "/" not in text and len(text.strip("-0.")) <= digits:
             return text
-    return decimal_string(newton.binary(x, 4 * digits + 8), digits)
+    return decimal_string(exact.nearest(x, 4 * digits + 8), digits)
 
 
 def _to_places(x: Exact, digits: int) -> str:
     """A component of a unit vector to so many places."""
-    return newton.decimal(newton.binary(x, 4 * digits + 8), Fraction(1), digits)
+    return newton.decimal(exact.nearest(x, 4 * digits + 8), Fraction(1), digits)
 
 
 def _sure_digits(x: Fraction, error: float, most: int) -> str:
@@ -589,7 +589,7 @@ def _scene(near: Scene, name: str, fine: newton.Refined) -> Scene:
         "normalise": True,
         "psi": psi
         if isinstance(psi, Fraction)
-        else Literal(decimal_string(newton.binary(psi, 4 * places), places)),
+        else Literal(decimal_string(exact.nearest(psi, 4 * places), places)),
     }
     data: dict[str, Any] = {"title": f"A periodic orbit near {name}", "run": {}, **tables}
     data["run"] = {"end": Literal(fine.period), "samples": 101}

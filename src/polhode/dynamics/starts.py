@@ -269,15 +269,18 @@ def starts_of(
     if isinstance(starts, str) and starts == OWN:
         return SectionStates(_own(cut)[None, :], np.zeros(1, dtype=int))
     if isinstance(starts, (str, Path)):
-        name, starts = str(starts), _lines_of(Path(starts))
-    rows = [
-        [to_double(x) for x in each(name, f"starts[{k + 1}]", row, exact_number, "numbers")]
-        for k, row in enumerate(each(name, "starts", starts, lambda row: row, "a list of starts"))
-    ]
+        name, given_rows = str(starts), _lines_of(Path(starts))
+    else:
+        listed = each(name, "starts", starts, lambda row: row, "a list of starts")
+        given_rows = {f"starts[{k}]": row for k, row in enumerate(listed, 1)}
+    rows = {
+        key: [to_double(x) for x in each(name, key, row, exact_number, "numbers")]
+        for key, row in given_rows.items()
+    }
     if not rows:
         raise BadInput(name, "starts", "nothing", "at least one start")
     start_of = _height_start if cut.by == HEIGHT else _momentum_start
-    states = [start_of(cut, f"starts[{k + 1}]", row) for k, row in enumerate(rows)]
+    states = [start_of(cut, key, row) for key, row in rows.items()]
     return SectionStates(np.array(states), np.arange(len(states)))
 
 
@@ -360,8 +363,8 @@ def _moving(on: LevelBody, key: str, shown_row: str, state: Doubles) -> Doubles:
     return state
 
 
-def _lines_of(path: Path) -> list[list[str]]:
-    """The numbers of each line, apart by commas or blanks; # begins a comment."""
+def _lines_of(path: Path) -> dict[str, list[str]]:
+    """The numbers of each line that has some, apart by commas or blanks; # begins a comment."""
     text = read_whole(path, 50_000_000, "a list of starts", str(path)).decode("utf-8", "replace")
-    rows = [line.partition("#")[0].replace(",", " ").split() for line in text.splitlines()]
-    return [row for row in rows if row]
+    lines = (line.partition("#")[0].replace(",", " ").split() for line in text.splitlines())
+    return {f"starts line {k}": row for k, row in enumerate(lines, 1) if row}

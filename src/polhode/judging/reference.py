@@ -26,6 +26,7 @@ from polhode.judging.reference_rows import (
 )
 from polhode.judging.sources import (
     ROUGH,
+    SAVED_DIGITS,
     ClosedFormSource,
     EnclosureSource,
     ProofLimits,
@@ -48,7 +49,6 @@ if TYPE_CHECKING:
 
 BACKENDS = ("flint", "mpmath", "certified")
 MAX_LOG10_ANGLE = 100
-SAVED_DIGITS = 30  # of a reference that is saved as it is
 
 
 class Reference(Storable):
@@ -270,7 +270,8 @@ def reference(
     progress, forecast : callable, optional
         Called during each proof of an enclosure, as by :func:`polhode.certify`.
     max_seconds : float, optional
-        A limit on all of its proofs together, from now on.
+        A limit on all of its proofs together, from now on.  These three are not those of an
+        attitude that is enclosed beside a closed form, which has limits of its own.
 
     Returns
     -------

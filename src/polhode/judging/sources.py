@@ -35,7 +35,7 @@ from polhode.scenes.scene import Event, Scene
 if TYPE_CHECKING:
     from polhode.enclosures.result import Enclosure
 
-SAVED_DIGITS = 30  # of an enclosure that is saved as it is
+SAVED_DIGITS = 30  # of a reference that is saved as it is
 ROUGH = 53  # bits in which a closed form plans; it computes with more
 
 T = TypeVar("T")

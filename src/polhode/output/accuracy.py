@@ -300,9 +300,9 @@ def _digit_rows(line: AccuracyLine) -> Iterator[Row]:
 
 
 def _drift_rows(scene: Scene, lines: Sequence[AccuracyLine]) -> Iterator[Row]:
-    """Of runs and files; where the first run was projected of one that is not, too."""
+    """Of runs and files; where the first run was corrected of one that is not, too."""
     first = lines[0].run
-    if first is not None and first.projection is not None:
+    if first is not None and first.projection is not None and first.projection.count:
         run = _run(scene, {"number": first.number, "project": False})
         if run.times:
             yield (f"{run.number.name}, not projected", *run.drift)

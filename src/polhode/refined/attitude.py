@@ -19,6 +19,7 @@ import numpy as np
 
 from polhode.equations.kinematics import starting_attitude
 from polhode.numbers.number_types import Booleans, Complexes, Doubles, GivenRow, Integers, Scalar
+from polhode.numbers.polynomials import fraction_near
 from polhode.numbers.vectors import quaternion_product
 from polhode.refined.collocation_tables import Tables
 from polhode.refined.compiled_field import (
@@ -30,7 +31,6 @@ from polhode.refined.compiled_field import (
     product,
 )
 from polhode.refined.deferred_correction import BlockConstants, iterated
-from polhode.refined.double_run import rational
 from polhode.scenes.scene import Scene
 
 # --- attitude correction --------------------------------------------------------------------------
@@ -231,8 +231,8 @@ class Following:
 def frame(scene: Scene, bits: int) -> list[list[Fraction]]:
     """The matrix that takes Q in principal axes to the attitude of the scene's."""
     assert scene.gamma is not None
-    start = [rational(x, bits) for x in starting_attitude(scene.gamma, scene.psi)]
-    rows = [[rational(x, bits) for x in row] for row in scene.body.axes.rows]
+    start = [fraction_near(x, bits)[0] for x in starting_attitude(scene.gamma, scene.psi)]
+    rows = [[fraction_near(x, bits)[0] for x in row] for row in scene.body.axes.rows]
     columns = [times(start, [Fraction(1), *[Fraction(0)] * 3])]
     columns += [times(start, [Fraction(0), *row]) for row in rows]
     return [[columns[j][i] for j in range(QUATERNION)] for i in range(QUATERNION)]

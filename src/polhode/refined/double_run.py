@@ -15,8 +15,8 @@ from polhode.equations.form import equations
 from polhode.equations.terms import COEFFICIENTS, NAMES
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
-from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import Doubles
+from polhode.numbers.polynomials import fraction_near
 from polhode.refined.collocation_tables import LARGEST_FIELD
 from polhode.refined.compiled_field import CannotRefine, rounded
 from polhode.scenes.scene import Scene
@@ -76,19 +76,14 @@ def rational_system(scene: Scene, bits: int, backward: bool) -> RationalSystem:
     if scene.form != "principal":
         raise BadInput(scene.name, "form", scene.form, "principal: no other form can be refined")
     form = equations(scene)
-    numbers = [rational(form.coefficients.get(name, exact.ZERO), bits) for name in NAMES]
-    state = [rational(x, bits) for x in form.start]
+    numbers = [fraction_near(form.coefficients.get(name, exact.ZERO), bits)[0] for name in NAMES]
+    state = [fraction_near(x, bits)[0] for x in form.start]
     state += [Fraction(0)] * (6 - len(state))
     if backward:  # time and w change sign, and coefficients with an odd power of time
         state[:3] = [-x for x in state[:3]]
         pairs = zip(COEFFICIENTS, numbers, strict=True)
         numbers = [-x if kind.power % 2 else x for kind, x in pairs]
     return RationalSystem(tuple(numbers), tuple(state))
-
-
-def rational(x: Exact, bits: int) -> Fraction:
-    """A rational as it is; an irrational to an error below 2**-bits of itself."""
-    return x if isinstance(x, Fraction) else exact.nearest(x, bits)
 
 
 # --- double run -----------------------------------------------------------------------------------
