@@ -114,7 +114,7 @@ def _run(
             "worst_time": float(judged.times[at]),
             "times": len(judged.times),
             "inputs": rounded(judged.inputs[at]),
-            "expected": band(judged.expected[at]),
+            "expected": judged.expected[at] and [rounded(x) for x in judged.expected[at]],
             "limit": judged.limit,
             "lost": judged.lost or None,
             "drift": {
@@ -147,11 +147,6 @@ def _refined(steps: polhode.Trajectory, judged: polhode.Judgement) -> dict[str, 
 def rounded(digits: float | None) -> float | None:
     """Digits as they are printed."""
     return None if digits is None else round(digits, 2)
-
-
-def band(expected: Sequence[float] | None) -> list[float] | None:
-    """The least, the middle and the most digits expected."""
-    return None if expected is None else [round(digits, 2) for digits in expected]
 
 
 def projection(run: polhode.Trajectory) -> dict[str, Any] | None:
