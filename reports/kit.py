@@ -368,8 +368,6 @@ def filled(template: str, page_tables: Mapping[str, PageTable], facts: Mapping[s
     ]
     fields = {name: page_table.markdown for name, page_table in page_tables.items()} | dict(facts)
     text = "".join(shown).format_map(fields)
-    while "\n\n\n" in text:  # a table without rows beside one that has some
-        text = text.replace("\n\n\n", "\n\n")
     return f"{text.strip()}\n"
 
 

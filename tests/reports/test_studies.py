@@ -23,74 +23,25 @@ import kit
 import make
 import polhode
 import stability
-from kit import TYPES, Column, JsonObject, Only, filled, table, tables
+from kit import TYPES, JsonObject, Only, table
 from polhode.judging.limits import selected
 from shared.reports import COMMITTED, committed
 from shared.tools import tiers
 
 CASES = polhode.cases().column("scene")
 
-# -- tables ----------------------------------------------------------------------------------------
-
-ROW = {"name": "a", "digits": 12.34, "seconds": {"run": 0.5}, "found": [1, 2]}
-ROW |= {"gap": None, "right": False}
+# -- tables: what no committed page shows ----------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("value", "form", "cell", "side"),
-    [
-        ("name", "", "a", "---"),
-        ("name", "code", "`a`", "---"),
-        ("digits", ".1f", "12.3", "--:"),
-        ("seconds.run", ".2g", "0.5", "--:"),
-        ("found.1", "d", "2", "--:"),
-        ("gap", ".1f", "–", "--:"),
-        ("gap.deeper", "", "–", "---"),
-        ("name", ".1f", "a", "--:"),  # such as how a run ended, in place of its digits
-        ("right", "", "no", "---"),
-        ("not there", "", "–", "---"),
-    ],
-)
-def test_a_cell_is_a_value_of_the_row_in_the_form_of_its_column(value, form, cell, side):
-    column = Column.of_line(f"header | {value} | {form}")
-    assert (column.cell(ROW), column.side) == (cell, side)
-
-
-def test_a_table_is_rows_of_columns_with_what_they_hold_and_how_to_make_them_again():
-    lines = "a | name | code\np | digits | .1f | so\n  *much*, |p|\n"
-    page_table = table([ROW, {"name": "b|c"}], lines, "x {0} '{1}'")
-    assert page_table.command(page_table.rows[1]) == "x b|c '–'"
-    assert page_table.markdown == (
-        "| a | p |\n|---|--:|\n| `a` | 12.3 |\n| `b\\|c` | – |\n\n"
-        "Columns: *p*: so *much*, |p|.\nTo make rows again, here the first: `x a '12.3'`."
-    )
-    assert table([], lines).markdown == ""
-
-
-def test_a_path_that_ends_in_a_star_is_a_column_for_each_key():
-    rows = {"at": {"1": 1, "0.5": 2}}, {"at": {"2": None, "1": 3}}, {}
-    page_table = table(rows, "t = * | at.* | d | count\n* | none.* | d\n")
-    assert page_table.header == ("t = 1", "t = 0.5", "t = 2")
-    assert page_table.rows == (("1", "2", "–"), ("3", "–", "–"), ("–", "–", "–"))
-
-
-def test_a_block_of_a_template_is_a_table_and_one_without_lines_has_the_columns_of_the_last():
-    template = "a\n\n```table x: --only {0}\np | p | d\ncase\n```\n\n{n}\n\n```table y\n```\n"
-    own = tables(template, {"x": [{"p": 1, "case": "c"}], "y": [{"p": 2}]}, "make x")
-    assert own["x"].markdown.splitlines()[2] == "| 1 | c |"
-    assert own["x"].markdown.endswith("first: `make x --only 1`.")
-    assert "which `polhode show CASE` prints" in own["y"].markdown
-    assert "To make" not in own["y"].markdown
-    assert filled(template, own, {"n": 3}).startswith("a\n\n| p | case |\n")
-
-
-def test_a_part_without_rows_is_left_out_under_its_heading():
-    template = "# A\n\n{n} of it\n\n## B\n\nwords\n\n{b}\n\n{c}\n\n### C\n\nmore {n}\n\n{c}\n"
-    whole = table([{"x": 1}], "x | x")
-    none = whole._replace(rows=())
-    text = filled(template, {"b": whole, "c": none}, {"n": 2})
-    assert text == "# A\n\n2 of it\n\n## B\n\nwords\n\n| x |\n|---|\n| 1 |\n"
-    assert filled(template, {"b": none, "c": none}, {"n": 2}) == "# A\n\n2 of it\n"
+def test_a_cell_is_escaped_and_what_is_not_there_is_a_dash_also_deep_down():
+    rows = {"name": "b|c", "at": {"1": 1}, "gap": []}, {"gap": None, "at": {"2": None, "1": 3}}, {}
+    page_table = table(rows, "a | name\nb | gap.0 | .1f\nt = * | at.* | d", "x {0} {1}")
+    assert page_table.markdown.splitlines()[2:5] == [
+        "| b\\|c | – | 1 | – |",
+        "| – | – | 3 | – |",
+        "| – | – | – | – |",
+    ]
+    assert page_table.command(page_table.rows[0]) == "x b|c –"
 
 
 # -- the committed report --------------------------------------------------------------------------
@@ -209,7 +160,9 @@ def test_a_page_of_no_rows_and_of_one_row_of_each_kind_can_be_made(name, count):
         for j, (place, key) in enumerate(rows_in(results)):
             if not (name == "stability" and key == "cases"):  # which its kinds name
                 place[key] = place[key][: count * (j == k)]
-        assert make.page(results).startswith(make.page(whole).partition("\n")[0])
+        page = make.page(results)
+        assert page.startswith(make.page(whole).partition("\n")[0])
+        assert "\n\n\n" not in page  # where a table is left out
 
 
 def one_run_less(case: str) -> Any:
