@@ -109,12 +109,13 @@ def _run(
         judged = polhode.compare(run, reference, details=True)
         worst = judged.state_worst
         at = judged.digits.index(worst)
+        band = judged.expected[at]
         row |= {
             "correct_digits": round(worst, 2),
             "worst_time": float(judged.times[at]),
             "times": len(judged.times),
             "inputs": rounded(judged.inputs[at]),
-            "expected": judged.expected[at] and [rounded(x) for x in judged.expected[at]],
+            "expected": band and [rounded(x) for x in band],
             "limit": judged.limit,
             "lost": judged.lost or None,
             "drift": {

@@ -155,7 +155,7 @@ def _top_row(top: str, first: polhode.Scene, members: Sequence[Member]) -> dict[
     return {
         "top": top,
         "starts": len(members),
-        "times": [int(t) for t in first.times],
+        "times": [int(t) for t in shown],
         "fitted_since": since,
         "reference_error": limit,
         "wall": bool(limit > least / 10),
@@ -164,8 +164,8 @@ def _top_row(top: str, first: polhode.Scene, members: Sequence[Member]) -> dict[
 
 
 #: What is told of an ensemble's errors or drifts, and of departures with their signs.
-SIZES = {"median": np.median, "largest": np.max}
-SIGNED = {"mean": np.mean, "deviation": partial(np.std, ddof=1)}
+SIZES: Mapping[str, Callable[..., Any]] = {"median": np.median, "largest": np.max}
+SIGNED: Mapping[str, Callable[..., Any]] = {"mean": np.mean, "deviation": partial(np.std, ddof=1)}
 
 
 def _growth(

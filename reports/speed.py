@@ -145,7 +145,12 @@ class LibraryMotion(NamedTuple):
 
     def scene(self, times: Sequence[Fraction]) -> polhode.Scene:
         """Its scene at other times."""
-        own = {"times": tuple(times), "outputs": self.outputs, "events": (), "published": ()}
+        own: dict[str, Any] = {
+            "times": tuple(times),
+            "outputs": self.outputs,
+            "events": (),
+            "published": (),
+        }
         return replace(polhode.load(self.case), **own)
 
 

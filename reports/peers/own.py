@@ -47,7 +47,7 @@ def prepared(present: Sequence[bool], method: str) -> Run:
 
     @_kept
     def propagator(top: Top, tol: float) -> polhode.Propagator:
-        options = {"tol": _tolerance(tol, number), "project": tol == PROJECTED}
+        options: dict[str, Any] = {"tol": _tolerance(tol, number), "project": tol == PROJECTED}
         return polhode.propagator(_scene(top), number=number.name, **options)
 
     def propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
@@ -82,7 +82,7 @@ def prepared_many(present: Sequence[bool], method: str) -> Run:
         return propagator(top, tol)(start, t=float(at[-1]), workers=1)
 
     def integrated(top: Top, start: Any, at: Any, tol: float) -> Any:
-        options = {"at": [float(at[-1])], "tol": _tolerance(tol), "workers": 1}
+        options: dict[str, Any] = {"at": [float(at[-1])], "tol": _tolerance(tol), "workers": 1}
         return polhode.integrate_many(_scene(top), starts=start, **options).states[:, 0]
 
     return propagated if method == "propagator" else integrated

@@ -156,7 +156,7 @@ class ShownMotion(NamedTuple):
         k = np.clip(np.floor(far).astype(int), 0, len(self.times) - 2)
         s = (far - k)[..., None]
         weights = (1 + 2 * s) * (1 - s) ** 2, s * (1 - s) ** 2, s * s * (3 - 2 * s), s * s * (s - 1)
-        rates = np.array(attitude_rates(self.attitude.T, self.omega.T)).T
+        rates = np.array(attitude_rates([*self.attitude.T], [*self.omega.T])).T
         attitude = _cubic(weights, self.attitude, step * rates, k)
         omega = _cubic(weights, self.omega, np.gradient(self.omega, axis=0), k)
         return attitude / np.linalg.norm(attitude, axis=-1, keepdims=True), omega
