@@ -71,7 +71,7 @@ def _case(scene: polhode.Scene) -> dict[str, Any]:
     reference = polhode.reference(scene)
     fitting = [name for name in kit.NUMBERS if 10**scene.log10_angle <= LONGEST[name]]
     growth = polhode.conditioning(scene, number=fitting[-1]) if fitting else None
-    runs = [_run(scene, reference, name, growth) for name in reversed(fitting)]  # most digits first
+    runs = [_run(scene, reference, name) for name in reversed(fitting)]  # most digits first
     kappas = [x for x in growth.log10_kappa if x is not None] if growth else []
     return {
         "case": scene.name,
@@ -87,18 +87,9 @@ def _case(scene: polhode.Scene) -> dict[str, Any]:
     }
 
 
-def _run(
-    scene: polhode.Scene,
-    reference: polhode.Reference,
-    name: str,
-    growth: polhode.Conditioning | None,
-) -> dict[str, Any]:
-    run = polhode.integrate(
-        scene,
-        name,
-        digits=kit.MP_DIGITS if name == "mp" else None,
-        method="taylor",
-    )
+def _run(scene: polhode.Scene, reference: polhode.Reference, name: str) -> dict[str, Any]:
+    digits = kit.MP_DIGITS if name == "mp" else None
+    run = polhode.integrate(scene, name, digits=digits, method="taylor")
     row: dict[str, Any] = {
         "number": name,
         "bits": run.number.bits,

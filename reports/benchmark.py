@@ -87,7 +87,6 @@ TOPS = (
 
 COLUMNS = ("t", "p", "q", "r", "gamma1", "gamma2", "gamma3", "q0", "q1", "q2", "q3")
 _BEYOND = (8, 20, 60)  # digits more than those that are written, where fewer leave a doubt
-_EXACT = 300  # digits of numbers of a start, from which its decimals are made
 
 
 @dataclass(frozen=True)
@@ -126,18 +125,18 @@ class CertifiedValues:
 def certified_values(top: Top) -> CertifiedValues:
     """The values of a top at its times, proved by an enclosure."""
     scene = replace(polhode.load(top.case), outputs=("attitude",))
-    times = [Fraction(t) for t in top.times]
+    times = ("0", *top.times)
     for more in _BEYOND:
-        enclosure = polhode.certify(scene, times, digits=DIGITS + more)
+        enclosure = polhode.certify(scene, map(Fraction, times), digits=DIGITS + more)
         if set(enclosure.assumed) - {LENGTH}:  # which the certificate does not rest on
             raise polhode.BadInput(
                 top.case, "start", None, "numbers that need no rule for equal ones"
             )
-        size = max(math.hypot(*map(float, row[:3])) for row in enclosure.centres)
+        size = max(math.hypot(*map(float, row[:3])) for row in enclosure.centres[1:])
         places = DIGITS - math.floor(math.log10(size)), DIGITS
         rows = _rows(enclosure, places)
         if rows is not None:
-            return CertifiedValues(scene, ("0", *top.times), (_start(scene, places), *rows), places)
+            return CertifiedValues(scene, times, tuple(rows), places)
     raise polhode.BadInput(top.case, "run.at", None, "times at which no value is halfway")
 
 
@@ -162,18 +161,6 @@ def _rows(enclosure: polhode.Enclosure, places: tuple[int, int]) -> list[tuple[s
             row.append(_decimal(low, places[k >= 3]))
         rows.append(tuple(row))
     return rows
-
-
-def _start(scene: polhode.Scene, places: tuple[int, int]) -> tuple[str, ...]:
-    """The scene's own start, rounded as the values are."""
-    gamma = scene.gamma
-    assert gamma is not None
-    numbers: list[Any] = [*scene.omega, *gamma, *starting_attitude(gamma, scene.psi)]
-    decimals = []
-    for k, x in enumerate(numbers):
-        near = Fraction(polhode.as_decimal(x, _EXACT))
-        decimals.append(_decimal(round(near * 10 ** places[k >= 3]), places[k >= 3]))
-    return tuple(decimals)
 
 
 def _decimal(value: int, places: int) -> str:
