@@ -144,11 +144,10 @@ class AccuracyLine(NamedTuple):
         The last two of a table as measured, of a run as expected; beyond the end by the exponent of
         a motion on which nearby ones separate exponentially.  None: not by the end.
         """
-        judged = self.judgement
-        if judged is None or self.fewest is None:
-            return ("", *(None,) * 3, *self._reach(motion))
-        digits = judged.worst, to_double(judged.worst_time), self.digits[-1]
-        return (judged.limit, *digits, *self._reach(motion))
+        judged, cells = self.judgement, ("", None, None, None)
+        if judged is not None and self.fewest is not None:
+            cells = judged.limit, judged.worst, to_double(judged.worst_time), self.digits[-1]
+        return (*cells, *self._reach(motion))
 
     def _reach(self, motion: Lyapunov) -> Row:
         if self.run is None:
@@ -227,7 +226,14 @@ def section(
     words = {
         "digits": [_measured(against, times, len(scene.times)), *map(_sentence, lines)],
         "runs": [f"The motion is {motion}.{_conditioned(scene)}"],
-        "files": [text for line in files for text in _texts(line)],
+        "files": [
+            text
+            for line in files
+            for text in (
+                f"*{line.name}*:",
+                str(line.judgement) if line.judgement else line.sentence,
+            )
+        ],
         "orders": [text for text, _ in orders],
     }
     return SceneSection(scene, verdict, rows, words)
@@ -401,9 +407,3 @@ def _conditioned(scene: Scene) -> str:
     if amplification is not None:
         sentence += f", and an error made on the way is multiplied by up to {10**amplification:.3g}"
     return f"{sentence}."
-
-
-def _texts(line: AccuracyLine) -> Iterator[str]:
-    """The verdict on a file."""
-    yield f"*{line.name}*:"
-    yield line.sentence if line.judgement is None else str(line.judgement)

@@ -136,7 +136,7 @@ class ReportPage:
         self.svgs: dict[str, str] = {}
         self.draws = False
         with suppress(BadInput):
-            canvas.require()
+            canvas.pyplot()
             self.draws = True
 
     def heading(self, level: int, text: str, anchor: str = "") -> None:
