@@ -73,15 +73,25 @@ def test_the_table_in_readme_is_of_the_committed_rows():
 
 
 @pytest.mark.slow
-def test_stale_files_are_made_again_and_named(tmp_path):
+def test_what_is_stale_is_made_again_and_named_and_rows_of_another_version_too(
+    tmp_path, monkeypatch, capsys
+):
     for name in ("events.json", "events.md"):
         (tmp_path / name).write_bytes((COMMITTED / name).read_bytes())
     page = (tmp_path / "events.md").read_text()
     (tmp_path / "events.md").write_text(page.replace("Events", "events", 1) + "more\n")
-    changed = make.write_stale(tmp_path, ["events"])
-    assert sorted(path.name for path in changed) == ["events.md", "events.svg"]
+    version = committed("events")["provenance"]["versions"]["polhode"]
+
+    def stale(now):
+        monkeypatch.setattr(polhode, "__version__", now)
+        code = make.main(["events", "--stale", "-o", str(tmp_path)])
+        return code, sorted(capsys.readouterr().out.splitlines())
+
+    assert stale(version) == (1, [str(tmp_path / x) for x in ("events.md", "events.svg")])
     assert (tmp_path / "events.md").read_text() == page
-    assert make.write_stale(tmp_path, ["events"]) == []
+    assert stale(version) == (0, [])
+    command = f"rows of polhode {version}, this is 9: python reports/make.py events"
+    assert stale("9") == (1, [f"{tmp_path / 'events.json'}: {command}"])
 
 
 @pytest.mark.parametrize("name", make.STUDIES)
