@@ -370,3 +370,39 @@ def test_a_regular_motion_comes_back(number, most):
     scene = polhode.load("euler/largest-axis")
     assert 0 < stability.error(scene, TYPES[number]) < most
     assert stability.error(scene.at((Fraction(1, 8),)), TYPES[number]) < 20
+
+
+# -- figures that hold at another time than their label says ---------------------------------------
+
+
+def printed_late(late: Fraction, wrong: str = "") -> list[JsonObject]:
+    """Of the state at t = 5 + late, printed to 12 digits as if it were that at 5."""
+    scene = polhode.load("lagrange/nutation")
+    row = polhode.reference(scene).at([5 + late], 20)[0]
+    texts = [f"{float(x):.12g}" for x in row]
+    if wrong:
+        texts[1] = wrong
+    published = [
+        polhode.Published(Fraction(5), q, x, "X") for q, x in zip(scene.columns, texts, strict=True)
+    ]
+    return accuracy.printed_figures(replace(scene, published=tuple(published)))[1]
+
+
+@pytest.mark.parametrize("late", [Fraction(1, 1000), Fraction(-1, 40), Fraction(1, 10**6)])
+def test_a_shift_is_found_to_the_digits_printed(late):
+    (label,) = printed_late(late)
+    assert label["shift"] == pytest.approx(float(late), rel=1e-4, abs=1e-11)
+    assert label["after"] < 1e-11
+    assert label["before"] > 100 * label["after"]
+
+
+def test_figures_that_are_right_or_wrong_in_another_way_have_none():
+    assert printed_late(Fraction(0)) == []
+    assert printed_late(Fraction(1, 1000), wrong="0.5") == []
+
+
+def test_the_brick_of_simulation_six_is_half_a_millisecond_late():
+    (label,) = accuracy.printed_figures(polhode.load("published/nasa-brick"))[1]
+    assert "simulation 6" in label["cite"]
+    assert label["shift"] == pytest.approx(5e-4, rel=1e-4)
+    assert label["after"] < label["before"] / 10_000

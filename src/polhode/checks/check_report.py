@@ -44,7 +44,7 @@ from polhode.scenes.vocabulary import FORMS
 SPREAD = 1.0  # digits by which a run of another machine or version may have more or fewer
 #: The number types for which bands are proposed.
 PROPOSED = ("double", "extended", "quad")
-TICK = Callable[[str], object]
+TICK = Callable[[str], None]
 
 
 def _untold(text: str) -> None:

@@ -144,7 +144,8 @@ class AccuracyLine(NamedTuple):
         The last two of a table as measured, of a run as expected; beyond the end by the exponent of
         a motion on which nearby ones separate exponentially.  None: not by the end.
         """
-        judged, cells = self.judgement, ("", None, None, None)
+        judged = self.judgement
+        cells: Row = ("", None, None, None)
         if judged is not None and self.fewest is not None:
             cells = judged.limit, judged.worst, to_double(judged.worst_time), self.digits[-1]
         return (*cells, *self._reach(motion))
