@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import ceil
@@ -17,12 +17,12 @@ import kit
 import polhode
 from polhode.checks.published_figures import (
     PrintedFigure,
-    TimeLabel,
+    columns_at,
     figures,
     last_unit,
+    ours_of,
     significant_digits,
     textbook_digits,
-    time_labels,
 )
 from polhode.enclosures import approximation, fixed_point_problem
 
@@ -71,7 +71,7 @@ def _case(scene: polhode.Scene) -> dict[str, Any]:
     reference = polhode.reference(scene)
     fitting = [name for name in kit.NUMBERS if 10**scene.log10_angle <= LONGEST[name]]
     growth = polhode.conditioning(scene, number=fitting[-1]) if fitting else None
-    runs = [_run(scene, reference, name, growth) for name in reversed(fitting)]  # most digits first
+    runs = [_run(scene, reference, name) for name in reversed(fitting)]  # most digits first
     kappas = [x for x in growth.log10_kappa if x is not None] if growth else []
     return {
         "case": scene.name,
@@ -87,18 +87,9 @@ def _case(scene: polhode.Scene) -> dict[str, Any]:
     }
 
 
-def _run(
-    scene: polhode.Scene,
-    reference: polhode.Reference,
-    name: str,
-    growth: polhode.Conditioning | None,
-) -> dict[str, Any]:
-    run = polhode.integrate(
-        scene,
-        name,
-        digits=kit.MP_DIGITS if name == "mp" else None,
-        method="taylor",
-    )
+def _run(scene: polhode.Scene, reference: polhode.Reference, name: str) -> dict[str, Any]:
+    digits = kit.MP_DIGITS if name == "mp" else None
+    run = polhode.integrate(scene, name, digits=digits, method="taylor")
     row: dict[str, Any] = {
         "number": name,
         "bits": run.number.bits,
@@ -109,12 +100,13 @@ def _run(
         judged = polhode.compare(run, reference, details=True)
         worst = judged.state_worst
         at = judged.digits.index(worst)
+        band = judged.expected[at]
         row |= {
             "correct_digits": round(worst, 2),
             "worst_time": float(judged.times[at]),
             "times": len(judged.times),
             "inputs": rounded(judged.inputs[at]),
-            "expected": band(judged.expected[at]),
+            "expected": band and [rounded(x) for x in band],
             "limit": judged.limit,
             "lost": judged.lost or None,
             "drift": {
@@ -149,11 +141,6 @@ def rounded(digits: float | None) -> float | None:
     return None if digits is None else round(digits, 2)
 
 
-def band(expected: Sequence[float] | None) -> list[float] | None:
-    """The least, the middle and the most digits expected."""
-    return None if expected is None else [round(digits, 2) for digits in expected]
-
-
 def projection(run: polhode.Trajectory) -> dict[str, Any] | None:
     """The corrections of a run that was put back on its integrals; None where it was not."""
     if run.projection is None:
@@ -179,11 +166,8 @@ def printed_figures(scene: polhode.Scene) -> tuple[list[dict[str, Any]], list[di
     """A row for each figure printed of a scene, and for each source that errs in the time."""
     reference = polhode.reference(scene)
     printed = figures(scene, reference)
-    labels = time_labels(scene, reference, printed)
-    return (
-        [_figure(scene.name, reference.kind, figure) for figure in printed],
-        [label_row(scene.name, label) for label in labels],
-    )
+    rows = [_figure(scene.name, reference.kind, figure) for figure in printed]
+    return rows, [*time_labels(scene, reference, printed)]
 
 
 def kind_of(cite: str, recomputed: bool) -> str:
@@ -207,22 +191,73 @@ def _figure(case: str, reference: str, figure: PrintedFigure) -> dict[str, Any]:
         "difference": polhode.as_decimal(figure.difference, 2),
         "last_units": kit.significant(float(figure.difference / last_unit(printed.value)), 2),
         "digits_shown": significant_digits(printed.value),
-        "digits_right": round(figure.digits_right, 1),
+        "digits_right": round(_digits_right(figure), 1),
         "stands": figure.complete,
         "verdict": figure.verdict,
     }
 
 
-def label_row(case: str, label: TimeLabel) -> dict[str, Any]:
-    """A source whose figures hold at another time."""
-    return {
-        "case": case,
-        "cite": label.cite,
-        "t": float(label.t),
-        "shift": kit.significant(label.shift, 4),
-        "before": kit.significant(label.before, 2),
-        "after": kit.significant(label.after, 2),
-    }
+def _digits_right(figure: PrintedFigure) -> float:
+    """-log10 of the relative difference, at most one digit more than are printed."""
+    most, ours = significant_digits(figure.published.value) + 1.0, Fraction(figure.ours)
+    if not figure.difference or not ours:
+        return 0.0 if figure.difference else most
+    return max(0.0, min(most, -math.log10(figure.difference / abs(ours))))
+
+
+# --- time labels ----------------------------------------------------------------------------------
+#
+# Printed figures that are off because they hold at another time than their label says.
+#
+# The figures of one source at one time differ from ours by d_i, and ours change at the rates r_i.
+# Where one shift s of the time explains them, s = sum d_i r_i / sum r_i² leaves next to nothing of
+# all the differences at once, which one number cannot do by chance for two figures or more.
+
+
+EXPLAINS = 100  # times smaller: what is left of the differences at the shifted time
+_STEP = Fraction(1, 10**9)  # of the time for the rates, relative
+_ROUNDS = 3  # of Newton's method: the rates change over the shift
+
+
+def time_labels(
+    scene: polhode.Scene, reference: polhode.Reference, printed: Sequence[PrintedFigure]
+) -> Iterator[dict[str, Any]]:
+    """A row for each source of which a shift of the time explains all figures at once."""
+    groups: dict[tuple[str, Any], list[PrintedFigure]] = {}
+    for figure in printed:
+        if isinstance(figure.published.t, Fraction):
+            groups.setdefault((figure.published.cite, figure.published.t), []).append(figure)
+    for (cite, t), own in groups.items():
+        off = any(figure.difference and not figure.complete for figure in own)
+        if len(own) < 2 or not t or not off:
+            continue
+        shift, step, before = Fraction(0), abs(t) * _STEP, _differences(scene, reference, t, own)
+        for _ in range(_ROUNDS):
+            here, there = (
+                _differences(scene, reference, t + shift + ahead, own) for ahead in (0, step)
+            )
+            rates = [(a - b) / step for a, b in zip(here, there, strict=True)]
+            products = sum(d * r for d, r in zip(here, rates, strict=True))
+            shift = (shift + products / sum(r * r for r in rates)).limit_denominator(10**15)
+        after = _differences(scene, reference, t + shift, own)
+        before_most, after_most = (float(max(map(abs, x))) for x in (before, after))
+        if after_most * EXPLAINS < before_most:
+            yield {
+                "case": scene.name,
+                "cite": cite,
+                "t": float(t),
+                "shift": kit.significant(float(shift), 4),
+                "before": kit.significant(before_most, 2),
+                "after": kit.significant(after_most, 2),
+            }
+
+
+def _differences(
+    scene: polhode.Scene, reference: polhode.Reference, t: Fraction, printed: list[PrintedFigure]
+) -> list[Fraction]:
+    """What is printed less ours at a time."""
+    columns = columns_at(scene, reference, t, 30)
+    return [Fraction(x.published.value) - ours_of(x.published, columns) for x in printed]
 
 
 # --- proven ---------------------------------------------------------------------------------------

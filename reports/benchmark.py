@@ -41,6 +41,11 @@ class Top(NamedTuple):
         """What its files are called."""
         return self.case.replace("/", "-")
 
+    @property
+    def proof(self) -> str:
+        """The file of its certificate."""
+        return f"{self.name}.certificate.json"
+
 
 _SHORT = ("1", "2", "3", "4", "6", "8", "10", "12", "16", "20")
 _LONG = ("1", "2", "5", "10", "15", "20", "25", "30", "40", "50")
@@ -82,7 +87,6 @@ TOPS = (
 
 COLUMNS = ("t", "p", "q", "r", "gamma1", "gamma2", "gamma3", "q0", "q1", "q2", "q3")
 _BEYOND = (8, 20, 60)  # digits more than those that are written, where fewer leave a doubt
-_EXACT = 300  # digits of numbers of a start, from which its decimals are made
 
 
 @dataclass(frozen=True)
@@ -97,7 +101,8 @@ class CertifiedValues:
     rows: tuple[tuple[str, ...], ...]
     places: tuple[int, int]
 
-    def certificate(self, progress: Any = None) -> Any:
+    @property
+    def certificate(self) -> Any:
         """The certificate that each value is right to its last place, as JSON's objects."""
         gamma = self.scene.gamma
         assert gamma is not None
@@ -107,9 +112,8 @@ class CertifiedValues:
             starting_attitude(gamma, self.scene.psi), [row[6:] for row in balls]
         )
         times = [Fraction(t) for t in self.times[1:]]
-        return state_certificate.certificate(
-            self.scene, times, [row[:6] for row in balls], progress, attitude
-        )
+        states = [row[:6] for row in balls]
+        return state_certificate.certificate(self.scene, times, states, None, attitude)
 
     @property
     def csv(self) -> str:
@@ -118,21 +122,21 @@ class CertifiedValues:
         return "\n".join([",".join(COLUMNS), *lines]) + "\n"
 
 
-def certified_values(top: Top, progress: Any = None) -> CertifiedValues:
+def certified_values(top: Top) -> CertifiedValues:
     """The values of a top at its times, proved by an enclosure."""
     scene = replace(polhode.load(top.case), outputs=("attitude",))
-    times = [Fraction(t) for t in top.times]
+    times = ("0", *top.times)
     for more in _BEYOND:
-        enclosure = polhode.certify(scene, times, digits=DIGITS + more, progress=progress)
+        enclosure = polhode.certify(scene, map(Fraction, times), digits=DIGITS + more)
         if set(enclosure.assumed) - {LENGTH}:  # which the certificate does not rest on
             raise polhode.BadInput(
                 top.case, "start", None, "numbers that need no rule for equal ones"
             )
-        size = max(math.hypot(*map(float, row[:3])) for row in enclosure.centres)
+        size = max(math.hypot(*map(float, row[:3])) for row in enclosure.centres[1:])
         places = DIGITS - math.floor(math.log10(size)), DIGITS
         rows = _rows(enclosure, places)
         if rows is not None:
-            return CertifiedValues(scene, ("0", *top.times), (_start(scene, places), *rows), places)
+            return CertifiedValues(scene, times, tuple(rows), places)
     raise polhode.BadInput(top.case, "run.at", None, "times at which no value is halfway")
 
 
@@ -157,18 +161,6 @@ def _rows(enclosure: polhode.Enclosure, places: tuple[int, int]) -> list[tuple[s
             row.append(_decimal(low, places[k >= 3]))
         rows.append(tuple(row))
     return rows
-
-
-def _start(scene: polhode.Scene, places: tuple[int, int]) -> tuple[str, ...]:
-    """The scene's own start, rounded as the values are."""
-    gamma = scene.gamma
-    assert gamma is not None
-    numbers: list[Any] = [*scene.omega, *gamma, *starting_attitude(gamma, scene.psi)]
-    decimals = []
-    for k, x in enumerate(numbers):
-        near = Fraction(polhode.as_decimal(x, _EXACT))
-        decimals.append(_decimal(round(near * 10 ** places[k >= 3]), places[k >= 3]))
-    return tuple(decimals)
 
 
 def _decimal(value: int, places: int) -> str:
@@ -206,8 +198,8 @@ def write_benchmark(folder: Path, only: Iterable[str] = (), tick: Say | None = N
         if tick is not None:
             tick(f"{top.name}, {n + 1} of {len(chosen)}; about {SECONDS} s each")
         values_of[top.name] = values = certified_values(top)
-        certificate = json.dumps(values.certificate()) + "\n"
-        written += _save(folder, {f"{top.name}.csv": values.csv, _proof(top): certificate})
+        certificate = json.dumps(values.certificate) + "\n"
+        written += _save(folder, {f"{top.name}.csv": values.csv, top.proof: certificate})
     if len(values_of) == len(TOPS):
         texts = {name: (HERE / "benchmark" / name).read_text(encoding="utf-8") for name in CHECKERS}
         written += _save(folder, texts | {DATA: data(values_of), PAGE: page()})
@@ -218,36 +210,30 @@ def _save(folder: Path, texts: dict[str, str]) -> list[Path]:
     return write_whole({folder / name: text for name, text in texts.items()})
 
 
-def _proof(top: Top) -> str:
-    return f"{top.name}.certificate.json"
-
-
 def _named(name: str) -> Top:
-    for top in TOPS:
-        if name in (top.name, top.case):
-            return top
-    raise polhode.BadInput("benchmark", "--only", name, ", ".join(top.name for top in TOPS))
+    tops = {label: top for top in TOPS for label in (top.case, top.name)}
+    if name not in tops:
+        raise polhode.BadInput("benchmark", "--only", name, ", ".join(top.name for top in TOPS))
+    return tops[name]
 
 
 def data(values_of: dict[str, CertifiedValues]) -> str:
     """Exact data of all tops as JSON: the numbers of the scene's file, and all as decimals."""
-    tops = []
-    for top in TOPS:
-        values = values_of[top.name]
-        tops.append(
-            {
-                "name": top.name,
-                "about": top.about,
-                "case": top.case,
-                "exact": _written(top.case),
-                "decimal": _decimals(values.scene),
-                "attitude": values.rows[0][6:],
-                "times": values.times[1:],
-                "places": {"omega": values.places[0], "gamma and attitude": values.places[1]},
-                "values": f"{top.name}.csv",
-                "certificate": _proof(top),
-            }
-        )
+    tops = [
+        {
+            "name": top.name,
+            "about": top.about,
+            "case": top.case,
+            "exact": _written(top.case),
+            "decimal": _decimals(values.scene),
+            "attitude": values.rows[0][6:],
+            "times": values.times[1:],
+            "places": dict(zip(("omega", "gamma and attitude"), values.places, strict=True)),
+            "values": f"{top.name}.csv",
+            "certificate": top.proof,
+        }
+        for top, values in ((top, values_of[top.name]) for top in TOPS)
+    ]
     return json.dumps({"name": NAME, "version": VERSION, "tops": tops}, indent=1) + "\n"
 
 
@@ -275,7 +261,7 @@ def _data_decimal(x: Any) -> str:
 def page() -> str:
     """What the folder is, and how it is used, in Markdown."""
     rows = [
-        f"| [{top.name}]({top.name}.csv) | {top.about} | {top.times[-1]} | [proof]({_proof(top)}) |"
+        f"| [{top.name}]({top.name}.csv) | {top.about} | {top.times[-1]} | [proof]({top.proof}) |"
         for top in TOPS
     ]
     return template("benchmark").format(

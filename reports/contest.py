@@ -2,12 +2,12 @@
 
 Of many starts those that are judged are run alone, and all of them where it is timed.
 
-A job: {"kind", "cells": [{"end", "outputs", "starts", "truths": [[high, low, scale] a draw]}],
-"programs": names, "tolerances": {cell's label: {program: [tolerances]}} or null, "patience":
-seconds}.  Without tolerances each program is run once at all of its own, judged, and only those
-next to a level are timed further, in cells of the work-precision diagram all.  A short call is
-timed in a block of them, as a loop makes them; each has another start than the one before: the
-draw's, its first component off by some units in the last place.  What is judged has the draw's own.
+A job: {"kind", "cells": [[numbers of a :class:`tops.Cell`, [exact states a draw]]], "programs":
+names, "tolerances": {cell's name: {program: [tolerances]}} or null, "patience": seconds}.  Without
+tolerances each program is run once at all of its own, judged, and only those next to a level are
+timed further, in cells of the work-precision diagram all.  A short call is timed in a block of
+them, as a loop makes them; each has another start than the one before: the draw's, its first
+component off by some units in the last place.  What is judged has the draw's own.
 
 The answer is lines of JSON, flushed as they are made: {"failed": program, "fault"} of one that
 could not be prepared, and for each cell {"cell", "points": {program: [[draw, tol, digits,
@@ -25,12 +25,13 @@ import time
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import contextmanager, suppress
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import tops
-from kit import Only, Say, clocked, cores, in_order, significant
+from kit import Only, Say, clocked, cores, rows_by_part, significant
 from peers.field import Run
 from peers.process import ask, end_with_parent, write
 from programs import BY_NAME, MANY, OURS, OWN, Program
@@ -39,7 +40,7 @@ from tops import (
     MANY_JUDGED,
     Cell,
     Draw,
-    Truth,
+    States,
     digits,
     draw,
     judged,
@@ -62,25 +63,24 @@ def main() -> None:
     end_with_parent()
     job = json.load(sys.stdin)
     ready: dict[bool, dict[str, Run]] = {False: {}, True: {}}
-    asked_for = {bool(cell_job["starts"]) for cell_job in job["cells"]}
+    cells = [(Cell(*numbers), [*map(_states, texts)]) for numbers, texts in job["cells"]]
     for name in job["programs"]:
-        for many in sorted(asked_for):
+        for many in sorted({cell.starts > 0 for cell, _ in cells}):
             if not many or name in MANY:
                 try:
                     ready[many][name] = BY_NAME[name].prepared(present(job["kind"]), many)
                 except Exception as fault:  # of a package that does not fit the others
                     write({"failed": name, "fault": _fault_text(fault)})
-    for cell_job in job["cells"]:
-        cell = Cell(job["kind"], cell_job["end"], cell_job["outputs"], cell_job["starts"])
-        contest = _Contest(cell, [*map(_truth, cell_job["truths"])], ready[bool(cell.starts)])
-        contest.hold((job["tolerances"] or {}).get(cell.label), job["patience"])
-        write({"cell": cell.label, "points": contest.plain_points(), "faults": contest.faults})
+    for cell, truths in cells:
+        contest = _Contest(cell, truths, ready[cell.starts > 0])
+        contest.hold((job["tolerances"] or {}).get(cell.name), job["patience"])
+        write({"cell": cell.name, "points": contest.plain_points(), "faults": contest.faults})
 
 
 class _Contest:
     """One cell: its draws, and what each program has given on them so far."""
 
-    def __init__(self, cell: Cell, truths: Sequence[Truth], ready: Mapping[str, Run]) -> None:
+    def __init__(self, cell: Cell, truths: Sequence[States], ready: Mapping[str, Run]) -> None:
         import numpy as np
 
         self.cell, self.truths = cell, truths
@@ -115,6 +115,14 @@ class _Contest:
             if time.perf_counter() - began > patience:
                 return
 
+    @contextmanager
+    def _noting(self, name: str, tol: float) -> Iterator[None]:
+        """What a program raises, whatever it is, is a result."""
+        try:
+            yield
+        except Exception as fault:
+            self.faults[f"{name} at {tol:.1g}"] = _fault_text(fault)
+
     def _block(self, name: str, k: int, tol: float) -> None:
         """Calls one after the other, timed together, each with a start of its own."""
         right, least = self.points[name][k, tol]
@@ -130,38 +138,25 @@ class _Contest:
             for start in starts:
                 run(top, start, self.times, tol)
 
-        try:
+        with self._noting(name, tol):
             _, seconds = clocked(block)
-        except Exception as fault:
-            self._fail(name, tol, fault)
-            return
-        self.points[name][k, tol] = right, min(least, seconds / len(starts))
-
-    def _fail(self, name: str, tol: float, fault: Exception) -> None:
-        """What a program raised, whatever it is: a result."""
-        self.faults[f"{name} at {tol:.1g}"] = _fault_text(fault)
+            self.points[name][k, tol] = right, min(least, seconds / len(starts))
 
     def _once(self, name: str, k: int, tol: float) -> None:
         """The call that is judged, timed alone; of many starts those that are judged, untimed."""
-        start = self.draws[k].start.copy()
-        run, top, truth = self.ready[name], self.draws[k].top, self.truths[k]
-        try:
+        scene, top, start = self.draws[k].scene, self.draws[k].top, self.draws[k].start.copy()
+        run, truth, outputs = self.ready[name], self.truths[k], len(self.times)
+        with self._noting(name, tol):
             if self.cell.starts:
-                right = median_digits(run(top, start[:MANY_JUDGED], self.times, tol), truth)
-                self.points[name][k, tol] = right, math.inf
+                states = run(top, start[:MANY_JUDGED], self.times, tol)
+                self.points[name][k, tol] = median_digits(states, truth, scene), math.inf
                 return
             # what is made on the first call, a short one, is not timed
             run(top, start, self.times / self.cell.end, tol)
             states, seconds = clocked(lambda: run(top, start, self.times, tol))
-        except Exception as fault:
-            self._fail(name, tol, fault)
-            return
-        expected = (1, len(self.times))
-        if len(states) not in expected:
-            self.faults[f"{name} at {tol:.1g}"] = f"{len(states)} of {expected[-1]} states"
-            return
-        right = digits(judged(states, self.cell.outputs), truth)
-        self.points[name][k, tol] = right, seconds
+            if len(states) not in (1, outputs):
+                raise ArithmeticError(f"{len(states)} of {outputs} states")
+            self.points[name][k, tol] = digits(judged(states, outputs), truth, scene), seconds
 
     def plain_points(self) -> dict[str, list[list[float]]]:
         """The points as plain lists."""
@@ -194,10 +189,8 @@ def _fault_text(fault: Exception) -> str:
     return f"{type(fault).__name__}: {fault}"
 
 
-def _truth(arrays: Sequence[Any]) -> Truth:
-    import numpy as np
-
-    return Truth(*map(np.array, arrays))
+def _states(texts: Sequence[Sequence[str]]) -> States:
+    return [[Fraction(x) for x in row] for row in texts]
 
 
 if __name__ == "__main__":
@@ -233,15 +226,13 @@ def seconds_at(marks: Sequence[WorkPoint], digits: float) -> float | None:
 
     Below its first point the first point's.
     """
+    import numpy as np
+
     line = frontier(marks)
     if not line or digits > line[-1].digits:
         return None
-    if digits <= line[0].digits:
-        return line[0].seconds
-    k = next(k for k, mark in enumerate(line) if mark.digits >= digits)
-    low, high = line[k - 1], line[k]
-    part = (digits - low.digits) / (high.digits - low.digits)
-    return math.exp((1 - part) * math.log(low.seconds) + part * math.log(high.seconds))
+    at, seconds = zip(*line, strict=True)
+    return math.exp(np.interp(digits, at, np.log(seconds)))
 
 
 # --- cells ----------------------------------------------------------------------------------------
@@ -275,7 +266,7 @@ def wanted_cells(quick: bool, only: Only) -> dict[str, list[Cell]]:
         here = [
             cell
             for cell in tops.cells(kind)
-            if (not quick or cell[1:] in QUICK_CELLS) and only(cell.label)
+            if (not quick or cell[1:] in QUICK_CELLS) and only(cell.name)
         ]
         if here:
             cells[kind] = here
@@ -303,25 +294,17 @@ def _kind(
     kind: str,
     cells: Sequence[Cell],
     programs: Sequence[Program],
-    truths: Mapping[tuple[str, int, bool, int], Truth],
+    truths: Mapping[Cell, list[Any]],
     cache: Path,
     quick: bool,
     say: Say,
 ) -> list[dict[str, Any]]:
     """The rows of one kind, from as many processes as are made."""
-    points: dict[str, dict[str, Points]] = {cell.label: {} for cell in cells}
-    faults: dict[str, dict[str, str]] = {cell.label: {} for cell in cells}
+    points: dict[str, dict[str, Points]] = {cell.name: {} for cell in cells}
+    faults: dict[str, dict[str, str]] = {cell.name: {} for cell in cells}
     job: dict[str, Any] = {
         "kind": kind,
-        "cells": [
-            {
-                **{"end": cell.end, "outputs": cell.outputs, "starts": cell.starts},
-                "truths": [
-                    _plain(truths[kind, cell.end, cell.starts > 0, k]) for k in range(DRAWS)
-                ],
-            }
-            for cell in cells
-        ],
+        "cells": [(cell, truths[_judged_cell(cell)]) for cell in cells],
         "programs": [program.name for program in programs],
         "tolerances": None,
         "patience": QUICK_PATIENCE if quick else PATIENCE,
@@ -329,11 +312,11 @@ def _kind(
     for turn in range(1 if quick else PROCESSES):
         say(f"contest: {kind}, process {turn + 1}")
         answers, fault = ask(_MODULE, job, _LIMIT, cache)
-        missing = {cell.label for cell in cells}
+        missing = {cell.name for cell in cells}
         for answer in answers:
             if "failed" in answer:
                 for cell in cells:
-                    faults[cell.label][answer["failed"]] = answer["fault"]
+                    faults[cell.name][answer["failed"]] = answer["fault"]
             else:
                 missing.discard(answer["cell"])
                 _enter(points[answer["cell"]], answer["points"])
@@ -341,11 +324,11 @@ def _kind(
         for label in missing if fault else ():
             faults[label][f"process {turn + 1}"] = fault
         job["tolerances"] = {  # a cell that no process came to is held whole by the next one
-            cell.label: held_again(points[cell.label], cell.every_tolerance)
+            cell.name: held_again(points[cell.name], cell.every_tolerance)
             for cell in cells
-            if points[cell.label]
+            if points[cell.name]
         }
-    return [row(cell, points[cell.label], faults[cell.label]) for cell in cells]
+    return [row(cell, points[cell.name], faults[cell.name]) for cell in cells]
 
 
 def row(cell: Cell, points: Mapping[str, Points], faults: Mapping[str, str]) -> dict[str, Any]:
@@ -359,9 +342,7 @@ def row(cell: Cell, points: Mapping[str, Points], faults: Mapping[str, str]) -> 
                 "program": name,
                 "reached": len(marks),
                 "seconds": significant(statistics.median(marks.values()), 3) if marks else None,
-                "ratio": None
-                if name == OURS
-                else ratio(marks, own, f"{cell.label} {level} {name}"),
+                "ratio": None if name == OURS else ratio(marks, own, f"{cell.name} {level} {name}"),
             }
             for name, marks in seconds.items()
         ]
@@ -430,27 +411,22 @@ def verdict(programs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     return {"stands": stands, "best": name, "ratio": [middle, least, most]}
 
 
-def _truths(
-    cells_of: Mapping[str, Sequence[Cell]], say: Say
-) -> dict[tuple[str, int, bool, int], Truth]:
-    """The references by kind, end and draw, the longest first: no clock runs beside them."""
-    ends = {(c.kind, c.end, c.starts > 0) for cells in cells_of.values() for c in cells}
-    jobs = [(*x, k) for x in sorted(ends, key=lambda x: (-x[1], x)) for k in range(DRAWS)]
-
-    def tell(job: tuple[str, int, bool, int]) -> None:
-        if job[-1] == 0:
-            say(f"references of {job[0]} to t = {job[1]}{', many starts' if job[2] else ''}")
-
-    return dict(zip(jobs, in_order(_truth_of, jobs, False, tell), strict=True))
+def _judged_cell(cell: Cell) -> Cell:
+    """What the references of a cell are of: its end, and the starts that are judged."""
+    return cell._replace(outputs=2, starts=MANY_JUDGED * (cell.starts > 0))
 
 
-def _truth_of(job: tuple[str, int, bool, int]) -> Truth:
-    kind, end, many, k = job
-    return tops.truth(kind, k, end, many)
+def _truths(cells_of: Mapping[str, Sequence[Cell]], say: Say) -> dict[Cell, list[Any]]:
+    """The references of all draws, the longest first: no clock runs beside them."""
+    every = {_judged_cell(cell) for cells in cells_of.values() for cell in cells}
+    ends = sorted(every, key=lambda cell: (-cell.end, cell))
+    truths = rows_by_part({"references": (_texts, ends)}, False, say)["references"]
+    return dict(zip(ends, truths, strict=True))
 
 
-def _plain(true: Truth) -> list[Any]:
-    return [x.tolist() for x in true]
+def _texts(cell: Cell) -> list[Any]:
+    truths = (tops.truth(cell.kind, k, cell.end, cell.starts > 0) for k in range(DRAWS))
+    return [[[*map(str, row)] for row in states] for states in truths]
 
 
 def _enter(points: dict[str, Points], answers: Mapping[str, Sequence[Sequence[float]]]) -> None:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from io import StringIO
 from multiprocessing import active_children, get_context
 from pathlib import Path
@@ -32,7 +33,6 @@ JsonObject: TypeAlias = dict[str, Any]
 #: Told what is being done.
 Say: TypeAlias = Callable[[str], object]
 _IGNORE = signal.SIGINT, signal.SIG_IGN
-Job = TypeVar("Job")
 Answer = TypeVar("Answer")
 
 
@@ -58,7 +58,9 @@ def significant(x: float, digits: int) -> float:
 
 
 def fewest_digits(states: Any, true: Any, scene: polhode.Scene, most: float) -> float:
-    """The fewest correct digits of any of the states, at most so many."""
+    """The fewest correct digits of any of the states, at most so many; 0 of what is no number."""
+    if not all(math.isfinite(x) for row in states for x in row):
+        return 0.0
     with np.errstate(divide="ignore"):
         worst = -np.log10(polhode.state_errors(states, true, scene).max())
     return float(np.clip(worst, 0.0, most))
@@ -71,33 +73,29 @@ def clocked(call: Callable[[], Answer]) -> tuple[Answer, float]:
     return answer, time.process_time() - began
 
 
-def in_order(
-    answer: Callable[[Job], Answer],
-    jobs: Sequence[Job],
-    alone: bool,
-    tell: Callable[[Job], object],
-) -> Iterator[Answer]:
-    """The answers in the order of the jobs, by as many processes as there are processors.
+def timed(calls: Sequence[Callable[[], Answer]], repeats: int, patience: float) -> list[Timed]:
+    """What calls return and cost: once each to begin with, then in turns, what is slow no more."""
+    timed_calls = [Timed(*clocked(call), 1) for call in calls]
+    seconds: list[list[float]] = [[] for _ in calls]
+    for _ in range(repeats):
+        for call, first, more in zip(calls, timed_calls, seconds, strict=True):
+            if first.seconds <= patience:
+                more.append(clocked(call)[1])
+    return [
+        first._replace(seconds=min(more), calls=repeats) if more else first
+        for first, more in zip(timed_calls, seconds, strict=True)
+    ]
 
-    ``alone``: by this one.  ``tell``: told each job before its answer is given.
+
+class Timed(NamedTuple):
+    """What a call returned, the least processor seconds, and of how many calls.
+
+    The first of them warms up, and counts where a call takes longer than the patience.
     """
-    if alone or min(cores(), len(jobs)) < 2:
-        for job in jobs:
-            tell(job)
-            yield answer(job)
-        return
-    ignore: dict[str, Any] = {"initializer": signal.signal, "initargs": _IGNORE}
-    with ProcessPoolExecutor(cores(), get_context("spawn"), **ignore) as pool:
-        try:
-            futures = [pool.submit(answer, job) for job in jobs]
-            for job, future in zip(jobs, futures, strict=True):
-                result = future.result()
-                tell(job)
-                yield result
-        except BaseException:  # Ctrl-C does not wait for what they have begun
-            for process in active_children():
-                process.terminate()
-            raise
+
+    answer: Any
+    seconds: float
+    calls: int
 
 
 #: The makers of a study's parts, each with what its rows are of.
@@ -105,21 +103,26 @@ Parts: TypeAlias = Mapping[str, tuple[Callable[[Any], Any], Sequence[Any]]]
 
 
 def rows_by_part(parts: Parts, alone: bool, say: Say) -> dict[str, list[Any]]:
-    """The rows of each part, the first begun first; ``alone``: as of :func:`in_order`."""
+    """The rows of each part, by as many processes as there are processors, the first begun first.
+
+    ``alone``: by this one.
+    """
     jobs = [(part, make, subject) for part, (make, every) in parts.items() for subject in every]
     rows: dict[str, list[Any]] = {part: [] for part in parts}
-
-    def tell(job: tuple[str, Any, Any]) -> None:
-        say(f"{job[0]}: {getattr(job[2], 'name', job[2])}")
-
-    for (part, *_), row in zip(jobs, in_order(_row, jobs, alone, tell), strict=True):
-        rows[part].append(row)
+    alone = alone or min(cores(), len(jobs)) < 2
+    with ProcessPoolExecutor(cores(), get_context("spawn"), signal.signal, _IGNORE) as pool:
+        answers = [
+            partial(make, x) if alone else pool.submit(make, x).result for _, make, x in jobs
+        ]
+        try:
+            for (part, _, subject), answer in zip(jobs, answers, strict=True):
+                say(f"{part}: {getattr(subject, 'name', subject)}")
+                rows[part].append(answer())
+        except BaseException:  # Ctrl-C does not wait for what they have begun
+            for process in active_children():
+                process.terminate()
+            raise
     return rows
-
-
-def _row(job: tuple[str, Callable[[Any], Any], Any]) -> Any:
-    _, make, subject = job
-    return make(subject)
 
 
 def cores() -> int:
@@ -365,8 +368,6 @@ def filled(template: str, page_tables: Mapping[str, PageTable], facts: Mapping[s
     ]
     fields = {name: page_table.markdown for name, page_table in page_tables.items()} | dict(facts)
     text = "".join(shown).format_map(fields)
-    while "\n\n\n" in text:  # a table without rows beside one that has some
-        text = text.replace("\n\n\n", "\n\n")
     return f"{text.strip()}\n"
 
 

@@ -16,10 +16,9 @@ from __future__ import annotations
 import math
 import statistics
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
-from itertools import starmap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -73,24 +72,6 @@ class Member(NamedTuple):
         return [max(map(abs, row)) for row in zip(*self.departures.values(), strict=True)]
 
 
-class RunStart(NamedTuple):
-    """One member of an ensemble: a top, the number of the start, the times."""
-
-    top: str
-    place: int
-    times: tuple[Fraction, ...]
-
-    @property
-    def scene(self) -> polhode.Scene:
-        """The exact scene."""
-        return random_scene(self.top, self.place, self.times)
-
-    @property
-    def name(self) -> str:
-        """What it is called."""
-        return self.scene.name
-
-
 def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; no figure in them depends on the clock."""
     tops = [*ensembles((2, 4) if quick else (2, 6), STARTS, say, only)]
@@ -108,10 +89,11 @@ def ensembles(
     """One row per top: medians over its starts at every half decade, and exponents."""
     times = half_decades(*decades)
     tops = [top for top in TOPS if only(f"{top} growth", *FAR)]
-    starts_of = [RunStart(top, k, times) for top in tops for k in range(starts)]
-    members = kit.rows_by_part({"growth": (follow, starts_of)}, alone, say)["growth"]
+    scenes = [random_scene(top, k, times) for top in tops for k in range(starts)]
+    members = kit.rows_by_part({"growth": (follow, scenes)}, alone, say)["growth"]
     for k, top in enumerate(tops):
-        yield _top_row(top, times, members[k * starts : (k + 1) * starts])
+        own = slice(k * starts, (k + 1) * starts)
+        yield _top_row(top, scenes[own][0], members[own])
 
 
 def half_decades(first: int, last: int) -> tuple[Fraction, ...]:
@@ -119,9 +101,8 @@ def half_decades(first: int, last: int) -> tuple[Fraction, ...]:
     return tuple(Fraction(round(10 ** (k / 2))) for k in range(2 * first, 2 * last + 1))
 
 
-def follow(start: RunStart) -> Member:
+def follow(scene: polhode.Scene) -> Member:
     """Integrate one start by both methods and judge it at every time."""
-    scene = start.scene
     reference = polhode.reference(scene).at(scene.times, DIGITS)
     runs = {
         method: polhode.integrate(scene, "double", project=method == PROJECTED)
@@ -144,9 +125,8 @@ def follow(start: RunStart) -> Member:
     )
 
 
-def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> dict[str, Any]:
-    first = RunStart(top, 0, tuple(times)).scene
-    shown = [float(t) for t in times]
+def _top_row(top: str, first: polhode.Scene, members: Sequence[Member]) -> dict[str, Any]:
+    shown = [float(t) for t in first.times]
     since = min(FIT_SINCE, shown[-1] / 100)
     corrections = [m.projection for m in members if m.projection is not None]
     plain, projected = ([m.errors[method] for m in members] for method in (PLAIN, PROJECTED))
@@ -175,7 +155,7 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
     return {
         "top": top,
         "starts": len(members),
-        "times": [int(t) for t in times],
+        "times": [int(t) for t in shown],
         "fitted_since": since,
         "reference_error": limit,
         "wall": bool(limit > least / 10),
@@ -183,14 +163,24 @@ def _top_row(top: str, times: Sequence[Fraction], members: Sequence[Member]) -> 
     }
 
 
+#: What is told of an ensemble's errors or drifts, and of departures with their signs.
+SIZES: Mapping[str, Callable[..., Any]] = {"median": np.median, "largest": np.max}
+SIGNED: Mapping[str, Callable[..., Any]] = {"mean": np.mean, "deviation": partial(np.std, ddof=1)}
+
+
 def _growth(
-    times: Sequence[float], series: Sequence[Sequence[float]], since: float, law: float
+    times: Sequence[float],
+    series: Sequence[Sequence[float]],
+    since: float,
+    law: float,
+    shown: Mapping[str, Callable[..., Any]] = SIZES,
 ) -> dict[str, Any]:
-    """How an ensemble's errors or drifts grow; ``law``: the exponent that is expected."""
+    """How an ensemble's errors or departures grow; ``law``: the exponent that is expected."""
+    fitted = exponent(times, series, since, np.median if shown is SIZES else np.std)
+    exponents = fitted._asdict() if fitted else dict.fromkeys(Exponent._fields)
     return {
-        "median": _short(np.median(series, axis=0)),
-        "largest": _short(np.max(series, axis=0)),
-        **_exponents(exponent(times, series, since)),
+        **{name: _short(number(series, axis=0)) for name, number in shown.items()},
+        **{name: None if x is None else round(x, 3) for name, x in exponents.items()},
         "law": law,
     }
 
@@ -200,31 +190,15 @@ def _short(values: Any) -> list[float]:
     return [kit.significant(float(x), 3) for x in values]
 
 
-def _exponents(fitted: Exponent | None) -> dict[str, float | None]:
-    """An exponent and that of the last decade, each with its standard error; None of nothing."""
-    if fitted is None:
-        return dict.fromkeys(Exponent._fields)
-    return {name: round(x, 3) for name, x in fitted._asdict().items()}
-
-
 def _integrals(
     times: Sequence[float], members: Sequence[Member], since: float
 ) -> list[dict[str, Any]]:
     """Each integral's departure over the ensemble: mean beside standard deviation."""
-    integrals = []
-    for name in members[0].departures:
-        series = [m.departures[name] for m in members]
-        fitted = exponent(times, series, since, np.std)
-        integrals.append(
-            {
-                "integral": name,
-                "mean": _short(np.mean(series, axis=0)),
-                "deviation": _short(np.std(series, axis=0, ddof=1)),
-                **_exponents(fitted),
-                "law": BROUWER["drift"],
-            }
-        )
-    return integrals
+    series = {name: [m.departures[name] for m in members] for name in members[0].departures}
+    return [
+        {"integral": name, **_growth(times, rows, since, BROUWER["drift"], SIGNED)}
+        for name, rows in series.items()
+    ]
 
 
 def _beside_inputs(members: Sequence[Member]) -> dict[str, Any]:
@@ -280,20 +254,13 @@ def exponent(
         return None
     drawn = np.random.default_rng(1).integers(0, len(y), (RESAMPLES, len(y)))
     samples = np.log10(np.maximum(middle_of(y[drawn], axis=1), np.finfo(float).tiny))
-    weights = 1 / np.maximum(samples.var(axis=0), 1e-6)
-    middle = np.log10(middle_of(y, axis=0))
-    last = x >= x[-1] - 1 - 1e-9
-    slopes_of = []
-    for part in (slice(None), last):
-        slopes = [_slope(x[part], sample[part], weights[part]) for sample in samples]
-        slopes_of += [_slope(x[part], middle[part], weights[part]), float(np.std(slopes, ddof=1))]
-    return Exponent(*slopes_of)
-
-
-def _slope(x: Any, y: Any, weights: Any) -> float:
-    """The slope of a weighted line through the points."""
-    centre = (weights * x).sum() / weights.sum()
-    return float((weights * (x - centre) * y).sum() / (weights * (x - centre) ** 2).sum())
+    weights = 1 / np.sqrt(np.maximum(samples.var(axis=0), 1e-6))
+    lines = np.vstack([np.log10(middle_of(y, axis=0)), samples]).T
+    fitted: list[float] = []
+    for part in (np.full(len(x), True), x >= x[-1] - 1 - 1e-9):  # the last decade
+        slope, *others = np.polyfit(x[part], lines[part], 1, w=weights[part])[0].tolist()
+        fitted += [slope, float(np.std(others, ddof=1))]
+    return Exponent(*fitted)
 
 
 # --- late time ------------------------------------------------------------------------------------
@@ -318,52 +285,40 @@ NOT_RUN = {
 }
 
 
-class FarRun(NamedTuple):
-    """A program on the first starts of a kind of top."""
-
-    top: str
-    program: str
-    starts: int
-
-    @property
-    def name(self) -> str:
-        """What it is called."""
-        return f"{self.top}, {self.program}"
-
-
 def far_rows(end: int, starts: int, quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """For each kind of top the errors of every other program at ``end``, over the starts."""
     runs = [
-        FarRun(top, name, starts if name in CHEAP else starts // 2)
+        (top, name, starts if name in CHEAP else starts // 2)
         for name in (CHEAP if quick else TOLERANCES)
         for top in TOPS
         if only(f"{top} t={end}", name, "far")
     ]
     rows = kit.rows_by_part({"far": (partial(_row, end=end), runs)}, quick, say)["far"]
     methods: dict[str, list[dict[str, Any]]] = {top: [] for top in TOPS}
-    for run, row in zip(runs, rows, strict=True):
-        methods[run.top].append(row)
+    for (top, *_), row in zip(runs, rows, strict=True):
+        methods[top].append(row)
     tops = [{"top": top, "methods": own} for top, own in methods.items() if own]
     return {"t": end, "starts": starts, "tops": tops, "not_run": NOT_RUN}
 
 
-def _row(task: FarRun, end: int) -> dict[str, Any]:
-    """Median and largest error over the starts that came back, and why others did not."""
-    tol = TOLERANCES[task.program]
-    scenes = [draw(task.top, k, end, 2) for k in range(task.starts)]
-    job = BY_NAME[task.program].job(present(task.top), [x.run(tol) for x in scenes])
+def _row(of: tuple[str, str, int], end: int) -> dict[str, Any]:
+    """A program on the first starts of a kind of top: median and largest error over those that
+    came back, and why others did not."""
+    top, program, starts = of
+    scenes = [draw(top, k, end, 2) for k in range(starts)]
+    job = BY_NAME[program].job(present(top), [x.run(TOLERANCES[program]) for x in scenes])
     with tempfile.TemporaryDirectory() as cache:
-        answers, fault = ask(process.__name__, job, task.starts * _LIMIT, Path(cache))
-    errors, faults = [], [fault] * (len(answers) < task.starts)
+        answers, fault = ask(process.__name__, job, starts * _LIMIT, Path(cache))
+    errors, faults = [], [fault] * (len(answers) < starts)
     for start, answer in zip(scenes, answers, strict=False):
         if "failed" in answer:
             faults.append(answer["failed"])
         else:
             errors.append(_error(start.scene, answer["state"]))
     return {
-        "method": task.program,
-        "tol": tol,
-        "starts": task.starts,
+        "method": program,
+        "tol": TOLERANCES[program],
+        "starts": starts,
         "reached": len(errors),
         "median": kit.significant(statistics.median(errors), 3) if errors else None,
         "largest": kit.significant(max(errors), 3) if errors else None,
@@ -388,7 +343,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     rows = _methods(results["tops"])
     return {
         "exponents": _exponent_rows(rows),
-        "walks": map(_walk, _integral_rows(rows)),
+        "walks": _walks(rows),
         "inputs": [_beside(row) for row in rows if "inputs" in row],
         "error": _growth_rows(rows, "error"),
         "drift": _growth_rows(rows, "drift"),
@@ -405,7 +360,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
     tops, far = results["tops"], results["at"]
-    pulls = [abs(_pull(row)) for row in _integral_rows(_methods(tops))]
+    pulls = [abs(row["pull"]) for row in _walks(_methods(tops))]
     return {
         "starts": far["starts"],
         "end": tops[0]["times"][-1] if tops else kit.DASH,
@@ -445,35 +400,27 @@ def _fitted(row: kit.JsonObject) -> kit.JsonObject:
     }
 
 
-def _integral_rows(rows: list[kit.JsonObject]) -> list[kit.JsonObject]:
-    """Every integral of every kind of top."""
-    return [{**row, **integral} for row in rows for integral in row.get("integrals", ())]
-
-
-def _walk(row: kit.JsonObject) -> kit.JsonObject:
-    """An integral's departure at the end: its mean beside its standard deviation."""
-    return {
-        **row,
-        **_fitted(row),
-        "name": _squared(row["integral"]),
-        "end_mean": f"{row['mean'][-1]:+.1e} ± {_standard_error(row):.1e}",
-        "end_deviation": row["deviation"][-1],
-        "pull": _pull(row),
-    }
+def _walks(rows: list[kit.JsonObject]) -> list[kit.JsonObject]:
+    """Every integral of every kind of top: its departure at the end, the mean over its error."""
+    walks = []
+    for row in [{**method, **x} for method in rows for x in method.get("integrals", ())]:
+        mean, deviation = row["mean"][-1], row["deviation"][-1]
+        error = deviation / math.sqrt(row["starts"])
+        walks.append(
+            {
+                **row,
+                **_fitted(row),
+                "name": _squared(row["integral"]),
+                "end_mean": f"{mean:+.1e} ± {error:.1e}",
+                "end_deviation": deviation,
+                "pull": mean / error if error else 0.0,
+            }
+        )
+    return walks
 
 
 def _squared(names: str) -> str:
     return names.replace("^2", "²")
-
-
-def _standard_error(row: kit.JsonObject) -> float:
-    standard_error: float = row["deviation"][-1] / math.sqrt(row["starts"])
-    return standard_error
-
-
-def _pull(row: kit.JsonObject) -> float:
-    error = _standard_error(row)
-    return 0.0 if error == 0 else row["mean"][-1] / error
 
 
 def _beside(row: kit.JsonObject) -> kit.JsonObject:
@@ -493,12 +440,11 @@ def _beside(row: kit.JsonObject) -> kit.JsonObject:
 
 def _growth_rows(rows: list[kit.JsonObject], name: str) -> list[kit.JsonObject]:
     """Median and largest error, or drift, at each time."""
-    grown = [row for row in rows if name in row]
-    pairs = [zip(row[name]["median"], row[name]["largest"], strict=True) for row in grown]
-    return [
-        {**row, "cells": dict(zip(map(str, row["times"]), starmap(_spread, both), strict=True))}
-        for row, both in zip(grown, pairs, strict=True)
-    ]
+    grown = []
+    for row in [method for method in rows if name in method]:
+        columns = zip(row["times"], row[name]["median"], row[name]["largest"], strict=True)
+        grown.append({**row, "cells": {str(t): _spread(*both) for t, *both in columns}})
+    return grown
 
 
 def _spread(middle: float | None, most: float | None) -> str:

@@ -15,7 +15,7 @@ import re
 import signal
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
 from textwrap import fill
@@ -46,19 +46,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Make what is asked for; 0, or 1 for what was stale, or 2 for bad input."""
     parser = argparse.ArgumentParser("make.py", description=(__doc__ or "").partition("\n")[0])
     every_name = ", ".join([*STUDIES, BENCHMARK])
-    parser.add_argument(
-        "name", nargs="?", metavar="NAME", help=f"{every_name}; without it every study"
+    only = "rows with TEXT in their names (may be repeated), printed; of the benchmark a top"
+    stale = (
+        "make pages, figures and README's table from the rows again; name what changes, and rows "
+        "of another version"
     )
+    name_help = f"{every_name}; without it every study"
+    parser.add_argument("name", nargs="?", metavar="NAME", help=name_help)
     parser.add_argument("--quick", action="store_true", help="fewer and shorter cases")
-    parser.add_argument(
-        "--only",
-        metavar="TEXT",
-        action="append",
-        default=[],
-        help="rows with TEXT in their names (may be repeated), printed; of the benchmark a top",
-    )
+    parser.add_argument("--only", metavar="TEXT", action="append", default=[], help=only)
     parser.add_argument("-o", dest="folder", metavar="DIR", type=Path, help="here: reports/")
-    stale = "make pages, figures and README's table from the rows again, and name what changes"
     parser.add_argument("--stale", action="store_true", help=stale)
     options = parser.parse_args(arguments)
     if options.name not in (None, *STUDIES, BENCHMARK):
@@ -67,29 +64,34 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error("--only: expected it with the NAME of one study")
     if options.stale and options.name == BENCHMARK:
         parser.error("--stale: expected a study, as the benchmark is its own rows")
-    folder: Path = options.folder or HERE / (BENCHMARK * (options.name == BENCHMARK))
-    names = [options.name] if options.name else sorted(STUDIES, key=lambda name: STUDIES[name])
+    stale_texts = []
     try:
-        if options.stale:
-            changed = write_stale(folder, names)
-            print("\n".join(map(str, changed)))
-            return int(bool(changed))
-        if options.only and options.name != BENCHMARK:
-            print(part(options.name, options.only, options.quick))
-            return 0
-        for name in names:
-            if name == BENCHMARK:
-                paths = benchmark.write_benchmark(folder, options.only, say)
-            else:
-                paths = write_study(name, folder, options.quick)
-            print("\n".join(map(str, paths)))
+        for text in answers(options):
+            print(text, flush=True)
+            stale_texts += [text] * options.stale
     except (polhode.BadInput, OSError) as fault:
         print(fault, file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("make.py: stopped; the study that was being made is not written", file=sys.stderr)
         return 130
-    return 0
+    return int(bool(stale_texts))
+
+
+def answers(options: argparse.Namespace) -> Iterator[object]:
+    """What is asked for, as it is made: paths, the tables of some rows, or what was stale."""
+    names = [options.name] if options.name else sorted(STUDIES, key=lambda name: STUDIES[name])
+    folder: Path = options.folder or HERE / (BENCHMARK * (options.name == BENCHMARK))
+    if options.stale:
+        yield from write_stale(folder, names)
+        yield from filter(None, (old_rows(folder, name) for name in names))
+    elif options.name == BENCHMARK:
+        yield from benchmark.write_benchmark(folder, options.only, say)
+    elif options.only:
+        yield part(options.name, options.only, options.quick)
+    else:
+        for name in names:
+            yield from write_study(name, folder, options.quick)
 
 
 class _Interrupt:
@@ -178,6 +180,15 @@ def write_stale(folder: Path, names: Sequence[str]) -> list[Path]:
             if not path.exists() or path.read_text(encoding="utf-8") != text
         }
     )
+
+
+def old_rows(folder: Path, name: str) -> str:
+    """That a study's rows are of another version of polhode than this one; "" else ""."""
+    version = results_of(folder, name)["provenance"]["versions"]["polhode"]
+    if version == polhode.__version__:
+        return ""
+    file = folder / f"{name}.json"
+    return f"{file}: rows of polhode {version}, this is {polhode.__version__}: {_command(name)}"
 
 
 def results_of(folder: Path, name: str) -> JsonObject:

@@ -6,8 +6,9 @@ import math
 import os
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -18,7 +19,6 @@ import kit
 import polhode
 import tops
 from contest import WorkPoint, frontier
-from kit import clocked
 from peers import process
 from peers.process import ask
 from programs import BY_NAME, ENGINE, OURS, PROGRAMS, RUN, Program
@@ -40,6 +40,7 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     ``without``: the programs that are not installed.
     """
     wanted_cells, ways_of = contest.wanted_cells(quick, only), motions(quick, only)
+    refined = [x for x in REFINED if x.quick >= quick and only(f"refined: {x.name} t={x.end}")]
     chosen = [p for p in PROGRAMS if not quick or p.name in QUICK_PROGRAMS]
     programs = [p for p in chosen if p.is_there]
     first: kit.Parts = {
@@ -47,7 +48,7 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     }
     others: kit.Parts = {
         "motions": (partial(row, ways_of, quick=quick), [*ways_of]),
-        "refined": (_row, contests(quick, only)),
+        "refined": (_refined, refined),
     }
     starting = kit.rows_by_part(first, True, say)  # alone: clocks run
     with tempfile.TemporaryDirectory() as cache:
@@ -128,23 +129,40 @@ QUICK_REPEATS = 2
 _FEW = {"double": 200, "extended": 200}  # steps that warm up, past the first projection; else 2
 
 
-class SpeedMotion(NamedTuple):
-    """A case of the library to an end; ``kind``: regular or chaotic."""
+class LibraryMotion(NamedTuple):
+    """A case of the library to an end; ``kind``: regular or chaotic.
+
+    ``digits``, ``outputs``: of runs that are refined, quad unless digits are asked for.
+    """
 
     name: str
     case: str
     end: int
-    kind: str
+    kind: str = "regular"
+    digits: int | None = None
+    outputs: tuple[str, ...] = ()
+    quick: bool = False
 
+    def scene(self, times: Sequence[Fraction]) -> polhode.Scene:
+        """Its scene at other times."""
+        own: dict[str, Any] = {
+            "times": tuple(times),
+            "outputs": self.outputs,
+            "events": (),
+            "published": (),
+        }
+        return replace(polhode.load(self.case), **own)
+
+
+_REGULAR, _CHAOTIC = "general/asymmetric-regular", "general/asymmetric-chaotic"
 
 MOTIONS = (
-    SpeedMotion("Euler top", "euler/largest-axis", 1000, "regular"),
-    SpeedMotion("Lagrange top", "lagrange/nutation", 1000, "regular"),
-    SpeedMotion("Kovalevskaya top", "kovalevskaya/generic", 1000, "regular"),
-    SpeedMotion("asymmetric body", "general/asymmetric-regular", 1000, "regular"),
-    SpeedMotion("asymmetric body, chaotic", "general/asymmetric-chaotic", 100, "chaotic"),
+    LibraryMotion("Euler top", "euler/largest-axis", 1000),
+    LibraryMotion("Lagrange top", "lagrange/nutation", 1000),
+    LibraryMotion("Kovalevskaya top", "kovalevskaya/generic", 1000, quick=True),
+    LibraryMotion("asymmetric body", _REGULAR, 1000),
+    LibraryMotion("asymmetric body, chaotic", _CHAOTIC, 100, "chaotic"),
 )
-QUICK_MOTIONS = ("Kovalevskaya top",)
 QUICK_TYPES = ("double", "extended")
 
 
@@ -176,21 +194,21 @@ WAYS = tuple(
 )
 
 
-def _runs(curve: Way, motion: SpeedMotion, quick: bool) -> bool:
+def _runs(curve: Way, motion: LibraryMotion, quick: bool) -> bool:
     """Whether a way of a motion is run.
 
     Steps in quad and mp that are projected take 3 to 15 seconds to t = 1000, and nothing is
     projected in these types unless it is asked to be: one motion shows them.
     """
-    if quick and (motion.name not in QUICK_MOTIONS or curve.number not in QUICK_TYPES):
+    if quick and not (motion.quick and curve.number in QUICK_TYPES):
         return False
     wide = curve.project and curve.number in ("quad", "mp")
     return not wide or motion.name == TYPES_SHOWN
 
 
-def motions(quick: bool, only: kit.Only) -> dict[SpeedMotion, list[Way]]:
+def motions(quick: bool, only: kit.Only) -> dict[LibraryMotion, list[Way]]:
     """The motions asked for, each with the ways that are."""
-    ways_of: dict[SpeedMotion, list[Way]] = {}
+    ways_of: dict[LibraryMotion, list[Way]] = {}
     for motion in MOTIONS:
         labels = motion.name, motion.case, "every motion"
         for curve in WAYS:
@@ -199,21 +217,17 @@ def motions(quick: bool, only: kit.Only) -> dict[SpeedMotion, list[Way]]:
     return ways_of
 
 
-def scene_of(motion: SpeedMotion) -> polhode.Scene:
-    """The motion's scene at its output times, rounded to doubles."""
-    times = tuple(kit.DOUBLE.rounded(t) for t in kit.even_times(motion.end, SAMPLES))
-    return replace(polhode.load(motion.case), times=times, outputs=(), events=(), published=())
-
-
 def row(
-    ways_of: Mapping[SpeedMotion, Sequence[Way]], motion: SpeedMotion, quick: bool
+    ways_of: Mapping[LibraryMotion, Sequence[Way]], motion: LibraryMotion, quick: bool
 ) -> dict[str, Any]:
     """What its ways give on one motion, judged against its exact scene."""
-    scene, ways = scene_of(motion), ways_of[motion]
+    times = [kit.DOUBLE.rounded(t) for t in kit.even_times(motion.end, SAMPLES)]
+    scene, ways = motion.scene(times), ways_of[motion]
     most = max(kit.TYPES[curve.number].most_digits for curve in ways)
     true = polhode.reference(scene).at(scene.times, math.ceil(most) + SPARE_DIGITS)
     return {
-        **motion._asdict() | {"motion": motion.name},
+        **{"name": motion.name, "case": motion.case, "end": motion.end, "kind": motion.kind},
+        "motion": motion.name,
         "methods": [
             {
                 **{"method": curve.name, "number": curve.number},
@@ -230,30 +244,18 @@ def _point(curve: Way, scene: polhode.Scene, tol: float, true: Any, quick: bool)
     tolerance = None if tol <= float(number.eps) else tol
     call = partial(polhode.integrate, scene, number, tol=tolerance, project=curve.project)
     call(max_steps=_FEW.get(curve.number, 2))
-    run, seconds, calls = timed(call, QUICK_REPEATS if quick else REPEATS, PATIENCE)
+    (timed,) = kit.timed([call], QUICK_REPEATS if quick else REPEATS, PATIENCE)
+    run = timed.answer
     if not run.outcome.done:
         return {"tol": tol, "reason": run.outcome.cause}
     digits = kit.fewest_digits(run.states, true, scene, number.most_digits)
     return {
         "tol": tol,
         "digits": round(digits, 2),
-        "seconds_min": kit.significant(seconds, 4),
-        "runs": calls,
+        "seconds_min": kit.significant(timed.seconds, 4),
+        "runs": timed.calls,
         "steps": run.steps,
     }
-
-
-def timed(
-    call: Callable[[], kit.Answer], repeats: int, patience: float
-) -> tuple[kit.Answer, float, int]:
-    """What a call returns, its least seconds, and of how many calls after one that warms up.
-
-    One that takes more than the patience is made once.
-    """
-    answer, seconds = clocked(call)
-    if seconds > patience:
-        return answer, seconds, 1
-    return answer, min(clocked(call)[1] for _ in range(repeats)), repeats
 
 
 # --- refined --------------------------------------------------------------------------------------
@@ -267,43 +269,23 @@ _SPARE = 12  # digits more that the reference has
 _OUTPUTS = ("angles", "attitude")
 
 
-class Contest(NamedTuple):
-    """A motion to be run both ways; ``digits`` None: quad."""
-
-    name: str
-    case: str
-    end: int
-    digits: int | None = None
-    outputs: tuple[str, ...] = ()
-    quick: bool = False
-
-
-_REGULAR, _CHAOTIC = "general/asymmetric-regular", "general/asymmetric-chaotic"
-
-CONTESTS = (
-    Contest("brick, w3 = 3", _REGULAR, 10, quick=True),
-    Contest("brick, w3 = 3", _REGULAR, 100, quick=True),
-    Contest("brick, w3 = 3", _REGULAR, 1000),
-    Contest("brick, w3 = 3, angles and attitude", _REGULAR, 100, outputs=_OUTPUTS),
-    Contest("brick, w3 = 3, 50 digits", _REGULAR, 100, digits=kit.MP_DIGITS),
-    Contest("chaotic brick, w3 = 1.1", _CHAOTIC, 100, quick=True),
-    Contest("Kovalevskaya top", "kovalevskaya/generic", 1000),
+REFINED = (
+    LibraryMotion("brick, w3 = 3", _REGULAR, 10, quick=True),
+    LibraryMotion("brick, w3 = 3", _REGULAR, 100, quick=True),
+    LibraryMotion("brick, w3 = 3", _REGULAR, 1000),
+    LibraryMotion("brick, w3 = 3, angles and attitude", _REGULAR, 100, outputs=_OUTPUTS),
+    LibraryMotion("brick, w3 = 3, 50 digits", _REGULAR, 100, digits=kit.MP_DIGITS),
+    LibraryMotion("chaotic brick, w3 = 1.1", _CHAOTIC, 100, quick=True),
+    LibraryMotion("Kovalevskaya top", "kovalevskaya/generic", 1000),
 )
 
 
-def contests(quick: bool, only: kit.Only) -> list[Contest]:
-    """Those that are wanted."""
-    chosen = [x for x in CONTESTS if x.quick or not quick]
-    return [x for x in chosen if only(f"refined: {x.name} t={x.end}")]
-
-
-def _row(contest: Contest) -> dict[str, Any]:
+def _refined(motion: LibraryMotion) -> dict[str, Any]:
     """CPU seconds and correct digits both ways, digits to which both agree, and what refinement
     estimated."""
-    scene = polhode.load(contest.case).at([contest.end])
-    scene = replace(scene, outputs=contest.outputs, events=())
-    number = kit.QUAD if contest.digits is None else kit.TYPES["mp"]
-    row: dict[str, Any] = {"motion": contest.name, "end": contest.end, "bits": number.bits}
+    scene = motion.scene([Fraction(motion.end)])
+    number = kit.QUAD if motion.digits is None else kit.TYPES["mp"]
+    row: dict[str, Any] = {"motion": motion.name, "end": motion.end, "bits": number.bits}
     wide = math.ceil(number.most_digits) + _SPARE
     truth = polhode.reference(scene)
     if truth.is_closed_form:
@@ -314,13 +296,12 @@ def _row(contest: Contest) -> dict[str, Any]:
         wider = polhode.NumberType("mp", math.ceil(wide / LOG10_2) + 1)
         steps = polhode.integrate(plain, wider, method="taylor")
         true, row["by"] = steps.states, "steps in more digits"
-    runs = []
-    for method in ("refined", "taylor"):
-        call = partial(polhode.integrate, number=number, method=method)
-        call(scene.at([min(10, scene.end)]))  # loads what is compiled
-        run, seconds, calls = timed(partial(call, scene), _REPEATS, _PATIENCE)
-        runs.append(run.states)
-        row[method] = {
+    ways = [partial(polhode.integrate, number=number, method=x) for x in ("refined", "taylor")]
+    for way in ways:
+        way(scene.at([min(10, scene.end)]))  # loads what is compiled
+    runs = kit.timed([partial(way, scene) for way in ways], _REPEATS, _PATIENCE)
+    for way, (run, seconds, calls) in zip(ways, runs, strict=True):
+        row[way.keywords["method"]] = {
             "cpu": kit.significant(seconds, 3),
             "digits": round(kit.fewest_digits(run.states, true, scene, wide), 2),
             "method": run.method,
@@ -328,7 +309,9 @@ def _row(contest: Contest) -> dict[str, Any]:
         }
         if run.errors is not None and run.errors[-1] is not None:
             row["estimate"] = kit.significant(run.errors[-1], 2)
-    row["agreement"] = round(kit.fewest_digits(runs[1], runs[0], scene, wide), 2)
+    refined, taylor = runs
+    agreement = kit.fewest_digits(taylor.answer.states, refined.answer.states, scene, wide)
+    row["agreement"] = round(agreement, 2)
     row["gain"] = kit.significant(row["taylor"]["cpu"] / row["refined"]["cpu"], 3)
     return row
 

@@ -118,18 +118,14 @@ def error(scene: polhode.Scene, number: polhode.NumberType) -> float:
     Relative as in *correct digits*, to |w| at 0; against the start as the type rounds it.
     """
     plain = replace(scene, outputs=(), events=())
-    equations = system(plain, number=number)
+    equations, read = system(plain, number=number), Readout(plain, number)
     motion = Motion(equations)
     motion.begin(equations)
     unit = equations.frame.unit
-    row: Any = None
-    for t in (number.rounded(number.rounded(scene.end) / unit), Fraction(0)):
-        row = motion.advance(ExactNumbers((t,)), 10**8)[0][0]
-    rounded = [number.rounded(x) for x in equations.start]
-    read = Readout(plain, number)
-    back = read.states([row])[0]
-    start = read.states([[number_value(x, number) for x in rounded]])[0]
-    (apart,) = polhode.state_errors([back], [start], plain)
+    there = number.rounded(number.rounded(scene.end) / unit)
+    row: Any = [motion.advance(ExactNumbers((t,)), 10**8)[0][0] for t in (there, Fraction(0))][-1]
+    start = [number_value(number.rounded(x), number) for x in equations.start]
+    (apart,) = polhode.state_errors(read.states([row]), read.states([start]), plain)
     return float(apart / number.eps)
 
 

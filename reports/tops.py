@@ -7,20 +7,21 @@ body is that of another start, ``euler body 1 start 3``.
 
 from __future__ import annotations
 
-import math
 import random
 import statistics
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 import polhode
-from kit import DOUBLE, EXTENDED, even_times, exactly
+from kit import DOUBLE, EXTENDED, even_times, exactly, fewest_digits
 from peers.field import Top
 
+#: Exact states at some times, p q r gamma1 gamma2 gamma3 a row.
+States: TypeAlias = list[list[Fraction]]
 SEED = 20
 
 
@@ -131,7 +132,7 @@ class Cell(NamedTuple):
     starts: int = 0
 
     @property
-    def label(self) -> str:
+    def name(self) -> str:
         """Its name, by which one cell alone can be made again."""
         if self.starts:
             return f"{self.kind} t={self.end} starts={self.starts}"
@@ -162,17 +163,6 @@ class Draw(NamedTuple):
         times = [float(t) for t in self.scene.times]
         top = [x.tolist() for x in self.top]
         return {"top": top, "start": self.start.tolist(), "times": times, "tol": tol}
-
-
-class Truth(NamedTuple):
-    """States at the judged times as sums of two doubles, and the scale of w, without dimensions.
-
-    Of many starts the states at the end of the first ones, and the scale of each.
-    """
-
-    high: Any
-    low: Any
-    scale: Any
 
 
 def cells(kind: str) -> list[Cell]:
@@ -220,56 +210,36 @@ def present(kind: str) -> tuple[bool, ...]:
     return tuple(bool(x) for x in sum(there) > 0)
 
 
-def truth(kind: str, index: int, end: int, many: bool = False) -> Truth:
-    """The motion at the judged times: by its closed form, else by a refined run in quad.
+def truth(kind: str, index: int, end: int, many: bool = False) -> States:
+    """The exact states at the judged times: by the closed form, else by a refined run in quad.
 
-    ``many``: of the first of many starts the states at the end.
+    ``many``: of the first of many starts those at the end.
     """
     scene = scene_of(kind, index, end, JUDGED)
     states: Any
     if many:
         rows = draw(kind, index, end, 2, MANY_JUDGED).start
         members = polhode.integrate_many(scene, starts=rows, at=[0]).members
-        runs = [polhode.integrate(member.at([end]), "quad") for member in members]
-        states = [run.states[-1] for run in runs]
-        scale = np.array([_largest_rate(run.states) for run in runs])
+        states = [polhode.integrate(x.at([end]), "quad").states[-1] for x in members]
+    elif kind in TOPS:
+        states = polhode.reference(scene).at(scene.times, DIGITS)
     else:
-        if kind in TOPS:
-            states = polhode.reference(scene).at(scene.times, DIGITS)
-        else:
-            states = polhode.integrate(scene, "quad").states
-        scale = np.array(_largest_rate(states))
-    exact = [[exactly(x) for x in row] for row in states]
-    high = np.array([[float(x) for x in row] for row in exact])
-    low = np.array([[float(x - Fraction(float(x))) for x in row] for row in exact])
-    return Truth(high, low, scale)
+        states = polhode.integrate(scene, "quad").states
+    return [[exactly(x) for x in row] for row in states]
 
 
-def _largest_rate(states: Any) -> float:
-    """The largest |w| of some states."""
-    return max(math.hypot(*(float(x) for x in row[:3])) for row in states)
-
-
-def digits(states: Any, true: Truth) -> float:
+def digits(states: Any, true: States, scene: polhode.Scene) -> float:
     """Correct digits, the worst over the judged times: the end alone of a single state."""
     rows = np.asarray(states)
     number = EXTENDED if rows.dtype == np.longdouble else DOUBLE
-    if number is DOUBLE:
-        rows = rows.astype(float)
-    picked = slice(-1, None) if len(rows) == 1 else slice(None)
-    errors = np.abs((rows - true.high[picked]) - true.low[picked])
-    errors[:, :3] /= true.scale
-    worst = float(errors.max())
-    with np.errstate(divide="ignore"):
-        right = np.clip(-np.log10(worst), 0.0, number.most_digits)
-    return float(right) if np.isfinite(worst) else 0.0
+    before = true[: len(true) - len(rows)]
+    return fewest_digits([*before, *rows], true, scene, number.most_digits)
 
 
-def median_digits(states: Any, true: Truth) -> float:
+def median_digits(states: Any, true: States, scene: polhode.Scene) -> float:
     """Correct digits of the states of many starts, the median over those that are judged."""
-    rows = zip(states, true.high, true.low, true.scale, strict=True)
-    each = [digits([row], Truth(high[None], low[None], scale)) for row, high, low, scale in rows]
-    return statistics.median(each)
+    pairs = zip(states, true, strict=True)
+    return statistics.median(digits([row], [exact], scene) for row, exact in pairs)
 
 
 def judged(states: Any, outputs: int) -> Any:

@@ -7,7 +7,7 @@ the exact numbers of a draw.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -19,28 +19,39 @@ from kit import DOUBLE, EXTENDED
 from peers.field import Run, Top
 from programs import PROJECTED
 
-UPRIGHT = np.array([0.0, 0.0, 1.0])
+UPRIGHT = (0.0, 0.0, 1.0)
 _LARGEST = 1000  # denominator of a draw's numbers
+
+
+def _kept(make: Callable[..., Any]) -> Callable[..., Any]:
+    """What is made of a body and more, kept with the body: a loop over starts has it at hand."""
+    values: dict[tuple[Any, ...], tuple[Top | None, Any]] = {}
+
+    def value(top: Top, *key: Any) -> Any:
+        body, of_body = values.get((id(top), *key), (None, None))
+        if body is not top:
+            of_body = make(top, *key)
+            values[id(top), *key] = top, of_body
+        return of_body
+
+    return value
 
 
 def prepared(present: Sequence[bool], method: str) -> Run:
     """A propagator of each body and tolerance; or a scene of each body at the times asked for.
 
-    ``present``: unused, polhode finds out itself what vanishes.  What is made of a body is kept
-    with it: a loop over starts has it at hand.
+    ``present``: unused, polhode finds out itself what vanishes.
     """
-    propagators: dict[tuple[int, float], tuple[Top, polhode.Propagator]] = {}
-    scenes: dict[tuple[int, int, float], tuple[Top, polhode.Scene]] = {}
     number = EXTENDED if method == "extended" else DOUBLE
+    scene_of = _kept(_scene)
+
+    @_kept
+    def propagator(top: Top, tol: float) -> polhode.Propagator:
+        options: dict[str, Any] = {"tol": _tolerance(tol, number), "project": tol == PROJECTED}
+        return polhode.propagator(_scene(top), number=number.name, **options)
 
     def propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
-        body, go = propagators.get((id(top), tol), (None, None))
-        if go is None or body is not top:
-            scene, tolerance = _scene(top, 2, 1.0, start[3:]), _tolerance(tol, number)
-            go = polhode.propagator(
-                scene, number=number.name, tol=tolerance, project=tol == PROJECTED
-            )
-            propagators[id(top), tol] = top, go
+        go = propagator(top, tol)
         if number is EXTENDED:
             start = np.array([np.longdouble(x.numerator) / x.denominator for x in _exact(start)])
         if len(at) == 2:
@@ -48,13 +59,10 @@ def prepared(present: Sequence[bool], method: str) -> Run:
         return go(start, t=at)
 
     def integrated(top: Top, start: Any, at: Any, tol: float) -> Any:
-        end = float(at[-1])
-        body, scene = scenes.get((id(top), len(at), end), (None, None))
-        if scene is None or body is not top:
-            scene = _scene(top, len(at), end, start[3:])
-            scenes[id(top), len(at), end] = top, scene
-        p, q, r = map(Fraction, start[:3].tolist())
-        run = polhode.integrate(replace(scene, omega=(p, q, r)), tol=_tolerance(tol))
+        p, q, r, *gamma = start.tolist()
+        scene = scene_of(top, len(at), float(at[-1]), tuple(gamma))
+        omega = Fraction(p), Fraction(q), Fraction(r)
+        run = polhode.integrate(replace(scene, omega=omega), tol=_tolerance(tol))
         return run.states if len(at) > 2 else run.states[-1:]
 
     return integrated if method == "integrate" else propagated
@@ -65,19 +73,17 @@ def prepared_many(present: Sequence[bool], method: str) -> Run:
 
     In one thread; ``present``: unused.
     """
-    propagators: dict[tuple[int, float], tuple[Top, polhode.Propagator]] = {}
+
+    @_kept
+    def propagator(top: Top, tol: float) -> polhode.Propagator:
+        return polhode.propagator(_scene(top), tol=_tolerance(tol))
 
     def propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
-        body, go = propagators.get((id(top), tol), (None, None))
-        if go is None or body is not top:
-            go = polhode.propagator(_scene(top, 2, 1.0, UPRIGHT), tol=_tolerance(tol))
-            propagators[id(top), tol] = top, go
-        return go(start, t=float(at[-1]), workers=1)
+        return propagator(top, tol)(start, t=float(at[-1]), workers=1)
 
     def integrated(top: Top, start: Any, at: Any, tol: float) -> Any:
-        scene, end = _scene(top, 2, 1.0, UPRIGHT), float(at[-1])
-        many = polhode.integrate_many(scene, starts=start, at=[end], tol=_tolerance(tol), workers=1)
-        return many.states[:, 0]
+        options: dict[str, Any] = {"at": [float(at[-1])], "tol": _tolerance(tol), "workers": 1}
+        return polhode.integrate_many(_scene(top), starts=start, **options).states[:, 0]
 
     return propagated if method == "propagator" else integrated
 
@@ -87,17 +93,18 @@ def _tolerance(tol: float, number: polhode.NumberType = DOUBLE) -> float | None:
     return None if tol <= float(number.eps) else tol
 
 
-def _exact(values: Any) -> list[Fraction]:
+def _exact(values: Iterable[float]) -> list[Fraction]:
     """The short fractions that were rounded to doubles, where there are; else the doubles."""
-    exact = [Fraction(x) for x in values.tolist()]
+    exact = [Fraction(float(x)) for x in values]
     near = [x.limit_denominator(_LARGEST) for x in exact]
     return [y if float(y) == float(x) else x for x, y in zip(exact, near, strict=True)]
 
 
-def _scene(top: Top, count: int, end: float, gamma: Any) -> polhode.Scene:
+def _scene(
+    top: Top, count: int = 2, end: float = 1.0, gamma: Sequence[float] = UPRIGHT
+) -> polhode.Scene:
     """A scene of the body at even times; gamma of length 1 exactly, as every draw's is."""
-    pull = top.torque.tolist()
-    heavy = any(pull)
+    heavy = bool(top.torque.any())
     return polhode.top(
         moments=_exact(top.moments),
         centre=_exact(top.torque) if heavy else None,

@@ -149,22 +149,6 @@ def test_levels_show_the_range_that_is_asked_for():
     assert (axes.get_xlim(), axes.get_ylim()) == ((0, 0.5), (1, 2))
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({"what": "flu"}, "--what = flu: expected fli, megno, exponent, verdict .did you mean"),
-        ({"cmap": "magna"}, "cmap = magna: .*did you mean 'magma'"),
-        ({"colour": 1}, "colour = 1: expected cmap, title"),
-        ({"what": "verdict", "cmap": "magma"}, "plot verdict: cmap = magma: expected title"),
-        ({"end": 3}, "--end = 3: expected no --end: it is for a motion"),
-        ({"ax": [1, 2]}, "axes = 2 things: expected 1 matplotlib axes"),
-    ],
-)
-def test_what_a_map_does_not_have_is_refused(chaos, options, said):
-    with pytest.raises(polhode.BadInput, match=said):
-        chaos.plot(**options)
-
-
 def test_kinds_without_a_figure_say_so():
     with pytest.raises(
         polhode.BadInput, match="result = Conditioning: expected one that has a figure"
@@ -176,6 +160,11 @@ def test_kinds_without_a_figure_say_so():
     ("words", "said"),
     [
         ("plot x.npz -o y.svg --what megna", "did you mean 'megno'?"),
+        ("plot x.npz -o y.svg --cmap magna", "did you mean 'magma'?"),
+        (
+            "plot x.npz -o y.svg --what verdict --cmap magma",
+            "plot verdict: cmap = magma: expected title",
+        ),
         (
             "plot x.npz -o y.html",
             "y.html: -o: expected polhode view x.npz -o y.html, which makes pages",

@@ -5,11 +5,9 @@ import re
 from decimal import Decimal
 from fractions import Fraction
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from matplotlib import pyplot as plt
 
 import polhode
 from polhode.cli import main
@@ -143,25 +141,7 @@ def test_a_sweep_is_as_short(tmp_path, capsys):
     capsys.readouterr()
 
 
-# -- every kind of result draws itself, and tells what it is ---------------------------------------
-
-
-@pytest.mark.parametrize("name", tiers(["Trajectory", "ChaosMap"], ["Trajectory in quad"]))
-def test_results_draw_themselves_and_into_axes_of_ones_own(name):
-    result = result_of_kind(name)
-    panels = np.ravel(np.asarray(result.plot(), dtype=object))
-    if name.startswith("Trajectory"):
-        _, mine = plt.subplots()
-        assert result.plot(ax=mine) is mine
-        assert mine.lines
-    else:
-        _, mine = plt.subplots(len(panels), squeeze=False)
-        drawn = result.plot(ax=mine if len(panels) > 1 else mine[0, 0])
-        assert list(np.ravel(np.asarray(drawn, dtype=object))) == list(mine[:, 0])
-        assert all(a.lines or a.collections for a in mine[:, 0])
-        again = np.ravel(np.asarray(polhode.plot(result), dtype=object))
-        assert len(again) == len(panels)
-    plt.close("all")
+# -- times of events, and certificates ------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("number", "printed"), [("double", 17), ("extended", 21), ("quad", 36)])

@@ -50,15 +50,22 @@ def test_the_chaotic_draws_are_chaotic():
         assert lyapunov(tops.scene_of("chaotic", k, 100, 2), 3000).verdict == "chaotic"
 
 
+def judged_draw(kind, index, end=10, outputs=tops.JUDGED):
+    """A draw, its times, and a function of states that tells their digits."""
+    draw, true = tops.draw(kind, index, end, outputs), tops.truth(kind, index, end)
+    times = np.array([float(t) for t in draw.scene.times])
+    return draw, times, lambda rows: tops.digits(tops.judged(rows, outputs), true, draw.scene)
+
+
 def test_the_digits_of_a_run_are_those_of_its_worst_judged_time():
-    true = tops.truth("lagrange", 0, 10)
-    rows = true.high.copy()
-    assert tops.digits(rows, true) > 15.5
+    *_, digits = judged_draw("lagrange", 0)
+    rows = np.array(tops.truth("lagrange", 0, 10), dtype=float)
+    assert digits(rows) > 15.5
     rows[3, 5] += 1e-7
-    assert abs(tops.digits(rows, true) - 7) < 0.01
-    assert tops.digits(rows[-1:], true) > 15.5  # the end alone
+    assert abs(digits(rows) - 7) < 0.01
+    assert judged_draw("lagrange", 0, outputs=2)[2](rows) > 15.5  # the end alone
     rows[7, 0] = np.nan
-    assert tops.digits(rows, true) == 0
+    assert digits(rows) == 0
     assert len(tops.judged(np.zeros((101, 6)), 101)) == tops.JUDGED
     assert len(tops.judged(np.zeros((2, 6)), 2)) == 1
 
@@ -74,15 +81,14 @@ def test_every_program_that_is_here_finds_the_motion(program):
     if any(find_spec(need) is None for need in program.needs):
         pytest.skip(f"without {program.needs}")
     kind = "kovalevskaya" if program.needs else "lagrange"
-    run, true = program.prepared(tops.present(kind)), tops.truth(kind, 3, 10)
+    run = program.prepared(tops.present(kind))
     for outputs in (2, 101):
-        draw = tops.draw(kind, 3, 10, outputs)
-        times = np.array([float(t) for t in draw.scene.times])
+        draw, times, digits = judged_draw(kind, 3, outputs=outputs)
         for tol in program.tolerances[-2:]:
             rows = run(draw.top, draw.start, times, tol)
             assert len(rows) in ((1, 2) if outputs == 2 else (101,))
             most = 19.27 if program.name == programs.WIDER else 15.96
-            assert 8 < tops.digits(tops.judged(rows, outputs), true) <= most
+            assert 8 < digits(rows) <= most
 
 
 @pytest.mark.parametrize("program", [costs(programs.BY_NAME[name]) for name in programs.MANY])
@@ -93,16 +99,20 @@ def test_every_program_finds_the_motions_of_many_starts(program):
     few, many = (tops.draw("asymmetric", 2, 1, 2, n) for n in (20, 100))
     assert np.array_equal(few.start, many.start[:20])
     true, times = tops.truth("asymmetric", 2, 1, many=True), np.array([0.0, 1.0])
+
+    def digits(ends):
+        return tops.median_digits(ends[: tops.MANY_JUDGED], true, few.scene)
+
     run = program.prepared(tops.present("asymmetric"), many=True)
     ends = np.array(run(few.top, few.start.copy(), times, 1e-13))  # JAX's cannot be written to
     assert ends.shape == (20, 6)
-    assert 11 < tops.median_digits(ends[: tops.MANY_JUDGED], true) <= 15.96
+    assert 11 < digits(ends) <= 15.96
     back = run(few.top, few.start[::-1].copy(), times, 1e-13)
     assert np.abs(back[::-1] - ends).max() < 1e-11
     ends[: tops.MANY_JUDGED // 2, 0] += 1e-3  # fewer than half: the median is another one's
-    assert tops.median_digits(ends[: tops.MANY_JUDGED], true) > 11
+    assert digits(ends) > 11
     ends[: tops.MANY_JUDGED // 2 + 1, 0] += 1e-3
-    assert tops.median_digits(ends[: tops.MANY_JUDGED], true) < 4
+    assert digits(ends) < 4
 
 
 def test_a_start_that_is_none_is_refused():
@@ -119,7 +129,9 @@ def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
     true, seconds = tops.truth("lagrange", 0, 10), iter((0.0, 3.0, 5.0, 6.0, 8.0, 10.0))
     monkeypatch.setattr(kit, "time", SimpleNamespace(process_time=lambda: next(seconds)))
     cell = Cell("lagrange", 10, tops.JUDGED)
-    cell_contest = contest._Contest(cell, [true], {OURS: lambda top, start, times, tol: true.high})
+    cell_contest = contest._Contest(
+        cell, [true], {OURS: lambda top, start, times, tol: np.array(true, float)}
+    )
     cell_contest._once(OURS, 0, 1e-9)
     for _ in range(2):
         cell_contest._block(OURS, 0, 1e-9)
@@ -134,19 +146,18 @@ def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
 
 @pytest.mark.slow
 def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatch, tmp_path):
-    truth = tops.truth("lagrange", 0, 10)
-    cell_job = {"end": 10, "outputs": 2, "starts": 0, "truths": [contest._plain(truth)] * DRAWS}
-    job = {"kind": "lagrange", "cells": [cell_job], "programs": ["broken", OURS], "patience": 0}
+    truths = contest._truths({"lagrange": [(cell := Cell("lagrange", 10, 2))]}, print)
+    cells = [(cell, truths[cell])]
+    job = {"kind": "lagrange", "cells": cells, "programs": ["broken", OURS], "patience": 0}
     job["tolerances"] = {"lagrange t=10 outputs=2": {OURS: [1e-9]}}
     answers, fault = ask(contest._MODULE, job, 60.0, tmp_path)
-    failed, cell = answers
+    failed, answer = answers
     assert fault == ""
     assert failed == {"failed": "broken", "fault": "KeyError: 'broken'"}
-    assert len(cell["points"][OURS]) == DRAWS
-    assert cell["faults"] == {}
+    assert len(answer["points"][OURS]) == DRAWS
+    assert answer["faults"] == {}
     monkeypatch.setattr(contest, "ask", lambda *_: (answers, ""))
-    truths = {("lagrange", 10, False, k): truth for k in range(DRAWS)}
-    (row,) = contest._kind("lagrange", [Cell("lagrange", 10, 2)], [], truths, tmp_path, True, print)
+    (row,) = contest._kind("lagrange", [cell], [], truths, tmp_path, True, print)
     assert row["faults"] == {"broken": failed["fault"]}
 
 
@@ -156,24 +167,23 @@ def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatc
 def test_a_cell_that_an_ended_process_did_not_come_to_is_held_whole_by_the_next(monkeypatch):
     """It was never held again, and its programs were called so slow that they did not reach it."""
     first, second = tops.cells("chaotic")[:2]
-    answer = {"cell": first.label, "points": {OURS: [[0, 1e-9, 9.0, 1e-3]]}, "faults": {}}
+    answer = {"cell": first.name, "points": {OURS: [[0, 1e-9, 9.0, 1e-3]]}, "faults": {}}
     jobs = []
 
     def process(_, job, *rest):
         jobs.append(json.loads(json.dumps(job)))
-        answers = [answer, answer | {"cell": second.label}]
+        answers = [answer, answer | {"cell": second.name}]
         return (answers[:1], "stopped") if len(jobs) == 1 else (answers, "")
 
     monkeypatch.setattr(contest, "ask", process)
     monkeypatch.setattr(contest, "row", lambda cell, points, faults: (points, faults))
-    truths = {("chaotic", cell.end, False, k): () for cell in (first, second) for k in range(DRAWS)}
-    monkeypatch.setattr(contest, "_plain", lambda truth: [])
+    truths = {contest._judged_cell(cell): [] for cell in (first, second)}
     cells = [first, second]
     rows = contest._kind("chaotic", cells, [], truths, None, False, lambda text: None)
     assert [job["tolerances"] and {*job["tolerances"]} for job in jobs] == [
         None,
-        {first.label},  # without a word of the other, which is held at all of its tolerances
-        {first.label, second.label},
+        {first.name},  # without a word of the other, which is held at all of its tolerances
+        {first.name, second.name},
     ]
     assert [faults for _, faults in rows] == [{}, {"process 1": "stopped"}]
     assert all(points[OURS] for points, _ in rows)
@@ -231,8 +241,8 @@ def test_what_is_far_behind_at_every_level_is_not_held_again():
 def test_a_panel_of_the_diagram_has_the_medians_of_each_tolerance_and_what_no_other_beats():
     """Seconds of the draws are 1, 1.01, ... 1.07 times as many."""
     (drawn,) = [cell for cell in tops.cells("euler") if cell.drawn]
-    assert drawn.label == "euler t=100 outputs=101"
-    assert [cell.label for cell in tops.cells("asymmetric") if cell.drawn][1:] == [
+    assert drawn.name == "euler t=100 outputs=101"
+    assert [cell.name for cell in tops.cells("asymmetric") if cell.drawn][1:] == [
         "asymmetric t=10 starts=10000"
     ]
     assert not [cell for cell in tops.cells("fast") if cell.drawn]
@@ -256,9 +266,10 @@ def test_what_is_judged_has_the_start_of_the_draw_itself_and_what_is_timed_anoth
 
     def run(top, start, times, tol):
         starts.append(start.tolist())
-        return true.high
+        return rows
 
     true, cell = tops.truth("lagrange", 0, 10), Cell("lagrange", 10, tops.JUDGED)
+    rows = np.array(true, float)
     cell_contest = contest._Contest(cell, [true], {OURS: run})
     cell_contest._once(OURS, 0, 1e-9)
     for _ in range(3):
@@ -273,16 +284,14 @@ def test_what_is_judged_has_the_start_of_the_draw_itself_and_what_is_timed_anoth
 
 def test_an_extended_run_starts_from_the_draws_decimals():
     """Of a motion that multiplies no error it has more digits than the start in doubles would."""
-    run, true = programs.BY_NAME[programs.WIDER].prepared(()), tops.truth("euler", 0, 10)
-    draw = tops.draw("euler", 0, 10, 101)
-    times = np.array([float(t) for t in draw.scene.times])
+    run = programs.BY_NAME[programs.WIDER].prepared(())
+    draw, times, digits = judged_draw("euler", 0, outputs=101)
     rows = run(draw.top, draw.start, times, 2.0**-63)
-    assert 17 < tops.digits(tops.judged(rows, 101), true) < 19.3
-    assert tops.digits(tops.judged(rows.astype(float), 101), true) <= 15.96
+    assert 17 < digits(rows) < 19.3
+    assert digits(rows.astype(float)) <= 15.96
     start = draw.start.copy()
     start[0] += 2.0**-50
-    rows = run(draw.top, start, times, 2.0**-63)
-    assert 13 < tops.digits(tops.judged(rows, 101), true) < 16
+    assert 13 < digits(run(draw.top, start, times, 2.0**-63)) < 16
 
 
 def test_a_tie_is_no_win():
@@ -399,11 +408,10 @@ def test_scipy_takes_its_steps_in_compiled_code(method, monkeypatch):
     pytest.importorskip("numba")
     run = programs.BY_NAME[f"SciPy {method}"].prepared(tops.present("lagrange"))
     monkeypatch.setattr(integrate, "solve_ivp", None)
-    draw, true = tops.draw("lagrange", 3, 10, 101), tops.truth("lagrange", 3, 10)
-    times = np.array([float(t) for t in draw.scene.times])
+    draw, times, digits = judged_draw("lagrange", 3, outputs=101)
     runs = [run(draw.top, draw.start.copy(), times, 1e-11) for _ in range(2)]
     assert np.array_equal(*runs)  # no call goes on where the one before ended
-    assert 8 < tops.digits(tops.judged(runs[0], 101), true) < 15
+    assert 8 < digits(runs[0]) < 15
     monkeypatch.setattr(scipy_ode, "_MOST_STEPS", 1)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # SciPy's own word

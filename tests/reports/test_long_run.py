@@ -112,8 +112,7 @@ def test_departures_have_signs():
 @pytest.mark.parametrize("top", long_run.TOPS)
 def test_starts_are_exact_alike_every_time_and_all_different(top):
     scenes, again = (
-        [long_run.RunStart(top, k, (Fraction(1),)).scene for k in range(long_run.STARTS)]
-        for _ in range(2)
+        [random_scene(top, k, (Fraction(1),)) for k in range(long_run.STARTS)] for _ in range(2)
     )
     assert [s.start for s in scenes] == [s.start for s in again]
     assert len({s.start for s in scenes}) == len({s.body for s in scenes}) == long_run.STARTS >= 16
@@ -128,13 +127,13 @@ def test_starts_are_exact_alike_every_time_and_all_different(top):
 
 def test_a_projected_member_beside_what_rounding_its_inputs_leaves():
     """Exact inputs leave nothing; the others an error that the run's own is of the size of."""
-    start = long_run.RunStart("lagrange", 2, (Fraction(100), Fraction(300)))
-    member = long_run.follow(start)
+    scene = random_scene("lagrange", 2, (Fraction(100), Fraction(300)))
+    member = long_run.follow(scene)
     assert all(1e-17 < x < 1e-13 for x in member.inputs)
-    every = polhode.integrate(start.scene, "double").projection.every
-    left = polhode.conditioning(start.scene).inputs("double", every)
+    every = polhode.integrate(scene, "double").projection.every
+    left = polhode.conditioning(scene).inputs("double", every)
     assert member.inputs == [10.0**-x for x in left]
-    assert left != polhode.conditioning(start.scene).inputs("double")
+    assert left != polhode.conditioning(scene).inputs("double")
 
 
 # the study

@@ -23,74 +23,25 @@ import kit
 import make
 import polhode
 import stability
-from kit import TYPES, Column, JsonObject, Only, filled, table, tables
+from kit import TYPES, JsonObject, Only, table
 from polhode.judging.limits import selected
 from shared.reports import COMMITTED, committed
 from shared.tools import tiers
 
 CASES = polhode.cases().column("scene")
 
-# -- tables ----------------------------------------------------------------------------------------
-
-ROW = {"name": "a", "digits": 12.34, "seconds": {"run": 0.5}, "found": [1, 2]}
-ROW |= {"gap": None, "right": False}
+# -- tables: what no committed page shows ----------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("value", "form", "cell", "side"),
-    [
-        ("name", "", "a", "---"),
-        ("name", "code", "`a`", "---"),
-        ("digits", ".1f", "12.3", "--:"),
-        ("seconds.run", ".2g", "0.5", "--:"),
-        ("found.1", "d", "2", "--:"),
-        ("gap", ".1f", "–", "--:"),
-        ("gap.deeper", "", "–", "---"),
-        ("name", ".1f", "a", "--:"),  # such as how a run ended, in place of its digits
-        ("right", "", "no", "---"),
-        ("not there", "", "–", "---"),
-    ],
-)
-def test_a_cell_is_a_value_of_the_row_in_the_form_of_its_column(value, form, cell, side):
-    column = Column.of_line(f"header | {value} | {form}")
-    assert (column.cell(ROW), column.side) == (cell, side)
-
-
-def test_a_table_is_rows_of_columns_with_what_they_hold_and_how_to_make_them_again():
-    lines = "a | name | code\np | digits | .1f | so\n  *much*, |p|\n"
-    page_table = table([ROW, {"name": "b|c"}], lines, "x {0} '{1}'")
-    assert page_table.command(page_table.rows[1]) == "x b|c '–'"
-    assert page_table.markdown == (
-        "| a | p |\n|---|--:|\n| `a` | 12.3 |\n| `b\\|c` | – |\n\n"
-        "Columns: *p*: so *much*, |p|.\nTo make rows again, here the first: `x a '12.3'`."
-    )
-    assert table([], lines).markdown == ""
-
-
-def test_a_path_that_ends_in_a_star_is_a_column_for_each_key():
-    rows = {"at": {"1": 1, "0.5": 2}}, {"at": {"2": None, "1": 3}}, {}
-    page_table = table(rows, "t = * | at.* | d | count\n* | none.* | d\n")
-    assert page_table.header == ("t = 1", "t = 0.5", "t = 2")
-    assert page_table.rows == (("1", "2", "–"), ("3", "–", "–"), ("–", "–", "–"))
-
-
-def test_a_block_of_a_template_is_a_table_and_one_without_lines_has_the_columns_of_the_last():
-    template = "a\n\n```table x: --only {0}\np | p | d\ncase\n```\n\n{n}\n\n```table y\n```\n"
-    own = tables(template, {"x": [{"p": 1, "case": "c"}], "y": [{"p": 2}]}, "make x")
-    assert own["x"].markdown.splitlines()[2] == "| 1 | c |"
-    assert own["x"].markdown.endswith("first: `make x --only 1`.")
-    assert "which `polhode show CASE` prints" in own["y"].markdown
-    assert "To make" not in own["y"].markdown
-    assert filled(template, own, {"n": 3}).startswith("a\n\n| p | case |\n")
-
-
-def test_a_part_without_rows_is_left_out_under_its_heading():
-    template = "# A\n\n{n} of it\n\n## B\n\nwords\n\n{b}\n\n{c}\n\n### C\n\nmore {n}\n\n{c}\n"
-    whole = table([{"x": 1}], "x | x")
-    none = whole._replace(rows=())
-    text = filled(template, {"b": whole, "c": none}, {"n": 2})
-    assert text == "# A\n\n2 of it\n\n## B\n\nwords\n\n| x |\n|---|\n| 1 |\n"
-    assert filled(template, {"b": none, "c": none}, {"n": 2}) == "# A\n\n2 of it\n"
+def test_a_cell_is_escaped_and_what_is_not_there_is_a_dash_also_deep_down():
+    rows = {"name": "b|c", "at": {"1": 1}, "gap": []}, {"gap": None, "at": {"2": None, "1": 3}}, {}
+    page_table = table(rows, "a | name\nb | gap.0 | .1f\nt = * | at.* | d", "x {0} {1}")
+    assert page_table.markdown.splitlines()[2:5] == [
+        "| b\\|c | – | 1 | – |",
+        "| – | – | 3 | – |",
+        "| – | – | – | – |",
+    ]
+    assert page_table.command(page_table.rows[0]) == "x b|c –"
 
 
 # -- the committed report --------------------------------------------------------------------------
@@ -124,15 +75,25 @@ def test_the_table_in_readme_is_of_the_committed_rows():
 
 
 @pytest.mark.slow
-def test_stale_files_are_made_again_and_named(tmp_path):
+def test_what_is_stale_is_made_again_and_named_and_rows_of_another_version_too(
+    tmp_path, monkeypatch, capsys
+):
     for name in ("events.json", "events.md"):
         (tmp_path / name).write_bytes((COMMITTED / name).read_bytes())
     page = (tmp_path / "events.md").read_text()
     (tmp_path / "events.md").write_text(page.replace("Events", "events", 1) + "more\n")
-    changed = make.write_stale(tmp_path, ["events"])
-    assert sorted(path.name for path in changed) == ["events.md", "events.svg"]
+    version = committed("events")["provenance"]["versions"]["polhode"]
+
+    def stale(now):
+        monkeypatch.setattr(polhode, "__version__", now)
+        code = make.main(["events", "--stale", "-o", str(tmp_path)])
+        return code, sorted(capsys.readouterr().out.splitlines())
+
+    assert stale(version) == (1, [str(tmp_path / x) for x in ("events.md", "events.svg")])
     assert (tmp_path / "events.md").read_text() == page
-    assert make.write_stale(tmp_path, ["events"]) == []
+    assert stale(version) == (0, [])
+    command = f"rows of polhode {version}, this is 9: python reports/make.py events"
+    assert stale("9") == (1, [f"{tmp_path / 'events.json'}: {command}"])
 
 
 @pytest.mark.parametrize("name", make.STUDIES)
@@ -211,7 +172,9 @@ def test_a_page_of_no_rows_and_of_one_row_of_each_kind_can_be_made(name, count):
         for j, (place, key) in enumerate(rows_in(results)):
             if not (name == "stability" and key == "cases"):  # which its kinds name
                 place[key] = place[key][: count * (j == k)]
-        assert make.page(results).startswith(make.page(whole).partition("\n")[0])
+        page = make.page(results)
+        assert page.startswith(make.page(whole).partition("\n")[0])
+        assert "\n\n\n" not in page  # where a table is left out
 
 
 def one_run_less(case: str) -> Any:
@@ -409,3 +372,39 @@ def test_a_regular_motion_comes_back(number, most):
     scene = polhode.load("euler/largest-axis")
     assert 0 < stability.error(scene, TYPES[number]) < most
     assert stability.error(scene.at((Fraction(1, 8),)), TYPES[number]) < 20
+
+
+# -- figures that hold at another time than their label says ---------------------------------------
+
+
+def printed_late(late: Fraction, wrong: str = "") -> list[JsonObject]:
+    """Of the state at t = 5 + late, printed to 12 digits as if it were that at 5."""
+    scene = polhode.load("lagrange/nutation")
+    row = polhode.reference(scene).at([5 + late], 20)[0]
+    texts = [f"{float(x):.12g}" for x in row]
+    if wrong:
+        texts[1] = wrong
+    published = [
+        polhode.Published(Fraction(5), q, x, "X") for q, x in zip(scene.columns, texts, strict=True)
+    ]
+    return accuracy.printed_figures(replace(scene, published=tuple(published)))[1]
+
+
+@pytest.mark.parametrize("late", [Fraction(1, 1000), Fraction(-1, 40), Fraction(1, 10**6)])
+def test_a_shift_is_found_to_the_digits_printed(late):
+    (label,) = printed_late(late)
+    assert label["shift"] == pytest.approx(float(late), rel=1e-4, abs=1e-11)
+    assert label["after"] < 1e-11
+    assert label["before"] > 100 * label["after"]
+
+
+def test_figures_that_are_right_or_wrong_in_another_way_have_none():
+    assert printed_late(Fraction(0)) == []
+    assert printed_late(Fraction(1, 1000), wrong="0.5") == []
+
+
+def test_the_brick_of_simulation_six_is_half_a_millisecond_late():
+    (label,) = accuracy.printed_figures(polhode.load("published/nasa-brick"))[1]
+    assert "simulation 6" in label["cite"]
+    assert label["shift"] == pytest.approx(5e-4, rel=1e-4)
+    assert label["after"] < label["before"] / 10_000

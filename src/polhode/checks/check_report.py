@@ -47,6 +47,10 @@ PROPOSED = ("double", "extended", "quad")
 TICK = Callable[[str], None]
 
 
+def _untold(text: str) -> None:
+    """Says nothing."""
+
+
 @dataclass(frozen=True)
 class NumberCheck:
     """One check: a case in one number type against its band.
@@ -120,7 +124,7 @@ class CaseCheck:
 def check(
     patterns: Sequence[str] = (),
     numbers: Sequence[str] = (),
-    tick: TICK | None = None,
+    tick: TICK = _untold,
     workers: int = 1,
     details: bool = True,
 ) -> Iterator[CaseCheck]:
@@ -137,12 +141,9 @@ def check(
     if not scenes:
         raise BadInput("check", "SCENE", None, "a path: no cases are installed")
 
-    def tell(scene: Scene) -> None:
-        if tick is not None:
-            tick(scene.name)
-
     solve = partial(check_scene, numbers=tuple(numbers), details=details)
-    yield from of_work.in_order(solve, scenes, min(workers, len(scenes)), tell)
+    shared = min(workers, len(scenes))
+    yield from of_work.in_order(solve, scenes, shared, lambda scene: tick(scene.name))
 
 
 def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True) -> CaseCheck:
@@ -234,11 +235,10 @@ class CrossCheck:
         return self.digits is None or self.digits >= LEAST
 
 
-def cross_checks(tick: Callable[[str], None] | None = None) -> Iterator[CrossCheck]:
+def cross_checks(tick: TICK) -> Iterator[CrossCheck]:
     """Each scene in each form against its principal form."""
     for name in SCENES:
-        if tick is not None:
-            tick(f"{name} in all forms")
+        tick(f"{name} in all forms")
         yield from _in_all_forms(name)
 
 
@@ -411,7 +411,7 @@ def check_cases(
     """
     if propose and not scenes:
         raise BadInput("check", "--propose", None, "SCENEs to propose bands for")
-    tick = message or (lambda _: None)
+    tick = message or _untold
     patterns = [*map(str, scenes)]
     shared = cores() if len(library.matching(patterns)) >= _MANY else 1
     reports: list[CaseCheck] = []
@@ -419,11 +419,9 @@ def check_cases(
     try:
         if scenes or not forms:
             numbers = number or (PROPOSED if propose else ())
-            for report in check(patterns, numbers, tick, shared, details or propose):
-                reports.append(report)
+            reports.extend(check(patterns, numbers, tick, shared, details or propose))
         if forms or not (scenes or number):
-            for row in cross_checks(tick):
-                crossed.append(row)
+            crossed.extend(cross_checks(tick))
     except KeyboardInterrupt:
         return CheckReport(reports, crossed, propose, interrupted=True)
     return CheckReport(reports, crossed, propose)

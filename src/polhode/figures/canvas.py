@@ -28,11 +28,6 @@ DATE = "SOURCE_DATE_EPOCH"
 MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
 
 
-def require() -> None:
-    """Raise BadInput where matplotlib is missing: before a study runs, not after."""
-    pyplot()
-
-
 def pyplot(own: bool = True) -> Any:
     """matplotlib.pyplot, writing SVG that depends on the figure alone; else as the user has it.
 

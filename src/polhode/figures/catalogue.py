@@ -27,7 +27,7 @@ MOTION: Mapping[str, tuple[str, str]] = {
     "integrals": ("curves", "integrals"),
     "error": ("curves", "error"),
 }
-_MAPS = {word: ("diagrams", word) for word in ("fli", "megno", "exponent", "verdict")}
+_MAPS = {word: ("results", word) for word in ("fli", "megno", "exponent", "verdict")}
 _PERIOD = {"omega": ("results", "period")}
 _ROWS = {"omega": ("results", "reference")}
 _PROVEN = {"digits": ("results", "proven")}
@@ -39,20 +39,22 @@ FIGURES: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "Enclosure": _PROVEN,
     "Ensemble": {"members": ("results", "members")},
     "EventTimes": _EVENTS,
-    "Frequencies": {"lines": ("diagrams", "lines")},
+    "Frequencies": {"lines": ("results", "lines")},
     "Judgement": {"digits": ("results", "digits")},
     "Levels": {"diagram": ("levels", "draw")},
     "Orbit": _PERIOD,
-    "OrbitFamily": {"residue": ("diagrams", "family")},
+    "OrbitFamily": {"residue": ("results", "family")},
     "OrbitSearch": {"residue": ("results", "residues")},
     "ProvedChaos": {"chaos-proof": ("proofs", "chaos")},
     "ProvedOrbit": _PERIOD,
     "ProvedStability": {"curves": ("proofs", "stability")},
     "Reductions": {"kept": ("results", "reductions")},
     "ReferenceTable": _ROWS,
-    "Section": {"crossings": ("diagrams", "crossings")},
+    "Section": {"crossings": ("results", "crossings")},
     "Trajectory": MOTION,
 }
+#: Those that show more of a result than its file has; the others are drawn as their files are.
+LIVE = ("Frequencies", "Levels", "ProvedChaos")
 
 
 def kind_of(subject: Storable | Samples) -> str:
@@ -93,6 +95,8 @@ def draw(
     """
     kind = kind_of(subject)
     what = chosen(kind, what)
+    if not isinstance(subject, (Samples, Saved)) and kind not in LIVE:
+        subject = Saved(subject.content())
     make = _function(*FIGURES[kind][what])
     options = {key: value for key, value in given_options.items() if value is not None}
     names = [k for k, x in inspect.signature(make).parameters.items() if x.kind is x.KEYWORD_ONLY]

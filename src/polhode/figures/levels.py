@@ -12,10 +12,9 @@ from polhode.dynamics.exact_levels import Region
 from polhode.dynamics.levels import DiagramColumn, Levels, levels
 from polhode.figures import canvas
 from polhode.figures.canvas import label_text, series
-from polhode.figures.results import saved_of
 from polhode.numbers import expression
 from polhode.numbers.conversion import exact_number, to_double
-from polhode.results.result import Storable
+from polhode.runs.saved import Saved
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,7 +46,7 @@ HATCH = "////"
 
 
 def draw(
-    plt: Any, result: Storable, axes: Any = None, *, f_range: Any = None, h_range: Any = None
+    plt: Any, result: Levels | Saved, axes: Any = None, *, f_range: Any = None, h_range: Any = None
 ) -> Any:
     """Regions as shades, arcs as lines by type, special points, and the scene's level.
 
@@ -55,7 +54,7 @@ def draw(
     scene.  The levels of a file are found anew.
     """
     if not isinstance(result, Levels):
-        result = levels(saved_of(result).scene)
+        result = levels(result.scene)
     shown = window(result, f_range, h_range)
     figure, panels = canvas.panels(plt, axes, 1, figsize=(6.6, 4.4))
     place, axes = canvas.legend_of(figure, axes), panels[0, 0]

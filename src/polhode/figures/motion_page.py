@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from html import escape
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -67,29 +67,32 @@ def page(shown: ShownMotion, title: str, regime: str, words: str, origin: str, c
     data = _data(shown, words)
     scripts = "".join((_PARTS / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS)
     shape = "its solids" if scene.body.parts else "its ellipsoid of inertia"
-    return _filled(
-        (_PARTS / "motion.html").read_text(encoding="utf-8"),
-        title=escape(printable(title)),
-        about=escape(printable(f"{scene.name}: {regime}")),
-        explained=escape(words),
-        css=(_PARTS / "motion.css").read_text(encoding="utf-8"),
-        body_alt=escape(f"the body and the path of its {point} in space, in motion"),
-        body_caption=(
-            f"{_swatch(BLUE)} the body, drawn as {shape}, about the fixed point; "
-            f"{_swatch(ORANGE)} the path of its {point}, on a sphere; the arrow points upward"
-        ),
-        rolling_alt="the curves of omega in the body and in space, rolling on each other",
-        rolling_caption=_POINSOT if data["poinsot"] else _CONES,
-        first=f"spin: ω along {_spun(data)}",
-        second="ω across it" if data["start"]["free"] else "tilt from the vertical",
-        scene=escape(printable(scene.source.strip().expandtabs(4)) or repr(scene)),
-        origin=(
-            f"{escape(' '.join(filter(None, (origin, shown.coarse()))))} "
-            f"Made by <code>{escape(printable(command))}</code>, "
-            f"polhode {__version__}."
-        ),
-        data=json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
-        scripts=scripts,
+    return (
+        (_PARTS / "motion.html")
+        .read_text(encoding="utf-8")
+        .format(
+            title=escape(printable(title)),
+            about=escape(printable(f"{scene.name}: {regime}")),
+            explained=escape(words),
+            css=(_PARTS / "motion.css").read_text(encoding="utf-8"),
+            body_alt=escape(f"the body and the path of its {point} in space, in motion"),
+            body_caption=(
+                f"{_swatch(BLUE)} the body, drawn as {shape}, about the fixed point; "
+                f"{_swatch(ORANGE)} the path of its {point}, on a sphere; the arrow points upward"
+            ),
+            rolling_alt="the curves of omega in the body and in space, rolling on each other",
+            rolling_caption=_POINSOT if data["poinsot"] else _CONES,
+            first=f"spin: ω along {_spun(data)}",
+            second="ω across it" if data["start"]["free"] else "tilt from the vertical",
+            scene=escape(printable(scene.source.strip().expandtabs(4)) or repr(scene)),
+            origin=(
+                f"{escape(' '.join(filter(None, (origin, shown.coarse()))))} "
+                f"Made by <code>{escape(printable(command))}</code>, "
+                f"polhode {__version__}."
+            ),
+            data=json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
+            scripts=scripts,
+        )
     )
 
 
@@ -99,15 +102,6 @@ def _spun(data: dict[str, Any]) -> str:
         return "the axis to the centre of mass"
     sizes = [abs(float(np.dot(axis, data["start"]["omega"]))) for axis in data["axes"]]
     return f"principal axis {1 + sizes.index(max(sizes))}"
-
-
-def _filled(template: str, **parts: str) -> str:
-    """A template with each {name} replaced, by one walk: what is put in is not looked at again."""
-    pieces: list[str] = []
-    for piece in template.split("{"):
-        name, brace, rest = piece.partition("}")
-        pieces.append(parts[name] + rest if brace and pieces else piece)
-    return "".join(pieces)
 
 
 def _data(shown: ShownMotion, words: str) -> dict[str, Any]:
@@ -124,7 +118,7 @@ def _data(shown: ShownMotion, words: str) -> dict[str, Any]:
     inertia = np.array([[to_double(x) for x in row] for row in body.inertia])
     moments = [to_double(x) for x in body.moments]
     weight = [to_double(x) for x in body.torque]
-    free = not _heavy(shown)
+    free = body.torque_free
     first = int(np.argmin(np.abs(shown.times))) if begin <= 0 <= end else 0
     return {
         "begin": begin,
@@ -160,10 +154,6 @@ def _swing(inertia: Doubles, weight: Sequence[float]) -> float:
     x, y, z = weight
     torque = np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]])  # of gamma, gamma x Mg r0
     return math.sqrt(float(np.linalg.norm(np.linalg.solve(inertia, torque), 2)))
-
-
-def _heavy(shown: ShownMotion) -> bool:
-    return not shown.scene.body.torque_free
 
 
 def _centre(body: Body) -> list[float] | None:
@@ -241,26 +231,15 @@ def page_of(drawing: Drawing, command: str) -> str:
 # What a motion looks like, in two sentences, by the kind of its reference and its regime.
 
 
-class Explanation(NamedTuple):
-    """Of regimes of one kind of reference that begin with these words: what is seen."""
-
-    kind: str
-    begins: str
-    text: str
+def _flat(text: str, **parts: str) -> str:
+    return " ".join(text.format(**parts).split())
 
 
-def _flat(text: str) -> str:
-    return " ".join(text.split())
-
-
-_FILE = Path(__file__).parent / "page" / "explanations.toml"
-_TOLD = tomllib.loads(_FILE.read_text(encoding="utf-8"))
-_SENTENCES = {name: _flat(text) for name, text in _TOLD["parts"].items()}
+_TOLD = tomllib.loads((_PARTS / "explanations.toml").read_text(encoding="utf-8"))
 _OTHERS = {name: _flat(text) for name, text in _TOLD["others"].items()}
-#: The first that fits is shown.
+#: Of regimes of a kind of reference that begin with some words, what is seen; the first that fits.
 EXPLANATIONS = tuple(
-    Explanation(x["kind"], x["begins"], _flat(x["text"]).format_map(_SENTENCES))
-    for x in _TOLD["explanations"]
+    (x["kind"], x["begins"], _flat(x["text"], **_TOLD["parts"])) for x in _TOLD["explanations"]
 )
 _CLOSE = 0.01
 

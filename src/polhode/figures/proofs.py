@@ -15,7 +15,6 @@ from polhode.dynamics.section import Section, section
 from polhode.dynamics.starts import height_coordinates, momentum_states
 from polhode.equations.section_functions import MOMENTUM
 from polhode.figures import canvas
-from polhode.figures.results import saved_of
 from polhode.numbers.number_types import Doubles
 from polhode.proofs import homoclinic
 from polhode.proofs.proved_chaos import ProvedChaos
@@ -121,9 +120,8 @@ class Curves(NamedTuple):
     turns: Doubles
 
 
-def stability(plt: Any, proof: Storable, axes: Any = None) -> Figure:
+def stability(plt: Any, saved: Saved, axes: Any = None) -> Figure:
     """Left the curves, as computed in double; right their turns, and what the proved twist says."""
-    saved = saved_of(proof)
     rotation, twist = (float(saved.column(name)[0]) for name in ("rotation", "twist"))
     curves = curves_around(saved)
     figure: Figure

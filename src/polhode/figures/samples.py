@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
+from polhode.equations.kinematics import attitude_rates
 from polhode.judging.tables.table import Table
 from polhode.numbers import exact
 from polhode.numbers.conversion import doubles, to_double
@@ -155,7 +156,8 @@ class ShownMotion(NamedTuple):
         k = np.clip(np.floor(far).astype(int), 0, len(self.times) - 2)
         s = (far - k)[..., None]
         weights = (1 + 2 * s) * (1 - s) ** 2, s * (1 - s) ** 2, s * s * (3 - 2 * s), s * s * (s - 1)
-        attitude = _cubic(weights, self.attitude, step * self._rates, k)
+        rates = np.array(attitude_rates([*self.attitude.T], [*self.omega.T])).T
+        attitude = _cubic(weights, self.attitude, step * rates, k)
         omega = _cubic(weights, self.omega, np.gradient(self.omega, axis=0), k)
         return attitude / np.linalg.norm(attitude, axis=-1, keepdims=True), omega
 
@@ -186,19 +188,6 @@ class ShownMotion(NamedTuple):
             f"Two samples are up to {apart:.2g} radians apart: between them the picture is not "
             "the motion. A shorter time, or more rows, shows it."
         )
-
-    @property
-    def _rates(self) -> Doubles:
-        """q' at the samples."""
-        (a, b, c, d), (x, y, z) = self.attitude.T, self.omega.T
-        rates = (
-            -b * x - c * y - d * z,
-            a * x + c * z - d * y,
-            a * y + d * x - b * z,
-            a * z + b * y - c * x,
-        )
-        slopes: Doubles = np.array(rates).T / 2
-        return slopes
 
 
 def _cubic(

@@ -237,7 +237,6 @@ def _of_scene(
     end = None if request.end is None else _time(scene, request.end)
     long = word in OVER_TIME
     times = sampling.shown_times(scene, end, SAMPLES if long else None)
-    reference = reference_of(scene) if word == "error" else None
     run = sampling.run(
         scene,
         times,
@@ -263,13 +262,7 @@ def _of_scene(
     if not long and apart > 0.5:
         note = f"{apart:.2g} radians between two samples: a shorter --end draws curves"
         notes.append(f"{scene.name}: {note}")
-    if reference is not None:
-        samples = errors(of_run(run), reference, run.number)
-    elif long:
-        samples = departures(of_run(run), scene, run.number)
-    else:
-        samples = sampling.of_run(run)
-        _refuse_extreme_numbers(samples)
+    samples = _samples_of(of_run(run), word, scene, run.number)
     return Drawing(samples, word, scene.name, tuple(notes))
 
 
@@ -298,17 +291,25 @@ def _of_table(path: Path, word: str, request: Request) -> Drawing:
     if scene is not None and request.read is not None:
         table = table_as_told(table, reference_of(scene), request.read)
     notes = [f"{table.name}: {remark}" for remark in table.remarks]
-    if word == "error" and scene is not None:
-        samples = errors(table, reference_of(scene), number)
-    elif word == "integrals" and scene is not None:
-        samples = departures(table, scene, number)
-    else:
-        samples = sampling.of_table(table, scene)
-        _refuse_what_is_missing(samples, word)
-        _refuse_extreme_numbers(samples)
+    samples = _samples_of(table, word, scene, number)
     if word == MOTION:
         notes += _on_motion(samples)
     return Drawing(samples, word, str(table.name), tuple(notes), measured=True)
+
+
+def _samples_of(table: Table, word: str, scene: Scene | None, number: NumberType | None) -> Samples:
+    """What a figure shows of a table, or of that of a run; raises BadInput where it cannot."""
+    if scene is not None and word == "error":
+        return errors(table, reference_of(scene), number)
+    if scene is not None and word == "integrals":
+        return departures(table, scene, number)
+    if table.run is not None:
+        samples = sampling.of_run(table.run)
+    else:
+        samples = sampling.of_table(table, scene)
+        _refuse_what_is_missing(samples, word)
+    _refuse_extreme_numbers(samples)
+    return samples
 
 
 def _refuse_extreme_numbers(samples: Samples) -> None:

@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from html import escape
 from importlib import resources
-from itertools import groupby
+from itertools import cycle, groupby
 from pathlib import Path
 from string import Template
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from polhode.common.errors import BadInput, few, one_line, printable
 from polhode.common.files import make_folder, write_whole
 from polhode.common.provenance import cpu, versions
 from polhode.common.texts import JsonObject
-from polhode.figures import accuracy, canvas
-from polhode.output.accuracy import Row, SceneSection
+from polhode.figures import canvas
+from polhode.figures.canvas import COLOURS, MARKS, SPACE, power_of_ten, time_label
+from polhode.numbers.conversion import to_double
+from polhode.numbers.number_types import Doubles
+from polhode.output.accuracy import ReportRow, SceneSection
 from polhode.results.cells import DOUBLE, TEXT, header_and_rows
 from polhode.results.table import Table, table_of_rows
+from polhode.scenes.body import Body
+from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import scene_facts
 
 TITLE = "Accuracy report"
@@ -37,7 +45,7 @@ _NO_FIGURES = "The figures need matplotlib, which is not installed: pip install 
 _MARKS = {"good": "●", "passed": "●", "fair": "◐", "bad": "○", "failed": "○", "unknown": "–"}
 
 
-class Part(NamedTuple):
+class ReportPart(NamedTuple):
     """A table of a report: its heading on the page, its columns after the scene, what it means.
 
     ``picture``: what the figure beside it shows, "" for none.
@@ -50,8 +58,8 @@ class Part(NamedTuple):
 
 
 _KNOWN = "limit digits t_of_digits digits_end half_lost_after lost_after"
-PARTS: Mapping[str, Part] = {
-    "overview": Part(
+PARTS: Mapping[str, ReportPart] = {
+    "overview": ReportPart(
         TITLE,
         "verdict digits_double digits_extended digits_quad files digits_files motion limit regime "
         "reference",
@@ -60,34 +68,34 @@ PARTS: Mapping[str, Part] = {
         "the numbers hold; fair: one or more; bad: none; unknown: nothing could be judged. Correct "
         "digits are -log10 of the relative error, the fewest of state, angles and attitude.",
     ),
-    "description": Part("", "fact text", "", "ellipsoid of inertia; an arrow along Mg r0"),
-    "digits": Part(
+    "description": ReportPart("", "fact text", "", "ellipsoid of inertia; an arrow along Mg r0"),
+    "digits": ReportPart(
         "Correct digits over time",
         "of t correct_digits digits_expected_least digits_expected_most",
         "In brackets: where nine in ten runs of that number type would be.",
         "correct digits over time; shaded: expected",
     ),
-    "runs": Part(
+    "runs": ReportPart(
         "What limits them, and how far each number type reaches",
         f"run {_KNOWN} judged_until number method steps remark",
         "Half lost after, lost after: the times from which on fewer than half of the digits, and "
         "none, are left; empty where digits are left to the end. Beyond it they follow from the "
         "exponent.",
     ),
-    "files": Part("Files", f"file verdict {_KNOWN} seconds reading sentence"),
-    "orders": Part("Order of convergence", "files_of order order_least order_most"),
-    "drift": Part(
+    "files": ReportPart("Files", f"file verdict {_KNOWN} seconds reading sentence"),
+    "orders": ReportPart("Order of convergence", "files_of order order_least order_most"),
+    "drift": ReportPart(
         "Drift of the integrals",
         "of h f gamma fourth",
         "The largest relative departures of energy, vertical momentum, |gamma|² and the fourth "
         "integral; a run that is projected is put back on them, which is no evidence of accuracy.",
     ),
-    "events": Part(
+    "events": ReportPart(
         "Events",
         "run event time count sign uncertainty depth",
         "Uncertainty: how far rounding can move the time; depth: how far it goes beyond zero.",
     ),
-    "work": Part(
+    "work": ReportPart(
         "Speed against error",
         "of tolerance digits seconds",
         "Each row is a prepared run to the end of the scene, the least processor time of up to "
@@ -102,7 +110,7 @@ def tables(sections: Sequence[SceneSection]) -> Mapping[str, Table]:
     return {name: _table(name, [(x.scene.name, x.rows[name]) for x in sections]) for name in PARTS}
 
 
-def _table(name: str, groups: Sequence[tuple[str, Sequence[Row]]]) -> Table:
+def _table(name: str, groups: Sequence[tuple[str, Sequence[ReportRow]]]) -> Table:
     """A table of the rows of scenes."""
     texts, hidden = _TEXTS.split(), _HIDDEN.split()
     types = {x: TEXT if x in texts else DOUBLE for x in f"scene {PARTS[name].columns}".split()}
@@ -128,7 +136,7 @@ class ReportPage:
         self.svgs: dict[str, str] = {}
         self.draws = False
         with suppress(BadInput):
-            canvas.require()
+            canvas.pyplot()
             self.draws = True
 
     def heading(self, level: int, text: str, anchor: str = "") -> None:
@@ -151,7 +159,7 @@ class ReportPage:
     def picture(self, name: str, scene: str, text: str, draw: Callable[..., Any], *of: Any) -> None:
         """A figure of a scene, where there can be any; ``name``: of its file."""
         if self.draws:
-            self.svgs[f"{name}.svg"] = svg = accuracy.drawn(f"{scene}: {text}", draw, *of)
+            self.svgs[f"{name}.svg"] = svg = drawn(f"{scene}: {text}", draw, *of)
             caption = f"<figcaption>{_escaped(text)}</figcaption>"
             self.markdown.append(f"![{text}]({self.folder.name}/{name}.svg)")
             self.html.append(f'<figure class="{name.partition("-")[2]}">{svg}{caption}</figure>')
@@ -206,9 +214,9 @@ def page(path: Path, sections: Sequence[SceneSection]) -> Mapping[Path, str | by
         title = f"{scene.name}: {one_line(scene.title)}" if scene.title else scene.name
         to.heading(2, title, f"scene-{k}")
         pictures: Mapping[str, tuple[Any, ...]] = {
-            "description": (accuracy.body, scene.body),
-            "digits": (accuracy.digits, scene, rows_of["digits"]),
-            "work": (accuracy.work, rows_of["work"]),
+            "description": (body, scene.body),
+            "digits": (digits, scene, rows_of["digits"]),
+            "work": (work, rows_of["work"]),
         }
         for name, part in [*PARTS.items()][1:]:
             words, rows = section.words.get(name, ()), rows_of[name]
@@ -231,7 +239,7 @@ def page(path: Path, sections: Sequence[SceneSection]) -> Mapping[Path, str | by
     return to.files()
 
 
-def _thinned(name: str, rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
+def _thinned(name: str, rows: Sequence[ReportRow]) -> tuple[list[str], list[list[str]]]:
     """A table for people, of each run or file a few rows."""
     most = len(rows) if name in ("description", "work") else ROWS
     groups = [[*own] for _, own in groupby(rows, lambda row: row[0])]
@@ -240,7 +248,7 @@ def _thinned(name: str, rows: Sequence[Row]) -> tuple[list[str], list[list[str]]
     return [name.replace("_", " ") for name in header], lines
 
 
-def _side_by_side(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
+def _side_by_side(rows: Sequence[ReportRow]) -> tuple[list[str], list[list[str]]]:
     """Times down, runs and files across: the digits, and in brackets the band expected."""
     names = [*dict.fromkeys(row[0] for row in rows)]
     texts = {(row[0], f"{row[1]:.12g}"): _with_band(*row[2:]) for row in rows}
@@ -281,8 +289,113 @@ def of_tests(path: Path, rows: Sequence[JsonObject]) -> Mapping[Path, str | byte
         ]
         to.heading(2, scene)
         text = "correct digits over time"
-        to.picture(f"{k}-digits", scene, text, accuracy.digits, None, curves)
+        to.picture(f"{k}-digits", scene, text, digits, None, curves)
     return to.files()
+
+
+# --- figures --------------------------------------------------------------------------------------
+#
+# Digits over time, speed against error, the body.
+#
+# They stand on pages that are dark or light: what is black takes the colour of the page's text.
+
+
+SIZE = 4.4, 2.9  # inches: text of 9 points is 9 pixels and more on a page 400 pixels wide
+OTHERS = (SPACE, "#8c6d00", "#7d5bbe", "#1b9e9e", "#c0392b")  # of files, beside number types
+_DARK = "@media (prefers-color-scheme: dark) { svg { color: #e8e8e8 } }"
+_SEEN_FROM = np.array([[-0.64, 0.77, 0.0], [-0.3, -0.25, 0.92]])  # across and up, of the body axes
+
+
+def digits(plt: Any, scene: Scene | None, rows: Sequence[ReportRow]) -> Any:
+    """Correct digits over time of runs and files, over the bands that are expected of the runs.
+
+    ``rows``: name, t, digits, and the band's edges, None where unknown.
+    """
+    figure, panel = _panel(plt)
+    for name, look, (t, right, least, most) in _series(rows):
+        style = "-" if name in COLOURS else "--"
+        panel.plot(t, right, label=name, ls=style, ms=2.2, **look)
+        panel.fill_between(t, least, most, color=look["color"], alpha=0.2, lw=0)
+    panel.set(xlabel=time_label(scene), ylabel="correct digits")
+    panel.set_ylim(bottom=0)
+    _legend(figure)
+    return figure
+
+
+def work(plt: Any, rows: Sequence[ReportRow]) -> Any:
+    """Processor time over correct digits; ``rows``: name, tolerance, digits, seconds."""
+    figure, panel = _panel(plt)
+    for name, look, (_, right, seconds) in _series(rows):
+        order = np.argsort(right, kind="stable")
+        panel.plot(right[order], seconds[order], label=name, ms=4, **look)
+    panel.set_yscale("log")
+    panel.yaxis.set_major_formatter(lambda x, _: power_of_ten(math.log10(x)))
+    panel.minorticks_off()
+    panel.set(xlabel="correct digits at the end", ylabel="processor seconds")
+    _legend(figure)
+    return figure
+
+
+def body(plt: Any, of: Body) -> Any:
+    """The ellipsoid of inertia by its three principal sections, and where the centre of mass is."""
+    # wide enough for the moments beside the axes, which no layout makes room for
+    figure, panel = plt.subplots(figsize=(4.2, 2.2), layout="constrained")
+    panel.set_aspect("equal")
+    panel.axis("off")
+    moments = [to_double(x) for x in of.moments]
+    semi = 1 / np.sqrt(moments)
+    semi = semi / semi.max()
+    turn = np.linspace(0, 2 * np.pi, 61)
+    for k in range(3):
+        ring = np.zeros((3, len(turn)))
+        ring[(k + 1) % 3], ring[(k + 2) % 3] = np.cos(turn), np.sin(turn)
+        panel.plot(*(_SEEN_FROM @ (semi[:, None] * ring)), color=COLOURS["double"], lw=0.8)
+        tip = np.zeros(3)
+        tip[k] = semi[k] + 0.25
+        x, y = _SEEN_FROM @ tip
+        panel.plot([0, x], [0, y], color="#000000", lw=0.5)
+        side = "center" if k == 2 else "left" if x > 0 else "right"
+        text = f"{'ABC'[k]} = {moments[k]:.4g}"
+        panel.annotate(text, (x, y), ha=side, va="bottom" if k == 2 else "top")
+    torque = np.array([to_double(x) for x in of.axes.components(of.torque)])
+    if (size := float(np.linalg.norm(torque))) > 0:
+        x, y = _SEEN_FROM @ (0.8 * torque / size)
+        arrow = {"arrowstyle": "-|>", "color": SPACE, "lw": 1.4}
+        panel.annotate("", (x, y), (0, 0), arrowprops=arrow)
+    return figure
+
+
+def drawn(title: str, draw: Callable[..., Any], *subject: Any) -> str:
+    """The SVG text of a figure of a subject; ``draw``: one of the functions above."""
+    with canvas.paper() as plt:
+        figure = draw(plt, *subject)
+        figure.patch.set_visible(False)
+        svg = canvas.as_svg(figure, title)
+    svg = svg[svg.index("<svg") :].replace("#000000", "currentColor")
+    label = escape(printable(title))
+    head = f'<svg fill="currentColor" role="img" aria-label="{label}"'
+    head, _, rest = svg.replace("<svg", head, 1).partition(">")
+    return f"{head}>\n<style>{_DARK}</style>{rest}"
+
+
+def _panel(plt: Any) -> tuple[Any, Any]:
+    figure, panel = plt.subplots(figsize=SIZE, layout="constrained")
+    panel.patch.set_visible(False)
+    panel.grid(color="#888888", alpha=0.3)
+    return figure, panel
+
+
+def _series(rows: Sequence[ReportRow]) -> Iterator[tuple[str, dict[str, str], Doubles]]:
+    """The columns of each run or file, with colour and mark: a number type's own, or another's."""
+    others = cycle(OTHERS)
+    for name in dict.fromkeys(row[0] for row in rows):
+        colour = COLOURS.get(name) or next(others)
+        look = {"color": colour, "marker": MARKS.get(name, "x")}
+        yield name, look, np.array([row[1:] for row in rows if row[0] == name], dtype=float).T
+
+
+def _legend(figure: Any) -> None:
+    canvas.legend(figure.legend, figure.axes, loc="outside upper left", ncols=3)
 
 
 # -- texts on a page -------------------------------------------------------------------------------

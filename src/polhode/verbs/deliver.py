@@ -152,7 +152,7 @@ class Places:
             if self._is_figure(path):
                 from polhode.figures import canvas
 
-                canvas.require()
+                canvas.pyplot()
             elif self._is_own(path):
                 if ".json" in self.verb.own:
                     from polhode.certificates import certificate_file

@@ -111,7 +111,7 @@ def _written(options: Namespace, endings: tuple[str, ...]) -> int:
     refuse_two_on_stdout(path, options.json)
     suffix = path.suffix.lower() if path.suffix.lower() in endings else endings[0]  # a stream
     if suffix != PAGE:
-        canvas.require()
+        canvas.pyplot()
     request = Request(**{name: getattr(options, name) for name in vars(Request())})
     with ProgressLine("plot") as progress:
         try:
