@@ -322,18 +322,12 @@ def test_what_v_misses_is_bounded_beyond_its_last_coefficient_too(monkeypatch):
     transition, matrices = verify.transition, []
     monkeypatch.setattr(verify, "MOST_TERMS", 3)
     monkeypatch.setattr(
-        verify,
-        "transition",
-        lambda entries, *rest: matrices.append(entries) or transition(entries, *rest),
+        verify, "transition", lambda a, *rest: matrices.append(a) or transition(a, *rest)
     )
     with ctx.workprec(64):
         start = [arb(x) for x in ("0.5", "-0.25", "1", "0", "0.75", "0.5")]
         step = verify.Step(body_of(3, 2, 1), start, arb("0.125"), 64, verify.STATES)
-        (entries,), v, norms = matrices, step.v, []
-        a = [arb_mat(6, 6) for _ in range(max(map(len, entries.values())))]
-        for (i, j), x in entries.items():
-            for k, y in enumerate(x):
-                a[k][i, j] = y
+        (a,), v, norms = matrices, step.v, []
         for k in range(len(a) + len(v)):
             total = v[k + 1] * arb(-(k + 1)) if k + 1 < len(v) else arb_mat(6, 6)
             for j, matrix in enumerate(a):
@@ -343,24 +337,26 @@ def test_what_v_misses_is_bounded_beyond_its_last_coefficient_too(monkeypatch):
     assert missed <= bound < 6 * missed
 
 
+def missed_of(*coefficients):
+    """V of A with these coefficients in its first entry, and the bound of what it misses."""
+    with ctx.workprec(64):
+        a = verify.matrices_of({(0, 0): arb_poly([*coefficients])}, arb(1))
+        return verify.transition(a, [verify.row_sum(x.table()) for x in a], verify.SETS)
+
+
 def test_what_v_misses_is_bounded_where_a_begins_late():
     """A = tau^2 in one entry: V = 1 to the degree that is tried, and misses int tau^2."""
-    with ctx.workprec(64):
-        entries = {(0, 0): [arb(0), arb(0), arb(1)]}
-        v, missed = verify.transition(entries, verify.norms_of(entries), verify.SETS)
-        assert all(x == arb_mat(6, 6) for x in v[1:])
-        assert 1 / arb(3) <= missed * (1 + arb("1e-15"))
-        assert missed < arb("0.34")
+    v, missed = missed_of(0, 0, 1)
+    assert all(x == arb_mat(6, 6) for x in v[1:])
+    assert 1 / arb(3) <= missed * (1 + arb("1e-15"))
+    assert missed < arb("0.34")
 
 
 def test_what_v_misses_is_bounded_by_all_of_v_where_a_grows(monkeypatch):
     """A = 10 + 10^6 tau^2 in one entry, V = 1 + 10 tau + 50 tau^2: A V - V' is 10^6 tau^2 V."""
     monkeypatch.setattr(verify, "MOST_TERMS", 3)
-    with ctx.workprec(64):
-        entries = {(0, 0): [arb(10), arb(0), arb(10**6)]}
-        _, missed = verify.transition(entries, verify.norms_of(entries), verify.SETS)
     truth = 10**6 * (1 / 3 + 10 / 4 + 50 / 5)
-    assert truth <= float(missed) < 6 * truth
+    assert truth <= float(missed_of(10, 0, 10**6)[1]) < 6 * truth
 
 
 def test_a_body_at_rest_without_weight_and_vertical_stays_where_it_is():

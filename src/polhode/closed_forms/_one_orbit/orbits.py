@@ -171,9 +171,10 @@ class GammaOfOmega(NamedTuple):
         """gamma1, gamma2, gamma3."""
         return value(self.one, p), q * value(self.two, p), r * value(self.three, p)
 
-    def squares(self, p: Scalar) -> tuple[Scalar, Scalar]:
-        """q^2 and r^2."""
-        return value(self.Q, p), value(self.R, p)
+    def matching(self, scene: NormalScene) -> Iterator[Condition]:
+        """The scene's q^2, r^2 and gamma are these."""
+        squares = [value(x, scene.omega[0]) for x in (self.Q, self.R)]
+        yield from scene.matching(self.gamma(*scene.omega), squares)
 
     def mapped(self, convert: Callable[[Exact], Scalar]) -> GammaOfOmega:
         """The same with its numbers converted."""

@@ -156,12 +156,15 @@ class Jacobi:
         self._period = arb.pi() / mean
         self.K = self._period / 2
         if not self.circle:
-            s = mean / k2.sqrt().agm(1)
-            self.tau = acb(0, s)
+            self._s = mean / k2.sqrt().agm(1)
+            self.tau = acb(0, self._s)
             _, th2, th3, th4 = (th.real for th in acb.modular_theta(acb(0), self.tau))
             self.factors = th3 / th2, th4 / th2, th4 / th3  # of sn, cn, dn
-            #: None where they are long.
-            self.series = ThetaSeries(s) if s > LEAST else None
+
+    @cached_property
+    def series(self) -> ThetaSeries | None:
+        """Those of real variables; None where they are long."""
+        return ThetaSeries(self._s) if self._s > LEAST else None
 
     def phase(self, sn0: arb, cn2: arb, dn2: arb) -> arb:
         """v in [-K, K] with sn v = ``sn0``; the squares of cn v and dn v are given."""
