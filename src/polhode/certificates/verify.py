@@ -1326,6 +1326,8 @@ def in_full(x: Fraction) -> str:
 #:
 #:     c1 = f21 + f20 f11 (1 - 2 mu)/(mu^2 - mu) + |f11|^2/(1 - mu*) + 2 |f02|^2/(mu^2 - mu*).
 #:
+#: For z = w + sum h_jk w^j w*^k, h_jk = f_jk/(mu^j mu*^k - mu), leaves no square, and of the cubic
+#: terms c1 = f21 + 2 f20 h11 + f11 (h11* + h20) + 2 f02 h02* that of w^2 w*.
 #: No further change alters c1, and a factor s of z alters it by |s|^2.  In the coordinates X, Y it
 #: is i beta mu with beta real; so mu* c1 = i beta here, too, but for a positive factor of beta.
 #:
@@ -1342,7 +1344,7 @@ def in_full(x: Fraction) -> str:
 #: level; between two returns, which take about a period, it stays near the orbit, as it starts
 #: near x0.
 #:
-#: *mu = i.*  Then d w*^3 stands beside c1 w^2 w*, with
+#: *mu = i.*  Then d w*^3 stands beside c1 w^2 w*, with f03 + f11 h02 + 2 f02 h20* as
 #:
 #:     d = f03 + f11 f02/(mu*^2 - mu) + 2 f02 f20*/(mu*^2 - mu*),
 #:
@@ -1365,7 +1367,9 @@ def in_full(x: Fraction) -> str:
 #:
 #: *The numbers.*  The rotation is theta/(2 pi), 0 < theta < pi.  The twist is the derivative of the
 #: angle by the action, the canonical area over 2 pi; the canonical area of two changes of
-#: G = I w and g = gamma is (dg x g).dG'/|g|^2 - (dg' x g).dG/|g|^2 + f g.(dg x dg')/|g|^4.
+#: G = I w and g = gamma is (dg x g).dG'/|g|^2 - (dg' x g).dG/|g|^2 + f g.(dg x dg')/|g|^4.  For
+#: with the turns al = (dg x g)/|g|^2, of which dg = g x al and al.g = 0, the form d(G.al) of the
+#: rotations is al.dG' - al'.dG + G.(al x al'), and al x al' = g (g.(dg x dg'))/|g|^4.
 DEGREE = 3
 MONOMIALS = [(d - n, n) for d in range(DEGREE + 1) for n in range(d + 1)]
 FACTORS = [

@@ -18,9 +18,10 @@ The third body axis has the projection -s1 sin th exp(i psi) on the plane across
 theta functions times a uniform turn (Jacobi), and the vertical gamma one that stays.  Its modulus
 squared is 1 - g3^2 dn^2 v ~ 1 + (g3^2/(1 - g3^2)) k^2 sn^2 v, g3 = I3 r_m/G: so
 (:mod:`.balls.jacobi`) sc(a, k')^2 = g3^2/(1 - g3^2), and sn(a, k')^2 = g3^2 = I3 R/(G^2 (I3 - I1)).
-Its rate is psi' = G/I3 + G P/(I3 (G^2 - I3^2 r^2)), whose second term is 0 where w is infinite:
-G/I3 and the quotient's L make the uniform turn.  So with Z = Iw/G their product H, the second
-conjugated, is such a quotient; it and gamma.Z = u give
+Its rate is psi' = (Z x e3).(w x e3)/|Z x e3|^2 = G (2h - I3 r^2)/(G^2 - I3^2 r^2), Z = Iw/G, which
+is G/I3 + G P/(I3 (G^2 - I3^2 r^2)), whose second term is 0 where w is infinite: G/I3 and the
+quotient's L make the uniform turn.  So their product H, the second conjugated, is such
+a quotient, -e3.(gamma - u Z) + i Z.(e3 x gamma); it and gamma.Z = u give
 
     H = u Z3 - gamma3 + i (gamma1 Z2 - gamma2 Z1),    gamma3 = u Z3 - Re H,
     (gamma1, gamma2) = u (Z1, Z2) + (Re H Z3 (Z1, Z2) + Im H (Z2, -Z1))/(Z1^2 + Z2^2).
