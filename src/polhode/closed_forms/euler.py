@@ -31,7 +31,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from enum import StrEnum
-from functools import cmp_to_key, partial
+from functools import partial
 from typing import NamedTuple
 
 from flint import acb, arb
@@ -109,11 +109,7 @@ def numbered(I: Sequence[Exact], w: Sequence[Exact]) -> tuple[tuple[int, ...], i
     The third is the axis that the polhode circles, of the largest moment where G^2 >= 2hB and of
     the smallest where G^2 < 2hB; the second is that of B.
     """
-
-    def compared(i: int, j: int) -> int:
-        return sign(I[i] - I[j])
-
-    ranking = sorted(range(3), key=cmp_to_key(compared))
+    ranking = sorted(range(3), key=I.__getitem__)
     middle = I[ranking[1]]
     side = sign(sum((I[i] * (I[i] - middle) * w[i] * w[i] for i in range(3)), ZERO))
     if side < 0:
@@ -233,8 +229,9 @@ class Polhode(Motion):
         self.speed = root(n.squares[0] + n.squares[1] + n.squares[2])
         self._forward = self._s1 * s2 < 0  # the sense of chi
         sn2, cn2, dn2 = (ball(x) for x in n.phase)
-        self._v0 = self.elliptic.phase(n.side * sn2.sqrt(), cn2, dn2)
-        shift = self.elliptic.shift(*(ball(x) for x in n.shift))
+        self._v0 = self.elliptic.argument(n.side * sn2.sqrt(), cn2, dn2)
+        sn2, cn2, dn2 = (ball(x) for x in n.shift)
+        shift = self.elliptic.argument(sn2.sqrt(), cn2, dn2)
         self._shift = Shift(self.elliptic, shift, half=False)
         turning = self._sense * self._shift.rate * self.rate
         #: The mean rate of the third axis about G.

@@ -233,7 +233,7 @@ class EllipticTime(NamedTuple):
     def phase(self, functions: Jacobi) -> arb:
         """v at t = 0, in (-2K, 2K]."""
         (sine, cosine), (sn2, cn2, dn2) = self.sides, self.squares
-        v = functions.phase(sine * root(sn2), ball(cn2), ball(dn2))
+        v = functions.argument(sine * root(sn2), ball(cn2), ball(dn2))
         if cosine >= 0:
             return v
         return (2 if sine >= 0 else -2) * functions.K - v

@@ -166,13 +166,10 @@ class Jacobi:
         """Those of real variables; None where they are long."""
         return ThetaSeries(self._s) if self._s > LEAST else None
 
-    def phase(self, sn0: arb, cn2: arb, dn2: arb) -> arb:
-        """v in [-K, K] with sn v = ``sn0``; the squares of cn v and dn v are given."""
-        return sn0 * carlson_rf(cn2, dn2)
-
-    def shift(self, sn2: arb, cn2: arb, dn2: arb) -> arb:
-        """a in [0, K'] from the squares of its functions to the modulus k'."""
-        return sn2.sqrt() * carlson_rf(cn2, dn2)
+    @staticmethod
+    def argument(sn: arb, cn2: arb, dn2: arb) -> arb:
+        """v in [-K, K], or to the modulus k' in [-K', K'], from sn v, cn^2 v and dn^2 v."""
+        return sn * carlson_rf(cn2, dn2)
 
     def at(self, v: arb) -> Place:
         """The functions at a phase."""
