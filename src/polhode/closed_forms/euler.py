@@ -272,8 +272,8 @@ class Polhode(Motion):
 
     def _direction(self, at: Place) -> tuple[arb, arb, arb]:
         """Iw/G."""
-        a, b, c = self._momentum
-        return at.side * (a * at.cn), at.side * (b * at.sn), c * at.dn
+        (a, b, c), (sn, cn, dn) = self._momentum, at.functions
+        return at.side * (a * cn), at.side * (b * sn), c * dn
 
     def _turned(self, at: Place, t: arb) -> acb:
         """The projection of the third axis across G, but for a factor that stays."""
@@ -294,9 +294,9 @@ class Polhode(Motion):
 
     def _attitude(self, at: Place, t: arb) -> Turn:
         """The quaternion body -> space in axes of space of which the third is along G."""
-        g1, g2, g3 = self._g
-        x, y = g1 * at.cn, g2 * at.sn
-        near = ((1 + g3 * at.dn) / 2).sqrt()
+        (g1, g2, g3), (sn, cn, dn) = self._g, at.functions
+        x, y = g1 * cn, g2 * sn
+        near = ((1 + g3 * dn) / 2).sqrt()
         far = (x * x + y * y).sqrt() / (2 * near)
         cos, sin = (near, far) if self._s3 > 0 else (far, near)
         theta = self._shift.at(at)

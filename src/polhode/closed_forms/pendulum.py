@@ -219,9 +219,10 @@ class Swing(Motion):
     def _place_at(self, t: arb) -> tuple[arb, tuple[arb, arb], int]:
         """del', and cos and sin of del/2 - n pi, the former not negative."""
         at = self.elliptic.at(self._v0 + self.rate * t)
+        sn, cn, dn = at.functions
         if self.librates:
-            return self.speed * at.side * at.cn, (at.dn, at.side * self._k * at.sn), 0
-        return self.speed * at.dn, (at.cn, at.sn), at.n
+            return self.speed * at.side * cn, (dn, at.side * self._k * sn), 0
+        return self.speed * dn, (cn, sn), at.n
 
 
 FAMILY = Family("pendulum", place, misfit)

@@ -231,31 +231,17 @@ class Shift:
 class Place:
     """What the functions take at v = 2K (``n`` + ``z``), |z| <= 1/2 but for the ball's radius.
 
-    On the separatrix, whose K is infinite, ``z`` is v itself.  ``sn`` and ``cn`` are those of the
-    reduced phase: at the whole one they have the factor ``side`` = (-1)^n.
+    On the separatrix, whose K is infinite, ``z`` is v itself.  sn and cn of the reduced phase have
+    the factor ``side`` = (-1)^n at the whole one.
     """
 
     def __init__(self, jacobi: Jacobi, n: int, z: arb) -> None:
         self._jacobi, self.n, self.z = jacobi, n, z
         self.side = -1 if n % 2 else 1
 
-    @property
-    def sn(self) -> arb:
-        """sn of the reduced phase."""
-        return self._functions[0]
-
-    @property
-    def cn(self) -> arb:
-        """cn of the reduced phase."""
-        return self._functions[1]
-
-    @property
-    def dn(self) -> arb:
-        """dn, of either phase."""
-        return self._functions[2]
-
     @cached_property
-    def _functions(self) -> tuple[arb, arb, arb]:
+    def functions(self) -> tuple[arb, arb, arb]:
+        """sn and cn of the reduced phase, and dn, of either one."""
         jacobi = self._jacobi
         if jacobi.circle:
             return (*self._sin_cos, arb(1))
