@@ -138,7 +138,8 @@ def test_functions_and_quotients_are_those_of_mpmath(k2, v):
         here, begin = functions.at(ball(x)), functions.at(arb(0))
         parameter, u = (mpf(y.numerator) / y.denominator for y in (m, x))
         K, K_of_complement = mpmath.ellipk(parameter), mpmath.ellipk(1 - parameter)
-        for name, y in (("sn", here.side * here.sn), ("cn", here.side * here.cn), ("dn", here.dn)):
+        sn, cn, dn = here.functions
+        for name, y in (("sn", here.side * sn), ("cn", here.side * cn), ("dn", dn)):
             right = mpmath.ellipfun(name, u, m=parameter)
             assert abs(core.number(y, 45) - right) < mpf("1e-40")
         q, a = mpmath.exp(-mpmath.pi * K_of_complement / K), K_of_complement * 3 / 10

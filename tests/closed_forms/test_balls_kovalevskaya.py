@@ -3,13 +3,13 @@
 import time
 from dataclasses import replace
 from fractions import Fraction
-from types import SimpleNamespace
 
 import pytest
 from flint import acb, arb, fmpq
 
 import polhode
 from polhode.closed_forms.balls.core import Refused, TooFewBits
+from polhode.closed_forms.balls.periodic_attitude import BallEquations
 from polhode.closed_forms.balls.weierstrass import (
     Quartic,
     RealLattice,
@@ -232,7 +232,7 @@ def test_a_disc_that_is_wider_than_proven_gives_balls_that_miss(monkeypatch):
             x.overlaps(y) for x, y in zip(degenerate._after(row, moment), truth, strict=True)
         )
         near = degenerate.EQUATIONS.moves([acb(x) for x in row], moment)
-        monkeypatch.setattr(degenerate, "EQUATIONS", SimpleNamespace(moves=lambda *_: near))
+        monkeypatch.setattr(BallEquations, "moves", lambda *_: near)
         monkeypatch.setattr(degenerate, "_WIDER", 20)
         after = degenerate._after(row, moment)
         assert not all(x.overlaps(y) for x, y in zip(after, truth, strict=True))

@@ -147,9 +147,7 @@ def steklov_bodies() -> Iterator[bool]:
             A = 2 + (2 * B - 2) * F(m, 15)
             if A == B:
                 A += F(1, 97)
-            x = steklov.coefficients(scene((A, B, C), c))
-            Q, R = (x["b0"], F(0), x["b2"]), (x["c0"], F(0), x["c2"])
-            polynomials = GammaOfOmega((x["e"], F(0), x["G"]), (F(0), x["M"]), (F(0), x["N"]), Q, R)
+            polynomials = steklov.polynomials(scene((A, B, C), c))
             yield solves((A, B, C), *of_omega((A, B, C), c, polynomials))
 
 
@@ -162,9 +160,7 @@ def goryachev_bodies() -> Iterator[bool]:
     for n in range(1, 61):
         B, C, c = 2 + F(2 * n, 3 * 62), F(1), F(5, 2)
         moments = 16 * C * (B - C) / (9 * B - 8 * C), B, C
-        s = scene(moments, c)
-        polynomials = goryachev.gamma_of(s, goryachev.coefficients(s))
-        yield solves(moments, *of_omega(moments, c, polynomials))
+        yield solves(moments, *of_omega(moments, c, goryachev.polynomials(scene(moments, c))))
 
 
 def n_kowalewski_bodies() -> Iterator[bool]:

@@ -38,7 +38,7 @@ def test_table_words_and_contract_name_the_same_families():
     homes = dict(zip((name.replace("-", "_") for name in names), FAMILIES, strict=True))
     assert {home.rpartition(".")[2] for home in independent} == {*homes}
     for home in independent:
-        placing = f"{home}.place" if home.endswith("kovalevskaya") else home
+        placing = f"{home}.motion" if home.endswith("kovalevskaya") else home
         assert import_module(placing).FAMILY is homes[home.rpartition(".")[2]]
 
 

@@ -15,7 +15,7 @@ from flint import arb, ctx
 import polhode
 from polhode import Body, Event, Scene, certify_events
 from polhode.enclosures import fixed_point_problem, task, zeros, zonotope
-from polhode.enclosures.polynomial import constant, rate, variable
+from polhode.enclosures.polynomial import Polynomial, constant, rate, variable
 from polhode.numbers.conversion import exact_number
 from shared import enclosures as trials
 from shared.motions import asymmetric
@@ -174,12 +174,19 @@ def test_a_group_of_intervals_holds_a_zero_between_opposite_signs_if_it_is_steep
     assert (len(search.crossings), len(search.contacts)) == (count, contacts)
 
 
-def _of(g: Any, noise: int, **options: Any) -> zeros.Search:
-    """What a search finds of a polynomial on the wheel to t = 12."""
-    motion = fixed_point_problem.motion(wheel("gamma3"))
-    problem = fixed_point_problem.problem(motion, noise)
-    search = zeros.Search(g.balls(400), rate(g, motion.field).balls(400), **options)
-    task.run(problem, fixed_point_problem.times(motion, [Fraction(12)]), watchers=[search])
+MOTION = fixed_point_problem.motion(wheel("gamma3"))
+UNIT = Fraction(2) ** MOTION.unit
+
+
+def level(zero: Fraction) -> Polynomial:
+    return variable(5) - constant(zero)
+
+
+def _search(g: Polynomial, bits: int = 90, end: int = 12, **changes: Any) -> zeros.Search:
+    """What a search finds of a polynomial on the wheel; ``changes``: of the problem."""
+    problem = replace(fixed_point_problem.problem(MOTION, bits), **changes)
+    search = zeros.Search(g.balls(400), rate(g, MOTION.field).balls(400))
+    task.run(problem, fixed_point_problem.times(MOTION, [Fraction(end)], 300), watchers=[search])
     search.finish()
     return search
 
@@ -187,10 +194,10 @@ def _of(g: Any, noise: int, **options: Any) -> zeros.Search:
 def test_what_is_left_of_a_step_after_so_many_intervals_is_undecided(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    g = variable(5) - constant(Fraction(1, 3))
-    whole = _of(g, 90)
+    g = level(Fraction(1, 3))
+    whole = _search(g)
     monkeypatch.setattr(zeros, "MOST_PIECES", 2)
-    search = _of(g, 90)
+    search = _search(g)
     assert search.contacts
     times = [certain.at.time for certain in search.crossings]
     for time in (crossing.at.time for crossing in whole.crossings):
@@ -198,63 +205,56 @@ def test_what_is_left_of_a_step_after_so_many_intervals_is_undecided(
         assert is_crossing or any(x.begin < time < x.end for x in search.contacts)
 
 
-def _searched(
-    zero: Fraction, noise: int = 90, twice: bool = False
-) -> tuple[zeros.Search, list[int]]:
-    """The zeros of gamma3 - zero, or of its square, on the wheel to t = 12; the grid's times."""
-    motion = fixed_point_problem.motion(wheel("gamma3"))
-    problem = fixed_point_problem.problem(motion, noise)
-    g = variable(5) - constant(zero)
-    g = g * g if twice else g
-    search = zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
-    grid: list[int] = []
-    honest = search.window
+@pytest.fixture
+def grid(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """The times of the steps that searches get."""
+    seen: list[int] = []
+    window = zeros.Search.window
 
-    def window(bounds: Any, steps: Any) -> None:
-        grid.extend(bounds.pieces.times[:-1])
-        honest(bounds, steps)
+    def watched(search: zeros.Search, bounds: Any, steps: Any) -> None:
+        seen.extend(bounds.pieces.times[:-1])
+        window(search, bounds, steps)
 
-    search.window = window  # type: ignore[method-assign]
-    end = fixed_point_problem.times(motion, [Fraction(12)], 300)
-    task.run(problem, end, watchers=[search])
-    search.finish()
-    return search, grid
+    monkeypatch.setattr(zeros.Search, "window", watched)
+    return seen
+
+
+def _time(tick: int) -> Any:
+    return mpmath.mpf(tick) * UNIT.numerator / UNIT.denominator / 2**fixed_point_problem.CLOCK
 
 
 @pytest.mark.slow
-def test_a_zero_on_a_steps_boundary_is_one_zero() -> None:
-    plain, grid = _searched(Fraction(1, 3))
-    assert plain.contacts == []
-    unit = Fraction(2) ** fixed_point_problem.motion(wheel("gamma3")).unit
+def test_a_zero_on_a_steps_boundary_is_one_zero(grid: list[int]) -> None:
+    assert _search(level(Fraction(1, 3))).contacts == []
     tried = 0
     for tick in grid[1:6]:
         with mpmath.workdps(80):
-            t = mpmath.mpf(tick) * unit.numerator / unit.denominator / 2**fixed_point_problem.CLOCK
-            level = exactly(mpmath.cos(t))
+            t = _time(tick)
+            zero = exactly(mpmath.cos(t))
             slope = abs(mpmath.sin(t))
-            first = mpmath.acos(mpmath.mpf(level.numerator) / level.denominator)
+            first = mpmath.acos(mpmath.mpf(zero.numerator) / zero.denominator)
             count = sum(0 < t < 6 for t in (first, 2 * mpmath.pi - first))
-        if abs(level) > Fraction(99, 100) or slope < 0.1:
+        if abs(zero) > Fraction(99, 100) or slope < 0.1:
             continue
         for shift in (0, Fraction(1, 10**45), -Fraction(1, 10**25)):
-            search, _ = _searched(level + shift)
+            search = _search(level(zero + shift))
             assert search.contacts == []
             assert sum(bool(x.at.time < 12) for x in search.crossings) == count
             tried += 1
     assert tried >= 6
 
 
-def test_a_tangency_before_a_boundary_is_undecided_though_the_next_step_has_a_sign() -> None:
+def test_a_tangency_before_a_boundary_is_undecided_though_the_next_step_has_a_sign(
+    grid: list[int],
+) -> None:
     """The last step is short, and sharper than the one before it, at whose end it begins."""
-    _, grid = _searched(Fraction(1, 3), 120)
-    unit = Fraction(2) ** fixed_point_problem.motion(wheel("gamma3")).unit
+    _search(level(Fraction(1, 3)), 120)
     with mpmath.workdps(80):
-        begins = mpmath.mpf(grid[-1]) / 2**fixed_point_problem.CLOCK
-        touches = begins - mpmath.mpf("4.5e-18")
-        level = exactly(mpmath.cos(touches * unit.numerator / unit.denominator))
-    search, _ = _searched(level, 120, twice=True)
+        touches = _time(grid[-1]) - mpmath.mpf("4.5e-18") * UNIT.numerator / UNIT.denominator
+        tangent = level(exactly(mpmath.cos(touches)))
+    search = _search(tangent * tangent, 120)
     assert search.crossings == []
-    at = exactly(touches)
+    at = exactly(touches) / UNIT
     assert any(_exact(x.begin) <= at <= _exact(x.end) for x in search.contacts)
 
 
@@ -264,35 +264,25 @@ def _exact(time: Any) -> Fraction:
     return int(mantissa) * Fraction(2) ** int(exponent)
 
 
-def _at_corners() -> list[float]:
+def test_a_time_holds_for_every_start_in_the_box() -> None:
     """|true time - midpoint|/radius of a zero, the truth at corners of a box of starts."""
-    motion = fixed_point_problem.motion(wheel("gamma3"))
-    problem = fixed_point_problem.problem(motion, 96)
-    g = variable(5) - constant(Fraction(1, 3))
+    problem = fixed_point_problem.problem(MOTION, 96)
     ticks, units = 1 << (problem.fine - 60), 2.0 ** (problem.noise - 60)
-    worst = []
+    spread = (units * (1 + 1e-9), *problem.spread[1:])
+    with mpmath.workdps(60):
+        true = exactly(2 * mpmath.acos(mpmath.mpf(1) / 3))  # w is 1/2 in the proof's unit
+    worst = 0.0
     for sign in (-1, 1):
         start = (problem.start[0] + sign * ticks, *problem.start[1:])
-        spread = (units * (1 + 1e-9), *problem.spread[1:])
-        boxed = replace(problem, start=start, spread=spread)
-        search = zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
-        task.run(boxed, fixed_point_problem.times(motion, [Fraction(4)]), watchers=[search])
-        search.finish()
+        search = _search(level(Fraction(1, 3)), 96, 4, start=start, spread=spread)
         (crossing,) = search.crossings
-        with mpmath.workdps(60):
-            true = exactly(2 * mpmath.acos(mpmath.mpf(1) / 3))  # w is 1/2 in the proof's unit
         radius = Fraction(float(crossing.at.time.rad()))
-        worst.append(float(abs(true - _exact(crossing.at.time)) / radius))
-    return worst
+        worst = max(worst, float(abs(true - _exact(crossing.at.time)) / radius))
+    assert 1e-4 < worst <= 1.0  # exp(alpha) of the step is in the radius
 
 
-def test_a_time_holds_for_every_start_in_the_box() -> None:
-    honest = max(_at_corners())
-    assert 1e-4 < honest <= 1.0  # exp(alpha) of the step is in the radius
-
-
-def _coarse_holds_fine() -> bool:
-    """Whether the states of a few bits hold those of all bits, at many points of a step."""
+def test_coarse_states_hold_the_fine_ones() -> None:
+    """The states of a few bits those of all bits, at many points of a step."""
     motion = fixed_point_problem.motion(top("3"))
     problem = fixed_point_problem.problem(motion, 120)
     state, end = zonotope.beginning(problem), 5 << fixed_point_problem.CLOCK
@@ -300,7 +290,6 @@ def _coarse_holds_fine() -> bool:
     _, _, steps = zonotope.advance(state, bounds, [])  # type: ignore[arg-type]
     g = variable(5)
     search = zeros.Search(g.balls(400), rate(g, motion.field).balls(400))
-    contained = True
     for n, step in enumerate(steps):
         on = zeros._OnStep(search, bounds, n, step)
         for tau in (arb((k, -4)) for k in range(17)):
@@ -308,12 +297,7 @@ def _coarse_holds_fine() -> bool:
                 wide = on.coarse(tau)
             with ctx.workprec(on.bits):
                 fine = on.fine(tau)
-            contained = contained and all(x.contains(y) for x, y in zip(wide, fine, strict=True))
-    return contained
-
-
-def test_coarse_states_hold_the_fine_ones() -> None:
-    assert _coarse_holds_fine()
+            assert all(x.contains(y) for x, y in zip(wide, fine, strict=True))
 
 
 def test_backward_events_rise_as_time_grows() -> None:
@@ -327,14 +311,16 @@ def test_backward_events_rise_as_time_grows() -> None:
     assert {event.slope for event in events.times} == {1}
 
 
-def _against_heyoka(seed: int, rounds: int) -> tuple[int, int]:
-    """Zeros found and undecided in random scenes; each is one of heyoka's and none is missing."""
-    rng = random.Random(seed)
+@pytest.mark.parametrize("rounds", tiers([], [3]))
+def test_random_events_are_heyokas(rounds: int) -> None:
+    """Each zero found is one of heyoka's in a random scene, and none is missing."""
+    rng = random.Random(3)
     count = undecided = 0
+    near = Fraction(1, 10**8)
     for n in range(rounds):
         kind = trials.KINDS[n % len(trials.KINDS)]
-        level = f"gamma3 - {rng.uniform(-1, 1):.2f}"
-        texts = ("p*gamma2 - q*gamma1", level, "q", "p*q - r**2/3")
+        equator = f"gamma3 - {rng.uniform(-1, 1):.2f}"
+        texts = ("p*gamma2 - q*gamma1", equator, "q", "p*q - r**2/3")
         events = tuple(Event(f"e{k}", text) for k, text in enumerate(texts))
         scene = trials.random_scene(rng, kind)
         scene = replace(scene, times=(rng.choice((2, 8)),), events=events)
@@ -344,7 +330,6 @@ def _against_heyoka(seed: int, rounds: int) -> tuple[int, int]:
             continue
         for mine, theirs in zip(certify_events(scene), of_run, strict=True):
             count, undecided = count + len(mine.times), undecided + len(mine.undecided)
-            near = Fraction(1, 10**8)
             true = [exactly(t) for t in theirs.times]
             for event in mine.times:
                 assert any(abs(event.time - t) < near for t in true)
@@ -352,11 +337,5 @@ def _against_heyoka(seed: int, rounds: int) -> tuple[int, int]:
                 hit = [event for event in mine.times if abs(event.time - t) < near]
                 grazed = [x for x in mine.undecided if x[0] - 1e-6 <= t <= x[1] + 1e-6]
                 assert len(hit) == 1 or grazed
-    return count, undecided
-
-
-@pytest.mark.parametrize("rounds", tiers([], [3]))
-def test_random_events_are_heyokas(rounds: int) -> None:
-    count, undecided = _against_heyoka(3, rounds)
     assert count > 4 * rounds
     assert undecided < max(7, count / 10)

@@ -256,22 +256,24 @@ class Body:
     """f as tables of coefficients, balls; what is exactly zero stands nowhere."""
 
     def __init__(self, inertia: Sequence[Sequence[arb]], torque: Sequence[arb]) -> None:
-        self.quadratic: dict[
-            tuple[int, ...], arb
-        ] = {}  # (row, a, b): the coefficient of w_a w_b, a <= b
-        self.linear: dict[tuple[int, ...], arb] = {}  # (row, j): of gamma_j
+        #: (row, a, b): the coefficient of x_a x_b, a <= b; (row, j): of x_j.
+        self.quadratic: dict[tuple[int, ...], arb] = {}
+        self.linear: dict[tuple[int, ...], arb] = {}
         for i, n, weight in _inverse(inertia):
             a, b = (n + 1) % 3, (n + 2) % 3
             for j in range(3):  # (I w x w)_n = (I w)_a w_b - (I w)_b w_a
                 self._add(self.quadratic, (i, min(j, b), max(j, b)), weight * inertia[a][j])
                 self._add(self.quadratic, (i, min(j, a), max(j, a)), -weight * inertia[b][j])
-            self._add(self.linear, (i, a), weight * torque[b])  # (gamma x k)_n
-            self._add(self.linear, (i, b), -weight * torque[a])
-        sizes = [
+            self._add(self.linear, (i, 3 + a), weight * torque[b])  # (gamma x k)_n
+            self._add(self.linear, (i, 3 + b), -weight * torque[a])
+        for i in range(3):  # gamma x w
+            a, b = (i + 1) % 3, (i + 2) % 3
+            self._add(self.quadratic, (3 + i, b, 3 + a), arb(1))
+            self._add(self.quadratic, (3 + i, a, 3 + b), arb(-1))
+        self.beta = largest(
             summed(upper(x) for (row, *_), x in self.quadratic.items() if row == i)
-            for i in range(3)
-        ]
-        self.beta = largest([*sizes, arb(2)])
+            for i in range(6)
+        )
 
     @staticmethod
     def _add(table: dict[tuple[int, ...], arb], key: tuple[int, ...], x: arb) -> None:
@@ -282,13 +284,10 @@ class Body:
     def field(self, x: Sequence[Z], product: Callable[[int, int], Z]) -> list[Z]:
         """The six rates: ``x`` its six values, ``product(i, j)`` that of two of them."""
         rates = []
-        for i in range(3):
+        for i in range(6):
             terms = [product(a, b) * k for (row, a, b), k in self.quadratic.items() if row == i]
-            terms += [x[3 + j] * k for (row, j), k in self.linear.items() if row == i]
+            terms += [x[j] * k for (row, j), k in self.linear.items() if row == i]
             rates.append(sum(terms, x[i] * arb(0)))
-        for i in range(3):
-            a, b = (i + 1) % 3, (i + 2) % 3
-            rates.append(product(3 + a, b) - product(3 + b, a))
         return rates
 
     def derivative(self, x: Sequence[arb_poly]) -> dict[tuple[int, int], arb_poly]:
@@ -302,13 +301,7 @@ class Body:
             add(i, a, x[b] * k)
             add(i, b, x[a] * k)
         for (i, j), k in self.linear.items():
-            add(i, 3 + j, arb_poly([k]))
-        for i in range(3):
-            a, b = (i + 1) % 3, (i + 2) % 3
-            add(3 + i, 3 + a, x[b])
-            add(3 + i, b, x[3 + a])
-            add(3 + i, 3 + b, -x[a])
-            add(3 + i, a, -x[3 + b])
+            add(i, j, arb_poly([k]))
         return entries
 
 
@@ -354,7 +347,6 @@ def taylor_over(
     linear = [(place, _fixed(k, fine)) for place, k in body.linear.items()]
     rows, length = [[[_fixed(x, fine)] for x in parts] for parts in centre], _fixed(h, fine)
     pairs = {(a, b) for (_, a, b), _ in quadratic}
-    pairs |= {(3 + a, b) for a in range(3) for b in range(3) if a != b}
     operands = [
         [((a, b), [(rows[a][i], rows[b][j]) for i, j in factors]) for a, b in pairs]
         for factors in algebra.factors
@@ -372,10 +364,7 @@ def taylor_over(
             for (i, a, b), x in quadratic:
                 rates[i] += x * products[a, b]
             for (i, j), x in linear:
-                rates[i] += x * rows[3 + j][m][k]
-            for i in range(3):
-                a, b = (i + 1) % 3, (i + 2) % 3
-                rates[3 + i] = (products[3 + a, b] - products[3 + b, a]) << fine
+                rates[i] += x * rows[j][m][k]
             news = [(rate * length >> 2 * fine) // (k + 1) for rate in rates]
             for row, new in zip(rows, news, strict=True):
                 row[m].append(new)
@@ -434,11 +423,11 @@ class Step:
         ]
         ctx.prec = COARSE
         self.delta = integral([largest(some) for some in zip_longest(*defect, fillvalue=arb(0))])
-        entries = {place: (x * h).coeffs() for place, x in body.derivative(self.p).items()}
-        norms = norms_of(entries)
+        a = matrices_of(body.derivative(self.p), h)
+        norms = [row_sum(x.table()) for x in a]
         self.growth = upper(integral(norms).exp())
         self.beta = upper(h) * body.beta
-        self.v, residual = transition(entries, norms, fine)
+        self.v, residual = transition(a, norms, fine)
         self.rho = self.growth * residual
 
     def reach(self, eps: arb) -> arb:
@@ -474,35 +463,27 @@ class Step:
         return middle, matrix
 
 
-#: The coefficients of a matrix of polynomials, by row and column; 0 where none stand.
-Entries: TypeAlias = Mapping[tuple[int, int], Sequence[arb]]
+def matrices_of(entries: Mapping[tuple[int, int], arb_poly], h: arb) -> list[arb_mat]:
+    """The coefficients of h times a matrix of polynomials, of at least one."""
+    rows = {place: (x * h).coeffs() for place, x in entries.items()}
+    matrices = [arb_mat(6, 6) for _ in range(max(1, *map(len, rows.values())))]
+    for place, row in rows.items():
+        for matrix, x in zip(matrices, row, strict=False):
+            matrix[place] = x
+    return matrices
 
 
-def norms_of(entries: Entries) -> list[arb]:
-    """Upper bounds of the norms of the coefficients, of at least one, 0 where all are."""
-    rows = []
-    for i in range(6):
-        row = [x for (n, _), x in entries.items() if n == i]
-        rows.append([summed(map(upper, some)) for some in zip_longest(*row, fillvalue=arb(0))])
-    return [largest(some) for some in zip_longest(*rows, [arb(0)], fillvalue=arb(0))]
-
-
-def transition(entries: Entries, norms: Sequence[arb], fine: int) -> tuple[list[arb_mat], arb]:
+def transition(a: Sequence[arb_mat], norms: Sequence[arb], fine: int) -> tuple[list[arb_mat], arb]:
     """Exact coefficients near those of V' = A V, V(0) = 1, to 2^-fine; a bound of int |A V - V'|.
 
     V(0) is the unit matrix exactly.  Coefficients of the residual below V's degree are computed,
     the others bounded by the norms of A's and V's.
     """
-    a: list[arb_mat] = []
     v, sizes, small = [arb_mat(_unit())], [arb(1)], 0
     least, residual = arb(2) ** -fine, arb(0)
     while small < 2 and len(v) < MOST_TERMS:
         k = len(v) - 1
-        if k < len(norms):
-            a.append(arb_mat(6, 6))
-            for (i, j), x in entries.items():
-                a[k][i, j] = _entry(x, k)
-        total = sum((a[j] * v[k - j] for j in range(1, len(a))), a[0] * v[k])
+        total = sum((a[j] * v[k - j] for j in range(1, min(len(a), k + 1))), a[0] * v[k])
         v.append(next_of_v(total, k))
         residual += rough(total - v[-1] * arb(k + 1)) / (k + 1)
         sizes.append(rough(v[-1]))
@@ -516,10 +497,6 @@ def transition(entries: Entries, norms: Sequence[arb], fine: int) -> tuple[list[
 def rough(matrix: arb_mat) -> arb:
     """An upper bound of the norm, at most 6 times as large."""
     return upper((6 * upper((matrix * matrix.transpose()).trace())).sqrt())
-
-
-def _entry(coefficients: Sequence[arb], k: int) -> arb:
-    return coefficients[k] if k < len(coefficients) else arb(0)
 
 
 class Set:
@@ -1177,14 +1154,11 @@ def _closed(
         c = df.mid().inv().mid()
     except ZeroDivisionError:
         raise NotProved("the ten equations are singular") from None
-    left, newton = c * df, (c * arb_mat([[y] for y in f])).entries()
-    radii, moved = [r] * 6 + [4 * r] * 4, []
-    for i in range(10):
-        size = summed(upper(left[i, j] - int(i == j)) * radii[j] for j in range(10))
-        moved.append(arb(0, upper(size)) - newton[i])
-        factor = float(upper(moved[i]) / radii[i])
-        line = f"Krawczyk's test fails in {UNKNOWN[i]}, by a factor {factor:.2g}"
-        certainly(upper(moved[i]) < radii[i], line)
+    radii = [r] * 6 + [4 * r] * 4
+    moved = krawczyk(c, df, f, radii)
+    for name, y, radius in zip(UNKNOWN, moved, radii, strict=True):
+        line = f"Krawczyk's test fails in {name}, by a factor {float(upper(y) / radius):.2g}"
+        certainly(upper(y) < radius, line)
     hull = [
         y + arb(0, upper(4 * r * summed(upper(column[i]) for column in w)))
         for i, y in enumerate(box)
@@ -1204,6 +1178,16 @@ def _closed(
         "",
         run,
     ), reached
+
+
+def krawczyk(c: arb_mat, slopes: arb_mat, values: Sequence[arb], radii: Sequence[arb]) -> list[arb]:
+    """K - y of a function with these values at y, and these slopes where |x - y| <= radii."""
+    left, newton = c * slopes, (c * arb_mat([[x] for x in values])).entries()
+    moved = []
+    for i, x in enumerate(newton):
+        size = summed(upper(left[i, j] - int(i == j)) * r for j, r in enumerate(radii))
+        moved.append(arb(0, upper(size)) - x)
+    return moved
 
 
 def integrals(run: Run, x: Sequence[arb]) -> list[arb]:
@@ -1342,6 +1326,8 @@ def in_full(x: Fraction) -> str:
 #:
 #:     c1 = f21 + f20 f11 (1 - 2 mu)/(mu^2 - mu) + |f11|^2/(1 - mu*) + 2 |f02|^2/(mu^2 - mu*).
 #:
+#: For z = w + sum h_jk w^j w*^k, h_jk = f_jk/(mu^j mu*^k - mu), leaves no square, and of the cubic
+#: terms c1 = f21 + 2 f20 h11 + f11 (h11* + h20) + 2 f02 h02* that of w^2 w*.
 #: No further change alters c1, and a factor s of z alters it by |s|^2.  In the coordinates X, Y it
 #: is i beta mu with beta real; so mu* c1 = i beta here, too, but for a positive factor of beta.
 #:
@@ -1358,7 +1344,7 @@ def in_full(x: Fraction) -> str:
 #: level; between two returns, which take about a period, it stays near the orbit, as it starts
 #: near x0.
 #:
-#: *mu = i.*  Then d w*^3 stands beside c1 w^2 w*, with
+#: *mu = i.*  Then d w*^3 stands beside c1 w^2 w*, with f03 + f11 h02 + 2 f02 h20* as
 #:
 #:     d = f03 + f11 f02/(mu*^2 - mu) + 2 f02 f20*/(mu*^2 - mu*),
 #:
@@ -1381,7 +1367,9 @@ def in_full(x: Fraction) -> str:
 #:
 #: *The numbers.*  The rotation is theta/(2 pi), 0 < theta < pi.  The twist is the derivative of the
 #: angle by the action, the canonical area over 2 pi; the canonical area of two changes of
-#: G = I w and g = gamma is (dg x g).dG'/|g|^2 - (dg' x g).dG/|g|^2 + f g.(dg x dg')/|g|^4.
+#: G = I w and g = gamma is (dg x g).dG'/|g|^2 - (dg' x g).dG/|g|^2 + f g.(dg x dg')/|g|^4.  For
+#: with the turns al = (dg x g)/|g|^2, of which dg = g x al and al.g = 0, the form d(G.al) of the
+#: rotations is al.dG' - al'.dG + G.(al x al'), and al x al' = g (g.(dg x dg'))/|g|^4.
 DEGREE = 3
 MONOMIALS = [(d - n, n) for d in range(DEGREE + 1) for n in range(d + 1)]
 FACTORS = [
@@ -1462,12 +1450,8 @@ class Norm:
     def growth(self, body: Body, p: Sequence[Jet[arb_poly]], h: arb) -> arb:
         """A bound of g, the exponential of int (|S| + n)."""
         slopes = [body.derivative([row.parts[m] for row in p]) for m in range(len(MONOMIALS))]
-        entries = {place: (x * h).coeffs() for place, x in slopes[0].items()}
         sizes = []
-        for k in range(max(map(len, entries.values()))):
-            a = arb_mat(6, 6)
-            for place, x in entries.items():
-                a[place] = _entry(x, k)
+        for a in matrices_of(slopes[0], h):
             in_frame = self.q * a * self.inverse
             s = (in_frame + in_frame.transpose()) / 2
             sizes.append(upper((s * s.transpose()).trace()).sqrt())
@@ -2017,11 +2001,7 @@ def _disk(
             inverse = by_n.mid().inv().mid() if inverse is None else inverse
         except ZeroDivisionError:
             raise NotProved("a plane may touch the level") from None
-        rest, newton = inverse * by_n, (inverse * arb_mat([[x] for x in value])).entries()
-        depth = []
-        for i in range(4):
-            size = summed(upper(rest[i, j] - int(i == j)) * radii[j] for j in range(4))
-            depth.append(arb(0, upper(size)) - newton[i])
+        depth = krawczyk(inverse, by_n, value, radii)
         if not passed:
             for x, r in zip(depth, radii, strict=True):
                 certainly(upper(x) < r, "a set is no graph over its rectangle")

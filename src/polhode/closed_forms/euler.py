@@ -18,9 +18,10 @@ The third body axis has the projection -s1 sin th exp(i psi) on the plane across
 theta functions times a uniform turn (Jacobi), and the vertical gamma one that stays.  Its modulus
 squared is 1 - g3^2 dn^2 v ~ 1 + (g3^2/(1 - g3^2)) k^2 sn^2 v, g3 = I3 r_m/G: so
 (:mod:`.balls.jacobi`) sc(a, k')^2 = g3^2/(1 - g3^2), and sn(a, k')^2 = g3^2 = I3 R/(G^2 (I3 - I1)).
-Its rate is psi' = G/I3 + G P/(I3 (G^2 - I3^2 r^2)), whose second term is 0 where w is infinite:
-G/I3 and the quotient's L make the uniform turn.  So with Z = Iw/G their product H, the second
-conjugated, is such a quotient; it and gamma.Z = u give
+Its rate is psi' = (Z x e3).(w x e3)/|Z x e3|^2 = G (2h - I3 r^2)/(G^2 - I3^2 r^2), Z = Iw/G, which
+is G/I3 + G P/(I3 (G^2 - I3^2 r^2)), whose second term is 0 where w is infinite: G/I3 and the
+quotient's L make the uniform turn.  So their product H, the second conjugated, is such
+a quotient, -e3.(gamma - u Z) + i Z.(e3 x gamma); it and gamma.Z = u give
 
     H = u Z3 - gamma3 + i (gamma1 Z2 - gamma2 Z1),    gamma3 = u Z3 - Re H,
     (gamma1, gamma2) = u (Z1, Z2) + (Re H Z3 (Z1, Z2) + Im H (Z2, -Z1))/(Z1^2 + Z2^2).
@@ -30,7 +31,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from enum import StrEnum
-from functools import cmp_to_key, partial
+from functools import partial
 from typing import NamedTuple
 
 from flint import acb, arb
@@ -108,11 +109,7 @@ def numbered(I: Sequence[Exact], w: Sequence[Exact]) -> tuple[tuple[int, ...], i
     The third is the axis that the polhode circles, of the largest moment where G^2 >= 2hB and of
     the smallest where G^2 < 2hB; the second is that of B.
     """
-
-    def compared(i: int, j: int) -> int:
-        return sign(I[i] - I[j])
-
-    ranking = sorted(range(3), key=cmp_to_key(compared))
+    ranking = sorted(range(3), key=I.__getitem__)
     middle = I[ranking[1]]
     side = sign(sum((I[i] * (I[i] - middle) * w[i] * w[i] for i in range(3)), ZERO))
     if side < 0:
@@ -232,8 +229,9 @@ class Polhode(Motion):
         self.speed = root(n.squares[0] + n.squares[1] + n.squares[2])
         self._forward = self._s1 * s2 < 0  # the sense of chi
         sn2, cn2, dn2 = (ball(x) for x in n.phase)
-        self._v0 = self.elliptic.phase(n.side * sn2.sqrt(), cn2, dn2)
-        shift = self.elliptic.shift(*(ball(x) for x in n.shift))
+        self._v0 = self.elliptic.argument(n.side * sn2.sqrt(), cn2, dn2)
+        sn2, cn2, dn2 = (ball(x) for x in n.shift)
+        shift = self.elliptic.argument(sn2.sqrt(), cn2, dn2)
         self._shift = Shift(self.elliptic, shift, half=False)
         turning = self._sense * self._shift.rate * self.rate
         #: The mean rate of the third axis about G.
@@ -274,8 +272,8 @@ class Polhode(Motion):
 
     def _direction(self, at: Place) -> tuple[arb, arb, arb]:
         """Iw/G."""
-        a, b, c = self._momentum
-        return at.side * (a * at.cn), at.side * (b * at.sn), c * at.dn
+        (a, b, c), (sn, cn, dn) = self._momentum, at.functions
+        return at.side * (a * cn), at.side * (b * sn), c * dn
 
     def _turned(self, at: Place, t: arb) -> acb:
         """The projection of the third axis across G, but for a factor that stays."""
@@ -296,9 +294,9 @@ class Polhode(Motion):
 
     def _attitude(self, at: Place, t: arb) -> Turn:
         """The quaternion body -> space in axes of space of which the third is along G."""
-        g1, g2, g3 = self._g
-        x, y = g1 * at.cn, g2 * at.sn
-        near = ((1 + g3 * at.dn) / 2).sqrt()
+        (g1, g2, g3), (sn, cn, dn) = self._g, at.functions
+        x, y = g1 * cn, g2 * sn
+        near = ((1 + g3 * dn) / 2).sqrt()
         far = (x * x + y * y).sqrt() / (2 * near)
         cos, sin = (near, far) if self._s3 > 0 else (far, near)
         theta = self._shift.at(at)

@@ -47,7 +47,7 @@ from polhode.closed_forms.balls.frames import (
     nutation,
     start_attitude,
 )
-from polhode.closed_forms.kovalevskaya import place as kovalevskaya
+from polhode.closed_forms.kovalevskaya import motion as kovalevskaya
 from polhode.closed_forms.membership import (
     Condition,
     Family,
@@ -342,7 +342,7 @@ class ClosedForm:
         if attitude:
             _ = self._gamma  # refuses where it is not known
         last_times, last_digits, rows = self._last
-        wide = not attitude or all(len(row) > 6 for row in rows)
+        wide = not attitude or not rows or len(rows[0]) > 6
         if not (last_digits == digits and wide and last_times == list(times)):
             with self._noting():
                 row = partial(self.row_at, attitude=attitude)

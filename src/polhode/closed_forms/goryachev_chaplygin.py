@@ -260,7 +260,8 @@ class Swinging:
     def _functions(self, t: arb) -> tuple[arb, arb, arb]:
         """sn, cn and dn of y at a time."""
         place = self._elliptic.at(self._y0 + self._rate * t)
-        return place.side * place.sn, place.side * place.cn, place.dn
+        sn, cn, dn = place.functions
+        return place.side * sn, place.side * cn, dn
 
 
 class Libration(Swinging):

@@ -510,7 +510,7 @@ class Nutating(LagrangeMotion):
         self.rate = (a * g.u31).sqrt() / 2
         self.speed = (r * r + a * g.b[0]).sqrt()
         sn0 = (-1 if sign(c.rate) < 0 else 1) * (g.start[0] / g.u21).sqrt()
-        self._v0 = self.elliptic.phase(sn0, g.start[1] / g.u21, g.start[2] / g.u31)
+        self._v0 = self.elliptic.argument(sn0, g.start[1] / g.u21, g.start[2] / g.u31)
 
         def sides(x: Distances) -> Distances:
             """sn^2, cn^2, dn^2 to the modulus k' of the shift of a point in [u2, u3]."""
@@ -525,7 +525,8 @@ class Nutating(LagrangeMotion):
         def part(
             s: int, squares: Distances, half: bool, even: arb, passes: bool = False
         ) -> Quotient:
-            shift = s * self.elliptic.shift(*squares)
+            sn2, cn2, dn2 = squares
+            shift = s * self.elliptic.argument(sn2.sqrt(), cn2, dn2)
             return Quotient(self.elliptic, self.rate, shift, half, even, passes)
 
         low = g.u31 / three, alpha / three, two / three

@@ -185,7 +185,7 @@ class Swing(Motion):
         if not self.elliptic.limit:
             self.period = (4 if self.librates else 2) * self.elliptic.K / self.rate
         sn2, cn2, dn2 = (ball(x) for x in numbers.phase)
-        self._v0 = self.elliptic.phase(numbers.side * sn2.sqrt(), cn2, dn2)
+        self._v0 = self.elliptic.argument(numbers.side * sn2.sqrt(), cn2, dn2)
         cos2, sin2 = numbers.half
         self._begin = root(cos2), numbers.side * root(sin2)
         self._place = Latest(self._place_at)
@@ -219,9 +219,10 @@ class Swing(Motion):
     def _place_at(self, t: arb) -> tuple[arb, tuple[arb, arb], int]:
         """del', and cos and sin of del/2 - n pi, the former not negative."""
         at = self.elliptic.at(self._v0 + self.rate * t)
+        sn, cn, dn = at.functions
         if self.librates:
-            return self.speed * at.side * at.cn, (at.dn, at.side * self._k * at.sn), 0
-        return self.speed * at.dn, (at.cn, at.sn), at.n
+            return self.speed * at.side * cn, (dn, at.side * self._k * sn), 0
+        return self.speed * dn, (cn, sn), at.n
 
 
 FAMILY = Family("pendulum", place, misfit)

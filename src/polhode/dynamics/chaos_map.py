@@ -5,7 +5,8 @@ One tangent u a motion, followed to the time T:
     growth = ln|u(T)| - ln|u(T/2)|,      FLI = max ln|u|,
     MEGNO = (1/T) int Y dt,              Y(t) = 2 ln|u(t)| - (2/t) int_0^t ln|u|
 
-(the mean exponential growth of nearby orbits of P. Cincotta and C. Simo, A&AS 147 (2000) 205).
+(Y being (2/t) int_0^t s d ln|u(s)| by parts: the mean exponential growth of nearby orbits of
+P. Cincotta and C. Simo, A&AS 147 (2000) 205).
 A motion is *chaotic* where growth > 6, or *unstable* where it is known: all motions of its body
 are, or it is a fixed point or has a closed form (the definition and the bound are those of
 :mod:`polhode.dynamics.lyapunov`); *regular* (up to T) where growth < 2.5 and

@@ -32,10 +32,12 @@ from polhode.numbers.number_types import Complexes, Doubles
 #
 # The window's transform at x bins of 2 pi/T is
 #
-#     W(x) = sin(pi x)/(pi x) prod_{k=1..n} k^2/(k^2 - x^2),   W''(0) = -2 sum_{k > n} 1/k^2,
+#     W(x) = sin(pi x)/(pi x) prod_{k=1..n} k^2/(k^2 - x^2),   W''(0) = -2 sum_{k > n} 1/k^2
 #
-# so the maximum of a line of amplitude 1 shifts by up to |b W'(x)/W''(0)| bins for another one of
-# amplitude b at x bins; here an upper envelope of that over all that lie as far or farther.
+# (DLMF 5.12.5 for (1 + cos pi tau)^n = 2^n cos^2n(pi tau/2); by the product of the sine, DLMF
+# 4.22.1, W is that of 1 - x^2/k^2 over k > n). So the maximum of a line of amplitude 1 shifts by up
+# to |b W'(x)/W''(0)| bins for another one of amplitude b at x bins; here an upper envelope of that
+# over all that lie as far or farther.
 
 
 _FINE, _PAST = 100, 2  # points a bin; bins past the main lobe from which on the tail's law holds

@@ -40,6 +40,7 @@ from polhode.numbers.number_types import (
     double_array,
 )
 from polhode.numbers.polynomials import rational
+from polhode.numbers.vectors import dot
 from polhode.taylor.variations import Flow, NotFollowed
 
 # --- newton shooting ------------------------------------------------------------------------------
@@ -356,25 +357,18 @@ def _written(
     wide = number_types.wider(kind)
     bits = wide.bits + 64
     rows = [[exact.nearest(x, bits) for x in row] for row in on.scene.body.axes.rows]
+    columns = [*zip(*rows, strict=True)]
     unit, written = on.unit, digits + SPARE_DIGITS
-
-    def in_scene_axes(vector: Fractions) -> list[Fraction]:
-        return [sum((rows[i][j] * vector[i] for i in range(3)), Fraction(0)) for j in range(3)]
-
     scale = Fraction(float(on.scale(chord.reference)[0])) / unit
-    omega = [decimal(w / unit, scale, written) for w in in_scene_axes(state[:3])]
-    gamma = [decimal(g, Fraction(1), written) for g in in_scene_axes(state[3:])]
+    omega = [decimal(dot(column, state[:3]) / unit, scale, written) for column in columns]
+    gamma = [decimal(dot(column, state[3:]), Fraction(1), written) for column in columns]
     period = decimal_string(time * unit, written)
     # the way back from the decimals; gamma of length one, as the scene file has it
     w = [unit * Fraction(x) for x in omega]
     g = [Fraction(x) for x in gamma]
-    length = exact.nearest(exact.sqrt(sum((x * x for x in g), Fraction(0))), bits)
-    inside = [
-        sum((a * b for a, b in zip(row, v, strict=True)), Fraction(0))
-        for v in (w, g)
-        for row in rows
-    ]
-    again = [wide.rounded(x / (1 if i < 3 else length)) for i, x in enumerate(inside)]
+    length = exact.nearest(exact.sqrt(dot(g, g)), bits)
+    again = [wide.rounded(dot(row, w)) for row in rows]
+    again += [wide.rounded(dot(row, g) / length) for row in rows]
     own = wide.rounded(Fraction(period) / unit)
     step = chord.correction(Flow(on.coefficients, wide), again, own)
     measures = [*on.scale(chord.reference).tolist(), float(own)]

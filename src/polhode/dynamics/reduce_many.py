@@ -89,8 +89,6 @@ class Reductions(SweepResult):
 
     def table(self) -> Table:
         """One row per member: what is varied, how it ended, and its numbers."""
-        import numpy as np
-
         member, digits = np.arange(len(self)), self.number.printed_digits
         return Table(
             [

@@ -120,19 +120,17 @@ def _excess(
 
 
 def momentum_slope(on: LevelBody, states: Doubles) -> Doubles:
-    """Mg D' at states on the section: below 0 for a maximum of |G|."""
+    """Mg|r0| D', or D' without weight, at states on the section: below 0 for a maximum of |G|.
+
+    D = gamma.(e3 x G), D' = (w.G) (gamma.e3) - (gamma.w) (G.e3) + Mg|r0| |e3 x gamma|^2.
+    """
     w, g = states[:, :3], states[:, 3:]
     momentum, e3 = w * on.moments, on.arm_axes[2]
     twice = (w * momentum).sum(axis=1)
-    if on.weight == 0:  # D' = gamma'.(e3 x G) + gamma.(e3 x G'), G' = G x w
-        turning = np.cross(g, w)
-        by = (turning * np.cross(e3, momentum)).sum(axis=1)
-        slope: Doubles = by + (g * np.cross(e3, np.cross(momentum, w))).sum(axis=1)
-        return slope
     across = np.cross(e3, g)
-    slope = twice * (g @ e3) - (g * w).sum(axis=1) * (momentum @ e3)
-    slope = on.weight * (slope + on.weight * (across * across).sum(axis=1))
-    return slope
+    slope: Doubles = twice * (g @ e3) - (g * w).sum(axis=1) * (momentum @ e3)
+    slope = slope + on.weight * (across * across).sum(axis=1)
+    return (on.weight or 1.0) * slope
 
 
 def height_states(on: LevelBody, gamma: Doubles, side: Doubles, maxima: bool) -> SectionStates:

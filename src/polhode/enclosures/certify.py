@@ -4,18 +4,17 @@ balls, the precision chosen."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from time import process_time
-from typing import Any
+from typing import Any, Unpack
 
 from flint import arb
 
-from polhode.common.arguments import each
+from polhode.common.arguments import each, refuse_unknown, with_options
 from polhode.common.errors import BadInput
-from polhode.common.interrupts import Progress
 from polhode.enclosures import approximation, attitude, fixed_point_problem
 from polhode.enclosures.fixed_point_problem import (
     CLOCK,
@@ -30,7 +29,7 @@ from polhode.enclosures.fixed_point_problem import (
 from polhode.enclosures.polynomial import Polynomial, ball, constant, rate, total, variable
 from polhode.enclosures.result import CertifiedEvents, Enclosure, EventTime, Part, digits_of
 from polhode.enclosures.statement import assumed
-from polhode.enclosures.task import MAX_STEPS, Side, Task, task
+from polhode.enclosures.task import MAX_STEPS, ProofOptions, Side, Task, task
 from polhode.enclosures.zeros import Search, first_derivative, is_still
 from polhode.equations.columns import FORMULAS, derived_words
 from polhode.equations.terms import LINEAR, ROWS
@@ -41,7 +40,7 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.number_types import AnyNumber, AnyVector, Functions
+from polhode.numbers.number_types import AnyNumber, Functions
 from polhode.numbers.polynomials import middle
 from polhode.scenes import library
 from polhode.scenes.scene import Event, Scene
@@ -56,16 +55,14 @@ _DEARER = 1.4  # with events than without
 # The states, the attitude, the angles and what is derived of them, at the times asked for.
 
 
+@with_options(ProofOptions)
 def certify(
     scene: Scene | str | Path,
     at: Iterable[AnyNumber] | None = None,
     *,
     digits: int = 15,
-    progress: Progress | None = None,
     max_steps: int = MAX_STEPS,
-    max_seconds: float | None = None,
-    forecast: Callable[[float], None] | None = None,
-    omega_radius: AnyNumber | AnyVector | None = None,
+    **how: Unpack[ProofOptions],
 ) -> Enclosure:
     """Enclose the exact motion of any body in proven balls.
 
@@ -79,19 +76,8 @@ def certify(
     digits : int
         Correct digits wanted at every time, 1 to MOST_DIGITS.  The precision is chosen from a cheap
         run and raised until they are proven.
-    progress : callable, optional
-        Called with the fraction of the time done and the steps taken.
     max_steps : int
         A time that needs more steps is refused before the start.
-    max_seconds : float, optional
-        A limit on the time by the clock; what is proven until then is kept, as after Ctrl-C, and
-        the ``outcome`` says so.
-    forecast : callable, optional
-        Called once, before the proof, with a rough estimate of its seconds.
-    omega_radius : number or three numbers, optional
-        The balls then hold every motion whose omega at the start differs from the scene's by at
-        most this, in each component in body axes.  As many digits are proven as the box allows,
-        ``digits`` at most; it is followed as far as possible, and the ``outcome`` says so.
 
     Returns
     -------
@@ -120,19 +106,20 @@ def certify(
     >>> 1e-9 < max(found.radii[0]) < 1e-7
     True
     """
-    box = library.box_of(scene, omega_radius)
+    refuse_unknown("certify", certify, how)
+    box = library.box_of(scene, how.get("omega_radius"))
     scene = box.scene
     times = scene.times
     if at is not None:
         times = each(scene.name, "at", at, reader(scene.units, TIME), "a list of times")
     if not times:
         raise BadInput(scene.name, "at", None, "at least one time")
-    job = task(box, "at", times, digits, max_steps, max_seconds, progress)
+    job = task(box, "at", times, digits, max_steps, how)
     began = process_time()
     if box.radii is not None and scene.starts_at_pole and "angles" in scene.modelled:
         expected = "no angles: where the third axis leaves the vertical depends on omega"
         raise BadInput(scene.name, "outputs", "angles", expected)
-    job.foretell(forecast)
+    job.foretell()
     noise: int | None = job.noise
     best: Enclosure | None = None
     refusal = ""
@@ -293,16 +280,14 @@ def _at_rest(motion: Motion) -> bool:
 # Certified events of a scene: how many there are, and when, proven.
 
 
+@with_options(ProofOptions)
 def certify_events(
     scene: Scene | str | Path,
     end: AnyNumber | None = None,
     *,
     digits: int = 15,
-    progress: Progress | None = None,
     max_steps: int = MAX_STEPS,
-    max_seconds: float | None = None,
-    forecast: Callable[[float], None] | None = None,
-    omega_radius: AnyNumber | AnyVector | None = None,
+    **how: Unpack[ProofOptions],
 ) -> tuple[CertifiedEvents, ...]:
     """Enclose a scene's events from 0 to a time, each proven to exist and to be the only one there.
 
@@ -317,16 +302,8 @@ def certify_events(
     digits : int
         Digits of the state along the motion, 1 to MOST_DIGITS; more digits make the radii smaller
         and separate zeros that are closer.
-    progress : callable, optional
-        Called with the fraction of the time done and the steps taken.
     max_steps : int
         An end that needs more steps is refused before the start.
-    max_seconds : float, optional
-        A limit on the time by the clock; events after the time that was reached are undecided.
-    forecast : callable, optional
-        Called once, before the proof, with a rough estimate of its seconds.
-    omega_radius : number or three numbers, optional
-        As for :func:`certify`: each event then is one of every motion from the box.
 
     Returns
     -------
@@ -350,14 +327,15 @@ def certify_events(
     >>> [round(float(x), 12) for x in found.times[0].state]  # p q r gamma1 gamma2 gamma3
     [1.0, 0.0, 0.0, 0.0, 0.866025403784, 0.5]
     """
-    box = library.box_of(scene, omega_radius)
+    refuse_unknown("certify_events", certify_events, how)
+    box = library.box_of(scene, how.get("omega_radius"))
     scene = box.scene
     last = scene.end
     if end is not None:
         (last,) = each(scene.name, "end", (end,), reader(scene.units, TIME), "a time")
     if sign(last) == 0:
         raise BadInput(scene.name, "end", "0", "a time other than 0")
-    job = task(box, "end", [last], digits, max_steps, max_seconds, progress)
+    job = task(box, "end", [last], digits, max_steps, how)
     (side,) = job.sides
     polynomials = [of_event(side.motion, n, event) for n, event in enumerate(scene.events)]
     for n, (event, g) in enumerate(zip(scene.events, polynomials, strict=True)):
@@ -365,7 +343,7 @@ def certify_events(
             key, text = f"events[{n + 1}].zero", event.expression or event.name
             expected = "an expression that is not zero at all times of the motion"
             raise BadInput(scene.name, key, text, expected)
-    job.foretell(forecast, _DEARER)
+    job.foretell(_DEARER)
     noise: int | None = job.noise
     for tries in range(1, _TRIES_OF_EVENTS + 1):
         if noise is None:

@@ -78,12 +78,11 @@ class CertifiedEvents(Result):
 
     def facts(self) -> list[Fact]:
         """Which event, whether there are no others, and where that is not decided."""
-        first, last = [[pair[k] for pair in self.undecided] for k in range(2)]
-        undecided = [Column("first", first), Column("last", last)]
+        undecided = Table(_intervals(self.undecided), 0)
         return [
             Fact("event", self.name),
             Fact("proven", self.proven, "whether there are these events and no others"),
-            Fact("undecided", Table(undecided, 0), "intervals of time"),
+            Fact("undecided", undecided, "intervals of time"),
         ]
 
     def __repr__(self) -> str:
@@ -99,17 +98,18 @@ def facts_of(events: Sequence[CertifiedEvents]) -> list[Fact]:
         Column("count", [k for _, k, _ in rows], "with those before", type=INTEGER),
         *_columns([time for _, _, time in rows]),
     ]
-    ends = [(x.name, *pair) for x in events for pair in x.undecided]
-    undecided = [
-        Column("event", [name for name, _, _ in ends], type=TEXT),
-        Column("first", [first for _, first, _ in ends]),
-        Column("last", [last for _, _, last in ends]),
-    ]
+    names = [x.name for x in events for _ in x.undecided]
+    ends = [pair for x in events for pair in x.undecided]
+    undecided = [Column("event", names, type=TEXT), *_intervals(ends)]
     return [
         Fact("events", Table(columns, 2), "of the scene, proven"),
         Fact("events_proven", [x.proven for x in events], "whether there are no others"),
         Fact("events_undecided", Table(undecided, 0), "intervals of time"),
     ]
+
+
+def _intervals(pairs: Sequence[tuple[float, float]]) -> list[Column]:
+    return [Column(name, [pair[k] for pair in pairs]) for k, name in enumerate(("first", "last"))]
 
 
 def _columns(times: Sequence[EventTime]) -> list[Column]:
@@ -212,6 +212,11 @@ class Enclosure(Result, ByValue):
     until: float = math.nan
     events: tuple[CertifiedEvents, ...] | None = None
 
+    @property
+    def _states(self) -> Part:
+        """The balls of the states."""
+        return Part(self.centres, self.radii)
+
     @cached_property
     def midpoints(self) -> list[list[Real]]:
         """The midpoints as mpf, exact: rows of six (of three without gamma)."""
@@ -252,22 +257,17 @@ class Enclosure(Result, ByValue):
     def table(self) -> Table:
         """A row a time: balls of the state and of outputs, and the digits that are proven."""
         columns = [Column("t", list(self.times), "time", unit_of(self.scene, "t"), digits=17)]
-        columns += self._balls(self.scene.columns, self.centres, self.radii)
+        columns += self._balls(self.scene.columns, self._states)
         parts = {"angles": self.angles, "attitude": self.attitude, **self.derived}
         for word, part in parts.items():
             if part is not None:
-                columns += self._balls(COLUMNS[word].names, part.centres, part.radii)
+                columns += self._balls(COLUMNS[word].names, part)
         return Table([*columns, Column("digits_proven", list(self.digits), digits=4)])
 
-    def _balls(
-        self,
-        names: Sequence[str],
-        centres: Sequence[Sequence[Fraction | None]],
-        radii: Sequence[Sequence[float]],
-    ) -> list[Column]:
+    def _balls(self, names: Sequence[str], part: Part) -> list[Column]:
         rows = [
             [None if x is None else Ball(x, r) for x, r in zip(*pair, strict=True)]
-            for pair in zip(centres, radii, strict=True)
+            for pair in zip(*part, strict=True)
         ]
         columns = row_columns(self.scene, names, rows, DOUBLE)
         return [column._replace(type=EXACT) for column in columns]
@@ -295,11 +295,11 @@ class Enclosure(Result, ByValue):
 
     def strings(self) -> list[list[str | None]]:
         """The states as decimals of which every digit is proven; see :func:`guaranteed`."""
-        return Part(self.centres, self.radii).strings()
+        return self._states.strings()
 
     def decimals(self) -> list[list[tuple[str, str]]]:
         """Balls as decimals: midpoints rounded a little beyond the radius, radii that allow it."""
-        return Part(self.centres, self.radii).decimals()
+        return self._states.decimals()
 
     def save(self, path: str | Path, progress: Progress | None = None) -> None:
         """Write the enclosure, or as .json the certificate that ``polhode verify`` checks.

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
 from numbers import Real
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypedDict, TypeVar
 
 import numpy as np
 from flint import arb
@@ -42,6 +42,7 @@ from polhode.numbers import exact
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.number_types import AnyNumber, AnyVector
 from polhode.scenes.library import StartBox
 from polhode.scenes.scene import Scene
 
@@ -218,6 +219,31 @@ _OF_A_BOX = 2  # tries: no precision makes it narrower
 Watchers = TypeVar("Watchers", bound=Sequence[Watcher])
 
 
+class ProofOptions(TypedDict, total=False):
+    """How a motion is enclosed: options of :func:`certify` and :func:`certify_events`.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Called with the fraction of the time done and the steps taken.
+    max_seconds : float, optional
+        A limit on the time by the clock; what is proven until then is kept, as after Ctrl-C, and
+        the ``outcome`` says so; events after the time that was reached are undecided.
+    forecast : callable, optional
+        Called once, before the proof, with a rough estimate of its seconds.
+    omega_radius : number or three numbers, optional
+        The balls then hold every motion whose omega at the start differs from the scene's by at
+        most this, in each component in body axes, and each event is one of all of them.  As many
+        digits are proven as the box allows, ``digits`` at most; it is followed as far as possible,
+        and the ``outcome`` says so.
+    """
+
+    progress: Progress | None
+    max_seconds: float | None
+    forecast: Callable[[float], None] | None
+    omega_radius: AnyNumber | AnyVector | None
+
+
 class Side(NamedTuple):
     """The times of one sign, in order away from 0 and once each.
 
@@ -242,7 +268,7 @@ class Task:
     times: Sequence[Exact]
     digits: int
     deadline: Deadline = NONE
-    progress: Progress | None = None
+    how: ProofOptions = field(default_factory=ProofOptions)
 
     @cached_property
     def sides(self) -> list[Side]:
@@ -272,9 +298,9 @@ class Task:
         needed = (math.ceil(forecast.bits + forecast.grown) for forecast in self.forecasts)
         return min(MOST_NOISE, max(LEAST_NOISE, *needed))
 
-    def foretell(self, forecast: Callable[[float], None] | None, dearer: float = 1.0) -> None:
-        """Tell about how many seconds a proof takes."""
-        if forecast is not None:
+    def foretell(self, dearer: float = 1.0) -> None:
+        """Tell about how many seconds a proof takes, where that is asked."""
+        if (forecast := self.how.get("forecast")) is not None:
             attitudes = bool({"angles", "attitude"} & {*self.box.scene.modelled})
             noise = self.noise
             forecast(dearer * sum(row.seconds(noise, attitudes) for row in self.forecasts))
@@ -303,7 +329,7 @@ class Task:
                 times,
                 integral_contraction.prepared(side.motion, bits),
                 untrusted=HONEST if self.box.radii is None else SHORT_STEPS,
-                progress=self.progress,
+                progress=self.how.get("progress"),
                 watchers=watchers,
                 deadline=self.deadline,
             )
@@ -318,16 +344,14 @@ def task(
     times: Sequence[Exact],
     digits: int,
     max_steps: int,
-    max_seconds: float | None,
-    progress: Progress | None,
+    how: ProofOptions,
 ) -> Task:
     """What is asked for, checked; ``key``: of the times.  Raises BadInput."""
     name = box.scene.name
     digits = whole(name, "digits", digits, 1, MOST_DIGITS)
     max_steps = steps(name, max_steps)
-    deadline = time_limit(box.scene, max_seconds)
-    digits = min(digits, digits_of_box(box))
-    job = Task(box, times, digits, deadline, progress)
+    deadline = time_limit(box.scene, how.get("max_seconds"))
+    job = Task(box, times, min(digits, digits_of_box(box)), deadline, how)
     for side in job.sides:
         if (needed := approximation.steps(side.motion, side.last)) > max_steps:
             expected = f"a time that {max_steps} steps reach; this one takes about {needed:.2g}"

@@ -32,29 +32,20 @@ from polhode.closed_forms._one_orbit.orbits import (
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import Motion
 from polhode.closed_forms.membership import Condition, NormalScene, equal, positive
-from polhode.numbers.exact import ZERO, Exact, sign, sqrt
+from polhode.numbers.exact import ZERO, sign, sqrt
 
 
-def coefficients(scene: NormalScene) -> dict[str, Exact]:
-    """Of a body that fits."""
+def polynomials(scene: NormalScene) -> GammaOfOmega:
+    """gamma, q^2 and r^2 as functions of p, of a body that fits."""
     (_, B, C), c = scene.moments, scene.torque[0]
     D = 9 * B - 8 * C
     first, second, third = B - 2 * C, 3 * B - 2 * C, 3 * B - 4 * C
     b0 = 4 * B * C * c / (first * second * third)
-    return {
-        "b0": b0,
-        "b2": -16 * C * C / (D * D),
-        "c0": 2 * b0 * first * second / (B * C),
-        "c2": 16 * third * (9 * B * B - 28 * B * C + 16 * C * C) / (B * D * D),
-        "c4": -256 * C * C * third * third * (5 * B - 4 * C) / (B * b0 * D**4),
-        "h": b0 * (9 * B * B - 22 * B * C + 12 * C * C) / (4 * C),
-    }
-
-
-def gamma_of(scene: NormalScene, x: dict[str, Exact]) -> GammaOfOmega:
-    """gamma, q^2 and r^2 as functions of p, from those coefficients."""
-    Q, R = (x["b0"], ZERO, x["b2"]), (x["c0"], ZERO, x["c2"], ZERO, x["c4"])
-    return gamma_of_omega(scene.moments, scene.torque[0], x["h"], Q, R)
+    c2 = 16 * third * (9 * B * B - 28 * B * C + 16 * C * C) / (B * D * D)
+    c4 = -256 * C * C * third * third * (5 * B - 4 * C) / (B * b0 * D**4)
+    c0, Q = 2 * b0 * first * second / (B * C), (b0, ZERO, -16 * C * C / (D * D))
+    h = b0 * (9 * B * B - 22 * B * C + 12 * C * C) / (4 * C)
+    return gamma_of_omega(scene.moments, c, h, Q, (c0, ZERO, c2, ZERO, c4))
 
 
 def conditions(scene: NormalScene) -> Iterator[Condition]:
@@ -64,8 +55,7 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     yield equal("A (9B - 8C) = 16 C (B - C)", A * (9 * B - 8 * C), 16 * C * (B - C))
     yield positive("B > 2C", B - 2 * C)
     yield positive("3B < 8C", 8 * C - 3 * B)
-    polynomials = gamma_of(scene, coefficients(scene))
-    yield from scene.matching(polynomials.gamma(*scene.omega), polynomials.squares(scene.omega[0]))
+    yield from polynomials(scene).matching(scene)
 
 
 class Goryachev(OrbitCase):
@@ -76,18 +66,18 @@ class Goryachev(OrbitCase):
 
     def solve(self) -> Motion:
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega
-        x = coefficients(self.normal)
-        gamma = gamma_of(self.normal, x).mapped(ball).gamma
-        middle = sqrt(x["c2"] * x["c2"] - 4 * x["c0"] * x["c4"])
-        X2, d = ((middle + side * x["c2"]) / (-2 * x["c4"]) for side in (1, -1))
-        X3, total, a1 = -x["b0"] / x["b2"], X2 + d, (B - C) / A
+        x = polynomials(self.normal)
+        (b0, _, b2), (c0, _, c2, _, c4), gamma = x.Q, x.R, x.mapped(ball).gamma
+        middle = sqrt(c2 * c2 - 4 * c0 * c4)
+        X2, d = ((middle + side * c2) / (-2 * c4) for side in (1, -1))
+        X3, total, a1 = -b0 / b2, X2 + d, (B - C) / A
         E = d * total / (p * p + d)
         m, m1 = X2 * (X3 + d) / (X3 * total), d * (X3 - X2) / (X3 * total)
-        squares = p * p * E / (X2 * d), (E - d) / X2, q * q * E / (x["b0"] * total)
+        squares = p * p * E / (X2 * d), (E - d) / X2, q * q * E / (b0 * total)
         sides = sign(p), sign(q) * sign(r)
-        clock = EllipticTime(m, m1, sides, squares, a1 * a1 * x["b2"] * x["c4"] * X3 * total)
-        P, Q = root(X2 * d), sign(q) * root(x["b0"] * total)
-        R, d0, X0 = sign(q) * root(x["c0"]) * ball(total), ball(d), ball(X2)
+        clock = EllipticTime(m, m1, sides, squares, a1 * a1 * b2 * c4 * X3 * total)
+        P, Q = root(X2 * d), sign(q) * root(b0 * total)
+        R, d0, X0 = sign(q) * root(c0) * ball(total), ball(d), ball(X2)
 
         def state(sn: acb, cn: acb, dn: acb) -> Sequence[acb]:
             over = (d0 + X0 * cn * cn).rsqrt()

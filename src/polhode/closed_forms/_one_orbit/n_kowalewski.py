@@ -78,8 +78,7 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     yield from scene.centred_on_axis_1()
     yield equal("A (10B - 9C) = 18 C (B - C)", A * (10 * B - 9 * C), 18 * C * (B - C))
     yield positive("B > 3C/2", 2 * B - 3 * C)
-    polynomials = gamma_of(scene, coefficients(scene))
-    yield from scene.matching(polynomials.gamma(*scene.omega), polynomials.squares(scene.omega[0]))
+    yield from gamma_of(scene, coefficients(scene)).matching(scene)
 
 
 class NKowalewski(OrbitCase):

@@ -171,9 +171,10 @@ class GammaOfOmega(NamedTuple):
         """gamma1, gamma2, gamma3."""
         return value(self.one, p), q * value(self.two, p), r * value(self.three, p)
 
-    def squares(self, p: Scalar) -> tuple[Scalar, Scalar]:
-        """q^2 and r^2."""
-        return value(self.Q, p), value(self.R, p)
+    def matching(self, scene: NormalScene) -> Iterator[Condition]:
+        """The scene's q^2, r^2 and gamma are these."""
+        squares = [value(x, scene.omega[0]) for x in (self.Q, self.R)]
+        yield from scene.matching(self.gamma(*scene.omega), squares)
 
     def mapped(self, convert: Callable[[Exact], Scalar]) -> GammaOfOmega:
         """The same with its numbers converted."""
@@ -232,7 +233,7 @@ class EllipticTime(NamedTuple):
     def phase(self, functions: Jacobi) -> arb:
         """v at t = 0, in (-2K, 2K]."""
         (sine, cosine), (sn2, cn2, dn2) = self.sides, self.squares
-        v = functions.phase(sine * root(sn2), ball(cn2), ball(dn2))
+        v = functions.argument(sine * root(sn2), ball(cn2), ball(dn2))
         if cosine >= 0:
             return v
         return (2 if sine >= 0 else -2) * functions.K - v

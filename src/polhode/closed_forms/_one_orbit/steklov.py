@@ -6,7 +6,8 @@ N = (A - B)(A - C)/(A - 2B), a1 = (B - C)/A and e = sgn(B - A)
     q^2 = b0 + b2 p^2,    r^2 = c0 + c2 p^2,    p' = a1 q r,
     b0 = -e c/(M a1),  b2 = A(A - C)/((A - 2B)(B - C)),
     c0 = e c/(N a1),   c2 = -A(A - B)/((A - 2C)(B - C)),
-    c gamma2 = M p q,  c gamma3 = N p r,  gamma1 = e + (M - N) A p^2/(2 (B - C) c)
+    c gamma2 = M p q,  c gamma3 = N p r,  gamma1 = e + (M - N) A p^2/(2 (B - C) c),
+    the energy e c + (B b0 + C c0)/2
 
 (V. A. Steklov 1899; ``tests/closed_forms/test_coefficients.py`` proves that they solve the
 equations, identically in p and in the moments).  p, q, r are multiples of sn v, cn v, dn v if A >
@@ -21,28 +22,28 @@ from enum import StrEnum
 
 from flint import acb
 
-from polhode.closed_forms._one_orbit.orbits import EllipticTime, OrbitCase, orbit_family
+from polhode.closed_forms._one_orbit.orbits import (
+    EllipticTime,
+    GammaOfOmega,
+    OrbitCase,
+    gamma_of_omega,
+    orbit_family,
+)
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import Motion
 from polhode.closed_forms.membership import Condition, NormalScene, positive
-from polhode.numbers.exact import Exact, exact, sign
+from polhode.numbers.exact import ZERO, sign
 
 
-def coefficients(scene: NormalScene) -> dict[str, Exact]:
-    """Of a body that fits."""
+def polynomials(scene: NormalScene) -> GammaOfOmega:
+    """gamma, q^2 and r^2 as functions of p, of a body that fits."""
     (A, B, C), c = scene.moments, scene.torque[0]
     e, a1 = sign(B - A), (B - C) / A
     M, N = ((A - B) * (A - C) / (A - 2 * X) for X in (C, B))
-    return {
-        "b0": -e * c / (M * a1),
-        "b2": A * (A - C) / ((A - 2 * B) * (B - C)),
-        "c0": e * c / (N * a1),
-        "c2": -A * (A - B) / ((A - 2 * C) * (B - C)),
-        "e": exact(e),
-        "M": M / c,
-        "N": N / c,
-        "G": (M - N) * A / (2 * (B - C) * c),
-    }
+    b0, c0 = -e * c / (M * a1), e * c / (N * a1)
+    Q = b0, ZERO, A * (A - C) / ((A - 2 * B) * (B - C))
+    R = c0, ZERO, -A * (A - B) / ((A - 2 * C) * (B - C))
+    return gamma_of_omega(scene.moments, c, e * c + (B * b0 + C * c0) / 2, Q, R)
 
 
 def conditions(scene: NormalScene) -> Iterator[Condition]:
@@ -52,9 +53,7 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     yield positive("A > 2C", A - 2 * C)
     yield positive("A < 2B", 2 * B - A)
     yield positive("A != B", abs(A - B))
-    x, (p, q, r) = coefficients(scene), scene.omega
-    gamma = x["e"] + x["G"] * p * p, x["M"] * p * q, x["N"] * p * r
-    yield from scene.matching(gamma, (x["b0"] + x["b2"] * p * p, x["c0"] + x["c2"] * p * p))
+    yield from polynomials(scene).matching(scene)
 
 
 class Regime(StrEnum):
@@ -75,24 +74,23 @@ class Steklov(OrbitCase):
 
     def solve(self) -> Motion:
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega
-        x, c = coefficients(self.normal), self.normal.torque[0]
-        sine, s = sign(A - B) > 0, sign(r)
-        p2, q2 = -x["b0"] / x["b2"], x["b0"]
+        x, c = polynomials(self.normal), self.normal.torque[0]
+        sine, s, gamma = sign(A - B) > 0, sign(r), x.mapped(ball).gamma
+        p2, q2 = -x.Q[0] / x.Q[2], x.Q[0]
         first, second = (sign(p) * (s if sine else -s), p * p / p2), (sign(q), q * q / q2)
         if sine:
-            r2, nu2 = x["c0"], c / (A - B)
+            r2, nu2 = x.R[0], c / (A - B)
             m, m1 = (A - B) / (A - C), (B - C) / (A - C)
         else:
             first, second = second, first
-            r2, nu2 = x["c0"] * (B - C) / (A - C), c * (B - C) / ((B - A) * (A - C))
+            r2, nu2 = x.R[0] * (B - C) / (A - C), c * (B - C) / ((B - A) * (A - C))
             m, m1 = (B - A) / (B - C), (A - C) / (B - C)
         squares = first[1], second[1], r * r / r2
         P, Q, R = root(p2) * (s if sine else -s), root(q2), s * root(r2)
-        e, M, N, G = (ball(x[name]) for name in ("e", "M", "N", "G"))
 
         def state(sn: acb, cn: acb, dn: acb) -> Sequence[acb]:
             p, q, r = P * (sn if sine else cn), Q * (cn if sine else sn), R * dn
-            return p, q, r, e + G * p * p, M * p * q, N * p * r
+            return p, q, r, *gamma(p, q, r)
 
         return self._on(EllipticTime(m, m1, (first[0], second[0]), squares, nu2).orbit(state))
 

@@ -156,20 +156,20 @@ class Jacobi:
         self._period = arb.pi() / mean
         self.K = self._period / 2
         if not self.circle:
-            s = mean / k2.sqrt().agm(1)
-            self.tau = acb(0, s)
+            self._s = mean / k2.sqrt().agm(1)
+            self.tau = acb(0, self._s)
             _, th2, th3, th4 = (th.real for th in acb.modular_theta(acb(0), self.tau))
             self.factors = th3 / th2, th4 / th2, th4 / th3  # of sn, cn, dn
-            #: None where they are long.
-            self.series = ThetaSeries(s) if s > LEAST else None
 
-    def phase(self, sn0: arb, cn2: arb, dn2: arb) -> arb:
-        """v in [-K, K] with sn v = ``sn0``; the squares of cn v and dn v are given."""
-        return sn0 * carlson_rf(cn2, dn2)
+    @cached_property
+    def series(self) -> ThetaSeries | None:
+        """Those of real variables; None where they are long."""
+        return ThetaSeries(self._s) if self._s > LEAST else None
 
-    def shift(self, sn2: arb, cn2: arb, dn2: arb) -> arb:
-        """a in [0, K'] from the squares of its functions to the modulus k'."""
-        return sn2.sqrt() * carlson_rf(cn2, dn2)
+    @staticmethod
+    def argument(sn: arb, cn2: arb, dn2: arb) -> arb:
+        """v in [-K, K], or to the modulus k' in [-K', K'], from sn v, cn^2 v and dn^2 v."""
+        return sn * carlson_rf(cn2, dn2)
 
     def at(self, v: arb) -> Place:
         """The functions at a phase."""
@@ -231,31 +231,17 @@ class Shift:
 class Place:
     """What the functions take at v = 2K (``n`` + ``z``), |z| <= 1/2 but for the ball's radius.
 
-    On the separatrix, whose K is infinite, ``z`` is v itself.  ``sn`` and ``cn`` are those of the
-    reduced phase: at the whole one they have the factor ``side`` = (-1)^n.
+    On the separatrix, whose K is infinite, ``z`` is v itself.  sn and cn of the reduced phase have
+    the factor ``side`` = (-1)^n at the whole one.
     """
 
     def __init__(self, jacobi: Jacobi, n: int, z: arb) -> None:
         self._jacobi, self.n, self.z = jacobi, n, z
         self.side = -1 if n % 2 else 1
 
-    @property
-    def sn(self) -> arb:
-        """sn of the reduced phase."""
-        return self._functions[0]
-
-    @property
-    def cn(self) -> arb:
-        """cn of the reduced phase."""
-        return self._functions[1]
-
-    @property
-    def dn(self) -> arb:
-        """dn, of either phase."""
-        return self._functions[2]
-
     @cached_property
-    def _functions(self) -> tuple[arb, arb, arb]:
+    def functions(self) -> tuple[arb, arb, arb]:
+        """sn and cn of the reduced phase, and dn, of either one."""
         jacobi = self._jacobi
         if jacobi.circle:
             return (*self._sin_cos, arb(1))

@@ -131,7 +131,7 @@ class BallEquations(NamedTuple):
         w, g = state[:3], state[3:]
         spin = [a * x for a, x in zip(self.moments, w, strict=True)]
         moved = zip(cross(g, self.torque), cross(w, spin), self.moments, strict=True)
-        return [*((x - y) / a for x, y, a in moved), *cross(g, w)]
+        return [*((x - y) * (1 / a) for x, y, a in moved), *cross(g, w)]
 
     def moves(self, state: Sequence[acb], reach: arb) -> list[arb] | None:
         """How far each number moves at most within a complex time; None where nothing is proven.

@@ -10,8 +10,9 @@ functions.  Units: any consistent set, angles in radians.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from operator import mul
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from fractions import Fraction
+from functools import partial
 from typing import NamedTuple, TypeAlias
 
 from flint import acb, arb, arb_poly
@@ -35,19 +36,35 @@ from polhode.closed_forms.kovalevskaya.place import (
     appelrot_numbers,
     ascending,
     branch_points,
+    is_simpler,
     quartic,
+    regime,
     square_roots,
+    top_start,
 )
 from polhode.closed_forms.kovalevskaya.theta_attitude import ThetaMotion
-from polhode.closed_forms.membership import Sure
-from polhode.numbers.exact import sign
+from polhode.closed_forms.membership import (
+    ENCLOSED_ATTITUDE,
+    Condition,
+    Family,
+    Misfit,
+    NormalScene,
+    Placement,
+    PrincipalScene,
+    Sure,
+    equal,
+    shortfall,
+)
+from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpc
 from polhode.numbers.number_types import Scalar
+from polhode.scenes.body import KOVALEVSKAYA, classical_top
 
 #: p, q, r, G1, G2, G3 of a complex time.
 ComplexState: TypeAlias = Callable[[acb], Sequence[acb]]
 
+_CHECKED = "states are proven; of the attitude the formula is checked, the arithmetic proven"
 _STEP = arb(1) / 2048  # radians, about, to a state at which no quotient is 0/0
 _WIDER = 6  # how often twice as far the equations are bounded: bits of a term of the series
 _I = acb(0, 1)
@@ -368,33 +385,71 @@ def _after(row: Sequence[arb], t: arb) -> list[arb]:
     moved = EQUATIONS.moves([acb(x) for x in row], t * 2**_WIDER)
     if moved is None:
         raise TooFewBits
-    series = [[x] for x in row]
-    count = ctx.prec // _WIDER + 1
-    for k in range(count):
-        p, q, r = (x[::-1] for x in series[:3])
-        G1, G2, G3 = series[3:]
-        rates = (
-            _product(series[1], r) / 2,
-            (G3[k] - _product(series[0], r)) / 2,
-            -G2[k],
-            _product(G2, r) - _product(G3, q),
-            _product(G3, p) - _product(G1, r),
-            _product(G1, q) - _product(G2, p),
-        )
-        for terms, rate in zip(series, rates, strict=True):
-            terms.append(rate / (k + 1))
+    series, count = [arb_poly([x]) for x in row], ctx.prec // _WIDER + 1
+    for order in range(1, count + 1):
+        rates = [rate.truncate(order) for rate in EQUATIONS.rates(series)]
+        series = [arb_poly([x]) + rate.integral() for x, rate in zip(row, rates, strict=True)]
     share = arb(2) ** (-_WIDER * count)
-    return [
-        arb_poly(terms)(t) + around(share * most).real
-        for terms, most in zip(series, moved, strict=True)
-    ]
-
-
-def _product(a: Sequence[arb], back: Sequence[arb]) -> arb:
-    """A coefficient of a product, the second factor in reverse order."""
-    return sum(map(mul, a, back), arb(0))
+    return [x(t) + around(share * most).real for x, most in zip(series, moved, strict=True)]
 
 
 def _sum(row: Sequence[acb], values: Sequence[acb]) -> acb:
     a, b, c = (x * y for x, y in zip(row, values, strict=True))
     return a + b + c
+
+
+# --- placing --------------------------------------------------------------------------------------
+#
+# Which scenes are a Kovalevskaya top's, with a formula for their motion.
+
+
+def place(scene: PrincipalScene) -> Placement | None:
+    """A Kovalevskaya top's motion that has a formula."""
+    top = top_start(scene)
+    if top is None:
+        return None
+    frame, start = top
+    if is_simpler(start):
+        return None
+    kind = regime(start)
+    if kind == Regime.OTHER:
+        return None
+    has_attitude = kind not in DEGENERATE
+    proven: bool | str = _CHECKED
+    if kind in ONE_FREQUENCY:
+        has_attitude, proven = quartic(start, kind).has_period, True
+    return Placement(
+        regime=kind,
+        solve=partial(motion, start, kind),
+        frame=frame,
+        unit=Fraction(2) ** start.exponent,
+        vertical=start.weight,
+        proven=proven if has_attitude else ENCLOSED_ATTITUDE,
+        has_attitude=has_attitude,
+        is_dear=True,
+        cap=(20, 3_000),  # near some motions no number of bits is enough, and more take minutes
+        curve=partial(curve, start),
+    )
+
+
+def misfit(scene: PrincipalScene) -> Misfit | None:
+    """Why a scene is not one's, or its motion has no formula."""
+    if classical_top(scene.moments, scene.torque).kind != KOVALEVSKAYA:
+        return shortfall(conditions, scene)
+    if place(scene) is not None:
+        return None
+    top = top_start(scene)
+    if top is not None and is_simpler(top[1]):
+        return Misfit("a motion that is not one of other bodies too")
+    return Misfit("a motion that has a formula on its degenerate curve")
+
+
+def conditions(scene: NormalScene) -> Iterator[Condition]:
+    """Those of the body, its axes in the top's order."""
+    A, B, C = scene.moments
+    yield equal("A = B", A, B)
+    yield equal("A = 2C", A, 2 * C)
+    yield equal("z0 = 0", scene.torque[2], ZERO, lambda: scene.weight)
+
+
+FAMILY = Family("kovalevskaya", place, misfit)

@@ -16,43 +16,27 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
-from fractions import Fraction
-from functools import cmp_to_key, partial
-from importlib import import_module
+from functools import cmp_to_key
 from itertools import combinations, pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import TooFewBits, ball, either_root, root
-from polhode.closed_forms.balls.frames import Frame, Motion
+from polhode.closed_forms.balls.frames import Frame
 from polhode.closed_forms.balls.periodic_attitude import BallEquations, Strip
 from polhode.closed_forms.balls.weierstrass import Quartic
-from polhode.closed_forms.membership import (
-    ENCLOSED_ATTITUDE,
-    Condition,
-    Family,
-    Misfit,
-    NormalScene,
-    Placement,
-    PrincipalScene,
-    Sure,
-    equal,
-    log2,
-    shortfall,
-)
+from polhode.closed_forms.membership import PrincipalScene, log2
 from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO, Exact, exact, sign, sqrt
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Scalar
 from polhode.numbers.vectors import Vector
 from polhode.scenes.body import KOVALEVSKAYA, classical_top, with_last
-
-_CHECKED = "states are proven; of the attitude the formula is checked, the arithmetic proven"
 
 _TILTS = 31  # directions tried
 _FIRST_BITS, _MOST_BITS = 128, 1 << 15
@@ -310,9 +294,9 @@ def numbered(points: Sequence[acb]) -> list[int]:
     return order
 
 
-# --- placing --------------------------------------------------------------------------------------
+# --- regimes --------------------------------------------------------------------------------------
 #
-# Which scenes are a Kovalevskaya top's, and the kinds of motion, told by exact arithmetic.
+# The kinds of motion, told by exact arithmetic.
 #
 # One-frequency motions (Gashenenko et
 # al., Rigid Body Dynamics, 2012; Kharlamov 1965): Delaunay's k = 0 and the special motions of
@@ -337,70 +321,6 @@ class Regime(StrEnum):
 
 ONE_FREQUENCY = (Regime.DELAUNAY, Regime.APPELROT)
 DEGENERATE = (Regime.ASYMPTOTIC, Regime.QUASI_PERIODIC)
-
-
-def place(scene: PrincipalScene) -> Placement | None:
-    """A Kovalevskaya top's motion that has a formula."""
-    top = top_start(scene)
-    if top is None:
-        return None
-    frame, start = top
-    if is_simpler(start):
-        return None
-    kind = regime(start)
-    if kind == Regime.OTHER:
-        return None
-    has_attitude = kind not in DEGENERATE
-    proven: bool | str = _CHECKED
-    if kind in ONE_FREQUENCY:
-        has_attitude, proven = quartic(start, kind).has_period, True
-    return Placement(
-        regime=kind,
-        solve=partial(_solved, start, kind),
-        frame=frame,
-        unit=Fraction(2) ** start.exponent,
-        vertical=start.weight,
-        proven=proven if has_attitude else ENCLOSED_ATTITUDE,
-        has_attitude=has_attitude,
-        is_dear=True,
-        cap=(20, 3_000),  # near some motions no number of bits is enough, and more take minutes
-        curve=partial(_curve, start),
-    )
-
-
-def _formulas() -> Any:
-    """What solves a motion, imported when one is solved."""
-    return import_module("polhode.closed_forms.kovalevskaya.motion")
-
-
-def _solved(start: KovalevskayaStart, kind: Regime | str) -> Motion:
-    motion: Motion = _formulas().motion(start, kind)
-    return motion
-
-
-def _curve(start: KovalevskayaStart, sure: Sure) -> dict[str, object]:
-    curve: dict[str, object] = _formulas().curve(start, sure)
-    return curve
-
-
-def misfit(scene: PrincipalScene) -> Misfit | None:
-    """Why a scene is not one's, or its motion has no formula."""
-    if classical_top(scene.moments, scene.torque).kind != KOVALEVSKAYA:
-        return shortfall(conditions, scene)
-    if place(scene) is not None:
-        return None
-    top = top_start(scene)
-    if top is not None and is_simpler(top[1]):
-        return Misfit("a motion that is not one of other bodies too")
-    return Misfit("a motion that has a formula on its degenerate curve")
-
-
-def conditions(scene: NormalScene) -> Iterator[Condition]:
-    """Those of the body, its axes in the top's order."""
-    A, B, C = scene.moments
-    yield equal("A = B", A, B)
-    yield equal("A = 2C", A, 2 * C)
-    yield equal("z0 = 0", scene.torque[2], ZERO, lambda: scene.weight)
 
 
 def regime(start: KovalevskayaStart) -> Regime | str:
@@ -485,6 +405,3 @@ def appelrot_numbers(start: KovalevskayaStart) -> tuple[Exact, Exact, Exact]:
     x = p - xh
     ro = sqrt(x * x + q * q)
     return xh, (-ro if sign(x) < 0 else ro), x
-
-
-FAMILY = Family("kovalevskaya", place, misfit)

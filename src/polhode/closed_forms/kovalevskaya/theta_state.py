@@ -59,29 +59,25 @@ class Quotients(NamedTuple):
     r: Sequence[acb]
     G3: Sequence[acb]
 
+    def products(self, values: Values) -> tuple[Sequence[acb], acb, acb]:
+        """D times 1, p, q, r and G3; D' and (D r)'."""
+        single, double = values[1:4], values[4:]
+        q, r, G3 = _I * values[0][0], dot(self.r, double, 0), dot(self.G3, double, 0)
+        row = dot(self.over, single, 0), dot(self.p, single, 0), q, r, G3
+        return row, dot(self.over, single, 1), dot(self.r, double, 1)
+
     def state(self, H: arb, values: Values) -> list[acb]:
         """p, q, r, G1, G2, G3 of the theta functions at a place."""
-        single, double = values[1:4], values[4:]
-        over = 1 / dot(self.over, single, 0)
-        p = dot(self.p, single, 0) * over
-        q = _I * values[0][0] * over
-        r = dot(self.r, double, 0) * over
-        G3 = dot(self.G3, double, 0) * over
-        G2 = -(dot(self.r, double, 1) - r * dot(self.over, single, 1)) * over
-        return [p, q, r, H - p * p - q * q - r * r / 2, G2, G3]
+        (D, *row), D1, r1 = self.products(values)
+        over = 1 / D
+        p, q, r, G3 = (x * over for x in row)
+        return [p, q, r, H - p * p - q * q - r * r / 2, -(r1 - r * D1) * over, G3]
 
     def misses(self, start: Sequence[arb], values: Values) -> bool:
         """Whether the values at z0 prove that this is not the start; multiplied out, no 0/0."""
-        p, q, r, _, G2, G3 = start
-        single, double = values[1:4], values[4:]
-        D = dot(self.over, single, 0)
-        rests = (
-            D * p - dot(self.p, single, 0),
-            D * q - _I * values[0][0],
-            D * r - dot(self.r, double, 0),
-            D * G3 - dot(self.G3, double, 0),
-            D * G2 + dot(self.r, double, 1) - r * dot(self.over, single, 1),
-        )
+        (p, q, r, _, G2, G3), ((D, *row), D1, r1) = start, self.products(values)
+        rests = [D * x - y for x, y in zip((p, q, r, G3), row, strict=True)]
+        rests.append(D * G2 + r1 - r * D1)
         if not all(x.is_finite() for x in rests):
             raise TooFewBits
         return any(not x.contains(0) for x in rests)
