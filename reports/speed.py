@@ -296,16 +296,16 @@ def _refined(motion: LibraryMotion) -> dict[str, Any]:
         wider = polhode.NumberType("mp", math.ceil(wide / LOG10_2) + 1)
         steps = polhode.integrate(plain, wider, method="taylor")
         true, row["by"] = steps.states, "steps in more digits"
-    ways = [partial(polhode.integrate, number=number, method=x) for x in ("refined", "taylor")]
-    for way in ways:
-        way(scene.at([min(10, scene.end)]))  # loads what is compiled
-    runs = kit.timed([partial(way, scene) for way in ways], _REPEATS, _PATIENCE)
-    for way, (run, seconds, calls) in zip(ways, runs, strict=True):
-        row[way.keywords["method"]] = {
+    calls = [partial(polhode.integrate, number=number, method=x) for x in ("refined", "taylor")]
+    for call in calls:
+        call(scene.at([min(10, scene.end)]))  # loads what is compiled
+    runs = kit.timed([partial(call, scene) for call in calls], _REPEATS, _PATIENCE)
+    for call, (run, seconds, count) in zip(calls, runs, strict=True):
+        row[call.keywords["method"]] = {
             "cpu": kit.significant(seconds, 3),
             "digits": round(kit.fewest_digits(run.states, true, scene, wide), 2),
             "method": run.method,
-            "runs": calls,
+            "runs": count,
         }
         if run.errors is not None and run.errors[-1] is not None:
             row["estimate"] = kit.significant(run.errors[-1], 2)

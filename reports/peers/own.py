@@ -23,7 +23,7 @@ UPRIGHT = (0.0, 0.0, 1.0)
 _LARGEST = 1000  # denominator of a draw's numbers
 
 
-def _kept(make: Callable[..., Any]) -> Callable[..., Any]:
+def _by_body(make: Callable[..., Any]) -> Callable[..., Any]:
     """What is made of a body and more, kept with the body: a loop over starts has it at hand."""
     values: dict[tuple[Any, ...], tuple[Top | None, Any]] = {}
 
@@ -43,9 +43,9 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     ``present``: unused, polhode finds out itself what vanishes.
     """
     number = EXTENDED if method == "extended" else DOUBLE
-    scene_of = _kept(_scene)
+    scene_of = _by_body(_scene)
 
-    @_kept
+    @_by_body
     def propagator(top: Top, tol: float) -> polhode.Propagator:
         options: dict[str, Any] = {"tol": _tolerance(tol, number), "project": tol == PROJECTED}
         return polhode.propagator(_scene(top), number=number.name, **options)
@@ -74,7 +74,7 @@ def prepared_many(present: Sequence[bool], method: str) -> Run:
     In one thread; ``present``: unused.
     """
 
-    @_kept
+    @_by_body
     def propagator(top: Top, tol: float) -> polhode.Propagator:
         return polhode.propagator(_scene(top), tol=_tolerance(tol))
 
