@@ -90,9 +90,10 @@ class Storable:
         >>> told["outcome"], told["columns"]["t"]
         ('reached end', [1.0, 2.0])
         """
+        from polhode.common.texts import as_json
         from polhode.results import writer
 
-        return writer.as_json(writer.document(self.content(), columns=True))
+        return as_json(writer.document(self.content(), columns=True))
 
     def to_pandas(self) -> pd.DataFrame:
         """Give the table as a pandas DataFrame, the facts as its ``attrs``.
