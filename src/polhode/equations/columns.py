@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 from polhode.equations.integrals import AREA, ENERGY, along
 from polhode.equations.kinematics import turned
 from polhode.motion.frame import Frame
-from polhode.numbers.row_formulas import RowFormula, mapped, mapped_stack
+from polhode.numbers.row_formulas import RowFormula, RowMap
 from polhode.numbers.vectors import rotation
 from polhode.scenes.vocabulary import COLUMNS, STATE
 
@@ -100,11 +100,12 @@ def derived_stack(
     columns: Stack = states[:, :, :1].repeat(width, axis=2)
     for k, scene in enumerate(scenes):
         formula, coefficients = FORMULAS[word].of(scene)
-        columns[k] = mapped_stack(formula, states[k : k + 1], coefficients, number_type, width)[0]
+        row_map = RowMap(formula, coefficients, number_type, width)
+        columns[k] = row_map.of_stack(states[k : k + 1])[0]
     return columns
 
 
 def derived(word: str, scene: Scene, parts: Sequence[Given], number_type: NumberType) -> Columns:
     """A derived column of rows of all that it needs, in the order of its ``needs``."""
     formula, coefficients = FORMULAS[word].of(scene)
-    return mapped(formula, parts, coefficients, number_type, len(COLUMNS[word].names))
+    return RowMap(formula, coefficients, number_type, len(COLUMNS[word].names))(*parts)
