@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 #: A piece's arrays by name.
-Arrays: TypeAlias = "dict[str, npt.NDArray[np.generic]]"
+JobArrays: TypeAlias = "dict[str, npt.NDArray[np.generic]]"
 
 MANIFEST = "manifest.json"
 _CHECKSUM = "checksum"  # of a piece, among its arrays
@@ -68,7 +68,7 @@ class JobCheckpoint:
         """That of a folder, if there is one."""
         return None if folder is None else cls(folder, verb, *key)
 
-    def load(self, job: int) -> Arrays | None:
+    def load(self, job: int) -> JobArrays | None:
         """A finished job's arrays; None where they are not there, or not as they were written."""
         path = self._path(job)
         try:
@@ -142,7 +142,7 @@ class JobCheckpoint:
         with contextlib.suppress(OSError):  # somebody else's files, which stay
             self.folder.rmdir()
 
-    def _checksum(self, name: str, arrays: Arrays) -> str:
+    def _checksum(self, name: str, arrays: JobArrays) -> str:
         """Of a piece by name: it is no other, of no other work, and its arrays are as written."""
         import numpy as np
 

@@ -19,7 +19,14 @@ from polhode.scenes.vocabulary import COLUMNS, STATE
 
 if TYPE_CHECKING:
     from polhode.numbers.exact import Exact
-    from polhode.numbers.number_types import Columns, Functions, Given, NumberType, Scalar, Stack
+    from polhode.numbers.number_types import (
+        DerivedRows,
+        Functions,
+        Given,
+        NumberType,
+        Scalar,
+        Stack,
+    )
     from polhode.scenes.scene import Scene
 
 
@@ -105,7 +112,9 @@ def derived_stack(
     return columns
 
 
-def derived(word: str, scene: Scene, parts: Sequence[Given], number_type: NumberType) -> Columns:
+def derived(
+    word: str, scene: Scene, parts: Sequence[Given], number_type: NumberType
+) -> DerivedRows:
     """A derived column of rows of all that it needs, in the order of its ``needs``."""
     formula, coefficients = FORMULAS[word].of(scene)
     return RowMap(formula, coefficients, number_type, len(COLUMNS[word].names))(*parts)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ONE, Exact, sign
-from polhode.numbers.number_types import Columns, GivenRow, Rows, Scalar, combination
+from polhode.numbers.number_types import DerivedRows, GivenRow, Rows, Scalar, combination
 from polhode.numbers.vectors import Triple, Vector, apply, cross, dot, inverse
 from polhode.scenes.scene import Scene
 
@@ -173,7 +173,7 @@ class Hodographs(NamedTuple):
     """
 
     body: Rows
-    space: Columns
+    space: DerivedRows
 
 
 def turned(quaternion: GivenRow, vector: GivenRow) -> list[Scalar]:

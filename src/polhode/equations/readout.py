@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from polhode.common.values import cached_property
 from polhode.equations import kinematics
-from polhode.equations.form import Coefficients, Values, equations
+from polhode.equations.form import Coefficients, FormValues, equations
 from polhode.equations.kinematics import (
     AngleFunctions,
     angles,
@@ -156,7 +156,7 @@ class Readout:
         form, turn = self.form, self.frame.turn
         coefficients = {**form.coefficients, **turn, "1/unit": 1 / self.frame.unit}
 
-        def state(row: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
+        def state(row: FormValues, k: Coefficients, fn: Functions) -> list[Scalar]:
             omega, gamma = form.state(row, k, fn)
             if turn:
                 omega = in_scene_axes(omega, k, fn.zero)
@@ -170,7 +170,9 @@ class Readout:
         if "attitude" not in self.scene.modelled:
             return None
         with self._wider():
-            return self._narrowed(self._upright(self._columns(rows), self._columns(states)))
+            upright_columns = self._upright(self._columns(rows), self._columns(states))
+            quaternions: Rows = self._narrowed(upright_columns)
+            return quaternions
 
     def angles(self, rows: Given, states: Rows) -> Gapped | None:
         """psi theta phi beside states, if asked for; psi and phi None at a pole.
@@ -190,10 +192,8 @@ class Readout:
             if not self._spins:
                 turns[0] = self._psi(columns, self._columns(states), turns[0])
             values = np.array(angles([*gamma], turns, self._functions))
-            narrowed_rows = self._narrowed(values)
-        rows_of_angles: Gapped = (
-            narrowed_rows if isinstance(narrowed_rows, list) else narrowed_rows.tolist()
-        )
+            narrow = self._narrowed(values)
+        rows_of_angles: Gapped = narrow.tolist() if self.number.flat else narrow
         for k in np.flatnonzero((gamma[0] == 0) & (gamma[1] == 0)).tolist():
             rows_of_angles[k][0] = rows_of_angles[k][2] = None
         return rows_of_angles
@@ -212,9 +212,9 @@ class Readout:
 
         fn, q = self._functions, self._upright(columns, states)
         psi = fn.atan2(q[3], q[0]) + fn.atan2(q[2], q[1])
-        high = np.longdouble(np.float32(np.pi))  # whole multiples of it are exact
-        if not self.number.flat:
-            high = 0
+        high: Scalar = 0
+        if self.number.flat:
+            high = np.longdouble(np.float32(np.pi))  # whole multiples of it are exact
         halves = fn.rint((integrated - psi) / fn.pi)
         rounded = (psi + halves * high) + halves * (fn.pi - high)
         return np.where(self._begin(columns), integrated, rounded)
@@ -260,7 +260,7 @@ class Readout:
 
         return np.frompyfunc(own, 1, 1)(np.array([[*row] for row in rows], dtype=np.object_).T)
 
-    def _narrowed(self, columns: Any) -> Rows:
+    def _narrowed(self, columns: Any) -> Any:
         """The same rounded to the run's type, row by row."""
         if self.number.flat:
             return self._array(columns.T)
@@ -288,6 +288,6 @@ class Readout:
             return AngleFunctions(np.hypot, np.arctan2, np.sqrt, np.rint, pi)
         from polhode.numbers.mpmath_context import mpmath
 
-        one = [np.frompyfunc(f, 1, 1) for f in (mpmath.sqrt, mpmath.nint)]
-        two = [np.frompyfunc(f, 2, 1) for f in (mpmath.hypot, mpmath.atan2)]
-        return AngleFunctions(*two, *one, +mpmath.pi)
+        hypot, atan2 = (np.frompyfunc(f, 2, 1) for f in (mpmath.hypot, mpmath.atan2))
+        root, rint = (np.frompyfunc(f, 1, 1) for f in (mpmath.sqrt, mpmath.nint))
+        return AngleFunctions(hypot, atan2, root, rint, +mpmath.pi)

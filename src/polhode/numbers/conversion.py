@@ -36,7 +36,7 @@ from polhode.numbers.number_types import (
 )
 
 #: Rows of a run's numbers, or numbers in a row.
-Part = TypeVar("Part", Rows, Numbers)
+SameRows = TypeVar("SameRows", Rows, Numbers)
 
 _ONE, _HALF = 1.0, 2.0**-53  # of its last bit
 
@@ -81,7 +81,7 @@ def number_value(x: Number, number_type: NumberType) -> Scalar:
     return ordinary(to_mpf(x, number_type.bits))
 
 
-def joined(parts: Sequence[Part], number_type: NumberType) -> Part:
+def joined(parts: Sequence[SameRows], number_type: NumberType) -> SameRows:
     """Several parts' rows, or numbers, in one: an array, or a list above extended."""
     if not number_type.flat:
         return [row for part in parts for row in part]

@@ -120,7 +120,7 @@ def evaluate(text: str, names: Mapping[str, Scalar], algebra: Algebra | None = N
     if len(text) > MAX_LENGTH:
         raise ExpressionError(f"longer than {MAX_LENGTH} characters")
     try:
-        reader = _Reader(text, names, algebra)
+        reader = _ExpressionReader(text, names, algebra)
         value = reader.value()
         if reader.token:
             raise ExpressionError(f"{reader.token!r} stands where an operator was expected")
@@ -133,7 +133,7 @@ def evaluate(text: str, names: Mapping[str, Scalar], algebra: Algebra | None = N
         raise ExpressionError(str(error)) from None
 
 
-class _Reader:
+class _ExpressionReader:
     """A text, read token by token and computed as it is read: by precedence of the operators."""
 
     def __init__(self, text: str, names: Mapping[str, Scalar], algebra: Algebra | None) -> None:

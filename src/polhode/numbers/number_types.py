@@ -234,7 +234,7 @@ Objects: TypeAlias = "npt.NDArray[np.object_]"
 
 #: What picks elements of an array.
 Index: TypeAlias = "int | slice | Integers | Booleans | list[int] | None"
-Places: TypeAlias = "Index | tuple[Index, ...]"
+Indexing: TypeAlias = "Index | tuple[Index, ...]"
 
 #: Rows that numpy holds: an array (rows, columns).
 Flat: TypeAlias = "Doubles | Extendeds"
@@ -268,7 +268,7 @@ Stack: TypeAlias = "Flat | Objects"
 Gapped: TypeAlias = "list[list[Real | None]]"
 
 #: Columns that may have gaps: an array where numpy has the type and no row is one.
-Columns: TypeAlias = "Flat | Gapped"
+DerivedRows: TypeAlias = "Flat | Gapped"
 
 
 #: A row of angles or attitude read once more, or a list of them.

@@ -18,13 +18,13 @@ from polhode.common.values import cached_property
 from polhode.numbers.conversion import exactly, mpf_row, narrowed, to_extended, to_mpf
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import (
-    Columns,
+    DerivedRows,
     Doubles,
     Flat,
     Functions,
     Given,
+    Indexing,
     NumberType,
-    Places,
     Scalar,
     Stack,
     extended_here,
@@ -75,7 +75,7 @@ class Rationals:
     def __rtruediv__(self, other: Scalar) -> Rationals:
         return rationals(other).__truediv__(self)
 
-    def __getitem__(self, index: Places) -> Rationals:
+    def __getitem__(self, index: Indexing) -> Rationals:
         """Some of the elements, where it is an array of them."""
         top, bottom = (
             x[index] if isinstance(x, np.ndarray) else x for x in (self.top, self.bottom)
@@ -161,7 +161,7 @@ class RowMap:
             return {name: to_extended(x) for name, x in self._coefficients.items()}
         return {name: to_mpf(x, self._bits) for name, x in self._coefficients.items()}
 
-    def __call__(self, *parts: Given) -> Columns:
+    def __call__(self, *parts: Given) -> DerivedRows:
         """A row of each row of the formula: those of parts of equal count, one after the other."""
         if self._at_once:
             return self._all_rows(parts)
@@ -195,7 +195,7 @@ class RowMap:
     def _padded(self, values: list[Scalar]) -> list[Scalar]:
         return [*values, *[None] * (self._width - len(values))]
 
-    def _all_rows(self, parts: Sequence[Given]) -> Columns:
+    def _all_rows(self, parts: Sequence[Given]) -> DerivedRows:
         """Of doubles: a formula of whole columns in extended."""
         import numpy as np
 
@@ -212,7 +212,7 @@ class RowMap:
             doubles: Doubles = np.empty((count, len(values)))
             for i, column in enumerate(values):
                 doubles[:, i] = column
-        whole = np.isfinite(columns).all(axis=0) & np.isfinite(doubles).all(axis=1)
+        whole: Scalar = np.isfinite(columns).all(axis=0) & np.isfinite(doubles).all(axis=1)
         if whole.all() and len(values) == self._width:
             return doubles
         rows = zip(whole, doubles.tolist(), strict=True)

@@ -32,7 +32,7 @@ from polhode.runs.propagator import propagator
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes.scene import Scene
 
-Row: TypeAlias = tuple[Any, ...]
+ReportRow: TypeAlias = tuple[Any, ...]
 
 NUMBERS = ("double", "extended", "quad")
 #: Tolerances of a step beside the type's own; of other types that alone.
@@ -83,7 +83,7 @@ class ReportRequest:
         return runs
 
 
-class Given(NamedTuple):
+class GivenTable(NamedTuple):
     """A table of another program: what :func:`polhode.compare` takes, and what is told beside it.
 
     ``seconds``: what it cost; ``step``: that of its method; None where that is not told.
@@ -107,7 +107,7 @@ class AccuracyLine(NamedTuple):
     why: str = ""
     run: Trajectory | None = None
     until: Exact | None = None
-    source: Given | None = None
+    source: GivenTable | None = None
 
     @property
     def digits(self) -> list[float | None]:
@@ -138,7 +138,7 @@ class AccuracyLine(NamedTuple):
         enough = min(subject.held, subject.number.most_digits) / 2 if goal is None else goal
         return GOOD if self.fewest >= enough else FAIR if self.fewest >= 1 else BAD
 
-    def row(self, motion: Lyapunov) -> Row:
+    def row(self, motion: Lyapunov) -> ReportRow:
         """What limits the digits; the fewest, when, those at the end, when half and all are lost.
 
         The last two of a table as measured, of a run as expected; beyond the end by the exponent of
@@ -150,7 +150,7 @@ class AccuracyLine(NamedTuple):
         digits = judged.worst, to_double(judged.worst_time), self.digits[-1]
         return (judged.limit, *digits, *self._reach(motion))
 
-    def _reach(self, motion: Lyapunov) -> Row:
+    def _reach(self, motion: Lyapunov) -> ReportRow:
         if self.run is None:
             if self.judgement is None:
                 return None, None
@@ -179,7 +179,7 @@ class SceneSection:
 
     scene: Scene
     verdict: str
-    rows: Mapping[str, Sequence[Row]]
+    rows: Mapping[str, Sequence[ReportRow]]
     words: Mapping[str, Sequence[str]]
 
 
@@ -213,7 +213,7 @@ def section(
     kind = motion.verdict, limit, against.regime, against.kind
     described = [line.split(None, 1) for line in str(describe(scene)).splitlines()]
     orders = [*_orders(files)]
-    rows: dict[str, Sequence[Row]] = {
+    rows: dict[str, Sequence[ReportRow]] = {
         "overview": [(verdict, *runs, len(files), of_files, *kind)],
         "description": [tuple(x) for x in described if len(x) == 2 and x[0] in DESCRIBED],
         "digits": [row for line in every for row in _digit_rows(line)],
@@ -262,7 +262,7 @@ def _judged(
     return AccuracyLine(name, None, why or "no output time was reached", run)
 
 
-def of_table(source: Given, scene: Scene, request: ReportRequest) -> AccuracyLine:
+def of_table(source: GivenTable, scene: Scene, request: ReportRequest) -> AccuracyLine:
     """A table held against a scene; raises BadInput for one that cannot be read."""
     how: dict[str, Any] = {"columns": request.columns, "read": request.read}
     if isinstance(source.table, Trajectory):
@@ -277,20 +277,20 @@ def of_table(source: Given, scene: Scene, request: ReportRequest) -> AccuracyLin
 # --- rows of the tables ---------------------------------------------------------------------------
 
 
-def _run_row(line: AccuracyLine, motion: Lyapunov) -> Row:
+def _run_row(line: AccuracyLine, motion: Lyapunov) -> ReportRow:
     run = line.run
     how = ("", "", None) if run is None else (run.number.name, run.method, run.steps)
     until = None if line.until is None else to_double(line.until)
     return (line.name, *line.row(motion), until, *how, line.why)
 
 
-def _file_row(line: AccuracyLine, motion: Lyapunov, goal: int | None) -> Row:
+def _file_row(line: AccuracyLine, motion: Lyapunov, goal: int | None) -> ReportRow:
     reading = "" if line.judgement is None else line.judgement.reading or ""
     seconds = line.source and line.source.seconds
     return (line.name, line.mark(goal), *line.row(motion), seconds, reading, line.sentence)
 
 
-def _digit_rows(line: AccuracyLine) -> Iterator[Row]:
+def _digit_rows(line: AccuracyLine) -> Iterator[ReportRow]:
     if line.judgement is not None:
         times = line.judgement.times
         bands = (line.run and line.judgement.expected) or (None,) * len(times)
@@ -299,7 +299,7 @@ def _digit_rows(line: AccuracyLine) -> Iterator[Row]:
             yield (line.name, to_double(t), d, *edges)
 
 
-def _drift_rows(scene: Scene, lines: Sequence[AccuracyLine]) -> Iterator[Row]:
+def _drift_rows(scene: Scene, lines: Sequence[AccuracyLine]) -> Iterator[ReportRow]:
     """Of runs and files; where the first run was corrected of one that is not, too."""
     first = lines[0].run
     if first is not None and first.projection is not None and first.projection.count:
@@ -312,14 +312,14 @@ def _drift_rows(scene: Scene, lines: Sequence[AccuracyLine]) -> Iterator[Row]:
             yield (line.name, *drift)
 
 
-def _event_rows(line: AccuracyLine) -> Iterator[Row]:
+def _event_rows(line: AccuracyLine) -> Iterator[ReportRow]:
     for event in line.run.events if line.run else ():
         columns = event.signs, event.uncertainty, event.depths
         for k, row in enumerate(zip(*columns, strict=True)):
             yield (line.name, event.name, event.shown(k), k + 1, *row)
 
 
-def _orders(files: Sequence[AccuracyLine]) -> Iterator[tuple[str, Row]]:
+def _orders(files: Sequence[AccuracyLine]) -> Iterator[tuple[str, ReportRow]]:
     """The order of each method of which there are several files: names equal but for digits."""
 
     def method(line: AccuracyLine) -> str:
@@ -343,7 +343,7 @@ def _work_rows(
     lines: Sequence[AccuracyLine],
     files: Sequence[AccuracyLine],
     request: ReportRequest,
-) -> Iterator[Row]:
+) -> Iterator[ReportRow]:
     """What digits cost: prepared runs to the last time judged, in each type at several tolerances.
 
     Of files what is told of them.
@@ -361,7 +361,7 @@ def _work_rows(
             yield (line.name, None, line.digits[-1], line.source.seconds)
 
 
-def _costed(scene: Scene, against: Reference, number: str, tolerance: str | None) -> Row:
+def _costed(scene: Scene, against: Reference, number: str, tolerance: str | None) -> ReportRow:
     """The digits at the scene's end of a prepared run, and the least seconds of several calls."""
     call: Callable[[], Any] = (
         partial(propagator(scene, number=number, tol=tolerance), t=to_double(scene.end))

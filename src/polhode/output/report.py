@@ -18,7 +18,7 @@ from polhode.judging.reference import reference
 from polhode.judging.tables.table_file import is_table
 from polhode.numbers.number_types import MAX_DIGITS, AnyNumber, AnyVector
 from polhode.output import accuracy, report_page
-from polhode.output.accuracy import Given, ReportRequest, SceneSection
+from polhode.output.accuracy import GivenTable, ReportRequest, SceneSection
 from polhode.output.report_page import shown, tables
 from polhode.results import writer
 from polhode.results.cells import TEXT
@@ -187,9 +187,9 @@ def report(
     return Report(tuple(accuracy.section(scene, x, request, say) for (scene, _), x in pairs))
 
 
-def _grouped(sources: Sequence[Any]) -> list[tuple[Scene, list[Given]]]:
+def _grouped(sources: Sequence[Any]) -> list[tuple[Scene, list[GivenTable]]]:
     """The scenes, each with the tables that are judged against it; raises BadInput."""
-    groups: list[tuple[Scene, list[Given]]] = []
+    groups: list[tuple[Scene, list[GivenTable]]] = []
     for k, source in enumerate(sources, 1):
         table = None if isinstance(source, Scene) else _table_of(source, k)
         scene = library.load(source, takes=REQUESTS) if table is None else None
@@ -207,18 +207,18 @@ def _grouped(sources: Sequence[Any]) -> list[tuple[Scene, list[Given]]]:
     return groups
 
 
-def _table_of(source: Any, place: int) -> Given | None:
+def _table_of(source: Any, place: int) -> GivenTable | None:
     """A table; None for what is to be read as a scene."""
     if isinstance(source, Trajectory):
-        return Given(f"run of {source.scene.name}", source)
+        return GivenTable(f"run of {source.scene.name}", source)
     if not isinstance(source, (str, Path)):
-        return Given(f"table {place}", source)
+        return GivenTable(f"table {place}", source)
     match = None if Path(source).exists() else _FILE.fullmatch(str(source))
     name = file_of(str(source))
     if match is None or not is_table(name):
-        return Given(name, name) if is_table(name) else None
+        return GivenTable(name, name) if is_table(name) else None
     cost = float(match["cost"]) * _UNITS[match["unit"]] if match["cost"] else None
-    return Given(name, name, cost, match["step"])
+    return GivenTable(name, name, cost, match["step"])
 
 
 def file_of(text: str) -> str:
@@ -227,7 +227,7 @@ def file_of(text: str) -> str:
     return match["file"] if match else text
 
 
-def _own_scene(of: Given) -> Scene:
+def _own_scene(of: GivenTable) -> Scene:
     """The scene of a run that polhode made; raises BadInput for any other table."""
     run = of.table
     if isinstance(run, str):
@@ -240,7 +240,7 @@ def _own_scene(of: Given) -> Scene:
     return run.scene
 
 
-def _foretold(groups: Sequence[tuple[Scene, Sequence[Given]]]) -> str:
+def _foretold(groups: Sequence[tuple[Scene, Sequence[GivenTable]]]) -> str:
     """How long all will take, in words."""
     seconds = 0.0
     for scene, tables_given in groups:

@@ -18,7 +18,7 @@ from polhode.common.files import make_folder, write_whole
 from polhode.common.provenance import cpu, versions
 from polhode.common.texts import JsonObject
 from polhode.figures import accuracy, canvas
-from polhode.output.accuracy import Row, SceneSection
+from polhode.output.accuracy import ReportRow, SceneSection
 from polhode.results.cells import DOUBLE, TEXT, header_and_rows
 from polhode.results.table import Table, table_of_rows
 from polhode.scenes.scene_facts import scene_facts
@@ -37,7 +37,7 @@ _NO_FIGURES = "The figures need matplotlib, which is not installed: pip install 
 _MARKS = {"good": "●", "passed": "●", "fair": "◐", "bad": "○", "failed": "○", "unknown": "–"}
 
 
-class Part(NamedTuple):
+class ReportPart(NamedTuple):
     """A table of a report: its heading on the page, its columns after the scene, what it means.
 
     ``picture``: what the figure beside it shows, "" for none.
@@ -50,8 +50,8 @@ class Part(NamedTuple):
 
 
 _KNOWN = "limit digits t_of_digits digits_end half_lost_after lost_after"
-PARTS: Mapping[str, Part] = {
-    "overview": Part(
+PARTS: Mapping[str, ReportPart] = {
+    "overview": ReportPart(
         TITLE,
         "verdict digits_double digits_extended digits_quad files digits_files motion limit regime "
         "reference",
@@ -60,34 +60,34 @@ PARTS: Mapping[str, Part] = {
         "the numbers hold; fair: one or more; bad: none; unknown: nothing could be judged. Correct "
         "digits are -log10 of the relative error, the fewest of state, angles and attitude.",
     ),
-    "description": Part("", "fact text", "", "ellipsoid of inertia; an arrow along Mg r0"),
-    "digits": Part(
+    "description": ReportPart("", "fact text", "", "ellipsoid of inertia; an arrow along Mg r0"),
+    "digits": ReportPart(
         "Correct digits over time",
         "of t correct_digits digits_expected_least digits_expected_most",
         "In brackets: where nine in ten runs of that number type would be.",
         "correct digits over time; shaded: expected",
     ),
-    "runs": Part(
+    "runs": ReportPart(
         "What limits them, and how far each number type reaches",
         f"run {_KNOWN} judged_until number method steps remark",
         "Half lost after, lost after: the times from which on fewer than half of the digits, and "
         "none, are left; empty where digits are left to the end. Beyond it they follow from the "
         "exponent.",
     ),
-    "files": Part("Files", f"file verdict {_KNOWN} seconds reading sentence"),
-    "orders": Part("Order of convergence", "files_of order order_least order_most"),
-    "drift": Part(
+    "files": ReportPart("Files", f"file verdict {_KNOWN} seconds reading sentence"),
+    "orders": ReportPart("Order of convergence", "files_of order order_least order_most"),
+    "drift": ReportPart(
         "Drift of the integrals",
         "of h f gamma fourth",
         "The largest relative departures of energy, vertical momentum, |gamma|² and the fourth "
         "integral; a run that is projected is put back on them, which is no evidence of accuracy.",
     ),
-    "events": Part(
+    "events": ReportPart(
         "Events",
         "run event time count sign uncertainty depth",
         "Uncertainty: how far rounding can move the time; depth: how far it goes beyond zero.",
     ),
-    "work": Part(
+    "work": ReportPart(
         "Speed against error",
         "of tolerance digits seconds",
         "Each row is a prepared run to the end of the scene, the least processor time of up to "
@@ -102,7 +102,7 @@ def tables(sections: Sequence[SceneSection]) -> Mapping[str, Table]:
     return {name: _table(name, [(x.scene.name, x.rows[name]) for x in sections]) for name in PARTS}
 
 
-def _table(name: str, groups: Sequence[tuple[str, Sequence[Row]]]) -> Table:
+def _table(name: str, groups: Sequence[tuple[str, Sequence[ReportRow]]]) -> Table:
     """A table of the rows of scenes."""
     texts, hidden = _TEXTS.split(), _HIDDEN.split()
     types = {x: TEXT if x in texts else DOUBLE for x in f"scene {PARTS[name].columns}".split()}
@@ -231,7 +231,7 @@ def page(path: Path, sections: Sequence[SceneSection]) -> Mapping[Path, str | by
     return to.files()
 
 
-def _thinned(name: str, rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
+def _thinned(name: str, rows: Sequence[ReportRow]) -> tuple[list[str], list[list[str]]]:
     """A table for people, of each run or file a few rows."""
     most = len(rows) if name in ("description", "work") else ROWS
     groups = [[*own] for _, own in groupby(rows, lambda row: row[0])]
@@ -240,7 +240,7 @@ def _thinned(name: str, rows: Sequence[Row]) -> tuple[list[str], list[list[str]]
     return [name.replace("_", " ") for name in header], lines
 
 
-def _side_by_side(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
+def _side_by_side(rows: Sequence[ReportRow]) -> tuple[list[str], list[list[str]]]:
     """Times down, runs and files across: the digits, and in brackets the band expected."""
     names = [*dict.fromkeys(row[0] for row in rows)]
     texts = {(row[0], f"{row[1]:.12g}"): _with_band(*row[2:]) for row in rows}

@@ -141,7 +141,8 @@ def held_keys(section: str, owner: type) -> tuple[str, ...]:
 
 def _values(owner: Scene | Body | Part, section: str) -> dict[str, Any]:
     """What an object has of a section's keys, in lists, as a table has it."""
-    values = {key: getattr(owner, key) for key in held_keys(section, type(owner))}
+    kind: type = type(owner)
+    values = {key: getattr(owner, key) for key in held_keys(section, kind)}
     return {key: _in_lists(x) for key, x in values.items() if x is not None}
 
 
