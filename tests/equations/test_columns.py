@@ -35,7 +35,7 @@ def _length(x: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list
     return [fn.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])]
 
 
-FORMULAS["speed"] = DerivedColumn(_length)
+FORMULAS["speed"] = DerivedColumn(of_rows(_length))
 """
 ROW = ColumnWord(("speed",), ("state",), "derived", "the length of omega")
 
@@ -44,7 +44,7 @@ ROW = ColumnWord(("speed",), ("state",), "derived", "the length of omega")
 def speed():
     """The column in the package that is imported."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(columns.FORMULAS, "speed", columns.DerivedColumn(_speed))
+        patch.setitem(columns.FORMULAS, "speed", columns.DerivedColumn(columns.of_rows(_speed)))
         patch.setitem(COLUMNS, "speed", ROW)
         yield
 
