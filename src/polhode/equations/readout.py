@@ -13,7 +13,6 @@ from polhode.equations.form import Coefficients, FormValues, equations
 from polhode.equations.kinematics import (
     AngleFunctions,
     angles,
-    in_scene_axes,
     starting_attitude,
 )
 from polhode.motion.frame import Frame
@@ -21,6 +20,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, narrowed, number_value, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import (
+    EXTENDED,
     Booleans,
     Flat,
     Functions,
@@ -135,13 +135,19 @@ class Readout:
         if len(rows) == 0:
             return self._array([]).reshape(0, self.columns) if self.number.flat else []
         if self.number.flat:
-            variables = self._array(rows)[:, : self._first]
-            if not self._copied:
-                return self._array(self._states(variables))
-            states = variables[:, : self.columns].copy()
-            if self.frame.exponent:
-                import numpy as np
+            import numpy as np
 
+            variables = self._array(rows)[:, : self._first]
+            if self._copied:
+                states = variables[:, : self.columns].copy()
+            elif self.form.plain and self.number.name == "double":
+                vectors = np.split(
+                    variables.astype(np.longdouble), range(3, self.columns, 3), axis=1
+                )
+                states = self._array(np.hstack([vector @ self._turn for vector in vectors]))
+            else:
+                return self._array(self._states(variables))
+            if self.frame.exponent:
                 states[:, :3] = np.ldexp(states[:, :3], -self.frame.exponent)
             return states
         read: list[list[Scalar]] = [*self._states([row[: self._first] for row in rows])]
@@ -155,23 +161,33 @@ class Readout:
         """omega and gamma of the variables, in the scene's axes and unit of time."""
         form, turn = self.form, self.frame.turn
         coefficients = {**form.coefficients, **turn, "1/unit": 1 / self.frame.unit}
+        entries = [
+            [(name, i) for i in range(3) if (name := f"turn{i}{j}") in turn] for j in range(3)
+        ]
 
         def state(row: FormValues, k: Coefficients, fn: Functions) -> list[Scalar]:
             omega, gamma = form.state(row, k, fn)
             if turn:
-                omega = in_scene_axes(omega, k, fn.zero)
-                gamma = in_scene_axes(gamma, k, fn.zero) if gamma else []
+                omega, gamma = (
+                    [fn.dot([(k[name], v[i]) for name, i in column]) for column in entries if v]
+                    for v in (omega, gamma)
+                )
             return [*(k["1/unit"] * x for x in omega), *gamma]
 
         return RowMap(state, coefficients, self.number, self.columns)
+
+    @cached_property
+    def _turn(self) -> Flat:
+        """The turn from the frame's axes to the scene's in extended."""
+        return self.frame.matrix(EXTENDED)
 
     def attitude(self, rows: Given, states: Rows) -> Rows | None:
         """q0 q1 q2 q3 beside states, if asked for or needed: of length one, and gamma's."""
         if "attitude" not in self.scene.modelled:
             return None
         with self._wider():
-            upright_columns = self._upright(self._columns(rows), self._columns(states))
-            quaternions: Rows = self._narrowed(upright_columns)
+            columns, gamma = self._columns(rows, self._first), self._columns(states, 3)
+            quaternions: Rows = self._narrowed(self._upright(columns, gamma))
             return quaternions
 
     def angles(self, rows: Given, states: Rows) -> Gapped | None:
@@ -186,11 +202,11 @@ class Readout:
             return []
         import numpy as np
 
-        columns, gamma = self._columns(rows), self._columns(states)[3:]
-        turns = [*columns[self._first + 4 :]] or [0 * gamma[0], 0 * gamma[0]]  # that of a pole
+        columns, gamma = self._columns(rows, self._first), self._columns(states, 3)
+        turns = [*columns[4:]] or [0 * gamma[0], 0 * gamma[0]]  # that of a pole
         with self._wider(turns[0]):
             if not self._spins:
-                turns[0] = self._psi(columns, self._columns(states), turns[0])
+                turns[0] = self._psi(columns, gamma, turns[0])
             values = np.array(angles([*gamma], turns, self._functions))
             narrow = self._narrowed(values)
         rows_of_angles: Gapped = narrow.tolist() if self.number.flat else narrow
@@ -198,19 +214,18 @@ class Readout:
             rows_of_angles[k][0] = rows_of_angles[k][2] = None
         return rows_of_angles
 
-    def _upright(self, columns: Any, states: Any) -> Any:
-        """The quaternion beside states, a column each; the start's as it is."""
+    def _upright(self, columns: Any, gamma: Any) -> Any:
+        """The quaternion beside gamma, a column each; the start's as it is."""
         import numpy as np
 
-        quaternion = columns[self._first : self._first + 4]
-        nearest = upright([*quaternion], [*states[3:]], self._functions.sqrt)
-        return np.where(self._begin(columns), quaternion, np.array(nearest))
+        nearest = upright([*columns[:4]], [*gamma], self._functions.sqrt)
+        return np.where(self._begin(columns), columns[:4], np.array(nearest))
 
-    def _psi(self, columns: Any, states: Any, integrated: Any) -> Any:
+    def _psi(self, columns: Any, gamma: Any, integrated: Any) -> Any:
         """psi of the quaternion beside an integrated one."""
         import numpy as np
 
-        fn, q = self._functions, self._upright(columns, states)
+        fn, q = self._functions, self._upright(columns, gamma)
         psi = fn.atan2(q[3], q[0]) + fn.atan2(q[2], q[1])
         high: Scalar = 0
         if self.number.flat:
@@ -224,7 +239,7 @@ class Readout:
         import numpy as np
 
         first = np.array(self._first_attitude)[:, None]
-        begins: Booleans = (columns[self._first : self._first + 4] == first).all(axis=0)
+        begins: Booleans = (columns[:4] == first).all(axis=0)
         return begins
 
     @cached_property
@@ -250,15 +265,16 @@ class Readout:
 
     # -- columns ------------------------------------------------------------------------------
 
-    def _columns(self, rows: Given) -> Any:
-        """An array with a row for each column, to be computed with."""
+    def _columns(self, rows: Given, first: int) -> Any:
+        """An array with a row for each column from one on, to be computed with."""
         import numpy as np
 
         if self.number.flat:
-            return np.asarray(rows, dtype=np.longdouble).T
+            return self._array(rows)[:, first:].T.astype(np.longdouble)
         from polhode.numbers.mpmath_context import own
 
-        return np.frompyfunc(own, 1, 1)(np.array([[*row] for row in rows], dtype=np.object_).T)
+        listed = [[*row[first:]] for row in rows]
+        return np.frompyfunc(own, 1, 1)(np.array(listed, dtype=np.object_).T)
 
     def _narrowed(self, columns: Any) -> Any:
         """The same rounded to the run's type, row by row."""

@@ -43,16 +43,14 @@ _ONE, _HALF = 1.0, 2.0**-53  # of its last bit
 
 def mpf_row(row: Sequence[Scalar], bits: int) -> list[Scalar]:
     """The binary numbers of so many bits nearest to each of a row; ValueError if not finite."""
-    return [_own(x, bits) for x in row]
-
-
-def _own(x: Scalar, bits: int) -> Scalar:
-    raw = getattr(x, "_mpf_", None)
-    if raw is None or not 0 < raw[3] <= bits:  # of a mantissa that is longer, or none
-        return to_mpf(exactly(x), bits)
     from polhode.numbers.mpmath_context import mpmath
 
-    return mpmath.make_mpf(raw)
+    numbers = []
+    for x in row:
+        raw = getattr(x, "_mpf_", None)
+        is_held = raw is not None and 0 < raw[3] <= bits  # bits of its mantissa
+        numbers.append(mpmath.make_mpf(raw) if is_held else to_mpf(exactly(x), bits))
+    return numbers
 
 
 def narrowed(x: Scalar, number_type: NumberType) -> Scalar:
@@ -63,9 +61,7 @@ def narrowed(x: Scalar, number_type: NumberType) -> Scalar:
     raw = getattr(x, "_mpf_", None)
     if raw is None or raw[1] == 0 or number_type.flat:
         return number_value(exactly(x), number_type)
-    from mpmath import libmp
-
-    from polhode.numbers.mpmath_context import ordinary_real
+    from polhode.numbers.mpmath_context import libmp, ordinary_real
 
     return ordinary_real(libmp.mpf_pos(raw, number_type.bits, "n"))
 

@@ -182,14 +182,20 @@ class Real(Protocol):
     def __ge__(self, other: Real | float, /) -> bool: ...
 
 
+def _sum_of_products(pairs: Sequence[tuple[Scalar, Scalar]]) -> Scalar:
+    (first, second), *others = pairs
+    return sum((a * b for a, b in others), first * second)
+
+
 class Functions(NamedTuple):
-    """What a scalar brings along: its zero, its elementary functions, and whole powers."""
+    """What a scalar brings along: its zero, functions, whole powers, sums of products."""
 
     zero: Scalar
     sin: Callable[[Scalar], Scalar]
     cos: Callable[[Scalar], Scalar]
     sqrt: Callable[[Scalar], Scalar]
     power: Callable[[Scalar, int], Scalar] = pow
+    dot: Callable[[Sequence[tuple[Scalar, Scalar]]], Scalar] = _sum_of_products
 
 
 #: Of exact numbers.
@@ -203,7 +209,7 @@ def of_mpmath() -> Functions:
     """Of mpmath's numbers, to the precision at which they are called."""
     from polhode.numbers.mpmath_context import mpmath
 
-    return Functions(mpmath.mpf(0), mpmath.sin, mpmath.cos, mpmath.sqrt)
+    return Functions(mpmath.mpf(0), mpmath.sin, mpmath.cos, mpmath.sqrt, dot=mpmath.fdot)
 
 
 def of_extended() -> Functions:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
+from itertools import chain
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -169,11 +170,11 @@ class RowMap:
 
         with mpmath.workprec(self._bits):
             fn = of_mpmath()
-            rows = [
-                self._padded(self._values([x for piece in pieces for x in piece], fn))
-                for pieces in zip(*parts, strict=True)
-            ]
-        if not self._number.flat or any(x is None for row in rows for x in row):
+            rows = []
+            for pieces in zip(*parts, strict=True):
+                row = self._values([*chain(*pieces)], fn)
+                rows.append([*row, *[None] * (self._width - len(row))])
+        if not self._number.flat or None in chain(*rows):
             return rows
         import numpy as np
 
@@ -191,9 +192,6 @@ class RowMap:
             member = self(rows if self._number.flat else rows.tolist())
             values[there] = [[np.nan if x is None else x for x in row] for row in member]
         return values
-
-    def _padded(self, values: list[Scalar]) -> list[Scalar]:
-        return [*values, *[None] * (self._width - len(values))]
 
     def _all_rows(self, parts: Sequence[Given]) -> DerivedRows:
         """Of doubles: a formula of whole columns in extended."""
@@ -215,16 +213,14 @@ class RowMap:
         whole: Scalar = np.isfinite(columns).all(axis=0) & np.isfinite(doubles).all(axis=1)
         if whole.all() and len(values) == self._width:
             return doubles
-        rows = zip(whole, doubles.tolist(), strict=True)
-        return [self._padded(row if is_whole else []) for is_whole, row in rows]
+        rows = (row if ok else [] for ok, row in zip(whole, doubles.tolist(), strict=True))
+        return [[*row, *[None] * (self._width - len(row))] for row in rows]
 
     def _values(self, row: Sequence[Scalar], fn: Functions) -> list[Scalar]:
         """Of a row of any type, in polhode's own mpmath; none where it is a gap."""
-        if any(x is None for x in row):
-            return []
         try:
             values = self._formula(mpf_row(row, self._bits), self._k, fn)
             rounded = [narrowed(x, self._number) for x in values]
-        except (ValueError, ZeroDivisionError):  # not finite, or complex
+        except (ValueError, ZeroDivisionError):  # missing, not finite, or complex
             return []
         return rounded if all(x - x == 0 for x in rounded) else []  # beyond the type's range

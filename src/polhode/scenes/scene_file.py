@@ -142,8 +142,11 @@ def held_keys(section: str, owner: type) -> tuple[str, ...]:
 def _values(owner: Scene | Body | Part, section: str) -> dict[str, Any]:
     """What an object has of a section's keys, in lists, as a table has it."""
     kind: type = type(owner)
-    values = {key: getattr(owner, key) for key in held_keys(section, kind)}
-    return {key: _in_lists(x) for key, x in values.items() if x is not None}
+    values: dict[str, Any] = {}
+    for key in held_keys(section, kind):
+        if (value := getattr(owner, key)) is not None:
+            values[key] = _in_lists(value)
+    return values
 
 
 def _in_lists(value: Any) -> Any:
@@ -223,14 +226,15 @@ class _File(SceneTables):
             raise self.bad("reference.kind", kind, expected)
         values: dict[str, Any] = {
             **{"body": body, "omega": omega, "gamma": gamma, "psi": psi, "times": self.times(run)},
-            **{key: self.read("", data, key) for key in held_keys("", Scene)},
-            **{key: self.read("run", run, key) for key in held_keys("run", Scene)},
             "events": tuple(starmap(self.event, self.tables("events"))),
             "published": tuple(starmap(self.published, self.tables("published"))),
             "reference": kind,
             "expect": self.expect(self.table("expect", required=False)),
             "section": self.section(plan) if plan else SectionPlan(),
         }
+        for section, table in (("", data), ("run", run)):
+            for key in held_keys(section, Scene):
+                values[key] = self.read(section, table, key)
         values["units"] = values["units"] or ("SI" if self.in_si else "")
         source = SceneText(text) if isinstance(text, str) else waiting(text)
         if isinstance(source, SceneText):
@@ -377,7 +381,7 @@ def as_toml(scene: Scene) -> str:
     data["published"] = [figure._asdict() for figure in scene.published]
     data["reference"] = {"kind": scene.reference}
     data["expect"] = {  # doubles that were read from decimals as short as these
-        name: [Fraction(repr(x)) for x in band] for name, band in scene.expect.items()
+        name: [*map(Fraction, map(repr, band))] for name, band in scene.expect.items()
     }
     return written(data, scene.name)
 
