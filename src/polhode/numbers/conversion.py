@@ -61,9 +61,9 @@ def narrowed(x: Scalar, number_type: NumberType) -> Scalar:
     raw = getattr(x, "_mpf_", None)
     if raw is None or raw[1] == 0 or number_type.flat:
         return number_value(exactly(x), number_type)
-    from polhode.numbers.mpmath_context import libmp, ordinary_real
+    from polhode.numbers.mpmath_context import rounded_real
 
-    return ordinary_real(libmp.mpf_pos(raw, number_type.bits, "n"))
+    return rounded_real(raw, number_type.bits)
 
 
 def number_value(x: Number, number_type: NumberType) -> Scalar:

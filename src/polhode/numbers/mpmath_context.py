@@ -154,6 +154,11 @@ def ordinary_real(raw: Raw) -> OrdinaryReal:
     return number
 
 
+def rounded_real(raw: Raw, bits: int) -> OrdinaryReal:
+    """The nearest mpf of so many bits."""
+    return ordinary_real(libmp.mpf_pos(raw, bits, "n"))
+
+
 def ordinary_complex(first: Raw, second: Raw) -> OrdinaryComplex:
     """The mpc whose parts mpmath holds as these."""
     number = object.__new__(OrdinaryComplex)
