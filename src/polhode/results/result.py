@@ -114,7 +114,7 @@ class Storable:
     def _repr_html_(self) -> str:
         from polhode.results import cells
 
-        return cells.to_html(repr(self), str(self))
+        return cells.to_html(repr(self), str(self), getattr(self, "table", None))
 
 
 class Result(Storable):
@@ -146,11 +146,6 @@ class Result(Storable):
 
         kind, facts = type(self).__name__, tuple(written_facts(self.facts()))
         return Content(kind, __version__, repr(self), written_table(self.table()), facts)
-
-    def _repr_html_(self) -> str:
-        from polhode.results import cells
-
-        return cells.to_html(repr(self), str(self), self.table)
 
     def column(self, name: str) -> Values:
         """The values of a column of the table; raises BadInput for another name.
