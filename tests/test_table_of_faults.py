@@ -130,6 +130,8 @@ CALLS = [
     (lambda: polhode.top(moments=[1, 2, 3, 1, 2, 3], omega=[0, 0, 1]), "3 numbers"),
     (lambda: polhode.top(inertia=[[2, 0, 0], [1, 2, 0], [0, 0, 2]]), "symmetric"),
     (lambda: polhode.integrate(tiny(), max_steps=20), "outside the range of double"),
+    # of an array of starts it was refused, of one start the check was rounded
+    (lambda: polhode.propagator(FREE)([0, 0, 1, 0, 0, 1 + 2.0**-50], t=0), "length 1, to 8 eps"),
     # arguments that have another name here
     (lambda: polhode.integrate(FREE, rtol=1e-9), "rtol = 1e-09: expected tol, as it"),
     (lambda: polhode.integrate(FREE, t_eval=[1]), "t_eval = [1]: expected at, as it"),

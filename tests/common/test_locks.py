@@ -17,7 +17,7 @@ import flint
 import numpy as np
 import pytest
 
-from polhode.common.interrupts import Lock, Place
+from polhode.common.interrupts import Lock, LockPlace
 from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpmath
@@ -36,7 +36,7 @@ def free(lock: Lock) -> bool:
         return pool.submit(tried).result()
 
 
-@pytest.mark.parametrize(("first", "second"), [*product(Place, Place)])
+@pytest.mark.parametrize(("first", "second"), [*product(LockPlace, LockPlace)])
 def test_a_later_place_after_an_earlier_one_and_no_other(first, second):
     lock, inner = Lock(first), Lock(second)
     with lock.held():
@@ -44,7 +44,7 @@ def test_a_later_place_after_an_earlier_one_and_no_other(first, second):
             with inner.held():
                 assert not free(lock)
                 assert not free(inner)
-        elif second is not first or first is not Place.PRECISION:
+        elif second is not first or first is not LockPlace.PRECISION:
             with pytest.raises(AssertionError), inner.held():
                 pass
             assert free(inner)
@@ -54,15 +54,15 @@ def test_a_later_place_after_an_earlier_one_and_no_other(first, second):
 
 
 def test_a_precision_is_taken_again_by_its_holder():
-    lock = Lock(Place.PRECISION)
+    lock = Lock(LockPlace.PRECISION)
     with lock.held(), lock.held():
         pass
-    with lock.held(), pytest.raises(AssertionError), Lock(Place.COMPILING).held():
+    with lock.held(), pytest.raises(AssertionError), Lock(LockPlace.COMPILING).held():
         pass
 
 
 def test_what_another_thread_holds_is_its_own_matter():
-    store, precision, answers = Lock(Place.STORE), Lock(Place.PRECISION), []
+    store, precision, answers = Lock(LockPlace.STORE), Lock(LockPlace.PRECISION), []
 
     def take() -> None:
         with precision.held():
@@ -131,7 +131,7 @@ def test_a_forked_child_has_no_precision_of_another_thread():
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="a system without fork")
 def test_in_a_forked_child_nobody_holds_a_lock():
-    locks = [Lock(place) for place in Place]
+    locks = [Lock(place) for place in LockPlace]
 
     def hold(middle: Callable[[], object]) -> None:
         with locks[0].held(), locks[1].held(), locks[2].held():
@@ -144,7 +144,7 @@ def test_in_a_forked_child_nobody_holds_a_lock():
 
 def test_an_interrupt_at_the_end_of_a_block_gives_back_what_it_held():
     """Heard where the block is left, after a step of C; the exception is kept, as consoles do."""
-    lock, large = Lock(Place.STORE), np.ones((700, 700), dtype=int)
+    lock, large = Lock(LockPlace.STORE), np.ones((700, 700), dtype=int)
     before = signal.signal(signal.SIGALRM, signal.default_int_handler)
     try:
         signal.setitimer(signal.ITIMER_REAL, 0.05)
@@ -183,9 +183,9 @@ def abandon(setting: Setting, changed: Meanwhile[int]) -> None:
 @pytest.mark.parametrize(
     "place",
     [
-        Place.COMPILING,
-        pytest.param(Place.PRECISION, marks=pytest.mark.slow),
-        pytest.param(Place.STORE, marks=pytest.mark.slow),
+        LockPlace.COMPILING,
+        pytest.param(LockPlace.PRECISION, marks=pytest.mark.slow),
+        pytest.param(LockPlace.STORE, marks=pytest.mark.slow),
     ],
 )
 def test_a_setting_is_put_back_by_a_garbage_collection_under_any_lock(place):

@@ -19,7 +19,7 @@ import polhode
 from polhode.cli import main
 from polhode.equations import columns
 from polhode.figures import samples
-from polhode.numbers.row_formulas import mapped
+from polhode.numbers.row_formulas import RowMap
 from polhode.output import guide
 from polhode.scenes.vocabulary import COLUMNS, ColumnWord, column_names
 from shared.tables import STATE
@@ -35,7 +35,7 @@ def _length(x: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list
     return [fn.sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])]
 
 
-FORMULAS["speed"] = DerivedColumn(_length)
+FORMULAS["speed"] = DerivedColumn(of_rows(_length))
 """
 ROW = ColumnWord(("speed",), ("state",), "derived", "the length of omega")
 
@@ -44,7 +44,7 @@ ROW = ColumnWord(("speed",), ("state",), "derived", "the length of omega")
 def speed():
     """The column in the package that is imported."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(columns.FORMULAS, "speed", columns.DerivedColumn(_speed))
+        patch.setitem(columns.FORMULAS, "speed", columns.DerivedColumn(columns.of_rows(_speed)))
         patch.setitem(COLUMNS, "speed", ROW)
         yield
 
@@ -231,12 +231,12 @@ def test_a_row_without_a_finite_real_value_is_a_gap(number):
     whole, c = [(1, 4), (3, 1)], {"c": Fraction(1, 3)}
     for bad in ((1, 0), (1, -1), (1, None), (float("nan"), 1), (float("inf"), 1)):
         rows = [list(row) for row in (*whole, bad)]
-        column = mapped(divided, [rows], c, kind, 2)
+        column = RowMap(divided, c, kind, 2)(rows)
         assert isinstance(column, list)
         assert column[2] == [None, None]
         assert [exactly(x) for x in column[0]] == [kind.rounded(Fraction(1, 12)), 2]
         assert [exactly(x) for x in column[1]] == [1, 1]
-    flat = mapped(divided, [[list(row) for row in whole]], c, kind, 2)
+    flat = RowMap(divided, c, kind, 2)([list(row) for row in whole])
     assert isinstance(flat, np.ndarray) == kind.flat
 
 

@@ -15,6 +15,7 @@ import pytest
 from invented import ENDINGS, Bare, Odd, content_at, facts_beside, written
 
 import polhode
+from polhode.common.texts import as_json
 from polhode.results import writer
 
 Document = dict[str, Any]
@@ -229,7 +230,7 @@ def test_parquet_of_one_long_text_for_many_rows_is_refused(plain: bool, tmp_path
     table = pyarrow.table({"x": texts})
     with parquet.ParquetWriter(path, table.schema, store_schema=not plain) as out:
         out.write_table(table)
-        out.add_key_value_metadata({"polhode": writer.as_json(writer.document(Bare().content()))})
+        out.add_key_value_metadata({"polhode": as_json(writer.document(Bare().content()))})
     assert path.stat().st_size < 2_000_000
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     expected = "texts of too many characters" if plain else "columns of other types"

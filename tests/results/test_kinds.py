@@ -15,12 +15,13 @@ from invented import ENDINGS
 
 import polhode
 from polhode import Result, load_result
+from polhode.common.texts import as_json
 from polhode.common.values import same
 from polhode.numbers.decimals import Ball
 from polhode.results import reader, writer
 from polhode.results.result import Storable
 from polhode.results.table import RESERVED, Column, Content, Fact, Table
-from polhode.results.writer import as_json, document, files, written_facts, written_table
+from polhode.results.writer import document, files, written_facts, written_table
 from polhode.runs.saved import Saved
 from shared.results import CERTIFIED, MAKERS, result_of_kind, watched
 from shared.tools import tiers

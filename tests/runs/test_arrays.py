@@ -3,6 +3,7 @@
 import signal
 import time
 from fractions import Fraction
+from functools import partial
 
 import numpy as np
 import pytest
@@ -481,11 +482,16 @@ def test_gamma_is_of_length_1_to_8_eps_exactly():
         if square <= 8 * Fraction(EPS):
             many = polhode.integrate_many(scene(), starts=rows, at=[0])
             assert many.states[0, 0, 5] == go(rows, t=0.0)[0, 5] == length
+            assert go(rows[0], t=0.0)[5] == length
             assert many[0].scene.gamma == (0, 0, 1)
         else:
-            for call in (go, lambda x, t: polhode.integrate_many(scene(), starts=x, at=[t])):
+            for call in (
+                partial(go, rows, t=0.0),
+                partial(go, rows[0], t=0.0),
+                partial(polhode.integrate_many, scene(), starts=rows, at=[0.0]),
+            ):
                 with pytest.raises(polhode.BadInput, match="gamma of length 1, to 8 eps"):
-                    call(rows, t=0.0)
+                    call()
 
 
 @pytest.mark.parametrize("times", [{1, 2}, frozenset({1, 2}), {1: 2}, {1: 2}.keys()])

@@ -24,7 +24,7 @@ from polhode.common.errors import counted
 from polhode.common.interrupts import ProgressLine
 from polhode.results.table import Fact, Table
 from polhode.verbs.catalogue import Verb
-from polhode.verbs.deliver import Places
+from polhode.verbs.deliver import OutputFiles
 from shared.motions import free_file
 from shared.tools import ANGLES, ATTITUDE, STATE, tiers
 
@@ -401,11 +401,11 @@ class Own(Result):
 def test_where_a_figure_fails_nothing_is_written(names):
     pytest.importorskip("matplotlib")
     verb = Verb("own", "", "", "Own", "", "", own=(".own",))
-    places = Places(verb, [*map(Path, names)], False, [])
+    places = OutputFiles(verb, [*map(Path, names)], False, [])
     with pytest.raises(polhode.BadInput, match="result = Own: expected one that has a figure"):
         places.write(Own(), {}, ProgressLine("own"))
     assert left() == set()
-    places = Places(verb, [*map(Path, names[:-1])], False, [])
+    places = OutputFiles(verb, [*map(Path, names[:-1])], False, [])
     places.write(Own(), {}, ProgressLine("own"))
     assert left() == {*names[:-1]}
 

@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import TypeAlias, TypeVar
+from typing import TypeVar
 
 from flint import arb
 
@@ -17,6 +17,7 @@ from polhode.common.arguments import of_kind
 from polhode.common.errors import UNREADABLE, BadInput
 from polhode.common.files import check_writable, write_whole
 from polhode.common.interrupts import Progress
+from polhode.common.texts import JsonObject as JsonObject
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, Exact, Irrational
 from polhode.numbers.flint_context import ctx
@@ -26,8 +27,6 @@ from polhode.scenes.body import Body
 # --- certificate file -----------------------------------------------------------------------------
 
 
-#: JSON's objects.
-JsonObject: TypeAlias = dict[str, object]
 Proved = TypeVar("Proved")
 
 

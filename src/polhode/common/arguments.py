@@ -113,10 +113,18 @@ def unit_rows(source: str, key: str, rows: npt.NDArray[Any], eps: Fraction) -> N
     if off.max(initial=0.0) <= most / 2:  # rounding here is less than that
         return
     for k in np.flatnonzero(~(off <= most / 2)).tolist():
-        square = sum((Fraction(*x.as_integer_ratio()) ** 2 for x in rows[k]), Fraction(-1))
-        if abs(square) > 8 * eps:
+        if not of_unit_length(rows[k], eps):
             row = plain(rows[k].tolist())
             raise BadInput(source, f"{key}, row {k + 1}", row, "gamma of length 1, to 8 eps")
+
+
+def of_unit_length(vector: Iterable[Any], eps: Fraction) -> bool:
+    """Whether the square of a length is 1 to 8 eps, exactly; of floats of any kind."""
+    numbers = [*vector]
+    if not all(x - x == 0 for x in numbers):  # not finite
+        return False
+    squares = (Fraction(*x.as_integer_ratio()) ** 2 for x in numbers)
+    return abs(sum(squares, Fraction(-1))) <= 8 * eps
 
 
 def steps(source: str, value: object) -> int:

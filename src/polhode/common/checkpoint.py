@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 #: A piece's arrays by name.
-Arrays: TypeAlias = "dict[str, npt.NDArray[np.generic]]"
+JobArrays: TypeAlias = "dict[str, npt.NDArray[np.generic]]"
 
 MANIFEST = "manifest.json"
 _CHECKSUM = "checksum"  # of a piece, among its arrays
@@ -38,26 +38,39 @@ def beside(path: Path) -> Path | None:
     return None if is_stream(path) else path.with_name(path.name + ".parts")
 
 
-class Checkpoint:
-    """The pieces in ``folder``, which is made when there is something to keep.
+class JobCheckpoint:
+    """The finished jobs of a command in ``folder``: ``job-00000.npz`` and so on, one's arrays each.
 
-    ``manifest``: what they belong to.  ``words``: how pieces and computation are called.  Raises
-    BadInput where the folder holds anything else, or another process works in it.
+    ``verb``: of the command line.  ``key``: all that decides the results; arrays count by their
+    bytes.  The folder is made when there is something to keep: jobs are written about once a
+    second, and a command that ends sooner makes none.  Raises BadInput where the folder holds
+    anything else, or another process works in it.
     """
 
-    def __init__(
-        self, folder: str | Path, manifest: Mapping[str, str], words: tuple[str, str]
-    ) -> None:
+    def __init__(self, folder: str | Path, verb: str, *key: object) -> None:
+        import numpy as np
+
         of_kind("polhode", "parts", folder, (str, Path), "a folder")
-        self.folder, self._words = Path(folder), words
-        self._manifest = {**manifest, "versions": {name: versions()[name] for name in _SAME}}
+        self.folder = Path(folder)
+        parts = [x.tobytes() if isinstance(x, np.ndarray) else x for x in key]
+        digest = hashlib.sha256(repr(parts).encode()).hexdigest()
+        same = {name: versions()[name] for name in _SAME}
+        self._manifest = {"jobs of": f"polhode {verb}", "key": digest, "versions": same}
         self._lock: BinaryIO | None = None
+        self._waiting: dict[int, Mapping[str, npt.ArrayLike]] = {}
+        self._last = time.monotonic()
         if self.folder.exists():
             self._check()
             self._hold()
 
-    def read(self, path: Path) -> Arrays | None:
-        """A piece's arrays; None where it is not there or not as it was written: made again."""
+    @classmethod
+    def at(cls, folder: str | Path | None, verb: str, *key: object) -> Self | None:
+        """That of a folder, if there is one."""
+        return None if folder is None else cls(folder, verb, *key)
+
+    def load(self, job: int) -> JobArrays | None:
+        """A finished job's arrays; None where they are not there, or not as they were written."""
+        path = self._path(job)
         try:
             piece = dict(read_npz(path))
         except FileNotFoundError:
@@ -70,7 +83,23 @@ class Checkpoint:
             return None
         return piece
 
-    def write(self, name: str, arrays: Mapping[str, npt.ArrayLike]) -> None:
+    def save(self, job: int, arrays: Mapping[str, npt.ArrayLike]) -> None:
+        """Keep a finished job; it is written when it is time for that.
+
+        Raises BadInput where that cannot be.
+        """
+        self._waiting[job] = arrays
+        if time.monotonic() - self._last > EVERY:
+            self.write_waiting()
+
+    def write_waiting(self) -> None:
+        """Write the jobs that are not written yet, each whole; raises BadInput."""
+        for job in list(self._waiting):
+            self._write(self._path(job).name, self._waiting[job])
+            del self._waiting[job]
+        self._last = time.monotonic()
+
+    def _write(self, name: str, arrays: Mapping[str, npt.ArrayLike]) -> None:
         """One more piece, whole, or BadInput, and no empty folder where it is the first."""
         import numpy as np
 
@@ -113,7 +142,7 @@ class Checkpoint:
         with contextlib.suppress(OSError):  # somebody else's files, which stay
             self.folder.rmdir()
 
-    def _checksum(self, name: str, arrays: Arrays) -> str:
+    def _checksum(self, name: str, arrays: JobArrays) -> str:
         """Of a piece by name: it is no other, of no other work, and its arrays are as written."""
         import numpy as np
 
@@ -132,8 +161,7 @@ class Checkpoint:
                 return
             manifest = None
         if manifest != self._manifest:
-            pieces, work = self._words
-            expected = f"the {pieces} of the same {work}; remove the folder to start again"
+            expected = "the jobs of the same command; remove the folder to start again"
             raise BadInput(str(self.folder), "parts", None, expected)
 
     def _hold(self) -> None:
@@ -150,49 +178,8 @@ class Checkpoint:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             self.release()
-            expected = f"no other {self._words[1]} running in this folder"
+            expected = "no other command running in this folder"
             raise BadInput(str(self.folder), "parts", None, expected) from None
-
-
-class JobCheckpoint(Checkpoint):
-    """The finished jobs of a command in ``folder``: ``job-00000.npz`` and so on, one's arrays each.
-
-    ``verb``: of the command line.  ``key``: all that decides the results; arrays count by their
-    bytes.  Jobs are written about once a second: a command that ends sooner makes no folder."""
-
-    def __init__(self, folder: str | Path, verb: str, *key: object) -> None:
-        import numpy as np
-
-        parts = [x.tobytes() if isinstance(x, np.ndarray) else x for x in key]
-        digest = hashlib.sha256(repr(parts).encode()).hexdigest()
-        super().__init__(folder, {"jobs of": f"polhode {verb}", "key": digest}, ("jobs", "command"))
-        self._waiting: dict[int, Mapping[str, npt.ArrayLike]] = {}
-        self._last = time.monotonic()
-
-    @classmethod
-    def at(cls, folder: str | Path | None, verb: str, *key: object) -> Self | None:
-        """That of a folder, if there is one."""
-        return None if folder is None else cls(folder, verb, *key)
-
-    def load(self, job: int) -> Arrays | None:
-        """A finished job's arrays; None where it is not there, or cannot be read."""
-        return self.read(self._path(job))
-
-    def save(self, job: int, arrays: Mapping[str, npt.ArrayLike]) -> None:
-        """Keep a finished job; it is written when it is time for that.
-
-        Raises BadInput where that cannot be.
-        """
-        self._waiting[job] = arrays
-        if time.monotonic() - self._last > EVERY:
-            self.write_waiting()
-
-    def write_waiting(self) -> None:
-        """Write the jobs that are not written yet, each whole; raises BadInput."""
-        for job in list(self._waiting):
-            self.write(self._path(job).name, self._waiting[job])
-            del self._waiting[job]
-        self._last = time.monotonic()
 
     def _path(self, job: int) -> Path:
         return self.folder / f"job-{job:05d}.npz"

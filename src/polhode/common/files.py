@@ -140,12 +140,12 @@ def _write_whole(texts: Mapping[Path, str | bytes]) -> None:
             Path(temporary).unlink(missing_ok=True)
 
 
-def npz(arrays: Mapping[str, Any], packed: bool = False) -> bytes:
+def npz(arrays: Mapping[str, Any]) -> bytes:
     """The bytes of an NPZ file."""
     import numpy as np
 
     stream = io.BytesIO()
-    (np.savez_compressed if packed else np.savez)(stream, **arrays)
+    np.savez(stream, **arrays)
     return stream.getvalue()
 
 

@@ -171,7 +171,7 @@ def within(seconds: float) -> Iterator[None]:
 # :mod:`polhode.common.values`, and ``functools.lru_cache`` holds none.
 
 
-class Place(IntEnum):
+class LockPlace(IntEnum):
     """What a lock guards, in the order of taking."""
 
     COMPILING = 1  # an integrator that all threads wait for, rather than each compile its own
@@ -229,14 +229,14 @@ class Lock:
 
     __slots__ = ("__weakref__", "bare", "place")
 
-    def __init__(self, place: Place) -> None:
+    def __init__(self, place: LockPlace) -> None:
         self.place = place
         self.renew()
         _ALL.add(self)
 
     def renew(self) -> None:
         """A lock that nobody holds."""
-        again = self.place is Place.PRECISION
+        again = self.place is LockPlace.PRECISION
         self.bare = threading.RLock() if again else threading.Lock()
 
     def held(self) -> Held:
@@ -246,7 +246,9 @@ class Lock:
     def _holding(self) -> Generator[None, None, None]:
         places, place = _mine.places, self.place
         latest = places[-1] if places else 0
-        assert place > latest or place is latest is Place.PRECISION, f"{place!r} after {latest!r}"
+        assert place > latest or place is latest is LockPlace.PRECISION, (
+            f"{place!r} after {latest!r}"
+        )
         with self.bare:
             before = len(places)
             try:
@@ -260,7 +262,7 @@ class _Mine(threading.local):
     """The places of the locks that this thread holds, the last one taken last."""
 
     def __init__(self) -> None:
-        self.places: list[Place] = []
+        self.places: list[LockPlace] = []
 
 
 _mine = _Mine()
@@ -288,7 +290,7 @@ Progress = Callable[[float, int], None]
 Message = Callable[[str], None]
 
 #: Asked now and then: whether the work is to end before its time.
-Stop = Callable[[], bool]
+StopRequest = Callable[[], bool]
 
 
 class ProgressLine:

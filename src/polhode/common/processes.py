@@ -16,8 +16,8 @@ from multiprocessing.spawn import get_executable
 from queue import SimpleQueue
 from typing import IO, TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeVar, cast
 
-from polhode.common.checkpoint import Arrays, JobCheckpoint
-from polhode.common.interrupts import Delay, Progress, Stop
+from polhode.common.checkpoint import JobArrays, JobCheckpoint
+from polhode.common.interrupts import Delay, Progress, StopRequest
 
 if TYPE_CHECKING:
     import numpy as np
@@ -38,7 +38,7 @@ T_co = TypeVar("T_co", covariant=True)
 class Solver(Protocol[J_contra, T_co]):
     """What does one job; asked to stop, it may give back what it has, which then does not count."""
 
-    def __call__(self, job: J_contra, stop: Stop | None = None, /) -> T_co:
+    def __call__(self, job: J_contra, stop: StopRequest | None = None, /) -> T_co:
         """The job's result."""
         ...
 
@@ -71,7 +71,7 @@ def run_jobs(
     executor: Executor | None = None,
     kept: JobCheckpoint | None = None,
     packed: Callable[[T], Mapping[str, npt.ArrayLike]] | None = None,
-    unpacked: Callable[[Arrays], T] | None = None,
+    unpacked: Callable[[JobArrays], T] | None = None,
     progress: Progress | None = None,
     processes: bool = False,
 ) -> Finished[T]:
@@ -138,7 +138,7 @@ class _Whole(Generic[J, T]):
     def __init__(self, solve: Solver[J, T]) -> None:
         self._solve = solve
 
-    def __call__(self, job: J, stop: Stop) -> T | None:
+    def __call__(self, job: J, stop: StopRequest) -> T | None:
         result = self._solve(job, stop)
         return None if stop() else result
 
@@ -158,7 +158,7 @@ def cores() -> int:
 
 
 def solve_in_threads(
-    solve: Callable[[J, Stop], T],
+    solve: Callable[[J, StopRequest], T],
     jobs: Sequence[J],
     ready: Callable[[int, T], None],
     workers: int | None = None,
@@ -192,7 +192,7 @@ def solve_in_threads(
 
 
 def _solve_here(
-    solve: Callable[[J, Stop], T], jobs: Sequence[J], ready: Callable[[int, T], None]
+    solve: Callable[[J, StopRequest], T], jobs: Sequence[J], ready: Callable[[int, T], None]
 ) -> bool:
     """Solve the jobs one after the other; False if Ctrl-C came."""
     try:

@@ -71,7 +71,7 @@ def provenance(source: str) -> dict[str, object]:
 
 # --- citation -------------------------------------------------------------------------------------
 #
-# How polhode is cited: CITATION.cff and ``polhode about --cite`` are made of this.
+# How polhode is cited: ``polhode about --cite``; CITATION.cff says the same.
 
 
 TITLE = "polhode: the heavy rigid body about a fixed point, with proven digits"
@@ -101,47 +101,4 @@ def bibtex() -> str:
   year    = {{2021}},
   doi     = {{10.1093/mnras/stab1032}}
 }}
-"""
-
-
-def cff() -> str:
-    """The file CITATION.cff (citation-file-format.github.io, 1.2.0)."""
-    return f"""\
-cff-version: 1.2.0
-message: "If you use polhode, please cite it as below, and heyoka, which it integrates with."
-title: "{TITLE}"
-type: software
-authors:
-  - name: "{AUTHORS}"
-version: {__version__}
-date-released: {RELEASED}
-license: MIT
-keywords:
-  - "rigid body dynamics"
-  - "Euler-Poisson equations"
-  - "Taylor method"
-  - "validated numerics"
-references:
-  - type: article
-    title: "Revisiting high-order Taylor methods for astrodynamics and celestial mechanics"
-    authors:
-      - family-names: "Biscani"
-        given-names: "Francesco"
-      - family-names: "Izzo"
-        given-names: "Dario"
-    journal: "Monthly Notices of the Royal Astronomical Society"
-    volume: 504
-    issue: 2
-    start: 2614
-    end: 2628
-    year: 2021
-    doi: "10.1093/mnras/stab1032"
-  - type: book
-    title: "Rigid Body Dynamics: A Lagrangian Approach"
-    authors:
-      - family-names: "Yehia"
-        given-names: "Hamad M."
-    publisher:
-      name: "Birkhäuser"
-    year: 2022
 """

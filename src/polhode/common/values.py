@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, cast
 from weakref import WeakKeyDictionary
 
 from polhode.common.errors import BadInput
-from polhode.common.interrupts import Lock, Place
+from polhode.common.interrupts import Lock, LockPlace
 
 # --- value semantics ------------------------------------------------------------------------------
 #
@@ -155,7 +155,7 @@ class Recent(Generic[T]):
     def __init__(self, most: int) -> None:
         self._most = most
         self._kept: WeakKeyDictionary[object, dict[Hashable, T]] = WeakKeyDictionary()
-        self._lock = Lock(Place.STORE)
+        self._lock = Lock(LockPlace.STORE)
 
     def get(self, owner: object, key: Hashable, make: Callable[[], T]) -> T:
         """The owner's value of a key, made where there is none."""

@@ -118,7 +118,7 @@ def on_section(
     )
 
 
-def of_varied(scene: Scene, grid: vary.Grid, foretold: Callable[[int], object]) -> Motions:
+def of_varied(scene: Scene, grid: vary.Variation, foretold: Callable[[int], object]) -> Motions:
     """The motions of a scene in which numbers vary; raises BadInput.
 
     All combinations of two numbers make a grid.  ``foretold``: told how many they are before they

@@ -36,7 +36,7 @@ from polhode.numbers.decimals import shown
 from polhode.numbers.exact import EQUAL_BITS
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Doubles
-from polhode.numbers.polynomials import Polynomial, fraction_near, middle, rational, real_roots
+from polhode.numbers.polynomials import QPolynomial, fraction_near, middle, rational, real_roots
 from polhode.numbers.vectors import dot
 from polhode.scenes.body import Body
 
@@ -193,7 +193,7 @@ SAMPLES = 257  # points of a curve's piece
 
 _CLUSTER = 14.0  # pieces are followed to e^-14 of their length from an open end
 
-_X: Polynomial = fmpq_poly([0, 1])
+_X: QPolynomial = fmpq_poly([0, 1])
 
 
 class PieceEnd(NamedTuple):
@@ -231,9 +231,9 @@ class RotationFamily:
 
     body: RationalBody
     axis: int | None
-    g: tuple[Polynomial, ...]
-    k: Polynomial
-    s: Polynomial
+    g: tuple[QPolynomial, ...]
+    k: QPolynomial
+    s: QPolynomial
     start: Fraction = Fraction(0)
 
     @property
@@ -353,18 +353,18 @@ class RotationFamily:
         return float(heavy.sqrt()) or 1.0
 
     @cached_property
-    def _square(self) -> Polynomial:
-        square: Polynomial = dot(self.g, self.g)
+    def _square(self) -> QPolynomial:
+        square: QPolynomial = dot(self.g, self.g)
         return square
 
     @cached_property
-    def _inertia(self) -> Polynomial:
+    def _inertia(self) -> QPolynomial:
         moments = self.body.numbers[0]
-        inertia: Polynomial = dot(self.g, [a * y for a, y in zip(moments, self.g, strict=True)])
+        inertia: QPolynomial = dot(self.g, [a * y for a, y in zip(moments, self.g, strict=True)])
         return inertia
 
     @cached_property
-    def _spectrum(self) -> tuple[Polynomial, Polynomial]:
+    def _spectrum(self) -> tuple[QPolynomial, QPolynomial]:
         moments, torque = self.body.numbers
         return spectrum(moments, [t * self.k for t in torque], self.g, self.g)
 

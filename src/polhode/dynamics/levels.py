@@ -26,7 +26,7 @@ from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
 from polhode.numbers.number_types import AnyNumber, Doubles
 from polhode.numbers.polynomials import (
-    Polynomial,
+    QPolynomial,
     fraction_near,
     middle,
     nearest,
@@ -183,7 +183,7 @@ def _chaplygin(c: Fraction, torque: arb, h: Fraction) -> list[tuple[arb, str]]:
     return values
 
 
-def _value(polynomial: Polynomial, at: arb) -> arb:
+def _value(polynomial: QPolynomial, at: arb) -> arb:
     return arb_poly(polynomial)(at)
 
 

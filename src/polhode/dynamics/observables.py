@@ -19,9 +19,9 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.arguments import each, of_kind
-from polhode.common.checkpoint import Arrays
+from polhode.common.checkpoint import JobArrays
 from polhode.common.errors import BadInput, nearest
-from polhode.common.interrupts import Stop
+from polhode.common.interrupts import StopRequest
 from polhode.dynamics import lyapunov
 from polhode.equations.section_functions import UNSURE, in_columns
 from polhode.motion.outcomes import Outcome, code
@@ -257,10 +257,10 @@ class Reduced(NamedTuple):
 
     endings: npt.NDArray[np.uint8]
     counts: npt.NDArray[np.int64]
-    numbers: Arrays
+    numbers: JobArrays
 
     @classmethod
-    def of(cls, arrays: Arrays) -> Reduced:
+    def of(cls, arrays: JobArrays) -> Reduced:
         """From its arrays by name, those of the numbers by their own."""
         endings = np.asarray(arrays.pop("endings"), dtype=np.uint8)
         return cls(endings, np.asarray(arrays.pop("counts"), dtype=np.int64), arrays)
@@ -305,12 +305,12 @@ class Singles(NamedTuple):
         return replace(member, times=self.times, events=(self.event,), outputs=())
 
 
-def solve(job: Job, stop: Stop | None = None) -> Reduced:
+def solve(job: Job, stop: StopRequest | None = None) -> Reduced:
     """A job's members reduced; with ``stop`` the result may be unfinished, and is to be left."""
     parts = list(_parts(job, stop))
     endings, counts = parts[0].endings.copy(), parts[0].counts.copy()
     reached = code(Outcome.REACHED_END)
-    numbers: Arrays = {}
+    numbers: JobArrays = {}
     for part in parts[1:]:
         endings = np.where(endings == reached, part.endings, endings)
         counts = counts + part.counts
@@ -319,7 +319,7 @@ def solve(job: Job, stop: Stop | None = None) -> Reduced:
     return Reduced(endings, counts, numbers)
 
 
-def _parts(job: Job, stop: Stop | None) -> Iterator[Reduced]:
+def _parts(job: Job, stop: StopRequest | None) -> Iterator[Reduced]:
     """What is told by states, by events and by tangents."""
     if job.states is not None:
         steps = job.states.steps
@@ -341,7 +341,7 @@ def _first(
     job: SearchJob,
     singles: Singles,
     read: Reader,
-    stop: Stop | None,
+    stop: StopRequest | None,
 ) -> Reduced:
 
     crossings = event_batches.solve(job, stop)
@@ -370,7 +370,7 @@ def _first(
     return Reduced(outcomes, steps, dict(zip(names, (times, *states.T), strict=True)))
 
 
-def _exponents(of: Exponents, time_exponent: int, stop: Stop | None) -> Reduced:
+def _exponents(of: Exponents, time_exponent: int, stop: StopRequest | None) -> Reduced:
     """As :func:`polhode.lyapunov` tells them: those of chaotic members with their neighbours'."""
 
     job = of.job
@@ -393,7 +393,7 @@ def _exponents(of: Exponents, time_exponent: int, stop: Stop | None) -> Reduced:
 
 
 def _scatter(
-    job: TangentJob, which: npt.NDArray[np.int64], exponents: Doubles, stop: Stop | None
+    job: TangentJob, which: npt.NDArray[np.int64], exponents: Doubles, stop: StopRequest | None
 ) -> Doubles:
     """The uncertainty of the exponents of some of a job's motions, from their neighbours."""
 

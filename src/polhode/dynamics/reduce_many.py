@@ -59,7 +59,7 @@ class Reductions(SweepResult):
     """
 
     scene: Scene
-    varied: vary.Grid
+    varied: vary.Variation
     members: Members
     number: NumberType
     keep: tuple[str, ...]

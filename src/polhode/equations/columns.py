@@ -7,42 +7,44 @@ is derived stands in :data:`FORMULAS`.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from polhode.equations.integrals import AREA, ENERGY, along
 from polhode.equations.kinematics import turned
 from polhode.motion.frame import Frame
-from polhode.numbers.row_formulas import RowFormula, mapped, mapped_stack
+from polhode.numbers.row_formulas import RowFormula, RowMap
 from polhode.numbers.vectors import rotation
 from polhode.scenes.vocabulary import COLUMNS, STATE
 
 if TYPE_CHECKING:
     from polhode.numbers.exact import Exact
-    from polhode.numbers.number_types import Columns, Functions, Given, NumberType, Scalar, Stack
+    from polhode.numbers.number_types import (
+        DerivedRows,
+        Functions,
+        Given,
+        NumberType,
+        Scalar,
+        Stack,
+    )
     from polhode.scenes.scene import Scene
 
 
-@dataclass(frozen=True)
-class DerivedColumn:
+class DerivedColumn(NamedTuple):
     """A derived column.
 
-    ``values``: of a row of what it needs, one after the other (the state is p q r gamma1 gamma2
-    gamma3), of coefficients and of the scalar's functions.  ``of_scene``: in its place a scene's
-    formula and exact coefficients by name.  ``not_judged``: why a file's column is not held against
-    a reference, where it is not.
+    ``of``: a scene's formula, and its exact coefficients by name; of a row of what it needs, one
+    after the other (the state is p q r gamma1 gamma2 gamma3), of coefficients and of the scalar's
+    functions.  ``not_judged``: why a file's column is not held against a reference, where it is
+    not.
     """
 
-    values: RowFormula | None = None
-    of_scene: Callable[[Scene], tuple[RowFormula, Mapping[str, Exact]]] | None = None
+    of: Callable[[Scene], tuple[RowFormula, Mapping[str, Exact]]]
     not_judged: str = ""
 
-    def of(self, scene: Scene) -> tuple[RowFormula, Mapping[str, Exact]]:
-        """The formula of a scene, and its coefficients."""
-        if self.of_scene is not None:
-            return self.of_scene(scene)
-        assert self.values is not None
-        return self.values, {}
+
+def of_rows(formula: RowFormula) -> Callable[[Scene], tuple[RowFormula, Mapping[str, Exact]]]:
+    """A formula that is the same of every scene, and has no coefficients."""
+    return lambda scene: (formula, {})
 
 
 def _in_space(x: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> list[Scalar]:
@@ -75,10 +77,10 @@ def _integrals(scene: Scene) -> tuple[RowFormula, Mapping[str, Exact]]:
 
 #: By the words of :data:`polhode.scenes.vocabulary.COLUMNS`.
 FORMULAS: Final[dict[str, DerivedColumn]] = {
-    "hodographs": DerivedColumn(_in_space, not_judged="p q r are"),
-    "matrix": DerivedColumn(_matrix, not_judged="the quaternion is"),
-    "mrp": DerivedColumn(_mrp, not_judged="the quaternion is"),
-    "integrals": DerivedColumn(of_scene=_integrals, not_judged="p q r and gamma are"),
+    "hodographs": DerivedColumn(of_rows(_in_space), "p q r are"),
+    "matrix": DerivedColumn(of_rows(_matrix), "the quaternion is"),
+    "mrp": DerivedColumn(of_rows(_mrp), "the quaternion is"),
+    "integrals": DerivedColumn(_integrals, "p q r and gamma are"),
 }
 
 
@@ -100,11 +102,14 @@ def derived_stack(
     columns: Stack = states[:, :, :1].repeat(width, axis=2)
     for k, scene in enumerate(scenes):
         formula, coefficients = FORMULAS[word].of(scene)
-        columns[k] = mapped_stack(formula, states[k : k + 1], coefficients, number_type, width)[0]
+        row_map = RowMap(formula, coefficients, number_type, width)
+        columns[k] = row_map.of_stack(states[k : k + 1])[0]
     return columns
 
 
-def derived(word: str, scene: Scene, parts: Sequence[Given], number_type: NumberType) -> Columns:
+def derived(
+    word: str, scene: Scene, parts: Sequence[Given], number_type: NumberType
+) -> DerivedRows:
     """A derived column of rows of all that it needs, in the order of its ``needs``."""
     formula, coefficients = FORMULAS[word].of(scene)
-    return mapped(formula, parts, coefficients, number_type, len(COLUMNS[word].names))
+    return RowMap(formula, coefficients, number_type, len(COLUMNS[word].names))(*parts)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 #: The variables at one moment, or columns of them; the coefficients by name; omega and gamma.
-Values: TypeAlias = Sequence[Scalar]
+FormValues: TypeAlias = Sequence[Scalar]
 Coefficients: TypeAlias = Mapping[str, Scalar]
 OmegaAndGamma: TypeAlias = tuple[list[Scalar], list[Scalar]]
 
@@ -63,14 +63,14 @@ class Form(ABC):
     plain: ClassVar[bool] = False
 
     @abstractmethod
-    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
+    def field(self, values: FormValues, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The variables' rates."""
 
     @abstractmethod
-    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
+    def state(self, values: FormValues, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """omega and gamma inside the frame; gamma [] for a scene without it."""
 
-    def distance(self, values: Values, k: Coefficients, fn: Functions) -> Scalar:
+    def distance(self, values: FormValues, k: Coefficients, fn: Functions) -> Scalar:
         """How near the singular set is, squared: 0 on it, of order 1 away from it; None without."""
         return None
 
@@ -145,10 +145,10 @@ def field(scene: Scene | str | Path) -> Callable[[float, npt.ArrayLike], Doubles
     >>> f(0, f.start).round(12).tolist()
     [0.615, -1.128, 0.0, -0.18, -3.184, 0.24]
     """
-    return _Field(library.load(scene, takes=REQUESTS))
+    return _PlainField(library.load(scene, takes=REQUESTS))
 
 
-class _Field:
+class _PlainField:
     def __init__(self, scene: Scene) -> None:
         self._name = scene.name
         body = scene.body

@@ -51,7 +51,7 @@ MOMENTUM, SPIN, KOVALEVSKAYA, CHAPLYGIN = "|G|^2", "spin", "K^2", "F"
 
 
 #: The integrals at a state, and their relative departures from the start's.
-Along: TypeAlias = (
+IntegralFormula: TypeAlias = (
     "Callable[[Sequence[Scalar] | Flat, Mapping[str, Scalar], Scalar], "
     "tuple[list[Scalar], list[Scalar]]]"
 )
@@ -310,7 +310,7 @@ def _departures(
     return [formula(state, k, zero)[1] for state in states]
 
 
-def along(scene: Scene) -> tuple[Along, Mapping[str, Exact]]:
+def along(scene: Scene) -> tuple[IntegralFormula, Mapping[str, Exact]]:
     """A formula of states for the integrals there and their relative departures, for any scalars.
 
     Beside it its coefficients; its values are in the units of FirstIntegrals.

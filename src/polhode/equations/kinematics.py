@@ -17,7 +17,7 @@ from typing import NamedTuple
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ONE, Exact, sign
-from polhode.numbers.number_types import Columns, GivenRow, Rows, Scalar, combination
+from polhode.numbers.number_types import DerivedRows, GivenRow, Rows, Scalar, combination
 from polhode.numbers.vectors import Triple, Vector, apply, cross, dot, inverse
 from polhode.scenes.scene import Scene
 
@@ -122,16 +122,18 @@ def principal_angles(
 
 
 class AngleFunctions(NamedTuple):
-    """What angles take of numbers of one kind: numpy's arrays, or mpmath's numbers."""
+    """What angles take of columns of numbers of one kind."""
 
     hypot: Callable[[Scalar, Scalar], Scalar]
     atan2: Callable[[Scalar, Scalar], Scalar]
-    pi: Scalar
+    sqrt: Callable[[Scalar], Scalar]
     rint: Callable[[Scalar], Scalar]
-    where: Callable[[Scalar, int, int], Scalar]  # one of two by a condition
+    pi: Scalar
 
 
-def angles(gamma: Sequence[Scalar], psi_and_phi: GivenRow, fn: AngleFunctions) -> list[Scalar]:
+def angles(
+    gamma: Sequence[Scalar], psi_and_phi: Sequence[Scalar], fn: AngleFunctions
+) -> list[Scalar]:
     """psi theta phi: theta and phi from gamma, phi on the integrated one's branch.
 
     A motion that passes exactly through a pole turns phi by pi against the integrated one: psi then
@@ -143,7 +145,7 @@ def angles(gamma: Sequence[Scalar], psi_and_phi: GivenRow, fn: AngleFunctions) -
     halves = fn.rint((phi - principal) / fn.pi)
     odd = halves % 2
     return [
-        psi - odd * fn.where(g3 > 0, 1, -1) * fn.pi,
+        psi - odd * (2 * (g3 > 0) - 1) * fn.pi,
         theta,
         principal + (halves + odd) * fn.pi,
     ]
@@ -171,7 +173,7 @@ class Hodographs(NamedTuple):
     """
 
     body: Rows
-    space: Columns
+    space: DerivedRows
 
 
 def turned(quaternion: GivenRow, vector: GivenRow) -> list[Scalar]:

@@ -3,34 +3,35 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from polhode.common.values import cached_property
 from polhode.equations import kinematics
-from polhode.equations.form import equations
-from polhode.equations.kinematics import AngleFunctions, angles, starting_attitude
+from polhode.equations.form import Coefficients, FormValues, equations
+from polhode.equations.kinematics import (
+    AngleFunctions,
+    angles,
+    starting_attitude,
+)
 from polhode.motion.frame import Frame
 from polhode.numbers import exact
-from polhode.numbers.conversion import exactly, number_value, to_double, to_extended, to_mpf
+from polhode.numbers.conversion import exactly, narrowed, number_value, to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import (
     EXTENDED,
     Booleans,
-    Extendeds,
     Flat,
+    Functions,
     Gapped,
     Given,
-    GivenRow,
     NumberType,
-    Real,
     Rows,
     Scalar,
-    flat,
-    of_extended,
-    of_mpmath,
+    kind_of,
 )
+from polhode.numbers.row_formulas import RowMap
 from polhode.numbers.vectors import (
     Vector,
     dot,
@@ -41,10 +42,6 @@ from polhode.numbers.vectors import (
     upright,
 )
 from polhode.scenes.scene import Scene
-
-if TYPE_CHECKING:
-    import numpy as np
-
 
 # --- equilibrium ----------------------------------------------------------------------------------
 #
@@ -108,6 +105,9 @@ def _after_turn(quaternion: tuple[Exact, ...], omega: Vector, t: Fraction) -> tu
 
 
 # --- readout --------------------------------------------------------------------------------------
+#
+# Angles and attitude are computed in columns, one for all rows: of longdoubles, or of polhode's own
+# mpf with more bits than the numbers have.
 
 
 GUARD_BITS = 16
@@ -127,56 +127,68 @@ class Readout:
         self.scene, self.number = scene, number_type
         self.form, self.columns = equations(scene), len(scene.columns)
         self.frame = frame or self.form.frame
+        self._first = len(self.form.variables)  # column of the quaternion, before psi and phi
+        self._copied = self.form.plain and self.frame.axes.trivial
 
     def states(self, rows: Given) -> Rows:
         """p q r [gamma1 gamma2 gamma3] in scene axes: an ndarray, or rows of mpf above extended."""
         if len(rows) == 0:
             return self._array([]).reshape(0, self.columns) if self.number.flat else []
-        exponent = -self.frame.exponent
         if self.number.flat:
             import numpy as np
 
-            states = self._flat(self._array(rows)[:, : len(self.form.variables)])
-            if exponent:
-                states[:, :3] = np.ldexp(states[:, :3], exponent)
+            variables = self._array(rows)[:, : self._first]
+            if self._copied:
+                states = variables[:, : self.columns].copy()
+            elif self.form.plain and self.number.name == "double":
+                vectors = np.split(
+                    variables.astype(np.longdouble), range(3, self.columns, 3), axis=1
+                )
+                states = self._array(np.hstack([vector @ self._turn for vector in vectors]))
+            else:
+                return self._array(self._states(variables))
+            if self.frame.exponent:
+                states[:, :3] = np.ldexp(states[:, :3], -self.frame.exponent)
             return states
-        wide = self._vectors([row[: len(self.form.variables)] for row in rows])
-        from polhode.numbers.mpmath_context import mpmath, ordinary
-
-        mantissas = [
-            ordinary([mpmath.ldexp(x, exponent) for x in row[:3]] + row[3:]) for row in wide
-        ]
-        if self._begins_with_the_start(rows[0]):
-            mantissas[0] = [*self._start]
-        return mantissas
+        read: list[list[Scalar]] = [*self._states([row[: self._first] for row in rows])]
+        first = zip(rows[0][: self._first], self.form.start, strict=True)
+        if not self._copied and all(exactly(x) == self.number.rounded(y) for x, y in first):
+            read[0] = [number_value(x, self.number) for x in self.scene.start]
+        return read
 
     @cached_property
-    def _start(self) -> list[Scalar]:
-        """The scene's own omega and gamma, rounded to the run's type."""
-        start = (*self.scene.omega, *(self.scene.gamma or ()))
-        return [number_value(x, self.number) for x in start]
+    def _states(self) -> RowMap:
+        """omega and gamma of the variables, in the scene's axes and unit of time."""
+        form, turn = self.form, self.frame.turn
+        coefficients = {**form.coefficients, **turn, "1/unit": 1 / self.frame.unit}
+        entries = [
+            [(name, i) for i in range(3) if (name := f"turn{i}{j}") in turn] for j in range(3)
+        ]
 
-    def _begins_with_the_start(self, row: GivenRow) -> bool:
-        """Whether a row is that of the start, to the bit, and omega and gamma no copies of it."""
-        if self.form.plain and self.frame.axes.trivial:
-            return False
-        variables = zip(row[: len(self.form.variables)], self.form.start, strict=True)
-        return all(exactly(x) == self.number.rounded(y) for x, y in variables)
+        def state(row: FormValues, k: Coefficients, fn: Functions) -> list[Scalar]:
+            omega, gamma = form.state(row, k, fn)
+            if turn:
+                omega, gamma = (
+                    [fn.dot([(k[name], v[i]) for name, i in column]) for column in entries if v]
+                    for v in (omega, gamma)
+                )
+            return [*(k["1/unit"] * x for x in omega), *gamma]
+
+        return RowMap(state, coefficients, self.number, self.columns)
+
+    @cached_property
+    def _turn(self) -> Flat:
+        """The turn from the frame's axes to the scene's in extended."""
+        return self.frame.matrix(EXTENDED)
 
     def attitude(self, rows: Given, states: Rows) -> Rows | None:
         """q0 q1 q2 q3 beside states, if asked for or needed: of length one, and gamma's."""
         if "attitude" not in self.scene.modelled:
             return None
-        if self.number.flat:
-            return self._upright(self._array(rows), flat(states)).T.astype(self._kind)
-        from polhode.numbers.mpmath_context import mpmath, ordinary
-
-        quaternions = []
-        for row, state in zip(rows, states, strict=True):
-            q = self._upright_row(row, state)
-            with mpmath.workprec(self.number.bits):
-                quaternions.append(ordinary([+x for x in q]))
-        return quaternions
+        with self._wider():
+            columns, gamma = self._columns(rows, self._first), self._columns(states, 3)
+            quaternions: Rows = self._narrowed(self._upright(columns, gamma))
+            return quaternions
 
     def angles(self, rows: Given, states: Rows) -> Gapped | None:
         """psi theta phi beside states, if asked for; psi and phi None at a pole.
@@ -188,46 +200,47 @@ class Readout:
             return None
         if len(rows) == 0:
             return []
-        if self.number.flat:
-            rows_of_angles = self._flat_angles(self._array(rows), flat(states))
-            import numpy as np
+        import numpy as np
 
-            across = flat(states)[:, 3:5].T
-            poles = np.flatnonzero((across[0] == 0) & (across[1] == 0)).tolist()
-        else:
-            rows_of_angles = [self._angles(*pair) for pair in zip(rows, states, strict=True)]
-            poles = [k for k, state in enumerate(states) if state[3] == 0 == state[4]]
-        for k in poles:
+        columns, gamma = self._columns(rows, self._first), self._columns(states, 3)
+        turns = [*columns[4:]] or [0 * gamma[0], 0 * gamma[0]]  # that of a pole
+        with self._wider(turns[0]):
+            if not self._spins:
+                turns[0] = self._psi(columns, gamma, turns[0])
+            values = np.array(angles([*gamma], turns, self._functions))
+            narrow = self._narrowed(values)
+        rows_of_angles: Gapped = narrow.tolist() if self.number.flat else narrow
+        for k in np.flatnonzero((gamma[0] == 0) & (gamma[1] == 0)).tolist():
             rows_of_angles[k][0] = rows_of_angles[k][2] = None
         return rows_of_angles
 
-    def _upright(self, rows: Flat, states: Flat) -> Extendeds:
-        """The quaternion beside states, a column each; the start's as it is."""
+    def _upright(self, columns: Any, gamma: Any) -> Any:
+        """The quaternion beside gamma, a column each; the start's as it is."""
         import numpy as np
 
-        quaternions = rows[:, self._first : self._first + 4].T.astype(np.longdouble)
-        gamma = states[:, 3:].T.astype(np.longdouble)
-        nearest = np.array(upright([*quaternions], [*gamma], np.sqrt), dtype=np.longdouble)
-        return np.where(self._begin(rows), quaternions, nearest)
+        nearest = upright([*columns[:4]], [*gamma], self._functions.sqrt)
+        return np.where(self._begin(columns), columns[:4], np.array(nearest))
 
-    def _upright_row(self, row: GivenRow, state: GivenRow) -> list[Scalar]:
-        """The same above extended, with some more bits."""
-        from polhode.numbers.mpmath_context import mpmath, own
+    def _psi(self, columns: Any, gamma: Any, integrated: Any) -> Any:
+        """psi of the quaternion beside an integrated one."""
+        import numpy as np
 
-        q = [*map(own, row[self._first : self._first + 4])]
-        if self._begins(row):
-            return q
-        with mpmath.workprec(self.number.bits + GUARD_BITS):
-            return upright(q, [*map(own, state[3:])], mpmath.sqrt)
+        fn, q = self._functions, self._upright(columns, gamma)
+        psi = fn.atan2(q[3], q[0]) + fn.atan2(q[2], q[1])
+        high: Scalar = 0
+        if self.number.flat:
+            high = np.longdouble(np.float32(np.pi))  # whole multiples of it are exact
+        halves = fn.rint((integrated - psi) / fn.pi)
+        rounded = (psi + halves * high) + halves * (fn.pi - high)
+        return np.where(self._begin(columns), integrated, rounded)
 
-    def _begin(self, rows: Flat) -> Booleans:
+    def _begin(self, columns: Any) -> Booleans:
         """Which rows have the quaternion of the start."""
-        begins: Booleans = (rows[:, self._first : self._first + 4] == self._first_attitude).all(1)
-        return begins
+        import numpy as np
 
-    def _begins(self, row: GivenRow) -> bool:
-        """Whether a row has it."""
-        return [*row[self._first : self._first + 4]] == self._first_attitude
+        first = np.array(self._first_attitude)[:, None]
+        begins: Booleans = (columns[:4] == first).all(axis=0)
+        return begins
 
     @cached_property
     def _first_attitude(self) -> list[Scalar]:
@@ -237,143 +250,60 @@ class Readout:
         return [number_value(x, self.number) for x in first]
 
     @cached_property
-    def _first(self) -> int:
-        """The first column of the quaternion, before psi and phi."""
-        return len(self.form.variables)
-
-    @cached_property
     def _spins(self) -> bool:
         """Whether phi grows so much faster that the quaternion has fewer digits of psi."""
         p, q, r = map(to_double, self.scene.omega)
         swing = math.sqrt(to_double(self.scene.pendulum_rate_squared))
         return abs(r) > _MOST_SPIN * max(math.hypot(p, q), swing)
 
-    def _flat_angles(self, rows: Flat, states: Flat) -> Gapped:
-        """psi theta phi, all rows at once."""
-        import numpy as np
-
-        turns = np.zeros((2, len(rows)), dtype=np.longdouble)
-        if rows.shape[1] > self._first + 4:  # not of a motion that stays at a pole
-            turns += rows[:, self._first + 4 :].T
-        pi = 4 * np.arctan(np.longdouble(1))
-        if not self._spins:
-            turns[0] = self._psi(rows, states, turns[0])
-        fn = AngleFunctions(np.hypot, np.arctan2, pi, np.rint, np.where)
-        gamma = states[:, 3:].T.astype(np.longdouble)
-        columns = np.array(angles([*gamma], [*turns], fn)).T
-        listed: Gapped = columns.astype(self._kind).tolist()
-        return listed
-
-    def _psi(self, rows: Flat, states: Flat, integrated: Extendeds) -> Extendeds:
-        """psi of the quaternion beside an integrated one."""
-        import numpy as np
-
-        q = self._upright(rows, states)
-        psi = np.arctan2(q[3], q[0]) + np.arctan2(q[2], q[1])
-        high = np.longdouble(np.float32(np.pi))  # whole multiples of it are exact
-        low = 4 * np.arctan(np.longdouble(1)) - high
-        halves = np.rint((integrated - psi) / (high + low))
-        rounded = (psi + halves * high) + halves * low
-        return np.where(self._begin(rows), integrated, rounded)
-
-    def _angles(self, row: GivenRow, state: GivenRow) -> list[Real | None]:
-        """The same of a row above extended."""
-        from polhode.numbers.mpmath_context import mpmath, ordinary, own
-
-        turns = [*map(own, row[self._first + 4 :])] or [mpmath.mpf(0)] * 2
-        fn = AngleFunctions(
-            mpmath.hypot, mpmath.atan2, mpmath.pi, mpmath.nint, lambda c, a, b: a if c else b
-        )
-        more = GUARD_BITS + int(abs(turns[0])).bit_length()
-        with mpmath.workprec(self.number.bits + more):
-            if not (self._spins or self._begins(row)):
-                q = self._upright_row(row, state)
-                psi = mpmath.atan2(q[3], q[0]) + mpmath.atan2(q[2], q[1])
-                turns[0] = psi + mpmath.pi * mpmath.nint((turns[0] - psi) / mpmath.pi)
-            values = angles([*map(own, state[3:])], turns, fn)
-        with mpmath.workprec(self.number.bits):
-            listed: list[Real | None] = ordinary([+x for x in values])
-            return listed
-
-    @cached_property
-    def _kind(self) -> type[np.floating[Any]]:
-        import numpy as np
-
-        return np.float64 if self.number.name == "double" else np.longdouble
-
     def _array(self, rows: Given) -> Flat:
-        """An array of the type, which numpy holds."""
+        """An array of the type, which numpy holds; not a number where there is none."""
         import numpy as np
 
-        array: Flat = np.asarray(rows, dtype=self._kind)
+        array: Flat = np.asarray(rows, dtype=kind_of(self.number))
         return array
 
-    def _flat(self, rows: Flat) -> Flat:
-        """The same of an array, as a new array."""
-        if self.form.plain and self.frame.axes.trivial:
-            return rows[:, : self.columns].copy()
-        if self.number.name == "double":
-            return self._in_extended(rows)
-        wide = [[to_extended(exactly(x)) for x in row] for row in self._vectors(rows)]
-        return self._array(wide).reshape(len(rows), self.columns)
+    # -- columns ------------------------------------------------------------------------------
 
-    def _vectors(self, rows: Given) -> list[list[Scalar]]:
-        """Rows of omega and gamma in scene axes and the frame's unit, rounded once at the end."""
-        from polhode.numbers.mpmath_context import mpmath
-
-        bits = self.number.bits + GUARD_BITS
-        with mpmath.workprec(bits):
-            k = {name: to_mpf(x, bits) for name, x in self.form.coefficients.items()}
-            fn = of_mpmath()
-            vectors = [
-                self.form.state([to_mpf(exactly(x), bits) for x in row], k, fn) for row in rows
-            ]
-        return self._in_scene_axes(vectors, bits)
-
-    def _in_scene_axes(
-        self, rows: Iterable[Iterable[Sequence[Scalar]]], bits: int
-    ) -> list[list[Scalar]]:
-        """Pairs of omega and gamma, one after the other, turned and rounded to the run's type."""
-        from polhode.numbers.mpmath_context import mpmath
-
-        axes = self.frame.axes
-        with mpmath.workprec(self.number.bits):
-            if axes.trivial:
-                return [[+x for vector in pair for x in vector] for pair in rows]
-            entries = [[to_mpf(x, bits) for x in row] for row in axes.rows]
-            return [
-                [
-                    mpmath.fdot((entries[i][j], vector[i]) for i in range(3))
-                    for vector in pair
-                    if vector
-                    for j in range(3)
-                ]
-                for pair in rows
-            ]
-
-    def _in_extended(self, rows: Flat) -> Flat:
-        """The same for doubles, all rows at once."""
+    def _columns(self, rows: Given, first: int) -> Any:
+        """An array with a row for each column from one on, to be computed with."""
         import numpy as np
 
-        wide = rows.astype(np.longdouble)
-        if self.form.plain:
-            vectors = np.split(wide, range(3, self.columns, 3), axis=1)
-        else:
-            vectors = [
-                np.stack(np.broadcast_arrays(wide[:, 0], *vector)[1:], axis=1)
-                for vector in self.form.state(list(wide.T), self._extended, of_extended())
-                if vector
-            ]
-        if not self.frame.axes.trivial:
-            vectors = [vector @ self._turn for vector in vectors]
-        return np.hstack(vectors).astype(self._kind)
+        if self.number.flat:
+            return self._array(rows)[:, first:].T.astype(np.longdouble)
+        from polhode.numbers.mpmath_context import own
 
-    @cached_property
-    def _extended(self) -> dict[str, Scalar]:
-        """The form's coefficients in extended."""
-        return {name: to_extended(x) for name, x in self.form.coefficients.items()}
+        listed = [[*row[first:]] for row in rows]
+        return np.frompyfunc(own, 1, 1)(np.array(listed, dtype=np.object_).T)
 
-    @cached_property
-    def _turn(self) -> Flat:
-        """The turn from the frame's axes to the scene's in extended."""
-        return self.frame.matrix(EXTENDED)
+    def _narrowed(self, columns: Any) -> Any:
+        """The same rounded to the run's type, row by row."""
+        if self.number.flat:
+            return self._array(columns.T)
+        return [[narrowed(x, self.number) for x in row] for row in columns.T.tolist()]
+
+    def _wider(self, turns: Any = ()) -> AbstractContextManager[object]:
+        """With some more bits than the numbers have, and those before the point of turns."""
+        if self.number.flat:
+            return nullcontext()
+        from polhode.numbers.mpmath_context import mpmath
+
+        before = max((int(abs(x)).bit_length() for x in turns), default=0)
+        wider: AbstractContextManager[object] = mpmath.workprec(
+            self.number.bits + GUARD_BITS + before
+        )
+        return wider
+
+    @property
+    def _functions(self) -> AngleFunctions:
+        """Of such columns, in the precision in force."""
+        import numpy as np
+
+        if self.number.flat:
+            pi = 4 * np.arctan(np.longdouble(1))
+            return AngleFunctions(np.hypot, np.arctan2, np.sqrt, np.rint, pi)
+        from polhode.numbers.mpmath_context import mpmath
+
+        hypot, atan2 = (np.frompyfunc(f, 2, 1) for f in (mpmath.hypot, mpmath.atan2))
+        root, rint = (np.frompyfunc(f, 1, 1) for f in (mpmath.sqrt, mpmath.nint))
+        return AngleFunctions(hypot, atan2, root, rint, +mpmath.pi)

@@ -12,12 +12,10 @@ equations of its own: closed forms, the checker of certificates, the integrators
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from fractions import Fraction
 from typing import NamedTuple, TypeAlias
 
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import Scalar
-from polhode.numbers.vectors import scaled
 from polhode.scenes.body import Body
 from polhode.scenes.vocabulary import STATE
 
@@ -200,15 +198,9 @@ def _slopes() -> list[Slope]:
 SLOPES = tuple(_slopes())
 
 
-def numbers_of(body: Body, unit: Fraction = Fraction(1)) -> list[Exact]:
-    """The body's numbers along its principal axes, time measured in ``unit``.
-
-    A negative unit: of the motion backward, in which w has the other sign.
-    """
-    torque = body.axes.components(body.torque)
-    if unit * unit != 1:
-        torque = scaled(unit * unit, torque)
-    return [*body.moments, *torque]
+def numbers_of(body: Body) -> list[Exact]:
+    """The body's numbers along its principal axes."""
+    return [*body.moments, *body.axes.components(body.torque)]
 
 
 def coefficients_of(numbers: Sequence[Scalar]) -> list[Scalar]:

@@ -36,14 +36,34 @@ from polhode.numbers.number_types import (
 )
 
 #: Rows of a run's numbers, or numbers in a row.
-Part = TypeVar("Part", Rows, Numbers)
+SameRows = TypeVar("SameRows", Rows, Numbers)
 
 _ONE, _HALF = 1.0, 2.0**-53  # of its last bit
 
 
 def mpf_row(row: Sequence[Scalar], bits: int) -> list[Scalar]:
-    """The binary numbers of so many bits nearest to each of a row."""
-    return [to_mpf(exactly(x), bits) for x in row]
+    """The binary numbers of so many bits nearest to each of a row; ValueError if not finite."""
+    from polhode.numbers.mpmath_context import mpmath
+
+    numbers = []
+    for x in row:
+        raw = getattr(x, "_mpf_", None)
+        is_held = raw is not None and 0 < raw[3] <= bits  # bits of its mantissa
+        numbers.append(mpmath.make_mpf(raw) if is_held else to_mpf(exactly(x), bits))
+    return numbers
+
+
+def narrowed(x: Scalar, number_type: NumberType) -> Scalar:
+    """A number that was computed in more precision, as a trajectory holds it.
+
+    Raises ValueError where it is not finite, or complex.
+    """
+    raw = getattr(x, "_mpf_", None)
+    if raw is None or raw[1] == 0 or number_type.flat:
+        return number_value(exactly(x), number_type)
+    from polhode.numbers.mpmath_context import rounded_real
+
+    return rounded_real(raw, number_type.bits)
 
 
 def number_value(x: Number, number_type: NumberType) -> Scalar:
@@ -57,7 +77,7 @@ def number_value(x: Number, number_type: NumberType) -> Scalar:
     return ordinary(to_mpf(x, number_type.bits))
 
 
-def joined(parts: Sequence[Part], number_type: NumberType) -> Part:
+def joined(parts: Sequence[SameRows], number_type: NumberType) -> SameRows:
     """Several parts' rows, or numbers, in one: an array, or a list above extended."""
     if not number_type.flat:
         return [row for part in parts for row in part]

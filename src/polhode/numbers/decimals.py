@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import decimal
 import math
 from collections.abc import Iterable, Sequence
+from decimal import Context, Decimal
 from fractions import Fraction
 from typing import NamedTuple, overload
 
@@ -54,25 +54,11 @@ def decimal_string(x: Fraction, digits: int) -> str:
     """x to so many significant digits, nearest, ties to even; positional where it is short."""
     if x == 0:
         return "0"
-    size = abs(x)
-    # the power of ten below size, from the bit lengths, corrected by at most one
-    power = math.floor((size.numerator.bit_length() - size.denominator.bit_length()) * LOG10_2)
-    while size >= Fraction(10) ** (power + 1):
-        power += 1
-    while size < Fraction(10) ** power:
-        power -= 1
-    written = round(size * Fraction(10) ** (digits - 1 - power))
-    text = _integer(written)
-    if len(text) > digits:  # 9.99… rounded up
-        text, power = text[:-1], power + 1
-    if 0 <= power < digits:
-        head, tail = text[: power + 1], text[power + 1 :]
-        body = f"{head}.{tail}" if tail else head
-    elif -6 < power < 0:
-        body = "0." + "0" * (-power - 1) + text
-    else:
-        body = f"{text[0]}.{text[1:]}e{power:+03d}" if digits > 1 else f"{text}e{power:+03d}"
-    return "-" + body if x < 0 else body
+    near = Context(prec=digits).divide(Decimal(x.numerator), Decimal(x.denominator))
+    power = near.adjusted()
+    if -6 < power < digits:
+        return f"{near:.{digits - 1 - power}f}"
+    return _scientific(near, digits - 1)
 
 
 def as_decimal(x: AnyNumber | Real, digits: int = 17) -> str:
@@ -157,12 +143,9 @@ def shortest(x: Fraction, number_type: NumberType) -> str:
     return decimal_string(x, enough)
 
 
-def _integer(n: int) -> str:
-    """str(n), also where Python refuses to print that many digits at once."""
-    if n.bit_length() < 13_000:
-        return str(n)
-    high, low = divmod(n, 10**3000)
-    return _integer(high) + str(low).rjust(3000, "0")
+def _scientific(x: Decimal, places: int) -> str:
+    """A decimal with so many places and an exponent of two digits or more."""
+    return f"{x:.{places}e}".partition("e")[0] + f"e{x.adjusted():+03d}"
 
 
 def is_decimal(t: Exact) -> bool:
@@ -178,10 +161,9 @@ def is_decimal(t: Exact) -> bool:
 def in_full(t: Fraction) -> str:
     """Every digit of a decimal number; any other as a fraction."""
     if not is_decimal(t):
-        return f"{'-' if t < 0 else ''}{_integer(abs(t.numerator))}/{_integer(t.denominator)}"
+        return f"{Decimal(t.numerator):f}/{Decimal(t.denominator):f}"
     prec = t.numerator.bit_length() + t.denominator.bit_length() + 1  # never fewer than its digits
-    with decimal.localcontext(prec=prec):
-        return f"{decimal.Decimal(t.numerator) / t.denominator:f}"
+    return f"{Context(prec=prec).divide(Decimal(t.numerator), Decimal(t.denominator)):f}"
 
 
 # --- balls ----------------------------------------------------------------------------------------
@@ -233,24 +215,15 @@ def decimal_ball(centre: Fraction, radius: float) -> tuple[str, str]:
     places = max(0, 3 - math.floor(math.log10(radius))) if radius else _PLACES
     near = round(centre * 10**places)
     wider = Fraction(radius) + abs(centre - Fraction(near, 10**places))
-    return _positional(near, places), rounded_up([float(wider) * (1.0 + 1e-9)])[0]
+    return f"{Decimal(f'{near}e{-places}'):f}", rounded_up([float(wider) * (1.0 + 1e-9)])[0]
 
 
 def _written(value: int, places: int) -> str:
     """value·10**-places, with an exponent where that is shorter than many zeros."""
-    digits = str(abs(value))
-    power = len(digits) - 1 - places
-    if value == 0 or (places >= 0 and power > -7):
-        return _positional(value, places)
-    sign, point = "-" * (value < 0), "." * (len(digits) > 1)
-    return f"{sign}{digits[0]}{point}{digits[1:]}e{power:+03d}"
-
-
-def _positional(value: int, places: int) -> str:
-    """value·10**-places."""
-    digits = str(abs(value)).rjust(places + 1, "0")
-    body = digits if places == 0 else f"{digits[:-places]}.{digits[-places:]}"
-    return "-" + body if value < 0 else body
+    near = Decimal(f"{value}e{-places}")
+    if value == 0 or (places >= 0 and near.adjusted() > -7):
+        return f"{near:f}"
+    return _scientific(near, len(str(abs(value))) - 1)
 
 
 def rounded_up(values: Sequence[float]) -> list[str]:

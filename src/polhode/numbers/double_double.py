@@ -20,7 +20,7 @@ import numpy as np
 from polhode.numbers import exact, row_formulas
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Irrational, Number
-from polhode.numbers.number_types import Places, Scalar
+from polhode.numbers.number_types import Indexing, Scalar
 from polhode.numbers.row_formulas import Rationals
 
 #: Decimal digits that a pair holds of any number, with some to spare.
@@ -86,7 +86,7 @@ class Pairs:
         sign = np.where(self.hi < 0, -1.0, 1.0)
         return Pairs(sign * self.hi, sign * self.lo)
 
-    def __getitem__(self, index: Places) -> Pairs:
+    def __getitem__(self, index: Indexing) -> Pairs:
         return Pairs(self.hi[index], self.lo[index])
 
 

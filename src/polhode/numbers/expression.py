@@ -8,11 +8,11 @@ lifted into the name's own arithmetic.  Precedence is Python's: ``-2**2`` is -4,
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
 from functools import partial
-from itertools import accumulate
 from typing import NamedTuple, TypeAlias
 
 from polhode.common.errors import listed, nearest
@@ -120,7 +120,7 @@ def evaluate(text: str, names: Mapping[str, Scalar], algebra: Algebra | None = N
     if len(text) > MAX_LENGTH:
         raise ExpressionError(f"longer than {MAX_LENGTH} characters")
     try:
-        reader = _Reader(text, names, algebra)
+        reader = _ExpressionReader(text, names, algebra)
         value = reader.value()
         if reader.token:
             raise ExpressionError(f"{reader.token!r} stands where an operator was expected")
@@ -133,7 +133,7 @@ def evaluate(text: str, names: Mapping[str, Scalar], algebra: Algebra | None = N
         raise ExpressionError(str(error)) from None
 
 
-class _Reader:
+class _ExpressionReader:
     """A text, read token by token and computed as it is read: by precedence of the operators."""
 
     def __init__(self, text: str, names: Mapping[str, Scalar], algebra: Algebra | None) -> None:
@@ -260,9 +260,10 @@ def odd_part(text: str) -> str:
     >>> odd_part("p*q + 1")
     'p*q + 1'
     """
-    powers: dict[str, int] = {}
-    for factor, power in _factors(_split(text)[:-1]):
-        powers[factor] = powers.get(factor, 0) + power
+    try:
+        powers = _powers("".join(in_ascii(text).split()))
+    except SyntaxError:  # a number that begins with 0, which is none to Python
+        return text
     factors = [
         f"({factor})" if power % 2 else f"({factor})**2"  # which may be 0 all along
         for factor, power in powers.items()
@@ -271,44 +272,31 @@ def odd_part(text: str) -> str:
     return text if max(powers.values()) < 3 or len(odd) > MAX_LENGTH else odd
 
 
-def _factors(tokens: list[str]) -> Iterator[tuple[str, int]]:
+def _powers(text: str) -> Mapping[str, int]:
     """The factors of a product and their whole powers; all of it where it is a sum."""
-    parts: list[tuple[str, list[str]]] = [("*", [])]
-    depth = 0
-    for token in tokens:
-        depth += (token == "(") - (token == ")")
-        part = parts[-1][1]
-        if depth == 0 and token in ("+", "-") and part and part[-1] not in ("**", "+", "-"):
-            yield "".join(tokens), 1
-            return
-        if depth == 0 and token in ("*", "/"):
-            parts.append((token, []))
-        else:
-            part.append(token)
-    for sign, part in parts:
-        if sign == "/":
-            yield f"1/({''.join(part)})", 1
-        else:
-            yield from _powers(part)
+    import ast
 
+    def written(node: ast.expr) -> str:
+        return ast.get_source_segment(text, node) or ""
 
-def _powers(part: list[str]) -> Iterator[tuple[str, int]]:
-    """The factors of a part of a product that may be raised to a power."""
-    while part[0] in ("+", "-"):
-        if part[0] == "-":
-            yield "-1", 1
-        part = part[1:]
-    base, power = part, 1
-    if part[-2:-1] == ["**"] and part[-1].isdigit():
-        base, power = part[:-2], int(part[-1])
-    depths = accumulate((token == "(") - (token == ")") for token in base)
-    within = [token for token, depth in zip(base, depths, strict=True) if depth == 0]
-    if within == [")"] and base[0] == "(":
-        yield from ((factor, n * power) for factor, n in _factors(base[1:-1]))
-    elif "**" in within:
-        yield "".join(part), 1
-    else:
-        yield "".join(base), power
+    powers: Counter[str] = Counter()
+    pending: list[tuple[ast.expr | str, int]] = [(ast.parse(text, mode="eval").body, 1)]
+    while pending:
+        node, power = pending.pop()
+        match node:
+            case ast.BinOp(left, ast.Mult(), right):
+                pending += [(right, power), (left, power)]
+            case ast.BinOp(left, ast.Div(), right):
+                pending += [(f"1/({written(right)})", power), (left, power)]
+            case ast.BinOp(left, ast.Pow(), ast.Constant(int(exponent))):
+                pending.append((left, power * exponent))
+            case ast.UnaryOp(ast.USub(), operand):
+                pending += [(operand, power), ("-1", power)]
+            case ast.UnaryOp(_, operand):
+                pending.append((operand, power))
+            case _:
+                powers[node if isinstance(node, str) else written(node)] += power
+    return powers
 
 
 def in_ascii(text: str) -> str:

@@ -17,7 +17,7 @@ import mpmath as shared
 from mpmath import libmp
 from mpmath.ctx_mp import MPContext
 
-from polhode.common.interrupts import Held, Lock, Place
+from polhode.common.interrupts import Held, Lock, LockPlace
 
 if TYPE_CHECKING:
     from mpmath import mpc as mpc
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 #: Of the precision of :data:`mpmath`, and of FLINT's: :mod:`polhode.numbers.flint_context`.
-PRECISION = Lock(Place.PRECISION)
+PRECISION = Lock(LockPlace.PRECISION)
 
 
 class _Private(MPContext):  # type: ignore[misc]
@@ -152,6 +152,11 @@ def ordinary_real(raw: Raw) -> OrdinaryReal:
     number = object.__new__(OrdinaryReal)
     number._mpf_ = raw
     return number
+
+
+def rounded_real(raw: Raw, bits: int) -> OrdinaryReal:
+    """The nearest mpf of so many bits."""
+    return ordinary_real(libmp.mpf_pos(raw, bits, "n"))
 
 
 def ordinary_complex(first: Raw, second: Raw) -> OrdinaryComplex:

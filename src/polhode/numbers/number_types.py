@@ -182,14 +182,20 @@ class Real(Protocol):
     def __ge__(self, other: Real | float, /) -> bool: ...
 
 
+def _sum_of_products(pairs: Sequence[tuple[Scalar, Scalar]]) -> Scalar:
+    (first, second), *others = pairs
+    return sum((a * b for a, b in others), first * second)
+
+
 class Functions(NamedTuple):
-    """What a scalar brings along: its zero, its elementary functions, and whole powers."""
+    """What a scalar brings along: its zero, functions, whole powers, sums of products."""
 
     zero: Scalar
     sin: Callable[[Scalar], Scalar]
     cos: Callable[[Scalar], Scalar]
     sqrt: Callable[[Scalar], Scalar]
     power: Callable[[Scalar, int], Scalar] = pow
+    dot: Callable[[Sequence[tuple[Scalar, Scalar]]], Scalar] = _sum_of_products
 
 
 #: Of exact numbers.
@@ -203,7 +209,7 @@ def of_mpmath() -> Functions:
     """Of mpmath's numbers, to the precision at which they are called."""
     from polhode.numbers.mpmath_context import mpmath
 
-    return Functions(mpmath.mpf(0), mpmath.sin, mpmath.cos, mpmath.sqrt)
+    return Functions(mpmath.mpf(0), mpmath.sin, mpmath.cos, mpmath.sqrt, dot=mpmath.fdot)
 
 
 def of_extended() -> Functions:
@@ -234,7 +240,7 @@ Objects: TypeAlias = "npt.NDArray[np.object_]"
 
 #: What picks elements of an array.
 Index: TypeAlias = "int | slice | Integers | Booleans | list[int] | None"
-Places: TypeAlias = "Index | tuple[Index, ...]"
+Indexing: TypeAlias = "Index | tuple[Index, ...]"
 
 #: Rows that numpy holds: an array (rows, columns).
 Flat: TypeAlias = "Doubles | Extendeds"
@@ -268,7 +274,7 @@ Stack: TypeAlias = "Flat | Objects"
 Gapped: TypeAlias = "list[list[Real | None]]"
 
 #: Columns that may have gaps: an array where numpy has the type and no row is one.
-Columns: TypeAlias = "Flat | Gapped"
+DerivedRows: TypeAlias = "Flat | Gapped"
 
 
 #: A row of angles or attitude read once more, or a list of them.

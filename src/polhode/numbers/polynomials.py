@@ -12,7 +12,7 @@ from polhode.numbers.exact import Number
 from polhode.numbers.mpmath_context import mpf, mpmath, ordinary
 
 #: flint.fmpq_poly: coefficients ascending.
-Polynomial: TypeAlias = fmpq_poly
+QPolynomial: TypeAlias = fmpq_poly
 
 
 class Root(NamedTuple):
@@ -32,7 +32,7 @@ def rational(x: Fraction) -> fmpq:
     return fmpq(x.numerator, x.denominator)
 
 
-def real_roots(polynomial: Polynomial) -> list[Root]:
+def real_roots(polynomial: QPolynomial) -> list[Root]:
     """The real roots, ascending, in balls of the precision in force; none of the zero polynomial.
 
     Which of the roots are real is decided exactly, in integers.

@@ -9,25 +9,27 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
+from itertools import chain
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from polhode.numbers.conversion import exactly, mpf_row, number_value, to_extended, to_mpf
+from polhode.common.values import cached_property
+from polhode.numbers.conversion import exactly, mpf_row, narrowed, to_extended, to_mpf
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import (
-    Columns,
+    DerivedRows,
     Doubles,
     Flat,
     Functions,
-    Gapped,
     Given,
+    Indexing,
     NumberType,
-    Places,
     Scalar,
     Stack,
     extended_here,
+    kind_of,
     of_extended,
     of_mpmath,
 )
@@ -74,7 +76,7 @@ class Rationals:
     def __rtruediv__(self, other: Scalar) -> Rationals:
         return rationals(other).__truediv__(self)
 
-    def __getitem__(self, index: Places) -> Rationals:
+    def __getitem__(self, index: Indexing) -> Rationals:
         """Some of the elements, where it is an array of them."""
         top, bottom = (
             x[index] if isinstance(x, np.ndarray) else x for x in (self.top, self.bottom)
@@ -132,124 +134,93 @@ RowFormula: TypeAlias = Callable[
 GUARD_BITS = 64  # beyond the numbers' own, in which a formula is evaluated
 
 
-def mapped(
-    formula: RowFormula,
-    parts: Sequence[Given],
-    coefficients: Mapping[str, Exact],
-    number_type: NumberType,
-    width: int,
-) -> Columns:
-    """What a formula makes of each row: evaluated with guard bits, rounded once to the type.
+class RowMap:
+    """What a formula makes of rows: evaluated with guard bits, rounded once to the type.
 
-    ``parts``: rows of equal count, whose numbers follow each other in a row of the formula.
     ``width``: how many numbers the formula gives; where it gives fewer the last ones are gaps.
     Doubles are evaluated in extended, all rows at once, where this machine has it; else each row
     with ``GUARD_BITS`` more in mpmath's numbers.  A row is a gap, None throughout, where a number
     that it needs is missing or the formula has no finite real value.
     """
-    flat = number_type.name == "double" and extended_here()
-    if flat and all(hasattr(part, "ndim") or _whole(part) for part in parts):
-        return _at_once(formula, parts, coefficients, width)
-    rows = _row_by_row(formula, parts, coefficients, number_type, width)
-    if not number_type.flat or not _whole(rows):
-        return rows
-    import numpy as np
 
-    if number_type.name == "double":
-        return np.array(rows, dtype=np.float64).reshape(len(rows), width)
-    return np.array(rows, dtype=np.longdouble).reshape(len(rows), width)
+    def __init__(
+        self,
+        formula: RowFormula,
+        coefficients: Mapping[str, Exact],
+        number_type: NumberType,
+        width: int,
+    ) -> None:
+        self._formula, self._coefficients = formula, coefficients
+        self._number, self._width = number_type, width
+        self._bits = number_type.bits + GUARD_BITS
+        self._at_once = number_type.name == "double" and extended_here()
 
+    @cached_property
+    def _k(self) -> dict[str, Scalar]:
+        """The coefficients in more precision than the numbers have."""
+        if self._at_once:
+            return {name: to_extended(x) for name, x in self._coefficients.items()}
+        return {name: to_mpf(x, self._bits) for name, x in self._coefficients.items()}
 
-def mapped_stack(
-    formula: RowFormula,
-    stack: Stack,
-    coefficients: Mapping[str, Exact],
-    number_type: NumberType,
-    width: int,
-) -> Stack:
-    """The same of an array (members, times, columns), not a number where there is no row."""
-    import numpy as np
+    def __call__(self, *parts: Given) -> DerivedRows:
+        """A row of each row of the formula: those of parts of equal count, one after the other."""
+        if self._at_once:
+            return self._all_rows(parts)
+        from polhode.numbers.mpmath_context import mpmath
 
-    there = stack[:, :, 0] == stack[:, :, 0]
-    rows = stack[there]
-    values: Stack = np.full((*stack.shape[:2], width), np.nan, dtype=stack.dtype)
-    if len(rows):
-        member = mapped(
-            formula, [rows if number_type.flat else rows.tolist()], coefficients, number_type, width
-        )
-        values[there] = [[np.nan if x is None else x for x in row] for row in member]
-    return values
+        with mpmath.workprec(self._bits):
+            fn = of_mpmath()
+            rows = []
+            for pieces in zip(*parts, strict=True):
+                row = self._values([*chain(*pieces)], fn)
+                rows.append([*row, *[None] * (self._width - len(row))])
+        if not self._number.flat or None in chain(*rows):
+            return rows
+        import numpy as np
 
+        array: Flat = np.array(rows, dtype=kind_of(self._number)).reshape(len(rows), self._width)
+        return array
 
-def _whole(rows: Given) -> bool:
-    return all(x is not None for row in rows for x in row)
+    def of_stack(self, stack: Stack) -> Stack:
+        """The same of an array (members, times, columns), not a number where there is no row."""
+        import numpy as np
 
+        there = stack[:, :, 0] == stack[:, :, 0]
+        rows = stack[there]
+        values: Stack = np.full((*stack.shape[:2], self._width), np.nan, dtype=stack.dtype)
+        if len(rows):
+            member = self(rows if self._number.flat else rows.tolist())
+            values[there] = [[np.nan if x is None else x for x in row] for row in member]
+        return values
 
-def _at_once(
-    formula: RowFormula, parts: Sequence[Given], coefficients: Mapping[str, Exact], width: int
-) -> Columns:
-    """Of doubles: a formula of whole columns in extended."""
-    import numpy as np
+    def _all_rows(self, parts: Sequence[Given]) -> DerivedRows:
+        """Of doubles: a formula of whole columns in extended."""
+        import numpy as np
 
-    count = len(parts[0])
-    if count == 0:  # a run that reached none of its times: rows that may have no width either
-        return np.empty((0, width))
-    columns = [
-        column
-        for part in parts
-        for column in np.asarray(part, dtype=np.longdouble).reshape(count, -1).T
-    ]
-    k = {name: to_extended(x) for name, x in coefficients.items()}
-    with np.errstate(all="ignore"):
-        values = formula(columns, k, of_extended())
-        doubles: Doubles = np.empty((count, len(values)))
-        for i, column in enumerate(values):
-            doubles[:, i] = np.broadcast_to(column, count)
-    whole = np.all(np.isfinite(doubles), axis=1, keepdims=True).ravel()
-    if whole.all() and len(values) == width:
-        return doubles
-    rows = (row if ok else [] for ok, row in zip(whole, doubles.tolist(), strict=True))
-    return [[*row, *[None] * (width - len(row))] for row in rows]
+        count = len(parts[0])
+        if count == 0:  # a run that reached none of its times: rows that may have no width either
+            return np.empty((0, self._width))
+        columns = [
+            column
+            for part in parts
+            for column in np.asarray(part, dtype=np.longdouble).reshape(count, -1).T
+        ]
+        with np.errstate(all="ignore"):
+            values = self._formula(columns, self._k, of_extended())
+            doubles: Doubles = np.empty((count, len(values)))
+            for i, column in enumerate(values):
+                doubles[:, i] = column
+        whole: Scalar = np.isfinite(columns).all(axis=0) & np.isfinite(doubles).all(axis=1)
+        if whole.all() and len(values) == self._width:
+            return doubles
+        rows = (row if ok else [] for ok, row in zip(whole, doubles.tolist(), strict=True))
+        return [[*row, *[None] * (self._width - len(row))] for row in rows]
 
-
-def _row_by_row(
-    formula: RowFormula,
-    parts: Sequence[Given],
-    coefficients: Mapping[str, Exact],
-    number_type: NumberType,
-    width: int,
-) -> Gapped:
-    """Of any type: a formula of each row in polhode's own mpmath, one rounding at the end."""
-    from polhode.numbers.mpmath_context import mpmath
-
-    wide = number_type.bits + GUARD_BITS
-    rows: Gapped = []
-    with mpmath.workprec(wide):
-        k = {name: to_mpf(x, wide) for name, x in coefficients.items()}
-        fn = of_mpmath()
-        for pieces in zip(*parts, strict=True):
-            row = [x for piece in pieces for x in piece]
-            cells = None if any(x is None for x in row) else _value(formula, row, k, fn, wide)
-            values = None if cells is None else [number_value(x, number_type) for x in cells]
-            if values is None or any(x - x != 0 for x in values):  # beyond the type's range
-                values = []
-            rows.append([*values, *[None] * (width - len(values))])
-    return rows
-
-
-def _value(
-    formula: RowFormula, row: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions, bits: int
-) -> list[Fraction] | None:
-    """A formula of one row; None where it has no finite real value."""
-    try:
-        numbers = mpf_row(row, bits)
-    except ValueError:  # not finite
-        return None
-    try:
-        values = formula(numbers, k, fn)
-    except ZeroDivisionError:
-        return None
-    try:
-        return [exactly(x) for x in values]
-    except ValueError:  # complex
-        return None
+    def _values(self, row: Sequence[Scalar], fn: Functions) -> list[Scalar]:
+        """Of a row of any type, in polhode's own mpmath; none where it is a gap."""
+        try:
+            values = self._formula(mpf_row(row, self._bits), self._k, fn)
+            rounded = [narrowed(x, self._number) for x in values]
+        except (ValueError, ZeroDivisionError):  # missing, not finite, or complex
+            return []
+        return rounded if all(x - x == 0 for x in rounded) else []  # beyond the type's range

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import inspect
-import json
 import re
 from importlib import import_module
 from pathlib import Path
 
 from polhode.common.errors import BadInput, listed
-from polhode.common.texts import JsonObject
 from polhode.numbers.expression import UNITS, named
 from polhode.scenes import vocabulary
 from polhode.scenes.vocabulary import COLUMNS
@@ -127,18 +125,5 @@ def _about(paragraph: str, place: int) -> str:
 
 
 def notebook() -> str:
-    """A Jupyter notebook to begin with, made of the cells in ``notebook.txt``."""
-    text = (FOLDER / "notebook.txt").read_text(encoding="utf-8")
-    cells: list[JsonObject] = []
-    for k, part in enumerate(re.split(r"^# ---\n", text, flags=re.M)):
-        lines = part.strip("\n").splitlines(keepends=True)
-        cell: JsonObject = {"id": f"cell-{k}", "metadata": {}}
-        if all(line.startswith("#") for line in lines):
-            words = [line.removeprefix("#").removeprefix(" ") for line in lines]
-            cells.append(cell | {"cell_type": "markdown", "source": words})
-        else:
-            code: JsonObject = {"cell_type": "code", "execution_count": None, "outputs": []}
-            cells.append(cell | code | {"source": lines})
-    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
-    whole = {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
-    return json.dumps(whole, indent=1, ensure_ascii=False) + "\n"
+    """A Jupyter notebook to begin with."""
+    return (FOLDER / "first.ipynb").read_text(encoding="utf-8")

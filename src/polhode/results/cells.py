@@ -85,8 +85,9 @@ def type_of(values: Values, word: str = "") -> str:
 
     if isinstance(values, np.ndarray) and values.dtype.kind != "O":
         return _of_array(values)
-    kinds = set(map(type, values)) - {type(None)}
-    gaps = any(x is None for x in values)
+    kinds = set(map(type, values))
+    gaps = type(None) in kinds
+    kinds.discard(type(None))
     if not kinds:
         return DOUBLE
     if _all(kinds, bool, np.bool_) and not gaps:

@@ -58,7 +58,10 @@ KINDS = (
     *("Trajectory", "Verdict"),
 )
 #: What a file that is none makes reading it raise.
-DAMAGED = (LookupError, TypeError, AttributeError, ArithmeticError, MemoryError, *UNREADABLE)
+DAMAGED = (
+    *(LookupError, TypeError, AttributeError, ArithmeticError, MemoryError, csv.Error),
+    *UNREADABLE,
+)
 CERTIFICATE = "polhode certificate"
 FOREIGN = "polhode did not write it"
 CHANGED = "it was changed since polhode wrote it"
@@ -90,19 +93,13 @@ def _of_csv(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
     if about["sha256"] != digest(data):
         raise ValueError(CHANGED)
     text = io.StringIO(data.decode(), newline="")
-    try:
-        names = next(csv.reader(text), [])
-    except csv.Error as fault:
-        raise ValueError(str(fault)) from None
+    names = next(csv.reader(text), [])
     words = {x["type"] for x in about["about"]["columns"].values()}
     if words == {DOUBLE} and text.tell() < len(data) and not any(gap in data for gap in _GAPS):
         # numpy's own reader is several times as fast
         matrix = np.loadtxt(text, delimiter=",", ndmin=2, comments=None)
         return _content(about, dict(zip(names, matrix.T, strict=True)), kinds)
-    try:
-        rows = [*csv.reader(text)]
-    except csv.Error as fault:
-        raise ValueError(str(fault)) from None
+    rows = [*csv.reader(text)]
     cells = zip(*rows, strict=True) if rows else (() for _ in names)
     return _content(about, dict(zip(names, cells, strict=True)), kinds)
 

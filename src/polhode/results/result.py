@@ -90,9 +90,10 @@ class Storable:
         >>> told["outcome"], told["columns"]["t"]
         ('reached end', [1.0, 2.0])
         """
+        from polhode.common.texts import as_json
         from polhode.results import writer
 
-        return writer.as_json(writer.document(self.content(), columns=True))
+        return as_json(writer.document(self.content(), columns=True))
 
     def to_pandas(self) -> pd.DataFrame:
         """Give the table as a pandas DataFrame, the facts as its ``attrs``.
@@ -113,7 +114,7 @@ class Storable:
     def _repr_html_(self) -> str:
         from polhode.results import cells
 
-        return cells.to_html(repr(self), str(self))
+        return cells.to_html(repr(self), str(self), getattr(self, "table", None))
 
 
 class Result(Storable):
@@ -145,11 +146,6 @@ class Result(Storable):
 
         kind, facts = type(self).__name__, tuple(written_facts(self.facts()))
         return Content(kind, __version__, repr(self), written_table(self.table()), facts)
-
-    def _repr_html_(self) -> str:
-        from polhode.results import cells
-
-        return cells.to_html(repr(self), str(self), self.table)
 
     def column(self, name: str) -> Values:
         """The values of a column of the table; raises BadInput for another name.

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import json
 import math
 import re
 import zipfile
@@ -25,6 +24,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput, nearest
 from polhode.common.files import is_stream
+from polhode.common.texts import as_json
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import Ball
 from polhode.numbers.exact import Irrational
@@ -135,20 +135,6 @@ def _fact(fact: Fact) -> Value:
 
 def _columns(table: Table) -> dict[str, Value]:
     return {x.name: json_values(x.values, word_of(x)) for x in table.columns}
-
-
-def as_json(value: Mapping[str, Value]) -> str:
-    """JSON text: a line for each key, each column, and each column of a table among the facts."""
-    return "{\n" + ",\n".join(_lines(value, " ")) + "\n}\n"
-
-
-def _lines(value: Mapping[str, Value], indent: str) -> Iterator[str]:
-    for key, part in value.items():
-        if isinstance(part, Mapping) and part and key != "about":
-            inner = ",\n".join(_lines(part, indent + " "))
-            yield f"{indent}{json.dumps(key)}: {{\n{inner}\n{indent}}}"
-        else:
-            yield f"{indent}{json.dumps(key)}: {json.dumps(part, allow_nan=False)}"
 
 
 def csv_text(table: Table) -> str:

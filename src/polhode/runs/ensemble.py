@@ -264,7 +264,7 @@ class Ensemble(SweepResult):
     """
 
     scene: Scene
-    varied: vary.Grid
+    varied: vary.Variation
     members: Members
     number: NumberType
     times: tuple[Fraction, ...]

@@ -17,9 +17,9 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.arguments import rows_of, steps, whole
-from polhode.common.checkpoint import Arrays, JobCheckpoint
+from polhode.common.checkpoint import JobArrays, JobCheckpoint
 from polhode.common.errors import BadInput
-from polhode.common.interrupts import Delay, Progress, Stop, bar
+from polhode.common.interrupts import Delay, Progress, StopRequest, bar
 from polhode.common.processes import run_jobs
 from polhode.common.values import waiting
 from polhode.equations.readout import Readout
@@ -46,7 +46,7 @@ from polhode.taylor.batches import LANES, BatchJob, Solved
 
 def varied_of(
     scene: Scene, starts: npt.ArrayLike | None, others: vary.Vary | None = None
-) -> tuple[Scene, vary.Grid]:
+) -> tuple[Scene, vary.Variation]:
     """The scene of a sweep and what is varied of it, by keys or by starts; raises BadInput.
 
     ``starts``: (N, 6), or (N, 3) of a scene without gamma; ``others``, beside them, are arrays of
@@ -126,7 +126,7 @@ class FlatJob(NamedTuple):
     steps: BatchJob
     read: Reader
 
-    def solved(self, stop: Stop | None = None) -> Solved:
+    def solved(self, stop: StopRequest | None = None) -> Solved:
         """What became of the members, in the scene's axes and units; ``stop`` ends it sooner."""
         solved = batches.solve(self.steps, stop)
         return replace(solved, states=self.read.states(solved.states))
@@ -149,7 +149,7 @@ class WideJob(NamedTuple):
     number: NumberType
     options: Options
 
-    def solved(self, stop: Stop | None = None) -> Solved:
+    def solved(self, stop: StopRequest | None = None) -> Solved:
         """What became of the members, in the scene's axes and units; ``stop`` ends it sooner."""
 
         def heard(*_: object) -> None:
@@ -226,7 +226,7 @@ def packed(results: Solved, number: NumberType) -> Mapping[str, npt.ArrayLike]:
     }
 
 
-def unpacked(arrays: Arrays, number: NumberType) -> Solved:
+def unpacked(arrays: JobArrays, number: NumberType) -> Solved:
     """The same back."""
     errors = json.loads(str(arrays["errors"]))
     return Solved(
@@ -431,7 +431,7 @@ def _provenance(members: Members, seconds: Mapping[str, float]) -> Mapping[str, 
     return {**members.provenance(), "seconds": seconds}
 
 
-def _solved(job: FlatJob | WideJob, stop: Stop | None = None) -> Solved:
+def _solved(job: FlatJob | WideJob, stop: StopRequest | None = None) -> Solved:
     """A job's members; with ``stop`` some may be undone."""
     return job.solved(stop)
 

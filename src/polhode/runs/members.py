@@ -146,7 +146,7 @@ class Plan:
 
 def planned(
     scene: Scene,
-    varied: vary.Grid,
+    varied: vary.Variation,
     number: str | NumberType | None,
     digits: int | None,
     tol: AnyNumber | None,

@@ -13,7 +13,14 @@ from weakref import finalize
 
 import numpy as np
 
-from polhode.common.arguments import not_taken, numbers_given, rows_of, unit_rows, whole
+from polhode.common.arguments import (
+    not_taken,
+    numbers_given,
+    of_unit_length,
+    rows_of,
+    unit_rows,
+    whole,
+)
 from polhode.common.errors import BadInput, plain
 from polhode.common.values import cached_property, refuse_too_much
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
@@ -47,7 +54,7 @@ if TYPE_CHECKING:
 _REACHED_END = Outcome.REACHED_END
 _REACHED = code(_REACHED_END)
 _THERE = TIME_LIMIT.value
-_UNIT = 8  # |gamma|² is 1 to so many eps
+_UNIT = 4  # where |gamma|² is 1 to so many eps, rounded, it surely is to 8
 _FLOATS = frozenset({float, np.float64, np.float32})  # kinds of numbers that are doubles,
 _PLAIN = _FLOATS | {int, np.int64}
 _WHOLE = 2**53  # integers of at most this size among them
@@ -221,7 +228,8 @@ class Propagator:
                     self._memory[:] = start
                 numbers = start.tolist()
                 p, q, r, a, b, c = numbers if len(numbers) == 6 else (*numbers, 1.0, 0.0, 0.0)
-                if not -self._slack <= a * a + b * b + c * c - 1.0 <= self._slack:
+                off = not -self._slack <= a * a + b * b + c * c - 1.0 <= self._slack
+                if off and not of_unit_length((a, b, c), self.number.eps):
                     raise self._bad("start", plain(start), "gamma of length 1, to 8 eps")
                 if self._long:
                     p, q, r = float(p), float(q), float(r)  # whose squares are inf, unsaid

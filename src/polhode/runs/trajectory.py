@@ -19,7 +19,7 @@ from polhode.numbers.conversion import ExactNumbers, to_double
 from polhode.numbers.decimals import in_full, shown, strings
 from polhode.numbers.number_types import (
     AnyNumber,
-    Columns,
+    DerivedRows,
     Flat,
     Given,
     NumberType,
@@ -406,7 +406,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         return self._least_expected[1]
 
     @cached_property
-    def outputs(self) -> Mapping[str, Columns]:
+    def outputs(self) -> Mapping[str, DerivedRows]:
         """Rows of all outputs besides the states, by the words of ``run.outputs``.
 
         Outputs that others need are included; that of hodographs is omega in space.
@@ -416,7 +416,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         >>> {word: len(rows) for word, rows in run.outputs.items()}
         {'attitude': 2, 'angles': 2}
         """
-        values: dict[str, Columns | None] = {
+        values: dict[str, DerivedRows | None] = {
             word: getattr(self, word) for word, x in COLUMNS.items() if x.how == "integrated"
         }
         needs: dict[str, Given | None] = {"state": self.states, **values}

@@ -21,7 +21,7 @@ from polhode.numbers.row_formulas import Rationals, of_floats, of_fractions
 from polhode.scenes import scene_file, vocabulary
 from polhode.scenes.body import OWN_AXES, Body, PrincipalAxes
 from polhode.scenes.scene import Scene
-from polhode.scenes.vary import Grid
+from polhode.scenes.vary import Variation
 from polhode.scenes.vocabulary import CENTRE
 
 # --- sweep members --------------------------------------------------------------------------------
@@ -54,7 +54,7 @@ _WORDS = {
 class Members(LazySequence[Scene]):
     """The members of a sweep: in columns, and as scenes without output times, made when asked."""
 
-    def __init__(self, scene: Scene, varied: Grid) -> None:
+    def __init__(self, scene: Scene, varied: Variation) -> None:
         self.scene, self.varied = scene, varied
         self._mine = threading.local()  # one reads by writing into tables
 
@@ -75,7 +75,7 @@ class Members(LazySequence[Scene]):
 
     __hash__ = None
 
-    def __reduce__(self) -> tuple[type, tuple[Scene, Grid]]:
+    def __reduce__(self) -> tuple[type, tuple[Scene, Variation]]:
         return Members, (self.scene, self.varied)
 
     @cached_property
@@ -242,7 +242,7 @@ class Members(LazySequence[Scene]):
 class _Reading:
     """A scene's tables in which a member's values are put before it is read."""
 
-    def __init__(self, scene: Scene, varied: Grid, same_body: bool) -> None:
+    def __init__(self, scene: Scene, varied: Variation, same_body: bool) -> None:
         self.scene, self.varied, self.same_body = scene, varied, same_body
         self.data, leaves = _new_numbers(scene)
         for key, (table, at) in leaves.items():  # read once for all members
@@ -277,7 +277,7 @@ class _Reading:
         return self.bodies[of_body]
 
 
-def label(name: str, varied: Grid, index: int) -> str:
+def label(name: str, varied: Variation, index: int) -> str:
     """How a member is called in messages."""
     row = zip(varied.keys, varied.rows[index], strict=True)
     more = f" member {index + 1} ({', '.join(f'{key} = {shown(x)}' for key, x in row)})"

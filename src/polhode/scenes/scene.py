@@ -365,12 +365,10 @@ class SectionPlan(NamedTuple):
 
 
 class Integrals(NamedTuple):
-    """h, f and |gamma|² - 1 with the scales they are judged on; f and gamma None without gamma."""
+    """h and f, which is None without gamma."""
 
     energy: Exact
     area: Exact | None
-    energy_scale: Exact
-    area_scale: Exact
 
 
 class _Identity:
@@ -613,24 +611,17 @@ class Scene:
 
     @cached_property
     def integrals(self) -> Integrals:
-        """The exact values of h and f, and their scales T(0) + Mg|r0| and |G(0)|.
+        """The exact values of h and f.
 
         h = ½ w·I w + Mg r0·gamma and f = I w·gamma, (3.30) of Yehia, *Rigid Body Dynamics: A
         Lagrangian Approach*.
         """
         momentum = self.body.momentum(self.omega)
         kinetic = dot(momentum, self.omega) / 2
-        torque = self.body.torque
-        energy, area = kinetic, None
-        if self.gamma is not None:
-            energy = kinetic + dot(torque, self.gamma)
-            area = dot(momentum, self.gamma)
-        return Integrals(
-            energy,
-            area,
-            kinetic + exact.sqrt(dot(torque, torque)),
-            exact.sqrt(dot(momentum, momentum)),
-        )
+        if self.gamma is None:
+            return Integrals(kinetic, None)
+        energy = kinetic + dot(self.body.torque, self.gamma)
+        return Integrals(energy, dot(momentum, self.gamma))
 
     @cached_property
     def log10_rate(self) -> float:

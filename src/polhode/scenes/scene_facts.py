@@ -14,7 +14,7 @@ from polhode.results.cells import EXACT, TEXT, bits_word
 from polhode.results.table import Column, Fact, Value, Values
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_file import as_toml
-from polhode.scenes.vary import Grid
+from polhode.scenes.vary import Variation
 from polhode.scenes.vocabulary import (
     ANGLES,
     ATTITUDE,
@@ -129,7 +129,7 @@ def _column(rows: Given | Stack | Sequence[Sequence[Value]], k: int) -> Values:
     return rows[:, k] if isinstance(rows, np.ndarray) else [row[k] for row in rows]
 
 
-def varied_columns(varied: Grid, member: Indices) -> list[Column]:
+def varied_columns(varied: Variation, member: Indices) -> list[Column]:
     """What is varied, one column per key: exact numbers, or those of arrays; of these members."""
     columns = []
     for key, values, repeat in zip(

@@ -6,8 +6,9 @@ import json
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
-from dataclasses import replace
+from dataclasses import fields, replace
 from fractions import Fraction
+from functools import cache
 from itertools import starmap
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,7 @@ from polhode.scenes.scene import (
     SectionPlan,
     even_times,
 )
+from polhode.scenes.shapes import Part
 from polhode.scenes.vocabulary import (
     EXTREMA,
     FORMER_REFERENCES,
@@ -112,16 +114,43 @@ def tables_of(scene: Scene) -> dict[str, Any]:
     text = source_text(scene)
     if text is not None and text.tells(scene, "body", "omega", "gamma", "psi"):
         return {"body": dict(text.tables["body"]), "start": dict(text.tables["start"])}
-    body = scene.body
-    start: dict[str, Any] = {"omega": list(scene.omega)}
-    if scene.gamma is not None:
-        start |= {"gamma": list(scene.gamma), "psi": scene.psi}
-    inertia = body.inertia
-    if any(inertia[i][j] != 0 for i in range(3) for j in range(3) if i != j):
-        form: dict[str, Any] = {"inertia": [list(row) for row in inertia]}
-    else:
-        form = {"moments": [inertia[i][i] for i in range(3)]}
-    return {"body": {**form, "centre": list(body.centre), "weight": body.weight}, "start": start}
+    body, start = _values(scene.body, "body"), _values(scene, "start")
+    if scene.gamma is None:
+        del start["psi"]
+    if scene.body.parts:  # of which inertia and centre are made
+        del body["inertia"], body["centre"]
+        body["parts"] = [_values(part, "body.parts") for part in scene.body.parts]
+        if sign(scene.body.weight) == 0:
+            body["g"] = body.pop("weight")
+    elif not any(x != 0 for i, row in enumerate(body["inertia"]) for x in row[:i]):
+        body["moments"] = [row[i] for i, row in enumerate(body.pop("inertia"))]
+    return {"body": body, "start": start}
+
+
+@cache
+def held_keys(section: str, owner: type) -> tuple[str, ...]:
+    """The keys of a section whose values an object has by the same names, tables left out.
+
+    The reader and the writer go by this list.
+    """
+    names = {field.name for field in fields(owner) if field.init}
+    tables = (vocabulary.TABLE, vocabulary.TABLES)
+    keys = vocabulary.KEYS[section]
+    return tuple(key.name for key in keys if key.name in names and key.kind not in tables)
+
+
+def _values(owner: Scene | Body | Part, section: str) -> dict[str, Any]:
+    """What an object has of a section's keys, in lists, as a table has it."""
+    kind: type = type(owner)
+    values: dict[str, Any] = {}
+    for key in held_keys(section, kind):
+        if (value := getattr(owner, key)) is not None:
+            values[key] = _in_lists(value)
+    return values
+
+
+def _in_lists(value: Any) -> Any:
+    return [*map(_in_lists, value)] if isinstance(value, tuple) else value
 
 
 def of_tables(data: dict[str, Any], name: str, text: str | Callable[[], str]) -> Scene:
@@ -195,27 +224,18 @@ class _File(SceneTables):
         if kind not in REFERENCES and kind not in (more := vocabulary.added_names()):
             expected = FORMER_REFERENCES.get(kind) or nearest(kind, [*REFERENCES, *more])
             raise self.bad("reference.kind", kind, expected)
-        times = self.times(run)
-        published = tuple(starmap(self.published, self.tables("published")))
-        units = self.read("", data, "units")
         values: dict[str, Any] = {
-            "body": body,
-            "omega": omega,
-            "gamma": gamma,
-            "psi": psi,
-            "times": times,
-            "title": self.read("", data, "title"),
-            "tags": self.read("", data, "tags"),
-            "cite": self.read("", data, "cite"),
-            "form": self.read("run", run, "form"),
-            "outputs": self.read("run", run, "outputs"),
+            **{"body": body, "omega": omega, "gamma": gamma, "psi": psi, "times": self.times(run)},
             "events": tuple(starmap(self.event, self.tables("events"))),
-            "published": published,
+            "published": tuple(starmap(self.published, self.tables("published"))),
             "reference": kind,
             "expect": self.expect(self.table("expect", required=False)),
             "section": self.section(plan) if plan else SectionPlan(),
-            "units": units or ("SI" if self.in_si else ""),
         }
+        for section, table in (("", data), ("run", run)):
+            for key in held_keys(section, Scene):
+                values[key] = self.read(section, table, key)
+        values["units"] = values["units"] or ("SI" if self.in_si else "")
         source = SceneText(text) if isinstance(text, str) else waiting(text)
         if isinstance(source, SceneText):
             source.tables, source.values = data, values
@@ -246,13 +266,11 @@ class _File(SceneTables):
         """One of the tables [[events]]."""
         _, _, number = where.strip("]").partition("[")
         whole = {"name": f"event {number}", "zero": "", **table}
-        name, zero, direction, stop = (
-            self.read("events", whole, key, where) for key in ("name", "zero", "direction", "stop")
-        )
-        if "zero" not in table and Event(name).needs_zero:
-            words = nearest(name, [*READY_MADE, f"{SECTION}<expression>"])
+        event = Event(**{key: self.read("events", whole, key, where) for key in Event._fields})
+        if "zero" not in table and event.needs_zero:
+            words = nearest(event.name, [*READY_MADE, f"{SECTION}<expression>"])
             raise self.bad(f"{where}.zero", None, f"an expression, or one of the names {words}")
-        return Event(name, zero, direction, stop)  # the scene checks what they say
+        return event  # the scene checks what it says
 
     def published(self, where: str, table: Mapping[str, Any]) -> Published:
         """One of the tables [[published]]."""
@@ -308,7 +326,6 @@ class _File(SceneTables):
 # A scene as the text of a scene file: every number in full, so that reading it gives it back.
 
 
-_TITLES = ("title", "tags", "cite", "units")
 _OF_TIMES = ("end", "samples", "at")
 
 #: A half of a character that stands alone, which no text in a file can hold.
@@ -357,15 +374,14 @@ def as_toml(scene: Scene) -> str:
     text = source_text(scene)
     if text is not None and text.tells(scene):
         return str(text)
-    data: dict[str, Any] = {key: getattr(scene, key) for key in _TITLES}
-    data |= tables_of(scene)
-    data["run"] = {"form": scene.form, "outputs": scene.outputs} | _times(scene)
+    data = _values(scene, "") | tables_of(scene)
+    data["run"] = _values(scene, "run") | _times(scene)
     data["section"] = scene.section._asdict()
     data["events"] = [event.table for event in scene.events]
     data["published"] = [figure._asdict() for figure in scene.published]
     data["reference"] = {"kind": scene.reference}
     data["expect"] = {  # doubles that were read from decimals as short as these
-        name: [Fraction(repr(x)) for x in band] for name, band in scene.expect.items()
+        name: [*map(Fraction, map(repr, band))] for name, band in scene.expect.items()
     }
     return written(data, scene.name)
 
@@ -460,14 +476,8 @@ def _text(value: Any, name: str, key: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    """A text as TOML writes it: to it JSON's two halves of one character are none."""
-    if text.isascii() or max(text) < "\U00010000":
-        return json.dumps(text)
-    return f'"{"".join(map(_escaped, text))}"'
-
-
-def _escaped(x: str) -> str:
-    return json.dumps(x)[1:-1] if x < "\U00010000" else f"\\U{ord(x):08x}"
+    """A text as TOML writes it: as JSON, which leaves one more control character as it is."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _flat(value: Any) -> Iterable[Any]:

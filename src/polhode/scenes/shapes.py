@@ -36,7 +36,6 @@ class SolidShape(NamedTuple):
     needs: tuple[str, ...]
     takes: tuple[str, ...]
     moments: Callable[[Mapping[str, Any]], Vector]
-    about: str
     round: bool = True
     lift: Callable[[Mapping[str, Any]], Exact] = lambda _: ZERO
 
@@ -72,24 +71,16 @@ def _rod(k: Mapping[str, Any]) -> Vector:
 
 #: The solids by name.
 SHAPES: dict[str, SolidShape] = {
-    "box": SolidShape(
-        ("size",), (), lambda k: _of_squares(k["size"], 12), "edges along the body's axes", False
-    ),
-    "cylinder": SolidShape(
-        ("radius", "height"), ("inner",), _cylinder, "hollow up to the radius inner"
-    ),
-    "disc": SolidShape(
-        ("radius",), ("inner",), _cylinder, "a cylinder of height 0, a rotor or a ring"
-    ),
-    "cone": SolidShape(
-        ("radius", "height"), (), _cone, "its tip at `at`", lift=lambda k: 3 * k["height"] / 4
-    ),
+    "box": SolidShape(("size",), (), lambda k: _of_squares(k["size"], 12), round=False),
+    "cylinder": SolidShape(("radius", "height"), ("inner",), _cylinder),
+    "disc": SolidShape(("radius",), ("inner",), _cylinder),
+    "cone": SolidShape(("radius", "height"), (), _cone, lift=lambda k: 3 * k["height"] / 4),
     "ellipsoid": SolidShape(
-        ("semi_axes",), (), lambda k: _of_squares(k["semi_axes"], 5), "along the body's axes", False
+        ("semi_axes",), (), lambda k: _of_squares(k["semi_axes"], 5), round=False
     ),
-    "sphere": SolidShape(("radius",), ("inner",), _ball, "hollow up to the radius inner", False),
-    "rod": SolidShape(("height",), (), _rod, "thin"),
-    "point": SolidShape((), (), lambda _: (ZERO, ZERO, ZERO), "a mass alone", False),
+    "sphere": SolidShape(("radius",), ("inner",), _ball, round=False),
+    "rod": SolidShape(("height",), (), _rod),
+    "point": SolidShape((), (), lambda _: (ZERO, ZERO, ZERO), round=False),
 }
 
 

@@ -117,7 +117,7 @@ MAX_MEMBERS = 10_000_000
 Vary = Mapping[str, Any] | Sequence[Mapping[str, Any]] | Sequence[str]
 
 
-class Rows(LazySequence[tuple[Exact, ...]]):
+class MemberRows(LazySequence[tuple[Exact, ...]]):
     """A row of values for each member, made when asked.
 
     ``product``: every combination of the columns' values, the last column's changing fastest; else
@@ -142,21 +142,21 @@ class Rows(LazySequence[tuple[Exact, ...]]):
         return tuple(column[k // repeat % len(column)] for column, repeat in each)
 
     def __eq__(self, other: object) -> bool:
-        if isinstance(other, Rows) and self.product == other.product:
+        if isinstance(other, MemberRows) and self.product == other.product:
             return self.columns == other.columns
         return super().__eq__(other)
 
     __hash__ = None
 
     def __repr__(self) -> str:
-        return f"Rows({[column.summary for column in self.columns]}, {self.product})"
+        return f"MemberRows({[column.summary for column in self.columns]}, {self.product})"
 
 
-class Grid(NamedTuple):
+class Variation(NamedTuple):
     """What is varied: the keys, and a row of values for each member."""
 
     keys: tuple[str, ...]
-    rows: Rows
+    rows: MemberRows
 
 
 def option(text: str, name: str, units: str = "") -> tuple[str, Sequence[Exact]]:
@@ -201,7 +201,7 @@ def numbers(text: str, key: str, name: str, units: str, dimension: str) -> Seque
     return parts[0] if len(parts) == 1 else [x for part in parts for x in part]
 
 
-def grid(vary: Vary, name: str, units: str = "", starts: Flat | None = None) -> Grid:
+def grid(vary: Vary, name: str, units: str = "", starts: Flat | None = None) -> Variation:
     """Keys and rows of what is varied, beside an array of starts if there is one; raises BadInput.
 
     ``starts``: (N, columns of a state), finite numbers.
@@ -229,7 +229,7 @@ def grid(vary: Vary, name: str, units: str = "", starts: Flat | None = None) -> 
         ]
     if not keys:
         raise BadInput(name, "vary", None, "at least one number of the scene file to vary")
-    rows = Rows(arrays or columns, product and not arrays)
+    rows = MemberRows(arrays or columns, product and not arrays)
     if len(rows) > MAX_MEMBERS:
         expected = f"at most {MAX_MEMBERS}; split the sweep"
         raise BadInput(name, "vary", f"{len(rows)} members", expected)
@@ -238,7 +238,7 @@ def grid(vary: Vary, name: str, units: str = "", starts: Flat | None = None) -> 
         largest = max(thetas.ends or thetas, key=abs, default=ZERO)
         if abs(largest) > 2 * pi():
             say_doubt(name, doubtful_theta(largest))
-    return Grid(tuple(keys), rows)
+    return Variation(tuple(keys), rows)
 
 
 def _column(key: str, values: object, name: str, units: str) -> ExactNumbers[Exact]:

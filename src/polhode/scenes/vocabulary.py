@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import tomllib
 from collections.abc import Mapping
@@ -12,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 from polhode.common.errors import BadInput
 from polhode.numbers import expression
 from polhode.numbers.conversion import to_mpf
-from polhode.numbers.exact import Exact
 from polhode.numbers.expression import Algebra
 
 if TYPE_CHECKING:
@@ -240,10 +240,9 @@ def default(section: str, name: str) -> Any:
 
 def check(text: str, names: tuple[str, ...]) -> None:
     """Raise ExpressionError unless ``text`` reads as an expression in these names."""
+    functions = dict.fromkeys(expression.FUNCTIONS, lambda _: math.nan)
     expression.evaluate(
-        text,
-        dict.fromkeys(names, _ANY),
-        Algebra(_lift_any, dict.fromkeys(expression.FUNCTIONS, _same)),
+        text, dict.fromkeys(names, math.nan), Algebra(lambda _: math.nan, functions)
     )
 
 
@@ -258,26 +257,6 @@ def value(text: str, columns: Mapping[str, Any], bits: int) -> Any:
             text, numbers, Algebra(lambda x: to_mpf(x, bits + 8), functions)
         )
         return result if isinstance(result, mpmath.mpf) else to_mpf(result, bits)
-
-
-class _Any:
-    """A value of which nothing is known: any operation gives it back."""
-
-    def _same(self, *_: Any) -> _Any:
-        return self
-
-    __add__ = __sub__ = __mul__ = __truediv__ = __pow__ = __neg__ = _same
-
-
-_ANY = _Any()
-
-
-def _lift_any(_: Exact) -> _Any:
-    return _ANY
-
-
-def _same(argument: object) -> Any:
-    return argument
 
 
 # --- added families -------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeVar, cast
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.interrupts import Stop
+from polhode.common.interrupts import StopRequest
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
 from polhode.numbers.number_types import (
@@ -52,7 +52,7 @@ class LaneQueue:
         self,
         begin: Callable[[int], None],
         stretch: Callable[[], Sequence[int] | None],
-        stop: Stop | None,
+        stop: StopRequest | None,
     ) -> None:
         """Follow all motions to their ends, or until ``stop`` says so.
 
@@ -214,7 +214,7 @@ def until(
     ta: HeyokaIntegrator,
     ends: Sequence[float],
     most: int | None = None,
-    stop: Stop | None = None,
+    stop: StopRequest | None = None,
 ) -> Ended:
     """Advance the lanes of a batch, which stand at time 0, to their ends in at most so many steps.
 
@@ -343,7 +343,7 @@ _THERE = code(Outcome.REACHED_END)
 _HOPELESS = 10.0  # times the limit of steps: what would need so many is given up at once
 
 
-def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
+def solve(job: BatchJob, stop: StopRequest | None = None) -> Solved:
     """Integrate a job's motions; those that ``stop`` kept from being finished are NOT_RUN."""
     many = job.motions.many
     if job.sure and job.number.name == "double":
@@ -368,7 +368,7 @@ def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
 def at_once(
     job: BatchJob,
     order: Indices,
-    stop: Stop | None = None,
+    stop: StopRequest | None = None,
     steps: npt.NDArray[np.int64] | None = None,
 ) -> Stack:
     """States of some motions of doubles, which arrive in so few steps that nobody need look.
@@ -460,7 +460,7 @@ def longest(number: NumberType) -> float:
 class _Way:
     """A job's motions on their way, in the unit of time that they have in common."""
 
-    def __init__(self, job: BatchJob, engine: Engine, stop: Stop | None) -> None:
+    def __init__(self, job: BatchJob, engine: Engine, stop: StopRequest | None) -> None:
         self.job, self.engine, self.stop = job, engine, stop
         self.sizes = np.abs(job.times)
         self.block = defaults.of(job.number).chunk  # steps between two looks for a signal

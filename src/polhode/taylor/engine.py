@@ -18,7 +18,7 @@ from typing import Any, Protocol, Self, TypeAlias, TypeVar
 
 import numpy as np
 
-from polhode.common.interrupts import Lock, Place
+from polhode.common.interrupts import Lock, LockPlace
 from polhode.common.values import cached_property
 from polhode.equations.forms import principal
 from polhode.motion.outcomes import Outcome
@@ -434,7 +434,7 @@ class Watcher(Listener, Protocol):
 # --- engine ---------------------------------------------------------------------------------------
 
 
-COMPILING = Lock(Place.COMPILING)
+COMPILING = Lock(LockPlace.COMPILING)
 
 
 class Engine:

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.checkpoint import Arrays
-from polhode.common.interrupts import Stop
+from polhode.common.checkpoint import JobArrays
+from polhode.common.interrupts import StopRequest
 from polhode.equations import kinematics
 from polhode.equations.forms import principal
 from polhode.equations.section_functions import UNSURE, SectionZero, in_columns
@@ -229,7 +229,7 @@ class Crossed(NamedTuple):
     drift: float
 
     @classmethod
-    def of(cls, arrays: Arrays) -> Crossed:
+    def of(cls, arrays: JobArrays) -> Crossed:
         """From its arrays by name."""
         states, times, rests = (double_array(arrays[name]) for name in ("states", "times", "rests"))
         counts, steps = (np.asarray(arrays[name], dtype=np.int64) for name in ("found", "steps"))
@@ -237,7 +237,7 @@ class Crossed(NamedTuple):
         return cls(states, times, rests, counts, steps, outcomes, drift)
 
 
-def solve(job: SearchJob, stop: Stop | None = None) -> Crossed:
+def solve(job: SearchJob, stop: StopRequest | None = None) -> Crossed:
     """Follow a job's motions, as many at a time as a step advances; the next takes a free lane.
 
     Raises Singular for a section.
@@ -300,7 +300,7 @@ class _Search:
         for lane in range(LANES):
             self._begin(lane)
 
-    def run(self, stop: Stop | None) -> Crossed:
+    def run(self, stop: StopRequest | None) -> Crossed:
         """All of them."""
         self.lanes.follow(self._begin, lambda: self._stretch(stop), stop)
         return self._crossed()
@@ -322,7 +322,7 @@ class _Search:
 
     # -- a stretch of time ----------------------------------------------------------------------
 
-    def _stretch(self, stop: Stop | None) -> list[int] | None:
+    def _stretch(self, stop: StopRequest | None) -> list[int] | None:
         """Go on by a stretch of time: the lanes whose motions are over; None where stopped."""
         busy, starts, unsure = self.lanes.busy, self.state, np.zeros(LANES, dtype=bool)
         self.origin = self.parts * self.length
@@ -359,7 +359,7 @@ class _Search:
         return lanes
 
     def _followed(
-        self, batch: CompiledBatch, which: Booleans, starts: Doubles, stop: Stop | None
+        self, batch: CompiledBatch, which: Booleans, starts: Doubles, stop: StopRequest | None
     ) -> _Stretch | None:
         """What some lanes of a batch meet in the stretch; None where stopped.  Raises Singular."""
         self.parameters[ORIGIN] = self.origin
@@ -398,7 +398,9 @@ class _Search:
         self.side = np.where(new, sides, self.side)
         return np.where(own, 2 * double_array(starts.reach) + ULPS * float(DOUBLE.eps), -1.0)
 
-    def _onwards(self, batch: CompiledBatch, which: Booleans, stop: Stop | None) -> Ended | None:
+    def _onwards(
+        self, batch: CompiledBatch, which: Booleans, stop: StopRequest | None
+    ) -> Ended | None:
         """Some lanes brought to the stretch's end; None where stopped.  Raises Singular."""
         most, running = self.job.max_steps, self.lanes.motion[self.lanes.busy]
         left = None if most is None else max(1, most - int(self.steps[running].max()))

@@ -14,7 +14,7 @@ from weakref import WeakSet
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.common.interrupts import Lock, Place
+from polhode.common.interrupts import Lock, LockPlace
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_double, to_extended
@@ -144,7 +144,7 @@ class Meanwhile(Generic[T]):
         self._read, self._write, self._value = read, write, value
         self._before: T | None = None
         self._inside: WeakSet[_Block] = WeakSet()
-        self._lock = Lock(Place.STORE)
+        self._lock = Lock(LockPlace.STORE)
 
     @contextmanager
     def __call__(self) -> Iterator[None]:

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common import processes
-from polhode.common.interrupts import Stop
+from polhode.common.interrupts import StopRequest
 from polhode.equations.terms import NAMES, ROWS
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.number_types import DOUBLE, Booleans, Doubles, Indices, Stack
@@ -97,7 +97,7 @@ def states(
     if many and (steps := EqualSteps.of(job, fastest)) is not None:
         good = steps.counts > 0
 
-        def together(group: Indices, stop: Stop | None = None) -> None:
+        def together(group: Indices, stop: StopRequest | None = None) -> None:
             good[group] = at_end(job, steps, group, states[:, -1], stop)
 
         late = order[good[order]]
@@ -111,10 +111,10 @@ def states(
         if not len(order):
             return states, outcomes
 
-    def quickly(group: Indices, stop: Stop | None = None) -> None:
+    def quickly(group: Indices, stop: StopRequest | None = None) -> None:
         states[group] = batches.at_once(job, group, stop)
 
-    def carefully(group: Indices, stop: Stop | None = None) -> None:
+    def carefully(group: Indices, stop: StopRequest | None = None) -> None:
         some = batches.solve(job._replace(motions=job.motions.some(group)), stop)
         states[group], outcomes[group] = some.states, some.outcomes
 
@@ -128,7 +128,7 @@ def states(
 
 
 def _share(
-    part: Callable[[Indices, Stop | None], None],
+    part: Callable[[Indices, StopRequest | None], None],
     order: Indices,
     job: BatchJob,
     fastest: Doubles,
@@ -191,7 +191,7 @@ class EqualSteps(NamedTuple):
 
 
 def at_end(
-    job: BatchJob, steps: EqualSteps, which: Indices, into: Doubles, stop: Stop | None = None
+    job: BatchJob, steps: EqualSteps, which: Indices, into: Doubles, stop: StopRequest | None = None
 ) -> Booleans:
     """The states of some motions at the last time of all, put into (motions, columns).
 

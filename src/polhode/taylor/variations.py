@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.checkpoint import Arrays
-from polhode.common.interrupts import Stop
+from polhode.common.checkpoint import JobArrays
+from polhode.common.interrupts import StopRequest
 from polhode.equations.terms import NAMES, ROWS
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact, number_types
@@ -385,13 +385,13 @@ class Followed(NamedTuple):
     last: npt.NDArray[np.int64]
 
     @classmethod
-    def of(cls, arrays: Arrays) -> Followed:
+    def of(cls, arrays: JobArrays) -> Followed:
         """From its arrays by name."""
         sizes = np.asarray(arrays["sizes"], dtype=np.float64)
         return cls(sizes, np.asarray(arrays["last"], dtype=np.int64))
 
 
-def solve(job: TangentJob, stop: Stop | None = None) -> Followed:
+def solve(job: TangentJob, stop: StopRequest | None = None) -> Followed:
     """Follow a job's tangents, as many at a time as a step advances; the next takes a free lane."""
     n, chunk = len(job.starts), job.end / job.looks
     sizes = np.full((n, job.looks + 1), np.nan)

@@ -70,7 +70,7 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
     for name, kind in verb.other_kinds.items():
         if name in arguments:
             verb = VERBS.get(kind) or verb._replace(kind=kind)
-    places = Places(verb, [*map(Path, namespace.places or ())], namespace.json, inputs)
+    places = OutputFiles(verb, [*map(Path, namespace.places or ())], namespace.json, inputs)
     places.check()
     places.check_figure(vars(namespace))
     if verb.scene:
@@ -118,7 +118,7 @@ def _sources(values: Mapping[str, object]) -> Iterable[str]:
         yield from (x for x in (value if isinstance(value, list) else [value]) if type(x) is str)
 
 
-class Places:
+class OutputFiles:
     """The files that a verb is to write."""
 
     def __init__(

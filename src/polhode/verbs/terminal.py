@@ -32,7 +32,7 @@ class NotEnough(Exception):
         super().__init__(text)
 
 
-class _Closed(io.TextIOBase):
+class _ClosedStdout(io.TextIOBase):
     """A stdout that the caller closed: the first result that goes there is refused."""
 
     def write(self, text: str) -> int:
@@ -51,7 +51,7 @@ class _Nowhere(io.TextIOBase):
 def prepare() -> None:
     """Streams that are there, and that take any character; SIGTERM ends work as Ctrl-C does."""
     if sys.stdout is None:
-        sys.stdout = _Closed()
+        sys.stdout = _ClosedStdout()
     if sys.stderr is None:
         sys.stderr = _Nowhere()
     heard.came, heard.loaded = False, True
@@ -70,7 +70,7 @@ def ignore_signals() -> None:
 
 def give_up_stdout() -> None:
     """Let what is left in stdout's buffer go nowhere, so that leaving Python is no fault."""
-    if not isinstance(sys.stdout, _Closed):
+    if not isinstance(sys.stdout, _ClosedStdout):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 

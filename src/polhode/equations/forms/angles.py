@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from typing import ClassVar, NamedTuple
 
 from polhode.common.errors import BadInput
-from polhode.equations.form import Coefficients, Form, Values
+from polhode.equations.form import Coefficients, Form, FormValues
 from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits
 from polhode.numbers import exact
 from polhode.numbers.exact import sign
@@ -67,7 +67,7 @@ class InAngles(Form):
 
     theta: ClassVar[int] = 1
 
-    def distance(self, values: Values, k: Coefficients, fn: Functions) -> Scalar:
+    def distance(self, values: FormValues, k: Coefficients, fn: Functions) -> Scalar:
         """sin² theta."""
         s = fn.sin(values[self.theta])
         return s * s

@@ -10,7 +10,7 @@ do so exactly, before any rounding.  Variables: p q r [gamma1 gamma2 gamma3] in 
 
 from __future__ import annotations
 
-from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
+from polhode.equations.form import Coefficients, Form, FormValues, OmegaAndGamma
 from polhode.equations.forms import matrices
 from polhode.equations.forms.matrices import GAMMA, OMEGA
 from polhode.numbers.number_types import Functions, Scalar
@@ -24,7 +24,7 @@ SOURCE = "3.16–3.17"
 class General(Form):
     """The equations of one scene in its own axes."""
 
-    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
+    def field(self, values: FormValues, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of p q r [gamma1 gamma2 gamma3]."""
         omega, gamma = values[:3], values[3:]
         terms = matrices.products(OMEGA, omega)
@@ -32,7 +32,7 @@ class General(Form):
         rates = matrices.rates(OMEGA, terms, k, fn.zero)
         return rates + matrices.turning_rates(gamma, omega) if gamma else rates
 
-    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
+    def state(self, values: FormValues, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """omega and gamma: the variables themselves."""
         return list(values[:3]), list(values[3:6])
 

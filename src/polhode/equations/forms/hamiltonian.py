@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from polhode.equations.form import Coefficients, OmegaAndGamma, Values
+from polhode.equations.form import Coefficients, FormValues, OmegaAndGamma
 from polhode.equations.forms import angles as euler_angles
 from polhode.equations.forms.angles import Angles, InAngles
 from polhode.equations.forms.natural_units import own_units, present
@@ -39,7 +39,7 @@ def _momentum(turn: Angles, momenta: Sequence[Scalar]) -> list[Scalar]:
 class Hamiltonian(InAngles):
     """The form for one scene; momenta in its own unit of mass."""
 
-    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
+    def field(self, values: FormValues, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of the angles and of their momenta."""
         turn = Angles.of(values[1], values[2], fn)
         s, c, sf, cf = turn
@@ -57,7 +57,7 @@ class Hamiltonian(InAngles):
             combination(k, fn.zero, ("1/B-1/A", G1 * G2)) - by_phi,
         ]
 
-    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
+    def state(self, values: FormValues, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """Components of w and of gamma."""
         turn = Angles.of(values[1], values[2], fn)
         names = ("1/A", "1/B", "1/C")

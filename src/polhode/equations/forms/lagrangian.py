@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from polhode.equations.form import Coefficients, OmegaAndGamma, Values
+from polhode.equations.form import Coefficients, FormValues, OmegaAndGamma
 from polhode.equations.forms import angles, principal
 from polhode.equations.forms.angles import Angles, InAngles
 from polhode.equations.forms.natural_units import own_units, present
@@ -40,12 +40,12 @@ def accelerations(
 class Lagrangian(InAngles):
     """The form for one scene; see :mod:`polhode.equations.forms`."""
 
-    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
+    def field(self, values: FormValues, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of psi theta phi psi' theta' phi'."""
         turn = Angles.of(values[1], values[2], fn)
         return [*values[3:], *accelerations(turn, values[3:], k, fn)]
 
-    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
+    def state(self, values: FormValues, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """Components of w and of gamma."""
         turn = Angles.of(values[1], values[2], fn)
         return turn.omega(*values[3:]), turn.gamma

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
+from polhode.equations.form import Coefficients, Form, FormValues, OmegaAndGamma
 from polhode.equations.forms import matrices
 from polhode.equations.forms.matrices import GAMMA, OMEGA
 from polhode.numbers import exact
@@ -27,7 +27,7 @@ MOMENTUM = ("P", "Q", "R")
 class Momentum(Form):
     """The equations of one scene in its own axes."""
 
-    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
+    def field(self, values: FormValues, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of P Q R [gamma1 gamma2 gamma3]."""
         momentum = values[:3]
         omega, gamma = self.state(values, k, fn)
@@ -36,7 +36,7 @@ class Momentum(Form):
         rates = matrices.rates(MOMENTUM, terms, k, fn.zero)
         return rates + matrices.turning_rates(gamma, omega) if gamma else rates
 
-    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
+    def state(self, values: FormValues, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """omega = A G, and gamma."""
         momentum = dict(zip(MOMENTUM, values[:3], strict=True))
         return matrices.rates(OMEGA, momentum, k, fn.zero), list(values[3:6])

@@ -6,7 +6,7 @@ In principal axes, where the gyration matrix is diag(1/A, 1/B, 1/C); G' and D' a
 
 from __future__ import annotations
 
-from polhode.equations.form import Coefficients, Values
+from polhode.equations.form import Coefficients, FormValues
 from polhode.equations.forms import without_gamma
 from polhode.equations.forms.without_gamma import WithoutGamma
 from polhode.numbers.number_types import Functions, Scalar
@@ -20,12 +20,12 @@ VARIABLES = ("G1", "G2", "G3", "D")
 class MomentumOnly(WithoutGamma):
     """The form for one scene; G and D in its own unit of mass."""
 
-    def turning(self, values: Values, k: Coefficients) -> tuple[list[Scalar], list[Scalar]]:
+    def turning(self, values: FormValues, k: Coefficients) -> tuple[list[Scalar], list[Scalar]]:
         """w, and G itself."""
         G = list(values[:3])
         return [k[f"1/{name}"] * x for name, x in zip("ABC", G, strict=True)], G
 
-    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
+    def field(self, values: FormValues, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of G1 G2 G3 D."""
         return without_gamma.rates(*self.turning(values, k), values[3], k, fn)
 

@@ -5,7 +5,7 @@ In principal axes; I w' = G' and D' as :mod:`polhode.equations.forms.without_gam
 
 from __future__ import annotations
 
-from polhode.equations.form import Coefficients, Values
+from polhode.equations.form import Coefficients, FormValues
 from polhode.equations.forms import without_gamma
 from polhode.equations.forms.without_gamma import WithoutGamma
 from polhode.numbers.number_types import Functions, Scalar
@@ -19,12 +19,12 @@ VARIABLES = ("p", "q", "r", "D")
 class OmegaOnly(WithoutGamma):
     """The form for one scene; D in its own unit of mass."""
 
-    def turning(self, values: Values, k: Coefficients) -> tuple[list[Scalar], list[Scalar]]:
+    def turning(self, values: FormValues, k: Coefficients) -> tuple[list[Scalar], list[Scalar]]:
         """w, and G = I w."""
         omega = list(values[:3])
         return omega, [k[name] * w for name, w in zip("ABC", omega, strict=True)]
 
-    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
+    def field(self, values: FormValues, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of p q r D."""
         *moment, swing = without_gamma.rates(*self.turning(values, k), values[3], k, fn)
         return [*(k[f"1/{name}"] * x for name, x in zip("ABC", moment, strict=True)), swing]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
+from polhode.equations.form import Coefficients, Form, FormValues, OmegaAndGamma
 from polhode.equations.forms.matrices import turning_rates
 from polhode.equations.terms import (
     NAMES,
@@ -34,11 +34,11 @@ class Principal(Form):
 
     plain = True
 
-    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
+    def field(self, values: FormValues, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of p q r [gamma1 gamma2 gamma3]."""
         return field(values, k, fn)
 
-    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
+    def state(self, values: FormValues, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """omega and gamma: the variables themselves."""
         return list(values[:3]), list(values[3:6])
 

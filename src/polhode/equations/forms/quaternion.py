@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from polhode.common.errors import BadInput
 from polhode.equations import kinematics
-from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
+from polhode.equations.form import Coefficients, Form, FormValues, OmegaAndGamma
 from polhode.equations.forms import principal
 from polhode.numbers.number_types import Functions, Scalar
 from polhode.numbers.vectors import vertical
@@ -22,30 +22,30 @@ NAME = "quaternion"
 SOURCE = "3.12, remark"
 
 
-class Quaternion(Form):
+class QuaternionForm(Form):
     """The equations of one scene; ``unit``: which variables form a vector of length one."""
 
     unit = slice(3, 7)
 
-    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
+    def field(self, values: FormValues, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of p q r q0 q1 q2 q3."""
         omega, gamma = self.state(values, k, fn)
         rates = principal.field([*omega, *gamma], k, fn)[:3]
         return rates + kinematics.attitude_rates(values[self.unit], omega)
 
-    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
+    def state(self, values: FormValues, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """omega, and gamma from the quaternion as it is."""
         return list(values[:3]), list(vertical(values[self.unit]))
 
 
-def for_scene(scene: Scene) -> Quaternion:
+def for_scene(scene: Scene) -> QuaternionForm:
     """The equations of a scene; it must have gamma, which says where the attitude begins."""
     if scene.gamma is None:
         expected = "another form, or a start.gamma: the attitude begins from it"
         raise BadInput(scene.name, "form", NAME, expected)
     start = (*scene.omega, *kinematics.starting_attitude(scene.gamma, scene.psi))
     k = principal.coefficients(scene.body)
-    return Quaternion(scene, (*scene.columns[:3], *_NAMES), k, start)
+    return QuaternionForm(scene, (*scene.columns[:3], *_NAMES), k, start)
 
 
 #: Apart from the names of the attitude's own variables, which an output may add.

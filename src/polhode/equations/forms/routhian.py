@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from polhode.equations.form import Coefficients, OmegaAndGamma, Values
+from polhode.equations.form import Coefficients, FormValues, OmegaAndGamma
 from polhode.equations.forms import angles, principal
 from polhode.equations.forms.angles import Angles, InAngles
 from polhode.equations.forms.lagrangian import accelerations
@@ -120,12 +120,12 @@ class Routhian(InAngles):
     theta = 0
     reduced: Callable[[Angles, Sequence[Scalar], Coefficients, Functions], tuple[Scalar, Scalar]]
 
-    def field(self, values: Values, k: Coefficients, fn: Functions) -> list[Scalar]:
+    def field(self, values: FormValues, k: Coefficients, fn: Functions) -> list[Scalar]:
         """The rates of theta phi theta' phi'."""
         turn = Angles.of(values[0], values[1], fn)
         return [*values[2:], *self.reduced(turn, values[2:], k, fn)]
 
-    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
+    def state(self, values: FormValues, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """Components of w and of gamma."""
         turn = Angles.of(values[0], values[1], fn)
         return turn.omega(precession(turn, values[2:], k, fn), *values[2:]), turn.gamma

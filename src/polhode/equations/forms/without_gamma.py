@@ -22,7 +22,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from polhode.common.errors import BadInput
-from polhode.equations.form import Coefficients, Form, OmegaAndGamma, Values
+from polhode.equations.form import Coefficients, Form, FormValues, OmegaAndGamma
 from polhode.equations.forms.matrices import turning_rates
 from polhode.equations.forms.natural_units import PRINCIPAL, OwnUnits, own_units, present
 from polhode.numbers.exact import Exact, sign, sqrt
@@ -100,15 +100,15 @@ class WithoutGamma(Form):
     """A form in w or G alone, with D as the fourth variable."""
 
     @abstractmethod
-    def turning(self, values: Values, k: Coefficients) -> tuple[list[Scalar], list[Scalar]]:
+    def turning(self, values: FormValues, k: Coefficients) -> tuple[list[Scalar], list[Scalar]]:
         """w and G."""
 
-    def state(self, values: Values, k: Coefficients, fn: Functions) -> OmegaAndGamma:
+    def state(self, values: FormValues, k: Coefficients, fn: Functions) -> OmegaAndGamma:
         """Components of w and of gamma."""
         omega, G = self.turning(values, k)
         return omega, gamma(parts(omega, G, values[3], k, fn), k, fn)
 
-    def distance(self, values: Values, k: Coefficients, fn: Functions) -> Scalar:
+    def distance(self, values: FormValues, k: Coefficients, fn: Functions) -> Scalar:
         """|r0 × G|² over |r0|² and a bound of |G|² that the energy sets: 0 to 1."""
         N = lever(self.turning(values, k)[1], k, fn)
         return k["nearness"] * dot(N, N)
