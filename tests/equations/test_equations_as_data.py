@@ -13,8 +13,6 @@ import pytest
 import polhode
 from polhode.enclosures import fixed_point_problem, step_bound, task, taylor_polynomials, zonotope
 from polhode.equations import terms
-from polhode.numbers.conversion import to_double
-from polhode.scenes import scene_file
 from polhode.taylor.projection import staying_zero
 
 DRAWS = 20
@@ -108,45 +106,6 @@ def test_a_door_refuses_what_it_does_not_take() -> None:
     ):
         with pytest.raises(polhode.BadInput, match=said):
             polhode.load(scene, takes=takes)
-
-
-@pytest.fixture
-def readings(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Texts that are read as TOML from now on."""
-    texts: list[str] = []
-    honest = scene_file.tables
-
-    def tables(text: str, name: str = "scene") -> dict[str, object]:
-        texts.append(text)
-        return honest(text, name)
-
-    monkeypatch.setattr(scene_file, "tables", tables)
-    return texts
-
-
-def test_a_scene_s_text_is_read_once(readings: list[str], tmp_path) -> None:
-    scene = polhode.load("lagrange/nutation")
-    assert len(readings) == 1
-    run = polhode.integrate(scene, at=[1, 2])
-    run.save(tmp_path / "run.json")
-    starts = np.array([[float(x) for x in scene.start]] * 3)
-    polhode.integrate_many(scene, starts=starts, at=[1])
-    polhode.integrate_many(scene, vary={"start.omega[1]": [0, 1]}, at=[1])
-    assert polhode.as_toml(scene) == scene.source
-    assert "\nat = [1, 2]\n" in polhode.as_toml(run.scene)
-    assert len(readings) == 1
-    top = polhode.top(moments=[2, 2, 1], omega=[0.5, 0, 3], end=10)
-    polhode.integrate(top).save(tmp_path / "top.json")  # its text is written, and read once
-    polhode.integrate_many(top, vary={"start.omega[1]": [0, 1]}, at=[1])
-    assert len(readings) == 2
-
-
-def test_the_text_of_a_changed_scene_tells_the_change() -> None:
-    scene = polhode.load("kovalevskaya/generic")
-    changed = replace(scene, omega=(1, 2, 3), title="another")  # type: ignore[arg-type]
-    again = scene_file.parse(polhode.as_toml(changed))
-    assert (again.omega, again.title, again.body) == (changed.omega, "another", scene.body)
-    assert to_double(again.omega[2]) == 3.0
 
 
 def test_a_sum_in_the_derivative_is_not_proven(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -259,45 +259,24 @@ def test_the_norm_of_the_quaternion_is_held_by_corrections_that_are_reported():
 
 # -- the command line -----------------------------------------------------------------------------
 
-FILE = """schema = 1
-[body]
-moments = [1, 1, "1/2"]
-centre = [0, 0, 1]
-weight = 1
-[start]
-omega = ["1/4", 3, 1]
-gamma = ["4/5", 0, "3/5"]
-[run]
-end = 3
-samples = 4
-form = "hamiltonian"
-"""
 
+def test_forms_on_the_command_line(capsys, tmp_path, refusal):
+    (tmp_path / "over.toml").write_text(polhode.as_toml(passing("hamiltonian", F(0)).at([1, 2, 3])))
 
-def test_forms_on_the_command_line(capsys, tmp_path):
-    file = str(tmp_path / "over.toml")
-    (tmp_path / "over.toml").write_text(FILE)
-
-    def output(*arguments):
-        code = cli.main([*arguments])
+    def output(*arguments, code=0):
+        assert cli.main([*arguments, "--json"]) == code
         out, err = capsys.readouterr()
-        return code, json.loads(out) if out else None, err
+        return json.loads(out), err
 
-    code, answer, err = output("run", file, "--json")
-    assert (code, answer["outcome"]) == (3, "singular set")
+    answer, err = output("run", "over.toml", code=3)
+    assert answer["outcome"] == "singular set"
     assert "the form hamiltonian met its singular set; use --form principal" in err
-    code, answer, _ = output("run", file, "--form", "momentum", "--json")
-    assert (code, answer["form"], answer["outcome"]) == (0, "momentum", "reached end")
-    code, answer, _ = output("show", file, "--json")
+    answer, _ = output("run", "over.toml", "--form", "momentum")
+    assert (answer["form"], answer["outcome"]) == ("momentum", "reached end")
+    answer, _ = output("show", "over.toml")
     assert (answer["form"], answer["variables"][1]) == ("hamiltonian", "nutation")
     assert answer["source"].startswith("3.47")
-    for arguments, said in (
-        ((file, "--form", "momentums"), "did you mean 'momentum'"),
-        (("euler/sphere", "--form", "omega-only"), "the weight has no moment"),
-    ):
-        code, answer, err = output("run", *arguments)
-        assert (code, answer) == (2, None)
-        assert said in err
+    assert "weight has no moment" in refusal("run", "euler/sphere", "--form", "omega-only")
 
 
 @pytest.mark.slow

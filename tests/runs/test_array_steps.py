@@ -1,8 +1,5 @@
 """Large arrays of starts by one compiled Taylor step: rows as accurate as the tolerance asks."""
 
-import re
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -171,10 +168,3 @@ def test_what_the_step_is_not_for_goes_as_before(counted):
     assert 0 < counted[0][0] < MANY
     assert np.array_equal(loose(rows, t=0.0), rows)
     assert np.isfinite(loose(rows, t=-1.0)).all()
-
-
-def test_the_limits_are_those_of_the_choices():
-    text = (Path(__file__).parents[2] / "reports/choices.md").read_text(encoding="utf-8")
-    (chapter,) = [part for part in text.split("\n## ") if part.startswith("Arrays of starts")]
-    assert re.findall(r"\*\*(\d+)\*\*", chapter) == [str(MANY)]
-    assert f"{defaults.ARRAYS.radians:.0f} radians" in chapter

@@ -159,19 +159,6 @@ def test_a_row_that_does_not_arrive_is_nan_and_harms_no_other():
     assert go.outcome.done
 
 
-def test_rows_that_never_arrive_are_given_up_at_once(monkeypatch):
-    """They took all steps that are allowed, a hundred million; a start alone is given up early."""
-    usual, counted = defaults.TABLE["double"], []
-    monkeypatch.setitem(defaults.TABLE, "double", usual._replace(chunk=2000))
-    solve = batches.solve
-    monkeypatch.setattr(batches, "solve", lambda *x: counted.append(solve(*x)) or counted[-1])
-    go, rows, _ = of("plain")
-    go._most = 10**5
-    assert np.isnan(go(rows[:3], t=1e12)).all()
-    assert {*go.outcomes} == {polhode.Outcome.STEP_LIMIT}
-    assert max(steps for found in counted for steps in found.steps) <= 4000  # of 100 000
-
-
 @pytest.mark.parametrize("t", [3.0, [1, 3]], ids=["one time", "times"])
 def test_a_row_that_is_far_too_fast_is_given_up_within_its_stretch(t, monkeypatch):
     """It would have taken the whole limit, twice: minutes."""
@@ -488,23 +475,6 @@ def test_gamma_is_of_length_1_to_8_eps_exactly():
                     call(rows, t=0.0)
 
 
-@pytest.mark.parametrize("times", [{1, 2}, frozenset({1, 2}), {1: 2}, {1: 2}.keys()])
-def test_times_without_an_order_are_refused_in_one_line(times):
-    go = polhode.propagator(scene())
-    doors = {
-        "propagator": lambda: go(t=times),
-        "rows": lambda: go(starts(3), t=times),
-        "integrate_many": lambda: polhode.integrate_many(scene(), starts=starts(3), at=times),
-        "top": lambda: scene(end=None, at=times),
-        "a run": lambda: polhode.integrate(scene())(times),
-        "values": lambda: polhode.integrate_many(scene(), {"body.weight": times}, at=[1]),
-    }
-    for call in doors.values():
-        with pytest.raises(polhode.BadInput) as fault:
-            call()
-        assert "\n" not in str(fault.value)
-
-
 TWO = np.linspace(0, 1, 5)
 MANY = np.arange(80)[:, None] // 79.0
 OMEGA = {"start.omega": np.zeros((5, 3))}
@@ -567,6 +537,17 @@ def test_an_array_of_numbers_beside_rows_is_one_of_rows():
 def test_options_that_arrays_do_not_go_with(options, said):
     with pytest.raises(polhode.BadInput, match=said):
         polhode.integrate_many(scene(), **{"starts": starts(3), "at": [1]} | options)
+
+
+def test_what_has_no_order_is_no_sequence_of_numbers():
+    for call in (
+        lambda: polhode.integrate_many(scene(), starts=starts(3), at={1, 2}),
+        lambda: polhode.integrate_many(scene(), {"body.weight": {1, 2}}, at=[1]),
+        lambda: scene(end=None, at=frozenset({1, 2})),
+        lambda: polhode.integrate(scene())({1: 2}.keys()),
+    ):
+        with pytest.raises(polhode.BadInput, match=r"^[^\n]*$"):
+            call()
 
 
 def test_too_many_numbers_are_refused_before_anything_is_integrated(monkeypatch):

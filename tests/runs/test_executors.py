@@ -109,62 +109,27 @@ from polhode.common.processes import in_order
 print([*in_order(abs, [-1, 2, -3], 2)])
 """
 
-SECTION = """\
-print("begun", flush=True)
-import polhode
-for workers in (2, 1):
-    found = polhode.section(
-        "general/asymmetric-regular", grid=(2, 2), crossings=2, workers=workers
-    )
-    print(found.states.tobytes().hex())
-"""
 
-
-def told_by(way, tmp_path, text):
-    """What Python says of a script that it gets in some way; stdin is the script's own."""
-    python, given = [sys.executable], "kept for the script"
-    script = tmp_path / "asked.py"
-    script.write_text(text)
-    if way == "stdin":
-        given = text
-    command = {
-        "file": [*python, str(script)],
-        "stdin": [*python, "-"],
-        "command": [*python, "-c", text],
-        "module": [*python, "-m", "asked"],
-    }[way]
-    done = subprocess.run(
-        command, cwd=tmp_path, input=given, capture_output=True, text=True, timeout=300
-    )
-    return done.returncode, done.stdout, done.stderr
-
-
-@pytest.mark.parametrize("way", tiers(["file", "command"], ["stdin", "module"]))
-def test_no_process_runs_the_caller_s_script_again(way, tmp_path):
+@pytest.mark.parametrize(
+    "words", tiers([["script.py"]], [["-c", LIGHT], ["-"], ["-m", "script"]]), ids=lambda x: x[0]
+)
+def test_no_process_runs_the_caller_s_script_again(words, tmp_path):
     """It has no guard: once it ran thrice, and what came on stdin was looked for as a file."""
-    assert told_by(way, tmp_path, LIGHT) == (0, "begun\n[1, 2, 3]\n", "")
-
-
-@pytest.mark.slow
-def test_a_section_by_processes_of_an_unguarded_script(tmp_path):
-    code, text, faults = told_by("stdin", tmp_path, SECTION)
-    begun, by_two, by_one = text.splitlines()
-    assert (code, begun, faults) == (0, "begun", "")
-    assert by_two == by_one != ""
+    (tmp_path / "script.py").write_text(LIGHT)
+    stdin = LIGHT if words == ["-"] else "kept for the script"
+    how = {"cwd": tmp_path, "input": stdin, "capture_output": True, "text": True, "timeout": 300}
+    ended = subprocess.run([sys.executable, *words], **how)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "begun\n[1, 2, 3]\n", "")
 
 
 def test_nothing_in_the_caller_s_folder_is_taken_for_a_library(tmp_path):
     for name in ("json", "pickle", "signal", "polhode"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('the wrong one')")
     code = "import os; os.chdir(os.environ['THERE'])\n" + LIGHT
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", code],
-        env={**os.environ, "THERE": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    assert (done.stdout, done.stderr) == ("begun\n[1, 2, 3]\n", "")
+    environment = {**os.environ, "THERE": str(tmp_path)}
+    how = {"env": environment, "capture_output": True, "text": True, "timeout": 300}
+    ended = subprocess.run([sys.executable, "-P", "-c", code], **how)
+    assert (ended.stdout, ended.stderr) == ("begun\n[1, 2, 3]\n", "")
 
 
 @pytest.mark.slow

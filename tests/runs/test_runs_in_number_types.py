@@ -72,12 +72,15 @@ def test_every_number_of_a_run_has_the_digits_of_its_type(run):
             ("double", "euler/backward", [-1, -20]),
             ("double", "kovalevskaya/irrational-centre", [1, 10]),
             ("double", "euler/tiny-units", [1, 20]),
+            ("quad", "euler/angles-start", [1, 10]),
+            ("quad", "lagrange/planar-rotating", [1, 10]),
+            ("quad", "pendulum/about-third-axis", [1, 10]),
         ],
     ),
 )
 def test_bodies_of_any_axes_and_units_have_them_too(name, at, number):
     """Irrational axes and coefficients: none of them is a double in a wider type."""
-    scene = replace(polhode.load(name), outputs=("attitude",), events=())
+    scene = replace(polhode.load(name), outputs=("attitude", "angles"), events=())
     run = polhode.integrate(scene, number, at=at)
     judged, most = polhode.compare(run), run.number.most_digits
     for digits in (*judged.digits, *judged.parts.values()):

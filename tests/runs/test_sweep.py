@@ -5,7 +5,6 @@ import pickle
 import platform
 import time
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from fractions import Fraction
 
@@ -69,6 +68,7 @@ def starting(**start) -> polhode.Scene:
     return polhode.top(**BODY, **start)
 
 
+HUGE = polhode.top(**BODY | {"moments": ["2e200", "3e200", "4e200"]}, gamma=[0, 0, 1], **OMEGA)
 #: Whose gamma is of length 1 to rounding.
 ARRAYS = {
     "start.omega": np.array([[0.5, -0.25, 2], [0.3, 0.4, 1.1]]),
@@ -122,18 +122,18 @@ def test_members_that_no_type_of_theirs_refines_are_refused_as_runs_are(number):
     assert str(many.value) == str(one.value)
 
 
+LONG = [0, "1/3", 20]
+
+
 @pytest.mark.parametrize(
     ("at", "number", "tol", "method"),
     tiers(
+        [([3], "extended", None, "auto"), (LONG, "extended", "1e-15", "auto")],
         [
-            ([3], "extended", None, "auto"),
-            *(([0, "1/3", 20], "extended", "1e-15", "auto"), ([3], "quad", None, "auto")),
-            ([0, "1/3", 20], "quad", "1e-25", "auto"),
-        ],
-        [
-            ([0, "1/3", 20], "extended", None, "auto"),
+            ([3], "quad", None, "auto"),
+            (LONG, "quad", None, "auto"),
+            (LONG, "quad", "1e-25", "auto"),
             ([3], "quad", None, "taylor"),
-            ([3], "quad", "1e-25", "auto"),
         ],
     ),
 )
@@ -167,12 +167,7 @@ def test_members_of_wider_types_are_their_runs_to_the_bit(number, tol, method, a
         (MATRIX["rational"], {"start.omega[1]": ["1e-200", "1e60"], "body.weight": [0, 1]}),
         (MATRIX["irrational"], {"body.inertia[1][1]": ["3"], "start.omega[1]": [1, 5]}),
         (starting(gamma=[0, 0, 1], **OMEGA), {"start.omega[1]": ["1", "1e80"]}),
-        (
-            polhode.top(
-                **BODY | {"moments": ["2e200", "3e200", "4e200"]}, gamma=[0, 0, 1], **OMEGA
-            ),
-            {"body.weight": ["1e-9", "1e210"]},
-        ),
+        (HUGE, {"body.weight": ["1e-9", "1e210"]}),
     ],
 )
 def test_numbers_of_any_size_begin_where_they_should(scene, given):
@@ -350,61 +345,37 @@ def test_a_scene_changed_in_python_is_varied_as_it_is():
 
 
 BOTH_HALVES = {"body.inertia[1][2]": [0], "body.inertia[2][1]": [1]}
+FINE = {"start.omega[1]": "0:1:10000", "start.omega[2]": "0:1:1001"}
+#: What is varied of the heavy body, and the refusal.
+REFUSED = [
+    ({}, "vary: expected at least one number of the scene file to vary"),
+    ({"start.omga[1]": [1]}, r"start.omga\[1\]: .*did you mean 'start.omega\[1\]'"),
+    ({"start.omega[4]": [1]}, r"vary = start.omega\[4\]: expected a number of the scene"),
+    ({"run.end": [1]}, "vary = run.end: expected a number of the scene"),
+    ({"start.omega[1]": []}, r"start.omega\[1\] = nothing: expected at least one value"),
+    ({"start.omega[1]": 1}, r"start.omega\[1\] = 1: expected a sequence of numbers"),
+    *(({"start.omega[1]": f"1:2{x}"}, "expected FROM:TO:N") for x in (":0", ":-3", ":2.5", "")),
+    ({"start.omega[1]": "1:x:3"}, "expected numbers"),
+    ({"start.omega[1]": [float("nan")]}, "= nan: expected a number"),
+    (FINE, "10010000 members: .*10000000;"),
+    (
+        {"body.moments[3]": [5, 6]},
+        r"member 2 \(body.moments\[3\] = 6\): body.moments = \[2, 3, 6\]:",
+    ),
+    ({"body.moments[3]": [2, 3, 4, 5, 6, 7]}, r"member 5 \(body.moments\[3\] = 6\): body.moments"),
+    ({"start.gamma[1]": [0]}, r"member 1 .*: expected length exactly 1, or normalise"),
+    ([{"body.weight": 1}, {"start.psi": 1}], "member 2 = start.psi: expected the keys body.w"),
+    ({"start.omega[1]": [1, "1e250"]}, r"member 2 .*: number = double: expected a type"),
+]
+EQUATOR = heavy("1", more='[[events]]\nname = "equator"\n')
 
 
 @pytest.mark.parametrize(
     ("scene", "given", "message"),
     [
-        *(
-            (heavy(), given, message)
-            for given, message in (
-                ({}, "vary: expected at least one number of the scene file to vary"),
-                ({"start.omga[1]": [1]}, r"start.omga\[1\]: .*did you mean 'start.omega\[1\]'"),
-                (
-                    {"start.omega[4]": [1]},
-                    r"vary = start.omega\[4\]: expected a number of the scene",
-                ),
-                ({"run.end": [1]}, "vary = run.end: expected a number of the scene"),
-                (
-                    {"start.omega[1]": []},
-                    r"start.omega\[1\] = nothing: expected at least one value",
-                ),
-                ({"start.omega[1]": 1}, r"start.omega\[1\] = 1: expected a sequence of numbers"),
-                ({"start.omega[1]": "1:2:0"}, "expected FROM:TO:N with N from 1 to 10000000$"),
-                ({"start.omega[1]": "1:2:-3"}, "expected FROM:TO:N with N"),
-                ({"start.omega[1]": "1:2:2.5"}, "expected FROM:TO:N with N"),
-                ({"start.omega[1]": "1:2"}, "expected FROM:TO:N"),
-                ({"start.omega[1]": "1:x:3"}, "expected numbers"),
-                ({"start.omega[1]": [float("nan")]}, "= nan: expected a number"),
-                (
-                    {"start.omega[1]": "0:1:10000", "start.omega[2]": "0:1:1001"},
-                    "10010000 members: .*10000000;",
-                ),
-                (
-                    {"body.moments[3]": [5, 6]},
-                    r"member 2 \(body.moments\[3\] = 6\): body.moments = \[2, 3, 6\]: expected pr",
-                ),
-                (
-                    {"body.moments[3]": [2, 3, 4, 5, 6, 7]},
-                    r"member 5 \(body.moments\[3\] = 6\): body.moments",
-                ),
-                ({"start.gamma[1]": [0]}, r"member 1 .*: expected length exactly 1, or normalise"),
-                (
-                    [{"body.weight": 1}, {"start.psi": 1}],
-                    "member 2 = start.psi: expected the keys body.w",
-                ),
-                (
-                    {"start.omega[1]": [1, "1e250"]},
-                    r"member 2 .*: number = double: expected a type",
-                ),
-            )
-        ),
+        *((heavy(), *row) for row in REFUSED),
         (MATRIX["own"], BOTH_HALVES, "they are one number"),
-        (
-            heavy("1", more='[[events]]\nname = "equator"\n'),
-            {"body.weight": [1]},
-            "events = equator: expected none in a sweep",
-        ),
+        (EQUATOR, {"body.weight": [1]}, "events = equator: expected none in a sweep"),
     ],
 )
 def test_what_cannot_be_varied_is_refused_in_one_line(scene, given, message):
@@ -453,14 +424,13 @@ def test_a_rounding_mode_that_a_library_left_is_refused(mode):
     if not hasattr(libm, "fesetround") or platform.machine() != "x86_64":
         pytest.skip("no rounding mode to set")
     case, vary_one = polhode.load("lagrange/nutation"), {"body.weight": [1, 2]}
-    ways = [
+    for way in (
         lambda: polhode.integrate(case),
         lambda: polhode.propagator(case),
         lambda: polhode.integrate_many(case, vary_one),
         lambda: polhode.reduce_many(case, vary_one, "final"),
         lambda: polhode.section(case, starts=[[1, 0.2]], crossings=1),
-    ]
-    for way in ways:
+    ):
         libm.fesetround(mode)
         try:
             with pytest.raises(polhode.BadInput, match="rounding mode"):
@@ -491,12 +461,3 @@ def test_no_attitude_is_made_up_where_a_member_did_not_come_or_has_no_vertical()
     free = scene_of(free_file("at = [0, 1]"), "top.toml")
     with pytest.raises(polhode.BadInput, match="attitude: expected a start with gamma"):
         _ = polhode.integrate_many(replace(free, gamma=None), {"start.omega[3]": [1]}).attitude
-
-
-def test_threads_that_ask_for_members_do_not_mix_them_up(quick_changes):
-    varied = {"start.omega[1]": "0:1:101", "body.weight": "1:2:3"}
-    members = polhode.integrate_many("general/asymmetric-regular", varied, at=[0]).members
-    alone = [members[k] for k in range(len(members))]
-    assert {m.omega[0] for m in alone} == {Fraction(k, 100) for k in range(101)}
-    with ThreadPoolExecutor(8) as pool:
-        assert list(pool.map(members.__getitem__, range(len(members)))) == alone

@@ -143,23 +143,6 @@ def answer(certificate: Any) -> str:
     return verdict.text if verdict.proved else f"refused: {verdict.text}"
 
 
-# -- programs that tell the tests how far they are, so that none waits by the clock
-
-#: ``polhode``, but that it prints a line as soon as it takes steps.
-STEPPING = """
-import sys
-from polhode.cli import main
-from polhode.taylor.motion import Motion
-chunk = Motion._chunk
-def announced(self, *given):
-    Motion._chunk = chunk
-    print("steps", flush=True)
-    return chunk(self, *given)
-Motion._chunk = announced
-sys.exit(main())
-"""
-
-
 # -- what --json of a judgement says, by name
 
 _PART = "correct_digits_"
