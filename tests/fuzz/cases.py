@@ -232,11 +232,7 @@ CALLS: dict[str, tuple[Callable[..., Any], list[Any], dict[str, Any]]] = {
     "reference": (polhode.reference, ["top.toml"], {}),
     "at": (lambda *a, **k: polhode.reference(top()).at(*a, **k), [[0]], {"digits": 10}),
     "angles": (lambda *a, **k: polhode.reference(top()).angles(*a, **k), [[0]], {"digits": 10}),
-    "compare": (
-        polhode.compare,
-        [[ROW], "top.toml"],
-        {"at": [0], "columns": None, "number": None},
-    ),
+    "compare": (polhode.compare, [[ROW], "top.toml"], {"at": [0], "columns": None, "number": None}),
     "integrate_many": (
         polhode.integrate_many,
         ["top.toml", {"start.omega[1]": [1]}],

@@ -188,18 +188,6 @@ def test_a_body_that_hangs_at_rest_or_has_nothing_to_move_it():
         assert np.isfinite(motion.estimate.errors).all()
 
 
-def test_a_compiler_that_reassociates_is_found_out(monkeypatch):
-    import heyoka
-
-    def careless(out, values, **options):
-        return compiled(out, values, fast_math=True, **options)
-
-    compiled = heyoka.cfunc
-    monkeypatch.setattr("polhode.refined.compiled_field.hy.cfunc", careless)
-    spoilt = kernels.__wrapped__(QUAD.limbs)
-    assert field_error(spoilt, QUAD.limbs) > 2.0**-QUAD.limbs.bits
-
-
 @pytest.mark.parametrize("digits", [34, 50, 90])
 def test_products_by_levels_are_those_of_integers(digits):
     target = accuracy(digits)
@@ -214,20 +202,6 @@ def test_products_by_levels_are_those_of_integers(digits):
 def test_the_compiled_field_is_that_of_integers(digits):
     limbs = accuracy(digits).limbs
     assert field_error(kernels(limbs), limbs) <= 2.0**-limbs.bits
-
-
-@pytest.mark.parametrize("output", range(24))
-def test_a_fault_in_any_limb_of_the_field_is_found_out(output):
-    good = kernels(QUAD.limbs)
-
-    def off(arguments, pars, outputs):
-        good.field(arguments, pars=pars, outputs=outputs)
-        outputs[output] *= 1 + (2.0**-20 if output % 4 == 3 else 2.0**-52)
-
-    limbs = QUAD.limbs
-    faulty = field_error(Kernels(off, *good[1:]), limbs)
-    assert field_error(good, limbs) < 2.0**-limbs.bits
-    assert faulty > 2 * field_error(good, limbs)
 
 
 def test_a_block_of_one_interval_is_one(monkeypatch):

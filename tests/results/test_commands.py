@@ -74,9 +74,7 @@ MORE: dict[str, Callable[[], Any]] = {
     ).orbit(0, 20),
 }
 COMMANDS = {without_files(EXAMPLES[verb]): same for verb, same in SAME.items()} | MORE
-DRAWN = [
-    *(f"{x} -o x.svg" for x in COMMANDS if verb_of(x).figure_options is not None),
-]
+DRAWN = [*(f"{x} -o x.svg" for x in COMMANDS if verb_of(x).figure_options is not None)]
 QUICK = ["run top.toml --samples 51", "run lagrange/nutation --number quad --at 1"]
 CERTIFICATES = ("certify", "prove orbit grioli", "prove stability")
 

@@ -17,11 +17,7 @@ BODIES = {
     "flat": {"moments": [1, 2, 2.99], "centre": [0.5, 0, 0], "weight": 4},
     "sphere": {"moments": [1, 1, 1], "centre": [0, 0, 1], "weight": 1},
     "free": {"moments": [3, 2, 1], "centre": [0, 0, 0], "weight": 0, "gamma": None},
-    "turned": {
-        "inertia": TURNED,
-        "centre": [0.25, 0.125, 0.5],
-        "weight": 4,
-    },
+    "turned": {"inertia": TURNED, "centre": [0.25, 0.125, 0.5], "weight": 4},
     "in other units": {"moments": [3, 2, 1.5], "centre": [0.25, 0.125, 0.5], "weight": 4e200},
 }
 

@@ -328,7 +328,7 @@ def test_members_of_arrays_are_those_of_exact_values_to_the_bit(body, keys, at):
         assert many[k].scene.omega == one[k].scene.omega
 
 
-def test_starts_are_arrays_of_omega_and_gamma_in_any_order_and_number():
+def test_starts_are_arrays_of_omega_and_gamma_in_any_order_and_number(tmp_path):
     rows = starts(50)
     many = polhode.integrate_many(scene(), starts=rows, at=[0, 1, 3])
     same = {"start.omega": rows[:, :3], "start.gamma": rows[:, 3:]}
@@ -348,6 +348,8 @@ def test_starts_are_arrays_of_omega_and_gamma_in_any_order_and_number():
     none = polhode.integrate_many(scene(), starts=np.empty((0, 6)), at=[1, 2])
     assert (len(none), none.states.shape, none.complete, list(none)) == (0, (0, 2, 6), True, [])
     assert none.drift.shape == (0, 4)
+    none.save(tmp_path / "none.npz")
+    assert polhode.load_result(tmp_path / "none.npz").column("start.omega[1]").shape == (0,)
 
 
 def test_a_unit_of_time_next_to_a_power_of_two_is_the_exact_one_for_rows_too():
@@ -359,13 +361,6 @@ def test_a_unit_of_time_next_to_a_power_of_two_is_the_exact_one_for_rows_too():
     exact = listed({"start.omega": rows}, 5)
     one, many = (polhode.integrate_many(told, x, at=[9]) for x in (exact, {"start.omega": rows}))
     assert np.array_equal(one.states, many.states)
-    gamma = starts(5)[:, 3:] * (1 + 3 * EPS)
-    rows = np.hstack([rows, gamma])  # which stays the array's all the same
-    for body in ("slow", "turned"):
-        told = scene(**BODIES[body] | {"weight": 2.0**-30})
-        many = polhode.integrate_many(told, starts=rows, at=[0])
-        back = (2 if body == "turned" else 0) * EPS
-        assert np.abs(many.states[:, 0] - rows).max() <= back
 
 
 @pytest.mark.parametrize("body", ["plain", "turned", "symmetric"])
@@ -388,20 +383,6 @@ def test_the_drift_of_members_with_irrational_moments_is_told(body, column):
     """It gave a traceback: of irrational moments times columns of rationals."""
     many = polhode.integrate_many(scene(**body), column, at=[1])
     assert 0 < many.drift[0, 0] < 8 * EPS
-
-
-def test_a_sweep_of_arrays_is_saved_as_it_is_also_one_of_nothing(tmp_path):
-    for rows in (starts(3), starts(3, kind=np.longdouble), np.empty((0, 6))):
-        number = "extended" if rows.dtype != np.float64 else "double"
-        many = polhode.integrate_many(scene(), starts=rows, at=[0, 2], number=number)
-        many.save(tmp_path / "x.npz")
-        back = polhode.load_result(tmp_path / "x.npz")
-        ended = {x.name: x.values for x in back.fact("members").columns}["outcome"]
-        assert list(ended) == [x.value for x in many.outcomes]
-        held = [back.column(f"start.{name}[{k}]") for name in ("omega", "gamma") for k in (1, 2, 3)]
-        assert [column.dtype for column in held] == [rows.dtype] * 6
-        states = np.array([back.column(name) for name in many.columns])
-        assert np.array_equal(states.T, many.states.reshape(-1, 6))
 
 
 def test_reductions_take_arrays_too():
@@ -487,10 +468,7 @@ VARIED = [
     ({"start.omega[1]": np.zeros((5, 2))}, r"start.omega\[1\] = .*expected shape \(N, 1\)"),
     (OMEGA | {"body.weight": [1, 2]}, r"body.weight = \[1, 2\]: expected an array with a row for "),
     (OMEGA | {"body.weight": "0:1:5"}, "body.weight = 0:1:5: .* never every combination"),
-    (
-        OMEGA | {"start.omega[2]": np.ones(5)},
-        r"start.omega\[2\], given twice: expected each",
-    ),
+    (OMEGA | {"start.omega[2]": np.ones(5)}, r"start.omega\[2\], given twice: expected each"),
     (OMEGA | {"body.weight": np.ones(4)}, "4 rows: expected 5 rows, as many as start.omega has"),
     (OMEGA | {"start.omga": np.ones((5, 1))}, "vary = start.omga: expected a number of the scene"),
     (OMEGA | {"body.weight": np.full((5, 1), np.nan)}, "body.weight, row 1 = .nan.: expected fin"),

@@ -24,10 +24,7 @@ MOTIONS = {
     "separatrix": {"moments": [3, 2, 1], "weight": 0, "omega": [0, 1, Fraction(1, 2**20)]},
     "symmetric": {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1},
     "no gamma": {"moments": [3, 2, 1], "weight": 0, "gamma": None},
-    "turned": {
-        "inertia": TURNED,
-        **{"centre": [0.25, 0.125, 0.5], "weight": 4},
-    },
+    "turned": {"inertia": TURNED, **{"centre": [0.25, 0.125, 0.5], "weight": 4}},
     "unit": {"moments": [3, 2, 1], "centre": [0.5, 0, 1], "weight": 2**20, "omega": [1e3, 0, 2e3]},
 }
 

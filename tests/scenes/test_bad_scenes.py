@@ -277,10 +277,7 @@ FILES = [
     ({"omega": "omega = [1,2,3]\nrates = [1,2,3]"}, "start.omega; no value together with"),
     ({"omega": "omega = [1,2,3]\nend = 3"}, "start.end = 3: ; it belongs in [run]"),
     ({"omega": "omega = [1,2,3]\ntitle = 'x'"}, "start.title = x: ; belongs in the top level"),
-    (
-        {"omega": "angles = [0, 1e3000, 0]", "gamma": "rates = [0, 0, 0]"},
-        "start.angles = [0, 1e3",
-    ),
+    ({"omega": "angles = [0, 1e3000, 0]", "gamma": "rates = [0, 0, 0]"}, "start.angles = [0, 1e3"),
     ({"gamma": "gamma = [0, 0, 1.0000001]"}, "start.gamma; length exactly 1; normalise"),
     ({"gamma": "gamma = [0,0,1]\nnormalise = 1"}, "start.normalise = 1; true or false"),
     ({"gamma": "gamma = ['sqrt(1/3)+1e-900', 'sqrt(1/3)', 'sqrt(1/3)']"}, "length"),

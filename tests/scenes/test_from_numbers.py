@@ -66,9 +66,7 @@ CASES += ["goryachev-chaplygin/rotating", "hard/heavy-tiny-units", "published/na
 
 
 @pytest.mark.parametrize(
-    "names",
-    [CASES, pytest.param(case_names(), marks=pytest.mark.slow)],
-    ids=["some", "all"],
+    "names", [CASES, pytest.param(case_names(), marks=pytest.mark.slow)], ids=["some", "all"]
 )
 def test_every_case_written_and_read_again_is_itself(names):
     long = re.compile(r"\d{25,}")  # a band of 12.6 was the double 12.59999..., in full

@@ -181,16 +181,6 @@ def test_runs_in_turn_have_the_bits_of_runs_alone(alone, monkeypatch):
             assert stopped.outcome is Outcome.INTERRUPTED
 
 
-def test_propagators_in_turn_have_the_bits_of_runs(alone):
-    goes = [polhode.propagator(scene) for scene, _, _ in alone]
-    for t in (10.0, 3.0, -10.0, 10.0):
-        for go, (scene, states, _) in zip(goes, alone, strict=True):
-            there = go(t=t)
-            assert np.array_equal(there, polhode.integrate(scene, at=[t], project=False).states[0])
-            if t == 10:
-                assert np.abs(there - states[-1]).max() < 1e-13
-
-
 @pytest.mark.parametrize(
     ("outputs", "number"),
     tiers([((), "double"), ((), "extended")], [(("angles",), "double"), (("angles",), "extended")]),

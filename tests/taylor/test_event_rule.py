@@ -78,7 +78,7 @@ def test_a_small_motion_has_the_zeros_of_a_large_one(kind, size, number):
             *((DOUBLE, "1e-4", (-1, 1, -1)), (DOUBLE, "1e-13", (-1, 1, -1))),
             *((DOUBLE, "0", (0,)), (DOUBLE, "-1e-13", ())),
         ],
-        [(EXTENDED, "1e-4", (-1, 1, -1)), (QUAD, "1e-13", (-1, 1, -1)), (EXTENDED, "-1e-60", (0,))],
+        [(EXTENDED, "1e-4", (-1, 1, -1)), (QUAD, "1e-20", (-1, 1, -1)), (EXTENDED, "-1e-60", (0,))],
     ),
     ids=lambda x: getattr(x, "name", None),
 )
@@ -394,25 +394,17 @@ def test_contacts_are_no_crossings_of_a_section():
         polhode.section("general/asymmetric-chaotic", by="(q - 1/10)**2", **options)
 
 
-@pytest.mark.parametrize(
-    ("plain", "flat"),
-    tiers(
-        [("q - 1/10", "(q - 1/10)**3")],
-        [
-            ("q - 1/10", "q**3 - 3/10*q**2 + 3/100*q - 1/1000"),
-            ("(q - 0.099)*(q - 0.102)", "(q - 0.099)**3*(q - 0.102)**5"),
-        ],
-    ),
-)
-def test_no_section_loses_flat_crossings(plain, flat):
+@pytest.mark.slow
+def test_no_section_loses_flat_crossings():
     """heyoka gives a triple zero up now and then, two of a step or of a stretch among them."""
     options = {"grid": (2, 3), "crossings": 10, "h": 3, "f": "1/2"}
-    plain_section, flat_section = (
-        polhode.section("general/asymmetric-chaotic", by=by, **options) for by in (plain, flat)
+    plain, flat = (
+        polhode.section("general/asymmetric-chaotic", by=by, **options)
+        for by in ("q - 1/10", "q**3 - 3/10*q**2 + 3/100*q - 1/1000")
     )
-    assert plain_section.complete
-    assert flat_section.outcomes == plain_section.outcomes
-    assert np.abs(plain_section.times - flat_section.times).max() < 1e-2
+    assert plain.complete
+    assert flat.outcomes == plain.outcomes
+    assert np.abs(plain.times - flat.times).max() < 1e-2
 
 
 @pytest.mark.parametrize("powers", [(3, 3), (3, 5), (1, 3)])
