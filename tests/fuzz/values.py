@@ -90,15 +90,3 @@ JSON: list[Any] = [
     *("1" * 5000, "\u202e", "\x00", ["h"] * 1000, {"onto": ["h"], "every": 0}),
     *({"t": 5}, {"run": []}, {"__class__": []}, {"reference": "/etc/passwd"}, {"kept": 0}),
 ]
-
-
-def arrays(right: np.ndarray) -> list[np.ndarray]:
-    """Arrays that stand for another one: its shape, kind or values changed."""
-    flat, shape = right.ravel(), right.shape
-    return [
-        *(flat[:0], flat[:-1], flat, right.reshape(-1, 1), right[..., None]),
-        *(np.zeros(shape), np.full(shape, np.nan), np.full(shape, "x"), np.array(1), np.array([])),
-        *(np.array(["1"] * 5), np.zeros((0, 6)), np.concatenate([flat, flat])),
-        *(flat[::-1].reshape(shape), np.full(shape, "[" * 50_000), np.zeros(3, dtype="V8")),
-        *(np.full(shape, 10**18), np.full(shape, True), np.full(shape, b"1")),
-    ]

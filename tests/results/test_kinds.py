@@ -283,17 +283,6 @@ def test_a_ball_in_a_file_holds_the_ball() -> None:
     assert (near.value, far.name, far.value, far.unit) == (0, "x_radius", np.inf, "s")
 
 
-def test_an_enclosure_s_file_holds_its_balls(tmp_path: Path) -> None:
-    result = polhode.certify("euler/largest-axis", at=[1, 2], digits=20)
-    saved(result.content(), tmp_path / "x.npz")
-    again = load_result(tmp_path / "x.npz")
-    for k, name in enumerate(result.scene.columns):
-        middles, bounds = again.column(name), again.column(f"{name}_radius")
-        for i, (middle, bound) in enumerate(zip(middles, bounds, strict=True)):
-            gap = abs(middle - result.centres[i][k]) + Fraction(result.radii[i][k])
-            assert gap <= Fraction(bound)
-
-
 @pytest.mark.parametrize("name", BY_NAME)
 def test_frames_are_the_table(name: str) -> None:
     pytest.importorskip("pandas")

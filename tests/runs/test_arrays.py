@@ -385,15 +385,6 @@ def test_the_drift_of_members_with_irrational_moments_is_told(body, column):
     assert 0 < many.drift[0, 0] < 8 * EPS
 
 
-def test_reductions_take_arrays_too():
-    rows = starts(30)
-    columns = {"start.omega": rows[:, :3], "start.gamma": rows[:, 3:]}
-    kept = polhode.reduce_many(scene(), columns, ["final", "largest gamma3"], at=[0, 1, 2])
-    many = polhode.integrate_many(scene(), columns, at=[0, 1, 2])
-    assert np.array_equal(kept["final q"], many.states[:, -1, 1])
-    assert np.array_equal(kept["largest gamma3"], many.states[:, :, 5].max(axis=1))
-
-
 # -- what is no array of starts -------------------------------------------------------------------
 
 

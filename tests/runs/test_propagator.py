@@ -90,16 +90,6 @@ def test_projected_it_stays_on_the_integrals_of_its_own_start(number):
     assert np.abs(held(start, t=20.0) - true).max() < 1e-12
 
 
-def test_a_result_is_the_caller_s_own():
-    go = polhode.propagator(scene())
-    first = go(t=1.0)
-    kept = first.copy()
-    second = go(t=2.0)
-    assert first.tolist() == kept.tolist() != second.tolist()
-    second[:] = 7
-    assert go(t=1.0).tolist() == kept.tolist()
-
-
 GOOD = np.array(START)
 WRONG = [
     ([1, 2, 3], "the 6 numbers"),

@@ -2,7 +2,6 @@
 
 import json
 import math
-import pickle
 from dataclasses import replace
 from fractions import Fraction
 
@@ -16,6 +15,7 @@ from polhode.cli import main
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.mpmath_context import mpmath
 from polhode.scenes import vocabulary
+from shared.motions import free_file
 from shared.tools import DOUBLE, EXTENDED, QUAD, change_policy, exactly, mp, tiers
 
 NUMBERS = [DOUBLE, EXTENDED, QUAD, mp(50)]
@@ -95,36 +95,6 @@ def test_every_half_period_is_counted_once_to_t_1e4():
     assert max(errors) < Fraction(1, 10**9)  # the drift of a double run, not of its events
     # A state is taken at the event itself: on the section, though an ulp of t is 1.8e-12 there.
     assert np.max(np.abs(event.states[:, 1])) < 4e-16
-
-
-@pytest.mark.slow
-def test_ready_made_names_need_no_zero():
-    scene = watched(
-        "euler/turned-axes",
-        *(Event(name) for name in ("nutation", "equator", "flip", "section:p - 1/10")),
-    )
-    spelt = watched("euler/turned-axes", "p*gamma2 - q*gamma1", "gamma3", "q", "p - 1/10")
-    run, spelt_run = (polhode.integrate(s, at=[40]) for s in (scene, spelt))
-    for k in (0, 1, 3):
-        pairs = zip(run.events[k].times, spelt_run.events[k].times, strict=True)
-        assert max(abs(float(s - t)) for s, t in pairs) < 2e-14  # next to another third event
-    # The components of w along the middle axis of the turned body, at its flips, vanish.
-    middle = [float(x) for x in scene.body.axes.rows[1]]
-    assert len(run.events[2].times) > 1
-    assert np.max(np.abs(run.events[2].states[:, :3] @ middle)) < 1e-15
-
-
-@pytest.mark.parametrize("end", [40, -400])
-def test_rising_and_falling_are_meant_as_t_grows_in_backward_runs_too(end):
-    events = tuple(Event(d, "q", d) for d in ("any", "rising", "falling"))
-    every, rising, falling = polhode.integrate(watched(EULER, *events), at=[end]).events
-    assert len(every.times) == (8 if end == 40 else 81)
-    assert [abs(t) for t in every.times] == sorted(abs(t) for t in every.times)
-    assert sorted(rising.times + falling.times) == sorted(every.times)
-    assert ({*rising.signs}, {*falling.signs}) == ({1}, {-1})
-    # q' = (C - A)/B r p
-    assert all(row[0] * row[2] > 0 for row in rising.states)
-    assert all(row[0] * row[2] < 0 for row in falling.states)
 
 
 @pytest.mark.parametrize("number", tiers([DOUBLE], [EXTENDED]), ids=lambda n: n.name)
@@ -261,15 +231,7 @@ def test_a_flip_needs_a_middle_axis():
 
 # -- files and the command line ---------------------------------------------------------------
 
-FILE = """schema = 1
-[body]
-moments = [2, 3, 4]
-weight = 0
-[start]
-omega = [0.3, 0, 1.1]
-gamma = ["2/7", "3/7", "6/7"]
-[run]
-at = [1, 4, 30]
+EVENTS = """
 [[events]]
 name = "nutation"
 direction = "rising"
@@ -283,7 +245,7 @@ name = "section:gamma3 - 0.9"
 
 def test_the_command_line_prints_events_and_a_stop_is_success(tmp_path, capsys):
     path = tmp_path / "scene.toml"
-    path.write_text(FILE)
+    path.write_text(free_file("at = [1, 4, 30]").replace("-0.4", "0") + EVENTS)
     assert main(["run", str(path), "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert answer["outcome"] == "stopped at event"
@@ -367,15 +329,6 @@ def test_a_run_with_other_times_or_another_direction_compiles_nothing(number, mo
     assert run.outcome is Outcome.STOPPED_AT_EVENT
     with pytest.raises(TypeError):
         polhode.integrate(watched("kovalevskaya/generic", "p", outputs=()), at=[6], **plain)
-
-
-def test_times_are_exact_numbers_and_survive_a_pickle():
-    (event,) = polhode.integrate(watched(EULER, "q"), at=[400]).events
-    copy = pickle.loads(pickle.dumps(event))
-    assert copy == event
-    assert all(type(t) is Fraction for t in copy.times)
-    assert replace(event, name="other").times is event.times
-    assert len(copy.times) == len(event.states) == len(event.signs) == len(event.depths) > 50
 
 
 def test_no_contact_is_told_beyond_where_a_run_ended():

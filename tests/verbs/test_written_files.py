@@ -107,16 +107,6 @@ def test_a_csv_round_trips_and_compare_judges_it(capsys, number, bits):
             assert all(digits - 2 < x < digits + 2 for x in part)
 
 
-@pytest.mark.slow
-def test_drift_of_a_projected_file_is_no_evidence(capsys):
-    for options, notes in (((), 1), (("--no-project",), 0)):
-        ran(capsys, "run", "kovalevskaya/generic", "--at", "500", "-o", "x.csv", *options)
-        words = ("compare", "x.csv", "kovalevskaya/generic", "--number", "double", "--details")
-        out, _ = ran(capsys, *words)
-        assert out.count("they were projected") == notes
-        assert ("drift h" in out) == (not notes)
-
-
 @pytest.mark.parametrize("t", tiers(["1e-400"], ["1e400"]))
 def test_times_beyond_the_range_of_a_double(capsys, t):
     large = t == "1e400"
