@@ -13,8 +13,8 @@ from polhode import cli
 from polhode.output import description
 
 #: How many cases of each class are tried.
-COUNTS = {"scene": 40, "call": 75, "toml": 20, "table": 10, "command": 20}
-COUNTS |= {"result": 20, "body": 15, "event": 5, "proof": 3}
+COUNTS = {"scene": 25, "call": 40, "toml": 12, "table": 6, "command": 12}
+COUNTS |= {"result": 12, "body": 8, "event": 3, "proof": 2}
 SWEEP = "sweep x.toml --vary start.omega[3]=1:2:2 --workers 1"
 
 

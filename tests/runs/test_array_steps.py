@@ -9,7 +9,7 @@ from shared.motions import TURNED, rows_in_quad
 from shared.tools import tiers
 
 EPS = 2.0**-52
-MANY = defaults.ARRAYS.starts
+MANY = 1024  # from so many on the compiled step is taken
 UP = [0, 0, 1]
 BODIES = {
     "asymmetric": {"moments": [3, 2, 1.5], "centre": [0.25, 0.125, 0.5], "weight": 4},

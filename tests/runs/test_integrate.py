@@ -83,19 +83,11 @@ def test_forward_and_back_returns_to_the_start():
 
 # -- dense output of runs of every kind -----------------------------------------------------------
 
-TURNED = """schema = 1
-[body]
-inertia = [[3, 0.5, 0.1], [0.5, 2.5, 0], [0.1, 0, 4]]
-centre = [0.3, 0.2, 0.5]
-weight = 1
-[start]
-omega = [300, 400, 1100]
-gamma = ["2/7", "3/7", "6/7"]
-[run]
-end = 0.02
-samples = 3
-outputs = ["angles"]
-"""
+TURNED = {
+    "inertia": [["3", "1/2", "1/10"], ["1/2", "5/2", 0], ["1/10", 0, 4]],
+    **{"centre": ["3/10", "1/5", "1/2"], "weight": 1, "omega": [300, 400, 1100]},
+    **{"gamma": ["2/7", "3/7", "6/7"], "end": "1/50", "samples": 3, "outputs": ["angles"]},
+}
 STOPPING = '[[events]]\nname = "side"\nzero = "gamma2"\nstop = true\n'
 POLE = {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1, "gamma": [0, 0, 1], "psi": 20}
 
@@ -103,7 +95,7 @@ POLE = {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1, "gamma": [0, 0, 
 @pytest.mark.parametrize(
     ("case", "options"),
     [
-        pytest.param(scene_of(TURNED), {}, marks=pytest.mark.slow, id="turned, fast"),
+        pytest.param(polhode.top(**TURNED), {}, marks=pytest.mark.slow, id="turned, fast"),
         pytest.param(heavy("50", "1.1", STOPPING), {}, id="stopped"),
         pytest.param(heavy("2000"), {"max_steps": 400}, id="step limit"),
         pytest.param(

@@ -134,15 +134,8 @@ def test_nothing_is_written_into(run, tmp_path):
     drift, psi = run.drift, run["psi"].tolist()
     event = run.events["nutation"]
     events = (event, pickle.loads(pickle.dumps(event)), event.until(event.times[0]))
-    tables = (
-        run.states,
-        run.attitude,
-        run.omega,
-        run["p"],
-        run["theta"],
-        *(e.states for e in events),
-    )
-    for rows in tables:
+    arrays = (run.states, run.attitude, run.omega, run["p"], run["theta"])
+    for rows in (*arrays, *(e.states for e in events)):
         with pytest.raises(ValueError, match="read-only"):
             rows[0] = 0
     with pytest.raises(TypeError, match="does not support item assignment"):

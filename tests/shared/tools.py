@@ -26,6 +26,7 @@ from polhode.scenes.library import names as library_names
 from polhode.scenes.scene import even_times as even_times
 from polhode.scenes.vocabulary import ANGLES as ANGLES
 from polhode.scenes.vocabulary import ATTITUDE as ATTITUDE
+from polhode.scenes.vocabulary import FORMS as FORMS
 from polhode.scenes.vocabulary import STATE as STATE
 from polhode.taylor import defaults
 

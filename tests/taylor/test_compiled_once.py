@@ -147,32 +147,23 @@ def test_a_coefficient_that_underflows_is_no_zero(number, built):
 # -- neighbours -----------------------------------------------------------------------------------
 
 
-@pytest.fixture
-def alone(monkeypatch) -> list:
-    """Two bodies of one pattern, each with its states where no other has used an integrator."""
-    times, rows = [*range(11)], []
-    for body in (ORDINARY, SPECIAL):
-        monkeypatch.setattr(engine, "POOL", Pool())
-        scene = top(**body)
-        run = polhode.integrate(scene, at=times)
-        fine = np.array(polhode.integrate(scene, "quad", at=times).states, float)
-        assert np.abs(run.states - fine).max() < 1e-13
-        rows.append((scene.at(times), run.states, run(["1/3", "19/2"])))
-    monkeypatch.setattr(engine, "POOL", Pool())
-    return rows
-
-
-def test_runs_in_turn_have_the_bits_of_runs_alone(alone, monkeypatch):
+def test_runs_in_turn_have_the_bits_of_runs_alone(monkeypatch):
     """With corrections in between, calls of a run that another body's came after, and Ctrl-C."""
 
     def pressed(*_):
         raise KeyboardInterrupt
 
+    between, alone = ["1/3", "19/2"], []
+    for body in (ORDINARY, SPECIAL):
+        monkeypatch.setattr(engine, "POOL", Pool())  # that no other has used
+        run = polhode.integrate(top(**body), at=range(11))
+        alone.append((run.scene, run.states, run(between)))
+    monkeypatch.setattr(engine, "POOL", Pool())
     runs = [polhode.integrate(scene) for scene, _, _ in alone]
     for _ in range(2):
-        for run, (scene, states, between) in zip(runs, alone, strict=True):
+        for run, (scene, states, there) in zip(runs, alone, strict=True):
             assert np.array_equal(polhode.integrate(scene).states, states)
-            assert np.array_equal(run(["1/3", "19/2"]), between)
+            assert np.array_equal(run(between), there)
             polhode.integrate(scene, project=3)
             polhode.integrate(scene, max_steps=1)
             with monkeypatch.context() as short:
