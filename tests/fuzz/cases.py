@@ -376,20 +376,6 @@ RATIOS = {
     "small ones": ('"1e-300", "1e-300", "1e-300"', "0, 0, 1", "1"),
     "beyond doubles": ('"1e400", "1e400", "1e400"', '0.1, 0.2, "1e300"', "1e300"),
 }
-RATIO = """schema = 1
-[body]
-moments = [{}]
-centre = [{}]
-weight = "{}"
-[start]
-omega = [0.1, 0.2, 3]
-gamma = ["3/5", 0, "4/5"]
-[run]
-end = 10
-samples = 5
-"""
-
-
 # -- valid scenes that are extreme -----------------------------------------------------------------
 
 KINDS = ("euler", "lagrange", "kovalevskaya", "pendulum", "general")

@@ -207,10 +207,12 @@ def test_where_no_estimate_can_be_had_a_second_run_tells_the_error():
         ((0.0, None, None), "refined, without an estimate of the error"),
     ],
 )
-def test_an_estimate_is_told_only_where_there_is_one(estimates, said):
+def test_an_estimate_is_told_only_where_there_is_one(estimates, said, tmp_path):
     """Without any but the start's, "estimated error 0.0e+00" was told."""
-    run = polhode.integrate(SCENE, "quad", at=[0, 5, 20])
-    assert notes._accuracy(replace(run, errors=estimates)) == said
+    run = replace(polhode.integrate(SCENE, "quad", at=[0, 5, 20]), errors=estimates)
+    assert notes._accuracy(run) == said
+    run.save(tmp_path / "run.npz")
+    assert polhode.load_run(tmp_path / "run.npz").errors == estimates
 
 
 @pytest.mark.slow
