@@ -6,8 +6,6 @@ import inspect
 import math
 import pickle
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from fractions import Fraction
 
@@ -18,6 +16,7 @@ import pytest
 import polhode
 from polhode import cli
 from polhode.common.values import same
+from shared.tools import python
 
 PUBLIC = [name for name in polhode.__all__ if name != "__version__"]
 MODULES = ["", *sorted({getattr(polhode, name).__module__[len("polhode.") :] for name in PUBLIC})]
@@ -63,10 +62,7 @@ def test_tab_completion_shows_the_api_and_nothing_else():
         "import polhode; polhode.load('euler/sphere'); "
         "assert dir(polhode) == sorted(polhode.__all__); print(polhode.__version__)"
     )
-    process = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert process.stdout.strip() == polhode.__version__
+    assert python("-c", code, check=True).stdout.strip() == polhode.__version__
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         getattr(polhode, "nothing")  # noqa: B009
 

@@ -10,7 +10,7 @@ import pytest
 
 from polhode.common import processes
 from polhode.common.processes import in_order
-from shared.tools import tiers
+from shared.tools import python, tiers
 
 HERE = os.getpid()
 
@@ -108,8 +108,7 @@ def test_no_process_runs_the_caller_s_script_again(words, tmp_path):
     """It has no guard: once it ran thrice, and what came on stdin was looked for as a file."""
     (tmp_path / "script.py").write_text(LIGHT)
     stdin = LIGHT if words == ["-"] else "kept for the script"
-    how = {"cwd": tmp_path, "input": stdin, "capture_output": True, "text": True, "timeout": 300}
-    ended = subprocess.run([sys.executable, *words], **how)
+    ended = python(*words, cwd=tmp_path, input=stdin)
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "begun\n[1, 2, 3]\n", "")
 
 
@@ -117,9 +116,7 @@ def test_nothing_in_the_caller_s_folder_is_taken_for_a_library(tmp_path):
     for name in ("json", "pickle", "signal", "polhode"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('the wrong one')")
     code = "import os; os.chdir(os.environ['THERE'])\n" + LIGHT
-    environment = {**os.environ, "THERE": str(tmp_path)}
-    how = {"env": environment, "capture_output": True, "text": True, "timeout": 300}
-    ended = subprocess.run([sys.executable, "-P", "-c", code], **how)
+    ended = python("-P", "-c", code, env={**os.environ, "THERE": str(tmp_path)})
     assert (ended.stdout, ended.stderr) == ("begun\n[1, 2, 3]\n", "")
 
 

@@ -172,9 +172,9 @@ VARY = {"start.omega[3]": "1:4:100", "body.weight": ["1", "sqrt(2)"]}
 
 def swept(folder: Path | None, number: str = "double", **other: Any) -> polhode.Ensemble:
     end = 20 if number == "quad" else 1  # quad members are refined, and have errors
-    asked = {"at": ["0", "0.3", end], "number": number, "workers": 1, "parts": folder, **other}
     vary = VARY if number == "double" else VARY | {"start.omega[3]": "1:4:9"}
-    return polhode.integrate_many("lagrange/nutation", vary, **asked)
+    options = {"vary": vary, "at": ["0", "0.3", end], "number": number, "workers": 1} | other
+    return polhode.integrate_many("lagrange/nutation", parts=folder, **options)
 
 
 class First(Executor):
@@ -191,16 +191,17 @@ class First(Executor):
         return future
 
 
-def interrupted(folder: Path, number: str = "double", jobs: int = 2) -> polhode.Ensemble:
-    """A sweep that Ctrl-C ends once so many jobs are done."""
+def interrupted(folder: Path, number: str = "double", **other: Any) -> polhode.Ensemble:
+    """A sweep that Ctrl-C ends once two jobs are done."""
     seen: list[int] = []
 
     def progress(_: float, done: int) -> None:
         seen.append(done)
-        if len(seen) == jobs:
+        if len(seen) == 2:
             raise KeyboardInterrupt
 
-    return swept(folder, number, progress=progress, executor=First(jobs), workers=None)
+    options = {"progress": progress, "executor": First(2), "workers": None}
+    return swept(folder, number, **options, **other)
 
 
 @pytest.mark.parametrize("number", tiers(["double"], ["extended", "quad"]))
@@ -226,26 +227,15 @@ def test_an_interrupted_sweep_goes_on_and_ends_as_an_undisturbed_one(number, tmp
 def test_a_sweep_over_arrays_goes_on_to_the_same_bits(tmp_path):
     rows = np.tile([0.5, 0.25, 2, 0, 0.6, 0.8], (200, 1))
     rows[:, 0] = np.linspace(1, 3, 200)
-    psi = {"start.psi": np.zeros((200, 1))}
-    asked = {"vary": psi, "starts": rows, "at": [0, 1], "parts": tmp_path / "parts"}
-    whole = polhode.integrate_many("lagrange/nutation", **asked | {"parts": None})
-    told = []
-
-    def progress(*_: Any) -> None:
-        told.append(1)
-        if len(told) == 2:
-            raise KeyboardInterrupt
-
-    one, other = (rows.copy() for _ in range(2))
-    first = polhode.integrate_many(
-        "lagrange/nutation", **asked | {"starts": one}, executor=First(2), progress=progress
-    )
+    arrays = {"vary": {"start.psi": np.zeros((200, 1))}, "starts": rows, "at": [0, 1]}
+    first = interrupted(tmp_path / "parts", **arrays | {"starts": rows.copy()})
     assert 0 < first.outcomes.count(Outcome.NOT_RUN) < 200
-    assert polhode.integrate_many("lagrange/nutation", **asked) == whole
-    other[199, 1] += 2.0**-50
-    for changed in ({"starts": other}, {"vary": {"start.psi": np.ones((200, 1))}}):
+    assert swept(tmp_path / "parts", **arrays) == swept(None, **arrays)
+    moved = rows.copy()
+    moved[199, 1] += 2.0**-50
+    for change in ({"starts": moved}, {"vary": {"start.psi": np.ones((200, 1))}}):
         with pytest.raises(polhode.BadInput, match="same command"):
-            polhode.integrate_many("lagrange/nutation", **asked | changed)
+            swept(tmp_path / "parts", **arrays | change)
 
 
 #: What becomes of the first part: other bytes, or other arrays in it.

@@ -7,6 +7,8 @@ import copy
 import inspect
 import json
 import math
+import subprocess
+import sys
 import tempfile
 import textwrap
 from collections.abc import Iterable, Iterator
@@ -142,6 +144,15 @@ def answer(certificate: Any) -> str:
         except polhode.BadInput as fault:
             return f"refused: {fault}"
     return verdict.text if verdict.proved else f"refused: {verdict.text}"
+
+
+# -- a process of its own
+
+
+def python(*words: str, **how: Any) -> subprocess.CompletedProcess[str]:
+    """What Python does with such words."""
+    how = {"capture_output": True, "text": True, "timeout": 300} | how
+    return subprocess.run([sys.executable, *words], **how)
 
 
 # -- what --json of a judgement says, by name

@@ -7,14 +7,15 @@ import resource
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from polhode.common.interrupts import ProgressLine
 from shared.motions import free_file
+from shared.tools import python
 
 TOP = free_file("at = [0, 1]")
-COMMAND = [sys.executable, "-m", "polhode"]
 PATH = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
 
 
@@ -24,10 +25,10 @@ def folder(tmp_path, monkeypatch):
     Path("top.toml").write_text(TOP)
 
 
-def ended(*words: str, **how: object) -> subprocess.CompletedProcess[str]:
+def ended(*words: str, stdout: object = subprocess.PIPE, **how: object) -> Any:
     """A command carried out by a process of its own; both its streams, unless said otherwise."""
-    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | how
-    return subprocess.run([*COMMAND, *words], **streams)
+    streams = {"capture_output": False, "stdout": stdout, "stderr": subprocess.PIPE}
+    return python("-m", "polhode", *words, **streams | how)
 
 
 def shell(line: str) -> subprocess.CompletedProcess[str]:
@@ -136,7 +137,7 @@ def test_without_heyoka_all_works_but_what_integrates_says_how_to_get_it():
     program += "except ImportError as fault: print(fault, file=sys.stderr)\n"
     program += "assert main(['section', 'general/asymmetric-regular']) == 2\n"
     program += "assert main(['reference', 'lagrange/nutation', '--at', '1']) == 2  # its angles\n"
-    process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    process = python("-c", program)
     assert process.returncode == 0, process.stderr
     assert "not judged: what limits the digits was not computed: heyoka is not in" in process.stdout
     digits = re.search(r"(\S+) correct digits at worst", process.stdout)
@@ -149,8 +150,7 @@ def test_without_heyoka_all_works_but_what_integrates_says_how_to_get_it():
 
 def test_a_run_where_heyoka_is_missing_is_refused():
     program = f"{HIDDEN}from polhode.cli import command; command()"
-    words = [sys.executable, "-c", program, "run", "lagrange/nutation"]
-    process = subprocess.run(words, capture_output=True, text=True)
+    process = python("-c", program, "run", "lagrange/nutation")
     assert (process.returncode, process.stdout, process.stderr.count("\n")) == (2, "", 1)
     assert process.stderr.startswith("polhode: heyoka: expected to be installed")
 
