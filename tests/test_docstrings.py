@@ -1,15 +1,11 @@
 """The front door: its names, their examples, and what comes out as a value."""
 
 import doctest
-import functools
 import importlib
 import inspect
 import math
 import pickle
 import re
-import subprocess
-import sys
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 
@@ -20,6 +16,7 @@ import pytest
 import polhode
 from polhode import cli
 from polhode.common.values import same
+from shared.tools import python
 
 PUBLIC = [name for name in polhode.__all__ if name != "__version__"]
 MODULES = ["", *sorted({getattr(polhode, name).__module__[len("polhode.") :] for name in PUBLIC})]
@@ -53,18 +50,6 @@ def test_every_public_name_has_an_example_and_its_members_say_what_they_are(name
             assert (inspect.getdoc(member) or "").strip(), key
 
 
-FUNCTIONS = [name for name in PUBLIC if inspect.isfunction(getattr(polhode, name))]
-
-
-@pytest.mark.parametrize("name", FUNCTIONS)
-def test_help_says_what_every_argument_is(name):
-    function = getattr(polhode, name)
-    part = inspect.getdoc(function).partition("Parameters\n----------\n")[2].partition("\n\n")[0]
-    entries = re.findall(r"^([\w*][\w*, ]*)(?: : .*)?\n    \S", part, re.M)
-    documented = [word.strip(" *") for words in entries for word in words.split(",")]
-    assert sorted(documented) == sorted(inspect.signature(function).parameters)
-
-
 @pytest.mark.parametrize("name", ["orbit", "orbit_family", "prove_orbit", "prove_stability"])
 def test_another_argument_is_refused_with_the_nearest(name):
     more = ("h", 3) if name == "orbit_family" else ()
@@ -77,68 +62,9 @@ def test_tab_completion_shows_the_api_and_nothing_else():
         "import polhode; polhode.load('euler/sphere'); "
         "assert dir(polhode) == sorted(polhode.__all__); print(polhode.__version__)"
     )
-    process = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert process.stdout.strip() == polhode.__version__
+    assert python("-c", code, check=True).stdout.strip() == polhode.__version__
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         getattr(polhode, "nothing")  # noqa: B009
-
-
-def results() -> dict[str, Callable[[], object]]:
-    """Makers of one of everything that the front door gives back, each made once."""
-    event = polhode.Event("level", "gamma3 - 1/2")
-    scene = replace(polhode.load("lagrange/nutation"), events=(event,), outputs=("hodographs",))
-    run = functools.cache(lambda: polhode.integrate(scene, at=[1, 2]))
-    makers = {
-        "scene": lambda: replace(scene),
-        "body": lambda: replace(scene.body),
-        "run": run,
-        "quad": lambda: polhode.integrate("euler/sphere", "quad", at=[1]),
-        "mp": lambda: polhode.integrate("euler/sphere", "mp", at=[1]),
-        "many": lambda: polhode.integrate_many(
-            "euler/sphere", {"start.omega[1]": "0:1:3"}, at=[0, 1]
-        ),
-        "many in quad": lambda: polhode.integrate_many(
-            "euler/sphere", {"start.omega[1]": ["1/3"]}, number="quad", at=[1]
-        ),
-        "judged": lambda: polhode.compare(run()),
-        "reference": lambda: polhode.reference(scene),
-        "certified": lambda: polhode.reference(
-            polhode.load("general/asymmetric-chaotic"), "certified"
-        ),
-        "enclosure": lambda: polhode.certify("euler/sphere", at=[1], digits=15),
-        "zeros": lambda: polhode.certify_events(scene, end=2)[0],
-        "kappa": lambda: polhode.conditioning(scene, [1]),
-        "exponent": lambda: polhode.lyapunov(scene, 10),
-        "events": lambda: run().events[0],
-        "drift": lambda: run().drift,
-    }
-    return {kind: functools.cache(maker) for kind, maker in makers.items()}
-
-
-@pytest.fixture(scope="module")
-def two_makers() -> tuple[dict[str, Callable[[], object]], ...]:
-    return results(), results()
-
-
-@pytest.mark.parametrize("kind", [*results()])
-def test_results_compare_by_value_pickle_and_print_short(two_makers, kind):
-    first, second = (part[kind]() for part in two_makers)
-    assert first == second
-    assert first != two_makers[0]["scene" if kind != "scene" else "body"]()
-    again = pickle.loads(pickle.dumps(first))
-    assert again == first
-    assert repr(again) == repr(first)
-    assert "0x" not in repr(first)
-    assert len(repr(first)) < 250 or kind == "body"
-
-
-def test_a_large_ensemble_prints_short():
-    many = polhode.integrate_many("euler/sphere", {"start.omega[1]": "0:1:1000"}, at=[0, 1])
-    assert repr(many) == (
-        "<Ensemble of euler/sphere: 1000 members in double, 2 times to t = 1, all reached the end>"
-    )
 
 
 def test_other_states_are_another_trajectory():
@@ -157,13 +83,9 @@ def test_other_states_are_another_trajectory():
         (np.array([1.0, math.nan]), np.array([1.0, math.nan]), True),
         (np.array([1.0]), np.array([1.0], dtype=np.longdouble), False),
         (np.array([1.0]), np.array([[1.0]]), False),
-        (np.array([1.0]), [1.0], False),
         (np.array([Fraction(1), None]), np.array([Fraction(1), None]), True),
-        (np.array([Fraction(1), None]), np.array([Fraction(2), None]), False),
-        ([1, [2]], [1, [2]], True),
         ([1, [2]], [1, [3]], False),
         ([1], (1,), False),
-        ({"a": [1]}, {"a": [1]}, True),
         ({"a": [1]}, {"b": [1]}, False),
         (math.nan, math.nan, True),
         (math.nan, 1.0, False),

@@ -114,10 +114,7 @@ CALLS = [
     (lambda: polhode.integrate(FREE, at=[0])(np.array(True)), "expected"),
     (lambda: replace(FREE, form=np.array([1, 2])), "form"),
     (lambda: replace(FREE, events=(None,)), "events"),
-    (
-        lambda: replace(FREE, events=(polhode.Event("x", "p", "up"),)),
-        "direction = up: expected",
-    ),
+    (lambda: replace(FREE, events=(polhode.Event("x", "p", "up"),)), "direction = up: expected"),
     (lambda: replace(FREE, events=(polhode.Event("\x1b[31m", "p"),)), "of one line"),
     (lambda: polhode.Body.of_moments([1, 1]), "moments"),
     (lambda: polhode.integrate(FREE, at=[0]).save(b"run.npz"), "expected"),
@@ -140,10 +137,7 @@ CALLS = [
     (lambda: polhode.integrate(FREE, digit=30), "(did you mean 'digits'?)"),
     (lambda: polhode.integrate(FREE, dps=9, progress=True), "expected digits, as it"),
     (lambda: polhode.compare("a.toml", "b.csv"), "polhode compare b.csv a.toml"),
-    (
-        lambda: polhode.compare("x.csv", FREE, at_least=9),
-        "polhode.testing.assert_digits(run",
-    ),
+    (lambda: polhode.compare("x.csv", FREE, at_least=9), "polhode.testing.assert_digits(run"),
     (lambda: polhode.compare([ROW], FREE, dtype="quad"), "dtype = quad: expected number, as it"),
     (lambda: polhode.top(moments=[1, 1, 1], omga=[1, 1, 1]), "(did you mean 'omega'?)"),
     # it was taken, and handed on to the search for the first orbit; others were told its names

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from dataclasses import replace
 from fractions import Fraction
 
@@ -13,62 +12,7 @@ import pytest
 import polhode
 from polhode.enclosures import fixed_point_problem, step_bound, task, taylor_polynomials, zonotope
 from polhode.equations import terms
-from polhode.numbers.conversion import to_double
-from polhode.scenes import scene_file
 from polhode.taylor.projection import staying_zero
-
-DRAWS = 20
-
-
-def drawn(dice: random.Random, count: int) -> list[Fraction]:
-    return [Fraction(dice.randint(-99, 99), dice.randint(1, 9)) for _ in range(count)]
-
-
-def across(a: list[Fraction], b: list[Fraction]) -> list[Fraction]:
-    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-
-
-def by_vectors(numbers: list[Fraction], state: list[Fraction]) -> list[Fraction]:
-    """I w' + w × I w = k × gamma turned round, gamma' = gamma × w."""
-    moments, k, w, g = numbers[:3], numbers[3:], state[:3], state[3:]
-    pull = across(g, k)
-    turn = across(w, [m * x for m, x in zip(moments, w, strict=True)])
-    return [(a - b) / m for a, b, m in zip(pull, turn, moments, strict=True)] + across(g, w)
-
-
-def by_terms(numbers: list[Fraction], state: list[Fraction]) -> list[Fraction]:
-    k = terms.coefficients_of(numbers)
-    return [sum(x.of(k) * terms.product(state, x.factors) for x in row) for row in terms.ROWS]
-
-
-def bodies() -> list[tuple[list[Fraction], list[Fraction]]]:
-    dice = random.Random(1)
-    return [
-        ([*(abs(x) + 1 for x in drawn(dice, 3)), *drawn(dice, 3)], drawn(dice, 6))
-        for _ in range(DRAWS)
-    ]
-
-
-def test_the_terms_are_the_vector_equations() -> None:
-    for numbers, state in bodies():
-        assert by_terms(numbers, state) == by_vectors(numbers, state)
-
-
-def test_their_slopes_are_the_derivative() -> None:
-    # Of quadratic rates a difference to both sides is the derivative, exactly.
-    for numbers, state in bodies():
-        k = terms.coefficients_of(numbers)
-        for column in range(6):
-            ends = []
-            for sign in (1, -1):
-                moved = [*state]
-                moved[column] += sign
-                ends.append(by_vectors(numbers, moved))
-            slopes = [Fraction(0)] * 6
-            for x in terms.SLOPES:
-                if x.column == column:
-                    slopes[x.row] += x.term.of(k) * (1 if x.other is None else state[x.other])
-            assert slopes == [(a - b) / 2 for a, b in zip(*ends, strict=True)]
 
 
 def test_a_plane_that_is_kept_is_found_among_generic_numbers() -> None:
@@ -108,45 +52,6 @@ def test_a_door_refuses_what_it_does_not_take() -> None:
     ):
         with pytest.raises(polhode.BadInput, match=said):
             polhode.load(scene, takes=takes)
-
-
-@pytest.fixture
-def readings(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Texts that are read as TOML from now on."""
-    texts: list[str] = []
-    honest = scene_file.tables
-
-    def tables(text: str, name: str = "scene") -> dict[str, object]:
-        texts.append(text)
-        return honest(text, name)
-
-    monkeypatch.setattr(scene_file, "tables", tables)
-    return texts
-
-
-def test_a_scene_s_text_is_read_once(readings: list[str], tmp_path) -> None:
-    scene = polhode.load("lagrange/nutation")
-    assert len(readings) == 1
-    run = polhode.integrate(scene, at=[1, 2])
-    run.save(tmp_path / "run.json")
-    starts = np.array([[float(x) for x in scene.start]] * 3)
-    polhode.integrate_many(scene, starts=starts, at=[1])
-    polhode.integrate_many(scene, vary={"start.omega[1]": [0, 1]}, at=[1])
-    assert polhode.as_toml(scene) == scene.source
-    assert "\nat = [1, 2]\n" in polhode.as_toml(run.scene)
-    assert len(readings) == 1
-    top = polhode.top(moments=[2, 2, 1], omega=[0.5, 0, 3], end=10)
-    polhode.integrate(top).save(tmp_path / "top.json")  # its text is written, and read once
-    polhode.integrate_many(top, vary={"start.omega[1]": [0, 1]}, at=[1])
-    assert len(readings) == 2
-
-
-def test_the_text_of_a_changed_scene_tells_the_change() -> None:
-    scene = polhode.load("kovalevskaya/generic")
-    changed = replace(scene, omega=(1, 2, 3), title="another")  # type: ignore[arg-type]
-    again = scene_file.parse(polhode.as_toml(changed))
-    assert (again.omega, again.title, again.body) == (changed.omega, "another", scene.body)
-    assert to_double(again.omega[2]) == 3.0
 
 
 def test_a_sum_in_the_derivative_is_not_proven(monkeypatch: pytest.MonkeyPatch) -> None:

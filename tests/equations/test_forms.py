@@ -13,13 +13,11 @@ import polhode
 from polhode import Body, Event, Outcome, Scene, cli
 from polhode.checks import check_report
 from polhode.equations.form import equations
-from polhode.judging.correct_digits import worst_digits
 from polhode.numbers import conversion
 from polhode.numbers.mpmath_context import mpmath
-from polhode.scenes.vocabulary import FORMS
 from shared.form_trials import BITS, numbers, state
-from shared.motions import ASYMMETRIC, asymmetric, in_other_units, same_bits
-from shared.tools import exactly, tiers
+from shared.motions import asymmetric, in_other_units, same_bits
+from shared.tools import FORMS, exactly, tiers
 
 F = Fraction
 OTHERS = [name for name in FORMS if name != "principal"]
@@ -32,33 +30,13 @@ IRRATIONAL = Scene(
     (F(1, 10), F(1, 5), 3),
     (F(2, 7), F(3, 7), F(6, 7)),
 )
-#: Routh's equations are other ones for each kind of body.
-MOTIONS = {
-    "irrational": IRRATIONAL,
-    "asymmetric": REGULAR,
-    "A = B": replace(REGULAR, body=Body.of_moments((2, 2, 1), ASYMMETRIC.centre, 1)),
-    "A = C": replace(REGULAR, body=Body.of_moments((2, F(3, 2), 2), (F(3, 10), 0, F(1, 2)), 1)),
-    "sphere": replace(REGULAR, body=Body.of_moments((2, 2, 2), (F(3, 10), 0, F(1, 2)), 1)),
-}
 
 
 def digits_of(first: polhode.Trajectory, second: polhode.Trajectory) -> float:
     """The digits to which two runs agree."""
-    return worst_digits(first.states, second.states, second.scene, second.number.most_digits)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("motion", "name"), [("asymmetric", "general"), ("asymmetric", "hamiltonian")]
-)
-def test_every_form_gives_38_of_40_digits_both_ways(name, motion):
-    for at in ([10], [-3]):
-        run, second = (
-            polhode.integrate(replace(MOTIONS[motion], form=form), digits=40, at=at)
-            for form in ("principal", name)
-        )
-        assert second.outcome is Outcome.REACHED_END
-        assert 38 <= digits_of(second, run) < 46
+    pairs = zip(first.states.ravel().tolist(), second.states.ravel().tolist(), strict=True)
+    off = max(float(abs(exactly(a) - exactly(b))) for a, b in pairs)
+    return min(-np.log10(off), second.number.most_digits) if off else second.number.most_digits
 
 
 @pytest.mark.parametrize(
@@ -75,7 +53,7 @@ def test_scaling_by_powers_of_two_changes_no_bit(name, exponent):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["general"])
+@pytest.mark.parametrize("name", ["general", "hamiltonian"])
 def test_a_run_in_any_form_has_what_a_run_in_the_principal_form_has(name):
     """Angles, attitude, events, states in between; a start that is the scene's own."""
     events = (
@@ -259,45 +237,24 @@ def test_the_norm_of_the_quaternion_is_held_by_corrections_that_are_reported():
 
 # -- the command line -----------------------------------------------------------------------------
 
-FILE = """schema = 1
-[body]
-moments = [1, 1, "1/2"]
-centre = [0, 0, 1]
-weight = 1
-[start]
-omega = ["1/4", 3, 1]
-gamma = ["4/5", 0, "3/5"]
-[run]
-end = 3
-samples = 4
-form = "hamiltonian"
-"""
 
+def test_forms_on_the_command_line(capsys, tmp_path, refusal):
+    (tmp_path / "over.toml").write_text(polhode.as_toml(passing("hamiltonian", F(0)).at([1, 2, 3])))
 
-def test_forms_on_the_command_line(capsys, tmp_path):
-    file = str(tmp_path / "over.toml")
-    (tmp_path / "over.toml").write_text(FILE)
-
-    def output(*arguments):
-        code = cli.main([*arguments])
+    def output(*arguments, code=0):
+        assert cli.main([*arguments, "--json"]) == code
         out, err = capsys.readouterr()
-        return code, json.loads(out) if out else None, err
+        return json.loads(out), err
 
-    code, answer, err = output("run", file, "--json")
-    assert (code, answer["outcome"]) == (3, "singular set")
+    answer, err = output("run", "over.toml", code=3)
+    assert answer["outcome"] == "singular set"
     assert "the form hamiltonian met its singular set; use --form principal" in err
-    code, answer, _ = output("run", file, "--form", "momentum", "--json")
-    assert (code, answer["form"], answer["outcome"]) == (0, "momentum", "reached end")
-    code, answer, _ = output("show", file, "--json")
+    answer, _ = output("run", "over.toml", "--form", "momentum")
+    assert (answer["form"], answer["outcome"]) == ("momentum", "reached end")
+    answer, _ = output("show", "over.toml")
     assert (answer["form"], answer["variables"][1]) == ("hamiltonian", "nutation")
     assert answer["source"].startswith("3.47")
-    for arguments, said in (
-        ((file, "--form", "momentums"), "did you mean 'momentum'"),
-        (("euler/sphere", "--form", "omega-only"), "the weight has no moment"),
-    ):
-        code, answer, err = output("run", *arguments)
-        assert (code, answer) == (2, None)
-        assert said in err
+    assert "weight has no moment" in refusal("run", "euler/sphere", "--form", "omega-only")
 
 
 @pytest.mark.slow

@@ -49,24 +49,6 @@ def test_it_is_the_same_motion_exactly_and_its_own_frame_is_trivial(scene):
     assert frame.time_outside(frame.time(Fraction(1, 3))) == Fraction(1, 3)
 
 
-@pytest.mark.parametrize("number", ["double", "quad"])
-@pytest.mark.parametrize("moments", [(2, 3, 4), (2, 2, 1)])
-def test_a_run_of_it_has_the_same_bits(moments, number):
-    body = polhode.Body.of_moments(moments, [0, "1/3", 1], 9)
-    scene = polhode.Scene(body, omega=(0, 30, 2), gamma=("3/5", 0, "4/5"))
-    frame, scene_inside = inside(scene)
-    assert frame.exponent
-    assert frame.axes.trivial
-    at = [frame.unit / 3, frame.unit * 5]
-    run = polhode.integrate(scene, number, at=at, method="taylor")
-    times = [frame.time(t) for t in at]
-    own = polhode.integrate(scene_inside, number, at=times, method="taylor")
-    assert run.steps == own.steps
-    scaled = np.array(own.states, dtype=object)
-    scaled[:, :3] /= float(frame.unit)
-    assert (np.array(run.states, dtype=object) == scaled).all()
-
-
 #: Of the scene's axes, and of the principal ones, the third is vertical.
 POLES = (0, 0, 1), TURNED.axes.rows[2]
 

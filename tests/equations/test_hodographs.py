@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from dataclasses import replace
 from fractions import Fraction
@@ -22,6 +21,7 @@ from polhode.numbers.conversion import to_extended, to_mpf
 from shared.closed_forms import number as number_at
 from shared.tools import DOUBLE, EXTENDED, QUAD, exactly, examples, mp, tiers
 
+SPACE = ("omega_x", "omega_y", "omega_z")
 COMPONENT = st.floats(-10, 10, allow_subnormal=False)
 
 
@@ -147,65 +147,32 @@ def test_a_curve_that_slips_is_seen():
     assert then == pytest.approx(now, rel=1e-12)
 
 
-def test_the_rolling_condition_needs_hodographs_and_samples():
-    few = polhode.integrate(scene_of("kovalevskaya/generic", count=5))
-    without = polhode.integrate(scene_of("kovalevskaya/generic", outputs=("attitude",)))
-    for run in (few, without):
-        with pytest.raises(ValueError, match="25 times"):
-            polhode.rolling(run)
-
-
-# -- what is printed ----------------------------------------------------------------------------
-
-FILE = """schema = 1
-[body]
-moments = [1, 1, 0.5]
-centre = [0, 0, 1]
-weight = 1
-[start]
-omega = [0.1, 0, 4]
-gamma = [0.6, 0, 0.8]
-[run]
-at = [1, 2]
-outputs = %s
-"""
+# -- what is printed, and what is refused -------------------------------------------------------
 
 
 @pytest.mark.parametrize("verb", ["run", "reference"])
-def test_json_shows_hodographs_and_only_what_was_asked_for(verb, tmp_path, capsys):
-    scene = tmp_path / "top.toml"
-
-    def document(outputs):
-        scene.write_text(FILE % outputs)
-        assert main([verb, str(scene), "--json"]) == 0
-        return json.loads(capsys.readouterr().out)
-
-    assert "q0" in document('["hodographs", "attitude"]')["columns"]
-    columns = document('["hodographs"]')["columns"]
-    assert "psi" not in columns
-    # a run's file holds the attitude from which its hodographs are made again
-    assert ("q0" in columns) == (verb == "run")
-    body, space = (
-        zip(*(columns[name] for name in names), strict=True)
-        for names in (("p", "q", "r"), ("omega_x", "omega_y", "omega_z"))
-    )
-    for first, second in zip(body, space, strict=True):
-        a, b = (sum(Fraction(x) ** 2 for x in row) for row in (first, second))
-        assert abs(a - b) < a * Fraction(1, 10**14)
-
-
-def test_a_trajectory_file_holds_the_space_hodograph(tmp_path, capsys):
-    path = tmp_path / "x.csv"
-    command = ["run", "kovalevskaya/generic", "--at", "1,2", "--outputs", "hodographs"]
-    assert main([*command, "-o", str(path)]) == 0
-    header, *rows = csv.reader(path.read_text().splitlines())
-    assert header[-3:] == ["omega_x", "omega_y", "omega_z"]
-    run = polhode.integrate(scene_of("kovalevskaya/generic").at((Fraction(1), Fraction(2))))
-    assert [[float(x) for x in row[-3:]] for row in rows] == run.hodographs.space.tolist()
-    Path(f"{path}.json").unlink()  # a table of anybody's
-    capsys.readouterr()
-    assert main(["compare", str(path), "kovalevskaya/generic"]) == 0
+def test_json_shows_hodographs_of_one_length_and_a_table_of_them_is_not_judged(
+    verb, tmp_path, monkeypatch, capsys
+):
+    """A run's file holds the attitude, too, from which its hodographs are made again."""
+    monkeypatch.chdir(tmp_path)
+    words = [verb, "kovalevskaya/generic", "--at", "1,2", "--outputs", "hodographs"]
+    assert main([*words, "--json"]) == 0
+    columns = json.loads(capsys.readouterr().out)["columns"]
+    assert ("psi" in columns, "q0" in columns) == (False, verb == "run")
+    for names in zip(*(columns[name] for name in ("p", "q", "r", *SPACE)), strict=True):
+        row = [Fraction(x) ** 2 for x in names]
+        assert sum(row[:3]) == pytest.approx(sum(row[3:]), rel=1e-14)
+    Path("x.csv").write_text("t,p,omega_x,omega_y,omega_z\n1,0.1,0.1,0.2,0.3\n")
+    assert main(["compare", "x.csv", "kovalevskaya/generic"]) == 0
     assert "columns omega_x omega_y omega_z were not judged" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("count", "outputs"), [(5, ("hodographs",)), (60, ("attitude",))])
+def test_the_rolling_condition_needs_hodographs_and_samples(count, outputs):
+    run = polhode.integrate(scene_of("kovalevskaya/generic", outputs, count=count))
+    with pytest.raises(ValueError, match="25 times"):
+        polhode.rolling(run)
 
 
 def test_hodographs_need_a_vertical():

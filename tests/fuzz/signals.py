@@ -20,6 +20,7 @@ from random import Random
 from typing import NamedTuple
 
 from polhode.results.reader import kind_at
+from shared.motions import heavy_file
 
 SECONDS = 5.0
 HANGS = 120.0  # seconds of the clock after which a command never ends
@@ -91,24 +92,10 @@ LEFT = re.compile(
 #: How a whole file ends, by its name's ending: a signal may come between it and the last line.
 ENDS = {".svg": b"</svg>\n", ".png": b"IEND\xaeB`\x82", ".gif": b";", ".html": b"</html>\n"}
 SAID = re.compile(r"(polhode: [^\n]+\n|[\w/.-]+: [^\n]+\n)*")
-_SCENE = """schema = 1
-[body]
-moments = [{moments}]
-centre = [0.3, 0.2, 1]
-weight = "{weight}"
-[start]
-gamma = ["4/5", "3/5", 0]
-omega = [{omega}]
-[run]
-end = 3000
-samples = 3001
-"""
 #: The second is a million times faster about one axis than its start says.
 _GIVEN = {
-    "given.toml": _SCENE.format(moments="2, 1.5, 1", weight="1", omega="1, 0.2, 1"),
-    "thin.toml": _SCENE.format(
-        moments='"4.264e-7", 1, 1', weight="6.641e5", omega='"7.3e-5", 0.38, "3.7e-5"'
-    ),
+    "given.toml": heavy_file("3000", "1", 3001, moments="2, 1.5, 1"),
+    "thin.toml": heavy_file("3000", '"3.7e-5"', 3001, "6.641e5", '"4.264e-7", 1, 1'),
 }
 
 

@@ -11,10 +11,11 @@ import polhode
 from fuzz import cases, promise, trials
 from polhode import cli
 from polhode.output import description
+from shared.motions import heavy_file
 
 #: How many cases of each class are tried.
-COUNTS = {"scene": 40, "call": 75, "toml": 20, "table": 10, "command": 20}
-COUNTS |= {"result": 20, "body": 15, "event": 5, "proof": 3}
+COUNTS = {"scene": 25, "call": 40, "toml": 12, "table": 6, "command": 12}
+COUNTS |= {"result": 12, "body": 8, "event": 3, "proof": 2}
 SWEEP = "sweep x.toml --vary start.omega[3]=1:2:2 --workers 1"
 
 
@@ -61,7 +62,8 @@ def test_the_promise_is_kept_by_some_texts(kind):
     ],
 )
 def test_numbers_hundreds_of_powers_of_ten_apart(words, body, capsys):
-    Path("x.toml").write_text(cases.RATIO.format(*cases.RATIOS[body]))
+    moments, centre, weight = cases.RATIOS[body]
+    Path("x.toml").write_text(heavy_file("10", "3", 5, weight, moments, centre))
     code = cli.main(words.split())
     err = capsys.readouterr().err
     assert code in (0, 2, 3)

@@ -19,6 +19,7 @@ from polhode.common import files
 from polhode.common.interrupts import heard
 from polhode.runs import integrate_many
 from polhode.verbs import catalogue, guide
+from shared.tools import python
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="processor time is read from /proc")
 
@@ -96,7 +97,7 @@ def test_a_signal_after_all_is_said_is_not_heard():
         "atexit.register(lambda: os.kill(os.getpid(), signal.SIGINT)); "
         "sys.argv[1:] = []; cli.command()"
     )
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    ended = python("-c", program)
     assert (ended.returncode, ended.stderr) == (0, "")
 
 
@@ -125,8 +126,7 @@ command()
 )
 def test_a_signal_while_polhode_is_loaded_is_obeyed(module, by):
     """Its code was -2, and a traceback was printed."""
-    program = [sys.executable, "-c", LOADED, module, str(int(by))]
-    ended = subprocess.run(program, capture_output=True, text=True)
+    ended = python("-c", LOADED, module, str(int(by)))
     assert (ended.returncode, ended.stderr) == (130, "polhode: interrupted\n")
 
 

@@ -88,31 +88,5 @@ JSON: list[Any] = [
     *(None, True, False, 0, -1, 1, 10**30, 0.5, 1e308, "", "x", "nan", "1e999999999", "0x1p-52"),
     *([], {}, [1], [[]], {"a": 1}, "double", "mp", "reached end", "taylor", [{"name": "x"}]),
     *("1" * 5000, "\u202e", "\x00", ["h"] * 1000, {"onto": ["h"], "every": 0}),
-    *({"r": 0}, {"r": -1}, {"r": 10**9}, {"q": ["0x1", "0x0"]}, {"f": "nan"}, {"f": "inf"}),
-    *({"q": ["0x1", "0x" + "f" * 100_000]}, {"i": "0x" + "f" * 1_000_000}, {"m": ["0x1", 10**12]}),
-    *({"m": ["0x" + "f" * 1_000_000, 0]}, {"s": ["<U500000000", [], ["x"]]}, {"d": [[[], 1]]}),
-    *({"a": ["<f8", [10**9], ""]}, {"a": ["<f8", [2**31, 2**31, 4], ""]}, {"t": 5}),
-    *({"a": ["|V2000000000", [1], ["x"]]}, {"a": ["|O", [1], [None]]}, {"e": "arrived"}),
-    *({"n": ["Spaced", 0, 1, 10**9]}, {"n": ["OutputTimes", {"n": ["Spaced", 0, 1, 10**8]}]}),
-    *({"n": ["OutputTimes", "x"]}, {"n": ["Scene", "euler/sphere"]}, {"kept": 0}, {"read": "x"}),
-    *(
-        {"n": ["NumberType", "mp", 2**30]},
-        {"n": ["os:system", "true"]},
-        {"n": ["__import__", "os"]},
-    ),
-    *({"o": ["polhode.scenes.library:load", "/etc/passwd"]}, {"run": []}, {"__class__": []}),
-    *({"g": "polhode.common.files:write_whole"}, {"x": ["__builtins__", [], None]}),
-    *({"x": ["integer_power_of", [{"q": ["0x1", "0x1"]}], None]}, {"reference": "/etc/passwd"}),
+    *({"t": 5}, {"run": []}, {"__class__": []}, {"reference": "/etc/passwd"}, {"kept": 0}),
 ]
-
-
-def arrays(right: np.ndarray) -> list[np.ndarray]:
-    """Arrays that stand for another one: its shape, kind or values changed."""
-    flat, shape = right.ravel(), right.shape
-    return [
-        *(flat[:0], flat[:-1], flat, right.reshape(-1, 1), right[..., None]),
-        *(np.zeros(shape), np.full(shape, np.nan), np.full(shape, "x"), np.array(1), np.array([])),
-        *(np.array(["1"] * 5), np.zeros((0, 6)), np.concatenate([flat, flat])),
-        *(flat[::-1].reshape(shape), np.full(shape, "[" * 50_000), np.zeros(3, dtype="V8")),
-        *(np.full(shape, 10**18), np.full(shape, True), np.full(shape, b"1")),
-    ]

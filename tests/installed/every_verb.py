@@ -26,13 +26,7 @@ from pathlib import Path
 TOP = Path(__file__).resolve().parents[2]
 
 #: Exit codes and commands, before and after the examples of all verbs.
-BARE = (
-    (0, ""),
-    (0, "--version"),
-    (0, "guide"),
-    (0, "guide python"),
-    (2, "show lagrange/nutaton"),
-)
+BARE = ((0, ""), (0, "--version"), (0, "guide"), (0, "guide python"), (2, "show lagrange/nutaton"))
 AFTER = (
     (2, "order top.csv top.csv top.toml"),
     (0, "verify orbit.json"),

@@ -13,14 +13,7 @@ from hypothesis import strategies as st
 
 from polhode.numbers import exact
 from polhode.numbers.exact import Irrational, sign
-from polhode.numbers.expression import (
-    Algebra,
-    ExpressionError,
-    decimal,
-    evaluate,
-    number,
-    odd_part,
-)
+from polhode.numbers.expression import Algebra, ExpressionError, decimal, evaluate, number, odd_part
 
 MAX_SECONDS = 1.0  # of the processor
 ROUGHLY = Fraction(1, 2**40)  # a few roundings of doubles

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import multiprocessing
 import pickle
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -79,25 +78,6 @@ def test_copies_of_an_answer_are_it_to_the_bit(name):
         assert {*map(type, numbers(again))} <= kinds
 
 
-def same(value: Any) -> Any:
-    return value
-
-
-@pytest.mark.parametrize("start", ["fork", pytest.param("spawn", marks=pytest.mark.slow)])
-def test_a_pool_gives_back_what_it_was_given(start):
-    if start not in multiprocessing.get_all_start_methods():
-        pytest.skip(f"a system without {start}")
-    rows = polhode.reference("lagrange/nutation").at([1, 2], 50)
-    scene = polhode.load("lagrange/nutation")
-    run = polhode.integrate(scene, "quad", at=[1, 2])
-    with multiprocessing.get_context(start).Pool(2) as pool:
-        again = pool.map(same, rows)
-        (copy,) = pool.map(same, [run])
-    assert raw(again) == raw(rows)
-    assert copy == run
-    assert raw(copy.states) == raw(run.states)
-
-
 def test_parts_of_a_complex_number_keep_their_bits():
     third = mpmath_context.mpmath
     with third.workprec(200):
@@ -106,15 +86,6 @@ def test_parts_of_a_complex_number_keep_their_bits():
         assert raw(pickle.loads(pickle.dumps(x))) == raw(x)
     assert z.imag == 2 * z.real
     assert repr(z).startswith("mpc(real='0.33333")  # as mpmath writes it; it named a class of ours
-
-
-def test_polhode_s_own_numbers_stay_its_own():
-    with mpmath_context.mpmath.workprec(300):
-        x, z = mpmath_context.mpmath.mpf(1) / 3, mpmath_context.mpmath.mpc(1, 2) / 3
-    for number in (x, z):
-        for again in (copy.deepcopy(number), pickle.loads(pickle.dumps(number))):
-            assert type(again) is type(number)
-            assert raw(again) == raw(number)
 
 
 def test_they_are_mpmath_s_numbers_in_all_else():

@@ -34,7 +34,6 @@ from polhode.refined.refinement import (
     refine,
 )
 from shared.motions import ASYMMETRIC, asymmetric
-from shared.tools import exactly
 
 
 def run(scene, *times, target=QUAD, **options):
@@ -49,43 +48,8 @@ def distance(first, second, i=-1):
     return [max(abs(float(a - b)) for a, b in pairs[k : k + 3]) for k in (0, 3)]
 
 
-def error(motion, scene, t, i=-1, digits=45):
-    """Largest errors of w and gamma, w in the scene's own unit, by the closed form."""
-    exact = [exactly(x) for x in polhode.reference(scene).at([t], digits)[0]]
-    exact[:3] = [x * Fraction(2) ** scene.time_unit for x in exact[:3]]
-    pairs = list(zip(motion.exactly(i), exact, strict=False))
-    return [max([abs(float(a - b)) for a, b in pairs[k : k + 3]] or [0.0]) for k in (0, 3)]
-
-
 def within(errors, motion, i=-1):
     return bool((np.array(errors) <= motion.estimate.errors[i]).all())
-
-
-CLOSED = [  # case, end, least and most correct digits of w and gamma
-    ("euler/flat", 100, 33.5, 36.5),
-    ("euler/dzhanibekov", 30, 30, 33),
-    ("euler/backward", -100, 33.5, 36.5),
-    ("euler/tiny-units", 100, 34, 37),
-    ("lagrange/spherical-pendulum", 40, 33.5, 36.5),
-    ("kovalevskaya/generic", 20, 34, 36.5),
-    ("kovalevskaya/bobylev-steklov", 20, 33, 36),
-    ("pendulum/upright", 20, 28, 31),
-    ("hard/dzhanibekov-1e-9", 50, 30, 33),
-    ("hard/near-homoclinic", 40, 25, 29),
-]
-
-
-@pytest.mark.parametrize(("name", "end", "least", "most"), CLOSED)
-def test_closed_forms_and_the_estimate(name, end, least, most):
-    scene = polhode.load(name)
-    times = [Fraction(end, 7), Fraction(end)]
-    motion = run(scene, *times)
-    for i, t in enumerate(times):
-        errors = error(motion, scene, t, i)
-        assert within(errors, motion, i)
-    digits = -np.log10(max(errors))
-    assert least <= digits <= most
-    assert max(motion.estimate.errors[-1]) < 1e6 * max(errors)  # an estimate that says something
 
 
 def random_tops():
@@ -215,13 +179,6 @@ def test_backward_is_forward_with_the_rates_turned_about():
         assert a == [-x for x in b[:3]] + b[3:]
 
 
-def test_the_unit_of_time_changes_no_bit():
-    scene, factor = asymmetric(), Fraction(2) ** 40
-    fast = asymmetric(rate=factor)
-    assert fast.time_unit != scene.time_unit
-    assert run(scene, 20).states == run(fast, 20 / factor).states
-
-
 def test_a_body_that_hangs_at_rest_or_has_nothing_to_move_it():
     hanging = Scene(Body.of_moments([2, "1.5", 1], [0, 0, 1], 1), (0, 0, 0), (0, 0, -1))
     still = Scene(Body.of_moments([2, "1.5", 1]), (0, 0, 0), (0, 0, 1))
@@ -229,41 +186,6 @@ def test_a_body_that_hangs_at_rest_or_has_nothing_to_move_it():
         motion = run(scene, 100)
         assert off(motion.exactly(0), [*scene.omega, *scene.gamma]) < 1e-35
         assert np.isfinite(motion.estimate.errors).all()
-
-
-def test_no_estimate_where_the_motion_multiplies_errors_too_much():
-    motion = run(polhode.load("hard/chaotic-long"), 30, 330)
-    assert np.isfinite(motion.estimate.errors[0]).all()
-    assert motion.estimate.kappa[1] > 1e14
-    assert np.isinf(motion.estimate.errors[1]).all()
-
-
-@pytest.mark.parametrize(
-    ("name", "digits", "end"),
-    [
-        ("lagrange/spherical-pendulum", 50, 5),
-        # the field in 15 limbs takes ten seconds to compile where no cache holds it
-    ],
-)
-def test_more_digits_by_the_closed_form(name, digits, end):
-    scene = polhode.load(name)
-    motion = run(scene, end, target=accuracy(digits))
-    errors = error(motion, scene, Fraction(end), digits=digits + 12)
-    assert within(errors, motion)
-    assert 10.0 ** -(digits + 10) < max(errors) < 10.0**-digits
-    assert max(motion.estimate.errors[0]) < 10.0 ** (3 - digits)
-
-
-def test_a_compiler_that_reassociates_is_found_out(monkeypatch):
-    import heyoka
-
-    def careless(out, values, **options):
-        return compiled(out, values, fast_math=True, **options)
-
-    compiled = heyoka.cfunc
-    monkeypatch.setattr("polhode.refined.compiled_field.hy.cfunc", careless)
-    spoilt = kernels.__wrapped__(QUAD.limbs)
-    assert field_error(spoilt, QUAD.limbs) > 2.0**-QUAD.limbs.bits
 
 
 @pytest.mark.parametrize("digits", [34, 50, 90])
@@ -280,20 +202,6 @@ def test_products_by_levels_are_those_of_integers(digits):
 def test_the_compiled_field_is_that_of_integers(digits):
     limbs = accuracy(digits).limbs
     assert field_error(kernels(limbs), limbs) <= 2.0**-limbs.bits
-
-
-@pytest.mark.parametrize("output", range(24))
-def test_a_fault_in_any_limb_of_the_field_is_found_out(output):
-    good = kernels(QUAD.limbs)
-
-    def off(arguments, pars, outputs):
-        good.field(arguments, pars=pars, outputs=outputs)
-        outputs[output] *= 1 + (2.0**-20 if output % 4 == 3 else 2.0**-52)
-
-    limbs = QUAD.limbs
-    faulty = field_error(Kernels(off, *good[1:]), limbs)
-    assert field_error(good, limbs) < 2.0**-limbs.bits
-    assert faulty > 2 * field_error(good, limbs)
 
 
 def test_a_block_of_one_interval_is_one(monkeypatch):
@@ -472,91 +380,3 @@ def exact_product(row: Doubles, field: Doubles, limbs: Limbs) -> int:
         factor = field[j - 1] * 2.0 ** kind.place(j)
         total += sum(int(a) * int(f) for a, f in zip(part.tolist(), factor.tolist(), strict=True))
     return total
-
-
-# -- Attitude and angles of refined runs: closed forms, heyoka's steps, windings near poles --------
-
-TURNS = ("angles", "attitude", "hodographs")
-
-
-def refined(scene, at, number="quad"):
-    run = polhode.integrate(replace(scene, outputs=TURNS), number, at=at, method="refined")
-    assert run.method == "refined"
-    return run
-
-
-def apart(rows, others):
-    """The largest difference of two tables."""
-    return max(
-        abs(float(exactly(a) - exactly(b)))
-        for row, second in zip(rows, others, strict=True)
-        for a, b in zip(row, second, strict=True)
-    )
-
-
-@pytest.mark.parametrize(
-    ("name", "number", "at", "worst"),
-    [  # psi is rounded at 113 bits, to 2e-33 beyond 16
-        pytest.param("kovalevskaya/generic", "quad", ["1/3", 20], 4e-33, marks=pytest.mark.slow),
-        ("euler/backward", "quad", [-1, -50], 4e-33),
-        ("euler/turned-axes", "quad", [0, 1, 50], 4e-33),
-        ("lagrange/nutation", "quad", [1, 5, 10], 4e-33),
-        ("lagrange/spherical-pendulum", "quad", [1, 40], 4e-33),
-        ("euler/dzhanibekov", "quad", [1, 30], 4e-31),
-        ("lagrange/nutation", "mp", [2, 7], 1e-49),
-    ],
-)
-def test_closed_forms(name, number, at, worst):
-    run = refined(polhode.load(name), at, number)
-    true = polhode.reference(run.scene)
-    assert 0 < apart(run.angles, true.angles(run.times, 62)) < worst
-    assert 0 < apart(run.attitude, true.attitude(run.times, 62)) < worst / 4
-    assert 0 < apart(run.hodographs.space, true.hodographs(run.times, 62).space) < worst
-
-
-def test_turns_are_counted_over_several_runs_in_double(monkeypatch):
-    monkeypatch.setattr(refinement, "STEPS", 40)
-    run = refined(polhode.load("euler/turned-axes"), [10, 30, 60])
-    assert 0 < apart(run.angles, polhode.reference(run.scene).angles(run.times, 45)) < 1e-32
-    assert abs(run.angles[-1][0]) > 10
-
-
-@pytest.mark.parametrize("end", [15, -30])
-def test_heyokas_own_run_in_quad(end):
-    scene = replace(
-        polhode.load("general/asymmetric-chaotic") if end > 0 else asymmetric(), outputs=TURNS
-    )
-    ours, steps = (
-        polhode.integrate(scene, "quad", at=[end / 5, end], method=method)
-        for method in ("refined", "taylor")
-    )
-    assert ours.method == "refined"
-    assert 0 < apart(ours.angles, steps.angles) < 2e-30
-    assert 0 < apart(ours.attitude, steps.attitude) < 1e-30
-
-
-def sphere(near):
-    """A free sphere that turns about its first axis; gamma passes the pole at such a distance."""
-    body = Body.of_moments([1, 1, 1])
-    length = (1 + near**2) / (1 - near**2)  # rational: gamma1 = 2 near/(1 + near²)
-    gamma1, rest = 2 * near / (1 + near**2), 1 / length
-    gamma = gamma1, Fraction(3, 5) * rest, Fraction(4, 5) * rest
-    return Scene(body, (1, 0, 0), gamma, outputs=TURNS)
-
-
-@pytest.mark.parametrize("near", [Fraction(1, 10), Fraction(1, 10**4), -Fraction(1, 10**9)])
-def test_windings_past_both_poles(near):
-    run = refined(sphere(near), [5, 33])
-    true = polhode.reference(run.scene).angles(run.times, 60)
-    assert apart(run.angles, true) < 1e-32 / abs(near)
-    assert abs(run.angles[1][0]) > 10  # psi turns by pi at each pole
-
-
-def test_a_motion_through_a_pole_takes_heyokas_steps():
-    scene = sphere(Fraction(0))
-    run, attitude = (
-        polhode.integrate(replace(scene, outputs=outputs), "quad", at=[5], method="refined")
-        for outputs in (TURNS, ("attitude",))
-    )
-    assert (run.method, attitude.method) == ("taylor", "refined")
-    assert "pole" in run.provenance["not refined"]

@@ -10,12 +10,14 @@ import pytest
 
 from polhode.common import processes
 from polhode.common.processes import in_order
-from shared.tools import tiers
+from shared.tools import python, tiers
 
 HERE = os.getpid()
 
 
 def squared(k):
+    if k == 3:
+        raise ValueError(f"no {k}")
     return k * k
 
 
@@ -26,12 +28,6 @@ def deadly(k):
     return -k
 
 
-def refused(k):
-    if k == 1:
-        raise ValueError(f"no {k}")
-    return k
-
-
 def long(k):
     if k:
         time.sleep(600)
@@ -39,23 +35,18 @@ def long(k):
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_results_come_in_the_order_of_the_jobs(workers):
+def test_results_come_in_the_order_of_the_jobs_and_a_fault_is_the_caller_s(workers):
     begun = []
-    assert [*in_order(squared, range(5), workers, begun.append)] == [0, 1, 4, 9, 16]
-    assert begun == [0, 1, 2, 3, 4]
+    squares = in_order(squared, range(5), workers, begun.append)
+    assert [next(squares) for _ in range(3)] == [0, 1, 4]
+    with pytest.raises(ValueError, match="no 3"):
+        next(squares)
+    assert begun[:4] == [0, 1, 2, 3]
 
 
 def test_the_jobs_of_a_process_that_died_are_done_here(monkeypatch):
     monkeypatch.setenv("POLHODE_TEST_PARENT", str(os.getpid()))
     assert [*in_order(deadly, range(3), 2)] == [0, -1, -2]
-
-
-@pytest.mark.parametrize("workers", [1, 2])
-def test_a_fault_is_the_caller_s(workers):
-    found = in_order(refused, range(3), workers)
-    assert next(found) == 0
-    with pytest.raises(ValueError, match="no 1"):
-        next(found)
 
 
 class Odd(Exception):
@@ -109,62 +100,24 @@ from polhode.common.processes import in_order
 print([*in_order(abs, [-1, 2, -3], 2)])
 """
 
-SECTION = """\
-print("begun", flush=True)
-import polhode
-for workers in (2, 1):
-    found = polhode.section(
-        "general/asymmetric-regular", grid=(2, 2), crossings=2, workers=workers
-    )
-    print(found.states.tobytes().hex())
-"""
 
-
-def told_by(way, tmp_path, text):
-    """What Python says of a script that it gets in some way; stdin is the script's own."""
-    python, given = [sys.executable], "kept for the script"
-    script = tmp_path / "asked.py"
-    script.write_text(text)
-    if way == "stdin":
-        given = text
-    command = {
-        "file": [*python, str(script)],
-        "stdin": [*python, "-"],
-        "command": [*python, "-c", text],
-        "module": [*python, "-m", "asked"],
-    }[way]
-    done = subprocess.run(
-        command, cwd=tmp_path, input=given, capture_output=True, text=True, timeout=300
-    )
-    return done.returncode, done.stdout, done.stderr
-
-
-@pytest.mark.parametrize("way", tiers(["file", "command"], ["stdin", "module"]))
-def test_no_process_runs_the_caller_s_script_again(way, tmp_path):
+@pytest.mark.parametrize(
+    "words", tiers([["script.py"]], [["-c", LIGHT], ["-"], ["-m", "script"]]), ids=lambda x: x[0]
+)
+def test_no_process_runs_the_caller_s_script_again(words, tmp_path):
     """It has no guard: once it ran thrice, and what came on stdin was looked for as a file."""
-    assert told_by(way, tmp_path, LIGHT) == (0, "begun\n[1, 2, 3]\n", "")
-
-
-@pytest.mark.slow
-def test_a_section_by_processes_of_an_unguarded_script(tmp_path):
-    code, text, faults = told_by("stdin", tmp_path, SECTION)
-    begun, by_two, by_one = text.splitlines()
-    assert (code, begun, faults) == (0, "begun", "")
-    assert by_two == by_one != ""
+    (tmp_path / "script.py").write_text(LIGHT)
+    stdin = LIGHT if words == ["-"] else "kept for the script"
+    ended = python(*words, cwd=tmp_path, input=stdin)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "begun\n[1, 2, 3]\n", "")
 
 
 def test_nothing_in_the_caller_s_folder_is_taken_for_a_library(tmp_path):
     for name in ("json", "pickle", "signal", "polhode"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('the wrong one')")
     code = "import os; os.chdir(os.environ['THERE'])\n" + LIGHT
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", code],
-        env={**os.environ, "THERE": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    assert (done.stdout, done.stderr) == ("begun\n[1, 2, 3]\n", "")
+    ended = python("-P", "-c", code, env={**os.environ, "THERE": str(tmp_path)})
+    assert (ended.stdout, ended.stderr) == ("begun\n[1, 2, 3]\n", "")
 
 
 @pytest.mark.slow

@@ -4,7 +4,6 @@ import copy
 import math
 import pickle
 import signal
-import sys
 import threading
 from dataclasses import replace
 from fractions import Fraction
@@ -14,7 +13,6 @@ import pytest
 
 import polhode
 from shared.motions import TURNED
-from shared.tools import tiers
 
 BODY = {"moments": [3, 2, 1], "centre": [0.25, 0.125, 0.5], "weight": 4}
 START = [0.5, -0.25, 2.0, 0.6, 0.0, 0.8]  # 0.36 + 0.64 is 1 to an ulp
@@ -92,72 +90,53 @@ def test_projected_it_stays_on_the_integrals_of_its_own_start(number):
     assert np.abs(held(start, t=20.0) - true).max() < 1e-12
 
 
-def test_a_result_is_the_caller_s_own():
-    go = polhode.propagator(scene())
-    first = go(t=1.0)
-    kept = first.copy()
-    second = go(t=2.0)
-    assert first.tolist() == kept.tolist() != second.tolist()
-    second[:] = 7
-    assert go(t=1.0).tolist() == kept.tolist()
-
-
 GOOD = np.array(START)
 WRONG = [
-    ([1, 2, 3], "start", "the 6 numbers"),
-    ([[[*START]]], "start", "the 6 numbers"),
-    (GOOD.astype(np.longdouble), "start", "double or narrower"),
-    (GOOD.astype(complex), "start", "double or narrower"),
-    (["1", "2", "3", "1", "0", "0"], "start", "double or narrower"),
-    ([Fraction(1)] * 3 + [1, 0, 0], "start", "double or narrower"),
-    ([2**53 + 1, 0, 0, 0, 0, 1], "start", "double or narrower"),
-    ([np.nan, *START[1:]], "start", "finite"),
-    ([*START[:2], np.inf, *START[3:]], "start", "finite"),
-    ([*START[:3], np.nan, 0, 1], "start", "length 1"),
-    ([*START[:3], 0.6, 0, 0.8 + 1e-14], "start", "length 1"),
-    ([*START[:3], 0.6, 0, 0.8 + 1.5e-15], "start", "length 1"),  # its square is off by 11 eps
-    ([*START[:3], 0, 0, 0], "start", "length 1"),
-    ([[0.5], 1, 2, 0, 0, 1], "start", "expected the 6 numbers"),
-    (np.ma.array(START, mask=[1, 0, 0, 0, 0, 0]), "start", "expected the 6 numbers"),
+    ([1, 2, 3], "the 6 numbers"),
+    ([[[*START]]], "the 6 numbers"),
+    (GOOD.astype(np.longdouble), "double or narrower"),
+    (GOOD.astype(complex), "double or narrower"),
+    (["1", "2", "3", "1", "0", "0"], "double or narrower"),
+    ([Fraction(1)] * 3 + [1, 0, 0], "double or narrower"),
+    ([2**53 + 1, 0, 0, 0, 0, 1], "double or narrower"),
+    ([np.nan, *START[1:]], "finite"),
+    ([*START[:2], np.inf, *START[3:]], "finite"),
+    ([*START[:3], np.nan, 0, 1], "length 1"),
+    ([*START[:3], 0.6, 0, 0.8 + 1e-14], "length 1"),
+    ([*START[:3], 0.6, 0, 0.8 + 1.5e-15], "length 1"),  # its square is off by 11 eps
+    ([*START[:3], 0, 0, 0], "length 1"),
+    ([[0.5], 1, 2, 0, 0, 1], "expected the 6 numbers"),
+    (np.ma.array(START, mask=[1, 0, 0, 0, 0, 0]), "expected the 6 numbers"),
 ]
 
 
-@pytest.mark.parametrize(("start", "key", "said"), WRONG, ids=range(len(WRONG)))
-def test_what_is_no_start_is_refused_and_the_next_call_is_right(start, key, said):
+@pytest.mark.parametrize(("start", "said"), WRONG, ids=range(len(WRONG)))
+def test_what_is_no_start_is_refused_and_the_next_call_is_right(start, said):
     go = polhode.propagator(scene())
     before = go(GOOD, t=3.0).tolist()
     with pytest.raises(polhode.BadInput, match=said) as fault:
         go(start, t=3.0)
-    assert fault.value.key == key
+    assert fault.value.key == "start"
     assert "\n" not in str(fault.value)
     assert go(GOOD, t=3.0).tolist() == before
 
 
-@pytest.mark.parametrize("t", [np.nan, np.inf, "x", [1.0, np.nan], [2.0, 1.0], None, [[1.0]], []])
-def test_what_is_no_time_is_refused(t):
-    go = polhode.propagator(scene())
-    for start in (None, [START] * 3):
-        with pytest.raises(polhode.BadInput):
-            go(start, t=t)
-    assert np.isfinite(go(t=1.0)).all()
-
-
 @pytest.mark.parametrize(
-    ("made", "key"),
+    ("key", "of_scene", "options"),
     [
-        (lambda: polhode.propagator(scene(), number="quad"), "number"),
-        (lambda: polhode.propagator(scene(), number="mp"), "number"),
-        (lambda: polhode.propagator(scene(events=[polhode.Event("nutation")])), "events"),
-        (lambda: polhode.propagator(scene(form="momentum")), "run.form"),
-        (lambda: polhode.propagator(scene(), tol=0), "tol"),
-        (lambda: polhode.propagator(scene(), project=0), "project"),
-        (lambda: polhode.propagator(scene(), project=None), "project"),
-        (lambda: polhode.propagator(scene(weight="1e-700")), "number"),
+        ("number", {}, {"number": "quad"}),
+        ("number", {}, {"number": "mp"}),
+        ("number", {"weight": "1e-700"}, {}),
+        ("events", {"events": [polhode.Event("nutation")]}, {}),
+        ("run.form", {"form": "momentum"}, {}),
+        ("tol", {}, {"tol": 0}),
+        ("project", {}, {"project": 0}),
+        ("project", {}, {"project": None}),
     ],
 )
-def test_what_it_does_not_do_is_refused_when_it_is_made(made, key):
+def test_what_it_does_not_do_is_refused_when_it_is_made(key, of_scene, options):
     with pytest.raises(polhode.BadInput) as fault:
-        made()
+        polhode.propagator(scene(**of_scene), **options)
     assert fault.value.key == key
 
 
@@ -216,22 +195,6 @@ def test_what_was_not_reached_is_nan_and_said():
     assert go.outcome is polhode.Outcome.STEP_LIMIT
 
 
-@pytest.mark.parametrize(
-    ("number", "end"),
-    tiers([("extended", 0.5)], [("double", 0.5), ("extended", -40.0), ("double", 25000.0)]),
-)
-def test_a_call_without_a_limit_makes_the_steps_of_a_run(end, number):
-    """The last end's bound is above what goes at once."""
-    if number == "extended":
-        end = math.copysign(min(abs(end), 3e3), end)
-    for case, (more, start) in CASES.items():
-        go = polhode.propagator(scene(**more), number=number)
-        way = end * 2.0**go.scene.time_unit
-        found, steps = go(start, t=way), go.steps
-        assert found.tolist() == go(start, t=[way])[0].tolist(), case
-        assert (go.steps, go.outcome.done) == (steps, True)
-
-
 def test_a_motion_that_overflows_on_a_short_way_keeps_what_it_had():
     go = polhode.propagator(scene())
     start = np.array([1e100, 1e100, 0, 0, 0, 1])
@@ -261,15 +224,6 @@ def test_a_start_that_is_far_too_fast_is_given_up_and_the_next_is_right(number, 
     assert go(t=1.0).tolist() == right
 
 
-@pytest.mark.parametrize("t", [1e308, [1e308], -1e308])
-def test_a_time_that_its_unit_makes_too_large_is_refused(t, recwarn):
-    go = polhode.propagator(scene(weight=2.0**20, omega=[1e3, 0, 2e3]))
-    for start in (START, [START]):
-        with pytest.raises(polhode.BadInput, match="number = double: expected a type of wider ran"):
-            go(start, t=t)
-    assert not recwarn.list
-
-
 def test_an_array_of_times_gives_the_states_of_a_list_to_the_bit():
     """An array of the propagator's own type goes to heyoka at once, a list by exact times."""
     go = polhode.propagator("euler/largest-axis")
@@ -288,16 +242,16 @@ def test_an_array_of_times_gives_the_states_of_a_list_to_the_bit():
     [
         *([1, 2, 1], [1, 1], [0, 0], [-1, 1], [1, math.nan], [math.inf], [1, -2, 3], [0, 1, 1, 2]),
         *([1, math.nan, 2], [-1, 2, -3], [-1, -2, -2], [-1, -3, -2, -4]),
+        *(math.nan, math.inf, "x", None, [[1.0]], [], np.array([]), {1, 2}, {1: 2}, {1: 2}.keys()),
     ],
 )
-def test_an_array_of_times_that_lead_nowhere_is_refused(times, start):
+def test_times_that_lead_nowhere_are_refused(times, start):
     go = polhode.propagator("general/asymmetric-regular")
-    for given in (np.array(times, float), times):
-        with pytest.raises(polhode.BadInput, match=r"monotone|finite|sign"):
-            go(start, t=given)
+    flat = isinstance(times, list) and np.ndim(times) == 1
+    for written in (times, np.array(times, float) if flat else times):
+        with pytest.raises(polhode.BadInput, match=r"^[^\n]*$"):
+            go(start, t=written)
     assert go(t=np.array([1.0])).shape == (1, 6)  # and it is usable
-    with pytest.raises(polhode.BadInput, match="expected a time"):
-        go(start, t=np.array([]))
 
 
 @pytest.mark.parametrize("number", ["double", "extended"])
@@ -349,15 +303,6 @@ def test_rows_are_those_of_the_careful_way(grid, case, monkeypatch):
         assert found.flags.writeable
 
 
-def test_times_that_hardly_are_above_0_are_taken():
-    go = polhode.propagator(scene())
-    times = [5e-324, 1e-310, 1.0]
-    for given in (times, np.array(times)):
-        rows = go(t=given)
-        assert np.abs(rows[:2] - START).max() < 1e-300
-        assert rows[2].tolist() == go(t=1.0).tolist()
-
-
 def test_times_count_by_value_not_by_the_object_that_holds_them():
     go = polhode.propagator(scene())
     for times in (np.linspace(0, 1, 5), np.linspace(0, 1, 5).tolist()):
@@ -387,9 +332,11 @@ def test_arrays_of_narrower_numbers_are_times_exactly(kind):
     go = polhode.propagator(scene())
     times = np.array([1, 2, 5], kind)
     assert go(t=times).tolist() == go(t=[1, 2, 5]).tolist()
-    assert go(t=times[1]).tolist() == go(t=2.0).tolist()
+    assert go(t=times[1]).tolist() == go(t=2.0).tolist() == go(t=times[1:2])[0].tolist()
     tenth = go(t=np.float32(0.1))
     assert tenth.tolist() == go(t=float(np.float32(0.1))).tolist() != go(t=0.1).tolist()
+    for zero in ([0], [0.0], np.array([0.0], kind), np.array([-0.0])):
+        assert go(t=zero).tolist() == [go(t=0.0).tolist()] == [go(t=0).tolist()]
 
 
 @pytest.mark.parametrize("number", ["double", "extended"])
@@ -407,13 +354,6 @@ def test_integers_beyond_2_53_are_no_other_times(number, several):
         go(t=[True, 2])
 
 
-def test_a_time_alone_and_0_alone():
-    go = polhode.propagator(scene())
-    for zero in ([0], [0.0], np.array([0.0]), np.array([-0.0])):
-        assert go(t=zero).tolist() == [go(t=0.0).tolist()] == [go(t=0).tolist()]
-    assert go(t=[2]).tolist() == go(t=np.array([2.0])).tolist() == [go(t=2.0).tolist()]
-
-
 def test_a_million_outputs_are_those_of_few():
     go = polhode.propagator(scene(**CASES["fast"][0]))  # its unit is not the scene's
     times = np.linspace(0, 2.0**-10, 1_000_001)
@@ -423,37 +363,22 @@ def test_a_million_outputs_are_those_of_few():
     assert np.abs(np.vecdot(rows[:, 3:], rows[:, 3:]) - 1).max() < 64 * 2.0**-52
 
 
-def test_times_that_the_unit_makes_too_small_are_refused():
+SLOW = {"weight": 2.0**-40, "omega": [1e-6, 0, 2e-6]}
+BEYOND = [(CASES["fast"][0], t) for t in (1e308, [1e308], -1e308)]
+BEYOND += [(SLOW, t) for t in ([5e-324, 1.0], np.array([5e-324, 1.0]), [1.01e-315, 1.0])]
+
+
+@pytest.mark.parametrize(("more", "t"), BEYOND)
+def test_times_that_the_unit_makes_too_large_or_too_small_are_refused(more, t, recwarn):
     """Inside, 5e-324 would be 0, and 1.01e-315 another number."""
-    slow = polhode.propagator(scene(weight=2.0**-40, omega=[1e-6, 0, 2e-6]))
-    assert slow.scene.time_unit > 8
-    for t in ([5e-324, 1.0], np.array([5e-324, 1.0]), [1.01e-315, 1.0]):
-        with pytest.raises(polhode.BadInput, match="a type of wider range"):
-            slow(t=t)
-    assert np.isfinite(slow(t=[1e-300, 1.0])).all()
-
-
-def calls_of(call):
-    """The functions of polhode that are called, by name."""
-    names = []
-
-    def note(frame, event, _):
-        if event == "call" and frame.f_globals.get("__name__", "").startswith("polhode."):
-            names.append(frame.f_code.co_name)
-
-    sys.setprofile(note)
-    try:
-        call()
-    finally:
-        sys.setprofile(None)
-    return names
-
-
-@pytest.mark.parametrize("times", [[1.0, 2.0], [1, 2], (1.0, 2.0), np.array([1.0, 2.0])])
-def test_outputs_are_a_few_calls_from_heyoka(times):
-    go = polhode.propagator(scene())
-    go(START, t=times)
-    assert len(calls_of(lambda: go(START, t=times))) <= 10
+    go = polhode.propagator(scene(**more))
+    for start in (None, [START]):
+        with pytest.raises(polhode.BadInput, match="number = double: expected a type of wider ran"):
+            go(start, t=t)
+    assert not recwarn.list
+    assert np.isfinite(go(t=[1e-300, 2.0**-10])).all()
+    rows = polhode.propagator(scene())(t=[5e-324, 1e-310, 1.0])  # taken where the unit is 1
+    assert np.abs(rows[:2] - START).max() < 1e-300
 
 
 def test_a_scenes_outputs_are_left_out():

@@ -72,12 +72,15 @@ def test_every_number_of_a_run_has_the_digits_of_its_type(run):
             ("double", "euler/backward", [-1, -20]),
             ("double", "kovalevskaya/irrational-centre", [1, 10]),
             ("double", "euler/tiny-units", [1, 20]),
+            ("quad", "euler/angles-start", [1, 10]),
+            ("quad", "lagrange/planar-rotating", [1, 10]),
+            ("quad", "pendulum/about-third-axis", [1, 10]),
         ],
     ),
 )
 def test_bodies_of_any_axes_and_units_have_them_too(name, at, number):
     """Irrational axes and coefficients: none of them is a double in a wider type."""
-    scene = replace(polhode.load(name), outputs=("attitude",), events=())
+    scene = replace(polhode.load(name), outputs=("attitude", "angles"), events=())
     run = polhode.integrate(scene, number, at=at)
     judged, most = polhode.compare(run), run.number.most_digits
     for digits in (*judged.digits, *judged.parts.values()):
@@ -131,15 +134,8 @@ def test_nothing_is_written_into(run, tmp_path):
     drift, psi = run.drift, run["psi"].tolist()
     event = run.events["nutation"]
     events = (event, pickle.loads(pickle.dumps(event)), event.until(event.times[0]))
-    tables = (
-        run.states,
-        run.attitude,
-        run.omega,
-        run["p"],
-        run["theta"],
-        *(e.states for e in events),
-    )
-    for rows in tables:
+    arrays = (run.states, run.attitude, run.omega, run["p"], run["theta"])
+    for rows in (*arrays, *(e.states for e in events)):
         with pytest.raises(ValueError, match="read-only"):
             rows[0] = 0
     with pytest.raises(TypeError, match="does not support item assignment"):

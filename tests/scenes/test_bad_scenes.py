@@ -20,6 +20,7 @@ def inertia(*rows):
     return {"moments": None, "inertia": rows[0] if len(rows) == 1 else [*rows, [0, 0, 3]]}
 
 
+LEVEL = {"moments": [1, 1, "1/2"], "centre": [0, 0, 1], "weight": 1, "omega": None}
 #: What is given beside, or instead of, a body of three moments that turns: words of the line.
 NUMBERS = [
     ({"mass": 1}, "body.g: expected g or weight together with mass; 0 for none"),
@@ -85,6 +86,30 @@ NUMBERS = [
     # six numbers of URDF, and three moments
     *((inertia(x), SIX) for x in ([1, 0, 0, 2, 0, 2], {"ixx": 1, "iyy": 2}, 5, [[1, 0, 0]])),
     (inertia([2, 3, 4]), "body.inertia = [2, 3, 4]: expected moments = [A, B, C], or a 3 x 3"),
+    # momenta that no start has
+    (LEVEL | {"h": 3, "f": "6/5", "p_phi": 2}, "start.h = 3: expected as much energy as f and"),
+    (
+        LEVEL | {"h": 3, "f": 9, "p_phi": 1, "gamma": [1, 0, 0]},
+        "start.h = 3: expected at least 83/2",
+    ),
+    (
+        LEVEL | {"h": 9, "f": 2, "p_phi": 2, "gamma": [0, 0, 1]},
+        "start.gamma = [0, 0, 1]: expected th",
+    ),
+    (LEVEL | {"h": 9, "f": 2, "p_phi": 2}, "start.gamma: expected an orientation, since this end"),
+    (LEVEL | {"h": 9, "p_phi": 2}, "start.f: expected a number"),
+    (LEVEL | {"p_phi": 2, "f": 1}, "start.h: expected a number"),
+    (LEVEL | {"p_phi": 2, "omega": [1, 1, 1], "gamma": [0, 0, 1]}, "start.h: expected a number"),
+    (
+        LEVEL | {"h": 9, "f": 2, "p_phi": 1, "normalise": True},
+        "start.normalise = true: expected no",
+    ),
+    (LEVEL | {"moments": [3, 2, 1], "h": 9, "f": 2, "p_phi": 1}, "an orientation, since only"),
+    (
+        LEVEL | {"h": 9, "f": 2, "p_psi": 1},
+        "p_psi = 1: expected f, the momentum about the vertical",
+    ),
+    (LEVEL | {"E": 9, "f": 2, "p_phi": 1}, "E = 9: expected h, the energy"),
     # units
     ({"omega": ["5 cm", 0, 0]}, "start.omega; in m, not in rad/s"),
     ({"moments": ["2 kg", 2, 1]}, "body.moments; in kg, not in kg"),
@@ -252,10 +277,7 @@ FILES = [
     ({"omega": "omega = [1,2,3]\nrates = [1,2,3]"}, "start.omega; no value together with"),
     ({"omega": "omega = [1,2,3]\nend = 3"}, "start.end = 3: ; it belongs in [run]"),
     ({"omega": "omega = [1,2,3]\ntitle = 'x'"}, "start.title = x: ; belongs in the top level"),
-    (
-        {"omega": "angles = [0, 1e3000, 0]", "gamma": "rates = [0, 0, 0]"},
-        "start.angles = [0, 1e3",
-    ),
+    ({"omega": "angles = [0, 1e3000, 0]", "gamma": "rates = [0, 0, 0]"}, "start.angles = [0, 1e3"),
     ({"gamma": "gamma = [0, 0, 1.0000001]"}, "start.gamma; length exactly 1; normalise"),
     ({"gamma": "gamma = [0,0,1]\nnormalise = 1"}, "start.normalise = 1; true or false"),
     ({"gamma": "gamma = ['sqrt(1/3)+1e-900', 'sqrt(1/3)', 'sqrt(1/3)']"}, "length"),
@@ -276,6 +298,7 @@ FILES = [
     (more("[[events]]\nzerro = 'p'"), "events[1].zerro = p; mean 'zero'"),
     (more("[[events]]\nzero = 'gama1'"), "events[1].zero = gama1; 'gamma1'"),
     (more("[[events]]\nzero = 'p/0'"), "events[1].zero = p/0; division"),
+    (more("[[events]]\nname = 'flop'"), "events[1].zero: ; mean 'flip'"),
     (more("[[events]]\nzero = 'p'\ndirection = 'fall'"), "direction = fall; mean 'falling'"),
     (more("[[published]]\nt = 1"), "published[1].quantity; a text"),
     (more("[reference]\nkind = 'eular'"), "reference.kind = eular; 'euler'"),

@@ -5,9 +5,16 @@ from fractions import Fraction
 import pytest
 
 import polhode
-from polhode.numbers.exact import sign
-from polhode.numbers.vectors import cross, dot
 from shared.motions import scene_of
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b, strict=True))
+
+
+def cross(a, b):
+    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+
 
 HEAD = "schema = 1\n[body]\nmoments = [2, 1.5, 1]\ncentre = [0.3, 0.2, 0.5]\nweight = 1\n[start]\n"
 TURNED = (
@@ -25,10 +32,10 @@ def test_the_start_is_on_its_level_exactly(head, side):
     assert scene.integrals.energy == 3
     assert scene.integrals.area == Fraction(1, 2)
     along = (0, 0, 1) if scene.body.torque_free else scene.body.centre
-    assert sign(dot(scene.gamma, cross(along, scene.omega))) == 0  # its height is extremal
+    assert dot(scene.gamma, cross(along, scene.omega)) == 0  # its height is extremal
     inertial = scene.body.momentum(scene.gamma)
     direction = cross(inertial, cross(scene.gamma, along))
-    assert sign(dot(scene.omega, scene.body.momentum(direction))) == (-1 if "-" in side else 1)
+    assert dot(scene.omega, scene.body.momentum(direction)) * (-1 if "-" in side else 1) > 0
 
 
 def test_the_least_energy_turns_about_the_vertical():
@@ -46,6 +53,9 @@ def test_numbers_of_a_level_can_be_varied():
     members = polhode.integrate_many(scene, varied, at=[0]).members
     assert [m.integrals.energy for m in members] == [3, 3, 3, 4, 4, 4]
     assert [m.integrals.area for m in members] == [0, Fraction(1, 2), 1] * 2
+    varied = {"start.p_phi": ["2", "1"], "start.h": ["5", "6"]}
+    members = polhode.integrate_many(top_of(*NUTATING[0]), varied, at=[0]).members
+    assert [momenta(m)[1:] for m in members] == [(2, 5), (2, 6), (1, 5), (1, 6)]
     with pytest.raises(polhode.BadInput, match=r"start.h.*at least 4569/6800"):
         polhode.integrate_many(scene, {"start.h": ["0"]}, at=[0])
 
@@ -84,7 +94,7 @@ def momenta(scene):
 
 def rate_of_theta(scene):
     """With the sign of theta' = omega·(gamma2, -gamma1, 0)/sin(theta)."""
-    return sign(scene.omega[0] * scene.gamma[1] - scene.omega[1] * scene.gamma[0])
+    return scene.omega[0] * scene.gamma[1] - scene.omega[1] * scene.gamma[0]
 
 
 @pytest.mark.parametrize("side", ["+", "-"])
@@ -101,7 +111,7 @@ def test_a_start_has_both_momenta_the_energy_and_the_sign_of_nutation(body, side
     there = {"gamma": ["2/7", "3/7", "6/7"], "sign": side}
     scene = polhode.top(**body, **there, h=7, f="6/5", p_phi="3/2")
     assert momenta(scene) == (Fraction(6, 5), Fraction(3, 2), 7)
-    assert rate_of_theta(scene) == (1 if side == "+" else -1)
+    assert rate_of_theta(scene) * (1 if side == "+" else -1) > 0
 
 
 @pytest.mark.parametrize(("moments", "weight", "numbers"), NUTATING)
@@ -152,57 +162,6 @@ def test_steady_precession_has_one_theta():
     ends = [top_of(["1", "1", "1/2"], 1, (h, f, Fraction(3, 2)), sign=x) for x in "+-"]
     assert ends[0].gamma[2] == ends[1].gamma[2] == Fraction(1, 2)
     assert ends[0].omega[1] ** 2 == Fraction(3, 4)
-
-
-def test_momenta_can_be_varied():
-    scene = top_of(*NUTATING[0])
-    varied = {"start.p_phi": ["2", "1"], "start.h": ["5", "6"]}
-    members = polhode.integrate_many(scene, varied, at=[0]).members
-    assert [momenta(m)[1:] for m in members] == [(2, 5), (2, 6), (1, 5), (1, 6)]
-
-
-ASYMMETRIC = {"moments": [3, 2, 1], "centre": [0, 0, 1], "weight": 1}
-TOP = {"moments": [1, 1, "1/2"], "centre": [0, 0, 1], "weight": 1}
-
-
-@pytest.mark.parametrize(
-    ("keys", "words"),
-    [
-        (TOP | {"h": 3, "f": "6/5", "p_phi": 2}, "start.h = 3: expected as much energy as f and"),
-        (
-            TOP | {"h": 3, "f": 9, "p_phi": 1, "gamma": [1, 0, 0]},
-            "start.h = 3: expected at least 83/2",
-        ),
-        (
-            TOP | {"h": 9, "f": 2, "p_phi": 2, "gamma": [0, 0, 1]},
-            "start.gamma = [0, 0, 1]: expected theta",
-        ),
-        (
-            TOP | {"h": 9, "f": 2, "p_phi": 2},
-            "start.gamma: expected an orientation, since this end",
-        ),
-        (TOP | {"h": 9, "p_phi": 2}, "start.f: expected a number"),
-        (TOP | {"p_phi": 2, "f": 1}, "start.h: expected a number"),
-        (TOP | {"p_phi": 2, "omega": [1, 1, 1], "gamma": [0, 0, 1]}, "start.h: expected a number"),
-        (
-            TOP | {"h": 9, "f": 2, "p_phi": 1, "normalise": True},
-            "start.normalise = true: expected no",
-        ),
-        (
-            ASYMMETRIC | {"h": 9, "f": 2, "p_phi": 1},
-            "start.gamma: expected an orientation, since only",
-        ),
-        (
-            TOP | {"h": 9, "f": 2, "p_psi": 1},
-            "p_psi = 1: expected f, the momentum about the vertical",
-        ),
-        (TOP | {"E": 9, "f": 2, "p_phi": 1}, "E = 9: expected h, the energy"),
-    ],
-)
-def test_momenta_that_no_start_has_are_refused(keys, words):
-    with pytest.raises(polhode.BadInput) as fault:
-        polhode.top(**keys)
-    assert words in str(fault.value)
 
 
 def test_names_of_other_books_are_refused_in_files_with_ours():

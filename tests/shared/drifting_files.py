@@ -62,11 +62,7 @@ def vertical(q):
 
 def cross(a, b):
     """The vector product, of lists of three (numpy's takes ten times as long for so few)."""
-    return [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
 def acceleration(top, omega, turn):

@@ -283,7 +283,7 @@ MOTIONS = orbit_members.MOTIONS | {
             (F(40, 77), F(-45, 77), F(48, 77)),
         ),
         "1e-8 from D- = 0": on_cubics(F(9, 4), F(5, 4), F(2), F(7) + F(1, 10**8), F(1, 2)),
-    },
+    }
 }
 
 #: In the order in which a scene is tried.

@@ -39,10 +39,17 @@ def scene_of(text: str, name: str = "scene") -> Scene:
     return scene_file.parse(text, name)
 
 
-def heavy_file(end: str = "20", spin: str = "1.1", samples: int = 5, weight: str = "1") -> str:
-    """The scene file of a heavy body without any symmetry."""
+def heavy_file(
+    end: str = "20",
+    spin: str = "1.1",
+    samples: int = 5,
+    weight: str = "1",
+    moments: str = "2, 3, 4",
+    centre: str = "0.3, 0.2, 0.5",
+) -> str:
+    """The scene file of a heavy body, without any symmetry unless it is told."""
     return (
-        f"schema = 1\n[body]\nmoments = [2, 3, 4]\ncentre = [0.3, 0.2, 0.5]\nweight = {weight}\n"
+        f"schema = 1\n[body]\nmoments = [{moments}]\ncentre = [{centre}]\nweight = {weight}\n"
         f'[start]\nomega = [0.3, 0.4, {spin}]\ngamma = ["2/7", "3/7", "6/7"]\n'
         f"[run]\nend = {end}\nsamples = {samples}\n"
     )

@@ -158,11 +158,7 @@ def integrals(x: Doubles) -> tuple[Doubles, Doubles]:
     """The three integrals, and their gradients."""
     w, g = x[:3], x[3:]
     values = [(INERTIA * w * w).sum() + 2 * PULL @ g, (INERTIA * w * g).sum(), g @ g]
-    rows = [
-        [*(2 * INERTIA * w), *(2 * PULL)],
-        [*(INERTIA * g), *(INERTIA * w)],
-        [0, 0, 0, *2 * g],
-    ]
+    rows = [[*(2 * INERTIA * w), *(2 * PULL)], [*(INERTIA * g), *(INERTIA * w)], [0, 0, 0, *2 * g]]
     return np.array(values), np.array(rows)
 
 

@@ -7,6 +7,8 @@ import copy
 import inspect
 import json
 import math
+import subprocess
+import sys
 import tempfile
 import textwrap
 from collections.abc import Iterable, Iterator
@@ -26,6 +28,7 @@ from polhode.scenes.library import names as library_names
 from polhode.scenes.scene import even_times as even_times
 from polhode.scenes.vocabulary import ANGLES as ANGLES
 from polhode.scenes.vocabulary import ATTITUDE as ATTITUDE
+from polhode.scenes.vocabulary import FORMS as FORMS
 from polhode.scenes.vocabulary import STATE as STATE
 from polhode.taylor import defaults
 
@@ -143,21 +146,13 @@ def answer(certificate: Any) -> str:
     return verdict.text if verdict.proved else f"refused: {verdict.text}"
 
 
-# -- programs that tell the tests how far they are, so that none waits by the clock
+# -- a process of its own
 
-#: ``polhode``, but that it prints a line as soon as it takes steps.
-STEPPING = """
-import sys
-from polhode.cli import main
-from polhode.taylor.motion import Motion
-chunk = Motion._chunk
-def announced(self, *given):
-    Motion._chunk = chunk
-    print("steps", flush=True)
-    return chunk(self, *given)
-Motion._chunk = announced
-sys.exit(main())
-"""
+
+def python(*words: str, **how: Any) -> subprocess.CompletedProcess[str]:
+    """What Python does with such words."""
+    how = {"capture_output": True, "text": True, "timeout": 300} | how
+    return subprocess.run([sys.executable, *words], **how)
 
 
 # -- what --json of a judgement says, by name

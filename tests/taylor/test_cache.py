@@ -2,13 +2,15 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
 from threading import Barrier, Thread
 
+import heyoka
 import pytest
-from threadpoolctl import threadpool_info
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from polhode.taylor.heyoka import one_blas_thread, one_thread
 from shared.motions import heavy_file
@@ -16,21 +18,22 @@ from shared.motions import heavy_file
 UNPRIVILEGED = ["setpriv", "--bounding-set", "-dac_override", "--inh-caps", "-dac_override"]
 
 
-def polhode(arguments, cwd, cache, before=(), **environment):
-    """Run a verb in a process of its own, with this cache directory."""
-    environment_left = {k: v for k, v in os.environ.items() if k != "HEYOKA_CACHE_DIR"}
-    environment_left["PYTHONDONTWRITEBYTECODE"] = (
-        "1"  # cut off at the limit, it would stay for all that follow
-    )
-    if cache is not None:
-        environment["HEYOKA_CACHE_DIR"] = str(cache)
-    return subprocess.run(
-        [*before, sys.executable, "-m", "polhode", *arguments],
+def polhode(arguments, cwd, cache, before=(), code=0, **environment):
+    """What a verb says in a process of its own, with this cache directory: both its streams."""
+    environment |= {"HEYOKA_CACHE_DIR": str(cache), "PYTHONDONTWRITEBYTECODE": "1"}
+    process = subprocess.run(
+        [*before, sys.executable, "-m", "polhode", *arguments.split()],
         cwd=cwd,
-        env=environment_left | environment,
+        env=os.environ | environment,
         capture_output=True,
         text=True,
     )
+    assert process.returncode == code, process.stderr
+    return process.stdout, process.stderr
+
+
+def about(cwd, cache, before=(), **environment):
+    return json.loads(polhode("about --json", cwd, cache, before, **environment)[0])["cache"]
 
 
 @pytest.fixture(scope="module")
@@ -38,10 +41,9 @@ def home(tmp_path_factory):
     """A folder with a scene, a good cache, and what a run of the scene prints."""
     folder = tmp_path_factory.mktemp("cache")
     (folder / "scene.toml").write_text(heavy_file("5", samples=3))
-    process = polhode(["run", "scene.toml", "--json"], folder, folder / "good")
-    assert process.returncode == 0, process.stderr
+    out, _ = polhode("run scene.toml --json", folder, folder / "good")
     assert (folder / "good" / "cache.db").stat().st_size > 10_000
-    return folder, json.loads(process.stdout)["columns"]
+    return folder, json.loads(out)["columns"]
 
 
 @pytest.mark.slow
@@ -57,71 +59,48 @@ def test_a_bad_cache_changes_nothing(home, tmp_path, how):
             if shutil.which("setpriv") is None:
                 pytest.skip("root writes everywhere, and setpriv is missing")
             before = UNPRIVILEGED
-    process = polhode(["run", "scene.toml", "--json"], folder, cache, before)
-    assert process.returncode == 0, process.stderr
-    assert (
-        json.loads(process.stdout)["columns"] == states
-    )  # nothing else on stdout, the same digits
-    assert process.stderr == ""
-    about = polhode(["about", "--json"], folder, cache, before)
-    assert about.returncode == 0, about.stderr
-    cache_facts = json.loads(about.stdout)["cache"]
-    assert cache_facts["enabled"] is True
-    assert cache_facts["bytes"] is None
-    assert "fault" in cache_facts
+    out, err = polhode("run scene.toml --json", folder, cache, before)
+    assert (json.loads(out)["columns"], err) == (states, "")  # nothing else on stdout
+    facts = about(folder, cache, before)
+    assert (facts["enabled"], facts["bytes"], "fault" in facts) == (True, None, True)
 
 
 @pytest.mark.slow
 def test_about_says_what_is_wrong_with_the_cache(home):
     folder, _ = home
-
-    def line(cache) -> str:
-        lines = polhode(["about"], folder, cache).stdout.splitlines()
-        (cache_line,) = (text for text in lines if text.startswith("cache "))
-        return cache_line
-
-    assert " MB in " in line(folder / "good")
-    assert line("/proc/polhode").startswith("cache        none, every run compiles again (")
+    for cache, said in (
+        (folder / "good", r"cache .* MB in "),
+        ("/proc/polhode", r"cache        none, every run compiles again \("),
+    ):
+        assert re.search(f"^{said}", polhode("about", folder, cache)[0], re.MULTILINE)
 
 
 @pytest.mark.slow
 def test_the_cache_does_not_grow_once_it_holds_what_a_run_needs(home, tmp_path):
     """heyoka never finds its mp code again: each process would add some 0.8 MB."""
     folder, _ = home
-    arguments = ["run", "scene.toml", "--number", "mp", "--method", "taylor", "--json"]
     sizes = []
     for _ in range(3):
-        assert polhode(arguments, folder, tmp_path).returncode == 0
-        process = polhode(["about", "--json"], folder, tmp_path)
-        sizes.append(json.loads(process.stdout)["cache"]["bytes"])
+        polhode("run scene.toml --number mp --method taylor", folder, tmp_path)
+        sizes.append((tmp_path / "cache.db").stat().st_size)
     assert 0 < sizes[1] == sizes[2]
 
 
 @pytest.mark.slow
 def test_the_environment_bounds_the_cache(home, tmp_path):
     folder, _ = home
-
-    def about(cache, **environment):
-        process = polhode(["about", "--json"], folder, cache, **environment)
-        return json.loads(process.stdout)["cache"]
-
-    assert about(tmp_path, POLHODE_CACHE_MB="7")["limit"] == 7_000_000
-    about(tmp_path / "none")  # which keeps what its own test compiles
-    usual = about(tmp_path / "none")
-    assert about(tmp_path / "none", POLHODE_CACHE_MB="0")["enabled"] is False
-    none = polhode(["run", "scene.toml"], folder, tmp_path / "none", POLHODE_CACHE_MB="0")
-    assert none.returncode == 0
-    assert about(tmp_path / "none") == usual  # nothing kept, and heyoka's file has no limit of 0
+    assert about(folder, tmp_path, POLHODE_CACHE_MB="7")["limit"] == 7_000_000
+    none = tmp_path / "none"
+    about(folder, none)  # which keeps what its own test compiles
+    usual = about(folder, none)
+    assert about(folder, none, POLHODE_CACHE_MB="0")["enabled"] is False
+    polhode("run scene.toml", folder, none, POLHODE_CACHE_MB="0")
+    assert about(folder, none) == usual  # nothing kept, and heyoka's file has no limit of 0
     assert usual["enabled"]
     assert usual["limit"] > 0
-
-
-@pytest.mark.slow
-def test_a_bound_that_is_none_is_refused(tmp_path):
-    process = polhode(["about"], tmp_path, None, POLHODE_CACHE_MB="much")
-    assert process.returncode == 2
-    assert "POLHODE_CACHE_MB" in process.stderr
-    assert process.stderr.count("\n") == 1
+    _, err = polhode("about", folder, tmp_path, code=2, POLHODE_CACHE_MB="much")
+    assert "POLHODE_CACHE_MB" in err
+    assert err.count("\n") == 1
 
 
 # -- Settings of the whole process are put back, whoever leaves last and however -------------------
@@ -134,8 +113,6 @@ def threads():
 @pytest.fixture
 def before():
     """Two BLAS threads, whatever the machine or the environment."""
-    from threadpoolctl import threadpool_limits
-
     with threadpool_limits(2, user_api="blas"):
         yield threads()
 
@@ -169,8 +146,6 @@ def test_the_last_of_two_threads_puts_it_back(before):
 
 
 def test_heyoka_has_one_thread_inside_and_those_of_before_outside():
-    import heyoka
-
     before = heyoka.get_nthreads()
     heyoka.set_nthreads(3)
     try:

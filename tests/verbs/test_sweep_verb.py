@@ -4,6 +4,7 @@ import json
 import re
 import signal
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -195,54 +196,71 @@ def test_starts_of_a_result_are_its_states(scene, capsys, refusal, ending, numbe
     assert "expected columns p,q,r,gamma1,gamma2,gamma3" in message
 
 
+GOOD = "1,2,3,0,0,1\n"
+NO_ARRAY = "file: expected an array that NumPy wrote"
+NONE = "file: expected a readable file of starts (No such file"
+#: Files of starts, their contents, and what is said of them.
 NO_STARTS = [
-    (["--starts", "rows.csv", "--vary", "body.weight=1"], "--vary = body.weight=1: expected"),
-    ([], "--vary: expected numbers to vary or --starts FILE, one of them"),
-    (["--starts", "rows.txt"], "rows.txt: --starts = .txt: expected a file .csv or .npy"),
-    (["--starts", "none.npy"], "none.npy: file: expected a readable file of starts (No such file"),
-    (["--starts", "none.npz"], "none.npz: file: expected a readable file of starts (No such file"),
-    (["--starts", "text.npy"], "text.npy: file: expected an array that NumPy wrote"),
-    (["--starts", "objects.npy"], "objects.npy: file: expected an array that NumPy wrote"),
-    (["--starts", "short.npy"], "short.npy: file: expected an array that NumPy wrote (it is not"),
-    (["--starts", "two.npy"], "two.npy: file: expected an array that NumPy wrote (it is not as lo"),
-    (["--starts", "three.npy"], "starts = an array of shape (2, 3): expected shape (N, 6)"),
-    (["--starts", "wide.csv"], "wide.csv: line 1 = 1,2,3,4,5,6,7: expected 6 numbers p,q,r,gamma1"),
-    (["--starts", "names.csv"], "names.csv: line 1 = p,q,r,gamma1,gamma2,t: expected 6 numbers"),
-    (["--starts", "word.csv"], "word.csv: line 3 = 1,2,3,0,0,one: expected 6 numbers"),
-    (["--starts", "grouped.csv"], "grouped.csv: line 1 = 1_0,2,3,0,0,1: expected 6 numbers"),
-    (["--starts", "tiny.csv"], "tiny.csv: line 2 = 1e-320,2,3,0,0,1: expected 6 numbers"),
-    (["--starts", "none.csv"], "none.csv: line 1 = 1e-400,2,3,0,0,1: expected 6 numbers"),
-    (["--starts", "other.csv"], "other.csv: line 1 = \u0661,2,3,0,0,1: expected 6 numbers"),
-    (["--starts", "nan.csv"], "nan.csv: line 2 = ,2,3,0,0,1: expected 6 numbers p,q,r,gamma1,gamm"),
-    (["--starts", "inf.csv"], "starts, row 2 = [inf, 2.0, 3.0, 0.0, 0.0, 1.0]: expected finite nu"),
-    (["--starts", "long.csv"], "start.gamma, row 2 = [0.0, 0.0, 2.0]: expected gamma of length 1"),
-    (["--starts", "rows.csv", "--number", "quad"], "number = quad: expected double or extended"),
-    (["--starts", "rows.csv", "-o", "rows.csv"], "-o: expected another file than the one"),
-]  # fmt: skip
+    ("rows.txt", GOOD, "rows.txt: --starts = .txt: expected a file .csv or .npy"),
+    ("none.npy", None, NONE),
+    ("none.npz", None, NONE),
+    ("text.npy", GOOD, NO_ARRAY),
+    ("objects.npy", np.array([{}]), NO_ARRAY),
+    ("three.npy", ROWS[:2, :3], "starts = an array of shape (2, 3): expected shape (N, 6)"),
+    ("wide.csv", "1,2,3,4,5,6,7\n", "line 1 = 1,2,3,4,5,6,7: expected 6 numbers p,q,r,gamma1"),
+    (
+        "x.csv",
+        "p,q,r,gamma1,gamma2,t\n" + GOOD,
+        "x.csv: line 1 = p,q,r,gamma1,gamma2,t: expected 6",
+    ),
+    ("x.csv", GOOD + "\n1,2,3,0,0,one\n", "line 3 = 1,2,3,0,0,one: expected 6 numbers"),
+    ("x.csv", "1_0,2,3,0,0,1\n", "line 1 = 1_0,2,3,0,0,1: expected 6 numbers"),
+    ("x.csv", "0.0e-400,2,3,0,0,1\n1e-320,2,3,0,0,1\n", "line 2 = 1e-320,2,3,0,0,1: expected 6"),
+    ("x.csv", "1e-400,2,3,0,0,1\n", "line 1 = 1e-400,2,3,0,0,1: expected 6 numbers"),
+    ("x.csv", "\u0661,2,3,0,0,1\n", "line 1 = \u0661,2,3,0,0,1: expected 6 numbers"),
+    (
+        "x.csv",
+        GOOD + "nan,2,3,0,0,1\n",
+        "line 2 = ,2,3,0,0,1: expected 6 numbers p,q,r,gamma1,gamm",
+    ),
+    (
+        "x.csv",
+        GOOD + "inf,2,3,0,0,1\n",
+        "starts, row 2 = [inf, 2.0, 3.0, 0.0, 0.0, 1.0]: expected f",
+    ),
+    (
+        "x.csv",
+        GOOD + "1,2,3,0,0,2\n",
+        "start.gamma, row 2 = [0.0, 0.0, 2.0]: expected gamma of lengt",
+    ),
+]
 
 
-@pytest.mark.parametrize(("options", "message"), NO_STARTS, ids=range(len(NO_STARTS)))
-def test_what_holds_no_starts_is_refused_in_one_line(scene, refusal, tmp_path, options, message):
-    good = "1,2,3,0,0,1\n"
-    np.save("three.npy", ROWS[:2, :3])
-    np.save("objects.npy", np.array([{}]), allow_pickle=True)
-    texts = {
-        "rows.csv": good,
-        "rows.txt": good,
-        "text.npy": good,
-        "wide.csv": "1,2,3,4,5,6,7\n",
-        "names.csv": "p,q,r,gamma1,gamma2,t\n" + good,
-        "word.csv": good + "\n" + "1,2,3,0,0,one\n",
-        "grouped.csv": "1_0,2,3,0,0,1\n",
-        "tiny.csv": "0.0e-400,2,3,0,0,1\n1e-320,2,3,0,0,1\n",
-        "none.csv": "1e-400,2,3,0,0,1\n",
-        "other.csv": "\u0661,2,3,0,0,1\n",
-        "nan.csv": good + "nan,2,3,0,0,1\n",
-        "inf.csv": good + "inf,2,3,0,0,1\n",
-        "long.csv": good + "1,2,3,0,0,2\n",
-    }
-    for name, text in texts.items():
-        (tmp_path / name).write_text(text, "utf-8")
-    (tmp_path / "two.npy").write_bytes(2 * (tmp_path / "three.npy").read_bytes())
-    (tmp_path / "short.npy").write_bytes((tmp_path / "three.npy").read_bytes()[:-8])
-    assert message in refusal("sweep", scene, *options)
+@pytest.mark.parametrize(("file", "content", "message"), NO_STARTS, ids=range(len(NO_STARTS)))
+def test_what_holds_no_starts_is_refused_in_one_line(scene, refusal, file, content, message):
+    if isinstance(content, str):
+        Path(file).write_text(content, "utf-8")
+    elif content is not None:
+        np.save(file, content, allow_pickle=True)
+    assert message in refusal("sweep", scene, "--starts", file)
+
+
+@pytest.mark.parametrize("change", [lambda data: data[:-8], lambda data: 2 * data])
+def test_an_array_of_another_length_than_it_says_is_refused(scene, refusal, change):
+    np.save("x.npy", ROWS)
+    Path("x.npy").write_bytes(change(Path("x.npy").read_bytes()))
+    assert NO_ARRAY + " (it is not" in refusal("sweep", scene, "--starts", "x.npy")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("", "--vary: expected numbers to vary or --starts FILE, one of them"),
+        ("--starts x.csv --vary body.weight=1", "--vary = body.weight=1: expected"),
+        ("--starts x.csv --number quad", "number = quad: expected double or extended"),
+        ("--starts x.csv -o x.csv", "-o: expected another file than the one"),
+    ],
+)
+def test_options_that_starts_do_not_go_with_are_refused(scene, refusal, options, message):
+    Path("x.csv").write_text(GOOD)
+    assert message in refusal("sweep", scene, *options.split())
