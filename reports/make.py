@@ -62,6 +62,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(f"NAME {options.name!r}: expected {every_name}")
     if options.only and options.name is None:
         parser.error("--only: expected it with the NAME of one study")
+    if options.only and options.folder and options.name != BENCHMARK:
+        parser.error("-o: expected no --only, which prints rows of a study and writes nothing")
     if options.stale and options.name == BENCHMARK:
         parser.error("--stale: expected a study, as the benchmark is its own rows")
     stale_texts = []
@@ -136,7 +138,8 @@ def write_study(name: str, folder: Path, quick: bool = False) -> list[Path]:
 def part(name: str, texts: Sequence[str], quick: bool = False) -> str:
     """The tables of the rows of a study whose names hold all texts; nothing is written."""
     only = Only(tuple(texts))
-    results = module(name).rows(quick, lambda text: say(f"{name}: {text}"), only)
+    rows = module(name).rows(quick, lambda text: say(f"{name}: {text}"), only)
+    results = {"quick": quick, **rows}
     if not only.taken:
         likely = f"part of the name of a row, such as {', '.join(dict.fromkeys(only.passed[:8]))}"
         raise polhode.BadInput("make.py", "--only", " ".join(texts), likely)

@@ -258,3 +258,9 @@ def test_the_notebook_runs_without_a_warning(tmp_path):
     shown = [out.data for out in outputs if "data" in out]
     assert sum("text/html" in data for data in shown) >= 4
     assert any("image/png" in data for data in shown)
+
+
+def test_events_known_by_name_are_explained():
+    for name, zero in vocabulary.READY_MADE.items():
+        assert f"`{name}`" in PAGES["outputs"], name
+        assert zero is None or f"`{name}`" in PAGES["sweeps"], name

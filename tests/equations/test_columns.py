@@ -17,6 +17,7 @@ from polhode.cli import main
 from polhode.equations import columns
 from polhode.figures import samples
 from polhode.numbers.row_formulas import RowMap
+from polhode.scenes.scene_facts import row_columns
 from polhode.scenes.vocabulary import COLUMNS, ColumnWord, column_names
 from shared.tables import STATE
 from shared.tools import DOUBLE, EXTENDED, QUAD, exactly, mp, tiers
@@ -218,3 +219,10 @@ def test_a_row_without_a_finite_real_value_is_a_gap(number):
         assert [exactly(x) for x in column[1]] == [1, 1]
     flat = RowMap(divided, c, kind, 2)([list(row) for row in whole])
     assert isinstance(flat, np.ndarray) == kind.flat
+
+
+def test_every_column_has_a_meaning():
+    """It stands in ``about`` of every file, beside the unit."""
+    row = [[0.0] * len(column_names())]
+    columns = row_columns(None, column_names(), row, DOUBLE)
+    assert [column.name for column in columns if not column.meaning] == []

@@ -2,6 +2,8 @@
 
 import sys
 from dataclasses import replace
+from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from polhode.cli import main
 from polhode.dynamics.frequencies import Frequencies
 from polhode.figures import catalogue
 from polhode.results.reader import KINDS
+from polhode.scenes.vocabulary import Several, Single
 from programs import PROGRAMS, RUN
 from shared.results import result_of_kind
 from shared.tools import tiers
@@ -42,6 +45,32 @@ def test_every_kind_has_figures_or_is_known_to_have_none():
     drawn = set(catalogue.FIGURES)
     assert drawn | WITHOUT == set(KINDS)
     assert not drawn & WITHOUT
+
+
+def test_every_figure_of_a_motion_is_named_wherever_figures_are(capsys):
+    words, guide = [*catalogue.MOTION], Path(polhode.__file__).parent / "guide"
+    assert {*words} == {*get_args(Several), *get_args(Single)}
+    with pytest.raises(SystemExit):
+        main(["run", "--help"])
+    commands = (guide / "commands.md").read_text().split("| `polhode plot SCENE")[1]
+    texts = (
+        capsys.readouterr().out.rpartition("--what WORD")[2],
+        polhode.plot.__doc__,
+        commands.partition("\n")[0],
+        (guide / "motion.md").read_text(),
+    )
+    assert [[word for word in words if word not in text] for text in texts] == [[]] * 4
+
+
+@pytest.mark.parametrize("word", catalogue.MOTION)
+def test_a_figure_of_a_file_that_lacks_its_columns_is_refused(tmp_path, word):
+    file = tmp_path / "x.csv"
+    file.write_text("t,p\n0,1\n1,1\n2,1\n3,1\n")
+    if word == "omega":
+        assert polhode.plot(str(file), word)
+    else:
+        with pytest.raises(polhode.BadInput, match="expected"):
+            polhode.plot(str(file), word)
 
 
 FILED = ["Certified", "Enclosure", "Judgement", "Reductions", "ChaosMap", "ProvedOrbit"]
