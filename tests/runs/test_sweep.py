@@ -17,8 +17,9 @@ from hypothesis import strategies as st
 import polhode
 from polhode.equations import integrals
 from polhode.numbers.conversion import to_mpf
-from polhode.runs import members as sweep_plan
-from polhode.scenes import members, vary
+from polhode.runs import integrate_many as sweep_plan
+from polhode.runs import members
+from polhode.scenes import vary
 from shared.motions import TURNED, free_file, heavy, heavy_file, scene_of
 from shared.tools import exactly, examples, tiers
 
@@ -219,7 +220,7 @@ def test_the_unit_of_time_next_to_a_power_of_two():
     assert_own_runs(many)
     varied = vary.grid({"start.omega[1]": rates}, scene.name)
     plan = sweep_plan.planned(scene, varied, None, None, None, None)
-    assert plan.tables.exponents.tolist() == [m.time_unit for m in plan.members]
+    assert plan.numbers.exponents.tolist() == [m.time_unit for m in plan.members]
 
 
 @pytest.mark.parametrize("key", ["start.omega[2]", "body.weight"])
@@ -242,11 +243,11 @@ def test_what_cancels_along_turned_axes_is_exactly_nothing(number):
     given = {"start.omega[1]": ["-20/51", "4/3"]}
     plan = sweep_plan.planned(scene, vary.grid(given, scene.name), number, None, None, None)
     exact = [member.body.axes.components(member.omega) for member in plan.members]
-    assert [[x == 0 for x in row] for row in exact] == (plan.tables.starts == 0).tolist()
-    assert (plan.tables.starts[0] == 0).any()
-    units = [Fraction(2) ** int(n) for n in plan.tables.exponents]
+    assert [[x == 0 for x in row] for row in exact] == (plan.numbers.starts == 0).tolist()
+    assert (plan.numbers.starts[0] == 0).any()
+    units = [Fraction(2) ** int(n) for n in plan.numbers.exponents]
     near = [[float(x * unit) for x in row] for row, unit in zip(exact, units, strict=True)]
-    assert np.array_equal(plan.tables.starts.astype(float), near)
+    assert np.array_equal(plan.numbers.starts.astype(float), near)
 
 
 @settings(deadline=None, max_examples=examples(10))

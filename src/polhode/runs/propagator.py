@@ -33,7 +33,7 @@ from polhode.runs.options import Options, cadence, checked_options, choose_numbe
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults, lanes
-from polhode.taylor.batches import BatchJob, Columns
+from polhode.taylor.batches import BatchJob, BatchMotions
 from polhode.taylor.engine import Engine, order_of
 from polhode.taylor.heyoka import TIME_LIMIT, OutOfRange
 from polhode.taylor.long_steps import Grid, LongSteps
@@ -301,7 +301,7 @@ class Propagator:
         refuse_too_much(name, "start", amount, rows.size * len(times), _BYTES, _SPLIT)
         if not self._long and self._every is None:
             inside = rows if self._plain else self._inside(rows)
-            motions = Columns(self._job.motions.coefficients, inside)
+            motions = BatchMotions(self._job.motions.coefficients, inside)
             job = self._job._replace(max_steps=self._most, times=times, motions=motions)
             fastest = lanes.rates(inside, self._bound)
             inner, ended = lanes.states(job, fastest, workers)
@@ -323,7 +323,7 @@ class Propagator:
         """What the motions of an array have in common."""
         k = self._system.coefficients
         numbers = {name: to_double(k[name]) for name in sorted(k)}
-        motions = Columns(np.array([[*numbers.values()]]), np.empty((0, self._shape[0])))
+        motions = BatchMotions(np.array([[*numbers.values()]]), np.empty((0, self._shape[0])))
         tolerance, order = self._system.tolerance, 0
         if tolerance is not None and tolerance > self.number.eps:
             order, own = defaults.ARRAYS.highest, order_of(float(tolerance))

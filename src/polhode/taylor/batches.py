@@ -80,7 +80,7 @@ _START = Fraction(0)
 _NOT_RUN = code(Outcome.NOT_RUN)
 
 
-class Columns(NamedTuple):
+class BatchMotions(NamedTuple):
     """Motions: coefficients and starts, a row each, doubles or longdoubles.
 
     In the run's own unit of time.  One row of coefficients may serve all.
@@ -100,10 +100,10 @@ class Columns(NamedTuple):
         shape = self.many, self.coefficients.shape[1]
         return cast(Stack, np.broadcast_to(self.coefficients, shape))
 
-    def some(self, which: Indices | slice) -> Columns:
+    def some(self, which: Indices | slice) -> BatchMotions:
         """Those of some indices."""
         own = self.coefficients
-        return Columns(own if len(own) == 1 else own[which], self.starts[which])
+        return BatchMotions(own if len(own) == 1 else own[which], self.starts[which])
 
 
 class BatchJob(NamedTuple):
@@ -121,12 +121,12 @@ class BatchJob(NamedTuple):
     max_steps: int
     times: Flat
     unit: Fraction
-    motions: Columns
+    motions: BatchMotions
     sure: bool = False
     order: int = 0
     exponents: Indices | None = None
 
-    def of(self, motions: Columns, exponents: Indices | None) -> BatchJob:
+    def of(self, motions: BatchMotions, exponents: Indices | None) -> BatchJob:
         """The job of other motions, in their own unit of time if they have one in common."""
         exponent = 0 if exponents is None else int(exponents[0])
         if exponents is None or (exponents != exponent).any():
