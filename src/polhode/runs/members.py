@@ -188,7 +188,7 @@ class Members(LazySequence[Scene]):
     @cached_property
     def _columns(self) -> list[tuple[MemberColumn, Booleans | None]]:
         """The numbers of each key, and which of them are in doubt."""
-        return [*map(_column, self.varied.rows.columns)]
+        return [*map(_column, self.varied.keys, self.varied.rows.columns)]
 
     @cached_property
     def readable(self) -> bool:
@@ -199,9 +199,7 @@ class Members(LazySequence[Scene]):
             return False
         if "start.gamma" in self.vectors and self.gammas is None:  # each is exactly of length 1
             return False
-        own = scene.body
-        shared = (*own.moments, own.weight, *own.centre, *own.torque, *scene.omega)
-        return not _out_of_range(np.array([*map(to_double, shared)])).any()
+        return _in_range.get(scene.identity, "", lambda: _all_in_range(scene))
 
     @np.errstate(all="ignore")
     def _block(self, first: int, last: int) -> Block:
@@ -233,7 +231,7 @@ class Members(LazySequence[Scene]):
             if scene.gamma is None or "centre" not in self.tables["body"]:
                 doubt |= doubles(weight) != 0  # of no use: its scene says so
             x, y, z = along("body.centre", body.centre)
-            torque = paired(weight) * x, paired(weight) * y, paired(weight) * z
+            torque = _product(weight, x), _product(weight, y), _product(weight, z)
         omega = along("start.omega", scene.omega)
         gamma = None if scene.gamma is None else along("start.gamma", scene.gamma)
         return Block(first, doubt, moments, torque, omega, gamma)
@@ -391,6 +389,11 @@ def paired(x: MemberColumn) -> Pairs:
     return Pairs(high, (x - high).astype(np.float64))
 
 
+def _product(x: MemberColumn, y: MemberColumn) -> MemberColumn:
+    """The product of two columns; what is zero for all stays so."""
+    return ZERO if isinstance(y, Fraction) and y == 0 else paired(x) * paired(y)
+
+
 def doubles(x: MemberColumn) -> Doubles:
     """The doubles next to the numbers of a column, or next to one that members have in common."""
     if isinstance(x, np.ndarray):
@@ -398,9 +401,11 @@ def doubles(x: MemberColumn) -> Doubles:
     return np.asarray(x.hi if isinstance(x, Pairs) else to_double(x))
 
 
-def _column(numbers: ExactNumbers[Exact]) -> tuple[MemberColumn, Booleans | None]:
-    """Numbers as a column, and which of them it does not hold, if any."""
+def _column(key: str, numbers: ExactNumbers[Exact]) -> tuple[MemberColumn, Booleans | None]:
+    """Numbers of a key as a column, and which of them it does not hold, if any."""
     column: MemberColumn = numbers.floats
+    if column is not None and key.startswith("start."):  # which are looked at all together
+        return column, None
     if column is None:
         try:
             column = _pairs_of(numbers)
@@ -428,7 +433,17 @@ def _pairs_of(numbers: ExactNumbers[Exact]) -> Pairs:
     return column
 
 
-def _out_of_range(sizes: Doubles) -> Booleans:
+_in_range: Recent[bool] = Recent(1)
+
+
+def _all_in_range(scene: Scene) -> bool:
+    """Whether nothing is lost of any number of a scene."""
+    body = scene.body
+    shared = (*body.moments, body.weight, *body.centre, *body.torque, *scene.omega)
+    return not _out_of_range(np.array([*map(to_double, shared)])).any()
+
+
+def _out_of_range(sizes: Flat) -> Booleans:
     """Which numbers are neither 0 nor of a size at which nothing is lost."""
     sizes = np.abs(sizes)
     out: Booleans = ~((sizes > _LEAST) & (sizes < _MOST) | (sizes == 0))
@@ -461,11 +476,13 @@ def _along(axes: PrincipalAxes, vector: Vector, doubt: Booleans) -> Vector:
 
 def _coefficients(block: Block, doubt: Booleans) -> Sequence[MemberColumn]:
     """All coefficients of the bodies; where pairs do not tell them is noted."""
-    numbers = [*map(paired, (*block.moments, *block.torque))]
+    every = (*block.moments, *block.torque)
+    numbers = [x if isinstance(x, Fraction) else paired(x) for x in every]
     a, b, c = numbers[:3]
     for x, y in ((a, b), (b, c), (c, a)):
-        gap = np.abs((x - y).hi)
-        doubt |= (gap < _CANCELLED * np.abs(x.hi)) & (gap != 0)
+        if not isinstance(x - y, Fraction):
+            gap = np.abs(doubles(x - y))
+            doubt |= (gap < _CANCELLED * doubles(x)) & (gap != 0)
     return coefficients_of(numbers)
 
 
@@ -596,6 +613,7 @@ class SweepNumbers:
             rows[:] = np.ldexp(rows, _POWERS * exponents[:, None])
         else:
             bound = self._body.bound
+        doubt |= _out_of_range(starts).any(axis=1)
         self.rates[here] = lanes.rates(starts, bound)
         if exponents.any():
             starts[:, :3] = np.ldexp(starts[:, :3], exponents[:, None])
