@@ -11,7 +11,6 @@ import pytest
 import polhode
 from polhode import Event, NumberType, Outcome
 from polhode.taylor import engine
-from polhode.taylor.engine import Pool
 from shared.tools import change_policy, exactly, tiers
 
 NAME = "lagrange/nutation"
@@ -37,7 +36,7 @@ def never_seen() -> dict[str, list[Fraction]]:
 @pytest.fixture
 def built(monkeypatch) -> list:
     """The integrators that heyoka makes from now on, none being idle."""
-    monkeypatch.setattr(engine, "POOL", Pool())
+    monkeypatch.setattr(engine, "IDLE", {})
     builds: list = []
     make = hy.taylor_adaptive
 
@@ -174,13 +173,13 @@ def alone(monkeypatch) -> list:
     """Two bodies of one pattern, each with its states where no other has used an integrator."""
     times, rows = [*range(11)], []
     for body in (ORDINARY, SPECIAL):
-        monkeypatch.setattr(engine, "POOL", Pool())
+        monkeypatch.setattr(engine, "IDLE", {})
         scene = top(**body)
         run = polhode.integrate(scene, at=times)
         fine = np.array(polhode.integrate(scene, "quad", at=times).states, float)
         assert np.abs(run.states - fine).max() < 1e-13
         rows.append((scene.at(times), run.states, run(["1/3", "19/2"])))
-    monkeypatch.setattr(engine, "POOL", Pool())
+    monkeypatch.setattr(engine, "IDLE", {})
     return rows
 
 
@@ -229,7 +228,7 @@ def test_another_start_in_an_idle_integrator_has_the_bits_of_a_new_one(number, o
     assert idle.events[0].times
     for t, row in zip(idle.events[0].times, idle.events[0].states, strict=True):
         assert abs(exactly(row[5]) - Fraction(1, 2) - t / 200) < 2 * idle.number.eps
-    engine.POOL = Pool()
+    engine.IDLE.clear()
     fresh = polhode.integrate(reused, number, project=7)
     assert fresh == idle
     assert polhode.integrate(new, number, project=7) == first

@@ -21,7 +21,7 @@ from polhode.refined.collocation_tables import LARGEST_FIELD
 from polhode.refined.compiled_field import CannotRefine, rounded
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor.engine import Engine, Equations, principal_engine
+from polhode.taylor.engine import Engine, Equations, lent
 
 # --- scaled problem -------------------------------------------------------------------------------
 #
@@ -89,6 +89,7 @@ def rational_system(scene: Scene, bits: int, backward: bool) -> RationalSystem:
 # --- double run -----------------------------------------------------------------------------------
 
 
+_EQUATIONS = Equations(STATE, NAMES)
 STEPS = 8000  # of a base; its polynomials take a kilobyte a step
 _LOOKS, _PER_LOOK = 24, 20  # at the first steps, to guess the unit of time
 _LONGEST = 2.0**16  # of a base, in its own unit
@@ -141,20 +142,21 @@ def base(
 
     ``most``: steps to take.  Raises CannotRefine where the run does not succeed.
     """
-    with principal_engine(Equations(STATE, NAMES), Engine) as ready:
-        unit = _first_guess(ready, system, state, end - origin)
-        for _ in range(4):
-            run, fastest = _run(ready, system, state, origin, end, unit, m, most)
-            fit = system.unit(fastest * 2.0**unit)
-            if unit - 1 <= fit <= unit:
-                return run
-            unit = fit
+    ready = lent(_EQUATIONS)
+    unit = _first_guess(ready, system, state, end - origin)
+    for _ in range(4):
+        run, fastest = _run(ready, system, state, origin, end, unit, m, most)
+        fit = system.unit(fastest * 2.0**unit)
+        if unit - 1 <= fit <= unit:
+            ready.release()
+            return run
+        unit = fit
     raise CannotRefine("no unit of time suits the motion")
 
 
 def _begin(ta: Engine, system: RationalSystem, state: tuple[Fraction, ...], unit: int) -> None:
-    ta.parameters[: len(NAMES)] = [float(x) for x in system.coefficients_in(unit)]
-    ta.stand([float(x) for x in with_rates(state, -unit)])
+    ta.state[:] = [*map(float, with_rates(state, -unit))]
+    ta.begin([*map(float, system.coefficients_in(unit))])
 
 
 def _length(span: Fraction, unit: int) -> float:

@@ -28,7 +28,7 @@ from polhode.numbers.number_types import (
 )
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import defaults
-from polhode.taylor.engine import Engine, Equations, principal_engine
+from polhode.taylor.engine import CompiledBatch, Engine, Equations, lent
 from polhode.taylor.heyoka import HeyokaIntegrator, HeyokaNumber, ending
 
 # --- lane queue -----------------------------------------------------------------------------------
@@ -295,37 +295,6 @@ def out_of_lanes(states: Doubles) -> Doubles:
     return rows
 
 
-class CompiledBatch(Engine):
-    """A batch of doubles from the pool: states and parameters a column for each lane."""
-
-    def begin(self) -> None:
-        """All lanes at time 0 where they stand."""
-        self.heyoka.set_time(0.0)
-        if self._scale:
-            self.tell_scale()
-        if self.kept:
-            self.tell_kept()
-
-    def ended(self, _: Any) -> tuple[Outcome, Any]:
-        """How the lane ended that came least far, and the steps of each."""
-        results = self.heyoka.propagate_res
-        outcomes = {ending(result[0]) for result in results}
-        least = (x for x in (Outcome.NON_FINITE, Outcome.STEP_LIMIT) if x in outcomes)
-        return next(least, Outcome.REACHED_END), np.array([result[3] for result in results])
-
-    @property
-    def now(self) -> HeyokaNumber:
-        """The time that all lanes have reached."""
-        return min(self.heyoka.time, key=abs)
-
-    def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, Any, Outcome]:
-        """The same of all lanes, which stand at one time: states at times that all of them met."""
-        grid = np.repeat(np.array([times]).T, LANES, axis=1)
-        rows = self.heyoka.propagate_grid(grid, max_steps=most)[1][1:, : self.columns]
-        outcome, taken = self.ended(None)
-        return rows[~np.isnan(rows[:, 0]).any(axis=1)], taken, outcome
-
-
 # --- batch integrator -----------------------------------------------------------------------------
 #
 # Many motions with one compiled code: coefficients as parameters, doubles in SIMD lanes.
@@ -357,11 +326,12 @@ def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
     else:
         shape = (many, len(job.times), job.columns)
         results = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
-    with prepared(job) as engine:
-        for which, own in job.in_units(np.flatnonzero(results.outcomes != _THERE)):
-            some = Solved.undone(results.states[which])
-            _Way(own, engine, stop).finish(some)
-            results.put(which, some)
+    engine = prepared(job)
+    for which, own in job.in_units(np.flatnonzero(results.outcomes != _THERE)):
+        some = Solved.undone(results.states[which])
+        _Way(own, engine, stop).finish(some)
+        results.put(which, some)
+    engine.release()
     return results
 
 
@@ -388,27 +358,27 @@ def at_once(
     if job.exponents is not None:
         times = np.ldexp(ahead[:, None], -in_lanes(job.exponents[:, None], order))
         ends = times[:, -1].tolist()
-    with prepared(job) as ready:
-        ta, state = ready.heyoka, ready.state
-        if own is None:
-            ready.tell(coefficients[:1].T)
-        for k, (start, rows) in enumerate(zip(here, states, strict=True)):
-            if stop is not None and stop():
-                states[k:] = np.nan
-                break
-            state[:] = start
-            if own is not None:
-                ready.tell(own[k])
-            ready.begin()
-            if end_alone:  # the end alone needs no dense output
-                ta.propagate_until(ends[k])
-                rows[-1] = state
-            else:
-                if times is not None:
-                    grid[1:] = times[k]
-                rows[-len(ahead) :] = ta.propagate_grid(grid)[1][1:, : job.columns]
-            if steps is not None:
-                taken += [result[3] for result in ta.propagate_res]
+    ready, numbers = prepared(job), coefficients[:1].T
+    ta, state = ready.heyoka, ready.state
+    for k, (start, rows) in enumerate(zip(here, states, strict=True)):
+        if stop is not None and stop():
+            states[k:] = np.nan
+            break
+        state[:] = start
+        if own is not None:
+            ready.begin(own[k])
+        else:
+            ready.begin(None if k else numbers)
+        if end_alone:  # the end alone needs no dense output
+            ta.propagate_until(ends[k])
+            rows[-1] = state
+        else:
+            if times is not None:
+                grid[1:] = times[k]
+            rows[-len(ahead) :] = ta.propagate_grid(grid)[1][1:, : job.columns]
+        if steps is not None:
+            taken += [result[3] for result in ta.propagate_res]
+    ready.release()
     arrived = np.isfinite(states[:, -1])
     if not arrived.all():  # a lane has stopped the others
         states[~arrived.all(axis=(1, 2))] = np.nan
@@ -431,13 +401,12 @@ def _alike(coefficients: Stack) -> bool:
 
 
 def prepared(job: BatchJob) -> Engine:
-    """The engine of a job, from the pool or built: a batch of doubles, or one longdouble motion."""
-    kind = CompiledBatch if job.number.name == "double" else Engine
+    """The engine of a job: a batch of doubles, or one longdouble motion."""
     tolerance = job.tolerance
     if tolerance is not None and job.order:
         tolerance *= defaults.ARRAYS.part
     parts = job.columns, job.names, job.number, tolerance, job.order
-    return principal_engine(_equations(*parts), kind)
+    return lent(_equations(*parts))
 
 
 @lru_cache(maxsize=64)
@@ -488,15 +457,14 @@ class _Way:
         job, many = self.job, self.job.motions.many
         coefficients, starts = job.motions.coefficients, in_lanes(job.motions.starts)
         own = None if _alike(coefficients) else in_lanes(coefficients)
-        if own is None:
-            batch.tell(coefficients[:1].T)
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
         steps = np.zeros((len(starts), LANES), dtype=np.int64)
         done = np.zeros(len(starts), dtype=bool)
         for k, start in enumerate(starts):
             if self._stopped():
                 break
-            batch.stand(start, None if own is None else own[k])
+            batch.state[:] = start
+            batch.begin(coefficients[:1].T if own is None else own[k])
             steps[k], outcome, _ = self._followed(states[k], False)
             done[k] = outcome.done
         done &= np.isfinite(states[:, -1]).all(axis=(1, 2))  # else a lane has stopped the others
@@ -511,12 +479,14 @@ class _Way:
             results.states[k],
         )
         if isinstance(engine, CompiledBatch):  # in all lanes alike
-            engine.stand(motion.starts.T, motion.coefficients.T)
+            engine.state[:] = motion.starts.T
+            engine.begin(motion.coefficients.T)
             lanes = np.full((*into.shape, LANES), np.nan)
             steps, outcome, reached = self._followed(lanes, True)
             into[:] = lanes[:, :, 0]
         else:
-            engine.stand(motion.starts[0], motion.coefficients[0])
+            engine.state[:] = motion.starts[0]
+            engine.begin(motion.coefficients[0])
             steps, outcome, reached = self._followed(into, True)
         if outcome is Outcome.NOT_RUN:
             into[:] = np.nan

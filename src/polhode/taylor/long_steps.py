@@ -199,8 +199,7 @@ class LongSteps:
                         rows[0] = self._start if self._backs is None else self._start * self._backs
                     return rows, count
             if not granted / length > 0:  # not a number
-                self._engine.tell_scale()
-                self._engine.heyoka.time = 0.0
+                self._engine.begin()
                 return None
             count = max(count + 1, math.ceil(grid.end / granted))
         return None

@@ -203,14 +203,15 @@ class System:
         key = equations if watcher is None else (equations, watcher.key)
 
         def build() -> Engine:
-            return built(equations, Engine, self.field, self.form.distance, watcher)
+            return built(equations, self.field, self.form.distance, watcher)
 
         engine = lent(key, build, wait=False)
         if watcher is not None:
             damping = array(scalars(watcher.damping, self.number), self.number)
             factors = engine.parameters[CLOCK : engine.first]  # as many as the events need
             factors[:] = damping[: len(factors)]
-        engine.stand(start, parameters)
+        engine.state[:] = start
+        engine.begin(parameters)
         return engine
 
 
