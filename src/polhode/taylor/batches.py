@@ -307,25 +307,22 @@ def out_of_lanes(states: Doubles) -> Doubles:
 # compiled code. A job is plain data, so that it can be solved in any thread, process or machine.
 
 
-_UNITS_PER_STEP = 0.25  # of time, a radian or two of the fastest rate; at least, in any motion
+UNITS_PER_STEP = 0.25  # of time, a radian or two of the fastest rate; at least, in any motion
 _THERE = code(Outcome.REACHED_END)
 _HOPELESS = 10.0  # times the limit of steps: what would need so many is given up at once
 
 
 def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
     """Integrate a job's motions; those that ``stop`` kept from being finished are NOT_RUN."""
-    many = job.motions.many
+    shape = job.motions.many, len(job.times), job.columns
+    results = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
     if job.sure and job.number.name == "double":
-        steps = np.zeros(many, dtype=np.int64)
-        results = Solved.undone(at_once(job, np.arange(many), stop, steps))
-        results.steps = steps
+        steps = results.steps
+        at_once(job, results.states, np.arange(shape[0]), stop, steps)
         there = np.isfinite(results.states[:, -1]).all(axis=1) & (steps <= job.max_steps)
         _note(job, there, results)
         if there.all():
             return results
-    else:
-        shape = (many, len(job.times), job.columns)
-        results = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
     engine = prepared(job)
     for which, own in job.in_units(np.flatnonzero(results.outcomes != _THERE)):
         some = Solved.undone(results.states[which])
@@ -337,11 +334,12 @@ def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
 
 def at_once(
     job: BatchJob,
+    into: Stack,
     order: Indices,
     stop: Stop | None = None,
     steps: npt.NDArray[np.int64] | None = None,
-) -> Stack:
-    """States of some motions of doubles, which arrive in so few steps that nobody need look.
+) -> None:
+    """Put in states of motions of doubles, which arrive in so few steps that nobody need look.
 
     In this order they go through the lanes.  Not a number where ``stop`` came first, or a motion,
     or one beside it, did not arrive.  ``steps``: of each is put in there.
@@ -384,7 +382,7 @@ def at_once(
         states[~arrived.all(axis=(1, 2))] = np.nan
     if steps is not None:
         steps[: len(taken)] = taken[:many]
-    return out_of_lanes(states)[:many]
+    into[order] = out_of_lanes(states)[:many]
 
 
 def _note(job: BatchJob, there: Booleans, results: Solved) -> None:
@@ -422,11 +420,6 @@ def _equations(
     return Equations(STATE[:columns], names, number, tolerance, lanes=lanes, order=order)
 
 
-def longest(number: NumberType) -> float:
-    """The longest way, in the run's unit, that is one stretch: a fifth of a second's steps."""
-    return defaults.of(number).chunk * _UNITS_PER_STEP
-
-
 class _Way:
     """A job's motions on their way, in the unit of time that they have in common."""
 
@@ -434,7 +427,7 @@ class _Way:
         self.job, self.engine, self.stop = job, engine, stop
         self.sizes = np.abs(job.times)
         self.block = defaults.of(job.number).chunk  # steps between two looks for a signal
-        self.longest = longest(job.number)
+        self.longest = UNITS_PER_STEP * self.block  # way, in the run's unit, that is one stretch
 
     def finish(self, results: Solved) -> None:
         """All motions, or as many as come before a stop."""
