@@ -29,7 +29,7 @@ from polhode.numbers import expression
 from polhode.numbers.conversion import number_value, to_double
 from polhode.numbers.expression import Algebra, ExpressionError, odd_part
 from polhode.numbers.number_types import DOUBLE, Doubles, NumberType, Stack, double_array
-from polhode.runs.integrate_many import FlatJob, Plan, Reader, flat_job, reader
+from polhode.runs.integrate_many import FlatJob, Plan, Reader, reader
 from polhode.runs.members import Members
 from polhode.runs.options import Options
 from polhode.runs.solve import solve as solve_one
@@ -192,7 +192,7 @@ def job_of(
     """The job of some members that have a unit of time in common."""
     read, n = reader(plan, group), int(plan.numbers.exponents[group[0]])
     motions, kinds = plan.numbers.motions(group), {reduction.kind for reduction in which}
-    states = flat_job(plan, group) if kinds - {FIRST, LYAPUNOV} else None
+    states = FlatJob(plan.job(group), read) if kinds - {FIRST, LYAPUNOV} else None
     end = float(plan.times[-1] / Fraction(2) ** n)
     firsts = tuple(
         (reduction, *_of_event(scene, plan, event_of(scene, reduction.of), group, end), read)

@@ -65,7 +65,8 @@ class RationalSystem:
 def with_rates(state: Sequence[Fraction], exponent: int) -> tuple[Fraction, ...]:
     """A state whose rates are multiplied by 2**exponent: time in a unit that is as long."""
     scale = Fraction(2) ** exponent
-    return (*(x * scale for x in state[:3]), *state[3:])
+    p, q, r, *gamma = state
+    return (p * scale, q * scale, r * scale, *gamma)
 
 
 def rational_system(scene: Scene, bits: int, backward: bool) -> RationalSystem:
@@ -159,10 +160,6 @@ def _begin(ta: Engine, system: RationalSystem, state: tuple[Fraction, ...], unit
     ta.begin([*map(float, system.coefficients_in(unit))])
 
 
-def _length(span: Fraction, unit: int) -> float:
-    return float(min(span * Fraction(2) ** unit, Fraction(_LONGEST)))
-
-
 def _first_guess(
     ta: Engine, system: RationalSystem, state: tuple[Fraction, ...], span: Fraction
 ) -> int:
@@ -170,7 +167,7 @@ def _first_guess(
     fastest = math.hypot(*map(float, state[:3]))
     unit = system.unit(fastest)
     _begin(ta, system, state, unit)
-    end = _length(span, unit)
+    end = float(min(span * Fraction(2) ** unit, Fraction(_LONGEST)))
     for _ in range(_LOOKS):
         ta.until(end, _PER_LOOK, _PER_LOOK)
         fastest = max(fastest, 2.0**unit * math.hypot(*ta.state[:3]))
@@ -189,7 +186,7 @@ def _run(
 ) -> tuple[Base, float]:
     """One run in one unit of time, and the largest |w| in it."""
     _begin(ta, system, state, unit)
-    last = _length(end - origin, unit)
+    last = float(min((end - origin) * Fraction(2) ** unit, Fraction(_LONGEST)))
     outcome, polynomials = ta.polynomials(last, most)
     whole = outcome is Outcome.REACHED_END
     if not whole and outcome is not Outcome.STEP_LIMIT:

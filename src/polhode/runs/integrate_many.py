@@ -131,7 +131,8 @@ class Plan:
             order = np.lexsort((-rates, units))
             alike = np.split(order, np.flatnonzero(np.diff(units[order])) + 1)
         for members in alike:
-            yield from (members[i : i + size] for i in range(0, len(members), size))
+            for first in range(0, len(members), size):
+                yield members[first : first + size]
 
 
 def planned(
@@ -255,11 +256,6 @@ class FlatJob(NamedTuple):
         return replace(solved, states=self.read.states(solved.states))
 
 
-def flat_job(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
-    """The job of some members, which have a unit of time in common or are sure to arrive."""
-    return FlatJob(plan.job(group), reader(plan, group))
-
-
 # --- wide members ---------------------------------------------------------------------------------
 #
 # Members of a sweep in quad or mp: each by itself, as a single run is solved.
@@ -324,8 +320,9 @@ def put_together(
     for group, some in zip(groups, results, strict=True):
         if some is not None:
             whole.put(group, some)
-            of_members = zip(group.tolist(), some.errors or (), strict=False)
-            errors |= {k: error for k, error in of_members if error is not None}
+            for k, error in zip(group.tolist(), some.errors or (), strict=False):
+                if error is not None:
+                    errors[k] = error
     return whole, errors
 
 
@@ -506,7 +503,9 @@ def integrate_many(
         key = scene.text, plan.times, method, varied, plan.number, plan.tolerance
         checkpoint = JobCheckpoint(parts, "sweep", *key, plan.max_steps, *groups)
     jobs: list[Any] = [
-        flat_job(plan, group) if plan.number.flat else wide_job(plan, group, method)
+        FlatJob(plan.job(group), reader(plan, group))
+        if plan.number.flat
+        else wide_job(plan, group, method)
         for group in groups
     ]
     finished = run_jobs(

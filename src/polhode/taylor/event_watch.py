@@ -282,6 +282,7 @@ def stays(jet: Jet, heyoka: HeyokaIntegrator, parameters: Array, width: int) -> 
 
 
 _ROOM = 64  # for the first notes
+_SIDES = {"falling": -1, "any": 0, "rising": 1}
 
 
 class Notes:
@@ -373,7 +374,7 @@ class Watch:
         end = equations(scene).frame.time(scene.end)
         self.after_step = AfterStep(self._stops, end, number) if rules.asks else None
         self.jets: list[Jet] = []
-        self._of = [Record(side) for side in rules.start]
+        self._of = [*map(Record, rules.start)]
         self._ends = [k for k, event in enumerate(scene.events) if event.stop]
         self._stop: Stop | None = None
         self._first: Marks | None = None  # the start
@@ -510,9 +511,9 @@ class Watch:
 
     def _counted(self, k: int, happenings: Happenings) -> Booleans:
         """Which are of the direction that an event asks for."""
-        counts = self.scene.events[k].counts
-        counted: Booleans = np.array([counts(side * self.way) for side in (-1, 0, 1)])
-        return counted[happenings.signs + 1]
+        wanted = _SIDES[self.scene.events[k].direction] * self.way
+        counted: Booleans = happenings.signs * wanted >= 0  # a contact always
+        return counted
 
     # -- corrections of the state, and steps that are taken back --------------------------------
 
@@ -590,8 +591,9 @@ class Watch:
         """All that was noted of an event, polished; the start and an end."""
         assert self._first is not None
         self._settle()
-        met = [self._of[k].joined(order, self.width) for order in range(2)]
-        places, ends = polished(self.jets[k], met, joined_marks([self._first, last]), self.way)
+        record, span = self._of[k], joined_marks([self._first, last])
+        met = record.joined(0, self.width), record.joined(1, self.width)
+        places, ends = polished(self.jets[k], met, span, self.way)
         start, end = ends.those(slice(1)), ends.those(slice(1, 2))
         noted = places.those(places.order)
         side = 0 if start.own[0] else self.rules.start[k]
