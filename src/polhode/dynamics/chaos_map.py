@@ -420,8 +420,8 @@ def chaos_map(
         workers,
         executor,
         checkpoint,
-        variations.Followed._asdict,
-        variations.Followed.of,
+        variations.TangentSizes._asdict,
+        variations.TangentSizes.of,
         progress,
     )
     sizes, left = (np.concatenate(arrays) for arrays in zip(*finished.done, strict=True))

@@ -40,7 +40,7 @@ from polhode.numbers.number_types import (
 from polhode.results.cells import DOUBLE, EXACT, lines
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
-from polhode.runs.members import Block, Members, Vector, paired
+from polhode.runs.members import Block, Members, ColumnVector, paired
 from polhode.runs.trajectory import ERROR, Trajectory
 from polhode.scenes import vary
 from polhode.scenes.scene import Scene
@@ -191,7 +191,7 @@ def _block_drifts(
     return rows
 
 
-def _pairs(vector: Vector, which: Indices) -> list[Pairs]:
+def _pairs(vector: ColumnVector, which: Indices) -> list[Pairs]:
     """Three columns' numbers of some members, shape (members, 1)."""
     columns = map(paired, vector)
     return [

@@ -218,14 +218,14 @@ class Members(LazySequence[Scene]):
             if in_doubt is not None:
                 doubt |= in_doubt[at]
 
-        def along(name: str, vector: Vector) -> Vector:
+        def along(name: str, vector: ColumnVector) -> ColumnVector:
             return _along(body.axes, _vector(columns, name, vector), doubt)
 
         moments = _vector(columns, "body.moments", body.moments)
         if "body.moments" in self.vectors:
             doubt |= _unphysical(moments)
         if self.vectors.isdisjoint(("body.weight", "body.centre")):
-            torque: Vector = body.axes.components(body.torque)
+            torque: ColumnVector = body.axes.components(body.torque)
         else:
             weight = columns.get("body.weight", body.weight)
             if scene.gamma is None or "centre" not in self.tables["body"]:
@@ -350,7 +350,7 @@ def _leaves(data: dict[str, Any]) -> Iterator[tuple[str, Slot]]:
 #: A number that all members have in common (Exact), or one for each: Pairs, or the floats of an
 #: array.
 MemberColumn: TypeAlias = Scalar
-Vector: TypeAlias = tuple[MemberColumn, MemberColumn, MemberColumn]
+ColumnVector: TypeAlias = tuple[MemberColumn, MemberColumn, MemberColumn]
 
 _LEAST, _MOST = 2.0**-200, 2.0**200  # between these products and quotients are in doubles' range
 _CANCELLED = 2.0**-20  # of a sum's terms: what is less has lost bits
@@ -369,13 +369,13 @@ class Block:
 
     first: int
     doubt: Booleans
-    moments: Vector
-    torque: Vector
-    omega: Vector
-    gamma: Vector | None
+    moments: ColumnVector
+    torque: ColumnVector
+    omega: ColumnVector
+    gamma: ColumnVector | None
 
 
-def _vector(columns: Mapping[str, MemberColumn], name: str, fixed: Vector) -> Vector:
+def _vector(columns: Mapping[str, MemberColumn], name: str, fixed: ColumnVector) -> ColumnVector:
     """A vector, of which some numbers may vary."""
     a, b, c = map(columns.get, _OF_VECTOR[name], fixed)
     return a, b, c
@@ -450,7 +450,7 @@ def _out_of_range(sizes: Flat) -> Booleans:
     return out
 
 
-def _unphysical(moments: Vector) -> Booleans:
+def _unphysical(moments: ColumnVector) -> Booleans:
     """Where no body has such moments, or rounding might hide it."""
     a, b, c = map(doubles, moments)
     twice = 2 * np.maximum(np.maximum(a, b), c)
@@ -458,7 +458,7 @@ def _unphysical(moments: Vector) -> Booleans:
     return nearly | (np.minimum(np.minimum(a, b), c) <= 0)
 
 
-def _along(axes: PrincipalAxes, vector: Vector, doubt: Booleans) -> Vector:
+def _along(axes: PrincipalAxes, vector: ColumnVector, doubt: Booleans) -> ColumnVector:
     """Components along principal axes; ``doubt``: where pairs do not tell them is noted there."""
     if axes.trivial:
         return vector
@@ -674,7 +674,7 @@ def _refuse_out_of_range(member: Scene, number: NumberType, values: Sequence[Exa
         raise fault.refusal(member.name, number) from None
 
 
-def _bound(moments: Vector, torque: Vector) -> lanes.Bound:
+def _bound(moments: ColumnVector, torque: ColumnVector) -> lanes.Bound:
     """What bounds the rates of members, in the unit of time of these."""
     inertia, weight = (
         np.stack(np.broadcast_arrays(*map(doubles, vector)), axis=-1)

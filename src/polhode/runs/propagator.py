@@ -36,7 +36,7 @@ from polhode.taylor import defaults, lanes
 from polhode.taylor.batches import BatchJob, BatchMotions
 from polhode.taylor.engine import Engine, order_of
 from polhode.taylor.heyoka import TIME_LIMIT, OutOfRange
-from polhode.taylor.long_steps import Grid, LongSteps
+from polhode.taylor.long_steps import LongSteps, TimeGrid
 from polhode.taylor.motion import Motion
 from polhode.taylor.projection import Projector, StartTarget
 from polhode.taylor.system import System, system_of, time_array
@@ -108,7 +108,7 @@ class Propagator:
         finalize(self, self._engine.release).atexit = False  # another body's from then on
         self._state = self._engine.state
         #: several times by value, their grid, which long steps are for so many, how far these are
-        self._last: tuple[bytes, Grid | None, LongSteps | None, float] = b"", None, None, 0.0
+        self._last: tuple[bytes, TimeGrid | None, LongSteps | None, float] = b"", None, None, 0.0
         self._memory: Any = memoryview(self._state)  # which takes an array of its own kind alone
         self._first: Flat = self._state.copy()
         self._kind, self._shape = self._first.dtype, self._first.shape
@@ -350,7 +350,7 @@ class Propagator:
         except OutOfRange as fault:
             raise fault.refusal(self.scene.name, self.number) from None
 
-    def _grid(self, t: object) -> Grid | None:
+    def _grid(self, t: object) -> TimeGrid | None:
         """The grid of several plain numbers, kept until others come; None of all else."""
         times = t
         if type(times) is not np.ndarray or times.dtype is not self._kind:
@@ -359,7 +359,7 @@ class Propagator:
             return None
         value = times.tobytes()
         if value != self._last[0]:
-            grid, long_steps, far = Grid.of(times, self._unit), None, self._far
+            grid, long_steps, far = TimeGrid.of(times, self._unit), None, self._far
             if grid is not None:
                 far = max(far, (grid.size / defaults.FAR_OUTPUTS) ** 2)
                 if self._long_steps:

@@ -326,7 +326,7 @@ def solve(job: BatchJob, stop: Stop | None = None) -> Solved:
     engine = prepared(job)
     for which, own in job.in_units(np.flatnonzero(results.outcomes != _THERE)):
         some = Solved.undone(results.states[which])
-        _Way(own, engine, stop).finish(some)
+        _CarefulWay(own, engine, stop).finish(some)
         results.put(which, some)
     engine.release()
     return results
@@ -420,7 +420,7 @@ def _equations(
     return Equations(STATE[:columns], names, number, tolerance, lanes=lanes, order=order)
 
 
-class _Way:
+class _CarefulWay:
     """A job's motions on their way, in the unit of time that they have in common."""
 
     def __init__(self, job: BatchJob, engine: Engine, stop: Stop | None) -> None:

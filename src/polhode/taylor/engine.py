@@ -219,7 +219,7 @@ def built(
     equations: Equations,
     field: Field = principal.field,
     distance: Distance | None = None,
-    watcher: Watcher | None = None,
+    watcher: EventWatcher | None = None,
 ) -> Engine:
     """An engine of equations by a form's field, that ends near the form's singular set."""
     number, options, desk = equations.number, dict[str, Any](), None
@@ -350,7 +350,7 @@ class Desk:
         self.jets: list[CompiledFunction] = []
 
 
-class Watcher(Listener, Protocol):
+class EventWatcher(Listener, Protocol):
     """What looks for events while a run is under way (polhode.taylor.event_watch.Watch)."""
 
     @property

@@ -350,7 +350,7 @@ class Record:
         return record
 
 
-class Stop(NamedTuple):
+class StopEvent(NamedTuple):
     """An event that ended the run: which, what happened of it up to then, and where."""
 
     event: int
@@ -376,7 +376,7 @@ class Watch:
         self.jets: list[Jet] = []
         self._of = [*map(Record, rules.start)]
         self._ends = [k for k, event in enumerate(scene.events) if event.stop]
-        self._stop: Stop | None = None
+        self._stop: StopEvent | None = None
         self._first: Marks | None = None  # the start
         # The integrator attached last, views of its state and of its dense output, and the
         # parameters of the jets, the time from which it counts in front.
@@ -507,7 +507,7 @@ class Watch:
             at = happenings.those(np.array([n])).located(noted)
             if self._stop is None or at.ahead[0] < self._stop.marks.since_start[0] * self.way:
                 before = happenings.those(np.arange(n + 1))
-                self._stop = Stop(k, before, decision.complete, at.marks)
+                self._stop = StopEvent(k, before, decision.complete, at.marks)
 
     def _counted(self, k: int, happenings: Happenings) -> Booleans:
         """Which are of the direction that an event asks for."""

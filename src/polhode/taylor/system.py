@@ -32,7 +32,16 @@ from polhode.numbers.number_types import (
 )
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
-from polhode.taylor.engine import CLOCK, Cyclic, Engine, Equations, Watcher, built, lent, nearest
+from polhode.taylor.engine import (
+    CLOCK,
+    Cyclic,
+    Engine,
+    Equations,
+    EventWatcher,
+    built,
+    lent,
+    nearest,
+)
 from polhode.taylor.heyoka import OutOfRange, array, scalars
 from polhode.taylor.projection import Target
 
@@ -191,7 +200,7 @@ class System:
     def _last_times(self) -> list[tuple[Sequence[Exact], OutputTimes]]:
         return []
 
-    def engine(self, watcher: Watcher | None = None, order: int = 0) -> Engine:
+    def engine(self, watcher: EventWatcher | None = None, order: int = 0) -> Engine:
         """An engine that stands at the start at time 0, and looks for a watcher's events.
 
         ``order``: of a step, heyoka's own for the tolerance where it is 0.  Raises OutOfRange for

@@ -381,7 +381,7 @@ class TangentJob(NamedTuple):
     enough: float
 
 
-class Followed(NamedTuple):
+class TangentSizes(NamedTuple):
     """``sizes`` (n, looks + 1): ln|u|, nan past the look at which a motion was left or not finite.
 
     ``last`` (n,): that look.
@@ -391,13 +391,13 @@ class Followed(NamedTuple):
     last: npt.NDArray[np.int64]
 
     @classmethod
-    def of(cls, arrays: Arrays) -> Followed:
+    def of(cls, arrays: Arrays) -> TangentSizes:
         """From its arrays by name."""
         sizes = np.asarray(arrays["sizes"], dtype=np.float64)
         return cls(sizes, np.asarray(arrays["last"], dtype=np.int64))
 
 
-def solve(job: TangentJob, stop: Stop | None = None) -> Followed:
+def solve(job: TangentJob, stop: Stop | None = None) -> TangentSizes:
     """Follow a job's tangents, as many at a time as a step advances; the next takes a free lane."""
     n, chunk = len(job.starts), job.end / job.looks
     sizes = np.full((n, job.looks + 1), np.nan)
@@ -436,4 +436,4 @@ def solve(job: TangentJob, stop: Stop | None = None) -> Followed:
         begin(lane)
     lanes.follow(begin, stretch, stop)
     ta.release()
-    return Followed(sizes, last)
+    return TangentSizes(sizes, last)
