@@ -40,7 +40,7 @@ from polhode.numbers.number_types import (
 from polhode.results.cells import DOUBLE, EXACT, lines
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
-from polhode.runs.members import Block, Members, ColumnVector, paired
+from polhode.runs.members import Block, ColumnVector, Members, paired
 from polhode.runs.trajectory import ERROR, Trajectory
 from polhode.scenes import vary
 from polhode.scenes.scene import Scene

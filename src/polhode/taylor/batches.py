@@ -289,6 +289,15 @@ def in_lanes(rows: npt.NDArray[T], order: Indices | None = None) -> npt.NDArray[
     return np.ascontiguousarray(lanes)
 
 
+def numbers_in_lanes(
+    coefficients: Stack, count: int, order: Indices | None = None
+) -> Sequence[Stack | None]:
+    """The coefficients that each of so many batches is told; None where they stay."""
+    if len(coefficients) == 1 or bool((coefficients == coefficients[:1]).all()):
+        return [coefficients[:1].T, *[None] * (count - 1)]
+    return list(in_lanes(coefficients, order))
+
+
 def out_of_lanes(states: Doubles) -> Doubles:
     """Back from (batches, times, columns, LANES) to (rows, times, columns)."""
     rows: Doubles = states.transpose(0, 3, 1, 2).reshape(-1, *states.shape[1:3])
@@ -346,7 +355,7 @@ def at_once(
     """
     many, (coefficients, starts), ahead = len(order), job.motions, job.times[job.times != 0]
     here, end_alone = in_lanes(starts, order), len(ahead) == 1
-    own = None if _alike(coefficients) else in_lanes(coefficients, order)
+    numbers = numbers_in_lanes(coefficients, len(here), order)
     states = np.empty((len(here), len(job.times), job.columns, LANES))
     if len(ahead) < len(job.times):
         states[:, 0] = here
@@ -356,17 +365,14 @@ def at_once(
     if job.exponents is not None:
         times = np.ldexp(ahead[:, None], -in_lanes(job.exponents[:, None], order))
         ends = times[:, -1].tolist()
-    ready, numbers = prepared(job), coefficients[:1].T
+    ready = prepared(job)
     ta, state = ready.heyoka, ready.state
     for k, (start, rows) in enumerate(zip(here, states, strict=True)):
         if stop is not None and stop():
             states[k:] = np.nan
             break
         state[:] = start
-        if own is not None:
-            ready.begin(own[k])
-        else:
-            ready.begin(None if k else numbers)
+        ready.begin(numbers[k])
         if end_alone:  # the end alone needs no dense output
             ta.propagate_until(ends[k])
             rows[-1] = state
@@ -393,18 +399,9 @@ def _note(job: BatchJob, there: Booleans, results: Solved) -> None:
         results.states[~there], results.steps[~there] = np.nan, 0
 
 
-def _alike(coefficients: Stack) -> bool:
-    """Whether all motions are of one body."""
-    return len(coefficients) == 1 or bool((coefficients == coefficients[:1]).all())
-
-
 def prepared(job: BatchJob) -> Engine:
     """The engine of a job: a batch of doubles, or one longdouble motion."""
-    tolerance = job.tolerance
-    if tolerance is not None and job.order:
-        tolerance *= defaults.ARRAYS.part
-    parts = job.columns, job.names, job.number, tolerance, job.order
-    return lent(_equations(*parts))
+    return lent(_equations(job.columns, job.names, job.number, job.tolerance, job.order))
 
 
 @lru_cache(maxsize=64)
@@ -415,7 +412,9 @@ def _equations(
     tolerance: Fraction | None,
     order: int,
 ) -> Equations:
-    """Those of the principal form, whose hash is then known to the pool."""
+    """Those of the principal form, whose hash is then known."""
+    if tolerance is not None and order:
+        tolerance *= defaults.ARRAYS.part
     lanes = LANES if number.name == "double" else 0
     return Equations(STATE[:columns], names, number, tolerance, lanes=lanes, order=order)
 
@@ -449,7 +448,7 @@ class _CarefulWay:
         """Batch after batch: all motions but those of batches that did not arrive as a whole."""
         job, many = self.job, self.job.motions.many
         coefficients, starts = job.motions.coefficients, in_lanes(job.motions.starts)
-        own = None if _alike(coefficients) else in_lanes(coefficients)
+        numbers = numbers_in_lanes(coefficients, len(starts))
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
         steps = np.zeros((len(starts), LANES), dtype=np.int64)
         done = np.zeros(len(starts), dtype=bool)
@@ -457,7 +456,7 @@ class _CarefulWay:
             if self._stopped():
                 break
             batch.state[:] = start
-            batch.begin(coefficients[:1].T if own is None else own[k])
+            batch.begin(numbers[k])
             steps[k], outcome, _ = self._followed(states[k], False)
             done[k] = outcome.done
         done &= np.isfinite(states[:, -1]).all(axis=(1, 2))  # else a lane has stopped the others
@@ -466,11 +465,8 @@ class _CarefulWay:
 
     def _alone(self, k: int, results: Solved) -> None:
         """One motion; left as if it had not begun where it is stopped."""
-        engine, motion, into = (
-            self.engine,
-            self.job.motions.some(slice(k, k + 1)),
-            results.states[k],
-        )
+        engine, into = self.engine, results.states[k]
+        motion = self.job.motions.some(slice(k, k + 1))
         if isinstance(engine, CompiledBatch):  # in all lanes alike
             engine.state[:] = motion.starts.T
             engine.begin(motion.coefficients.T)
