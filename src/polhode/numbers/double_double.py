@@ -64,6 +64,8 @@ class Pairs:
     __rmul__ = __mul__
 
     def __truediv__(self, other: Scalar) -> Pairs:
+        if isinstance(other, Fraction):  # one number for all: its inverse is exact
+            return self * (1 / other)
         b = pairs(other)
         first = self.hi / b.hi
         rest = self - b * first

@@ -536,9 +536,11 @@ def lent(key: Hashable, build: Callable[[], Engine] | None = None, wait: bool = 
     ``build`` does.  One thread at a time builds, since the code that heyoka has compiled serves the
     others; not so without ``wait``, for those that may hold a precision.
     """
-    with suppress(KeyError, IndexError):
+    try:
         engine: Engine = IDLE[key].pop()
         return engine
+    except (KeyError, IndexError):
+        pass
     with COMPILING.held() if wait else nullcontext():
         with suppress(KeyError, IndexError):  # another thread's
             engine = IDLE[key].pop()
