@@ -165,7 +165,7 @@ def planned(
     if members.arrays:
         _check_arrays(members, chosen)
     times = tuple(rounded_times(scene, chosen))
-    tolerance = rounded_tolerance(scene, chosen, tol)
+    tolerance = None if tol is None else rounded_tolerance(scene, chosen, tol)
     numbers = SweepNumbers(members, chosen)
     if chosen.flat:
         numbers.check(times)

@@ -232,7 +232,9 @@ class Happenings(NamedTuple):
     @classmethod
     def of(cls, few: Sequence[Happening], crossings: Indices, sides: Indices) -> Happenings:
         """Some, and behind them plain ``crossings``, to ``sides``."""
-        at, signs, spreads, own = zip(*few, strict=True) if few else ((), (), (), ())
+        if not few:
+            return cls(crossings, sides, np.zeros(len(crossings)), {})
+        at, signs, spreads, own = zip(*few, strict=True)
         return cls(
             np.concatenate([np.array(at, dtype=int), crossings]),
             np.concatenate([np.array(signs, dtype=int), sides]),
@@ -242,7 +244,9 @@ class Happenings(NamedTuple):
 
     def those(self, which: Indices) -> Happenings:
         """Some of them."""
-        own = {n: self.own[k] for n, k in enumerate(which.tolist()) if k in self.own}
+        own = self.own
+        if own:
+            own = {n: own[k] for n, k in enumerate(which.tolist()) if k in own}
         return Happenings(self.at[which], self.signs[which], self.spreads[which], own)
 
     def located(self, places: Places) -> Places:

@@ -610,6 +610,8 @@ class Watch:
 
     def still(self) -> list[int]:
         """The events that start at zero and stay within rounding of it for some steps."""
+        if 0 not in self.rules.start:
+            return []
         motion = self._stepping, self._parameters, self.width
         suspects = [k for k, before in enumerate(self.rules.start) if before == 0]
         return [k for k in suspects if stays(self.jets[k], *motion)]
