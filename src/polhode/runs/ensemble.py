@@ -101,6 +101,7 @@ _IN_ARRAYS = Choices(np.sqrt, np.maximum, np.where)
 _NO_AREA = 2.0**-80  # of the terms of f, which may then be zero
 
 
+@np.errstate(all="ignore")
 def drifts(members: Members, states: Stack, drift_of: Callable[[int], Drift]) -> Doubles:
     """Largest drift of h, f, |gamma|² and the fourth of each member, shape (members, 4).
 
@@ -157,7 +158,6 @@ def _alike(block: Block, alone: Booleans) -> list[Indices]:
     return [members[kind.ravel() == n] for n in range(int(kind.max()) + 1)]
 
 
-@np.errstate(all="ignore")
 def _block_drifts(
     known: FirstIntegrals,
     block: Block,

@@ -505,6 +505,7 @@ def _exponents(block: Block) -> tuple[Indices, Booleans]:
     return -(above // 4), doubt
 
 
+@np.errstate(all="ignore")
 def fastest(members: Members) -> Scene:
     """The member of a sweep that turns fastest at the start."""
     candidates: list[int] = []
