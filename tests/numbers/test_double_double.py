@@ -1,4 +1,4 @@
-"""Arrays of rationals and of pairs of doubles: exact, and right to 2**-100."""
+"""Arrays of pairs of doubles: right to 2**-100."""
 
 from __future__ import annotations
 
@@ -7,44 +7,13 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from polhode.numbers import double_double
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.exact import sqrt
-from polhode.numbers.row_formulas import Rationals, of_fractions
-from shared.tools import examples
 
 HIGH = mpmath.MPContext()
 HIGH.prec = 400
-
-RATIONALS = st.lists(st.fractions(-99, 99, max_denominator=10**30), min_size=1, max_size=9)
-
-
-def exactly(x: Rationals) -> list[Fraction]:
-    count = max(np.size(x.top), np.size(x.bottom))
-    tops, bottoms = (np.broadcast_to(np.array(y, dtype=object), count) for y in (x.top, x.bottom))
-    return [Fraction(a, b) for a, b in zip(tops, bottoms, strict=True)]
-
-
-@settings(deadline=None, max_examples=examples(30))
-@given(RATIONALS, st.fractions(-9, 9, max_denominator=10**20))
-def test_arrays_of_rationals_are_exact(values, divisor):
-    x = of_fractions(values)
-    assert exactly(x * divisor + x - 3) == [v * divisor + v - 3 for v in values]
-    assert list(x.sign) == [(v > 0) - (v < 0) for v in values]
-    assert x.doubles().tolist() == [float(v) for v in values]
-    if divisor:
-        assert exactly(x / divisor) == [v / divisor for v in values]
-        assert all(bottom > 0 for bottom in (x / divisor).bottom)
-    assert exactly(1 / (x * x + 1)) == [1 / (v * v + 1) for v in values]
-
-
-def test_one_number_for_all_stays_a_number_of_any_size():
-    """A quotient by a single number gave numpy's integers, which overflow."""
-    x = Rationals(np.array([3, 5], dtype=object), 7) / Fraction(-(10**40), 3)
-    assert exactly(x) == [Fraction(-9, 7 * 10**40), Fraction(-15, 7 * 10**40)]
 
 
 def wide(x: Pairs) -> list[mpmath.mpf]:

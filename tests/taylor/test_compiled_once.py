@@ -11,7 +11,6 @@ import pytest
 import polhode
 from polhode import Event, NumberType, Outcome
 from polhode.taylor import engine
-from polhode.taylor.engine import Pool
 from shared.tools import change_policy, exactly, tiers
 
 NAME = "lagrange/nutation"
@@ -30,7 +29,7 @@ def top(**more) -> polhode.Scene:
 @pytest.fixture
 def built(monkeypatch) -> list:
     """The integrators that heyoka makes from now on, none being idle."""
-    monkeypatch.setattr(engine, "POOL", Pool())
+    monkeypatch.setattr(engine, "IDLE", {})
     builds: list = []
     make = hy.taylor_adaptive
 
@@ -155,10 +154,10 @@ def test_runs_in_turn_have_the_bits_of_runs_alone(monkeypatch):
 
     between, alone = ["1/3", "19/2"], []
     for body in (ORDINARY, SPECIAL):
-        monkeypatch.setattr(engine, "POOL", Pool())  # that no other has used
+        monkeypatch.setattr(engine, "IDLE", {})  # that no other has used
         run = polhode.integrate(top(**body), at=range(11))
         alone.append((run.scene, run.states, run(between)))
-    monkeypatch.setattr(engine, "POOL", Pool())
+    monkeypatch.setattr(engine, "IDLE", {})
     runs = [polhode.integrate(scene) for scene, _, _ in alone]
     for _ in range(2):
         for run, (scene, states, there) in zip(runs, alone, strict=True):
@@ -188,7 +187,7 @@ def test_another_start_in_an_idle_integrator_has_the_bits_of_a_new_one(number, o
     assert idle.events[0].times
     for t, row in zip(idle.events[0].times, idle.events[0].states, strict=True):
         assert abs(exactly(row[5]) - Fraction(1, 2) - t / 200) < 2 * idle.number.eps
-    engine.POOL = Pool()
+    engine.IDLE.clear()
     fresh = polhode.integrate(reused, number, project=7)
     assert fresh == idle
     assert polhode.integrate(new, number, project=7) == first

@@ -46,8 +46,8 @@ from polhode.numbers.number_types import AnyNumber, Doubles, Integers
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.integrate_many import varied_of
+from polhode.runs.members import Members
 from polhode.scenes import library, vary
-from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column, unit_of
 from polhode.scenes.vocabulary import REQUESTS
@@ -421,8 +421,8 @@ def chaos_map(
         workers,
         executor,
         checkpoint,
-        variations.Followed._asdict,
-        variations.Followed.of,
+        variations.TangentSizes._asdict,
+        variations.TangentSizes.of,
         progress,
     )
     sizes, left = (np.concatenate(arrays) for arrays in zip(*finished.done, strict=True))

@@ -29,15 +29,14 @@ from polhode.numbers import expression
 from polhode.numbers.conversion import number_value, to_double
 from polhode.numbers.expression import Algebra, ExpressionError, odd_part
 from polhode.numbers.number_types import DOUBLE, Doubles, NumberType, Stack, double_array
-from polhode.runs.integrate_many import FlatJob, Reader, flat_job, reader
-from polhode.runs.members import Plan
+from polhode.runs.integrate_many import FlatJob, Plan, Reader, reader
+from polhode.runs.members import Members
 from polhode.runs.options import Options
 from polhode.runs.solve import solve as solve_one
-from polhode.scenes.members import Members
 from polhode.scenes.scene import Event, Scene
 from polhode.scenes.vocabulary import READY_MADE, STATE
 from polhode.taylor import event_batches, variations
-from polhode.taylor.batches import Columns
+from polhode.taylor.batches import BatchMotions
 from polhode.taylor.event_batches import SearchJob, Watched
 from polhode.taylor.event_functions import TIME, identically_zero, size_of, typed_constant
 from polhode.taylor.heyoka import EXPRESSIONS, hy
@@ -191,9 +190,9 @@ def job_of(
     scene: Scene, plan: Plan, which: tuple[Reduction, ...], group: npt.NDArray[np.int64]
 ) -> Job:
     """The job of some members that have a unit of time in common."""
-    read, n = reader(plan, group), int(plan.tables.exponents[group[0]])
-    motions, kinds = plan.tables.motions(group), {reduction.kind for reduction in which}
-    states = flat_job(plan, group) if kinds - {FIRST, LYAPUNOV} else None
+    read, n = reader(plan, group), int(plan.numbers.exponents[group[0]])
+    motions, kinds = plan.numbers.motions(group), {reduction.kind for reduction in which}
+    states = FlatJob(plan.job(group), read) if kinds - {FIRST, LYAPUNOV} else None
     end = float(plan.times[-1] / Fraction(2) ** n)
     firsts = tuple(
         (reduction, *_of_event(scene, plan, event_of(scene, reduction.of), group, end), read)
@@ -211,14 +210,14 @@ def _of_event(
     """The job of an event, and what it needs where lanes are not sure."""
     assert event.expression is not None
     odd = odd_part(event.expression)  # it crosses zero where the expression does
-    size, motions = size_of(scene, event._replace(zero=odd)), plan.tables.motions(group)
+    size, motions = size_of(scene, event._replace(zero=odd)), plan.numbers.motions(group)
     largest = math.frexp(max(float(size.value), float(size.rate)) or 1.0)[1]
     turns = _turns(plan, group)
-    watched = Watched(plan.tables.names, scene.columns, odd, 2.0**largest, turns is not None)
+    watched = Watched(plan.numbers.names, scene.columns, odd, 2.0**largest, turns is not None)
     job = SearchJob(
         *(watched, _DIRECTIONS[event.direction], 1, end, STRETCH),
         *(double_array(motions.rows), double_array(motions.starts)),
-        *(int(plan.tables.exponents[group[0]]), turns),
+        *(int(plan.numbers.exponents[group[0]]), turns),
         max_steps=plan.max_steps,
     )
     stopping = event._replace(stop=True)
@@ -239,7 +238,7 @@ def _turns(plan: Plan, group: npt.NDArray[np.int64]) -> Doubles | None:
     return np.array([row(plan.members[int(k)]) for k in group])
 
 
-def _tangents(plan: Plan, motions: Columns, end: float) -> TangentJob:
+def _tangents(plan: Plan, motions: BatchMotions, end: float) -> TangentJob:
 
     six = np.zeros((motions.many, 6))
     columns = motions.starts.shape[1]
@@ -248,7 +247,7 @@ def _tangents(plan: Plan, motions: Columns, end: float) -> TangentJob:
     tangents[:, :columns] = lyapunov.TANGENT[:columns]
     tangents /= np.linalg.norm(tangents, axis=1)[:, None]
     return TangentJob(
-        plan.tables.names, double_array(motions.rows), six, tangents, end, _LOOKS, None, (), 0.0
+        plan.numbers.names, double_array(motions.rows), six, tangents, end, _LOOKS, None, (), 0.0
     )
 
 

@@ -20,10 +20,9 @@ from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.number_types import AnyNumber, NumberType, Stack, kind_of
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.ensemble import SweepResult
-from polhode.runs.integrate_many import varied_of
-from polhode.runs.members import planned
+from polhode.runs.integrate_many import planned, varied_of
+from polhode.runs.members import Members
 from polhode.scenes import library, vary
-from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
     provenance_fact,

@@ -17,11 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from polhode.numbers import exact, row_formulas
+from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import Irrational, Number
 from polhode.numbers.number_types import Indexing, Scalar
-from polhode.numbers.row_formulas import Rationals
 
 #: Decimal digits that a pair holds of any number, with some to spare.
 DIGITS = 30
@@ -65,6 +64,8 @@ class Pairs:
     __rmul__ = __mul__
 
     def __truediv__(self, other: Scalar) -> Pairs:
+        if isinstance(other, Fraction):  # one number for all: its inverse is exact
+            return self * (1 / other)
         b = pairs(other)
         first = self.hi / b.hi
         rest = self - b * first
@@ -96,8 +97,6 @@ def pairs(x: Scalar) -> Pairs:
         return x
     if isinstance(x, (float, np.ndarray)):
         return Pairs(x)
-    if isinstance(x, Rationals):
-        return of_rationals(x)
     raw = getattr(x, "_mpf_", None)
     if raw is not None:
         negative, mantissa, exponent, _ = raw
@@ -112,20 +111,26 @@ def of_exact(x: Number) -> Pairs:
     return Pairs(*_of_binary(*exact.rounded(x, 120)))
 
 
-def of_rationals(x: Rationals) -> Pairs:
-    """The pairs nearest to rationals, to 2**-105 of each."""
-    hi = np.asarray(x.doubles())
+def of_quotients(top: Any, bottom: Scalar) -> Pairs:
+    """The pairs nearest to top/bottom, arrays of Python's whole numbers, to 2**-105 of each.
+
+    ``bottom``: above 0, one number or an array.  Raises OverflowError beyond the range of doubles.
+    """
+    hi = np.asarray(top / bottom, dtype=np.float64)  # Python rounds such a quotient correctly
     part, exponent = np.frexp(hi)
     mantissa = np.ldexp(part, 53).astype(np.int64).astype(object)
     shift = exponent.astype(object) - 53
     up, down = (1 << np.maximum(side * shift, 0) for side in (-1, 1))
-    rest = (x.top * up - mantissa * down * x.bottom) / (x.bottom * up)
+    rest = (top * up - mantissa * down * bottom) / (bottom * up)
     return Pairs(hi, np.asarray(rest, dtype=np.float64))
 
 
 def of_fractions(values: Sequence[Decimal | Fraction]) -> Pairs:
-    """The pairs nearest to rationals."""
-    return of_rationals(row_formulas.of_fractions(values))
+    """The pairs nearest to rationals; raises OverflowError."""
+    top, bottom = np.empty(len(values), dtype=object), np.empty(len(values), dtype=object)
+    for k, x in enumerate(values):
+        top[k], bottom[k] = x.as_integer_ratio()
+    return of_quotients(top, bottom)
 
 
 def of_cells(cells: Sequence[Scalar | None]) -> Pairs:

@@ -156,7 +156,7 @@ def solve(constants: BlockConstants, work: Intervals, with_stages: bool = False)
         if first is None:
             _check_drift(errors, work)
             drift = errors[work.known :].copy()
-        sweep.move_ends(e)
+        constants.limbs.adjust(sweep.states.swapaxes(0, 1), e)
         size = np.abs(defect).max(axis=(0, 1))
         largest = max(size.max(initial=0.0), errors.max(initial=0.0))
         if not np.isfinite(largest) or (count > 1 and largest > before / _SLOWEST):
@@ -279,7 +279,11 @@ class _Sweep:
             pars=self._exact,
             outputs=field.reshape(VARIABLES * limbs.count, -1),
         )
-        self._check_field(field)
+        largest = np.abs(field[:, 0]).max(axis=(0, 1))
+        if not (largest <= LARGEST_FIELD).all():
+            if not np.isfinite(largest).all():
+                raise CannotRefine("a stage became infinite")
+            raise IntervalsTooLong(largest > LARGEST_FIELD)
         levels = tables.integrated(field, count)
         start = self.states[:, :, self.work.starts]
         end = self.states[:, :, self.work.known :]
@@ -293,13 +297,6 @@ class _Sweep:
                 r += levels[i][:, :m]
                 r_end += levels[i][:, m]
         return r, r_end, tables.last_coefficients(levels)
-
-    def _check_field(self, field: Doubles) -> None:
-        largest = np.abs(field[:, 0]).max(axis=(0, 1))
-        if not (largest <= LARGEST_FIELD).all():
-            if not np.isfinite(largest).all():
-                raise CannotRefine("a stage became infinite")
-            raise IntervalsTooLong(largest > LARGEST_FIELD)
 
     def ends(self, defect: Doubles, end_defect: Doubles) -> Doubles:
         """e at every slot, (6, slots)."""
@@ -316,10 +313,6 @@ class _Sweep:
         begin = e[work.starts[chain:], :, None]
         e[work.known + chain :] = (self.transitions[chain:] @ begin)[:, :, 0] + delta[chain:]
         return e.T
-
-    def move_ends(self, e: Doubles) -> None:
-        """Add e to the states at the ends."""
-        self.constants.limbs.adjust(self.states.swapaxes(0, 1), e)
 
     def move_stages(self, defect: Doubles, e: Doubles, enough: float) -> None:
         """Add the corrections E to the stages, by Picard's iteration of E - (r + e) from 0."""

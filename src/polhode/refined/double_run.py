@@ -21,7 +21,7 @@ from polhode.refined.collocation_tables import LARGEST_FIELD
 from polhode.refined.compiled_field import CannotRefine, rounded
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor.engine import Engine, Equations, principal_engine
+from polhode.taylor.engine import Engine, Equations, lent
 
 # --- scaled problem -------------------------------------------------------------------------------
 #
@@ -66,7 +66,8 @@ class RationalSystem:
 def with_rates(state: Sequence[Fraction], exponent: int) -> tuple[Fraction, ...]:
     """A state whose rates are multiplied by 2**exponent: time in a unit that is as long."""
     scale = Fraction(2) ** exponent
-    return (*(x * scale for x in state[:3]), *state[3:])
+    p, q, r, *gamma = state
+    return (p * scale, q * scale, r * scale, *gamma)
 
 
 def rational_system(scene: Scene, bits: int, backward: bool) -> RationalSystem:
@@ -90,6 +91,7 @@ def rational_system(scene: Scene, bits: int, backward: bool) -> RationalSystem:
 # --- double run -----------------------------------------------------------------------------------
 
 
+_EQUATIONS = Equations(STATE, NAMES)
 STEPS = 8000  # of a base; its polynomials take a kilobyte a step
 _LOOKS, _PER_LOOK = 24, 20  # at the first steps, to guess the unit of time
 _LONGEST = 2.0**16  # of a base, in its own unit
@@ -142,24 +144,21 @@ def base(
 
     ``most``: steps to take.  Raises CannotRefine where the run does not succeed.
     """
-    with principal_engine(Equations(STATE, NAMES), Engine) as ready:
-        unit = _first_guess(ready, system, state, end - origin)
-        for _ in range(4):
-            run, fastest = _run(ready, system, state, origin, end, unit, m, most)
-            fit = system.unit(fastest * 2.0**unit)
-            if unit - 1 <= fit <= unit:
-                return run
-            unit = fit
+    ready = lent(_EQUATIONS)
+    unit = _first_guess(ready, system, state, end - origin)
+    for _ in range(4):
+        run, fastest = _run(ready, system, state, origin, end, unit, m, most)
+        fit = system.unit(fastest * 2.0**unit)
+        if unit - 1 <= fit <= unit:
+            ready.release()
+            return run
+        unit = fit
     raise CannotRefine("no unit of time suits the motion")
 
 
 def _begin(ta: Engine, system: RationalSystem, state: tuple[Fraction, ...], unit: int) -> None:
-    ta.parameters[: len(NAMES)] = [float(x) for x in system.coefficients_in(unit)]
-    ta.stand([float(x) for x in with_rates(state, -unit)])
-
-
-def _length(span: Fraction, unit: int) -> float:
-    return float(min(span * Fraction(2) ** unit, Fraction(_LONGEST)))
+    ta.state[:] = [*map(float, with_rates(state, -unit))]
+    ta.begin([*map(float, system.coefficients_in(unit))])
 
 
 def _first_guess(
@@ -169,7 +168,7 @@ def _first_guess(
     fastest = math.hypot(*map(float, state[:3]))
     unit = system.unit(fastest)
     _begin(ta, system, state, unit)
-    end = _length(span, unit)
+    end = float(min(span * Fraction(2) ** unit, Fraction(_LONGEST)))
     for _ in range(_LOOKS):
         ta.until(end, _PER_LOOK, _PER_LOOK)
         fastest = max(fastest, 2.0**unit * math.hypot(*ta.state[:3]))
@@ -188,7 +187,7 @@ def _run(
 ) -> tuple[Base, float]:
     """One run in one unit of time, and the largest |w| in it."""
     _begin(ta, system, state, unit)
-    last = _length(end - origin, unit)
+    last = float(min((end - origin) * Fraction(2) ** unit, Fraction(_LONGEST)))
     outcome, polynomials = ta.polynomials(last, most)
     whole = outcome is Outcome.REACHED_END
     if not whole and outcome is not Outcome.STEP_LIMIT:

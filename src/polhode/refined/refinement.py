@@ -342,14 +342,14 @@ def refine(
     """
     backward = times[-1] < 0
     exact = rational_system(scene, goal.limbs.finest + 64, backward)
-    run = _Run(exact, [abs(t) for t in times], goal, m, following)
+    run = _Run(exact, [*map(abs, times)], goal, m, following, -1 if backward else 1)
     with one_thread(), one_blas_thread():
         stopped = run.to_the_end(progress, max_steps)
     reached = run.origin if stopped else abs(times[-1])
-    whole = min(len(run.found), len(run.sides))  # an interrupt may have come between the two
+    whole = min(len(run.states), len(run.sides))  # an interrupt may have come between the two
     return RefinedStates(
         times=tuple(times[:whole]),
-        states=[_reversed(row, backward) for row in run.found[:whole]],
+        states=run.states[:whole],
         bits=goal.limbs.finest,
         estimate=estimate(run.stretches, run.sides[:whole], 2.0**-goal.limbs.bits),
         steps=run.steps,
@@ -360,13 +360,11 @@ def refine(
     )
 
 
-def _reversed(row: list[int], backward: bool) -> list[int]:
-    """A state of the motion that runs forward as one of the scene's."""
-    return [-x for x in row[:3]] + row[3:] if backward else row
-
-
 class _Run:
-    """A refinement under way: an exact state at an edge of the present run in double."""
+    """A refinement under way: an exact state at an edge of the present run in double.
+
+    ``sense``: -1 of a motion that runs backward in time, which is the one with -w forwards.
+    """
 
     def __init__(
         self,
@@ -375,11 +373,13 @@ class _Run:
         goal: Accuracy,
         m: int,
         following: Following | None = None,
+        sense: int = 1,
     ) -> None:
+        self.sense = sense
         self.following, self.attitudes = following, list[RefinedAttitude]()
         self.system, self.wanted, self.m = exact, goal, m
-        self.times = list(times)
-        self.found: list[list[int]] = []
+        self.times = times
+        self.states: list[list[int]] = []
         self.stretches: list[ChainStretch] = []
         self.sides: list[OutputSide] = []
         self.steps = 0
@@ -392,7 +392,7 @@ class _Run:
     def to_the_end(self, progress: Progress | None, max_steps: int | None) -> str | None:
         """Base after base, until every output is there; else why not."""
         try:
-            while len(self.found) < len(self.times):
+            while len(self.states) < len(self.times):
                 if max_steps is not None and self.steps >= max_steps:
                     return STEP_LIMIT
                 most = min(STEPS, STEPS if max_steps is None else max_steps - self.steps)
@@ -421,7 +421,7 @@ class _Run:
         """The blocks of one base, until its end or until it has drifted too far."""
         limbs = self.wanted.limbs
         state = np.array([limbs.split(x) for x in with_rates(self._state, -now.unit)])
-        clocks = [now.clock(t) for t in self.times[len(self.found) :]]
+        clocks = [now.clock(t) for t in self.times[len(self.states) :]]
         edges, at, redos = now.edges, 0, 0
         while clocks:
             block = cut(now, edges, at, self._width, clocks, state, limbs)
@@ -486,7 +486,8 @@ class _Run:
         ends = solved.states[:, :, block.chain + 1 :]
         for row in ends.transpose(2, 0, 1).tolist():
             whole = [limbs.integer(x) for x in row]
-            self.found.append([_shifted(x, unit) for x in whole[:3]] + whole[3:])
+            rates = [self.sense * _shifted(x, unit) for x in whole[:3]]
+            self.states.append(rates + whole[3:])
         ratio = np.array([scale] * 3 + [1.0] * 3)
         transitions = solved.transitions * (ratio[:, None] / ratio)
         errors = errors_made(solved.unfinished, solved.tails)

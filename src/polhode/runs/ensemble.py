@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -25,11 +24,12 @@ from polhode.equations.integrals import (
 from polhode.motion.frame import Frame
 from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers.decimals import shown
-from polhode.numbers.double_double import Pairs, pairs, sqrt
-from polhode.numbers.exact import Irrational, sign
+from polhode.numbers.double_double import Pairs, sqrt
 from polhode.numbers.number_types import (
+    Booleans,
     Doubles,
     Flat,
+    Indices,
     NumberType,
     Rows,
     Stack,
@@ -37,13 +37,12 @@ from polhode.numbers.number_types import (
     kind_of,
     read_only,
 )
-from polhode.numbers.row_formulas import Rationals
 from polhode.results.cells import DOUBLE, EXACT, lines
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
+from polhode.runs.members import Block, ColumnVector, Members, paired
 from polhode.runs.trajectory import ERROR, Trajectory
 from polhode.scenes import vary
-from polhode.scenes.members import Members
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
     provenance_fact,
@@ -54,11 +53,6 @@ from polhode.scenes.scene_facts import (
     varied_columns,
 )
 from polhode.scenes.vocabulary import ATTITUDE, COLUMNS
-
-if TYPE_CHECKING:
-    from polhode.scenes.members import Block, Vector
-    from polhode.scenes.members import Column as Numbers
-
 
 # --- endings --------------------------------------------------------------------------------------
 #
@@ -104,77 +98,72 @@ class SweepResult(Result, ByValue):
 
 
 _IN_ARRAYS = Choices(np.sqrt, np.maximum, np.where)
+_NO_AREA = 2.0**-80  # of the terms of f, which may then be zero
 
 
-def drifts(members: Members, states: Stack, one: Callable[[int], Drift]) -> Doubles:
+@np.errstate(all="ignore")
+def drifts(members: Members, states: Stack, drift_of: Callable[[int], Drift]) -> Doubles:
     """Largest drift of h, f, |gamma|² and the fourth of each member, shape (members, 4).
 
     nan where there is none, or the member has no state.  ``states``: (members, times, columns);
-    ``one``: the drift of a member that the columns do not hold.
+    ``drift_of``: a member that the columns do not hold.
     """
     drift = np.full((len(members), 4), np.nan)
     there = states[:, :, 0] == states[:, :, 0]
-    for given in members.blocks():
-        block, unit = given.exact(), not given.arrays
-        here = slice(block.first, block.last)
-        columns = states.dtype != object and block.axes.trivial and not _irrational(block)
-        alone = block.left.copy() if columns else np.ones(len(block), dtype=bool)
-        for which in _alike(block, ~alone) if not alone.all() else []:
+    turned = states.dtype == object or not members.scene.body.axes.trivial
+    for block in members.blocks():
+        alone = block.doubt | turned
+        for which in _alike(block, alone):
             at = block.first + which
-            with np.errstate(all="ignore"):
-                member = members[block.first + int(which[0])]
-                known = first_integrals(Frame.of(member).inside(member))
-                try:
-                    rows = _block_drifts(known, block, which, states[at], there[at], unit)
-                except OverflowError:  # numbers beyond doubles: exactly, one by one
-                    alone[which] = True
-                    continue
+            member = members[int(at[0])]
+            known = first_integrals(Frame.of(member).inside(member))
+            rows = _block_drifts(known, block, which, states[at], there[at], members.gammas is None)
             drift[at, : rows.shape[1]] = rows
-        for k in np.flatnonzero(alone & there[here].any(axis=1)):
-            told = one(block.first + int(k))
-            drift[block.first + k] = [np.nan if x is None else x for x in told]
+        for k in block.first + np.flatnonzero(alone):
+            if there[k].any():
+                drift[k] = [np.nan if x is None else x for x in drift_of(int(k))]
     if states.shape[2] == 3:  # h and, if there is one, the fourth
         drift[:, 3] = np.where(np.isnan(drift[:, 3]), drift[:, 1], drift[:, 3])
         drift[:, 1] = np.nan
     return drift
 
 
-def _irrational(block: Block) -> bool:
-    """Whether members have an irrational number in common: with columns it has no arithmetic."""
-    numbers = (*block.moments, *block.torque, *block.omega, *(block.gamma or ()))
-    return any(isinstance(x, Irrational) for x in numbers)
+def _alike(block: Block, alone: Booleans) -> list[Indices]:
+    """The members in sets whose bodies are classical tops of one kind and axis.
 
-
-def _alike(block: Block, which: npt.NDArray[np.bool_]) -> list[npt.NDArray[np.int64]]:
-    """The members in sets whose bodies are classical tops of one kind and axis, by exact tests."""
-    (a, b, c), torque = block.moments, block.torque
-    tests = [_is_zero(x) for x in torque]
+    Without those that are ``alone``, among which are then all whose f may be zero or not.
+    """
+    if alone.all():
+        return []
+    moments, torque, omega = (
+        [*map(paired, vector)] for vector in (block.moments, block.torque, block.omega)
+    )
+    tests = [x.hi == 0 for x in torque]
+    a, b, c = moments
     for x, y in ((a, b), (b, c), (c, a)):
-        tests += [_is_zero(x - y)]
-        tests += [_is_zero(n * s - t) for n in (2, 4) for s, t in ((x, y), (y, x))]
+        tests.append((x - y).hi == 0)
+        tests += [(n * s - t).hi == 0 for n in (2, 4) for s, t in ((x, y), (y, x))]
     if block.gamma is not None:
-        area = [
-            i * (w * g) for i, w, g in zip(block.moments, block.omega, block.gamma, strict=True)
-        ]
-        tests.append(_is_zero(area[0] + area[1] + area[2]))
-    bits = np.stack(np.broadcast_arrays(np.zeros(len(block), dtype=bool), *tests), axis=1)
-    members = np.flatnonzero(which)
+        terms = [i * w * paired(g) for i, w, g in zip(moments, omega, block.gamma, strict=True)]
+        area = np.abs((terms[0] + terms[1] + terms[2]).hi)
+        tests.append(area == 0)
+        if np.ndim(area):
+            size = sum(np.abs(x.hi) for x in terms)
+            alone |= (area != 0) & (area < _NO_AREA * size)
+    bits = np.stack(np.broadcast_arrays(alone, *tests), axis=1)
+    members = np.flatnonzero(~alone)
     if not len(members):
         return []
     _, kind = np.unique(np.packbits(bits[members], axis=1), axis=0, return_inverse=True)
     return [members[kind.ravel() == n] for n in range(int(kind.max()) + 1)]
 
 
-def _is_zero(x: Numbers) -> npt.NDArray[np.bool_] | bool:
-    return (x.sign if isinstance(x, Rationals) else sign(x)) == 0
-
-
 def _block_drifts(
     known: FirstIntegrals,
     block: Block,
-    which: npt.NDArray[np.int64],
+    which: Indices,
     states: Stack,
-    there: npt.NDArray[np.bool_],
+    there: Booleans,
     unit: bool,
 ) -> Doubles:
     """The drifts of members that have the same integrals, columns in the integrals' order.
@@ -183,17 +172,12 @@ def _block_drifts(
     """
     moments, torque, omega = (_pairs(x, which) for x in (block.moments, block.torque, block.omega))
     gamma = [] if block.gamma is None else _pairs(block.gamma, which)
-    if gamma and not unit:
+    if not unit:
         length = sqrt(gamma[0] * gamma[0] + gamma[1] * gamma[1] + gamma[2] * gamma[2])
         gamma = [g / length for g in gamma]
-    largest = _largest(moments)
-    k = coefficients(moments, torque, largest, known.onto[-1], known.order, sqrt)
+    k = coefficients(moments, torque, _largest(moments), known.onto[-1], known.order, sqrt)
     start = known.values([*omega, *gamma], k, Pairs(0.0))
-    wide = states.astype(np.float64)
-    columns = [
-        Pairs(wide[:, :, i], (states[:, :, i] - wide[:, :, i]).astype(np.float64))
-        for i in range(states.shape[2])
-    ]
+    columns = [paired(states[:, :, i]) for i in range(states.shape[2])]
     values = known.values(columns, k, Pairs(0.0))
     high = {name: x.hi for name, x in k.items()}
     a, b, c = ([x.hi for x in vector] for vector in (moments, torque, omega))
@@ -202,21 +186,17 @@ def _block_drifts(
         np.where(there, np.abs((value - target).hi) / measure, -np.inf).max(axis=1)
         for value, target, measure in zip(values, start, scales, strict=True)
     ]
-    told = np.stack(drift, axis=1)
-    told[~there.any(axis=1)] = np.nan
-    return told
+    rows = np.stack(drift, axis=1)
+    rows[~there.any(axis=1)] = np.nan
+    return rows
 
 
-def _pairs(vector: Vector, which: npt.NDArray[np.int64]) -> list[Pairs]:
+def _pairs(vector: ColumnVector, which: Indices) -> list[Pairs]:
     """Three columns' numbers of some members, shape (members, 1)."""
-
-    def column(x: Numbers) -> Pairs:
-        if not isinstance(x, Rationals):
-            return pairs(x)
-        some = pairs(x[which])
-        return Pairs(some.hi[:, None], some.lo[:, None])
-
-    return [column(x) for x in vector]
+    columns = map(paired, vector)
+    return [
+        x if np.ndim(x.hi) == 0 else Pairs(x.hi[which, None], x.lo[which, None]) for x in columns
+    ]
 
 
 def _largest(values: list[Pairs]) -> Pairs:
@@ -258,7 +238,7 @@ class Ensemble(SweepResult):
     columns), columns p q r [gamma1 gamma2 gamma3] in the scene's units; float64, longdouble, or
     objects (mpf) in wider types; nan at times that a member did not reach.  ``outcomes``,
     ``steps``, ``reached``, ``errors``: one for each member, made of the arrays ``endings``,
-    ``counts``, ``arrived`` and of ``told`` when asked for.  ``ensemble[k]`` is member k as a
+    ``counts``, ``arrived`` and of ``estimates`` when asked for.  ``ensemble[k]`` is member k as a
     Trajectory, and iteration gives all of them.  ``projected``: False, the states are not projected
     onto the first integrals.  ``kept``: the folder in which finished members were kept.
     """
@@ -275,7 +255,7 @@ class Ensemble(SweepResult):
     tolerance: float
     digits: int | None = None
     projected: bool = False
-    told: Mapping[int, tuple[float | None, ...]] = field(default_factory=dict)
+    estimates: Mapping[int, tuple[float | None, ...]] = field(default_factory=dict)
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
     kept: JobCheckpoint | None = field(default=None, compare=False)
 
@@ -350,7 +330,7 @@ class Ensemble(SweepResult):
         return np.array([float(t) for t in self.times])
 
     def _errors(self, index: int) -> tuple[float | None, ...] | None:
-        return self.told.get(index % len(self))
+        return self.estimates.get(index % len(self))
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -416,7 +396,7 @@ class Ensemble(SweepResult):
     @cached_property
     def errors(self) -> tuple[tuple[float | None, ...] | None, ...]:
         """One entry per member: of a refined one what a refined trajectory's are, else None."""
-        return tuple(self.told.get(k) for k in range(len(self)))
+        return tuple(self.estimates.get(k) for k in range(len(self)))
 
     @cached_property
     def drift(self) -> npt.NDArray[np.float64]:
@@ -442,9 +422,9 @@ class Ensemble(SweepResult):
         ]
         for word, rows in self.outputs.items():
             columns += row_columns(scene, COLUMNS[word].names, rows[there], number)
-        if self.told:
+        if self.estimates:
             pairs = zip(member.tolist(), time.tolist(), strict=True)
-            errors = [None if (told := self.told.get(m)) is None else told[k] for m, k in pairs]
+            errors = [None if (own := self.estimates.get(m)) is None else own[k] for m, k in pairs]
             columns.append(Column("error", errors, ERROR, type=DOUBLE, digits=2))
         return Table(columns, 2)
 

@@ -5,39 +5,46 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.arguments import rows_of, steps, whole
+from polhode.common.arguments import rows_of, steps, unit_rows, whole
 from polhode.common.checkpoint import JobArrays, JobCheckpoint
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Delay, Progress, StopRequest, bar
 from polhode.common.processes import run_jobs
-from polhode.common.values import waiting
+from polhode.common.values import cached_property, refuse_too_much, waiting
 from polhode.equations.readout import Readout
 from polhode.motion.frame import Frame
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import number_value
 from polhode.numbers.decimals import strings
-from polhode.numbers.number_types import AnyNumber, NumberType, Stack, flat
+from polhode.numbers.exact import Exact
+from polhode.numbers.number_types import AnyNumber, Indices, NumberType, Stack, flat, kind_of
 from polhode.runs.ensemble import Ensemble, no_states
-from polhode.runs.members import Plan, exact_numbers, planned, refuse_out_of_range
-from polhode.runs.options import Options, check_method, hindrance_to_refinement
+from polhode.runs.members import Members, SweepNumbers, fastest, inside, numbers_of
+from polhode.runs.options import (
+    Options,
+    check_method,
+    choose_number,
+    hindrance_to_refinement,
+    rounded_tolerance,
+)
 from polhode.runs.solve import solve
 from polhode.scenes import library, vary
-from polhode.scenes.members import Members, numbers_of
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import REQUESTS
-from polhode.taylor import batches, defaults
-from polhode.taylor.batches import LANES, BatchJob, Solved
+from polhode.taylor import batches, defaults, lanes
+from polhode.taylor.batches import LANES, BatchJob, BatchMotions, Solved
+from polhode.taylor.system import refuse_other_rounding, rounded_times
 
 # --- array starts ---------------------------------------------------------------------------------
 #
@@ -66,6 +73,120 @@ def varied_of(
     if "omega" not in own or ("gamma" in own) != (scene.gamma is not None):  # angles, a level
         scene = replace(scene, source="")
     return scene, vary.grid(others or {}, scene.name, scene.units, rows)
+
+
+# --- plan -----------------------------------------------------------------------------------------
+#
+# A sweep, checked before anything is integrated: its members in numbers of one type.
+
+
+_BYTES = 40  # of a number of the states, while they are gathered and written
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A sweep, checked: what there is to integrate.
+
+    ``times``: rounded to the number type; ``exact_times``: before that.
+    """
+
+    members: Members
+    number: NumberType
+    tolerance: Fraction | None
+    max_steps: int
+    times: tuple[Fraction, ...]
+    exact_times: Sequence[Exact]
+    numbers: SweepNumbers
+
+    @cached_property
+    def shared(self) -> BatchJob:
+        """What the jobs of members have in common, of a type that numpy holds."""
+        numbers, number = self.numbers, self.number
+        grid = np.array([number_value(t, number) for t in self.times], kind_of(number))
+        how = numbers.names, number, self.tolerance, self.max_steps, grid, Fraction(1)
+        job = BatchJob(*how, BatchMotions(numbers.coefficients, numbers.starts[:0]))
+        job = job._replace(exponents=numbers.exponents)
+        return job._replace(sure=lanes.surely(job, float(numbers.rates.max(initial=0.0))))
+
+    def job(self, members: Indices) -> BatchJob:
+        """The job of some members, which have a unit of time in common or are sure to arrive."""
+        numbers = self.numbers
+        job = self.shared.of(numbers.motions(members), numbers.exponents[members])
+        if not job.sure:
+            with np.errstate(over="ignore"):  # of a rate that is only known to be so small
+                rate = np.ldexp(numbers.rates[members].max(), numbers.exponents[members[0]])
+            job = job._replace(sure=lanes.surely(job, float(rate)))
+        return job
+
+    def groups(self, size: int, most: int, mixed: bool = False) -> Iterator[Indices]:
+        """The members in groups of about the same rate, and of one unit of time if not ``mixed``.
+
+        Each is a multiple of ``size`` members but the last of a unit; about ``most`` groups.
+        """
+        units, rates = self.numbers.exponents, self.numbers.rates
+        size *= max(1, -(-len(rates) // (size * most)))
+        if mixed or (len(units) and (units == units[0]).all()):
+            alike = [(-rates).argsort(kind="stable")]
+        else:
+            order = np.lexsort((-rates, units))
+            alike = np.split(order, np.flatnonzero(np.diff(units[order])) + 1)
+        for members in alike:
+            for first in range(0, len(members), size):
+                yield members[first : first + size]
+
+
+def planned(
+    scene: Scene,
+    varied: vary.Variation,
+    number: str | NumberType | None,
+    digits: int | None,
+    tol: AnyNumber | None,
+    max_steps: int | None,
+    kept: bool = True,
+) -> Plan:
+    """The plan of a sweep, see :func:`polhode.integrate_many`; raises BadInput.
+
+    ``kept``: whether the states of all members are held at once.
+    """
+    refuse_other_rounding(scene)
+    if scene.events:
+        expected = "none in a sweep: a step size of its own for each event; run members singly"
+        raise BadInput(scene.name, "events", scene.events[0].name, expected)
+    members = Members(scene, varied)
+    count = len(members)
+    size = (count if kept else 1) * len(scene.times) * len(scene.columns)
+    amount = f"{count} members at {len(scene.times)} times"
+    words = "numbers of states; fewer samples, or split the sweep"
+    refuse_too_much(scene.name, "vary", amount, size, _BYTES, words)
+    _ = members.tables  # a key that is none is refused before anything else
+    chosen = choose_number(scene, number, None)
+    if digits is not None and count:
+        chosen = choose_number(fastest(members).at(scene.times), number, digits)
+    if members.arrays:
+        _check_arrays(members, chosen)
+    times = tuple(rounded_times(scene, chosen))
+    tolerance = None if tol is None else rounded_tolerance(scene, chosen, tol)
+    numbers = SweepNumbers(members, chosen)
+    if chosen.flat:
+        numbers.check(times)
+    limit = max_steps if max_steps is not None else defaults.of(chosen).max_steps
+    return Plan(members, chosen, tolerance, limit, times, scene.times, numbers)
+
+
+def _check_arrays(members: Members, number: NumberType) -> None:
+    """Refuse arrays that are not of the run's number type; raises BadInput.
+
+    Gamma is of length 1 to 8 eps of it.
+    """
+    name = members.scene.name
+    if not number.flat:
+        expected = "double or extended with arrays; other values, or members one by one, are exact"
+        raise BadInput(name, "number", number.name, expected)
+    for key, values in members.arrays.items():
+        if number.name == "double" and values.dtype.itemsize > 8:
+            raise BadInput(name, key, f"numbers of {values.dtype}", "float64, or number = extended")
+    if members.gammas is not None:
+        unit_rows(name, "start.gamma", members.gammas, number.eps)
 
 
 # --- flat members ---------------------------------------------------------------------------------
@@ -104,11 +225,14 @@ class Reader:
 
 def reader(plan: Plan, members: npt.NDArray[np.int64]) -> Reader:
     """What reads the rows of some members of a sweep."""
-    exponents, base = plan.tables.exponents[members], plan.members.scene
-    stay = plan.members.axes_stay
+    exponents, base = plan.numbers.exponents[members], plan.members.scene
+    stay, varied = plan.members.axes_stay, plan.members.varied
     if stay and base.body.axes.trivial:  # a reading knows the axes alone
         return Reader(plan.number, exponents, ())
-    which = [exponents, *([] if stay else plan.bodies(members))]
+    which = [exponents]
+    if not stay:  # which value of each of the body's keys
+        each = zip(varied.keys, varied.rows.columns, varied.rows.repeats, strict=True)
+        which += [members // n % len(x) for key, x, n in each if key.startswith("body.")]
     _, first, alike = np.unique(
         np.stack(which, axis=1), axis=0, return_index=True, return_inverse=True
     )
@@ -130,11 +254,6 @@ class FlatJob(NamedTuple):
         """What became of the members, in the scene's axes and units; ``stop`` ends it sooner."""
         solved = batches.solve(self.steps, stop)
         return replace(solved, states=self.read.states(solved.states))
-
-
-def flat_job(plan: Plan, group: npt.NDArray[np.int64]) -> FlatJob:
-    """The job of some members, which have a unit of time in common or are sure to arrive."""
-    return FlatJob(plan.job(group), reader(plan, group))
 
 
 # --- wide members ---------------------------------------------------------------------------------
@@ -179,10 +298,8 @@ def wide_job(plan: Plan, group: npt.NDArray[np.int64], method: str) -> WideJob:
     """The job of some members; raises BadInput for one that the number type cannot hold."""
 
     def ready(index: int) -> Scene:
-        member = plan.members[index]
-        start, coefficients = exact_numbers(member)
-        refuse_out_of_range(plan.members, index, plan.number, [*start, *coefficients.values()])
-        return replace(member, times=plan.exact_times, form="principal")
+        inside(plan.members, index, plan.number)  # or says what is wrong
+        return replace(plan.members[index], times=plan.exact_times, form="principal")
 
     options = Options(method, plan.max_steps, False, plan.tolerance)
     return WideJob(tuple(map(ready, group.tolist())), plan.number, options)
@@ -203,8 +320,9 @@ def put_together(
     for group, some in zip(groups, results, strict=True):
         if some is not None:
             whole.put(group, some)
-            of_members = zip(group.tolist(), some.errors or (), strict=False)
-            errors |= {k: error for k, error in of_members if error is not None}
+            for k, error in zip(group.tolist(), some.errors or (), strict=False):
+                if error is not None:
+                    errors[k] = error
     return whole, errors
 
 
@@ -328,7 +446,7 @@ def integrate_many(
     ------
     BadInput
         Before anything is integrated: an impossible member, a scene with events, too many numbers
-        for the memory, or ``parts`` with anything but jobs of the same call.  Arrays with a row
+        for the memory, or ``parts`` with anything but jobs of the same call.  JobArrays with a row
         that is not finite, of another width or a wider type, or whose gamma is no unit vector, in
         quad or mp, or beside values that are no arrays.
 
@@ -384,12 +502,14 @@ def integrate_many(
     if parts is not None:  # writing a scene as text takes longer than a small sweep
         key = scene.text, plan.times, method, varied, plan.number, plan.tolerance
         checkpoint = JobCheckpoint(parts, "sweep", *key, plan.max_steps, *groups)
-    jobs: list[FlatJob | WideJob] = [
-        flat_job(plan, group) if plan.number.flat else wide_job(plan, group, method)
+    jobs: list[Any] = [
+        FlatJob(plan.job(group), reader(plan, group))
+        if plan.number.flat
+        else wide_job(plan, group, method)
         for group in groups
     ]
     finished = run_jobs(
-        _solved,
+        FlatJob.solved if plan.number.flat else WideJob.solved,
         jobs,
         [len(group) for group in groups],
         workers,
@@ -420,7 +540,7 @@ def integrate_many(
         arrived=results.reached,
         tolerance=float(tolerance),
         digits=digits,
-        told=errors,
+        estimates=errors,
         provenance=waiting(partial(_provenance, plan.members, seconds)),
         kept=checkpoint,
     )
@@ -431,17 +551,12 @@ def _provenance(members: Members, seconds: Mapping[str, float]) -> Mapping[str, 
     return {**members.provenance(), "seconds": seconds}
 
 
-def _solved(job: FlatJob | WideJob, stop: StopRequest | None = None) -> Solved:
-    """A job's members; with ``stop`` some may be undone."""
-    return job.solved(stop)
-
-
 def _most_jobs(plan: Plan, here: bool) -> int:
     """In about how many jobs a sweep is cut; ``here``: for threads of this process, none kept."""
     least, most = _JOBS
     if not plan.number.flat:
         return most
-    radians = float(plan.tables.rates.sum()) * abs(float(plan.times[-1]))
+    radians = float(plan.numbers.rates.sum()) * abs(float(plan.times[-1]))
     share = _SHARE if plan.number.name == "double" else 1.0
     seconds = share * defaults.seconds(plan.number, _STEPS_PER_RADIAN * radians)
     if here:

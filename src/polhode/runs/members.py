@@ -1,26 +1,32 @@
-"""The plan of a sweep: its members as the engine takes them, in principal axes and own units."""
+"""The members of a sweep: scenes, made when asked for, and columns of numbers inside their frames.
+
+Every member is checked as its scene is when it is made.  What columns do not tell (an irrational
+value, a start in angles, a body that is nearly none, inertia that varies beside principal axes
+that are not the body's own) is in doubt: it is left to the members' scenes, and so are the words of
+a fault.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+import re
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, cast
 
 import numpy as np
-import numpy.typing as npt
 
-from polhode.common.arguments import unit_rows
-from polhode.common.errors import BadInput
-from polhode.common.values import Recent, cached_property, refuse_too_much
+from polhode.common.errors import BadInput, FileName, nearest, say_change
+from polhode.common.values import Recent, cached_property
 from polhode.equations.forms import principal
 from polhode.equations.terms import COEFFICIENTS, NAMES, coefficients_of
 from polhode.motion.frame import Frame
-from polhode.numbers.conversion import number_value, to_double
-from polhode.numbers.double_double import Pairs, pairs
-from polhode.numbers.exact import ZERO, Exact
+from polhode.numbers.conversion import ExactNumbers, LazySequence, exactly, number_value, to_double
+from polhode.numbers.decimals import shown
+from polhode.numbers.double_double import Pairs, of_fractions, of_quotients, pairs
+from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.number_types import (
-    AnyNumber,
     Booleans,
     Doubles,
     Flat,
@@ -29,240 +35,496 @@ from polhode.numbers.number_types import (
     Scalar,
     kind_of,
 )
-from polhode.numbers.row_formulas import Rationals
 from polhode.numbers.vectors import scaled
-from polhode.runs.options import choose_number, rounded_tolerance
-from polhode.scenes import vary
-from polhode.scenes.body import PrincipalAxes
-from polhode.scenes.members import Members
+from polhode.scenes import scene_file, vocabulary
+from polhode.scenes.body import Body, PrincipalAxes
 from polhode.scenes.scene import Scene
-from polhode.taylor import defaults, heyoka, lanes
-from polhode.taylor.batches import BatchJob, Columns
-from polhode.taylor.system import refuse_other_rounding, rounded_times
+from polhode.scenes.vary import Variation
+from polhode.scenes.vocabulary import CENTRE
+from polhode.taylor import heyoka, lanes
+from polhode.taylor.batches import BatchMotions
 
-if TYPE_CHECKING:
-    from polhode.scenes.members import Block, Vector
+BLOCK = 1 << 16  # members that are read at once: a bound on what planning holds
+_BODIES = 1024  # that are remembered
+_LOOKED_AT = 64  # members, for notes
+_OF_BODY = {"body.moments", "body.inertia"}  # of what a member's rounding may be taken off
+_OF_START = {"start.gamma", "start.quaternion"}
 
+_SECTIONS = ("body", "start")
+_KEY = re.compile(r"(body|start)\.[a-z_]+(\[[1-9]\d*\](\.[a-z_]+)?)*")
+#: Where a number of the tables stands: in which table or list, and under which key or index.
+Slot: TypeAlias = tuple[Any, Any]
 
-# --- plan -----------------------------------------------------------------------------------------
-#
-# A sweep, checked before anything is integrated: its members in numbers of one type.
+#: Keys that hold no number, and so cannot be varied.
+_WORDS = {
+    key.name
+    for section in ("body", "body.parts", "start")
+    for key in vocabulary.KEYS[section]
+    if key.kind in (vocabulary.WORD, vocabulary.TRUTH)
+}
 
-
-_BYTES = 40  # of a number of the states, while they are gathered and written
-
-
-class Tables(NamedTuple):
-    """The members in numbers, none of them above extended.
-
-    ``coefficients``: of these ``names``, a row for each member in its own unit of time; one row in
-    the scene's where all have its body, which 2**(unit ``powers``) brings into a member's.
-    ``starts``: (members, columns) in principal axes and each member's unit.  ``exponents``: of
-    these units, powers of two; ``rates``: the fastest rate at most, radians for each unit of the
-    scene's time; both 0 above extended.
-    """
-
-    names: tuple[str, ...]
-    coefficients: Flat
-    powers: Indices
-    starts: Flat
-    exponents: Indices
-    rates: Doubles
-
-    @classmethod
-    def without_numbers(cls, count: int) -> Tables:
-        """Those of members above extended."""
-        nothing, zeros = np.empty((0, 0)), np.zeros(count)
-        exponents = zeros.astype(np.int64)
-        return cls((), nothing, exponents[:0], nothing, exponents, zeros)
-
-    def motions(self, members: Indices) -> Columns:
-        """Some members, each in its own unit of time."""
-        own = self.coefficients
-        if len(own) == 1:
-            units = self.exponents[members]
-            if not (units != units[0]).any():
-                units = units[:1]
-            own = np.ldexp(own, self.powers * units[:, None])
-        else:
-            own = own.take(members, axis=0)
-        return Columns(own, self.starts.take(members, axis=0))
+#: What may vary in columns, and what a scene's tables may hold then.
+_KEYS = {
+    *("body.moments", "body.centre", "body.weight"),
+    *("start.omega", "start.gamma", "start.psi"),
+}
+_BODY = {"moments", "inertia", "centre", "weight"}
+_START = {"omega", "gamma", "psi", "normalise"}
+#: The keys of the numbers of a vector.
+_OF_VECTOR = {
+    name: tuple(f"{name}[{i}]" for i in (1, 2, 3))
+    for name in ("body.moments", "body.centre", "start.omega", "start.gamma")
+}
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """A sweep, checked: what there is to integrate."""
+class Members(LazySequence[Scene]):
+    """The members of a sweep: as scenes without output times, made when asked, and in columns."""
 
-    members: Members
-    number: NumberType
-    tolerance: Fraction | None
-    max_steps: int
-    times: tuple[Fraction, ...]
-    exact_times: Sequence[Exact]
-    tables: Tables
+    def __init__(self, scene: Scene, varied: Variation) -> None:
+        self.scene, self.varied = scene, varied
+        self._mine = threading.local()  # one reads by writing into tables
+        #: the keys of which numbers vary, without the places of these in them; those of the body
+        self.vectors = frozenset(key.partition("[")[0] for key in varied.keys)
+        self.of_body = frozenset(key for key in self.vectors if key.startswith("body."))
+
+    def __len__(self) -> int:
+        return len(self.varied.rows)
+
+    def at(self, k: int) -> Scene:
+        """The scene of a member."""
+        reading: _Reading | None = getattr(self._mine, "reading", None)
+        if reading is None:
+            reading = self._mine.reading = _Reading(self.scene, self.varied, self.same_body)
+        return reading.member(k)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Members):
+            return NotImplemented
+        return self.scene == other.scene and self.varied == other.varied
+
+    __hash__ = None
+
+    def __reduce__(self) -> tuple[type, tuple[Scene, Variation]]:
+        return Members, (self.scene, self.varied)
 
     @cached_property
-    def shared(self) -> BatchJob:
-        """What the jobs of members have in common, of a type that numpy holds."""
-        tables, number = self.tables, self.number
-        grid = np.array([number_value(t, number) for t in self.times], kind_of(number))
-        how = tables.names, number, self.tolerance, self.max_steps, grid, Fraction(1)
-        job = BatchJob(*how, Columns(tables.coefficients, tables.starts[:0]))
-        job = job._replace(exponents=tables.exponents)
-        return job._replace(sure=lanes.surely(job, float(tables.rates.max(initial=0.0))))
+    def arrays(self) -> dict[str, Flat]:
+        """The columns that were given as floats, by key."""
+        each = zip(self.varied.keys, self.varied.rows.columns, strict=True)
+        return {key: column.floats for key, column in each if column.floats is not None}
 
-    def job(self, members: Indices) -> BatchJob:
-        """The job of some members, which have a unit of time in common or are sure to arrive."""
-        tables = self.tables
-        job = self.shared.of(tables.motions(members), tables.exponents[members])
-        if not job.sure:
-            with np.errstate(over="ignore"):  # of a rate that is only known to be so small
-                rate = np.ldexp(tables.rates[members].max(), tables.exponents[members[0]])
-            job = job._replace(sure=lanes.surely(job, float(rate)))
-        return job
+    @cached_property
+    def gammas(self) -> Flat | None:
+        """Rows of gamma where arrays give all of it, of length 1 but for rounding; else None."""
+        a, b, c = map(self.arrays.get, _OF_VECTOR["start.gamma"])
+        if a is None or b is None or c is None:
+            return None
+        return cast("Flat", np.stack([a, b, c], axis=1))
 
-    def bodies(self, members: Indices) -> list[Indices]:
-        """Of some members which value of each of the body's keys they have: arrays, one a key."""
-        varied = self.members.varied
-        rows = varied.rows
-        each = zip(varied.keys, rows.columns, rows.repeats, strict=True)
-        return [members // n % len(x) for key, x, n in each if key.startswith("body.")]
+    @property
+    def same_body(self) -> bool:
+        """Whether all members have the body of the scene."""
+        return not self.of_body
 
-    def groups(self, size: int, most: int, mixed: bool = False) -> Iterator[Indices]:
-        """The members in groups of about the same rate, and of one unit of time if not ``mixed``.
+    @cached_property
+    def axes_stay(self) -> bool:
+        """Whether all members have the principal axes of the scene.
 
-        Each is a multiple of ``size`` members but the last of a unit; about ``most`` groups.
+        A body of parts, or one whose inertia is given about its centre of mass, turns its axes with
+        nearly every number.  Two equal moments leave a choice, which the centre of mass makes.
         """
-        units, rates = self.tables.exponents, self.tables.rates
-        size *= max(1, -(-len(rates) // (size * most)))
-        if mixed or (len(units) and (units == units[0]).all()):
-            alike = [(-rates).argsort(kind="stable")]
+        varied = self.of_body - {"body.weight", "body.g"}
+        if not varied:
+            return True
+        body, axes = self.tables["body"], self.scene.body.axes
+        if "parts" in body or body.get("about") == CENTRE:
+            return False
+        if not varied <= {"body.moments", "body.mass", "body.centre"}:
+            return False
+        a, b, c = self.scene.body.moments
+        return axes.trivial or "body.centre" not in varied or not (a == b or b == c or c == a)
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """The notes of the scene, and what was changed of the first members, as of one of them."""
+        of_body, of_start = self.vectors & _OF_BODY, self.vectors & _OF_START
+        as_is = any(key.startswith("start.") for key in self.arrays)
+        starts = bool(of_start) and not as_is  # else members begin at the numbers of the arrays
+        if not of_body and not starts:
+            return self.scene.notes
+        few = self._block(0, min(len(self), _LOOKED_AT))
+        members = (self[int(k)] for k in np.flatnonzero(few.doubt | starts))
+        of_members = ([*filter(None, [x.body.change])] if as_is else x.changes for x in members)
+        changes = next(filter(None, of_members), ())
+        return (*self.scene.notes, *(f"members: {text}" for text in changes))
+
+    def speak(self) -> None:
+        """Say the members' own notes on stderr, as :meth:`Scene.speak` does a scene's."""
+        for text in self.notes[len(self.scene.notes) :]:
+            say_change(self.scene.name, text)
+
+    def provenance(self) -> dict[str, object]:
+        """Where a result comes from, see :meth:`Scene.provenance`, and the members' notes."""
+        facts = self.scene.provenance()
+        return facts | {"notes": list(self.notes)} if self.notes else facts
+
+    @cached_property
+    def tables(self) -> dict[str, Any]:
+        """The tables that are varied, as they were before; not to be written to.
+
+        Raises BadInput for a key that is none of them.
+        """
+        tables, homes = numbers_of(self.scene)
+        _places(homes, self.varied.keys, self.scene.name)
+        return tables
+
+    # -- in columns -----------------------------------------------------------------------------
+
+    def blocks(self) -> Iterator[Block]:
+        """The members in columns, some at a time."""
+        for first in range(0, len(self), BLOCK):
+            yield self._block(first, min(first + BLOCK, len(self)))
+
+    @cached_property
+    def _columns(self) -> list[tuple[MemberColumn, Booleans | None]]:
+        """The numbers of each key, and which of them are in doubt."""
+        return [*map(_column, self.varied.keys, self.varied.rows.columns)]
+
+    @cached_property
+    def readable(self) -> bool:
+        """Whether such a scene can be read in columns."""
+        scene, start, body = self.scene, self.tables["start"], self.tables["body"]
+        plain = "omega" in start and start.keys() <= _START and body.keys() <= _BODY
+        if not (self.vectors <= _KEYS and plain and self.axes_stay):
+            return False
+        if "start.gamma" in self.vectors and self.gammas is None:  # each is exactly of length 1
+            return False
+        return _in_range.get(scene.identity, "", lambda: _all_in_range(scene))
+
+    @np.errstate(all="ignore")
+    def _block(self, first: int, last: int) -> Block:
+        scene, body, rows = self.scene, self.scene.body, self.varied.rows
+        doubt = np.zeros(last - first, dtype=bool)
+        if not self.readable:
+            return Block(first, ~doubt, body.moments, body.torque, scene.omega, scene.gamma)
+        columns: dict[str, MemberColumn] = {}
+        for key, (column, in_doubt), size, repeat in zip(
+            self.varied.keys, self._columns, rows.sizes, rows.repeats, strict=True
+        ):
+            at: Any = slice(first, last)
+            if repeat > 1 or size < len(self):
+                at = np.arange(first, last) // repeat % size
+            columns[key] = column[at]
+            if in_doubt is not None:
+                doubt |= in_doubt[at]
+
+        def along(name: str, vector: ColumnVector) -> ColumnVector:
+            return _along(body.axes, _vector(columns, name, vector), doubt)
+
+        moments = _vector(columns, "body.moments", body.moments)
+        if "body.moments" in self.vectors:
+            doubt |= _unphysical(moments)
+        if self.vectors.isdisjoint(("body.weight", "body.centre")):
+            torque: ColumnVector = body.axes.components(body.torque)
         else:
-            order = np.lexsort((-rates, units))
-            alike = np.split(order, np.flatnonzero(np.diff(units[order])) + 1)
-        for members in alike:
-            yield from (members[i : i + size] for i in range(0, len(members), size))
+            weight = columns.get("body.weight", body.weight)
+            if scene.gamma is None or "centre" not in self.tables["body"]:
+                doubt |= doubles(weight) != 0  # of no use: its scene says so
+            x, y, z = along("body.centre", body.centre)
+            torque = _product(weight, x), _product(weight, y), _product(weight, z)
+        omega = along("start.omega", scene.omega)
+        gamma = None if scene.gamma is None else along("start.gamma", scene.gamma)
+        return Block(first, doubt, moments, torque, omega, gamma)
 
 
-def planned(
-    scene: Scene,
-    varied: vary.Variation,
-    number: str | NumberType | None,
-    digits: int | None,
-    tol: AnyNumber | None,
-    max_steps: int | None,
-    kept: bool = True,
-) -> Plan:
-    """The plan of a sweep, see :func:`polhode.integrate_many`; raises BadInput.
+class _Reading:
+    """A scene's tables in which a member's values are put before it is read."""
 
-    ``kept``: whether the states of all members are held at once.
+    def __init__(self, scene: Scene, varied: Variation, same_body: bool) -> None:
+        self.scene, self.varied, self.same_body = scene, varied, same_body
+        self.data, leaves = _new_numbers(scene)
+        for key, (table, at) in leaves.items():  # read once for all members
+            table[at] = scene_file.exact_value(table[at], key, scene.name)
+        self.places = _places(leaves, varied.keys, scene.name)
+        bare = replace(scene, times=(), published=(), expect={}, source="", outputs=())
+        self.bare = replace(bare, change="", doubt="")
+        self.bodies: dict[tuple[Any, ...], Body] = {}
+
+    def member(self, index: int) -> Scene:
+        row = self.varied.rows[index]
+        name = label(self.scene.name, self.varied, index)
+        for spots, value in zip(self.places, row, strict=True):
+            for table, at in spots:
+                table[at] = value
+        body = self.scene.body if self.same_body else self._body(row, name)
+        body, omega, gamma, psi, change = scene_file.body_and_start(self.data, name, body)
+        scene = replace(self.bare, body=body, omega=omega, gamma=gamma, psi=psi, name=name)
+        return replace(scene, change=change) if change else scene
+
+    def _body(self, row: tuple[Exact, ...], name: str) -> Body:
+        """The body that the tables hold now: one for all members that have the same."""
+        of_body = tuple(
+            x if isinstance(x, Fraction) else (id(x),)
+            for key, x in zip(self.varied.keys, row, strict=True)
+            if key.startswith("body.")
+        )
+        if of_body not in self.bodies:
+            if len(self.bodies) >= _BODIES:
+                self.bodies.clear()
+            self.bodies[of_body] = scene_file.body_and_start(self.data, name)[0]
+        return self.bodies[of_body]
+
+
+def label(name: str, varied: Variation, index: int) -> str:
+    """How a member is called in messages."""
+    row = zip(varied.keys, varied.rows[index], strict=True)
+    more = f" member {index + 1} ({', '.join(f'{key} = {shown(x)}' for key, x in row)})"
+    return name.with_more(more) if isinstance(name, FileName) else name + more
+
+
+def _places(homes: Mapping[str, Slot], varied: Sequence[str], name: str) -> list[list[Slot]]:
+    """For each key the places of its number among those known; an inertia's mirror image with it.
+
+    Raises BadInput.
     """
-    refuse_other_rounding(scene)
-    if scene.events:
-        expected = "none in a sweep: a step size of its own for each event; run members singly"
-        raise BadInput(scene.name, "events", scene.events[0].name, expected)
-    members = Members(scene, varied)
-    count = len(members)
-    numbers = (count if kept else 1) * len(scene.times) * len(scene.columns)
-    amount = f"{count} members at {len(scene.times)} times"
-    words = "numbers of states; fewer samples, or split the sweep"
-    refuse_too_much(scene.name, "vary", amount, numbers, _BYTES, words)
-    _ = members.tables  # a key that is none is refused before anything else
-    chosen = choose_number(scene, number, None)
-    if digits is not None and count:
-        chosen = choose_number(fastest(members).at(scene.times), number, digits)
-    if members.arrays:
-        _check_arrays(members, chosen)
-    times = tuple(rounded_times(scene, chosen))
-    tolerance = rounded_tolerance(scene, chosen, tol)
-
-    tables = tables_of(members, times, chosen) if chosen.flat else Tables.without_numbers(count)
-    limit = max_steps if max_steps is not None else defaults.of(chosen).max_steps
-    return Plan(members, chosen, tolerance, limit, times, scene.times, tables)
+    places, keys = [], set()
+    for key in varied:
+        if key not in homes or not _KEY.fullmatch(key):
+            raise BadInput(name, "vary", key, f"a number of the scene: {nearest(key, [*homes])}")
+        spots = [homes[key]]
+        if key.startswith("body.inertia"):
+            row, column = key[13], key[16]
+            mirror = f"body.inertia[{column}][{row}]"
+            if mirror != key:
+                spots.append(homes[mirror])
+            if mirror in keys:
+                raise BadInput(name, "vary", key, f"not {mirror} too: they are one number")
+        keys.add(key)
+        places.append(spots)
+    return places
 
 
-def _check_arrays(members: Members, number: NumberType) -> None:
-    """Refuse arrays that are not of the run's number type; raises BadInput.
+#: The tables of a scene, and by key where each number of theirs stands.
+TableNumbers: TypeAlias = tuple[dict[str, Any], Mapping[str, Slot]]
+_tables: Recent[TableNumbers] = Recent(1)
 
-    Gamma is of length 1 to 8 eps of it.
-    """
-    name, arrays = members.scene.name, members.arrays
-    if not number.flat:
-        expected = "double or extended with arrays; other values, or members one by one, are exact"
-        raise BadInput(name, "number", number.name, expected)
-    for key, values in arrays.items():
-        if number.name == "double" and values.dtype.itemsize > 8:
-            raise BadInput(name, key, f"numbers of {values.dtype}", "float64, or number = extended")
-    if members.given_as_array("start.gamma"):
-        gamma = np.array([arrays[f"start.gamma[{i}]"] for i in (1, 2, 3)])
-        unit_rows(name, "start.gamma", gamma.T, number.eps)
+
+def numbers_of(scene: Scene) -> TableNumbers:
+    """The tables of body and start and their numbers, read once; not to be written to."""
+    return _tables.get(scene.identity, "", lambda: _new_numbers(scene))
+
+
+def _new_numbers(scene: Scene) -> TableNumbers:
+    data = scene_file.tables_of(scene)
+    return data, dict(_leaves(data))
+
+
+def _leaves(data: dict[str, Any]) -> Iterator[tuple[str, Slot]]:
+    """Every number of the tables: its key, and where it stands, also of those left out."""
+    body, start = data["body"], data["start"]
+    if "centre" in body and "g" not in body:
+        body.setdefault("weight", 0)
+    if "gamma" in start:
+        start.setdefault("psi", 0)
+    pending: list[tuple[str, Any, Any]] = [
+        (f"{section}.{key}", data[section], key) for section in _SECTIONS for key in data[section]
+    ]
+    for key, table, at in pending:
+        value = table[at]
+        if isinstance(value, list):
+            table[at] = value = list(value)  # the caller's tables stay as they are
+            pending += [(f"{key}[{i + 1}]", value, i) for i in range(len(value))]
+        elif isinstance(value, dict):  # one of [[body.parts]]
+            table[at] = value = dict(value)
+            pending += [(f"{key}.{name}", value, name) for name in value]
+        elif not isinstance(value, bool) and at not in _WORDS:
+            yield key, (table, at)
 
 
 # --- columns --------------------------------------------------------------------------------------
 #
-# The members of a sweep as the integrator takes them: starts, coefficients, units of time.
-#
-# In columns (:mod:`polhode.scenes.members`) where they can be, else member by
-# member. Starts that are given as arrays go as they are. Other numbers are rounded once, from
-# exact ones or from pairs of doubles: to a hundred bits a number tells which one of the type is
-# the nearest, but for one in 2**40.
+# Floats of arrays as they were given, other numbers as pairs of doubles.  Those hold a number to a
+# hundred bits, and with that tell which one of a type is the nearest, but for one in 2**40.
 
 
-#: Numbers of all members, pairs too, or one that they have in common.
-Numbers: TypeAlias = Scalar
+#: A number that all members have in common (Exact), or one for each: Pairs, or the floats of an
+#: array.
+MemberColumn: TypeAlias = Scalar
+ColumnVector: TypeAlias = tuple[MemberColumn, MemberColumn, MemberColumn]
 
-_NEXT_POWER = 1 - 2.0**-9  # from this part of a power of two on, eight bits round to it
-_UNSURE = 1e-9  # of that, in doubles
-_SMALLEST, _LARGEST = 2.0**-1022, 2.0**1023
-_LEAST, _MOST = 2.0**-400, 2.0**400  # between these pairs, and their quotients, hold all bits
-_POWERS = np.array([coefficient.power for coefficient in COEFFICIENTS])  # of 1/time
-_SIZES = 2.0**-1000, 2.0**1000  # of a rate
+_LEAST, _MOST = 2.0**-200, 2.0**200  # between these products and quotients are in doubles' range
 _CANCELLED = 2.0**-20  # of a sum's terms: what is less has lost bits
+_NEXT_POWER = 1 - 2.0**-9  # from this part of a power of two on, eight bits round to it
+_NEAR_POWER = 1e-9  # of that, in doubles
+_NOT_FLAT = 1 - 2.0**-50  # of the moments' sum
+_NO_RATE = 1e-290  # to the fourth power
 
 
-def tables_of(members: Members, times: Sequence[Fraction], number: NumberType) -> Tables:
-    """All members in numbers of a type, double or extended; ``times``: away from 0.
+@dataclass(frozen=True)
+class Block:
+    """Members from ``first`` on in columns, in principal axes; ``doubt``: which are not in them.
 
-    Raises BadInput for a member, or a time in a member's unit, that the type cannot hold.
+    ``torque``: Mg r0.  ``omega``, ``gamma``: at t = 0.
     """
-    making = _Making(members, number)
-    for block in members.blocks():
-        left = making.fill(block)
-        for k in np.flatnonzero(left):
-            making.put(block, int(k))
-    exponents = making.exponents
-    ends = [*[t for t in times if t][:1], times[-1]]  # the least and the largest that are not 0
-    extremes = exponents.min(initial=0), exponents.max(initial=0)
-    with np.errstate(all="ignore"):
-        sizes = np.ldexp([[to_double(t)] for t in ends], -np.array([extremes]))
-    if _out_of_range(sizes).any():
-        for exponent, first in zip(*np.unique(exponents, return_index=True), strict=True):
-            own = [t / Fraction(2) ** int(exponent) for t in ends]
-            refuse_out_of_range(members, int(first), number, own)
-    coefficients = making.coefficients
-    powers = np.zeros_like(_POWERS) if making.alike is None else _POWERS
-    present = np.flatnonzero((coefficients != 0).any(axis=0)).tolist()
-    present.sort(key=NAMES.__getitem__)
-    names = tuple(NAMES[i] for i in present)
-    columns = coefficients.take(present, axis=1), powers.take(present)
-    return Tables(names, *columns, making.starts, exponents, making.rates)
+
+    first: int
+    doubt: Booleans
+    moments: ColumnVector
+    torque: ColumnVector
+    omega: ColumnVector
+    gamma: ColumnVector | None
 
 
+def _vector(columns: Mapping[str, MemberColumn], name: str, fixed: ColumnVector) -> ColumnVector:
+    """A vector, of which some numbers may vary."""
+    a, b, c = map(columns.get, _OF_VECTOR[name], fixed)
+    return a, b, c
+
+
+def paired(x: MemberColumn) -> Pairs:
+    """A column, or what all members have in common, as pairs of doubles."""
+    if not isinstance(x, np.ndarray):
+        return pairs(x)
+    high = x.astype(np.float64, copy=False)
+    return Pairs(high, (x - high).astype(np.float64))
+
+
+def _product(x: MemberColumn, y: MemberColumn) -> MemberColumn:
+    """The product of two columns; what is zero for all stays so."""
+    return ZERO if isinstance(y, Fraction) and y == 0 else paired(x) * paired(y)
+
+
+def doubles(x: MemberColumn) -> Doubles:
+    """The doubles next to the numbers of a column, or next to one that members have in common."""
+    if isinstance(x, np.ndarray):
+        return x.astype(np.float64, copy=False)
+    return np.asarray(x.hi if isinstance(x, Pairs) else to_double(x))
+
+
+def _column(key: str, numbers: ExactNumbers[Exact]) -> tuple[MemberColumn, Booleans | None]:
+    """Numbers of a key as a column, and which of them it does not hold, if any."""
+    column: MemberColumn = numbers.floats
+    if column is not None and key.startswith("start."):  # which are looked at all together
+        return column, None
+    if column is None:
+        try:
+            column = _pairs_of(numbers)
+        except OverflowError:  # beyond doubles, if only one of them
+            column = np.ones(len(numbers))
+            return column, column != 0
+    doubt = _out_of_range(doubles(column))
+    if numbers.floats is None:
+        for k in np.flatnonzero(doubles(column) == 0).tolist():  # or too small for doubles
+            doubt[k] = sign(numbers[k]) != 0
+    return column, doubt if doubt.any() else None
+
+
+def _pairs_of(numbers: ExactNumbers[Exact]) -> Pairs:
+    """Rationals as pairs, not a number where there is an irrational one."""
+    if numbers.ends is not None:
+        first, last = numbers.ends
+        if isinstance(first, Fraction) and isinstance(last, Fraction):
+            step = (last - first) / max(1, len(numbers) - 1)
+            top = step.numerator * first.denominator * np.arange(len(numbers)).astype(object)
+            top = top + first.numerator * step.denominator
+            return of_quotients(top, first.denominator * step.denominator)
+    column = of_fractions([x if isinstance(x, Fraction) else ONE for x in numbers])
+    column.hi[[not isinstance(x, Fraction) for x in numbers]] = np.nan
+    return column
+
+
+_in_range: Recent[bool] = Recent(1)
+
+
+def _all_in_range(scene: Scene) -> bool:
+    """Whether nothing is lost of any number of a scene."""
+    body = scene.body
+    shared = (*body.moments, body.weight, *body.centre, *body.torque, *scene.omega)
+    return not _out_of_range(np.array([*map(to_double, shared)])).any()
+
+
+def _out_of_range(sizes: Flat) -> Booleans:
+    """Which numbers are neither 0 nor of a size at which nothing is lost."""
+    sizes = np.abs(sizes)
+    out: Booleans = ~((sizes > _LEAST) & (sizes < _MOST) | (sizes == 0))
+    return out
+
+
+def _unphysical(moments: ColumnVector) -> Booleans:
+    """Where no body has such moments, or rounding might hide it."""
+    a, b, c = map(doubles, moments)
+    twice = 2 * np.maximum(np.maximum(a, b), c)
+    nearly: Booleans = (a + b + c) * _NOT_FLAT <= twice
+    return nearly | (np.minimum(np.minimum(a, b), c) <= 0)
+
+
+def _along(axes: PrincipalAxes, vector: ColumnVector, doubt: Booleans) -> ColumnVector:
+    """Components along principal axes; ``doubt``: where pairs do not tell them is noted there."""
+    if axes.trivial:
+        return vector
+    if all(isinstance(x, Exact) for x in vector):
+        return axes.components(vector)
+    numbers, components = [paired(x) for x in vector], list[MemberColumn]()
+    for row in axes.rows:
+        a, b, c = (pairs(r) * x for r, x in zip(row, numbers, strict=True))
+        components.append(a + b + c)
+        size = np.abs(a.hi) + np.abs(b.hi) + np.abs(c.hi)
+        doubt |= np.abs(components[-1].hi) < _CANCELLED * size
+    a, b, c = components
+    return a, b, c
+
+
+def _coefficients(block: Block, doubt: Booleans) -> Sequence[MemberColumn]:
+    """All coefficients of the bodies; where pairs do not tell them is noted."""
+    every = (*block.moments, *block.torque)
+    numbers = [x if isinstance(x, Fraction) else paired(x) for x in every]
+    a, b, c = numbers[:3]
+    for x, y in ((a, b), (b, c), (c, a)):
+        if not isinstance(x - y, Fraction):
+            gap = np.abs(doubles(x - y))
+            doubt |= (gap < _CANCELLED * doubles(x)) & (gap != 0)
+    return coefficients_of(numbers)
+
+
+def _fourth(block: Block) -> Doubles:
+    """The fastest rate at the start to the fourth power, as :attr:`Scene.time_unit` means it."""
+    p, q, r = map(doubles, block.omega)
+    x, y, z = map(doubles, block.torque)
+    a, b, c = map(doubles, block.moments)
+    square, largest = p**2 + q**2 + r**2, np.maximum(np.maximum(a, b), c)
+    fourth = np.maximum(square * square, (x**2 + y**2 + z**2) / (largest * largest))
+    return np.broadcast_to(fourth, len(block.doubt))
+
+
+def _exponents(block: Block) -> tuple[Indices, Booleans]:
+    """The exponents of :attr:`Scene.time_unit`, and which members are in doubt, by these, too."""
+    fourth = _fourth(block)
+    part, exponent = np.frexp(fourth)
+    doubt = block.doubt | ~(fourth > _NO_RATE) | (np.abs(part - _NEXT_POWER) < _NEAR_POWER)
+    above = exponent.astype(np.int64) - 1 + (part >= _NEXT_POWER)
+    return -(above // 4), doubt
+
+
+@np.errstate(all="ignore")
 def fastest(members: Members) -> Scene:
     """The member of a sweep that turns fastest at the start."""
-    rate, scene = -1.0, members[0]
+    candidates: list[int] = []
     for block in members.blocks():
-        with np.errstate(all="ignore"):
-            fourth = _fourth(block)
-        left = block.left | ~np.isfinite(fourth)  # doubles do not tell
-        fourth = np.where(left, -1.0, fourth)
-        k = int(np.argmax(fourth))
-        others = [block.first + int(i) for i in np.flatnonzero(left)]
-        for index in [block.first + k] * bool(fourth[k] >= 0) + others:
-            member = members[index]
-            if member.log10_rate > rate or index == 0:
-                rate, scene = member.log10_rate, member
-    return scene
+        fourth = np.where(block.doubt, -1.0, _fourth(block))
+        few = [int(np.argmax(fourth)), *np.flatnonzero(block.doubt).tolist()]
+        candidates += [block.first + k for k in few]
+    return max((members[k] for k in candidates), key=lambda member: member.log10_rate)
+
+
+# --- numbers --------------------------------------------------------------------------------------
+#
+# The members as the integrator takes them, inside their frames: starts, coefficients, units of
+# time.  Starts that are given as arrays go as they are, all else is rounded once.
+
+
+_POWERS = np.array([coefficient.power for coefficient in COEFFICIENTS])  # of 1/time
+_SIZES = 2.0**-1000, 2.0**1000  # of a rate
+_SMALLEST, _LARGEST = 2.0**-1022, 2.0**1023
 
 
 class _Body(NamedTuple):
@@ -272,235 +534,152 @@ class _Body(NamedTuple):
     bound: lanes.Bound
 
     @classmethod
-    def of(cls, scene: Scene, number: NumberType) -> _Body:
-        """The body of a scene, in the scene's unit of time."""
-        body = scene.body
+    def of(cls, body: Body, number: NumberType) -> _Body:
+        """That of a body, in its scene's unit of time."""
         torque = body.axes.components(body.torque)
         exact = coefficients_of([*body.moments, *torque])
-        coefficients = np.array([[number_value(x, number) for x in exact]], kind_of(number))
-        return cls(coefficients, _bound(body.moments, torque))
-
-    def rows(self, exponents: npt.ArrayLike) -> Flat:
-        """Its coefficients in units of time."""
-        units = np.asarray(exponents)[:, None]
-        rows: Flat = np.ldexp(self.coefficients, _POWERS * units)
-        return rows
+        row: Flat = np.array([[number_value(x, number) for x in exact]], kind_of(number))
+        return cls(row, _bound(body.moments, torque))
 
 
 _bodies: Recent[_Body] = Recent(4)
 
 
-class _Making:
-    """The numbers of all members, filled block by block.
+class SweepNumbers:
+    """The members in numbers of a type, double or extended.
 
-    ``alike``: the body of all members, as long as they have one and none has been put in by its
-    scene: ``coefficients`` are then its row in the scene's unit of time, else a row for each.
+    ``coefficients``: of these ``names``, a row for each member in its own unit of time; one row in
+    the scene's where all have its body, which 2**(unit ``powers``) brings into a member's.
+    ``starts``: (members, columns) in principal axes and each member's unit.  ``exponents``: of
+    these units, powers of two; ``rates``: the fastest rate at most, radians for each unit of the
+    scene's time; both 0 above extended.  Raises BadInput for a member that the type cannot hold.
     """
 
     def __init__(self, members: Members, number: NumberType) -> None:
-        count, kind, scene = len(members), kind_of(number), members.scene
+        count, scene = len(members), members.scene
+        kind = kind_of(number) if number.flat else np.float64
         self.members, self.number = members, number
         self.starts: Flat = np.zeros((count, len(scene.columns)), kind)
-        self.exponents = np.zeros(count, dtype=np.int64)
-        self.rates = np.zeros(count)
-        self.alike: _Body | None = None
-        if members.same_body:
-            self.alike = _bodies.get(scene.identity, number, lambda: _Body.of(scene, number))
-            self.coefficients = self.alike.coefficients
+        self.exponents, self.rates = np.zeros(count, dtype=np.int64), np.zeros(count)
+        self.coefficients: Flat = np.zeros((count, len(NAMES)), kind, order="F")
+        self.powers, self._body = np.zeros_like(_POWERS), cast("_Body | None", None)
+        if not number.flat:
+            return
+        if members.same_body and members.readable:
+            self._body = _bodies.get(scene.identity, number, lambda: _Body.of(scene.body, number))
+            self.coefficients, self.powers = self._body.coefficients, _POWERS
+        for block in members.blocks():
+            for k in self._fill(block):
+                self._put(block.first + int(k))
+        present = np.flatnonzero((self.coefficients != 0).any(axis=0)).tolist()
+        present.sort(key=NAMES.__getitem__)
+        self.names = tuple(map(NAMES.__getitem__, present))
+        self.coefficients = self.coefficients.take(present, axis=1)
+        self.powers = self.powers.take(present)
+
+    def motions(self, members: Indices) -> BatchMotions:
+        """Some members, each in its own unit of time."""
+        own = self.coefficients
+        if self._body is None:
+            own = own.take(members, axis=0)
         else:
-            self.coefficients = np.zeros((count, len(NAMES)), kind, order="F")
+            units = self.exponents[members]
+            if not (units != units[0]).any():
+                units = units[:1]
+            own = np.ldexp(own, self.powers * units[:, None])
+        return BatchMotions(own, self.starts.take(members, axis=0))
 
-    def fill(self, block: Block) -> Booleans:
-        """Put a block of members in; which of them are left."""
-        here = slice(block.first, block.last)
-        starts, alike = self.starts[here], self.alike
+    def check(self, times: Sequence[Fraction]) -> None:
+        """Refuse times, away from 0, that the type cannot hold in a member's unit."""
+        exponents = self.exponents
+        ends = times[0] or times[:2][-1], times[-1]  # the least and the largest that are not 0
+        extremes = np.array([[exponents.min(initial=0)], [exponents.max(initial=0)]])
         with np.errstate(all="ignore"):
-            try:
-                exponents, unsure = _exponents(block)
-                torque, *start = (
-                    _along(vector, block.axes, unsure)
-                    for vector in (block.torque, block.omega, block.gamma)
-                    if vector is not None
-                )
-                self._put(starts, [x for vector in start for x in vector])
-                if alike is None:
-                    numbers = _coefficients(block.moments, torque, unsure)
-                    self._put(self.coefficients[here], numbers)
-                bound = _bound(block.moments, torque) if alike is None else alike.bound
-                self.rates[here] = lanes.rates(starts, bound)
-            except (OverflowError, ZeroDivisionError):  # beyond doubles, here or on the way
-                return np.ones(len(block), dtype=bool)
-            if exponents.any():
-                starts[:, :3] = np.ldexp(starts[:, :3], exponents[:, None])
-            left: Booleans = block.left | unsure | _out_of_range(starts)
-            if alike is None:
-                rows = self.coefficients[here]
-                rows[:] = np.ldexp(rows, _POWERS * exponents[:, None])
-                left |= _out_of_range(rows)
-            elif _out_of_range(alike.rows([exponents.min(), exponents.max()])).any():
-                left |= _out_of_range(alike.rows(exponents))
-        self.exponents[here] = exponents
-        return left
+            sizes = np.abs(np.ldexp([*map(to_double, ends)], -extremes))
+        if ((sizes < _SMALLEST) & (sizes != 0) | ~(sizes <= _LARGEST)).any():
+            for exponent, first in zip(*np.unique(exponents, return_index=True), strict=True):
+                own = [t / Fraction(2) ** int(exponent) for t in ends]
+                _refuse_out_of_range(self.members[int(first)], self.number, own)
 
-    def _put(self, table: Flat, columns: Sequence[Numbers]) -> None:
-        """Columns into a table, each number rounded once."""
+    @np.errstate(all="ignore")
+    def _fill(self, block: Block) -> Indices:
+        """Put a block of members in; which of them are in doubt."""
+        here = slice(block.first, block.first + len(block.doubt))
+        starts = self.starts[here]
+        exponents, doubt = _exponents(block)
+        self._round((*block.omega, *(block.gamma or ())), starts)
+        if self._body is None:
+            rows, bound = self.coefficients[here], _bound(block.moments, block.torque)
+            self._round(_coefficients(block, doubt), rows)
+            rows[:] = np.ldexp(rows, _POWERS * exponents[:, None])
+        else:
+            bound = self._body.bound
+        doubt |= _out_of_range(starts).any(axis=1)
+        self.rates[here] = lanes.rates(starts, bound)
+        if exponents.any():
+            starts[:, :3] = np.ldexp(starts[:, :3], exponents[:, None])
+        self.exponents[here] = exponents
+        return np.flatnonzero(doubt)
+
+    def _round(self, columns: Sequence[MemberColumn], table: Flat) -> None:
+        """Put columns into a table, each number rounded once."""
         for i, column in enumerate(columns):
-            if isinstance(column, Exact):
-                table[:, i] = number_value(column, self.number)
+            if isinstance(column, Pairs):
+                table[:, i] = column.hi
+                table[:, i] += column.lo
             elif isinstance(column, np.ndarray):
                 table[:, i] = column
-            elif isinstance(column, Pairs) or self.number.name != "double":
-                near = pairs(column)
-                table[:, i] = near.hi
-                table[:, i] += near.lo
             else:
-                table[:, i] = column.doubles()
+                table[:, i] = number_value(column, self.number)
 
-    def put(self, block: Block, k: int) -> None:
+    def _put(self, index: int) -> None:
         """Put a member in by its scene, and by what arrays say of its start."""
-        if self.alike is not None:
-            self.coefficients, self.alike = self.alike.rows(self.exponents), None
-        index = block.first + k
-        member = self.members[index]
-        start, coefficients = exact_numbers(member, block.given_gamma(k))
-        refuse_out_of_range(self.members, index, self.number, [*start, *coefficients.values()])
-        self.exponents[index] = Frame.of(member).exponent
+        frame, body, start, coefficients = inside(self.members, index, self.number)
+        self.exponents[index] = frame.exponent
         self.starts[index] = [number_value(x, self.number) for x in start]
-        self.rates[index] = _rate(member, self.starts[index])
-        self.coefficients[index] = [
-            number_value(coefficients.get(name, ZERO), self.number) for name in NAMES
-        ]
+        if self._body is None:
+            self.coefficients[index] = [
+                number_value(coefficients.get(name, ZERO), self.number) for name in NAMES
+            ]
+        part = 1 / max(body.moments)
+        bound = _bound(scaled(part, body.moments), scaled(part, body.torque))
+        least, largest = _SIZES  # of what doubles cannot hold in the scene's unit
+        with np.errstate(all="ignore"):
+            rate = np.ldexp(lanes.rates(self.starts[index : index + 1], bound), -frame.exponent)
+            self.rates[index] = np.fmin(np.maximum(rate, least), largest)[0]
 
 
-def exact_numbers(
-    member: Scene, gamma: tuple[Exact, Exact, Exact] | None = None
-) -> tuple[list[Exact], dict[str, Exact]]:
-    """Start and coefficients of a member inside its frame; ``gamma``: in the place of its own."""
+def inside(
+    members: Members, index: int, number: NumberType
+) -> tuple[Frame, Body, list[Exact], dict[str, Exact]]:
+    """A member inside its frame: body, start (gamma as arrays give it), and coefficients.
+
+    Raises BadInput for numbers that the type cannot hold.
+    """
+    member, gammas = members[index], members.gammas
     frame = Frame.of(member)
-    inside = frame.inside(member)
-    start = [*inside.start]
-    if gamma is not None:
-        start[3:] = frame.axes.components(gamma)
-    return start, principal.coefficients(inside.body)
+    scene = frame.inside(member)
+    start, coefficients = [*scene.start], principal.coefficients(scene.body)
+    if gammas is not None:
+        a, b, c = map(exactly, gammas[index])
+        start[3:] = frame.axes.components((a, b, c))
+    _refuse_out_of_range(member, number, [*start, *coefficients.values()])
+    return frame, scene.body, start, coefficients
 
 
-def refuse_out_of_range(
-    members: Members, index: int, number: NumberType, values: Iterable[Exact]
-) -> None:
+def _refuse_out_of_range(member: Scene, number: NumberType, values: Sequence[Exact]) -> None:
     """Refuse a member's numbers that the type cannot hold; raises BadInput."""
     try:
-        for x in values:
-            heyoka.scalar(x, number)
+        heyoka.scalars(values, number)
     except heyoka.OutOfRange as fault:
-        raise fault.refusal(members[index].name, number) from None
+        raise fault.refusal(member.name, number) from None
 
 
-def _along(vector: Vector, axes: PrincipalAxes, unsure: Booleans) -> Sequence[Numbers]:
-    """Components along principal axes; exact ones where all members have the vector in common.
-
-    ``unsure``: where pairs do not tell them is noted there.
-    """
-    fixed = [x for x in vector if isinstance(x, Exact)]
-    if axes.trivial:
-        return vector
-    if len(fixed) == 3:
-        return axes.components((fixed[0], fixed[1], fixed[2]))
-    numbers = [pairs(_parted(x)) for x in vector]
-    components: list[Numbers] = []
-    for row in axes.rows:
-        a, b, c = (pairs(r) * x for r, x in zip(row, numbers, strict=True))
-        components.append(a + b + c)
-        size = np.abs(a.hi) + np.abs(b.hi) + np.abs(c.hi)
-        _note(unsure, size, np.abs(components[-1].hi) < _CANCELLED * size)
-    return components
-
-
-def _coefficients(
-    moments: Vector, torque: Sequence[Numbers], unsure: Booleans
-) -> Sequence[Numbers]:
-    """All coefficients; of moments that are floats in pairs, and where those do not tell noted."""
-    if not any(isinstance(x, np.ndarray) for x in moments):
-        return coefficients_of([*moments, *torque])
-    own, arms = ([pairs(_parted(x)) for x in vector] for vector in (moments, torque))
-    for x, y in zip(own, (*own[1:], own[0]), strict=True):
-        gap = np.abs((x - y).hi)
-        _note(unsure, np.abs(x.hi), (gap < _CANCELLED * np.abs(x.hi)) & (gap != 0))
-    for x in arms:
-        _note(unsure, np.abs(x.hi))
-    return coefficients_of([*own, *arms])
-
-
-def _parted(x: Numbers) -> Numbers:
-    """An array's longdoubles as pairs."""
-    if not isinstance(x, np.ndarray) or x.dtype == np.float64:
-        return x
-    high = x.astype(np.float64)
-    return Pairs(high, (x - high).astype(np.float64))
-
-
-def _note(unsure: Booleans, size: Doubles, lost: Booleans | bool = False) -> None:
-    """Note where numbers of such sizes are too large or too small for pairs, or have lost bits."""
-    unsure |= (size != 0) & (~((size > _LEAST) & (size < _MOST)) | lost)
-
-
-def _out_of_range(table: Flat) -> Booleans:
-    """Which rows have a number that is not 0 and not between a double's limits, or nearly so."""
-    sizes = np.abs(table)
-    wrong = (sizes < _SMALLEST) & (sizes != 0) | ~(sizes <= _LARGEST)
-    rows: Booleans = wrong.any(axis=1)
-    return rows
-
-
-def _bound(moments: Vector, torque: Sequence[Numbers]) -> lanes.Bound:
-    """What bounds the rates of members, in the scene's unit of time."""
+def _bound(moments: ColumnVector, torque: ColumnVector) -> lanes.Bound:
+    """What bounds the rates of members, in the unit of time of these."""
     inertia, weight = (
-        np.stack(np.broadcast_arrays(*map(_doubles, vector)), axis=-1)
+        np.stack(np.broadcast_arrays(*map(doubles, vector)), axis=-1)
         for vector in (moments, torque)
     )
     largest = inertia.max(axis=-1, keepdims=True)
     return lanes.Bound.of(inertia / largest, weight / largest)
-
-
-def _rate(member: Scene, start: Flat) -> float:
-    """A bound of a member's rate by its scene: from its start in its own unit of time.
-
-    One that doubles cannot hold in the scene's is the least or the largest of _SIZES.
-    """
-    frame = Frame.of(member)
-    body = frame.inside(member).body
-    part = 1 / max(body.moments)
-    inertia, moment = (
-        np.array([to_double(x) for x in scaled(part, vector)])
-        for vector in (body.moments, body.torque)
-    )
-    with np.errstate(all="ignore"):
-        rate = np.ldexp(lanes.rates(start[None], lanes.Bound.of(inertia, moment)), -frame.exponent)
-        least, largest = _SIZES
-        return float(np.fmin(np.maximum(rate, least), largest)[0])
-
-
-def _doubles(x: Numbers) -> Doubles:
-    """The doubles next to numbers of all members, or next to one that they have in common."""
-    if isinstance(x, np.ndarray):
-        return x.astype(np.float64, copy=False)
-    if isinstance(x, Rationals):
-        return x.doubles()
-    return np.asarray(x.hi if isinstance(x, Pairs) else to_double(x))
-
-
-def _fourth(block: Block) -> Doubles:
-    """The fastest rate at the start to the fourth power, as :attr:`Scene.time_unit` means it."""
-    vectors = block.omega, block.torque, block.moments
-    (p, q, r), (x, y, z), (a, b, c) = (map(_doubles, vector) for vector in vectors)
-    square, largest = p**2 + q**2 + r**2, np.maximum(np.maximum(a, b), c)
-    fourth = np.maximum(square * square, (x**2 + y**2 + z**2) / (largest * largest))
-    return np.broadcast_to(fourth, len(block)) if np.ndim(fourth) == 0 else fourth
-
-
-def _exponents(block: Block) -> tuple[Indices, Booleans]:
-    """The exponents of :attr:`Scene.time_unit`, and where doubles do not tell them."""
-    fourth = _fourth(block)
-    part, exponent = np.frexp(fourth)
-    unsure = ~((fourth > 1e-290) & (fourth < 1e290)) | (np.abs(part - _NEXT_POWER) < _UNSURE)
-    above = exponent.astype(np.int64) - 1 + (part >= _NEXT_POWER)
-    return -(above // 4), unsure

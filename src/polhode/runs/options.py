@@ -93,10 +93,8 @@ def choose_number(
     return number_types.named(number)
 
 
-def rounded_tolerance(scene: Scene, number: NumberType, tol: AnyNumber | None) -> Fraction | None:
-    """The tolerance of a step, checked; None for the type's eps."""
-    if tol is None:
-        return None
+def rounded_tolerance(scene: Scene, number: NumberType, tol: AnyNumber) -> Fraction:
+    """The tolerance of a step, checked."""
     try:
         exact = exact_number(tol)
     except (TypeError, ValueError):

@@ -40,10 +40,10 @@ from polhode.runs.options import Options, cadence, checked_options, choose_numbe
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults, lanes
-from polhode.taylor.batches import BatchJob, Columns
+from polhode.taylor.batches import BatchJob, BatchMotions
 from polhode.taylor.engine import Engine, order_of
 from polhode.taylor.heyoka import TIME_LIMIT, OutOfRange
-from polhode.taylor.long_steps import Grid, LongSteps
+from polhode.taylor.long_steps import LongSteps, TimeGrid
 from polhode.taylor.motion import Motion
 from polhode.taylor.projection import Projector, StartTarget
 from polhode.taylor.system import System, system_of, time_array
@@ -115,7 +115,7 @@ class Propagator:
         finalize(self, self._engine.release).atexit = False  # another body's from then on
         self._state = self._engine.state
         #: several times by value, their grid, which long steps are for so many, how far these are
-        self._last: tuple[bytes, Grid | None, LongSteps | None, float] = b"", None, None, 0.0
+        self._last: tuple[bytes, TimeGrid | None, LongSteps | None, float] = b"", None, None, 0.0
         self._memory: Any = memoryview(self._state)  # which takes an array of its own kind alone
         self._first: Flat = self._state.copy()
         self._kind, self._shape = self._first.dtype, self._first.shape
@@ -309,7 +309,7 @@ class Propagator:
         refuse_too_much(name, "start", amount, rows.size * len(times), _BYTES, _SPLIT)
         if not self._long and self._every is None:
             inside = rows if self._plain else self._inside(rows)
-            motions = Columns(self._job.motions.coefficients, inside)
+            motions = BatchMotions(self._job.motions.coefficients, inside)
             job = self._job._replace(max_steps=self._most, times=times, motions=motions)
             fastest = lanes.rates(inside, self._bound)
             inner, ended = lanes.states(job, fastest, workers)
@@ -331,7 +331,7 @@ class Propagator:
         """What the motions of an array have in common."""
         k = self._system.coefficients
         numbers = {name: to_double(k[name]) for name in sorted(k)}
-        motions = Columns(np.array([[*numbers.values()]]), np.empty((0, self._shape[0])))
+        motions = BatchMotions(np.array([[*numbers.values()]]), np.empty((0, self._shape[0])))
         tolerance, order = self._system.tolerance, 0
         if tolerance is not None and tolerance > self.number.eps:
             order, own = defaults.ARRAYS.highest, order_of(float(tolerance))
@@ -358,7 +358,7 @@ class Propagator:
         except OutOfRange as fault:
             raise fault.refusal(self.scene.name, self.number) from None
 
-    def _grid(self, t: object) -> Grid | None:
+    def _grid(self, t: object) -> TimeGrid | None:
         """The grid of several plain numbers, kept until others come; None of all else."""
         times = t
         if type(times) is not np.ndarray or times.dtype is not self._kind:
@@ -367,7 +367,7 @@ class Propagator:
             return None
         value = times.tobytes()
         if value != self._last[0]:
-            grid, long_steps, far = Grid.of(times, self._unit), None, self._far
+            grid, long_steps, far = TimeGrid.of(times, self._unit), None, self._far
             if grid is not None:
                 far = max(far, (grid.size / defaults.FAR_OUTPUTS) ** 2)
                 if self._long_steps:

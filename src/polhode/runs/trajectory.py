@@ -104,13 +104,9 @@ def by_errors(
     speed = max((math.hypot(*(float(x) for x in row[:3])) for row in states), default=0.0) or 1.0
 
     def right(error: float | None) -> float:
-        if error is None:
-            return 0.0
-        return (
-            digits_held
-            if error == 0
-            else max(0.0, min(digits_held, -math.log10(error / min(1.0, speed))))
-        )
+        if not error:
+            return 0.0 if error is None else digits_held
+        return max(0.0, min(digits_held, -math.log10(error / min(1.0, speed))))
 
     digits = tuple(right(error) for error in errors)
     below = [

@@ -28,7 +28,7 @@ from polhode.numbers.number_types import (
 )
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import defaults
-from polhode.taylor.engine import Engine, Equations, principal_engine
+from polhode.taylor.engine import CompiledBatch, Engine, Equations, lent
 from polhode.taylor.heyoka import HeyokaIntegrator, HeyokaNumber, ending
 
 # --- lane queue -----------------------------------------------------------------------------------
@@ -80,7 +80,7 @@ _START = Fraction(0)
 _NOT_RUN = code(Outcome.NOT_RUN)
 
 
-class Columns(NamedTuple):
+class BatchMotions(NamedTuple):
     """Motions: coefficients and starts, a row each, doubles or longdoubles.
 
     In the run's own unit of time.  One row of coefficients may serve all.
@@ -100,10 +100,10 @@ class Columns(NamedTuple):
         shape = self.many, self.coefficients.shape[1]
         return cast(Stack, np.broadcast_to(self.coefficients, shape))
 
-    def some(self, which: Indices | slice) -> Columns:
+    def some(self, which: Indices | slice) -> BatchMotions:
         """Those of some indices."""
         own = self.coefficients
-        return Columns(own if len(own) == 1 else own[which], self.starts[which])
+        return BatchMotions(own if len(own) == 1 else own[which], self.starts[which])
 
 
 class BatchJob(NamedTuple):
@@ -121,12 +121,12 @@ class BatchJob(NamedTuple):
     max_steps: int
     times: Flat
     unit: Fraction
-    motions: Columns
+    motions: BatchMotions
     sure: bool = False
     order: int = 0
     exponents: Indices | None = None
 
-    def of(self, motions: Columns, exponents: Indices | None) -> BatchJob:
+    def of(self, motions: BatchMotions, exponents: Indices | None) -> BatchJob:
         """The job of other motions, in their own unit of time if they have one in common."""
         exponent = 0 if exponents is None else int(exponents[0])
         if exponents is None or (exponents != exponent).any():
@@ -289,41 +289,19 @@ def in_lanes(rows: npt.NDArray[T], order: Indices | None = None) -> npt.NDArray[
     return np.ascontiguousarray(lanes)
 
 
+def numbers_in_lanes(
+    coefficients: Stack, count: int, order: Indices | None = None
+) -> Sequence[Stack | None]:
+    """The coefficients that each of so many batches is told; None where they stay."""
+    if len(coefficients) == 1 or bool((coefficients == coefficients[:1]).all()):
+        return [coefficients[:1].T, *[None] * (count - 1)]
+    return list(in_lanes(coefficients, order))
+
+
 def out_of_lanes(states: Doubles) -> Doubles:
     """Back from (batches, times, columns, LANES) to (rows, times, columns)."""
     rows: Doubles = states.transpose(0, 3, 1, 2).reshape(-1, *states.shape[1:3])
     return rows
-
-
-class CompiledBatch(Engine):
-    """A batch of doubles from the pool: states and parameters a column for each lane."""
-
-    def begin(self) -> None:
-        """All lanes at time 0 where they stand."""
-        self.heyoka.set_time(0.0)
-        if self._scale:
-            self.tell_scale()
-        if self.kept:
-            self.tell_kept()
-
-    def ended(self, _: Any) -> tuple[Outcome, Any]:
-        """How the lane ended that came least far, and the steps of each."""
-        results = self.heyoka.propagate_res
-        outcomes = {ending(result[0]) for result in results}
-        least = (x for x in (Outcome.NON_FINITE, Outcome.STEP_LIMIT) if x in outcomes)
-        return next(least, Outcome.REACHED_END), np.array([result[3] for result in results])
-
-    @property
-    def now(self) -> HeyokaNumber:
-        """The time that all lanes have reached."""
-        return min(self.heyoka.time, key=abs)
-
-    def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, Any, Outcome]:
-        """The same of all lanes, which stand at one time: states at times that all of them met."""
-        grid = np.repeat(np.array([times]).T, LANES, axis=1)
-        rows = self.heyoka.propagate_grid(grid, max_steps=most)[1][1:, : self.columns]
-        outcome, taken = self.ended(None)
-        return rows[~np.isnan(rows[:, 0]).any(axis=1)], taken, outcome
 
 
 # --- batch integrator -----------------------------------------------------------------------------
@@ -338,47 +316,46 @@ class CompiledBatch(Engine):
 # compiled code. A job is plain data, so that it can be solved in any thread, process or machine.
 
 
-_UNITS_PER_STEP = 0.25  # of time, a radian or two of the fastest rate; at least, in any motion
+UNITS_PER_STEP = 0.25  # of time, a radian or two of the fastest rate; at least, in any motion
 _THERE = code(Outcome.REACHED_END)
 _HOPELESS = 10.0  # times the limit of steps: what would need so many is given up at once
 
 
 def solve(job: BatchJob, stop: StopRequest | None = None) -> Solved:
     """Integrate a job's motions; those that ``stop`` kept from being finished are NOT_RUN."""
-    many = job.motions.many
+    shape = job.motions.many, len(job.times), job.columns
+    results = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
     if job.sure and job.number.name == "double":
-        steps = np.zeros(many, dtype=np.int64)
-        results = Solved.undone(at_once(job, np.arange(many), stop, steps))
-        results.steps = steps
+        steps = results.steps
+        at_once(job, results.states, np.arange(shape[0]), stop, steps)
         there = np.isfinite(results.states[:, -1]).all(axis=1) & (steps <= job.max_steps)
         _note(job, there, results)
         if there.all():
             return results
-    else:
-        shape = (many, len(job.times), job.columns)
-        results = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
-    with prepared(job) as engine:
-        for which, own in job.in_units(np.flatnonzero(results.outcomes != _THERE)):
-            some = Solved.undone(results.states[which])
-            _Way(own, engine, stop).finish(some)
-            results.put(which, some)
+    engine = prepared(job)
+    for which, own in job.in_units(np.flatnonzero(results.outcomes != _THERE)):
+        some = Solved.undone(results.states[which])
+        _CarefulWay(own, engine, stop).finish(some)
+        results.put(which, some)
+    engine.release()
     return results
 
 
 def at_once(
     job: BatchJob,
+    into: Stack,
     order: Indices,
     stop: StopRequest | None = None,
     steps: npt.NDArray[np.int64] | None = None,
-) -> Stack:
-    """States of some motions of doubles, which arrive in so few steps that nobody need look.
+) -> None:
+    """Put in states of motions of doubles, which arrive in so few steps that nobody need look.
 
     In this order they go through the lanes.  Not a number where ``stop`` came first, or a motion,
     or one beside it, did not arrive.  ``steps``: of each is put in there.
     """
     many, (coefficients, starts), ahead = len(order), job.motions, job.times[job.times != 0]
     here, end_alone = in_lanes(starts, order), len(ahead) == 1
-    own = None if _alike(coefficients) else in_lanes(coefficients, order)
+    numbers = numbers_in_lanes(coefficients, len(here), order)
     states = np.empty((len(here), len(job.times), job.columns, LANES))
     if len(ahead) < len(job.times):
         states[:, 0] = here
@@ -388,33 +365,30 @@ def at_once(
     if job.exponents is not None:
         times = np.ldexp(ahead[:, None], -in_lanes(job.exponents[:, None], order))
         ends = times[:, -1].tolist()
-    with prepared(job) as ready:
-        ta, state = ready.heyoka, ready.state
-        if own is None:
-            ready.tell(coefficients[:1].T)
-        for k, (start, rows) in enumerate(zip(here, states, strict=True)):
-            if stop is not None and stop():
-                states[k:] = np.nan
-                break
-            state[:] = start
-            if own is not None:
-                ready.tell(own[k])
-            ready.begin()
-            if end_alone:  # the end alone needs no dense output
-                ta.propagate_until(ends[k])
-                rows[-1] = state
-            else:
-                if times is not None:
-                    grid[1:] = times[k]
-                rows[-len(ahead) :] = ta.propagate_grid(grid)[1][1:, : job.columns]
-            if steps is not None:
-                taken += [result[3] for result in ta.propagate_res]
+    ready = prepared(job)
+    ta, state = ready.heyoka, ready.state
+    for k, (start, rows) in enumerate(zip(here, states, strict=True)):
+        if stop is not None and stop():
+            states[k:] = np.nan
+            break
+        state[:] = start
+        ready.begin(numbers[k])
+        if end_alone:  # the end alone needs no dense output
+            ta.propagate_until(ends[k])
+            rows[-1] = state
+        else:
+            if times is not None:
+                grid[1:] = times[k]
+            rows[-len(ahead) :] = ta.propagate_grid(grid)[1][1:, : job.columns]
+        if steps is not None:
+            taken += [result[3] for result in ta.propagate_res]
+    ready.release()
     arrived = np.isfinite(states[:, -1])
     if not arrived.all():  # a lane has stopped the others
         states[~arrived.all(axis=(1, 2))] = np.nan
     if steps is not None:
         steps[: len(taken)] = taken[:many]
-    return out_of_lanes(states)[:many]
+    into[order] = out_of_lanes(states)[:many]
 
 
 def _note(job: BatchJob, there: Booleans, results: Solved) -> None:
@@ -425,16 +399,9 @@ def _note(job: BatchJob, there: Booleans, results: Solved) -> None:
         results.states[~there], results.steps[~there] = np.nan, 0
 
 
-def _alike(coefficients: Stack) -> bool:
-    """Whether all motions are of one body."""
-    return len(coefficients) == 1 or bool((coefficients == coefficients[:1]).all())
-
-
 def prepared(job: BatchJob) -> Engine:
-    """The engine of a job, from the pool or built: a batch of doubles, or one longdouble motion."""
-    kind = CompiledBatch if job.number.name == "double" else Engine
-    parts = job.columns, job.names, job.number, job.tolerance, job.order
-    return principal_engine(_equations(*parts), kind)
+    """The engine of a job: a batch of doubles, or one longdouble motion."""
+    return lent(_equations(job.columns, job.names, job.number, job.tolerance, job.order))
 
 
 @lru_cache(maxsize=64)
@@ -445,26 +412,21 @@ def _equations(
     tolerance: Fraction | None,
     order: int,
 ) -> Equations:
-    """Those of the principal form, whose hash is then known to the pool."""
+    """Those of the principal form, whose hash is then known."""
     if tolerance is not None and order:
         tolerance *= defaults.ARRAYS.part
     lanes = LANES if number.name == "double" else 0
     return Equations(STATE[:columns], names, number, tolerance, lanes=lanes, order=order)
 
 
-def longest(number: NumberType) -> float:
-    """The longest way, in the run's unit, that is one stretch: a fifth of a second's steps."""
-    return defaults.of(number).chunk * _UNITS_PER_STEP
-
-
-class _Way:
+class _CarefulWay:
     """A job's motions on their way, in the unit of time that they have in common."""
 
     def __init__(self, job: BatchJob, engine: Engine, stop: StopRequest | None) -> None:
         self.job, self.engine, self.stop = job, engine, stop
         self.sizes = np.abs(job.times)
         self.block = defaults.of(job.number).chunk  # steps between two looks for a signal
-        self.longest = longest(job.number)
+        self.longest = UNITS_PER_STEP * self.block  # way, in the run's unit, that is one stretch
 
     def finish(self, results: Solved) -> None:
         """All motions, or as many as come before a stop."""
@@ -486,16 +448,15 @@ class _Way:
         """Batch after batch: all motions but those of batches that did not arrive as a whole."""
         job, many = self.job, self.job.motions.many
         coefficients, starts = job.motions.coefficients, in_lanes(job.motions.starts)
-        own = None if _alike(coefficients) else in_lanes(coefficients)
-        if own is None:
-            batch.tell(coefficients[:1].T)
+        numbers = numbers_in_lanes(coefficients, len(starts))
         states = np.full((len(starts), len(job.times), job.columns, LANES), np.nan)
         steps = np.zeros((len(starts), LANES), dtype=np.int64)
         done = np.zeros(len(starts), dtype=bool)
         for k, start in enumerate(starts):
             if self._stopped():
                 break
-            batch.stand(start, None if own is None else own[k])
+            batch.state[:] = start
+            batch.begin(numbers[k])
             steps[k], outcome, _ = self._followed(states[k], False)
             done[k] = outcome.done
         done &= np.isfinite(states[:, -1]).all(axis=(1, 2))  # else a lane has stopped the others
@@ -504,18 +465,17 @@ class _Way:
 
     def _alone(self, k: int, results: Solved) -> None:
         """One motion; left as if it had not begun where it is stopped."""
-        engine, motion, into = (
-            self.engine,
-            self.job.motions.some(slice(k, k + 1)),
-            results.states[k],
-        )
+        engine, into = self.engine, results.states[k]
+        motion = self.job.motions.some(slice(k, k + 1))
         if isinstance(engine, CompiledBatch):  # in all lanes alike
-            engine.stand(motion.starts.T, motion.coefficients.T)
+            engine.state[:] = motion.starts.T
+            engine.begin(motion.coefficients.T)
             lanes = np.full((*into.shape, LANES), np.nan)
             steps, outcome, reached = self._followed(lanes, True)
             into[:] = lanes[:, :, 0]
         else:
-            engine.stand(motion.starts[0], motion.coefficients[0])
+            engine.state[:] = motion.starts[0]
+            engine.begin(motion.coefficients[0])
             steps, outcome, reached = self._followed(into, True)
         if outcome is Outcome.NOT_RUN:
             into[:] = np.nan

@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, fields
 from fractions import Fraction
-from typing import Any, Protocol, Self, TypeAlias, TypeVar
+from typing import Any, Protocol, TypeAlias, cast
 
 import numpy as np
 
@@ -162,7 +162,6 @@ def terminal_event(distance: Expression, number: NumberType) -> HeyokaEvent:
 Field: TypeAlias = Callable[[Sequence[Scalar], Mapping[str, Scalar], Functions], list[Scalar]]
 Distance: TypeAlias = Callable[[Sequence[Scalar], Mapping[str, Scalar], Functions], Scalar]
 Rates: TypeAlias = Callable[[Sequence[Expression], Mapping[str, Expression]], list[Expression]]
-E = TypeVar("E", bound="Engine")
 
 #: heyoka's parameters: so many for the time of events and their first step, one for each event,
 #: then the coefficients of the pattern, then the variables that are kept.  Without events the
@@ -216,18 +215,12 @@ class Equations:
         return named
 
 
-def principal_engine(equations: Equations, kind: type[E]) -> E:
-    """An engine of the principal form, from the pool or built; where it stands is anybody's."""
-    return lent(equations, lambda: built(equations, kind))
-
-
 def built(
     equations: Equations,
-    kind: type[E],
     field: Field = principal.field,
     distance: Distance | None = None,
-    watcher: Watcher | None = None,
-) -> E:
+    watcher: EventWatcher | None = None,
+) -> Engine:
     """An engine of equations by a form's field, that ends near the form's singular set."""
     number, options, desk = equations.number, dict[str, Any](), None
     x = hy.make_vars(*equations.columns)
@@ -273,6 +266,7 @@ def built(
             options["t_events"] = [terminal_event(away, number)]
         heyoka = integrator(stepped, number, equations.lanes, **options)
     count = len(pattern) * (1 + equations.driven)
+    kind = CompiledBatch if equations.lanes else Engine
     return kind(heyoka, number, first, count, constant_rates, desk, scale)
 
 
@@ -331,54 +325,6 @@ def _product(row: Sequence[Expression], u: Sequence[Expression]) -> Expression:
     return hy.sum([a * b for a, b in zip(row, u, strict=True) if a != EXPRESSIONS.zero])
 
 
-# --- integrator pool ------------------------------------------------------------------------------
-#
-# Engines that nobody uses at the moment, by what they integrate.
-#
-# Whoever needs one takes it out, so that no two share one, and puts it back.
-
-
-#: Kinds that are worked with by turns, and each thread's engine of a sweep.  One with an event
-#: takes 5 megabytes, or 15 where it was compiled in this process.
-MOST = max(16, os.cpu_count() or 1)
-
-
-class Pool:
-    """Engines by key; of more than MOST those go first whose key was not used for longest.
-
-    Engines come back in garbage collections, too, below any lock of the thread that collects: so
-    there is no lock.  No two threads are given the same engine, for a list is never copied; one
-    that comes back while another thread puts one of the same key may be lost, and is built again.
-    """
-
-    def __init__(self) -> None:
-        self._idle: dict[Hashable, list[Any]] = {}
-
-    def take(self, key: Hashable) -> Any:
-        """One of a key, from now on the caller's; None where there is none."""
-        try:
-            return self._idle[key].pop()
-        except (KeyError, IndexError):
-            return None
-
-    def give_back(self, key: Hashable, engine: Any) -> None:
-        """Keep one for whoever asks next."""
-        idle = self._idle
-        engines = idle.pop(key, [])
-        engines.append(engine)
-        idle[key] = engines  # behind all others
-        while sum(map(len, list(idle.values()))) > MOST:
-            for oldest in list(idle)[:1]:
-                engines = idle.get(oldest, [])
-                del engines[:1]
-                if not engines:
-                    idle.pop(oldest, None)
-
-
-#: The one of this process.
-POOL = Pool()
-
-
 # --- events ---------------------------------------------------------------------------------------
 #
 # What is known here of those who look for events in a run under way.
@@ -404,7 +350,7 @@ class Desk:
         self.jets: list[CompiledFunction] = []
 
 
-class Watcher(Listener, Protocol):
+class EventWatcher(Listener, Protocol):
     """What looks for events while a run is under way (polhode.taylor.event_watch.Watch)."""
 
     @property
@@ -434,9 +380,6 @@ class Watcher(Listener, Protocol):
 # --- engine ---------------------------------------------------------------------------------------
 
 
-COMPILING = Lock(LockPlace.COMPILING)
-
-
 class Engine:
     """heyoka's integrator, and what its parameters are.
 
@@ -445,7 +388,6 @@ class Engine:
     the equations keep, as far as any rate asks for them.  ``desk``: of its events, where it looks
     for any.  ``scale``: what stands behind the ``columns`` of the state where the order is another
     than heyoka's own, 0 where it is not.  ``singular``: whether it ends near a form's singular set.
-    In a ``with`` block it is left to the next user at the end, unless an exception ends the block.
     """
 
     def __init__(
@@ -466,39 +408,28 @@ class Engine:
         self.first, self.after = first, first + min(used, coefficients)
         self.kept = tuple(enumerate(constant_rates[: first + used - self.after], self.after))
         self.singular = bool(heyoka.t_events) if heyoka.with_events else False
-        self.key: Hashable = None  # where the pool has it, if anywhere
+        self.key: Hashable = None  # what tells it from others that are idle
         self._zero = scalar(0, number)
 
-    def begin(self) -> None:
-        """Be at time 0 in the state that was written to :attr:`state`."""
+    def begin(self, coefficients: Numbers | None = None) -> None:
+        """Be at time 0 in the state that was written to :attr:`state`.
+
+        With these coefficients, or those from before.
+        """
         self.heyoka.time = self._zero
+        if coefficients is not None and self.after > self.first:
+            self.parameters[self.first : self.after] = coefficients[: self.after - self.first]
         if self._scale:
-            self.tell_scale()
+            self._behind[0] = self._scale  # steps that are not finite leave nan there
         if self.singular:
             self.heyoka.reset_cooldowns()  # traces of a run that ended there
         if self.kept:
             self.tell_kept()
 
-    def tell(self, coefficients: Numbers) -> None:
-        """Give the rates their coefficients."""
-        if self.after > self.first:
-            self.parameters[self.first : self.after] = coefficients[: self.after - self.first]
-
-    def tell_scale(self) -> None:
-        """Put the scale behind the state: steps that are not finite leave nan there."""
-        self._behind[0] = self._scale
-
     def tell_kept(self) -> None:
         """Give the rates the variables that the equations keep, from where they stand."""
         for parameter, column in self.kept:
             self.parameters[parameter] = self.state[column]
-
-    def stand(self, state: Numbers, coefficients: Numbers | None = None) -> None:
-        """Be at time 0 in a state, with these coefficients or those from before."""
-        self.state[:] = state
-        if coefficients is not None:
-            self.tell(coefficients)
-        self.begin()
 
     def until(self, end: HeyokaNumber, most: int, block: int) -> tuple[Outcome, int]:
         """Go on to a time in at most so many steps: how it ended, and the steps taken.
@@ -536,26 +467,84 @@ class Engine:
         """Leave it to the next user of such equations; the last call of all."""
         if self.desk is not None:
             self.desk.watch = None  # which knows a run, its scene and its times
-        if self.key is not None:
-            POOL.give_back(self.key, self)
+        if self.key is None:
+            return
+        engines = IDLE.pop(self.key, [])
+        engines.append(self)
+        IDLE[self.key] = engines  # behind all others
+        while sum(map(len, list(IDLE.values()))) > MOST:
+            for oldest in list(IDLE)[:1]:
+                engines = IDLE.get(oldest, [])
+                del engines[:1]
+                if not engines:
+                    IDLE.pop(oldest, None)
 
-    def __enter__(self) -> Self:
-        return self
 
-    def __exit__(self, fault: type[BaseException] | None, *_: object) -> None:
-        if fault is None:
-            self.release()
+class CompiledBatch(Engine):
+    """A batch of doubles: states and parameters a column for each lane."""
+
+    def begin(self, coefficients: Numbers | None = None) -> None:
+        """All lanes at time 0 where they stand, see :meth:`Engine.begin`."""
+        self.heyoka.set_time(0.0)
+        if coefficients is not None and self.after > self.first:
+            self.parameters[self.first : self.after] = coefficients[: self.after - self.first]
+        if self._scale:
+            self._behind[0] = self._scale
+        if self.kept:
+            self.tell_kept()
+
+    def ended(self, _: Any) -> tuple[Outcome, Any]:
+        """How the lane ended that came least far, and the steps of each."""
+        results = self.heyoka.propagate_res
+        outcomes = {ending(result[0]) for result in results}
+        least = (x for x in (Outcome.NON_FINITE, Outcome.STEP_LIMIT) if x in outcomes)
+        return next(least, Outcome.REACHED_END), np.array([result[3] for result in results])
+
+    @property
+    def now(self) -> HeyokaNumber:
+        """The time that all lanes have reached."""
+        return min(self.heyoka.time, key=abs)
+
+    def grid(self, times: list[HeyokaNumber], most: int) -> tuple[Array, Any, Outcome]:
+        """The same of all lanes, which stand at one time: states at times that all of them met."""
+        grid = np.repeat(np.array([times]).T, self.state.shape[1], axis=1)
+        rows = self.heyoka.propagate_grid(grid, max_steps=most)[1][1:, : self.columns]
+        outcome, taken = self.ended(None)
+        return rows[~np.isnan(rows[:, 0]).any(axis=1)], taken, outcome
 
 
-def lent(key: Hashable, build: Callable[[], E], wait: bool = True) -> E:
-    """An engine of what a key tells from others, built where none is idle.
+# --- idle engines ---------------------------------------------------------------------------------
+#
+# Engines come back in garbage collections, too, below any lock of the thread that collects: so
+# there is no lock.  No two threads are given the same engine, for a list is never copied; one that
+# comes back while another thread puts one of the same key may be lost, and is built again.
 
-    One thread at a time builds, since the code that heyoka has compiled serves the others; not so
-    without ``wait``, for those that may hold a precision.
+
+COMPILING = Lock(LockPlace.COMPILING)
+#: Kinds that are worked with by turns, and each thread's engine of a sweep.  One with an event
+#: takes 5 megabytes, or 15 where it was compiled in this process.  Of more than so many those go
+#: first whose key was not used for longest.
+MOST = max(16, os.cpu_count() or 1)
+#: Engines that nobody uses at the moment, by their key.
+IDLE: dict[Hashable, list[Any]] = {}
+
+
+def lent(key: Hashable, build: Callable[[], Engine] | None = None, wait: bool = True) -> Engine:
+    """An engine of what a key tells from others: from now on the caller's, who releases it.
+
+    Where none is idle it is built, in the principal form from a key that is Equations, or as
+    ``build`` does.  One thread at a time builds, since the code that heyoka has compiled serves the
+    others; not so without ``wait``, for those that may hold a precision.
     """
-    engine: E | None = POOL.take(key)
-    if engine is None:
-        with COMPILING.held() if wait else nullcontext():
-            engine = POOL.take(key) or build()
-        engine.key = key
+    try:
+        engine: Engine = IDLE[key].pop()
+        return engine
+    except (KeyError, IndexError):
+        pass
+    with COMPILING.held() if wait else nullcontext():
+        with suppress(KeyError, IndexError):  # another thread's
+            engine = IDLE[key].pop()
+            return engine
+        engine = built(cast(Equations, key)) if build is None else build()
+    engine.key = key
     return engine

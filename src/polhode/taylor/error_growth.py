@@ -22,8 +22,8 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, Doubles, double_array
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
-from polhode.taylor.batches import LANES, CompiledBatch, in_lanes, until
-from polhode.taylor.engine import Equations, principal_engine
+from polhode.taylor.batches import LANES, in_lanes, until
+from polhode.taylor.engine import Equations, lent
 from polhode.taylor.motion import Motion
 from polhode.taylor.projection import kept_at_zero
 from polhode.taylor.system import System, principal_system
@@ -168,7 +168,7 @@ class _Tangents:
         self._used = np.flatnonzero(units)
         count = len(self._used)
         equations = Equations(STATE, NAMES, tangents=6 + count, driven=count, lanes=LANES)
-        self._ready = principal_engine(equations, CompiledBatch)
+        self._ready = lent(equations)
         columns = np.hstack([np.diag(sizes), np.zeros((6, count))])
         self._start = np.repeat(columns.T.ravel()[:, None], LANES, axis=1)
         numbers = [to_double(plain.coefficients.get(name, 0)) for name in NAMES]
@@ -187,7 +187,8 @@ class _Tangents:
         columns, steps = np.empty((len(order), 6, 6 + len(self._used))), np.empty(len(order))
         batches = in_lanes(starts[order]), in_lanes(lengths[order, None])
         for k, (state, length) in enumerate(zip(*batches, strict=True)):
-            self._ready.stand(np.concatenate([state, self._start]), self._numbers)
+            self._ready.state[:] = np.concatenate([state, self._start])
+            self._ready.begin(self._numbers)
             ended = until(self._ready.heyoka, length[0].tolist(), most)
             here = order[k * LANES : (k + 1) * LANES]
             lanes = self._ready.state[6:].reshape(-1, 6, LANES).transpose(2, 1, 0)

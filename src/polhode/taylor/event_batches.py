@@ -28,9 +28,9 @@ from polhode.numbers.number_types import (
     Scalar,
     double_array,
 )
-from polhode.taylor.batches import LANES, CompiledBatch, Ended, LaneQueue, until
+from polhode.taylor.batches import LANES, Ended, LaneQueue, until
 from polhode.taylor.defaults import first_step_offset
-from polhode.taylor.engine import DESK, Desk, Engine, Equations, integrator, lent, principal_engine
+from polhode.taylor.engine import DESK, CompiledBatch, Desk, Engine, Equations, integrator, lent
 from polhode.taylor.event_decision import (
     ULPS,
     Decision,
@@ -242,8 +242,10 @@ def solve(job: SearchJob, stop: StopRequest | None = None) -> Crossed:
 
     Raises Singular for a section.
     """
-    with lent(("zeros", job.watched), partial(built, job.watched)) as batch:
-        return _Search(job, batch).run(stop)
+    batch = lent(("zeros", job.watched), partial(built, job.watched))
+    crossings = _Search(job, batch).run(stop)
+    batch.release()
+    return crossings
 
 
 def joined(parts: Sequence[Crossed]) -> Crossed:
@@ -275,7 +277,7 @@ class _Stretch(NamedTuple):
 class _Search:
     """A job's motions in the lanes of a batch."""
 
-    def __init__(self, job: SearchJob, batch: CompiledBatch) -> None:
+    def __init__(self, job: SearchJob, batch: Engine) -> None:
         self.job, self.batch, n = job, batch, len(job.starts)
         self.numbers = job.watched.numbers(job.exponent, job.coefficients, job.turns)
         stretches = max(1.0, np.ceil(abs(job.end) / job.stretch))
@@ -334,8 +336,9 @@ class _Search:
         if rest.any():
             others = self.state
             watched = self.job.watched
-            with lent(("extrema", watched), partial(built, watched, extrema=True)) as batch:
-                met = self._followed(batch, rest, starts, stop)
+            batch = lent(("extrema", watched), partial(built, watched, extrema=True))
+            met = self._followed(batch, rest, starts, stop)
+            batch.release()
             if met is None:
                 return None
             self.state = np.where(rest, self.state, others)
@@ -359,12 +362,13 @@ class _Search:
         return lanes
 
     def _followed(
-        self, batch: CompiledBatch, which: Booleans, starts: Doubles, stop: StopRequest | None
+        self, batch: Engine, which: Booleans, starts: Doubles, stop: StopRequest | None
     ) -> _Stretch | None:
         """What some lanes of a batch meet in the stretch; None where stopped.  Raises Singular."""
         self.parameters[ORIGIN] = self.origin
         batch.parameters[:] = self.parameters[: len(batch.parameters)]  # those that it asks for
-        batch.stand(starts)
+        batch.state[:] = starts
+        batch.begin()
         assert batch.desk is not None
         batch.desk.watch, self.heard, self.dense = self, which, batch.heyoka.d_output
         for notes in self.notes:
@@ -398,9 +402,7 @@ class _Search:
         self.side = np.where(new, sides, self.side)
         return np.where(own, 2 * double_array(starts.reach) + ULPS * float(DOUBLE.eps), -1.0)
 
-    def _onwards(
-        self, batch: CompiledBatch, which: Booleans, stop: StopRequest | None
-    ) -> Ended | None:
+    def _onwards(self, batch: Engine, which: Booleans, stop: StopRequest | None) -> Ended | None:
         """Some lanes brought to the stretch's end; None where stopped.  Raises Singular."""
         most, running = self.job.max_steps, self.lanes.motion[self.lanes.busy]
         left = None if most is None else max(1, most - int(self.steps[running].max()))
@@ -471,10 +473,13 @@ class _Search:
         assert self.batch.desk is not None
         jet: Jet = self.batch.desk.jets[0]._replace(timed=False)
         equations = Equations(job.watched.columns, job.watched.names)
-        with principal_engine(equations, Engine) as ta:
-            ta.stand(job.starts[k], job.coefficients[k])
-            probe, span = Probe(jet, ta.heyoka, len(job.watched.columns)), (start.place, end.place)
-            return probe.crossing(places, *span, self.way, side, since, before)
+        ta = lent(equations)
+        ta.state[:] = job.starts[k]
+        ta.begin(job.coefficients[k])
+        probe, span = Probe(jet, ta.heyoka, len(job.watched.columns)), (start.place, end.place)
+        crossing = probe.crossing(places, *span, self.way, side, since, before)
+        ta.release()
+        return crossing
 
     def _met(self, order: int) -> tuple[Indices, Marks]:
         """What heyoka met in the stretch, and in which lanes."""

@@ -11,7 +11,7 @@ import numpy as np
 from polhode.motion.frame import Frame
 from polhode.numbers.number_types import Booleans, Flat, Indices, NumberType, Scalar
 from polhode.taylor.event_functions import BAND, OWN, Jet, Marks, joined_marks
-from polhode.taylor.heyoka import array, as_fraction, scalar
+from polhode.taylor.heyoka import array, as_fraction, scalar, scalars
 
 # --- polishing ------------------------------------------------------------------------------------
 #
@@ -72,9 +72,10 @@ def polished(jet: Jet, met: Sequence[Marks], ends: Marks, sense: int) -> tuple[P
 
     And the same of the motion's ``ends``, as they are.  ``sense``: -1 for a run backward in time.
     """
-    roots, extrema, others = (len(marks.time) for marks in (*met, ends))
-    count = roots + extrema
-    root = np.repeat([True, False, True], [roots, extrema, others])
+    zeros, extrema = met
+    count = len(zeros.time) + len(extrema.time)
+    root = np.ones(count + len(ends.time), dtype=bool)
+    root[len(zeros.time) : count] = False
     with np.errstate(all="ignore"):
         marks = _refined(jet, joined_marks(met), ~root[:count])
         every = places(jet, joined_marks([marks, ends]), sense, root)
@@ -84,7 +85,7 @@ def polished(jet: Jet, met: Sequence[Marks], ends: Marks, sense: int) -> tuple[P
 def _refined(jet: Jet, marks: Marks, extrema: Booleans) -> Marks:
     """The same by some rounds of Newton's method, or at extrema of Schroeder's."""
     converged = Fraction(1, 1 << (jet.number.bits // 2 + 6))  # the error is its square
-    zero, near, small = (scalar(x, jet.number) for x in (Fraction(0), _NEAR, converged))
+    zero, near, small = scalars((Fraction(0), _NEAR, converged), jet.number)
     going = np.full(len(extrema), True)  # no last bit depends on neighbours
     for _ in range(_ROUNDS if going.any() else 0):
         value, rate, bend, third = jet.at(marks)
@@ -231,7 +232,9 @@ class Happenings(NamedTuple):
     @classmethod
     def of(cls, few: Sequence[Happening], crossings: Indices, sides: Indices) -> Happenings:
         """Some, and behind them plain ``crossings``, to ``sides``."""
-        at, signs, spreads, own = zip(*few, strict=True) if few else ((), (), (), ())
+        if not few:
+            return cls(crossings, sides, np.zeros(len(crossings)), {})
+        at, signs, spreads, own = zip(*few, strict=True)
         return cls(
             np.concatenate([np.array(at, dtype=int), crossings]),
             np.concatenate([np.array(signs, dtype=int), sides]),
@@ -241,7 +244,9 @@ class Happenings(NamedTuple):
 
     def those(self, which: Indices) -> Happenings:
         """Some of them."""
-        own = {n: self.own[k] for n, k in enumerate(which.tolist()) if k in self.own}
+        own = self.own
+        if own:
+            own = {n: own[k] for n, k in enumerate(which.tolist()) if k in own}
         return Happenings(self.at[which], self.signs[which], self.spreads[which], own)
 
     def located(self, places: Places) -> Places:
@@ -427,8 +432,7 @@ def depths(happenings: Happenings, places: Places, start: End, end: End) -> Flat
     """
     value = np.abs(places.values[0])
     peaks = np.flatnonzero(~places.root & (value > places.noise))
-    ends = [abs(e.value) for e in (start, end)]
-    heights = np.concatenate([ends[:1], value[peaks], ends[1:]])
+    heights = np.abs(np.concatenate([[start.value], value[peaks], [end.value]]))
     least = np.fmin(heights[:-1], heights[1:])
     at, contact = happenings.at, happenings.signs == 0
     crossing = least[np.searchsorted(peaks, at)]

@@ -41,6 +41,7 @@ from polhode.taylor.heyoka import (
     constant,
     hy,
     scalar,
+    scalars,
     type_options,
 )
 
@@ -384,7 +385,7 @@ class Jet(NamedTuple):
     def moved(self, marks: Marks, step: Scalar) -> Marks:
         """The same places a little later."""
         rates, bend, third = _of(self.motion, marks).reshape(3, *marks.columns.shape)
-        two, three = (scalar(Fraction(k), self.number) for k in (2, 3))
+        two, three = scalars((Fraction(2), Fraction(3)), self.number)
         columns = marks.columns + step * (rates + step / two * (bend + step / three * third))
         return marks._replace(rest=marks.rest + step, columns=columns)
 
@@ -394,7 +395,7 @@ class Jet(NamedTuple):
 
     def noise(self, marks: Marks) -> Flat:
         """The rounding error of the expression, times u, in plain numbers."""
-        columns, clock = (plain(x, self.number) for x in (marks.columns, marks.since_start))
+        columns, clock = plain(marks.columns, self.number), plain(marks.since_start, self.number)
         coefficients = marks.parameters[2:]
         if not self.number.flat:  # of one run, and so the same at all places
             first = plain(coefficients[:, :1], self.number)

@@ -282,6 +282,7 @@ def stays(jet: Jet, heyoka: HeyokaIntegrator, parameters: Array, width: int) -> 
 
 
 _ROOM = 64  # for the first notes
+_SIDES = {"falling": -1, "any": 0, "rising": 1}
 
 
 class Notes:
@@ -349,7 +350,7 @@ class Record:
         return record
 
 
-class Stop(NamedTuple):
+class StopEvent(NamedTuple):
     """An event that ended the run: which, what happened of it up to then, and where."""
 
     event: int
@@ -373,9 +374,9 @@ class Watch:
         end = equations(scene).frame.time(scene.end)
         self.after_step = AfterStep(self._stops, end, number) if rules.asks else None
         self.jets: list[Jet] = []
-        self._of = [Record(side) for side in rules.start]
+        self._of = [*map(Record, rules.start)]
         self._ends = [k for k, event in enumerate(scene.events) if event.stop]
-        self._stop: Stop | None = None
+        self._stop: StopEvent | None = None
         self._first: Marks | None = None  # the start
         # The integrator attached last, views of its state and of its dense output, and the
         # parameters of the jets, the time from which it counts in front.
@@ -506,13 +507,13 @@ class Watch:
             at = happenings.those(np.array([n])).located(noted)
             if self._stop is None or at.ahead[0] < self._stop.marks.since_start[0] * self.way:
                 before = happenings.those(np.arange(n + 1))
-                self._stop = Stop(k, before, decision.complete, at.marks)
+                self._stop = StopEvent(k, before, decision.complete, at.marks)
 
     def _counted(self, k: int, happenings: Happenings) -> Booleans:
         """Which are of the direction that an event asks for."""
-        counts = self.scene.events[k].counts
-        counted: Booleans = np.array([counts(side * self.way) for side in (-1, 0, 1)])
-        return counted[happenings.signs + 1]
+        wanted = _SIDES[self.scene.events[k].direction] * self.way
+        counted: Booleans = happenings.signs * wanted >= 0  # a contact always
+        return counted
 
     # -- corrections of the state, and steps that are taken back --------------------------------
 
@@ -590,8 +591,9 @@ class Watch:
         """All that was noted of an event, polished; the start and an end."""
         assert self._first is not None
         self._settle()
-        met = [self._of[k].joined(order, self.width) for order in range(2)]
-        places, ends = polished(self.jets[k], met, joined_marks([self._first, last]), self.way)
+        record, span = self._of[k], joined_marks([self._first, last])
+        met = record.joined(0, self.width), record.joined(1, self.width)
+        places, ends = polished(self.jets[k], met, span, self.way)
         start, end = ends.those(slice(1)), ends.those(slice(1, 2))
         noted = places.those(places.order)
         side = 0 if start.own[0] else self.rules.start[k]
@@ -608,6 +610,8 @@ class Watch:
 
     def still(self) -> list[int]:
         """The events that start at zero and stay within rounding of it for some steps."""
+        if 0 not in self.rules.start:
+            return []
         motion = self._stepping, self._parameters, self.width
         suspects = [k for k, before in enumerate(self.rules.start) if before == 0]
         return [k for k in suspects if stays(self.jets[k], *motion)]

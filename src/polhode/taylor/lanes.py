@@ -8,7 +8,7 @@ a motion depends on its neighbours in a batch, nor on the order, nor on threads.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -80,7 +80,7 @@ def surely(job: BatchJob, fastest: float) -> bool:
     if job.exponents is not None:
         with np.errstate(over="ignore"):
             end = float(np.ldexp(end, -job.exponents.min(initial=0)))
-    return 0 < end <= batches.longest(job.number) and few
+    return 0 < end <= batches.UNITS_PER_STEP * defaults.of(job.number).chunk and few
 
 
 def states(
@@ -111,15 +111,12 @@ def states(
         if not len(order):
             return states, outcomes
 
-    def quickly(group: Indices, stop: StopRequest | None = None) -> None:
-        states[group] = batches.at_once(job, group, stop)
-
     def carefully(group: Indices, stop: StopRequest | None = None) -> None:
         some = batches.solve(job._replace(motions=job.motions.some(group)), stop)
         states[group], outcomes[group] = some.states, some.outcomes
 
     if surely(job, float(fastest[order].max(initial=0.0))):
-        _share(quickly, order, job, fastest, workers)
+        _share(partial(batches.at_once, job, states), order, job, fastest, workers)
         order = order[~np.isfinite(states[order, -1]).all(axis=1)]
         if not len(order):
             return states, outcomes

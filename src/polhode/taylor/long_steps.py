@@ -27,7 +27,7 @@ _LONGEST = 2.0**30  # in the run's own unit: powers of it are no infinite number
 _BLOCK = 1500  # outputs of a product: what they take stays in the caches
 
 
-class Grid:
+class TimeGrid:
     """Times that lead away from 0; immutable.
 
     ``times``: inside a run's frame, how many they are and the ``end``, the last one.  ``square``:
@@ -46,7 +46,7 @@ class Grid:
         return times if times[0] == 0 else [times[0] - times[0], *times]
 
     @classmethod
-    def of(cls, outside: Flat, unit: float) -> Grid | None:
+    def of(cls, outside: Flat, unit: float) -> TimeGrid | None:
         """Times in the scene's unit, an array (n,), times the ``unit``, a power of two.
 
         None where they do not lead away from 0, or are not inside what they are outside: too large
@@ -76,12 +76,12 @@ class Powers:
     which is no polynomial's.
     """
 
-    def __init__(self, grid: Grid, count: int, order: int) -> None:
+    def __init__(self, grid: TimeGrid, count: int, order: int) -> None:
         self._count, self._order = count, order
         self._tables: list[_Table] = []
         self.be_about(grid)
 
-    def be_about(self, grid: Grid) -> None:
+    def be_about(self, grid: TimeGrid) -> None:
         """Hold the powers of a grid, in the memory of those before as far as it fits."""
         count, before = self._count, self._tables
         step, self._tables = grid.end / count, []
@@ -151,12 +151,12 @@ class LongSteps:
         radians = float(system.tolerance or 0) ** (1 / self._order)
         self._sure = defaults.LONG_REACH * radians  # of a step of the first attempt
         self._tried = defaults.LONG_TRIED * radians  # of one of few
-        self._grid: Grid | None = None
+        self._grid: TimeGrid | None = None
         self._kept: dict[int, Powers] = {}
         self._spare: dict[int, Powers] = {}  # of the grid before, whose memory is used again
         self._most, self._farthest = 0, 0.0  # steps that pay, and what these reach
 
-    def rows(self, grid: Grid, square: float) -> tuple[Doubles, int] | None:
+    def rows(self, grid: TimeGrid, square: float) -> tuple[Doubles, int] | None:
         """States at the times of a grid, and the number of steps; None where others do better.
 
         ``square``: of a bound of the radians to the last time.  By it the first attempt is made;
@@ -199,13 +199,12 @@ class LongSteps:
                         rows[0] = self._start if self._backs is None else self._start * self._backs
                     return rows, count
             if not granted / length > 0:  # not a number
-                self._engine.tell_scale()
-                self._engine.heyoka.time = 0.0
+                self._engine.begin()
                 return None
             count = max(count + 1, math.ceil(grid.end / granted))
         return None
 
-    def _keep(self, grid: Grid) -> None:
+    def _keep(self, grid: TimeGrid) -> None:
         """Be about a grid, until another one comes."""
         same = self._grid is not None and self._grid.size == grid.size
         self._spare = self._kept if same else {}
@@ -238,7 +237,7 @@ class LongSteps:
         state = memoryview(engine.state)
         return state, heyoka.step, terms, factors, scaled, coefficients, bool(engine.kept)
 
-    def _powers(self, grid: Grid, count: int) -> Powers:
+    def _powers(self, grid: TimeGrid, count: int) -> Powers:
         """Those of so many steps, kept with the grid."""
         if (len(self._kept) + 1) * grid.size * self._order > _NUMBERS:
             self._kept.clear()

@@ -144,10 +144,24 @@ class Motion:
 
     def run(self, times: Times, progress: Progress | None = None) -> tuple[Rows, Outcome]:
         """Rows at the times, inside the frame, as far as they were reached; the outcome."""
+        system, origin = self.system, ZERO
         try:
             if self.scene.events:
                 self.watch = self._new_watch(muted=self.spacing > 0)
-            rows, outcome = self._from_start(times, progress)
+            if system.rests:
+                rows, outcome = self._at_rest(times, progress)
+            else:
+                began = time.perf_counter()
+                rows, outcome = system.first[: times[0] == 0], Outcome.REACHED_END
+                self.build_seconds += time.perf_counter() - began
+                if len(rows) < len(times) and system.singular:
+                    outcome = Outcome.SINGULAR
+                elif len(rows) < len(times):
+                    if "angles" in self.scene.modelled and self.scene.starts_at_pole:
+                        system, origin = self._off_the_pole(system)
+                        if not isinstance(rows, list):  # what stays at the pole has no angles
+                            rows = rows[:, : len(system.start)]
+                    rows, outcome = self._leg(system, origin, times, rows, progress)
         except (OutOfRange, ExpressionError) as fault:  # of the system, of an event's number
             expected = f"a type of wider range ({fault})"
             raise BadInput(self.scene.name, "number", self.number.name, expected) from None
@@ -160,34 +174,17 @@ class Motion:
         self.outcome, self.watch = outcome, None
         return rows, outcome
 
-    def _from_start(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
-        """The same, with what is special at the start."""
-        system, origin, frame = self.system, ZERO, self.system.frame
-        if system.rests:  # only the events, those of t, need an integrator
-            self.reached = frame.time_outside(times[-1])
-            rows = self._rows_at_rest([*map(frame.time_outside, times)])
-            if self.watch is None or not self.reached:
-                return rows, Outcome.REACHED_END
-            system = replace(system.with_outputs(()), still=True)
-            first = system.rows([row[: len(system.start)] for row in rows[: times[0] == 0]])
-            passed, outcome = self._leg(system, origin, times, first, progress)
-            return rows[: len(passed)], outcome
-        began = time.perf_counter()
-        rows = system.first[: times[0] == 0]
-        self.build_seconds += time.perf_counter() - began
-        if len(rows) == len(times):
+    def _at_rest(self, times: Times, progress: Progress | None) -> tuple[Rows, Outcome]:
+        """The same of a state that rests: only its events, those of t, need an integrator."""
+        system, outside = self.system, self.system.frame.time_outside
+        self.reached = outside(times[-1])
+        rows = self._rows_at_rest([*map(outside, times)])
+        if self.watch is None or not self.reached:
             return rows, Outcome.REACHED_END
-        if system.singular:
-            return rows, Outcome.SINGULAR
-        if "angles" not in self.scene.modelled or not self.scene.starts_at_pole:
-            return self._leg(system, origin, times, rows, progress)
-        system, origin = self._off_the_pole(system)
-        if not isinstance(rows, list):  # a motion that stays at the pole has no angles
-            rows = rows[:, : len(system.start)]
-        steps = self.steps
-        rows, outcome = self._leg(system, origin, times, rows, progress)
-        self.steps += steps
-        return rows, outcome
+        system = replace(system.with_outputs(()), still=True)
+        first = system.rows([row[: len(system.start)] for row in rows[: times[0] == 0]])
+        passed, outcome = self._leg(system, ZERO, times, first, progress)
+        return rows[: len(passed)], outcome
 
     def _leg(
         self,
@@ -205,9 +202,11 @@ class Motion:
                 corrector = UnitNorm(system.form.unit, self.number)
             elif self.every is not None and not system.still:
                 corrector = Projector(self.system.target, self.every, watch)
+            steps = self.steps  # on the way off a pole
             self.begin(system, origin, corrector)
             most = defaults.of(self.number).max_steps if self.most is None else self.most
             rows, outcome = self.advance(times, most, rows, progress)
+            self.steps += steps
             if corrector is not None:
                 self.projection = corrector.projection
                 self.build_seconds += corrector.seconds

@@ -36,7 +36,7 @@ from polhode.numbers.number_types import (
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults, heyoka
-from polhode.taylor.engine import Watcher
+from polhode.taylor.engine import EventWatcher
 from polhode.taylor.heyoka import (
     CompiledFunction,
     Conversions,
@@ -200,7 +200,7 @@ class Projector(Corrector):
     ``watcher``: what looks for events in the run and shall not be disturbed.
     """
 
-    def __init__(self, onto: Target, every: int, watcher: Watcher | None = None) -> None:
+    def __init__(self, onto: Target, every: int, watcher: EventWatcher | None = None) -> None:
         self.every, self.target, self.watcher, self.waits = every, onto, watcher, 0
         self._step: CompiledFunction | None = None
         #: what was rounded off components that stand still

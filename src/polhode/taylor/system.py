@@ -32,7 +32,16 @@ from polhode.numbers.number_types import (
 )
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
-from polhode.taylor.engine import CLOCK, Cyclic, Engine, Equations, Watcher, built, lent, nearest
+from polhode.taylor.engine import (
+    CLOCK,
+    Cyclic,
+    Engine,
+    Equations,
+    EventWatcher,
+    built,
+    lent,
+    nearest,
+)
 from polhode.taylor.heyoka import OutOfRange, array, scalars
 from polhode.taylor.projection import Target
 
@@ -192,7 +201,7 @@ class System:
         return []
 
     def engine(
-        self, watcher: Watcher | None = None, order: int = 0, tolerance: Fraction | None = None
+        self, watcher: EventWatcher | None = None, order: int = 0, tolerance: Fraction | None = None
     ) -> Engine:
         """An engine that stands at the start at time 0, and looks for a watcher's events.
 
@@ -206,14 +215,15 @@ class System:
         key = equations if watcher is None else (equations, watcher.key)
 
         def build() -> Engine:
-            return built(equations, Engine, self.field, self.form.distance, watcher)
+            return built(equations, self.field, self.form.distance, watcher)
 
         engine = lent(key, build, wait=False)
         if watcher is not None:
             damping = array(scalars(watcher.damping, self.number), self.number)
             factors = engine.parameters[CLOCK : engine.first]  # as many as the events need
             factors[:] = damping[: len(factors)]
-        engine.stand(start, parameters)
+        engine.state[:] = start
+        engine.begin(parameters)
         return engine
 
 

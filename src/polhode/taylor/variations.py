@@ -34,8 +34,8 @@ from polhode.numbers.number_types import (
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import defaults
-from polhode.taylor.batches import LANES, CompiledBatch, LaneQueue, until
-from polhode.taylor.engine import Engine, Equations, integrator, lent, principal_engine
+from polhode.taylor.batches import LANES, LaneQueue, until
+from polhode.taylor.engine import Engine, Equations, integrator, lent
 from polhode.taylor.heyoka import (
     HeyokaNumber,
     HeyokaOutput,
@@ -71,10 +71,11 @@ class Variations:
         self, coefficients: Mapping[str, Number], start: Doubles, tangents: Doubles
     ) -> None:
         equations = Equations(STATE, NAMES, tangents=tangents.shape[1])
-        self._ready = principal_engine(equations, Engine)
+        self._ready = lent(equations)
         numbers = np.array([to_double(coefficients.get(name, 0)) for name in NAMES])
         self.exponent = self.steps = 0
-        self._ready.stand(np.concatenate([start, tangents.T.ravel()]), numbers)
+        self._ready.state[:] = np.concatenate([start, tangents.T.ravel()])
+        self._ready.begin(numbers)
 
     def release(self) -> None:
         """Leave the compiled code to the next motion; the last call of all."""
@@ -172,10 +173,11 @@ class Flow:
 
         Raises NotFollowed.  Ctrl-C is heard every few steps.
         """
-        with self._at(start) as ta:
-            end, chunk = self._number(time), defaults.of(self.number).chunk
-            ended, _ = ta.until(end, MAX_STEPS, chunk)
-            values = ta.state.copy()
+        ta = self._at(start)
+        end, chunk = self._number(time), defaults.of(self.number).chunk
+        ended, _ = ta.until(end, MAX_STEPS, chunk)
+        values = ta.state.copy()
+        ta.release()
         if ended is not Outcome.REACHED_END:
             raise NotFollowed(ended.value)
         if self.number.name == "double":
@@ -189,8 +191,9 @@ class Flow:
 
     def along(self, start: Doubles, times: Doubles) -> Doubles:
         """In double, the states (n, 6) at ascending times from 0 on; raises NotFollowed."""
-        with self._at(start) as ta:
-            rows = np.asarray(ta.heyoka.propagate_grid(times)[-1])[:, :6]
+        ta = self._at(start)
+        rows = np.asarray(ta.heyoka.propagate_grid(times)[-1])[:, :6]
+        ta.release()
         if len(rows) < len(times) or not np.isfinite(rows).all():
             raise NotFollowed(Outcome.NON_FINITE.value)
         return rows
@@ -198,10 +201,11 @@ class Flow:
     def _at(self, start: GivenRow) -> Engine:
         """An integrator that stands there."""
         tangents = len(STATE) if self.derivative else 0
-        ta = principal_engine(Equations(STATE, self._names, self.number, tangents=tangents), Engine)
+        ta = lent(Equations(STATE, self._names, self.number, tangents=tangents))
         ones = scalars([Fraction(0), Fraction(1)], self.number)
         unit = [ones[k % 7 == 0] for k in range(36)] if self.derivative else []
-        ta.stand(array([*map(self._number, start), *unit], self.number), self._pars)
+        ta.state[:] = array([*map(self._number, start), *unit], self.number)
+        ta.begin(self._pars)
         return ta
 
     def _number(self, x: Scalar) -> HeyokaNumber:
@@ -315,10 +319,12 @@ def path(
     """
     number = EXTENDED if wide and extended_here() else DOUBLE
     kind = np.longdouble if number == EXTENDED else np.float64
-    with lent(("any body", number), lambda: _built(number)) as ta:
-        ta.stand(np.array(start, dtype=kind), np.array(constants, dtype=kind))
-        ended, output = ta.polynomials(kind(duration), _MOST_STEPS)
-        order = ta.heyoka.order
+    ta = lent(("any body", number), lambda: _built(number))
+    ta.state[:] = np.array(start, dtype=kind)
+    ta.begin(np.array(constants, dtype=kind))
+    ended, output = ta.polynomials(kind(duration), _MOST_STEPS)
+    order = ta.heyoka.order
+    ta.release()
     if ended is not Outcome.REACHED_END or output is None:
         return None
     ends = np.array(output.times).astype(float)
@@ -375,7 +381,7 @@ class TangentJob(NamedTuple):
     enough: float
 
 
-class Followed(NamedTuple):
+class TangentSizes(NamedTuple):
     """``sizes`` (n, looks + 1): ln|u|, nan past the look at which a motion was left or not finite.
 
     ``last`` (n,): that look.
@@ -385,13 +391,13 @@ class Followed(NamedTuple):
     last: npt.NDArray[np.int64]
 
     @classmethod
-    def of(cls, arrays: JobArrays) -> Followed:
+    def of(cls, arrays: JobArrays) -> TangentSizes:
         """From its arrays by name."""
         sizes = np.asarray(arrays["sizes"], dtype=np.float64)
         return cls(sizes, np.asarray(arrays["last"], dtype=np.int64))
 
 
-def solve(job: TangentJob, stop: StopRequest | None = None) -> Followed:
+def solve(job: TangentJob, stop: StopRequest | None = None) -> TangentSizes:
     """Follow a job's tangents, as many at a time as a step advances; the next takes a free lane."""
     n, chunk = len(job.starts), job.end / job.looks
     sizes = np.full((n, job.looks + 1), np.nan)
@@ -399,34 +405,35 @@ def solve(job: TangentJob, stop: StopRequest | None = None) -> Followed:
     last = np.zeros(n, dtype=int)
     tolerance = None if job.tolerance is None else Fraction(job.tolerance)
     equations = Equations(STATE, job.names, tolerance=tolerance, lanes=LANES, tangents=1)
-    with principal_engine(equations, CompiledBatch) as ta:
-        lanes = LaneQueue(n, LANES)
+    ta = lent(equations)
+    lanes = LaneQueue(n, LANES)
 
-        def begin(lane: int) -> None:
-            k = lanes.motion[lane]
-            ta.state[:6, lane], ta.state[6:, lane] = job.starts[k], job.tangents[k]
-            ta.parameters[:, lane] = job.coefficients[k]
+    def begin(lane: int) -> None:
+        k = lanes.motion[lane]
+        ta.state[:6, lane], ta.state[6:, lane] = job.starts[k], job.tangents[k]
+        ta.parameters[:, lane] = job.coefficients[k]
 
-        def stretch() -> list[int] | None:
-            ta.begin()
-            if until(ta.heyoka, np.where(lanes.busy, chunk, 0.0).tolist(), stop=stop).stopped:
-                return None
-            length, over = np.sqrt((ta.state[6:] ** 2).sum(axis=0)), []
-            for lane in np.flatnonzero(lanes.busy).tolist():
-                k = int(lanes.motion[lane])
-                finite = bool(np.isfinite(ta.state[:, lane]).all()) and length[lane] > 0
-                if finite:
-                    ta.state[6:, lane] /= length[lane]
-                    last[k] += 1
-                    look = last[k]
-                    sizes[k, look] = sizes[k, look - 1] + np.log(length[lane])
-                    grown = sizes[k, look] - sizes[k, look // 2]
-                    if look < job.looks and not (look in job.early and grown > job.enough):
-                        continue
-                over.append(lane)
-            return over
+    def stretch() -> list[int] | None:
+        ta.begin()
+        if until(ta.heyoka, np.where(lanes.busy, chunk, 0.0).tolist(), stop=stop).stopped:
+            return None
+        length, over = np.sqrt((ta.state[6:] ** 2).sum(axis=0)), []
+        for lane in np.flatnonzero(lanes.busy).tolist():
+            k = int(lanes.motion[lane])
+            finite = bool(np.isfinite(ta.state[:, lane]).all()) and length[lane] > 0
+            if finite:
+                ta.state[6:, lane] /= length[lane]
+                last[k] += 1
+                look = last[k]
+                sizes[k, look] = sizes[k, look - 1] + np.log(length[lane])
+                grown = sizes[k, look] - sizes[k, look // 2]
+                if look < job.looks and not (look in job.early and grown > job.enough):
+                    continue
+            over.append(lane)
+        return over
 
-        for lane in range(LANES):
-            begin(lane)
-        lanes.follow(begin, stretch, stop)
-    return Followed(sizes, last)
+    for lane in range(LANES):
+        begin(lane)
+    lanes.follow(begin, stretch, stop)
+    ta.release()
+    return TangentSizes(sizes, last)
