@@ -13,7 +13,7 @@ import pytest
 import polhode
 from polhode import Body
 from polhode.cli import main
-from polhode.judging.tables import motions
+from polhode.judging.tables import hypotheses as motions
 from shared.tables import STATE, euler, midpoint, of_run, rk4, text
 from shared.tools import of_table
 

@@ -22,7 +22,8 @@ from polhode.judging.correct_digits import (
     worst_digits,
 )
 from polhode.judging.score import Answers, score
-from polhode.judging.tables import explanations, motions
+from polhode.judging.tables import explanations
+from polhode.judging.tables import hypotheses as motions
 from polhode.judging.tables.table import of_run
 from polhode.runs.trajectory import Trajectory
 from shared.tools import DOUBLE, exactly

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.judging.residuals import SIGNIFICANCE, are_white
+from polhode.judging.limits import SIGNIFICANCE, are_white
 from shared import drifting_files as files
 from shared.tables import ATTITUDE, STATE, right
 from shared.tools import exactly

@@ -8,31 +8,35 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput, TooManySteps
 from polhode.common.interrupts import Progress
-from polhode.judging.judgement import Judgement
+from polhode.common.values import waiting
+from polhode.judging.judgement import Diagnosis, Judgement
 from polhode.judging.limits import (
     LAST,
     NO_LIMIT,
     NOISES,
+    Residual,
+    ResidualRows,
     departure,
     expectation,
     is_unexpected,
     limit_of,
+    rotation_errors,
 )
 from polhode.judging.reference import Reference, reference
-from polhode.judging.residuals import Residual, ResidualRows, rotation_errors
 from polhode.judging.score import STATE_PART, Score, bits_of, score
 from polhode.judging.sources import NoAnswer, ProofLimits
 from polhode.judging.tables.column_aliases import PLAIN, Naming, naming
 from polhode.judging.tables.csv_file import table_of_columns, table_of_rows
 from polhode.judging.tables.explanations import Cause, as_meant, read_as_told
 from polhode.judging.tables.explanations import causes as fitted_causes
-from polhode.judging.tables.motions import clock_remark, other_start
+from polhode.judging.tables.hypotheses import clock_remark, other_start
 from polhode.judging.tables.table import Reading, Table, as_judged, of_run
 from polhode.judging.tables.table_file import ENDINGS, read_table
 from polhode.numbers.decimals import brief
@@ -194,10 +198,16 @@ def judgement(
     offered: tuple[Reading, ...] = (),
     details: bool = False,
 ) -> Judgement:
-    """What the digits of a score mean: the digits to expect, what limits them, what may be wrong.
+    """A score with what its digits mean, which is found when it is first asked for.
 
     ``offered``: readings that were not applied.  ``details``: also what no limit needs.
     """
+    meaning = waiting(partial(diagnosis, score, offered, details))
+    return Judgement(**{x.name: getattr(score, x.name) for x in fields(Score)}, diagnosis=meaning)
+
+
+def diagnosis(score: Score, offered: tuple[Reading, ...], details: bool) -> Diagnosis:
+    """What the digits of a score mean: those to expect, what limits them, what may be wrong."""
     table, scene = score.subject, score.reference.scene
     is_foreign = table.run is None
     offers = offered if score.is_wrong else ()
@@ -225,27 +235,27 @@ def judgement(
         causes = fitted_causes(table, scene)
     if is_foreign and limit.name == "method" and (loses_all or offers):
         limit = NO_LIMIT  # its method is not to blame
-    start, is_judged = "", bool(score.digits or score.other_parts)
-    if is_foreign and is_judged and score.worst < LAST and not (table.readings or offers or causes):
+    start, is_explained = "", bool(table.readings or offers or causes)
+    if is_foreign and not is_explained and score.has_digits and score.worst < LAST:
         start = other_start(table, scene)
-    return Judgement(
-        **{x.name: getattr(score, x.name) for x in fields(Score)},
-        limit=limit,
-        attitude_limit=limit_of_attitude,
-        expectation=expected,
-        departures={
-            name: fall
-            for name, fall in falls.items()
-            if fall is not None
-            and expected is not None
-            and is_unexpected(fall, score.times, score.part_digits[name], expected.bands)
-        },
-        offers=offers,
-        causes=causes,
-        start=start,
-        residuals=residuals,
-        rotation_errors=rotation,
-        integrals=table.drift(scene, bits_of(table)),
+    departures = {
+        name: fall
+        for name, fall in falls.items()
+        if fall is not None
+        and expected is not None
+        and is_unexpected(fall, score.times, score.part_digits[name], expected.bands)
+    }
+    return Diagnosis(
+        limit,
+        limit_of_attitude,
+        expected,
+        departures,
+        offers,
+        causes,
+        start,
+        residuals,
+        rotation,
+        table.drift(scene, bits_of(table)),
     )
 
 

@@ -22,7 +22,7 @@ import numpy.typing as npt
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, counted
 from polhode.equations.form import field
-from polhode.judging.tables.motions import other_scenes
+from polhode.judging.tables.hypotheses import other_scenes
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import Doubles
 from polhode.results.cells import DOUBLE, TEXT

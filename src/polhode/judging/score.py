@@ -27,7 +27,7 @@ from polhode.judging.correct_digits import (
 )
 from polhode.judging.reference import Reference, column_of, reference
 from polhode.judging.sources import NoAnswer
-from polhode.judging.tables.motions import integrated
+from polhode.judging.tables.hypotheses import integrated
 from polhode.judging.tables.table import PARTS, WRONG, Table
 from polhode.numbers import double_double
 from polhode.numbers.conversion import doubles, to_mpf
@@ -536,19 +536,24 @@ class Score(ByValue):
         """The part that has the fewest: "state", or one of ``part_digits``; BadInput likewise."""
         return self._worst.part
 
+    @property
+    def has_digits(self) -> bool:
+        """Whether any number was judged."""
+        return any(d is not None for row in self.part_digits.values() for d in row)
+
     @cached_property
     def _worst(self) -> _Worst:
+        if not self.has_digits:
+            why = "; ".join(self.unjudged) or "all cells are empty"
+            expected = f"a number in a column that can be judged ({why})"
+            raise BadInput(self.subject.name, "columns", None, expected)
         parts = {STATE_PART: self.digits, **self.other_parts}
-        numbers = [
+        numbers = (
             _Worst(d, part, k)
             for part, digits in parts.items()
             for k, d in enumerate(digits)
             if d is not None
-        ]
-        if not numbers:
-            why = "; ".join(self.unjudged) or "all cells are empty"
-            expected = f"a number in a column that can be judged ({why})"
-            raise BadInput(self.subject.name, "columns", None, expected)
+        )
         return min(numbers, key=lambda number: number.digits)
 
     @property

@@ -12,8 +12,14 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from polhode.judging.tables.hypotheses import Evidence, Hypothesis
-from polhode.judging.tables.motions import Right, errors_of_rows, matrices, size_of_motion
+from polhode.judging.tables.hypotheses import (
+    Evidence,
+    Hypothesis,
+    Right,
+    errors_of_rows,
+    matrices,
+    size_of_motion,
+)
 from polhode.judging.tables.table import TURN, Change
 from polhode.numbers.number_types import Doubles
 from polhode.numbers.vectors import quaternion_products
