@@ -310,7 +310,7 @@ def test_nanoseconds_are_the_rest_of_a_second(tmp_path, rest):
     with pytest.raises(BadInput, match=r"header\.stamp\.nanosec.*(whole|number)"):
         polhode.compare({n.strip(): x for n, x in columns_given.items()}, CASE)
     line = refused(tmp_path, spelt(columns_given).replace("'", ""))
-    assert "x.csv:10: header.stamp.sec = 2, " in line
+    assert "x.csv: header.stamp.sec, row 9 = 2, " in line
     assert "whole nanoseconds below 1e9" in line
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from polhode.judging.tables.hypotheses import Comparison, Evidence, Hypothesis, explains
+from polhode.judging.tables.hypotheses import Evidence, Hypothesis, Trial, explains
 
 NONE = np.zeros(4)
 
@@ -12,7 +12,7 @@ def comparison(digits, rival=NONE, goes=True, freedom=3, rows_fitted=0, **hypoth
     """Evidence of so many digits a row beside that of the table as it stands."""
     mine = np.broadcast_to(np.asarray(digits, dtype=float), (4,))
     evidence = Evidence(Hypothesis(**hypothesis), mine.copy(), rows_fitted, freedom)
-    return Comparison(evidence, Evidence(Hypothesis(), np.array(rival, dtype=float)), goes)
+    return Trial(evidence, Evidence(Hypothesis(), np.array(rival, dtype=float)), goes)
 
 
 @pytest.mark.parametrize(

@@ -228,11 +228,12 @@ def computes_nothing(monkeypatch):
 
 @pytest.mark.parametrize("factor", [1, 1 + 1e-5, 180 / np.pi])
 @pytest.mark.parametrize("details", [False, True])
-def test_a_judgement_is_read_and_nothing_is_computed(factor, details, computes_nothing):
+def test_what_a_judgement_means_is_found_once_and_then_read(factor, details, computes_nothing):
     run = polhode.integrate("lagrange/nutation", at=[0, 1, 2, 3, 4])
     columns = {"t": [0, 1, 2, 3, 4], **dict(zip(run.columns, run.states.T, strict=True))}
     columns |= {name: columns[name] * factor for name in "pqr"}
     judged = polhode.compare(columns, run.scene, details=details)
+    _ = judged.diagnosis
     computes_nothing()
     again = pickle.loads(pickle.dumps(judged))
     assert again.to_json() == judged.to_json()
@@ -241,9 +242,14 @@ def test_a_judgement_is_read_and_nothing_is_computed(factor, details, computes_n
     assert bool(judged.residuals) == details
 
 
-def test_digits_that_are_demanded_are_scored_and_no_more(computes_nothing, monkeypatch):
+def test_digits_that_are_demanded_are_scored_and_no_more(monkeypatch):
+    """A motion that has to be followed for what the digits mean is followed by who asks that."""
     run = polhode.integrate("euler/separatrix", at=[1, 20])
+    judged = polhode.compare(run)
     monkeypatch.setattr(limits, "conditioning", None)
+    assert 12.5 < judged.worst == min(judged.digits) < 14.5
+    with pytest.raises(TypeError):
+        _ = judged.limit
     score_of_run = polhode.testing.assert_digits(run, run.scene, 12)
     assert 12.5 < score_of_run.worst < 14.5
     assert not hasattr(score_of_run, "limit")

@@ -329,9 +329,10 @@ def of_run(run: Trajectory) -> Table:
 def as_judged(table: Table, scene: Scene) -> Table:
     """A table with those columns alone that the scene has, and notes of the others."""
     there, unjudged = table.columns, not_judged()
+    again = are_attitude(table.ignored) if table.ignored else ()
     remarks = [
         (_quoted(name), _AGAIN if is_again else "is not known and was not judged")
-        for name, is_again in zip(table.ignored, are_attitude(table.ignored), strict=True)
+        for name, is_again in zip(table.ignored, again, strict=True)
     ]
     remarks += [(name, f"was not judged: {why}") for name, why in unjudged.items() if name in there]
     others = [name for name in column_names() if name not in unjudged]
