@@ -12,8 +12,7 @@ import pytest
 import polhode
 from polhode import BadInput
 from polhode.cli import main
-from polhode.judging.convergence_order import ObservedOrder
-from polhode.testing import order_of
+from polhode.testing import ObservedOrder, order_of
 from shared.tables import euler, midpoint, rk4
 from shared.tools import tiers
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Never
+from typing import TYPE_CHECKING, Any, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput, TooManySteps
@@ -31,7 +31,7 @@ from polhode.judging.limits import (
 )
 from polhode.judging.reference import Reference, reference
 from polhode.judging.score import STATE_PART, Score, bits_of, score
-from polhode.judging.sources import NoAnswer, ProofLimits
+from polhode.judging.sources import NO_LIMITS, NoAnswer, ProofLimits
 from polhode.judging.tables.column_aliases import PLAIN, Naming, naming
 from polhode.judging.tables.csv_file import table_of_columns, table_of_rows
 from polhode.judging.tables.explanations import Cause, as_meant, read_as_told
@@ -141,56 +141,65 @@ def compare(
     gate = "no threshold: polhode.testing.assert_digits(run, scene, at_least) has one"
     refuse_unknown("compare", compare, unknown, at_least=gate)
     of_kind("compare", "details", details, bool, "True or False")
-    limits = ProofLimits(progress, forecast, max_seconds)
-    options = JudgingOptions(number, digits, at, columns, as_it_stands, read, limits)
-    score, offered = scored(what, against, options)
+    score, offered = scored(
+        what,
+        against,
+        number=number,
+        digits=digits,
+        at=at,
+        columns=columns,
+        as_it_stands=as_it_stands,
+        read=read,
+        limits=ProofLimits(progress, forecast, max_seconds),
+    )
     return judgement(score, offered, details)
-
-
-class JudgingOptions(NamedTuple):
-    """How a table is read and judged; the fields are parameters of :func:`compare`."""
-
-    number: str | NumberType | None = None
-    digits: int | None = None
-    at: Iterable[AnyNumber] | None = None
-    columns: Sequence[str] | None = None
-    as_it_stands: bool = False
-    read: str | None = None
-    limits: ProofLimits = ProofLimits()
 
 
 def scored(
     source: Any,
     against: Reference | Scene | str | Path | None,
-    options: JudgingOptions,
+    *,
+    number: str | NumberType | None = None,
+    digits: int | None = None,
+    at: Iterable[AnyNumber] | None = None,
+    columns: Sequence[str] | None = None,
+    as_it_stands: bool = False,
+    read: str | None = None,
+    limits: ProofLimits = NO_LIMITS,
 ) -> tuple[Score, tuple[Reading, ...]]:
     """The score of what :func:`compare` judges, as it is read; readings that were not applied.
 
     The truth, the table, how it is read, and the score: what follows tells why.  Raises BadInput.
     """
-    of_kind("compare", "as_it_stands", options.as_it_stands, bool, "True or False")
-    truth = _truth(source, against, options)
-    table_given = _table(source, truth, options)
-    is_foreign, read = table_given.run is None, options.read
-    is_read = is_foreign and read is None and not options.as_it_stands
+    of_kind("compare", "as_it_stands", as_it_stands, bool, "True or False")
+    truth = _truth(source, against, limits)
+    table_given = _table(source, truth.scene, number, digits, at, columns)
+    run = None if isinstance(source, Trajectory) else table_given.run
+    if run is not None and (read or not _is_of(run.scene, truth.scene)):
+        table_given = replace(table_given, run=None)  # another's table, as it were
+    table_given = as_judged(table_given, truth.scene)
+    if not table_given.columns:
+        expected = f"columns of {', '.join(truth.scene.columns)}, angles or attitude"
+        raise BadInput(table_given.name, "header", None, expected)
+    is_read = table_given.run is None and read is None and not as_it_stands
     table = table_given
     offered: tuple[Reading, ...] = ()
-    if is_foreign and read is not None:
+    if table_given.run is None and read is not None:
         table = read_as_told(table_given, truth, read)
     elif is_read:
         table, offered = as_meant(table_given, truth)
     try:
-        return score(table, truth, options.limits.progress), offered
+        return score(table, truth, limits.progress), offered
     except TooManySteps as fault:
         expected = "; ".join([fault.expected, *clock_remark(table, truth.scene)])
         raise TooManySteps(fault.source, "t", fault.value, expected) from None
     except NoAnswer:
         if not truth.is_closed_form:
             raise
-    truth = reference(truth.scene, "certified", **options.limits._asdict())
+    truth = reference(truth.scene, "certified", **limits._asdict())
     if is_read:
         table, offered = as_meant(table_given, truth)
-    return score(table, truth, options.limits.progress), offered
+    return score(table, truth, limits.progress), offered
 
 
 def judgement(
@@ -260,9 +269,7 @@ def diagnosis(score: Score, offered: tuple[Reading, ...], details: bool) -> Diag
 
 
 def _truth(
-    source: Any,
-    against: Reference | Scene | str | Path | None,
-    options: JudgingOptions,
+    source: Any, against: Reference | Scene | str | Path | None, limits: ProofLimits
 ) -> Reference:
     """The reference that judges; raises BadInput."""
     if against is None:
@@ -281,33 +288,30 @@ def _truth(
         raise BadInput("compare", "SCENE", str(against), expected)
     if not isinstance(against, (Scene, str, Path)):
         return against
-    return reference(against, **options.limits._asdict())
+    return reference(against, **limits._asdict())
 
 
-def _table(source: Any, truth: Reference, options: JudgingOptions) -> Table:
-    """What is judged, as a table of those columns that the scene has; raises BadInput."""
-    number, digits, columns = options.number, options.digits, options.columns
-    scene = truth.scene
+def _table(
+    source: Any,
+    scene: Scene,
+    number: str | NumberType | None,
+    digits: int | None,
+    at: Iterable[AnyNumber] | None,
+    columns: Sequence[str] | None,
+) -> Table:
+    """What is judged, as a table; raises BadInput."""
     if isinstance(source, Trajectory):
-        table = of_run(source)
-    else:
-        if digits is not None and number is None:
-            raise BadInput(scene.name, "digits", digits, "number given with it: mp")
-        kind = None if number is None else choose_number(scene, number, digits)
-        if isinstance(source, (str, Path)):
-            source = read_table(Path(source), kind, _naming(columns))
-        elif hasattr(source, "keys"):
-            source = table_of_columns(source, kind, names=_naming(columns, of_file=False))
-        elif not isinstance(source, Table):
-            named = scene.columns if columns is None else columns
-            source = table_of_rows(source, options.at, named, kind)
-        if source.run is not None and (options.read or not _is_of(source.run.scene, scene)):
-            source = replace(source, run=None)  # another's table, as it were
-        table = as_judged(source, scene)
-    if not table.columns:
-        expected = f"columns of {', '.join(scene.columns)}, angles or attitude"
-        raise BadInput(table.name, "header", None, expected)
-    return table
+        return of_run(source)
+    if digits is not None and number is None:
+        raise BadInput(scene.name, "digits", digits, "number given with it: mp")
+    kind = None if number is None else choose_number(scene, number, digits)
+    if isinstance(source, (str, Path)):
+        return read_table(Path(source), kind, _naming(columns))
+    if hasattr(source, "keys"):
+        return table_of_columns(source, kind, names=_naming(columns, of_file=False))
+    if isinstance(source, Table):
+        return source
+    return table_of_rows(source, at, scene.columns if columns is None else columns, kind)
 
 
 def _is_of(scene: Scene, second: Scene) -> bool:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
-from functools import partial
+from functools import cache, partial
 from typing import NamedTuple, TypeAlias
 
 from polhode.common.errors import BadInput, nearest
@@ -144,6 +144,8 @@ def root(square: Fraction, bits: int) -> Fraction:
 # --- column aliases -------------------------------------------------------------------------------
 
 
+_BITS = 3700  # of a degree: far more than any table prints
+
 #: Another form of the attitude, which becomes a quaternion: see :func:`with_quaternions`.
 ROTATION_VECTOR = ("rotvec1", "rotvec2", "rotvec3")
 
@@ -216,6 +218,12 @@ _TIMES |= {"min": Fraction(60), "minute": Fraction(60), "minutes": Fraction(60)}
 _TURNS = {"rpm": Fraction(6), "dps": Fraction(1), "mdps": Fraction(1, 1000)}  # in degrees
 
 
+@cache
+def degree() -> Fraction:
+    """A degree in radians."""
+    return exact.nearest(exact.pi() / 180, _BITS)
+
+
 def known() -> list[str]:
     """The names of all columns of a trajectory."""
     return ["t", *STATE, *column_names()]
@@ -243,13 +251,12 @@ def are_attitude(headers: Sequence[str]) -> list[bool]:
 
 
 class NamedColumn(NamedTuple):
-    """The column that a header names, None where it is unknown; whether it is in degrees.
+    """The column that a header names, None where it is unknown.
 
     ``factor``: what its numbers are multiplied by, of another unit.
     """
 
     name: str | None
-    degrees: bool = False
     factor: Fraction = Fraction(1)
 
 
@@ -260,7 +267,6 @@ class _Unit(NamedTuple):
     """A unit: of an ``angle``, a ``rate`` or a ``time``, empty for none of these."""
 
     kind: str
-    degrees: bool = False
     factor: Fraction = Fraction(1)
 
 
@@ -284,9 +290,8 @@ def columns(headers: Sequence[str]) -> list[NamedColumn]:
     ['p', 'q', 'r']
     >>> [found.name for found in columns(["t", "x", "y", "z", "w"])]
     ['t', 'q1', 'q2', 'q3', 'q0']
-    >>> columns(["time_ms", "psi_deg"])
-    [Column(name='t', degrees=False, factor=Fraction(1, 1000)), \
-Column(name='psi', degrees=True, factor=Fraction(1, 1))]
+    >>> [found.name for found in columns(["time_ms", "psi_deg"])]
+    ['t', 'psi']
     """
     bare = {header for header in headers if header.lower() in _BARE_QUATERNION}
     if len(bare) == len(_BARE_QUATERNION):
@@ -341,7 +346,7 @@ def by_clock(
         factor, words = _MICRO, "microseconds, as in PX4's logs"
     else:
         return [*named], ()
-    counted = [NamedColumn("t", False, factor) if k == clock else x for k, x in enumerate(named)]
+    counted = [NamedColumn("t", factor) if k == clock else x for k, x in enumerate(named)]
     return counted, (f"read as: {headers[clock]} in {words}",)
 
 
@@ -367,7 +372,7 @@ def _alone(header: str) -> NamedColumn | _Component:
     if header in known() and header not in (*MATRIX, *RODRIGUES):  # of which all are needed
         return NamedColumn(header)
     if header == "%time":
-        return NamedColumn("t", False, _TIMES["ns"])
+        return NamedColumn("t", _TIMES["ns"])
     plain = _NOTHING.sub("", header.translate(_GREEK).strip())
     split = _UNIT.search(plain)
     for name, unit in ((plain, None), (plain[: split.start()] if split else "", split)):
@@ -395,11 +400,11 @@ def _unit(match: re.Match[str] | None) -> _Unit:
         return _Unit("")
     angle, per, rate, time = (x.lower() if x else "" for x in match.groups()[:4])
     if time:
-        return _Unit("time", factor=_TIMES.get(time, Fraction(1)))
+        return _Unit("time", _TIMES.get(time, Fraction(1)))
     if rate:
-        return _Unit("rate", True, _TURNS.get(rate, Fraction(360)))
-    factor = Fraction(1, 1000) if angle.startswith("m") else Fraction(1)
-    return _Unit("rate" if per else "angle", "deg" in angle, factor)
+        return _Unit("rate", _TURNS.get(rate, Fraction(360)) * degree())
+    factor = Fraction(1, 1000 if angle.startswith("m") else 1)
+    return _Unit("rate" if per else "angle", factor * degree() if "deg" in angle else factor)
 
 
 def _in_unit(name: str, unit: _Unit) -> NamedColumn:
@@ -408,7 +413,7 @@ def _in_unit(name: str, unit: _Unit) -> NamedColumn:
     kinds = ("angle",) if name in (*ANGLES, *ROTATION_VECTOR) else kinds
     if unit.kind and unit.kind not in kinds:
         return UNKNOWN
-    return NamedColumn(name, unit.degrees, unit.factor)
+    return NamedColumn(name, unit.factor)
 
 
 def _component(part: _Component, first: str) -> NamedColumn:
@@ -485,5 +490,5 @@ def naming(text: str) -> Naming:
             factor = sign * (expression.decimal(by) if by else Fraction(1))
         except ExpressionError as fault:
             raise BadInput("compare", "--columns", item, f"NAME=COLUMN*NUMBER ({fault})") from None
-        meant[name] = NamedColumn(ours, False, factor)
+        meant[name] = NamedColumn(ours, factor)
     return Naming((), meant)

@@ -22,7 +22,7 @@ from dataclasses import replace
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from functools import partial
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -41,7 +41,7 @@ from polhode.judging.tables.column_aliases import (
     twice,
     with_quaternions,
 )
-from polhode.judging.tables.table import Table, degree
+from polhode.judging.tables.table import Table
 from polhode.numbers import expression
 from polhode.numbers.conversion import exact_number, exactly, to_double
 from polhode.numbers.expression import ExpressionError
@@ -276,7 +276,7 @@ def _with_one_clock(
         return header, columns
     k, rest = places
     times = []
-    for row, stamp in enumerate(zip(columns[k], columns[rest], strict=True), 1):
+    for row, stamp in enumerate(zip_longest(columns[k], columns[rest]), 1):
         try:
             seconds, nanoseconds = map(_count, stamp)
             times.append(f"{seconds}.{nanoseconds:09}")
@@ -313,12 +313,11 @@ def table_of_cells(
     time.
     """
     cells_by_name: dict[str, Cells] = {}
-    for (name, degrees, factor), column in zip(named, cells, strict=True):
+    for (name, factor), column in zip(named, cells, strict=True):
         if name is None or column is None:
             continue
-        if degrees or factor != 1:
-            scale = factor * degree() if degrees else factor
-            column = tuple(x and exactly(x) * scale for x in column)
+        if factor != 1:
+            column = tuple(x and exactly(x) * factor for x in column)
         cells_by_name[name] = column
     times = [exactly(t) for t in cells_by_name.pop("t") if t is not None]
     if not times or any(len(column) != len(times) for column in cells_by_name.values()):

@@ -75,7 +75,7 @@ class Hypothesis(NamedTuple):
     and not applied.  ``motion``: of which the table may be, of a hypothesis of all parts.
     ``tries``: how many are as plain, of which one may be right by chance.  ``fitted``: how many
     numbers are fitted to the table, ``origin + unit * x`` for the x of ``motion``, ``smallest`` or
-    more.  ``renamed``: how many frames it renames; the plainer ones come first.
+    more.
     """
 
     words: str = ""
@@ -83,7 +83,6 @@ class Hypothesis(NamedTuple):
     motion: Motion | None = None
     tries: int = 1
     fitted: int = 0
-    renamed: int = 0
     origin: float = 0.0
     unit: float = 1.0
     smallest: float = -math.inf
