@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
-from polhode.judging.compare import judgement, refuse_incomplete, scored
+from polhode.judging.compare import JudgingOptions, judgement, refuse_incomplete, scored
 from polhode.judging.convergence_order import ObservedOrder, observed_order
 from polhode.judging.score import Score
 from polhode.numbers.conversion import exact_number, to_double
@@ -105,9 +105,8 @@ def assert_digits(
         held = [to_double(exact_number(t)) for t in times]
         mine, at = [mine(t) for t in held], held
     try:
-        score, offered = scored(
-            mine, scene, number=number, at=at, columns=columns, as_it_stands=as_it_stands
-        )
+        options = JudgingOptions(number, at=at, columns=columns, as_it_stands=as_it_stands)
+        score, offered = scored(mine, scene, options)
         refuse_incomplete(score)
     except BadInput as fault:
         raise fault.with_traceback(None) from None

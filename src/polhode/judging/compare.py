@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Never
+from typing import TYPE_CHECKING, Any, NamedTuple, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput, TooManySteps
@@ -31,7 +31,7 @@ from polhode.judging.limits import (
 )
 from polhode.judging.reference import Reference, reference
 from polhode.judging.score import STATE_PART, Score, bits_of, score
-from polhode.judging.sources import NO_LIMITS, NoAnswer, ProofLimits
+from polhode.judging.sources import NoAnswer, ProofLimits
 from polhode.judging.tables.column_aliases import PLAIN, Naming, naming
 from polhode.judging.tables.csv_file import table_of_columns, table_of_rows
 from polhode.judging.tables.explanations import Cause, as_meant, read_as_told
@@ -141,39 +141,35 @@ def compare(
     gate = "no threshold: polhode.testing.assert_digits(run, scene, at_least) has one"
     refuse_unknown("compare", compare, unknown, at_least=gate)
     of_kind("compare", "details", details, bool, "True or False")
-    score, offered = scored(
-        what,
-        against,
-        number=number,
-        digits=digits,
-        at=at,
-        columns=columns,
-        as_it_stands=as_it_stands,
-        read=read,
-        limits=ProofLimits(progress, forecast, max_seconds),
-    )
+    limits = ProofLimits(progress, forecast, max_seconds)
+    options = JudgingOptions(number, digits, at, columns, as_it_stands, read, limits)
+    score, offered = scored(what, against, options)
     return judgement(score, offered, details)
 
 
+class JudgingOptions(NamedTuple):
+    """How a table is read and judged; the fields are parameters of :func:`compare`."""
+
+    number: str | NumberType | None = None
+    digits: int | None = None
+    at: Iterable[AnyNumber] | None = None
+    columns: Sequence[str] | None = None
+    as_it_stands: bool = False
+    read: str | None = None
+    limits: ProofLimits = ProofLimits()
+
+
 def scored(
-    source: Any,
-    against: Reference | Scene | str | Path | None,
-    *,
-    number: str | NumberType | None = None,
-    digits: int | None = None,
-    at: Iterable[AnyNumber] | None = None,
-    columns: Sequence[str] | None = None,
-    as_it_stands: bool = False,
-    read: str | None = None,
-    limits: ProofLimits = NO_LIMITS,
+    source: Any, against: Reference | Scene | str | Path | None, options: JudgingOptions
 ) -> tuple[Score, tuple[Reading, ...]]:
     """The score of what :func:`compare` judges, as it is read; readings that were not applied.
 
     The truth, the table, how it is read, and the score: what follows tells why.  Raises BadInput.
     """
+    read, limits, as_it_stands = options.read, options.limits, options.as_it_stands
     of_kind("compare", "as_it_stands", as_it_stands, bool, "True or False")
     truth = _truth(source, against, limits)
-    table_given = _table(source, truth.scene, number, digits, at, columns)
+    table_given = _table(source, truth.scene, options)
     run = None if isinstance(source, Trajectory) else table_given.run
     if run is not None and (read or not _is_of(run.scene, truth.scene)):
         table_given = replace(table_given, run=None)  # another's table, as it were
@@ -291,15 +287,9 @@ def _truth(
     return reference(against, **limits._asdict())
 
 
-def _table(
-    source: Any,
-    scene: Scene,
-    number: str | NumberType | None,
-    digits: int | None,
-    at: Iterable[AnyNumber] | None,
-    columns: Sequence[str] | None,
-) -> Table:
+def _table(source: Any, scene: Scene, options: JudgingOptions) -> Table:
     """What is judged, as a table; raises BadInput."""
+    number, digits, columns = options.number, options.digits, options.columns
     if isinstance(source, Trajectory):
         return of_run(source)
     if digits is not None and number is None:
@@ -311,7 +301,7 @@ def _table(
         return table_of_columns(source, kind, names=_naming(columns, of_file=False))
     if isinstance(source, Table):
         return source
-    return table_of_rows(source, at, scene.columns if columns is None else columns, kind)
+    return table_of_rows(source, options.at, scene.columns if columns is None else columns, kind)
 
 
 def _is_of(scene: Scene, second: Scene) -> bool:

@@ -106,9 +106,6 @@ class ProofLimits(NamedTuple):
     max_seconds: float | None = None
 
 
-NO_LIMITS = ProofLimits()
-
-
 class EnclosureSource(Source):
     """Balls that contain the exact motion of any scene, and their midpoints.
 

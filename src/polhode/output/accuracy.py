@@ -16,7 +16,7 @@ from polhode.common.errors import BadInput, TooManySteps, few
 from polhode.common.interrupts import Message, heard
 from polhode.dynamics.lyapunov import Lyapunov, lyapunov
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.compare import compare, scored
+from polhode.judging.compare import JudgingOptions, compare, scored
 from polhode.judging.conditioning import conditioning
 from polhode.judging.convergence_order import order_between
 from polhode.judging.judgement import Judgement
@@ -373,7 +373,7 @@ def _costed(scene: Scene, against: Reference, number: str, tolerance: str | None
         began = time.process_time()
         row = call()
         seconds.append(time.process_time() - began)
-    score, _ = scored([row], against, number=number, at=[scene.end], as_it_stands=True)
+    score, _ = scored([row], against, JudgingOptions(number, at=[scene.end], as_it_stands=True))
     return (number, float(tolerance or named(number).eps), score.worst, min(seconds))
 
 

@@ -211,7 +211,7 @@ _POLE = 1e-9  # the sine of theta where psi and phi are one angle
 def matrices(quaternions: Any) -> Doubles:
     """R (body -> space) of quaternions, scalar first, of any length but 0; shape (n, 3, 3)."""
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        return np.array(rotation(np.transpose(quaternions))).T.reshape(-1, 3, 3)
+        return np.array(rotation([*np.transpose(quaternions)])).T.reshape(-1, 3, 3)
 
 
 class Right(NamedTuple):
@@ -263,8 +263,7 @@ def integrated(
         return None
     if not rows:
         return None
-    states, *attitude = (np.asarray(rows[name], dtype=float) for name in ("states", *outputs))
-    return Right(states, *attitude)
+    return Right(*(np.asarray(rows[name], dtype=float) for name in ("states", *outputs)))
 
 
 # --- other times ----------------------------------------------------------------------------------
