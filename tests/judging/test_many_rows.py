@@ -92,17 +92,6 @@ def test_angles_that_the_motion_does_not_have_are_not_asked_for():
     assert 6.9 < polhode.compare(table, "lagrange/sleeping-stable").parts["angles"] < 7.1
 
 
-@pytest.mark.slow
-def test_numbers_beyond_doubles_are_judged_too():
-    times = [Fraction(k, 4) for k in range(120)]
-    table = right("euler/attitude", times)
-    rows = [[Fraction(float(x)) for x in row] for row in zip(*[*table.values()][1:], strict=True)]
-    assert polhode.compare(rows, "euler/attitude", at=times).worst > 14.5
-    rows[3][1] = Fraction(10) ** 400
-    judgement = polhode.compare(rows, "euler/attitude", at=times)
-    assert (judgement.worst, judgement.worst_time) == (0, times[3])
-
-
 DEAR, SPREAD = 180, 60  # rows, and how many of them are evenly spread
 ODD = 86  # a row that is none of these
 

@@ -20,7 +20,6 @@ from polhode.judging.judgement import Diagnosis, Judgement
 from polhode.judging.limits import (
     LAST,
     NO_LIMIT,
-    NOISES,
     Residual,
     ResidualRows,
     departure,
@@ -235,8 +234,7 @@ def diagnosis(score: Score, offered: tuple[Reading, ...], details: bool) -> Diag
             limit_of_attitude = noise if limit_of_attitude.name == "method" else limit_of_attitude
         residuals = rows.residuals if details or noise is not None else ()
     causes: tuple[Cause, ...] = ()
-    is_explicable = is_foreign and bool(score.digits) and not offers and limit not in NOISES
-    if is_explicable and (loses_all or limit.name == "method"):
+    if is_foreign and score.digits and not offers and (loses_all or limit.name == "method"):
         causes = fitted_causes(table, scene)
     if is_foreign and limit.name == "method" and (loses_all or offers):
         limit = NO_LIMIT  # its method is not to blame

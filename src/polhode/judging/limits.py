@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate, pairwise
@@ -17,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.common.errors import few
+from polhode.common.errors import BadInput, few
 from polhode.equations.form import field
 from polhode.judging.conditioning import Band, Conditioning, conditioning
 from polhode.judging.correct_digits import log10_rate, plain_rows
@@ -259,7 +260,8 @@ def expectation(score: Score, conditions: Conditioning | None = None) -> Expecta
         parts, rows = [(times, conditions)], [*range(len(times))]
     elif heyoka.installed:
         instants = by_sign([times[k] for k in rows])
-        parts = [(part, conditioning(scene, part, table.number)) for part in instants]
+        with suppress(BadInput):  # a motion that cannot be followed in doubles
+            parts = [(part, conditioning(scene, part, table.number)) for part in instants]
     every = 0 if table.run is None or table.run.projection is None else table.run.projection.every
 
     def at_all_times(question: Callable[[Conditioning], Sequence[Any]]) -> tuple[Any, ...]:

@@ -136,9 +136,7 @@ def _of_vector(vector: Sequence[Fraction], bits: int) -> Quaternion:
 
 def root(square: Fraction, bits: int) -> Fraction:
     """The square root to so many bits."""
-    size = square.denominator.bit_length() - square.numerator.bit_length()
-    places = bits + max(0, size)
-    return Fraction(math.isqrt((square.numerator << 2 * places) // square.denominator), 1 << places)
+    return exact.nearest(exact.sqrt(square), bits)
 
 
 # --- column aliases -------------------------------------------------------------------------------
