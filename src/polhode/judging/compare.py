@@ -170,7 +170,10 @@ def scored(
     truth = _truth(source, against, limits)
     table_given = _table(source, truth.scene, options)
     run = None if isinstance(source, Trajectory) else table_given.run
-    if run is not None and (read or not _is_of(run.scene, truth.scene)):
+    same = ("units", "body", "omega", "gamma")
+    if run is not None and (
+        read or any(getattr(run.scene, key) != getattr(truth.scene, key) for key in same)
+    ):
         table_given = replace(table_given, run=None)  # another's table, as it were
     table_given = as_judged(table_given, truth.scene)
     if not table_given.columns:
@@ -300,12 +303,6 @@ def _table(source: Any, scene: Scene, options: JudgingOptions) -> Table:
     if isinstance(source, Table):
         return source
     return table_of_rows(source, options.at, scene.columns if columns is None else columns, kind)
-
-
-def _is_of(scene: Scene, second: Scene) -> bool:
-    """Whether two scenes have the same motion, in the same units."""
-    keys = ("units", "body", "omega", "gamma")
-    return all(getattr(scene, key) == getattr(second, key) for key in keys)
 
 
 def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:

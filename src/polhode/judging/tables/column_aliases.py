@@ -377,7 +377,8 @@ def _alone(header: str) -> NamedColumn | _Component:
         word = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.strip()).lower()
         units = _unit(unit)
         column = "t" if name.strip() == "t" else _WORDS.get(word) or _WORDS.get(name.lower())
-        column = column or _rate_of_turn(word)
+        if turn := _ROLL.match(word):
+            column = column or STATE[("roll", "pitch", "yaw").index(turn[1])]
         if column is not None:
             return _in_unit(column, units)
         for kind, pattern in _NAMES.items():
@@ -385,11 +386,6 @@ def _alone(header: str) -> NamedColumn | _Component:
                 if part := pattern.match(text):
                     return _Component(kind, part[1], part[2], units)
     return UNKNOWN
-
-
-def _rate_of_turn(word: str) -> str | None:
-    match = _ROLL.match(word)
-    return STATE[("roll", "pitch", "yaw").index(match[1])] if match else None
 
 
 def _unit(match: re.Match[str] | None) -> _Unit:
