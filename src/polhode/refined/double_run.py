@@ -12,7 +12,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.equations.form import equations
-from polhode.equations.terms import COEFFICIENTS, NAMES
+from polhode.equations.terms import COEFFICIENTS, NAMES, TIMES
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
 from polhode.numbers.number_types import Doubles
@@ -45,8 +45,9 @@ class RationalSystem:
 
     def coefficients_in(self, unit: int) -> list[Fraction]:
         """The coefficients with time in units of 2**-unit of the frame's."""
+        factors = {power: Fraction(2) ** (-unit * power) for power in set(TIMES)}
         pairs = zip(COEFFICIENTS, self.coefficients, strict=True)
-        return [x * Fraction(2) ** (-unit * kind.power) for kind, x in pairs]
+        return [x * factors[kind.power] for kind, x in pairs]
 
     def rate(self, unit: int = 0) -> float:
         """The largest rate that the coefficients make by themselves, in units of 2**-unit."""

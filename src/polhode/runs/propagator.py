@@ -375,7 +375,8 @@ class Propagator:
     @cached_property
     def _higher(self) -> Engine:
         """An engine of an order above heyoka's own."""
-        engine = self._system.engine(order=self._order)
+        part = defaults.PART * (self._system.tolerance or 0)
+        engine = self._system.engine(order=self._order, tolerance=part)
         finalize(self, engine.release).atexit = False
         return engine
 

@@ -433,10 +433,7 @@ def _alike(coefficients: Stack) -> bool:
 def prepared(job: BatchJob) -> Engine:
     """The engine of a job, from the pool or built: a batch of doubles, or one longdouble motion."""
     kind = CompiledBatch if job.number.name == "double" else Engine
-    tolerance = job.tolerance
-    if tolerance is not None and job.order:
-        tolerance *= defaults.ARRAYS.part
-    parts = job.columns, job.names, job.number, tolerance, job.order
+    parts = job.columns, job.names, job.number, job.tolerance, job.order
     return principal_engine(_equations(*parts), kind)
 
 
@@ -449,6 +446,8 @@ def _equations(
     order: int,
 ) -> Equations:
     """Those of the principal form, whose hash is then known to the pool."""
+    if tolerance is not None and order:
+        tolerance *= defaults.ARRAYS.part
     lanes = LANES if number.name == "double" else 0
     return Equations(STATE[:columns], names, number, tolerance, lanes=lanes, order=order)
 

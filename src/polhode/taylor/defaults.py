@@ -103,9 +103,11 @@ def of(number: NumberType) -> Policy:
 #   1e-7               1.32 (1.26-1.47)  1.52 (from 0.75)  6.7 (3.1-8.2)    2.7 (1.7-5.1)
 #   1e-9                                 1.54 (from 0.94)  5.9 (4.8-7.4)    3.3 (1.4-4.1)
 #
-#   higher order, tol  the end, t = 1    the end, t = 10   101, t = 10      101, t = 100
-#   1e-5               0.96 (0.92-1.29)  1.13 (0.97-1.72)  1.04 (1.0-1.6)   1.35 (1.2-2.0)
-#   1e-6               1.02 (1.00-1.23)  1.04 (0.97-1.38)  0.99 (0.9-1.3)   1.18 (1.1-1.6)
+#   higher order, tol  the end, of 40 radians   of 400            101 outputs, 40   400
+#   1e-5               1.22 (0.83-1.37)         1.19 (0.96-1.57)  1.04 (0.77-1.30)  1.22 (1.04-1.43)
+#   1e-6               1.05 (0.80-1.30)         1.03 (0.85-1.26)  0.92 (0.77-1.16)  1.08 (0.95-1.28)
+#
+# (of 12 motions each; their errors were 0.66 to 1.15 of the ordinary way's in the median at 1e-5.)
 #
 # With 101 outputs three or four long steps instead of heyoka's grid (25 outputs a step, t = 1, 15
 # motions, tolerances 1e-5 to 1e-11) gained 0.96 to 1.14 in the median where the times are known and
@@ -113,7 +115,8 @@ def of(number: NumberType) -> Policy:
 # take 1.7 to 1.9 times what the grid does: their powers are made first.  With 1001 outputs some 20
 # steps pay (1.0).
 #
-# Higher orders of tolerances below 5e-7 are faster only for what they lose in digits.
+# Without a part of the tolerance a higher order is faster, and its errors are three times as large,
+# up to 3 tolerances of 317 motions; at tolerances below 3e-6 it gains too little.
 
 
 class LongStepChoice(NamedTuple):
@@ -130,9 +133,9 @@ LONG_MANY = 1000
 #: Of 48 starts of six kinds heyoka granted as much to all, and 4.3 to 5.2 in the median; so the
 #: second is tried where it takes LONG_FEW steps at most, for which a refusal costs little.
 LONG_REACH, LONG_TRIED, LONG_FEW = 2.6, 4.8, 4
-#: Above this tolerance the order is heyoka's own and so much, where a propagator's way is longer
-#: than so many radians of the bound, and than those of its outputs.
-ABOVE, MORE, FAR, FAR_OUTPUTS = 5e-7, 2, 20.0, 5.0
+#: Above this tolerance the order is heyoka's own and so much, by a part of the tolerance, where a
+#: propagator's way is longer than so many radians of the bound, and than those of its outputs.
+ABOVE, MORE, PART, FAR, FAR_OUTPUTS = 3e-6, 2, Fraction(1, 2), 20.0, 5.0
 
 
 def long_steps(tolerance: float) -> tuple[LongStepChoice, ...]:

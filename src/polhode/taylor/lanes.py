@@ -60,10 +60,12 @@ def rates(starts: Stack, bound: Bound) -> Doubles:
 
     ``starts``: (n, columns) in principal axes.  The larger it is, the more steps a motion takes.
     """
-    rows, twice = starts.astype(np.float64, copy=False), np.zeros(len(starts))
+    variables = np.array(starts.T, dtype=np.float64, order="C")
+    count = len(variables)
     with np.errstate(all="ignore"):
-        for k, x in enumerate(rows.T):  # no product of matrices: some sum the last rows otherwise
-            twice += bound.terms[..., k] * (x * x if k < 3 else x)
+        variables[:3] *= variables[:3]
+        variables *= bound.terms[..., :count].T.reshape(count, -1)
+        twice = variables.sum(axis=0)  # no product of matrices: some sum the last rows otherwise
         bounds: Doubles = np.sqrt(twice + bound.rest)
     return bounds
 

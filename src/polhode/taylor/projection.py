@@ -243,8 +243,7 @@ class Projector(Corrector):
         self._load, self._rounded, self._widened = target.conversions
         self._before, self._after = target.arrays()
         self._entry, self._moved = self._before[: target.columns], self._after[:-1]
-        nothing = heyoka.scalar(ZERO, wider(target.number))
-        self._rests = dict.fromkeys(target.still, nothing)
+        self._rests = {i: heyoka.scalar(ZERO, wider(target.number)) for i in target.still}
         self.seconds += time.perf_counter() - began
         return step
 

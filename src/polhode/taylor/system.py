@@ -191,15 +191,18 @@ class System:
     def _last_times(self) -> list[tuple[Sequence[Exact], OutputTimes]]:
         return []
 
-    def engine(self, watcher: Watcher | None = None, order: int = 0) -> Engine:
+    def engine(
+        self, watcher: Watcher | None = None, order: int = 0, tolerance: Fraction | None = None
+    ) -> Engine:
         """An engine that stands at the start at time 0, and looks for a watcher's events.
 
-        ``order``: of a step, heyoka's own for the tolerance where it is 0.  Raises OutOfRange for
-        numbers that the type cannot hold, before anything is compiled.
+        ``order``: of a step, heyoka's own for the tolerance where it is 0; ``tolerance``: that of
+        such steps, the system's if None.  Raises OutOfRange for numbers that the type cannot hold,
+        before anything is compiled.
         """
         start, parameters, equations = self.state, self.parameters, self.equations
         if order:
-            equations = replace(equations, order=order)
+            equations = replace(equations, order=order, tolerance=tolerance or self.tolerance)
         key = equations if watcher is None else (equations, watcher.key)
 
         def build() -> Engine:
