@@ -276,6 +276,9 @@ def test_a_noisy_attitude_has_its_own_limit():
     assert (judgement.limit, judgement.attitude_limit) == ("", "noise (white)")
     assert "of attitude, fewer than double precision allows: noise that is white" in str(judgement)
     assert [residual.column[:-1] for residual in judgement.residuals] == ["rotation_"] * 3
+    most = max(judgement.rotation_angles)
+    assert f"attitude off by {most:.3g}° at worst" in str(judgement)
+    assert most > 2 * min(judgement.rotation_angles)
     exact = polhode.compare(table("at", "attitude"), SCENE)
     assert (exact.limit, exact.attitude_limit) == ("rounding", "rounding")
 

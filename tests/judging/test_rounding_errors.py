@@ -195,6 +195,7 @@ def test_a_run_without_digits_says_so_and_after_which_time():
     judged = polhode.compare(polhode.integrate(scene, number="double"))
     assert judged.state_worst < 1
     assert judged.lost == "no digits left after t = 100"
+    assert f"{judged.lost}: as many as double precision allows for this motion" in str(judged)
     assert not polhode.compare(polhode.integrate(scene.at((F(10),)), number="double")).lost
 
 
