@@ -39,7 +39,7 @@ def pytest_configure() -> None:
 def callers_precision() -> Iterator[None]:
     """Plain mpmath at far more bits than any test asks for: what polhode gives is not rounded.
 
-    Nothing in polhode may depend on it; see ``judging/test_threads.py`` for other precisions.
+    Nothing in polhode may depend on it; see ``numbers/test_threads.py`` for other precisions.
     """
     with mpmath.workprec(6000):
         yield

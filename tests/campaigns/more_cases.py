@@ -93,7 +93,7 @@ CAMPAIGNS = {
         " for a in VERBS for b in VERBS if a < b]",
     ),
     "scatter of exponents": (
-        "judging/test_known_stability",
+        "dynamics/test_known_stability",
         "the_exponents_of_neighbours_scatter_as_the_uncertainty_says()",
     ),
     "scatter of members": (

@@ -13,10 +13,6 @@ import pytest
 import polhode
 from polhode import NumberType
 from polhode.judging.tables.column_aliases import columns
-from polhode.judging.tables.csv_file import value
-from polhode.judging.tables.table import degree
-from polhode.judging.tables.table_file import read_table
-from polhode.numbers import expression
 from shared.tables import ANGLES, ATTITUDE, STATE, right, text, through
 from shared.tools import DOUBLE, EXTENDED
 
@@ -241,15 +237,21 @@ def printed(count: int) -> list[str]:
 
 
 @pytest.mark.parametrize("number", [DOUBLE, EXTENDED, NumberType("mp", 53)])
-def test_a_cell_is_its_decimal_rounded_once(number):
-    cells = [*printed(2000), *ODD, HALFWAY, HALFWAY + "1", "0." + "3" * 70, "1_000.5"]
-    for cell in cells:
-        decimal = expression.decimal(cell)
-        assert value(cell, number) == number.rounded(decimal)
+def test_a_cell_is_its_decimal_rounded_once(tmp_path, number):
+    cells = [*printed(500), *ODD, HALFWAY, HALFWAY + "1", "0." + "3" * 70, "1_000.5"]
+    path = tmp_path / "x.csv"
+    path.write_text("t,p\n" + "".join(f"{k},{cell}\n" for k, cell in enumerate(cells)))
+    how = {"number": number.name, "digits": 15} if number.name == "mp" else {"number": number.name}
+    columns = polhode.compare(path, SCENE, as_it_stands=True, **how).subject.columns
+    kind = polhode.compare(path, SCENE, as_it_stands=True, **how).subject.number
+    for cell, x in zip(cells, columns["p"], strict=True):
+        assert x == kind.rounded(Fraction(cell))
 
 
 def test_a_unit_multiplies_the_decimal_and_not_its_double(tmp_path):
     path = tmp_path / "degrees.csv"
     path.write_text("t,p [deg/s]\n0,0.123456789012345678\n")
-    (cell,) = read_table(path).columns["p"]
-    assert cell == Fraction("0.123456789012345678") * degree()
+    (cell,) = polhode.compare(path, SCENE).subject.columns["p"]
+    with mpmath.workdps(60):
+        ratio = mpmath.mpf(cell.numerator) / cell.denominator * 180 / mpmath.pi
+        assert abs(ratio - mpmath.mpf("0.123456789012345678")) < 1e-50

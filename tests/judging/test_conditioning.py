@@ -24,7 +24,7 @@ from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 from shared.motions import asymmetric, in_other_units
 from shared.tables import of_run, through
-from shared.tools import DOUBLE, QUAD, examples, mp, tiers
+from shared.tools import DOUBLE, QUAD, exactly, examples, mp, tiers
 
 # -- kappa against motions of perturbed inputs ------------------------------------------------
 
@@ -84,18 +84,19 @@ def test_kappa_is_that_of_perturbed_motions(name, t):
 def test_kappa_of_a_free_body_is_that_of_its_closed_form():
     """w alone: each of p q r A B C changed, the closed form asked."""
     scene, step = polhode.load("euler/no-gamma"), Fraction(1, 10**20)
+    end = scene.times[-1:]
 
     def at(inputs: list) -> np.ndarray:
         changed_scene = replace(scene, body=Body.of_moments(inputs[:3]), omega=tuple(inputs[3:]))
-        return np.array(polhode.reference(changed_scene).at(scene.times[-1:], 60)[0])
+        return np.array([exactly(x) for x in polhode.reference(changed_scene).at(end, 60)[0]])
 
     inputs = [*scene.body.moments, *scene.omega]
-    with mpmath.workdps(60):
-        honest = at(inputs)
-        moved = [at([x * (1 + step * (i == j)) for i, x in enumerate(inputs)]) for j in range(6)]
-        total = sum(abs(row - honest) for row in moved) * step.denominator
-        scale = 10 ** log10_rate(polhode.reference(scene).at(scene.times, 20), scene)
-        assert conditioning(scene).kappa[-1] == pytest.approx(float(max(total) / scale), rel=1e-6)
+    honest = at(inputs)
+    moved = [at([x * (1 + step * (i == j)) for i, x in enumerate(inputs)]) for j in range(6)]
+    total = sum(abs(row - honest) for row in moved) * step.denominator
+    rows = np.array(polhode.reference(scene).at(scene.times, 20), float)
+    scale = np.linalg.norm(rows, axis=1).max()
+    assert conditioning(scene).kappa[-1] == pytest.approx(float(max(total)) / scale, rel=1e-6)
 
 
 def envelope(scene: Scene, t: int) -> float:
@@ -144,7 +145,7 @@ def test_a_body_at_rest_upright_stays_the_scenes_own():
     assert 40 < lost < 45
     assert conditioning(in_other_units(far, 3)).lost_after == 8 * lost
     assert conditioning(far).digits_bound() == (0.0, 0.0)
-    assert conditioning(far).expected() == (Band(0, 0, 0),) * 2
+    assert conditioning(far).expected() == ((0, 0, 0),) * 2
 
 
 @pytest.mark.slow
@@ -183,9 +184,8 @@ def test_a_motion_too_long_for_the_steps_allowed_has_no_kappa():
     conditions = conditioning(scene, max_steps=500)
     assert conditions.kappa[0] is not None
     assert conditions.kappa[1] is None
-    assert (
-        conditions.digits_bound()[1] is conditions.expected()[1] is conditions.inputs()[1] is None
-    )
+    rows = conditions.digits_bound(), conditions.expected(), conditions.inputs()
+    assert [row[1] for row in rows] == [None] * 3
     assert "kappa not followed" in conditions.note
     assert "500 steps" in str(conditions)
 
@@ -195,8 +195,6 @@ def test_a_run_is_limited_by_what_its_problem_allows():
     apart = polhode.compare(polhode.integrate("euler/separatrix"))
     assert apart.limit == "conditioning"
     assert apart.expected[-1].least < apart.worst < apart.expected[-1].most < 14
-    conditions = conditioning("euler/separatrix")  # who gives it is told the same
-    assert limits.expectation(apart, conditions).bands == apart.expected
     loose = polhode.compare(polhode.integrate("euler/largest-axis", at=[10], tol=1e-7))
     assert loose.limit == "method (tolerance 1.0e-07)"
     assert min(loose.inputs) > loose.worst + 3

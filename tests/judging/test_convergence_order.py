@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -13,8 +12,7 @@ import pytest
 import polhode
 from polhode import BadInput
 from polhode.cli import main
-from polhode.judging.convergence_order import ObservedOrder
-from polhode.testing import order_of
+from polhode.testing import ObservedOrder, order_of
 from shared.tables import euler, midpoint, rk4
 from shared.tools import tiers
 
@@ -132,14 +130,17 @@ def test_steps_may_be_told_and_three_files_given(tmp_path, capsys):
 
 def test_at_each_time_those_steps_count_that_neither_the_first_digit_nor_rounding_rules():
     digits = (1.0, 2.0), (2.0, 3.3), (3.0, 4.2), (4.0, 5.1), (4.1, 5.2)
-    observed = ObservedOrder(
-        (16.0, 4.0, 1.0, 0.25, 0.0625), (Fraction(1), Fraction(2)), digits, 4.05
-    )
+
+    def order(most):
+        limited = tuple(tuple(d >= most for d in row) for row in digits)
+        steps = 16.0, 4.0, 1.0, 0.25, 0.0625
+        return ObservedOrder(steps, (Fraction(1), Fraction(2)), digits, limited)
+
+    observed, wider = order(4.05), order(5.15)
     digit = math.log(10, 4)  # the order at which four times the step costs one
     assert observed.counted == (True, True, True, True, False)
     assert observed.orders == (pytest.approx(digit), None)  # of two steps alone
     assert (observed.order, observed.least, observed.most) == pytest.approx((digit,) * 3)
-    wider = replace(observed, rounding=5.15)
     assert wider.counted[-1]
     assert wider.least == pytest.approx(0.1 * digit)  # 4.0 to 4.1 digits
     assert wider.most == pytest.approx(1.3 * digit)

@@ -9,7 +9,7 @@ import pytest
 
 import polhode
 from polhode import BadInput
-from polhode.scenes import library
+from shared.tools import case_names
 
 INERTIA = np.array([[1.3, 0.1, -0.2], [0.1, 1.1, 0.15], [-0.2, 0.15, 0.9]])
 FULL = polhode.top(
@@ -150,7 +150,7 @@ def test_right_equations_are_right(which):
 
 
 def test_every_case_has_its_own_equations():
-    for name in library.names()[::9]:
+    for name in case_names()[::9]:
         assert polhode.compare_field(polhode.field(name), name).right, name
 
 

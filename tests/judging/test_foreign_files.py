@@ -11,8 +11,6 @@ import pytest
 
 import polhode
 from polhode import BadInput
-from polhode.judging.tables.column_aliases import columns
-from polhode.judging.tables.csv_file import plain_cell
 from shared.tables import ATTITUDE, STATE, right, text
 
 CASE = "lagrange/nutation"
@@ -89,8 +87,13 @@ def test_a_number_is_read_however_it_is_spelt(tmp_path, spelling, header):
         *((x, x) for x in ("np.float64(1", "(1)", "(1,2)", "1/3", "0x1p-3", "1.000,5")),
     ],
 )
-def test_a_cell_as_a_plain_decimal(cell, plain):
-    assert plain_cell(cell) == plain
+def test_a_cell_as_a_plain_decimal(tmp_path, cell, plain):
+    content = f"t\tp\n0\t0.16\n1\t{cell}\n"
+    if plain and plain == cell:
+        assert f"x.csv:3: p = {cell}: expected" in refused(tmp_path, content)
+    else:
+        value = Fraction(plain) if plain else None
+        assert read(tmp_path, content).subject.columns["p"][1] == value
 
 
 def test_asterisks_of_fortran_are_named(tmp_path):
@@ -310,10 +313,11 @@ def test_nanoseconds_are_the_rest_of_a_second(tmp_path, rest):
     with pytest.raises(BadInput, match=r"header\.stamp\.nanosec.*(whole|number)"):
         polhode.compare({n.strip(): x for n, x in columns_given.items()}, CASE)
     line = refused(tmp_path, spelt(columns_given).replace("'", ""))
-    assert "x.csv:10: header.stamp.sec = 2, " in line
+    assert "x.csv: header.stamp.sec, row 9 = 2, " in line
     assert "whole nanoseconds below 1e9" in line
 
 
 def test_other_parts_of_names_are_no_parts_of_a_time():
-    table = columns(["time", "stamp.sec", "stamp.nanosec", "b_w_RS_S_x [rad s^-1]", "p_RS_R_x [m]"])
-    assert [column.name for column in table] == ["t", None, None, None, None]
+    others = ("stamp.sec", "stamp.nanosec", "b_w_RS_S_x [rad s^-1]", "p_RS_R_x [m]")
+    columns_given = {"time": [0.0], "p": [0.16]} | {name: [9.0] for name in others}
+    assert polhode.compare(columns_given, CASE).subject.ignored == others

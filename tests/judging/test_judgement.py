@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 import pickle
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 from fractions import Fraction
 
@@ -12,19 +15,14 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode import Body, Outcome, Scene
+from polhode import Body, Outcome, Scene, Trajectory
 from polhode.judging import limits
-from polhode.judging.compare import judgement
-from polhode.judging.correct_digits import (
-    log10_differences,
-    log10_errors,
-    log10_rate,
-    worst_digits,
-)
+from polhode.judging.correct_digits import log10_differences
 from polhode.judging.score import Answers, score
-from polhode.judging.tables import explanations, motions
-from polhode.judging.tables.table import of_run
-from polhode.runs.trajectory import Trajectory
+from polhode.judging.tables import explanations
+from polhode.judging.tables import hypotheses as motions
+from polhode.judging.tables import table as tables
+from shared.tables import of_run
 from shared.tools import DOUBLE, exactly
 
 TIMES = (Fraction(0), Fraction(1), Fraction(2), Fraction(5))
@@ -128,29 +126,17 @@ CHAOTIC = "general/asymmetric-chaotic"
 
 
 @pytest.mark.parametrize(
-    ("call", "said"),
+    ("kind", "question", "said"),
     [
-        (
-            lambda: polhode.reference(CHAOTIC, "certified").at(["soon"]),
-            rf"^{CHAOTIC}: t\[1\] = so",
-        ),
-        (
-            lambda: polhode.reference(CHAOTIC, "certified").at([1], 300),
-            "a whole number, 1 to 250",
-        ),
-        (
-            lambda: polhode.reference(replace(polhode.load(CHAOTIC), reference="two-precisions")),
-            "= two-precisions: expected certified, which fits",
-        ),
-        (
-            lambda: polhode.reference(replace(polhode.load(CHAOTIC), reference="euler")),
-            "certified, which fits",
-        ),
+        ("certified", (["soon"],), rf"^{CHAOTIC}: t\[1\] = so"),
+        ("certified", ([1], 300), "a whole number, 1 to 250"),
+        ("two-precisions", ([1],), "= two-precisions: expected certified, which fits"),
+        ("euler", ([1],), "certified, which fits"),
     ],
 )
-def test_what_no_reference_answers_is_refused(call, said):
+def test_what_no_reference_answers_is_refused(kind, question, said):
     with pytest.raises(polhode.BadInput, match=said):
-        call()
+        polhode.reference(replace(polhode.load(CHAOTIC), reference=kind)).at(*question)
 
 
 def test_times_are_taken_exactly_whatever_their_kind():
@@ -175,10 +161,7 @@ def test_the_attitude_of_a_run_is_judged_with_either_sign_of_the_quaternion(time
     assert opposite.parts["attitude"] == judgement.parts["attitude"]
     half = run.attitude.copy()
     half[len(half) // 2 :] *= -1
-    assert (
-        polhode.compare(replace(run, attitude=half)).parts["attitude"]
-        == judgement.parts["attitude"]
-    )
+    assert polhode.compare(replace(run, attitude=half)).parts == judgement.parts
 
 
 def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
@@ -186,19 +169,22 @@ def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
     scene, end = polhode.load("kovalevskaya/generic"), [1, 5]
     runs = [polhode.integrate(scene, number, at=end) for number in ("quad", "double")]
     against = polhode.reference(scene)
-    wide, conditions = score(of_run(runs[0]), against), polhode.conditioning(scene, end, "quad")
-    narrow, alone = (score(of_run(runs[1]), against, earlier=x) for x in (wide, None))
+    wide, conditions = (
+        score(tables.of_run(runs[0]), against),
+        polhode.conditioning(scene, end, "quad"),
+    )
+    narrow, alone = (score(tables.of_run(runs[1]), against, earlier=x) for x in (wide, None))
     assert narrow.comparison.answers is wide.comparison.answers
     assert alone.comparison.answers is not wide.comparison.answers
     assert narrow.worst == pytest.approx(alone.worst, abs=1e-8)
-    bands = limits.expectation(narrow, conditions).bands, judgement(alone, details=True).expected
+    bands = [limits.expectation(x, k).bands for x, k in ((narrow, conditions), (alone, None))]
     by_known, anew = ([band.shown(runs[1].number) for band in row] for row in bands)
     assert by_known == anew
-    again = score(of_run(runs[0]), against, earlier=alone)  # which has too few digits for it
+    again = score(tables.of_run(runs[0]), against, earlier=alone)  # which has too few digits for it
     assert again.worst == pytest.approx(wide.worst, abs=1e-8)
     later = polhode.integrate(scene, at=[1, 6])
     for run, truth in ((later, against), (runs[1], polhode.reference(scene, "certified"))):
-        narrower = score(of_run(run), truth, earlier=wide)
+        narrower = score(tables.of_run(run), truth, earlier=wide)
         assert narrower.comparison.answers is not wide.comparison.answers
         assert 14 < narrower.worst <= 16
 
@@ -227,11 +213,12 @@ def computes_nothing(monkeypatch):
 
 @pytest.mark.parametrize("factor", [1, 1 + 1e-5, 180 / np.pi])
 @pytest.mark.parametrize("details", [False, True])
-def test_a_judgement_is_read_and_nothing_is_computed(factor, details, computes_nothing):
+def test_what_a_judgement_means_is_found_once_and_then_read(factor, details, computes_nothing):
     run = polhode.integrate("lagrange/nutation", at=[0, 1, 2, 3, 4])
     columns = {"t": [0, 1, 2, 3, 4], **dict(zip(run.columns, run.states.T, strict=True))}
     columns |= {name: columns[name] * factor for name in "pqr"}
     judged = polhode.compare(columns, run.scene, details=details)
+    _ = judged.diagnosis
     computes_nothing()
     again = pickle.loads(pickle.dumps(judged))
     assert again.to_json() == judged.to_json()
@@ -240,9 +227,14 @@ def test_a_judgement_is_read_and_nothing_is_computed(factor, details, computes_n
     assert bool(judged.residuals) == details
 
 
-def test_digits_that_are_demanded_are_scored_and_no_more(computes_nothing, monkeypatch):
+def test_digits_that_are_demanded_are_scored_and_no_more(monkeypatch):
+    """A motion that has to be followed for what the digits mean is followed by who asks that."""
     run = polhode.integrate("euler/separatrix", at=[1, 20])
+    judged = polhode.compare(run)
     monkeypatch.setattr(limits, "conditioning", None)
+    assert 12.5 < judged.worst == min(judged.digits) < 14.5
+    with pytest.raises(TypeError):
+        _ = judged.limit
     score_of_run = polhode.testing.assert_digits(run, run.scene, 12)
     assert 12.5 < score_of_run.worst < 14.5
     assert not hasattr(score_of_run, "limit")
@@ -250,10 +242,10 @@ def test_digits_that_are_demanded_are_scored_and_no_more(computes_nothing, monke
 
 
 def test_a_limit_is_a_text_with_a_name():
-    limit = pickle.loads(pickle.dumps(limits.Limit("method", "tolerance 1e-07")))
-    assert limit == "method (tolerance 1e-07)"
-    assert (limit.name, limit.detail) == ("method", "tolerance 1e-07")
-    assert not limits.NO_LIMIT
+    run = polhode.integrate("euler/largest-axis", at=[10], tol=1e-7)
+    limit = pickle.loads(pickle.dumps(polhode.compare(run).limit))
+    assert limit == "method (tolerance 1.0e-07)"
+    assert (limit.name, limit.detail) == ("method", "tolerance 1.0e-07")
 
 
 # -- the definition of correct digits: exact differences of numbers of any type, at any size ------
@@ -299,11 +291,8 @@ def test_of_w_relative_to_its_largest_modulus_and_of_gamma_as_they_are():
     scene = Scene(body, (3, 0, 4), (0, 0, 1))
     true = [[3, 0, 4, 0, 0, 1], [0, 0, 1, 0, 0, 1]]
     states = [[3 + 5e-6, 0, 4, 0, 0, 1], [None, 0, 1, 1e-7, 0, 1]]
-    assert log10_rate(true, scene) == pytest.approx(math.log10(5), rel=1e-14)
-    logs = log10_errors(states, true, log10_rate(true, scene))
-    assert logs == pytest.approx([-6, -7], abs=1e-9)
-    assert worst_digits(states, true, scene, 15.9) == pytest.approx(6, abs=1e-9)
-    assert worst_digits(true, true, scene, 15.9) == 15.9
+    assert polhode.state_errors(states, true, scene) == pytest.approx([1e-6, 1e-7], rel=1e-9)
+    assert polhode.state_errors(true, true, scene).tolist() == [0, 0]
 
 
 @pytest.mark.parametrize(("planted", "digits"), [(0, 250), (20, 20)])
@@ -325,13 +314,149 @@ def test_units_of_any_size(size):
     scene = Scene(body, (3 * size, 0, 4 * size), None)
     true = [[3 * size, 0 * size, 4 * size]]
     own = [[3 * size * (1 + Fraction(1, 10**8)), 0 * size, 4 * size]]
-    assert worst_digits(own, true, scene, 16) == pytest.approx(8 - math.log10(3 / 5), abs=1e-6)
+    assert polhode.state_errors(own, true, scene) == pytest.approx(3 / 5 * 1e-8, rel=1e-6)
 
 
-def test_without_any_rotation_errors_of_w_are_relative_to_the_pendulums_rate():
-    body = Body.of_moments((2, 2, 1), (0, 0, 1), 50)
-    at_rest = Scene(body, (0, 0, 0), (0, 0, -1))
-    rows = [[0.0, 0.0, 0.0, 0.0, 0.0, -1.0]]
-    assert 10 ** log10_rate(rows, at_rest) == pytest.approx(5, rel=1e-12)
-    free = polhode.top(moments=(2, 2, 1), weight=0, omega=(0, 0, 0), gamma=(0, 0, 1))
-    assert log10_rate(rows, free) == 0
+# -- assertions of correct digits, as other programs' tests use them -------------------------------
+
+
+SCENE = "lagrange/nutation"
+
+
+@pytest.fixture(scope="module")
+def run():
+    return polhode.integrate(SCENE)
+
+
+def test_a_function_of_t_is_asked_at_the_times(run):
+    score = polhode.testing.assert_digits(lambda t: run(t), SCENE, at_least=12, at=[1, "0.25"])
+    assert [float(t) for t in score.times] == [1, 0.25]
+
+
+def test_the_error_tells_the_first_wrong_time_and_the_judgement(run):
+    def mine(t):
+        return run(t) + (1e-6 if t > 1.5 else 0)
+
+    with pytest.raises(AssertionError) as error:
+        polhode.testing.assert_digits(mine, SCENE, at_least=9, at=[1, 2, 3])
+    first, *rest = str(error.value).splitlines()
+    assert first == "6.00 correct digits at t = 2, where at least 9 are wanted"
+    assert "\n".join(rest).startswith("t  correct digits")
+    assert "fewer than double precision allows" in str(error.value)
+
+
+def test_another_convention_is_wrong_unless_it_is_allowed(run):
+    columns = of_run(run)
+    columns |= {"p": columns["q"], "q": columns["p"]}
+    with pytest.raises(AssertionError, match="correct digits at t = "):
+        polhode.testing.assert_digits(columns, SCENE, at_least=9)
+    score = polhode.testing.assert_digits(columns, SCENE, at_least=9, as_it_stands=False)
+    assert score.reading == "omega p q r = q p r"
+
+
+# -- The fixture of pytest, in a session of its own
+
+
+_TESTS = """
+import polhode
+
+RUN = polhode.integrate("lagrange/nutation", at=[1, 2])
+
+def test_right(assert_digits):
+    assert assert_digits(RUN, "lagrange/nutation", at_least=13).worst > 13
+
+def test_wrong(assert_digits):
+    assert_digits(lambda t: RUN.states[0] + 1e-6, "lagrange/nutation", 9, at=[1])
+
+def test_two(assert_digits):
+    for _ in range(2):
+        assert_digits(RUN, "lagrange/nutation", 13)
+
+def test_that_asks_for_nothing():
+    pass
+"""
+
+
+def session(folder, *options, tests=_TESTS):
+    """What pytest prints of the tests."""
+    (folder / "test_mine.py").write_text(tests)
+    without = ("-p", "no:cacheprovider", "-p", "no:hypothesispytest")
+    command = [sys.executable, "-m", "pytest", "-q", *without, *options]
+    ran = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    assert ran.returncode == 1, ran.stdout
+    return ran.stdout
+
+
+@pytest.mark.slow
+def test_digits_stand_at_the_end_and_in_the_xml(tmp_path):
+    printed = session(tmp_path, "--junitxml=x.xml", "-W", "error", "-n", "1")
+    assert "1 failed, 3 passed" in printed
+    assert "6.00 correct digits at t = 1, where at least 9 are wanted" in printed
+    end = printed.partition("= correct digits =")[2].splitlines()
+    lines = sorted(line for line in end if " correct digits of lagrange/nutation" in line)
+    names = ["test_right", "test_two", "test_two", "test_wrong"]
+    assert [line.partition(":: ")[0].split("::")[1].partition(":")[0] for line in lines] == names
+    assert lines[-1] == "test_mine.py::test_wrong: 6.00 correct digits of lagrange/nutation"
+    assert all(13 < float(line.split()[1]) <= 16 for line in lines[:-1])
+    written = {
+        case.get("name"): [
+            p.get("value") for p in case.iter("property") if p.get("name") == "correct_digits"
+        ]
+        for case in ET.parse(tmp_path / "x.xml").iter("testcase")
+    }
+    assert written.pop("test_wrong") == ["6.0"]
+    counts = {name: len(digits) for name, digits in written.items()}
+    assert counts == {"test_right": 1, "test_two": 2, "test_that_asks_for_nothing": 0}
+
+
+def test_a_session_that_does_not_ask_imports_nothing_more():
+    code = "import sys, polhode.pytest_plugin; print(sorted({'numpy', 'heyoka'} & {*sys.modules}))"
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert ran.stdout == "[]\n"
+
+
+_WRONG = """
+from polhode import testing
+
+def test_few(assert_digits):
+    assert_digits(lambda t: [1, 2, 3, 0, 0, 1], "lagrange/nutation", 9, at=[1])
+
+def test_bad(assert_digits):
+    assert_digits(lambda t: [float("nan")] * 6, "lagrange/nutation", 9, at=[1])
+
+def mine(t):
+    return testing.order_of(None, "lagrange/nutation")
+
+def test_own_function(assert_digits):
+    assert_digits(mine, "lagrange/nutation", 9, at=[1])
+"""
+
+
+@pytest.mark.slow
+def test_what_fails_shows_the_users_line_and_no_source_of_polhode(tmp_path):
+    printed = session(tmp_path, "-p", "no:xdist", tests=_WRONG)
+    assert "3 failed" in printed
+    few, bad, own = printed.partition("FAILURES")[2].split("________ test_")[1:]
+    for output in (few, bad):
+        assert "polhode/" not in output
+        assert output.count("test_mine.py:") == 1
+    assert "return testing.order_of(None" in own  # a fault of the user's function is shown, too
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", ["0", "2"])
+def test_a_page_has_each_judgement_once_and_says_which_failed(tmp_path, workers):
+    session(tmp_path, "--polhode-report=r.md", "-n", workers)
+    lines = (tmp_path / "r.md").read_text().splitlines()
+    rows = sorted(line.split(" | ")[:3] for line in lines if line.startswith("| test_mine"))
+    names = ["test_right", "test_two", "test_two", "test_wrong"]
+    assert [row[0].partition("::")[2] for row in rows] == names
+    assert [row[1] for row in rows] == ["● passed"] * 3 + ["○ failed"]
+    assert rows[-1][2] == "6.00"
+
+
+def test_a_page_that_cannot_be_written_is_refused_before_the_tests(tmp_path):
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--polhode-report=r.txt"]
+    ran = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert ran.returncode == 4
+    assert "--polhode-report: r.txt: -o: expected a name that ends in .html or .md" in ran.stderr

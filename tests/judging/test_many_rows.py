@@ -9,7 +9,6 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from mpmath import mpf
 
 import polhode
 from polhode.closed_forms.families import ClosedForm
@@ -18,7 +17,6 @@ from polhode.judging import score
 from polhode.judging.conditioning import Band
 from polhode.judging.limits import between
 from polhode.numbers import double_double
-from polhode.numbers.double_double import binary_numbers, of_balls, of_cells
 from shared.tables import ANGLES, ATTITUDE, STATE, right
 from shared.tools import exactly, of_table
 
@@ -92,17 +90,6 @@ def test_angles_that_the_motion_does_not_have_are_not_asked_for():
     assert polhode.compare(table, "lagrange/sleeping-stable").parts["angles"] > 15
     table["theta"][70] = 1e-7
     assert 6.9 < polhode.compare(table, "lagrange/sleeping-stable").parts["angles"] < 7.1
-
-
-@pytest.mark.slow
-def test_numbers_beyond_doubles_are_judged_too():
-    times = [Fraction(k, 4) for k in range(120)]
-    table = right("euler/attitude", times)
-    rows = [[Fraction(float(x)) for x in row] for row in zip(*[*table.values()][1:], strict=True)]
-    assert polhode.compare(rows, "euler/attitude", at=times).worst > 14.5
-    rows[3][1] = Fraction(10) ** 400
-    judgement = polhode.compare(rows, "euler/attitude", at=times)
-    assert (judgement.worst, judgement.worst_time) == (0, times[3])
 
 
 DEAR, SPREAD = 180, 60  # rows, and how many of them are evenly spread
@@ -268,22 +255,3 @@ def test_sizes_that_pairs_do_not_hold_are_asked_for_as_numbers(monkeypatch):
     )
     assert isinstance(judgement.comparison.answers.rows("at", 20), list)
     assert max(d for d in judgement.digits if d is not None) > 15
-
-
-def test_pairs_of_balls_and_cells_are_within_their_digits():
-    from flint import arb
-
-    from polhode.numbers.flint_context import ctx
-
-    with ctx.workprec(200):
-        pairs = of_balls([[arb(1) / 3, arb(2).sqrt()]])
-        for x, right_number in zip(*binary_numbers(pairs), [F(1, 3), None], strict=True):
-            if right_number is not None:
-                assert abs(exactly(x) - right_number) < right_number / 10**31
-    cells = of_cells([F(1, 3), None, 0.1, mpf(2)])
-    assert math.isnan(cells.hi[1])
-    assert abs(F(cells.hi[0]) + F(cells.lo[0]) - F(1, 3)) < F(1, 10**31)
-    assert (cells.hi[2], cells.lo[2], cells.hi[3]) == (0.1, 0, 2)
-    with pytest.raises(ValueError, match="not a finite number"):
-        of_cells([0.5, float("inf")])
-    assert np.isnan(of_cells([None]).hi).all()

@@ -16,7 +16,6 @@ import polhode
 from polhode import Body, Scene, conditioning
 from polhode.judging import conditioning as rounding_errors
 from polhode.judging.conditioning import variances
-from polhode.judging.correct_digits import digits_of, log10_errors, log10_rate
 from polhode.numbers.conversion import ExactNumbers
 from polhode.taylor.error_growth import passage
 from polhode.taylor.motion import Motion
@@ -31,7 +30,7 @@ F = Fraction
 
 def size(states, truth, scene) -> list[float]:
     """The size of the differences of two runs, as that of errors."""
-    return (10 ** log10_errors(states, truth, log10_rate(truth, scene))).tolist()
+    return polhode.state_errors(states, truth, scene).tolist()
 
 
 @pytest.mark.parametrize(
@@ -56,14 +55,12 @@ def test_inputs_are_those_of_a_run_of_the_rounded_numbers(name, number):
     inputs = conditioning(scene, number=number).inputs()
     for digits, error in zip(inputs, expected, strict=True):
         assert error > 0
-        assert abs(digits - digits_of(math.log10(error), number.most_digits)) < 1e-3
+        assert abs(digits - min(-math.log10(error), number.most_digits)) < 1e-3
 
 
 def test_inputs_exact_in_the_type_cost_nothing():
     body = Body.of_moments((4, 4, 2), (F(1, 2), 0, F(1, 4)), 1)
     scene = Scene(body, (F(1, 2), F(1, 4), 1), (0, 0, 1), times=(F(1), F(30)))
-    along = passage(scene)
-    assert all(not x.inputs.values.any() for x in rounding_errors.rounding(along, DOUBLE))
     assert conditioning(scene).inputs() == (DOUBLE.most_digits,) * 2
     assert 14 < conditioning(scene).expected()[-1].middle < 15.5
 
@@ -72,7 +69,7 @@ def test_stretches_of_any_lengths_lead_where_one_leads():
     """Between outputs at uneven times: products of Phi, and the states, of fewer outputs."""
     scene = asymmetric("1.1", [1])
     times = [F(0), *(F(k * k, 7) for k in range(1, 12)), F(18), F(91, 5), F(30)]
-    few, many = (passage(scene.at(t)) for t in (times[-1:], times))
+    few, many = (conditioning(scene, t).along for t in (times[-1:], times))
     stretches = {stretch.time: stretch for stretch in few.stretches}
     product, compared = np.eye(6), 0
     for stretch in many.stretches:
@@ -101,7 +98,7 @@ def test_a_passage_ends_where_the_product_of_its_stretches_has_grown_so_far():
 @pytest.mark.parametrize("most", [2, 40])
 def test_a_limit_of_steps_keeps_the_stretches_that_are_whole(most):
     scene = asymmetric("1.1", [2, 40, 80])
-    whole, cut = passage(scene), passage(scene, most)
+    whole, cut = conditioning(scene).along, conditioning(scene, max_steps=most).along
     assert not whole.note
     assert f"more than {most} steps" in cut.note
     assert len(cut.stretches) < len(whole.stretches)
@@ -113,8 +110,8 @@ def test_a_limit_of_steps_keeps_the_stretches_that_are_whole(most):
 def test_amplification_is_the_most_that_a_change_on_the_way_grows_to():
     """A change at s = 14 of README's tumbling body: runs from the state there, by differences."""
     scene = asymmetric("1.1", [40])
-    growth = conditioning(scene).log10_amplification[0]
-    along = passage(scene)
+    conditions = conditioning(scene)
+    growth, along = conditions.log10_amplification[0], conditions.along
     sizes = np.array([along.rate_scale] * 3 + [1.0] * 3)
     whole = 0.0
     for s in range(len(along.stretches)):
@@ -198,6 +195,7 @@ def test_a_run_without_digits_says_so_and_after_which_time():
     judged = polhode.compare(polhode.integrate(scene, number="double"))
     assert judged.state_worst < 1
     assert judged.lost == "no digits left after t = 100"
+    assert f"{judged.lost}: as many as double precision allows for this motion" in str(judged)
     assert not polhode.compare(polhode.integrate(scene.at((F(10),)), number="double")).lost
 
 
@@ -210,9 +208,7 @@ def test_a_spin_that_stands_still_is_put_back_on_average_alone():
     scene = replace(polhode.load("lagrange/nutation"), outputs=(), events=()).at((F(20), F(28)))
     run = polhode.integrate(scene, EXTENDED)
     truth = polhode.integrate(scene, QUAD).states
-    errors = [
-        digits_of(math.log10(e), EXTENDED.most_digits) for e in size(run.states, truth, scene)
-    ]
+    errors = [-math.log10(error) for error in size(run.states, truth, scene)]
     conditions = conditioning(scene, number=EXTENDED)
     every = run.projection.every
     there, later = conditions.inputs(EXTENDED, every)
@@ -342,18 +338,17 @@ def places(kind: str, scene: Scene, ends: tuple[int, ...]) -> Iterator[tuple]:
     times = tuple(map(F, ends))
     conditions = conditioning(scene.at(times), number=QUAD)
     truth = polhode.integrate(scene.at(times), mp(50)).states
-    rate = log10_rate(truth, scene)
     for number in TYPES:
         there = times if number is not QUAD else tuple(t for t in times if t <= 100)
         for project in (False, True):
             run = polhode.integrate(scene.at(there), number, project=project, method="taylor")
             every = run.projection.every if run.projection is not None else 0
             bands = conditions.expected(number, every)
-            for k, error in enumerate(log10_errors(run.states, truth[: len(there)], rate)):
+            for k, error in enumerate(size(run.states, truth[: len(there)], scene)):
                 band, steep = bands[k], conditions.log10_amplification[k]
                 if band is None or steep is None or steep > STEEPEST:
                     continue
-                digits = float(digits_of(error, number.most_digits))
+                digits = min(max(0.0, -math.log10(error)), number.most_digits)
                 place = (digits > band.most + 1e-9) - (digits < band.least - 1e-9)
                 yield kind, number.name, project, ends[k], place
 

@@ -7,10 +7,12 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 import pytest
+from flint import arb
 
 from polhode.numbers import double_double
-from polhode.numbers.double_double import Pairs
+from polhode.numbers.double_double import Pairs, of_balls, of_cells
 from polhode.numbers.exact import sqrt
+from polhode.numbers.flint_context import ctx
 
 HIGH = mpmath.MPContext()
 HIGH.prec = 400
@@ -61,3 +63,16 @@ def test_numbers_become_pairs_and_lose_nothing_that_a_pair_holds():
         assert abs(Fraction(hi) + Fraction(lo) - x) <= abs(x) / 2**105
     with pytest.raises(TypeError, match="no number"):
         double_double.pairs("1")
+
+
+def test_pairs_of_balls_and_cells_are_within_their_digits():
+    with ctx.workprec(200):
+        ((third, _),) = double_double.binary_numbers(of_balls([[arb(1) / 3, arb(2).sqrt()]]))
+    assert abs(Fraction(*third.as_integer_ratio()) - Fraction(1, 3)) < Fraction(1, 10**31)
+    cells = of_cells([Fraction(1, 3), None, 0.1, mpmath.mpf(2)])
+    assert np.isnan(cells.hi[1])
+    assert abs(Fraction(cells.hi[0]) + Fraction(cells.lo[0]) - Fraction(1, 3)) < Fraction(1, 10**31)
+    assert (cells.hi[2], cells.lo[2], cells.hi[3]) == (0.1, 0, 2)
+    with pytest.raises(ValueError, match="not a finite number"):
+        of_cells([0.5, float("inf")])
+    assert np.isnan(of_cells([None]).hi).all()

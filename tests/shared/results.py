@@ -82,7 +82,8 @@ MAKERS: dict[str, Callable[[], Storable]] = {
     "Lyapunov": lambda: polhode.lyapunov("euler/largest-axis", 200),
     "Lyapunov of all": lambda: polhode.lyapunov("euler/largest-axis", 20, spectrum=True),
     "ObservedOrder": lambda: ObservedOrder(
-        (4.0, 2.0, 1.0), (Fraction(1, 3), Fraction(2)), ((4.0, 3.0), (5.2, 4.1), (6.4, 5.2)), 12.0
+        *((4.0, 2.0, 1.0), (Fraction(1, 3), Fraction(2)), ((4.0, 3.0), (5.2, 4.1), (6.4, 5.2))),
+        ((False, False),) * 3,
     ),
     "Report": lambda: polhode.report(TOP, at=[1, 2], number="double"),
     "OrbitFamily": lambda: polhode.orbit_family(GRIOLI, "h", "0.84"),

@@ -8,31 +8,34 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput, TooManySteps
 from polhode.common.interrupts import Progress
-from polhode.judging.judgement import Judgement
+from polhode.common.values import waiting
+from polhode.judging.judgement import Diagnosis, Judgement
 from polhode.judging.limits import (
     LAST,
     NO_LIMIT,
-    NOISES,
+    Residual,
+    ResidualRows,
     departure,
     expectation,
     is_unexpected,
     limit_of,
+    rotation_errors,
 )
 from polhode.judging.reference import Reference, reference
-from polhode.judging.residuals import Residual, ResidualRows, rotation_errors
 from polhode.judging.score import STATE_PART, Score, bits_of, score
 from polhode.judging.sources import NoAnswer, ProofLimits
 from polhode.judging.tables.column_aliases import PLAIN, Naming, naming
 from polhode.judging.tables.csv_file import table_of_columns, table_of_rows
 from polhode.judging.tables.explanations import Cause, as_meant, read_as_told
 from polhode.judging.tables.explanations import causes as fitted_causes
-from polhode.judging.tables.motions import clock_remark, other_start
+from polhode.judging.tables.hypotheses import clock_remark, other_start
 from polhode.judging.tables.table import Reading, Table, as_judged, of_run
 from polhode.judging.tables.table_file import ENDINGS, read_table
 from polhode.numbers.decimals import brief
@@ -156,37 +159,45 @@ class JudgingOptions(NamedTuple):
 
 
 def scored(
-    source: Any,
-    against: Reference | Scene | str | Path | None,
-    options: JudgingOptions,
+    source: Any, against: Reference | Scene | str | Path | None, options: JudgingOptions
 ) -> tuple[Score, tuple[Reading, ...]]:
     """The score of what :func:`compare` judges, as it is read; readings that were not applied.
 
     The truth, the table, how it is read, and the score: what follows tells why.  Raises BadInput.
     """
-    of_kind("compare", "as_it_stands", options.as_it_stands, bool, "True or False")
-    truth = _truth(source, against, options)
-    table_given = _table(source, truth, options)
-    is_foreign, read = table_given.run is None, options.read
-    is_read = is_foreign and read is None and not options.as_it_stands
+    read, limits, as_it_stands = options.read, options.limits, options.as_it_stands
+    of_kind("compare", "as_it_stands", as_it_stands, bool, "True or False")
+    truth = _truth(source, against, limits)
+    table_given = _table(source, truth.scene, options)
+    run = None if isinstance(source, Trajectory) else table_given.run
+    same = ("units", "body", "omega", "gamma")
+    if run is not None and (
+        read or any(getattr(run.scene, key) != getattr(truth.scene, key) for key in same)
+    ):
+        table_given = replace(table_given, run=None)  # another's table, as it were
+    table_given = as_judged(table_given, truth.scene)
+    if not table_given.columns:
+        expected = f"columns of {', '.join(truth.scene.columns)}, angles or attitude"
+        raise BadInput(table_given.name, "header", None, expected)
+    is_read = table_given.run is None and read is None and not as_it_stands
     table = table_given
     offered: tuple[Reading, ...] = ()
-    if is_foreign and read is not None:
+    if table_given.run is None and read is not None:
         table = read_as_told(table_given, truth, read)
     elif is_read:
         table, offered = as_meant(table_given, truth)
     try:
-        return score(table, truth, options.limits.progress), offered
+        return score(table, truth, limits.progress), offered
     except TooManySteps as fault:
         expected = "; ".join([fault.expected, *clock_remark(table, truth.scene)])
         raise TooManySteps(fault.source, "t", fault.value, expected) from None
     except NoAnswer:
         if not truth.is_closed_form:
             raise
-    truth = reference(truth.scene, "certified", **options.limits._asdict())
+    truth = reference(truth.scene, "certified", **limits._asdict())
     if is_read:
         table, offered = as_meant(table_given, truth)
-    return score(table, truth, options.limits.progress), offered
+    return score(table, truth, limits.progress), offered
 
 
 def judgement(
@@ -194,10 +205,16 @@ def judgement(
     offered: tuple[Reading, ...] = (),
     details: bool = False,
 ) -> Judgement:
-    """What the digits of a score mean: the digits to expect, what limits them, what may be wrong.
+    """A score with what its digits mean, which is found when it is first asked for.
 
     ``offered``: readings that were not applied.  ``details``: also what no limit needs.
     """
+    meaning = waiting(partial(diagnosis, score, offered, details))
+    return Judgement(**{x.name: getattr(score, x.name) for x in fields(Score)}, diagnosis=meaning)
+
+
+def diagnosis(score: Score, offered: tuple[Reading, ...], details: bool) -> Diagnosis:
+    """What the digits of a score mean: those to expect, what limits them, what may be wrong."""
     table, scene = score.subject, score.reference.scene
     is_foreign = table.run is None
     offers = offered if score.is_wrong else ()
@@ -220,39 +237,36 @@ def judgement(
             limit_of_attitude = noise if limit_of_attitude.name == "method" else limit_of_attitude
         residuals = rows.residuals if details or noise is not None else ()
     causes: tuple[Cause, ...] = ()
-    is_explicable = is_foreign and bool(score.digits) and not offers and limit not in NOISES
-    if is_explicable and (loses_all or limit.name == "method"):
+    if is_foreign and score.digits and not offers and (loses_all or limit.name == "method"):
         causes = fitted_causes(table, scene)
     if is_foreign and limit.name == "method" and (loses_all or offers):
         limit = NO_LIMIT  # its method is not to blame
-    start, is_judged = "", bool(score.digits or score.other_parts)
-    if is_foreign and is_judged and score.worst < LAST and not (table.readings or offers or causes):
+    start, is_explained = "", bool(table.readings or offers or causes)
+    if is_foreign and not is_explained and score.has_digits and score.worst < LAST:
         start = other_start(table, scene)
-    return Judgement(
-        **{x.name: getattr(score, x.name) for x in fields(Score)},
-        limit=limit,
-        attitude_limit=limit_of_attitude,
-        expectation=expected,
-        departures={
-            name: fall
-            for name, fall in falls.items()
-            if fall is not None
-            and expected is not None
-            and is_unexpected(fall, score.times, score.part_digits[name], expected.bands)
-        },
-        offers=offers,
-        causes=causes,
-        start=start,
-        residuals=residuals,
-        rotation_errors=rotation,
-        integrals=table.drift(scene, bits_of(table)),
+    departures = {
+        name: fall
+        for name, fall in falls.items()
+        if fall is not None
+        and expected is not None
+        and is_unexpected(fall, score.times, score.part_digits[name], expected.bands)
+    }
+    return Diagnosis(
+        limit,
+        limit_of_attitude,
+        expected,
+        departures,
+        offers,
+        causes,
+        start,
+        residuals,
+        rotation,
+        table.drift(scene, bits_of(table)),
     )
 
 
 def _truth(
-    source: Any,
-    against: Reference | Scene | str | Path | None,
-    options: JudgingOptions,
+    source: Any, against: Reference | Scene | str | Path | None, limits: ProofLimits
 ) -> Reference:
     """The reference that judges; raises BadInput."""
     if against is None:
@@ -271,39 +285,24 @@ def _truth(
         raise BadInput("compare", "SCENE", str(against), expected)
     if not isinstance(against, (Scene, str, Path)):
         return against
-    return reference(against, **options.limits._asdict())
+    return reference(against, **limits._asdict())
 
 
-def _table(source: Any, truth: Reference, options: JudgingOptions) -> Table:
-    """What is judged, as a table of those columns that the scene has; raises BadInput."""
+def _table(source: Any, scene: Scene, options: JudgingOptions) -> Table:
+    """What is judged, as a table; raises BadInput."""
     number, digits, columns = options.number, options.digits, options.columns
-    scene = truth.scene
     if isinstance(source, Trajectory):
-        table = of_run(source)
-    else:
-        if digits is not None and number is None:
-            raise BadInput(scene.name, "digits", digits, "number given with it: mp")
-        kind = None if number is None else choose_number(scene, number, digits)
-        if isinstance(source, (str, Path)):
-            source = read_table(Path(source), kind, _naming(columns))
-        elif hasattr(source, "keys"):
-            source = table_of_columns(source, kind, names=_naming(columns, of_file=False))
-        elif not isinstance(source, Table):
-            named = scene.columns if columns is None else columns
-            source = table_of_rows(source, options.at, named, kind)
-        if source.run is not None and (options.read or not _is_of(source.run.scene, scene)):
-            source = replace(source, run=None)  # another's table, as it were
-        table = as_judged(source, scene)
-    if not table.columns:
-        expected = f"columns of {', '.join(scene.columns)}, angles or attitude"
-        raise BadInput(table.name, "header", None, expected)
-    return table
-
-
-def _is_of(scene: Scene, second: Scene) -> bool:
-    """Whether two scenes have the same motion, in the same units."""
-    keys = ("units", "body", "omega", "gamma")
-    return all(getattr(scene, key) == getattr(second, key) for key in keys)
+        return of_run(source)
+    if digits is not None and number is None:
+        raise BadInput(scene.name, "digits", digits, "number given with it: mp")
+    kind = None if number is None else choose_number(scene, number, digits)
+    if isinstance(source, (str, Path)):
+        return read_table(Path(source), kind, _naming(columns))
+    if hasattr(source, "keys"):
+        return table_of_columns(source, kind, names=_naming(columns, of_file=False))
+    if isinstance(source, Table):
+        return source
+    return table_of_rows(source, options.at, scene.columns if columns is None else columns, kind)
 
 
 def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:

@@ -37,9 +37,8 @@ class ObservedOrder(Result):
     """The order p of a method, error ~ step**p, from correct digits at several steps and times.
 
     ``digits``: a row for each of ``steps``, correct ones at each of ``times``, nan where a table
-    lacks a number; ``names``: of the tables, where they are some. At a step counts what is above
-    the first digits and below ``rounding``, the digits from which on rounding rules, unless it is
-    ``limited`` by rounding all the same: a row for each step, whether it is at each time.
+    lacks a number; ``limited``: likewise, whether rounding limits them; ``names``: of the tables,
+    where they are some.  At a step counts what is above the first digits and not limited.
     ``orders``: at each time that of the least squares through log errors at the steps that count,
     None where these are too few.  ``order``: the median of them; ``least``, ``most``: between any
     two neighbours of the steps that count, at any time.
@@ -48,9 +47,8 @@ class ObservedOrder(Result):
     steps: tuple[float, ...]
     times: tuple[Fraction, ...]
     digits: tuple[tuple[float, ...], ...]
-    rounding: float
+    limited: tuple[tuple[bool, ...], ...]
     names: tuple[str, ...] = ()
-    limited: tuple[tuple[bool, ...], ...] = ()
 
     def table(self) -> Table:
         """A row a time: the order, and the correct digits of each step."""
@@ -106,43 +104,29 @@ class ObservedOrder(Result):
     @property
     def counted(self) -> tuple[bool, ...]:
         """Which steps count, at any time."""
-        return tuple(map(any, self._counting))
+        counted = {h for here in self._points for h, _ in here}
+        return tuple(h in counted for h in self.steps)
 
     @property
     def left_out(self) -> tuple[float, ...]:
         """The steps that rounding limits at all times."""
-        both = zip(self.steps, self._at_rounding, strict=True)
+        both = zip(self.steps, self.limited, strict=True)
         return tuple(h for h, limited in both if limited and all(limited))
-
-    @property
-    def _at_rounding(self) -> list[list[bool]]:
-        limited = self.limited or [[False] * len(row) for row in self.digits]
-        return [
-            [d >= self.rounding or at for d, at in zip(*rows, strict=True)]
-            for rows in zip(self.digits, limited, strict=True)
-        ]
-
-    @property
-    def _counting(self) -> list[list[bool]]:
-        """Whether each step counts at each time."""
-        return [
-            [d > _LEAST and not at for d, at in zip(*rows, strict=True)]
-            for rows in zip(self.digits, self._at_rounding, strict=True)
-        ]
 
     @property
     def _points(self) -> list[list[tuple[float, float]]]:
         """The steps that count at each time with the digits there, the longest first."""
-        rows = (zip(*x, strict=True) for x in (self.digits, self._counting))
+        rows = sorted(zip(self.steps, self.digits, self.limited, strict=True), reverse=True)
         return [
-            sorted((h, d) for h, d, counts in zip(self.steps, *here, strict=True) if counts)[::-1]
-            for here in zip(*rows, strict=True)
+            [(h, d[k]) for h, d, limited in rows if d[k] > _LEAST and not limited[k]]
+            for k in range(len(self.times))
         ]
 
     @property
     def _between(self) -> list[float]:
-        both = zip(self._points, self.orders, strict=True)
-        return [_slope(pair) for here, x in both if x is not None for pair in pairwise(here)]
+        enough = self.fewest_steps
+        points = (here for here in self._points if len(here) >= enough)
+        return [_slope(pair) for here in points for pair in pairwise(here)]
 
     @property
     def _summary(self) -> str:
@@ -151,32 +135,27 @@ class ObservedOrder(Result):
         return words if len(self.times) == 1 else f"{words} at {count} of {len(self.times)} times"
 
     def __repr__(self) -> str:
-        counted = sum(self.counted)
-        return f"<ObservedOrder {self.order:.2f}, {self._summary}, {counted} of them counted>"
+        counted = f"{sum(self.counted)} of them counted"
+        return f"<ObservedOrder {self.order:.2f}, {self._summary}, {counted}>"
 
     def __str__(self) -> str:
         names = [f", {name}" for name in self.names] or [""] * len(self.steps)
-        rows = zip(self.steps, self.digits, self.counted, names, strict=True)
-        lines = [
-            f"step {h:<10.4g} {_least(d):6.2f} digits{_gaps(d)}"
-            f"{'' if counts else self._why_not(h)}{name}"
-            for h, d, counts, name in rows
-        ]
+        lines = []
+        for h, digits, counts, name in zip(
+            self.steps, self.digits, self.counted, names, strict=True
+        ):
+            line = f"step {h:<10.4g} {_least(digits):6.2f} digits"
+            if missing := sum(map(math.isnan, digits)):
+                line += f", no numbers at {missing} of {len(digits)} times"
+            if not counts:
+                line += f", left out{': rounding limits it' if h in self.left_out else ''}"
+            lines.append(line + name)
         return "\n".join([*lines, f"order {self.order:.2f}; {self._summary}"])
-
-    def _why_not(self, step: float) -> str:
-        return f", left out{': rounding limits it' if step in self.left_out else ''}"
 
 
 def _least(digits: Sequence[float]) -> float:
     """The fewest, of those that are there."""
     return min((d for d in digits if not math.isnan(d)), default=math.nan)
-
-
-def _gaps(digits: Sequence[float]) -> str:
-    """At how many times there are none, in words."""
-    count = sum(map(math.isnan, digits))
-    return f", no numbers at {count} of {len(digits)} times" if count else ""
 
 
 def observed_order(
@@ -245,7 +224,7 @@ def _order(
     rows = tuple(tuple(by_time[_label(t)] for t in common) for by_time in digits)
     rounding = min(score.subject.held for score in judged) - _SPARE
     limited = _limited(judged, steps, common, rows, rounding)
-    order = ObservedOrder(steps, common, rows, rounding, names, limited)
+    order = ObservedOrder(steps, common, rows, limited, names)
     if all(x is None for x in order.orders):
         both = zip(steps, rows, strict=True)
         ranges = (f"{h:.3g}: {_least(row):.1f} to {max(row):.1f}" for h, row in both if row)

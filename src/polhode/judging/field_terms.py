@@ -22,7 +22,7 @@ import numpy.typing as npt
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, counted
 from polhode.equations.form import field
-from polhode.judging.tables.motions import other_scenes
+from polhode.judging.tables.hypotheses import other_scenes
 from polhode.numbers.conversion import to_double
 from polhode.numbers.number_types import Doubles
 from polhode.results.cells import DOUBLE, TEXT
@@ -218,6 +218,10 @@ class _Fitted:
             for places in combinations_with_replacement(range(self.count), degree)
             if places != (5, 5)  # gamma3^2 is 1 - gamma1^2 - gamma2^2
         ]
+        first = np.ones(3) * self.rate
+        if variables == "momentum":
+            first = np.abs(self.inertia) @ first
+        self.units: Doubles = np.concatenate([first, np.ones(3)])[: self.count]
         self.states = self._states()
         self.sizes = self._sizes()
         rates = np.array([self._rates(f, 0.0, y) for y in self.states])
@@ -267,19 +271,11 @@ class _Fitted:
     def _coefficients(self, rates: Doubles) -> tuple[Doubles, float]:
         """Coefficients of the monomials in each rate, shape (rates, monomials), each as the most
         that it adds; and what is left of the largest rate."""
-        scaled = self.states / self._units
+        scaled = self.states / self.units
         matrix = np.array([[math.prod(y[k] for k in m) for m in self.monomials] for y in scaled])
         coefficients, *_ = np.linalg.lstsq(matrix, rates / self.sizes, rcond=None)
         left = float(np.max(np.abs(matrix @ coefficients - rates / self.sizes)))
         return coefficients.T, left / max(1.0, float(np.max(np.abs(rates / self.sizes))))
-
-    @property
-    def _units(self) -> Doubles:
-        """The sizes of the variables."""
-        first = np.ones(3) * self.rate
-        if self.variables == "momentum":
-            first = np.abs(self.inertia) @ first
-        return np.concatenate([first, np.ones(3)])[: self.count]
 
     def _of(self, scene: Scene) -> Doubles:
         """The coefficients of a scene's equations."""
@@ -295,16 +291,14 @@ class _Fitted:
 
     def comparison(self) -> FieldComparison:
         """What differs."""
+        differences: tuple[Difference, ...] = ()
+        on_time = ["f depends on t"] if self.depends_on_time else []
         if self.residual >= _MOST:
-            words = [f"f is no polynomial of degree two in {' '.join(self.names)}"]
-            if self.depends_on_time:
-                words = ["f depends on t"]
-            words[0] += f": {self.residual:.1g} of its rates is left beside one"
-            return FieldComparison(self.scene, self.variables, (), tuple(words), self.residual)
-        differences = self._differences(self.own, self.right)
-        terms = [*self._terms()]
-        if self.depends_on_time:
-            terms.append("f depends on t")
+            (fault,) = on_time or [f"f is no polynomial of degree two in {' '.join(self.names)}"]
+            terms = [f"{fault}: {self.residual:.1g} of its rates is left beside one"]
+        else:
+            differences = self._differences(self.own, self.right)
+            terms = [*self._terms(), *on_time]
         return FieldComparison(self.scene, self.variables, differences, tuple(terms), self.residual)
 
     def _differences(self, own: Doubles, right: Doubles) -> tuple[Difference, ...]:
@@ -312,7 +306,7 @@ class _Fitted:
         differences = []
         for row, column in np.argwhere(self._differ(own, right)).tolist():
             places = self.monomials[column]
-            unit = self.sizes[row] / math.prod(self._units[k] for k in places)
+            unit = self.sizes[row] / math.prod(self.units[k] for k in places)
             true, coefficient = (
                 0.0 if abs(x) <= noise else x * unit
                 for x, noise in (
@@ -326,11 +320,13 @@ class _Fitted:
 
     def _terms(self) -> Iterator[str]:
         """What differs, in words: whole terms, and the coefficients of others."""
-        left = self.own.copy()
-        other_body = self._other_scene()
-        if other_body:
-            yield f"the equations are those of a body with {other_body}"
+        if not np.any(self._differ(self.own, self.right)):
             return
+        for words, scene in self._others():
+            if not np.any(self._differ(self.own, self._of(scene))):
+                yield f"the equations are those of a body with {words}"
+                return
+        left = self.own.copy()
         for words, rows, columns in self._vectors():
             place = np.ix_(rows, columns)
             own, right = self.own[place], self.right[place]
@@ -380,17 +376,8 @@ class _Fitted:
             yield "the torque Mg gamma x r0", [0, 1, 2], of((True,))
             yield "gamma' = gamma x omega", [3, 4, 5], of((False, True))
 
-    def _other_scene(self) -> str:
-        """Another body of which f has the equations, in words; empty where there is none."""
-        for words, scene in self._others():
-            if not np.any(self._differ(self.own, self._of(scene))):
-                return words
-        return ""
-
     def _others(self) -> Iterator[tuple[str, Scene]]:
-        """Bodies that may be meant."""
-        if not np.any(self._differ(self.own, self.right)):
-            return
+        """Bodies that may be meant, in words."""
         for hypothesis in other_scenes(self.scene):
             scene = hypothesis.scene
             if scene.body.inertia != self.scene.body.inertia:  # the weight is a term of its own

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 
-from polhode.common.errors import BadInput, aligned, few
+from polhode.common.errors import aligned, few
+from polhode.common.values import may_wait
 from polhode.equations.integrals import Drift
 from polhode.judging.conditioning import Band
 from polhode.judging.limits import (
@@ -18,12 +20,12 @@ from polhode.judging.limits import (
     Departure,
     Expectation,
     Limit,
+    Residual,
     chance,
     is_lost,
     lost_digits,
     shown_digits,
 )
-from polhode.judging.residuals import Residual
 from polhode.judging.score import SHOWN, STATE_PART, Score
 from polhode.judging.tables.explanations import Cause
 from polhode.judging.tables.table import WRONG, Reading
@@ -63,14 +65,9 @@ _ROUGH = 6.0  # digits of an attitude of which an angle says more
 RARE = 1e-4  # a share of runs of which nobody judges so many
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Judgement(Result, Score):
-    """Correct digits of a run or a table at each of its times, and what limits them.
+class Diagnosis(NamedTuple):
+    """What limits the digits of a score, and what may be wrong: what has to know the motion.
 
-    ``subject``: what was judged.  ``reference``: what it was judged against.
-    ``digits[k]`` belongs to ``times[k]``: -log10 of the larger of the error of omega over the
-    largest |omega| of the reference at these times, and the error of gamma, in the scene's body
-    axes.  ``worst``: the fewest of these and of those of every other part that was judged.
     ``limit``: what limits the digits of the state; empty where it was not judged, and of a table
     that is wrong in the first digit or would be right in a convention that is not applied, for then
     its method is not to blame; ``attitude_limit``: what limits those of the attitude.
@@ -82,15 +79,7 @@ class Judgement(Result, Score):
     ``residuals``: what is left of each column of a table's state, and of its attitude as a rotation
     in degrees, where that is noise or was asked for.  ``rotation_errors``: rotations from the true
     attitudes to the subject's, vectors along body axes in degrees, shape (rows, 3).
-    ``integrals``: their drift, or why it says nothing.  ``motion``: whether the scene's motion is
-    chaotic, where that was asked for.
-
-    Printed, it is the answer of ``polhode compare``; :meth:`details` has all that is known.
-
-    >>> import polhode
-    >>> judgement = polhode.compare(polhode.integrate("euler/separatrix", at=[1, 20]))
-    >>> 12.5 < judgement.worst < 14.5, judgement.worst_time, judgement.limit
-    (True, Fraction(20, 1), 'conditioning')
+    ``integrals``: their drift, or why it says nothing.
     """
 
     limit: Limit
@@ -103,7 +92,56 @@ class Judgement(Result, Score):
     residuals: tuple[Residual, ...]
     rotation_errors: Doubles
     integrals: Drift | str
+
+
+@may_wait("diagnosis")
+@dataclass(frozen=True, eq=False, repr=False)
+class Judgement(Result, Score):
+    """Correct digits of a run or a table at each of its times, and what limits them.
+
+    ``subject``: what was judged.  ``reference``: what it was judged against.
+    ``digits[k]`` belongs to ``times[k]``: -log10 of the larger of the error of omega over the
+    largest |omega| of the reference at these times, and the error of gamma, in the scene's body
+    axes.  ``worst``: the fewest of these and of those of every other part that was judged.
+    ``limit``, ``causes``, ``residuals`` and what else has to know the motion are those of the
+    ``diagnosis``, which is made when it is first asked for.  ``motion``: whether the scene's motion
+    is chaotic, where that was asked for.
+
+    Printed, it is the answer of ``polhode compare``; :meth:`details` has all that is known.
+
+    >>> import polhode
+    >>> judgement = polhode.compare(polhode.integrate("euler/separatrix", at=[1, 20]))
+    >>> 12.5 < judgement.worst < 14.5, judgement.worst_time, judgement.limit
+    (True, Fraction(20, 1), 'conditioning')
+    """
+
+    diagnosis: Diagnosis
     motion: Result | None = None
+
+    @property
+    def limit(self) -> Limit:
+        """What limits the digits of the state, a text; empty where nothing is to blame."""
+        return self.diagnosis.limit
+
+    @property
+    def attitude_limit(self) -> Limit:
+        """What limits the digits of the attitude."""
+        return self.diagnosis.attitude_limit
+
+    @property
+    def departures(self) -> Mapping[str, Departure]:
+        """Parts that leave the motion: right until one time, wrong from the next one on."""
+        return self.diagnosis.departures
+
+    @property
+    def causes(self) -> tuple[Cause, ...]:
+        """Numbers of which one, if it were another, would make a wrong table right."""
+        return self.diagnosis.causes
+
+    @property
+    def residuals(self) -> tuple[Residual, ...]:
+        """What is left of each column, where that is noise or was asked for."""
+        return self.diagnosis.residuals
 
     @property
     def expected(self) -> tuple[Band | None, ...]:
@@ -113,9 +151,10 @@ class Judgement(Result, Score):
 
         Of a projected run those that projection leaves; see :func:`polhode.conditioning`.
         """
-        if self.expectation is None:
+        expectation = self.diagnosis.expectation
+        if expectation is None:
             return (None,) * len(self.digits)
-        return self.expectation.bands if self.digits else ()
+        return expectation.bands if self.digits else ()
 
     @property
     def inputs(self) -> tuple[float | None, ...]:
@@ -123,35 +162,35 @@ class Judgement(Result, Score):
 
         Of a projected run those that are left where projection has taken its part away.
         """
-        if self.expectation is None:
+        expectation = self.diagnosis.expectation
+        if expectation is None:
             return (None,) * len(self.digits)
-        return self.expectation.inputs if self.digits else ()
+        return expectation.inputs if self.digits else ()
 
     @property
     def lost_after(self) -> float | None:
         """The time after which kappa leaves no digits; None where it leaves some throughout."""
-        return None if self.expectation is None else self.expectation.lost_after
+        expectation = self.diagnosis.expectation
+        return None if expectation is None else expectation.lost_after
 
     @property
     def lost(self) -> str:
         """That no digits are left, and after which time; empty where some are left throughout."""
-        return "" if self.expectation is None else lost_digits(self.digits, self.expectation)
+        expectation = self.diagnosis.expectation
+        return "" if expectation is None else lost_digits(self.digits, expectation)
 
     @property
     def drift(self) -> Drift | None:
         """Drift of the integrals; None where it says nothing, see ``notes``."""
-        return self.integrals if isinstance(self.integrals, Drift) else None
+        integrals = self.diagnosis.integrals
+        return integrals if isinstance(integrals, Drift) else None
 
     @property
     def rotation_angles(self) -> list[float | None]:
         """The angle in degrees between the true attitude and the subject's at each time, None where
         the attitude was not judged; empty where it nowhere was."""
-        angles = np.linalg.norm(self.rotation_errors, axis=1).tolist()
+        angles = np.linalg.norm(self.diagnosis.rotation_errors, axis=1).tolist()
         return [None if math.isnan(x) else x for x in angles]
-
-    @property
-    def _most_rotated(self) -> float | None:
-        return max((x for x in self.rotation_angles if x is not None), default=None)
 
     @property
     def chance(self) -> float | None:
@@ -166,8 +205,8 @@ class Judgement(Result, Score):
     def notes(self) -> tuple[str, ...]:
         """What was not judged, and why."""
         notes = self.unjudged
-        if isinstance(self.integrals, str):
-            notes.append(f"drift of the integrals was not judged: {self.integrals}")
+        if isinstance(self.diagnosis.integrals, str):
+            notes.append(f"drift of the integrals was not judged: {self.diagnosis.integrals}")
         if not heyoka.installed:
             notes.append("what limits the digits was not computed: heyoka is not installed")
         return (*self.subject.notes, *notes)
@@ -191,7 +230,8 @@ class Judgement(Result, Score):
         were applied, and those in which parts still wrong would be."""
         applied = self.subject.readings
         parts = {reading.part for reading in applied}
-        return (*applied, *(offer for offer in self.offers if offer.part not in parts))
+        offers = self.diagnosis.offers
+        return (*applied, *(offer for offer in offers if offer.part not in parts))
 
     def table(self) -> ResultTable:
         """One row per time: the digits that are correct, and what was to be expected."""
@@ -200,7 +240,10 @@ class Judgement(Result, Score):
         if self.digits:
             bands = self.expected
             digits_of_state = {
-                "correct_digits": self._known_digits,
+                "correct_digits": [
+                    None if is_lost(d, band) else d
+                    for d, band in zip(self.digits, bands, strict=True)
+                ],
                 "digits_expected_least": [None if x is None else x.least for x in bands],
                 "digits_expected_median": [None if x is None else x.middle for x in bands],
                 "digits_expected_most": [None if x is None else x.most for x in bands],
@@ -209,22 +252,16 @@ class Judgement(Result, Score):
             columns += (Column(k, x, type=DOUBLE, digits=4) for k, x in digits_of_state.items())
         for name, digits in self.part_digits.items():
             columns.append(Column(f"correct_digits_{name}", digits, type=DOUBLE, digits=4))
-        if len(self.rotation_errors):
-            angles = self.rotation_angles
+        if angles := self.rotation_angles:
             columns.append(Column("attitude_error", angles, "angle of rotation", "deg", DOUBLE, 4))
         return ResultTable(columns)
-
-    @property
-    def _known_digits(self) -> list[float | None]:
-        """The correct digits, none where no digit was left to be correct."""
-        pairs = zip(self.digits, self.expected, strict=True)
-        return [None if d is None or is_lost(d, band) else d for d, band in pairs]
 
     def facts(self) -> list[Fact]:
         """What was judged against what, the fewest digits, and what limits them."""
         subject, against = self.subject, self.reference
-        has_digits = any(d is not None for row in self.part_digits.values() for d in row)
         agreement = None if against.is_closed_form else self.agreement
+        worst = self._worst if self.has_digits else None
+        rotated = max((x for x in self.rotation_angles if x is not None), default=None)
         readings = table_of_rows(
             {"part": TEXT, "convention": TEXT, "digits": DOUBLE},
             [(x.part, x.convention, x.digits) for x in self.readings],
@@ -251,11 +288,11 @@ class Judgement(Result, Score):
             Fact("judged", [*subject.state, *self.parts], "columns and outputs", type=TEXT),
             Fact("rows_judged", self.rows_judged),
             Fact("rows_lacking", len({k for rows in self.gaps.values() for k in rows})),
-            Fact("worst", self.worst if has_digits and not self.lost else None, "fewest digits"),
-            Fact("worst_time", self.worst_time if has_digits else None, "where they are"),
-            Fact("worst_part", self.worst_part if has_digits else None, "of what they are"),
+            Fact("worst", worst.digits if worst and not self.lost else None, "fewest digits"),
+            Fact("worst_time", worst and self.times[worst.row], "where they are"),
+            Fact("worst_part", worst and worst.part, "of what they are"),
             Fact("limit", self.limit or None, "what limits the digits of the state"),
-            Fact("attitude_error", self._most_rotated, "largest angle of rotation", "deg"),
+            Fact("attitude_error", rotated, "largest angle of rotation", "deg"),
             Fact(
                 "attitude_limit", self.attitude_limit or None, "what limits the attitude's digits"
             ),
@@ -271,17 +308,13 @@ class Judgement(Result, Score):
         ]
         if self.motion is not None:
             facts.append(Fact("motion", self.motion.table(), "whether it is chaotic"))
-        if isinstance(self.integrals, Drift):
-            for name, value in self.integrals._asdict().items():
-                facts.append(Fact(f"drift_{name}", value, "of a first integral, relative"))
+        for name, value in self.drift._asdict().items() if self.drift is not None else ():
+            facts.append(Fact(f"drift_{name}", value, "of a first integral, relative"))
         return [*facts, provenance_fact(against.scene.provenance())]
 
     def __str__(self) -> str:
         """The verdict: the digits at a few times, the fewest of all, what makes them more."""
-        if not self.digits and not self.other_parts:
-            return "\n".join([self._nothing, *self._unread])
-        lines = [*self._digits(self.worst_row), self.verdict, *self._why, *self._unread]
-        return "\n".join([*self._begins_elsewhere, *lines])
+        return self._text(details=False)
 
     def details(self) -> str:
         """All that is known, in words.
@@ -291,44 +324,54 @@ class Judgement(Result, Score):
         >>> "drift h" in found.details(), "drift h" in str(found)
         (True, False)
         """
+        return self._text(details=True)
+
+    def _text(self, details: bool) -> str:
+        """The verdict, how the table was read, and what was not judged; ``details``: and the rest.
+
+        That a table of which nothing is right begins elsewhere is said first.
+        """
+        subject, start, is_judged = self.subject, self.diagnosis.start, self.has_digits
+        lines = [f"{subject.name}: {start}"] if start else []
+        if details:
+            lines.append(self._head)
+        if is_judged:
+            lines += [*self._digit_lines(None if details else self.worst_row), self.verdict]
+        else:
+            lines.append(": ".join(filter(None, [NOTHING, self._without_numbers])))
+        if details:
+            lines += self._limits_of_parts
+        if is_judged or details:
+            lines += self._why
+        if details and self.drift is not None:
+            lines.append(f"drift {self.drift}")
+        if details and subject.projected and subject.run is not None:
+            lines.append(f"projected {subject.run.projection}")
+        return "\n".join([*lines, *subject.remarks, *(f"not judged: {x}" for x in self.notes)])
+
+    @property
+    def _head(self) -> str:
+        """What was judged against what, and how well that is known."""
         against = self.reference
-        how = f", proven to {self.agreement:.1f} digits"
+        how = "" if math.isnan(self.agreement) else f", proven to {self.agreement:.1f} digits"
         if against.is_closed_form:
             proven = "proven" if against.proven is True else against.proven
             how = f", {proven}" if proven else ""
-        elif math.isnan(self.agreement):
-            how = ""
         scene = f"{against.scene.name} ({against.regime})"
-        lines = [f"{self.subject.name} against {against.kind} of {scene}{how}"]
-        lines += (
-            [*self._digits(None), self.verdict]
-            if self.digits or self.other_parts
-            else [self._nothing]
-        )
-        if self.limit and not self._is_foreign:
-            lines.append(f"limit {self.limit}")
+        return f"{self.subject.name} against {against.kind} of {scene}{how}"
+
+    @property
+    def _limits_of_parts(self) -> list[str]:
+        """What limits the state, the kind of motion, and the digits of the other parts."""
+        is_method_of_others = self.subject.run is None and self.limit.name == "method"
+        lines = [f"limit {self.limit}"] if self.limit and not is_method_of_others else []
         if self.motion is not None:
             lines.append(f"motion {self.motion}")
         lines += [f"{name}: {digits:.2f} correct digits" for name, digits in self.parts.items()]
         if "attitude" in self.parts:
             lines.append(f"limit of the attitude {self.attitude_limit}")
             lines += [self._rotation] if self.parts["attitude"] >= _ROUGH else []
-        lines += self._why
-        if isinstance(self.integrals, Drift):
-            lines.append(f"drift {self.integrals}")
-        if self.subject.projected and self.subject.run is not None:
-            lines.append(f"projected {self.subject.run.projection}")
-        return "\n".join([*self._begins_elsewhere, *lines, *self._unread])
-
-    @property
-    def _begins_elsewhere(self) -> list[str]:
-        """That a table of which nothing is right begins elsewhere, which is to be said first."""
-        return [f"{self.subject.name}: {self.start}"] if self.start else []
-
-    def _digits(self, worst: int | None) -> list[str]:
-        """The table of the digits, see :func:`digit_table`."""
-        number = self.subject.number
-        return digit_table(self.times, self.digits, self.expected, number, self.other_parts, worst)
+        return lines
 
     @property
     def _why(self) -> list[str]:
@@ -337,181 +380,126 @@ class Judgement(Result, Score):
         if self.parts.get("attitude", _ROUGH) < _ROUGH:
             lines.append(self._rotation)
         if (self.limit or self.attitude_limit) in NOISES:
-            lines.append(residual_text(self.residuals))
+            noise = [
+                f"{x.column} {x.rms:.2g} ({x.bias:+.1g} ± {x.bias_error:.1g})"
+                for x in self.residuals
+            ]
+            lines.append(f"noise, rms (and bias): {', '.join(noise)}")
         why = [*map(str, self.readings), *map(str, self.causes)]
-        if not why and self._leaves_its_start:
-            why = [OWN_EQUATIONS.format(scene=self.reference.scene.name)]
+        if not why and self.subject.run is None and self.digits and self.state_worst < LAST:
+            starts = [self.digits[k] or 0.0 for k, t in enumerate(self.times) if not t]
+            if max(starts, default=0.0) >= WRONG:
+                why = [OWN_EQUATIONS.format(scene=self.reference.scene.name)]
         return [*lines, *why]
 
     @property
     def _rotation(self) -> str:
         """By which angles the attitude is off."""
-        angles = [-1.0 if x is None else x for x in self.rotation_angles]
-        most = max(angles, default=-1.0)
-        if most < 0:
+        angles = self.rotation_angles
+        known = [x for x in angles if x is not None]
+        if not known:
             return "attitude: its angle of rotation is not known"
-        square = [x * x for x in angles if x >= 0]
-        rms = math.sqrt(sum(square) / len(square))
-        when = brief(self.times[angles.index(most)])
-        return f"attitude off by {most:.3g}° at worst (t = {when}), {rms:.3g}° rms"
-
-    @property
-    def _leaves_its_start(self) -> bool:
-        """Whether a table begins right at t = 0, and is then wrong in the first digit."""
-        if self.subject.run is not None or not self.digits or self.state_worst >= LAST:
-            return False
-        return any(
-            not t and (d or 0) >= WRONG for t, d in zip(self.times, self.digits, strict=True)
-        )
+        rms = math.sqrt(sum(x * x for x in known) / len(known))
+        when = brief(self.times[angles.index(max(known))])
+        return f"attitude off by {max(known):.3g}° at worst (t = {when}), {rms:.3g}° rms"
 
     @property
     def _without_numbers(self) -> str:
-        """In which rows numbers are missing; empty where none is."""
-        parts = self._named
-        return without_numbers(
-            {k: x for k, x in self.gaps.items() if k in parts}, parts, self.times
-        )
-
-    @property
-    def _nothing(self) -> str:
-        """That nothing was judged, and why."""
-        return ": ".join(filter(None, [NOTHING, self._without_numbers]))
-
-    @property
-    def _unread(self) -> list[str]:
-        """How the table was read, and what was not judged."""
-        return [*self.subject.remarks, *(f"not judged: {note}" for note in self.notes)]
-
-    @property
-    def _is_foreign(self) -> bool:
-        """Whether the limit is called a method of which nothing is known: that of a table."""
-        return self.subject.run is None and self.limit.name == "method"
+        """In which rows which of the parts have no numbers; empty where all have them."""
+        parts, times, count = self._named, self.times, len(self.times)
+        alike: dict[tuple[int, ...], list[str]] = {}
+        for part, rows in self.gaps.items():
+            if part in parts:
+                alike.setdefault(rows, []).append(part)
+        phrases = []
+        for rows, names in alike.items():
+            of = "" if len(names) == len(parts) else f" of {' and '.join(names)}"
+            share, first = f"{len(rows)} of {count} rows", brief(times[rows[0]])
+            if len(rows) == count:
+                where = "in any row"
+            elif len(rows) == 1:
+                where = f"at t = {first} ({share})"
+            elif rows == (*range(rows[0], count),):
+                where = f"from t = {first} on ({share})"
+            else:
+                where = f"in {share}, the first at t = {first}"
+            phrases.append(f"no numbers{of} {where}")
+        return ", ".join(phrases)
 
     @property
     def _meaning(self) -> str:
-        """What the digits of the state mean."""
+        """What the digits of the state mean; where there is none those of the attitude, if any."""
+        limit, offers = self.limit, self.diagnosis.offers
         if self.causes:
             return EXPLAINED
-        if not self.limit:
-            return ELSEWHERE if self.offers else WRONG_AT_ONCE
-        words = meaning(self.limit, self.subject.number, self._is_foreign)
+        if self.digits and not limit:
+            return ELSEWHERE if offers else WRONG_AT_ONCE
+        if not self.digits:
+            limit = self.attitude_limit
+            if self.worst < LAST and limit not in NOISES:
+                return WRONG_AT_ONCE
+            if self.worst_part != "attitude" or offers:
+                return ""
+        how = limit.detail
+        if limit.name == "method" and self.subject.run is None:
+            how = FOREIGN
+        words = ROUNDED if limit.name == "rounding" and how else LIMITS[limit.name]
+        words = words.format(number=self.subject.number.name, how=how)
         if self.chance is not None and self.chance > RARE:
             words += BY_CHANCE.format(runs=1 / self.chance)
         return words
 
     @property
-    def _meaning_alone(self) -> list[str]:
-        """What the fewest digits mean where there is no state: of an attitude its limit."""
-        if self.worst < LAST and self.attitude_limit not in NOISES:
-            return [WRONG_AT_ONCE]
-        if self.worst_part != "attitude" or self.offers:
-            return []
-        limit, number = self.attitude_limit, self.subject.number
-        return [meaning(limit, number, self.subject.run is None and limit.name == "method")]
-
-    @property
     def verdict(self) -> str:
         """The fewest digits of all, and what those of the state mean; BadInput where none was
         judged."""
-        return "; ".join(filter(None, [self._without_numbers, self._verdict]))
-
-    @property
-    def _verdict(self) -> str:
-        """The verdict on the numbers that are there."""
-        read = f"; read as {self.reading}" if self.reading else ""
-        if self.digits and self.lost:
-            return f"{self.lost}: {self._meaning}{read}"
-        words = f"{self.worst:.2f} correct digits at worst (t = {brief(self.worst_time)})"
+        worst, meaning = self._worst, self._meaning
+        words = f"{worst.digits:.2f} correct digits at worst (t = {brief(self.worst_time)})"
         if self.rows_judged < len(self.times):
             words += f" of {self.rows_judged} rows judged of {len(self.times)}"
-        if self.worst_part != STATE_PART:
-            words += f", of {self.worst_part}"
-            if not self.digits:
-                return ", ".join([words, *self._meaning_alone]) + read
-            time = brief(self.times[self.lowest_row])
-            words += f"; of the state {self.state_worst:.2f} (t = {time})"
-        return f"{words}, {self._meaning}{read}"
+        if worst.part != STATE_PART:
+            words += f", of {worst.part}"
+            if self.digits:
+                time = brief(self.times[self.lowest_row])
+                words += f"; of the state {self.state_worst:.2f} (t = {time})"
+        words = ", ".join(filter(None, [words, meaning]))
+        if self.lost:
+            words = f"{self.lost}: {meaning}"
+        if self.reading:
+            words += f"; read as {self.reading}"
+        return "; ".join(filter(None, [self._without_numbers, words]))
 
     def __repr__(self) -> str:
-        try:
+        if not self.has_digits:
+            words = ": ".join(filter(None, [NOTHING, self._without_numbers]))
+        else:
             words = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
             words += f", limited by {self.limit}" if self.limit else ""
             words += f", {self._without_numbers}" if self.gaps else ""
             words += f", read as {self.reading}" if self.reading else ""
-        except BadInput:
-            words = self._nothing
         return f"<Judgement of {self.subject.name} against {self.reference.kind}: {words}>"
 
+    def _digit_lines(self, worst: int | None) -> list[str]:
+        """The lines of the digits at a few of the times.
 
-# --- words ----------------------------------------------------------------------------------------
-#
-# A judgement in words: its table of digits, what its limit means.
-
-
-def meaning(limit: Limit, number: NumberType, foreign: bool) -> str:
-    """What a limit says of digits; ``foreign``: of those of a table of another program."""
-    how = FOREIGN if limit.name == "method" and foreign else limit.detail
-    words = ROUNDED if limit.name == "rounding" and how else LIMITS[limit.name]
-    return words.format(number=number.name, how=how)
-
-
-def without_numbers(
-    gaps: Mapping[str, Sequence[int]], parts: Collection[str], times: Sequence[Fraction]
-) -> str:
-    """In which rows which of the parts have no numbers; empty where all have them everywhere."""
-    alike: dict[tuple[int, ...], list[str]] = {}
-    for part, rows in gaps.items():
-        alike.setdefault(tuple(rows), []).append(part)
-    phrases = []
-    for rows, names in alike.items():
-        of = "" if len(names) == len(parts) else f" of {' and '.join(names)}"
-        count, share, first = len(times), f"{len(rows)} of {len(times)} rows", brief(times[rows[0]])
-        if len(rows) == count:
-            where = "in any row"
-        elif len(rows) == 1:
-            where = f"at t = {first} ({share})"
-        elif rows == (*range(rows[0], count),):
-            where = f"from t = {first} on ({share})"
-        else:
-            where = f"in {share}, the first at t = {first}"
-        phrases.append(f"no numbers{of} {where}")
-    return ", ".join(phrases)
-
-
-def residual_text(left: Sequence[Residual]) -> str:
-    """Residuals in words: of each column the root mean square and the bias."""
-    phrases = [f"{x.column} {x.rms:.2g} ({x.bias:+.1g} ± {x.bias_error:.1g})" for x in left]
-    return f"noise, rms (and bias): {', '.join(phrases)}"
-
-
-def digit_table(
-    times: Sequence[Fraction],
-    digits: Sequence[float | None],
-    expected: Sequence[Band | None],
-    number: NumberType,
-    parts: Mapping[str, Sequence[float | None]],
-    worst: int | None,
-) -> list[str]:
-    """The lines of the digits at a few of the times.
-
-    ``digits``: of the state, empty where it was not judged, None where it has no number;
-    ``parts``: of others.  ``worst``: the row that is shown beside the first and the last; None for
-    more rows, and those beside the digits that are expected.
-    """
-    count = len(times)
-    shown = few(count, SHOWN) if worst is None else sorted({0, worst, count - 1})
-    columns = {"t": [_time(times[k], number) for k in shown]}
-    if digits:
-        columns["correct digits"] = [shown_digits(digits[k], expected[k]) for k in shown]
-    if digits and worst is None:
-        bands = ["unknown" if (b := expected[k]) is None else b.shown(number) for k in shown]
-        columns[f"expected in {number.name}"] = bands
-    for name, of_part in parts.items():
-        columns[name] = ["-" if (d := of_part[k]) is None else f"{d:.2f}" for k in shown]
-    lines = aligned([*columns], [*zip(*columns.values(), strict=True)])
-    if worst is None and len(shown) < count:
-        lines.append(f"({len(shown)} of {count} times; all of them with --json)")
-    return lines
+        ``worst``: the row that is shown beside the first and the last; None for more rows, and
+        those beside the digits that are expected.
+        """
+        count, number, expected = len(self.times), self.subject.number, self.expected
+        shown = few(count, SHOWN) if worst is None else sorted({0, worst, count - 1})
+        columns = {"t": [_time(self.times[k], number) for k in shown]}
+        if self.digits:
+            digits = [shown_digits(self.digits[k], expected[k]) for k in shown]
+            columns["correct digits"] = digits
+        if self.digits and worst is None:
+            bands = ["unknown" if (b := expected[k]) is None else b.shown(number) for k in shown]
+            columns[f"expected in {number.name}"] = bands
+        for name, of_part in self.other_parts.items():
+            columns[name] = ["-" if (d := of_part[k]) is None else f"{d:.2f}" for k in shown]
+        lines = aligned([*columns], [*zip(*columns.values(), strict=True)])
+        if worst is None and len(shown) < count:
+            lines.append(f"({len(shown)} of {count} times; all of them with --json)")
+        return lines
 
 
 def _time(t: Fraction, number: NumberType) -> str:

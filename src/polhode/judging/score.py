@@ -27,7 +27,7 @@ from polhode.judging.correct_digits import (
 )
 from polhode.judging.reference import Reference, column_of, reference
 from polhode.judging.sources import NoAnswer
-from polhode.judging.tables.motions import integrated
+from polhode.judging.tables.hypotheses import integrated
 from polhode.judging.tables.table import PARTS, WRONG, Table
 from polhode.numbers import double_double
 from polhode.numbers.conversion import doubles, to_mpf
@@ -210,38 +210,40 @@ class Answers:
         return column_of(ask, self.reference.scene, word, self.times, digits)
 
     def _asked(self, question: str, digits: int) -> Answer:
-        """The answer to one question, as it was given, to more digits or as many, or now."""
-        enough_digits = [n for name, n in self._known if name == question and n >= digits]
-        enough = (n for n in sorted(enough_digits) if n == digits or self._is_answered(question, n))
-        digits = next(enough, digits)
-        if (question, digits) not in self._known:
+        """The answer to one question, as it was given, to more digits or as many, or now.
+
+        One that was refused may not be for fewer digits.
+        """
+        known = self._known
+        enough = sorted(n for name, n in known if name == question and n >= digits)
+        for n in enough:
+            if n == digits or not isinstance(known[question, n], ValueError):
+                digits = n
+                break
+        if (question, digits) not in known:
             both = self.attitude and not self.reference.encloses_attitude
             group = ("attitude", "at") if both and question in ("attitude", "at") else (question,)
-            for name, answer in self._found(group, digits).items():
-                self._known[name, digits] = answer
-        reply = self._known[question, digits]
+            # a proof goes through all times: not in pieces
+            enclosed = "attitude" in group and self.reference.encloses_attitude
+            in_pairs = question in ("at", "attitude") and not enclosed
+            in_pairs = in_pairs and digits <= double_double.DIGITS
+            size = _PIECE if self.reference.is_closed_form and not enclosed else len(self.times)
+            answers = self._together(group, digits, size, in_pairs)
+            if in_pairs and not all(map(_is_held, answers.values())):
+                answers = self._together(group, digits, size, False)
+            known |= {(name, digits): answer for name, answer in answers.items()}
+        reply = known[question, digits]
         if isinstance(reply, ValueError):
             raise reply
         return reply
 
-    def _is_answered(self, question: str, digits: int) -> bool:
-        """Whether a question that was asked was not refused: for fewer digits it may not be."""
-        return not isinstance(self._known[question, digits], ValueError)
-
-    def _found(
-        self, questions: Sequence[str], digits: int, in_pairs: bool | None = None
+    def _together(
+        self, questions: Sequence[str], digits: int, size: int, in_pairs: bool
     ) -> dict[str, Answer | ValueError]:
-        """Answers to questions that are asked together, of each or why there is none."""
+        """Answers to questions that are asked together, so many rows at once, or why not."""
         pieces: dict[str, list[Answer]] = {name: [] for name in questions}
         faults: dict[str, ValueError] = {}
-        # a proof goes through all times: not in pieces
-        enclosed = "attitude" in questions and self.reference.encloses_attitude
-        whole = enclosed or not self.reference.is_closed_form
         count = len(self.times)
-        size = count if whole else _PIECE
-        if in_pairs is None:
-            asked_alone = {"at", "attitude"}.issuperset(questions) and not enclosed
-            in_pairs = asked_alone and digits <= double_double.DIGITS
         for begin in range(0, count, size):
             piece = self.times[begin : begin + size]
             for name in questions:
@@ -250,13 +252,9 @@ class Answers:
                         pieces[name].append(self._piece(name, piece, digits, in_pairs))
                 except ValueError as fault:  # BadInput is one
                     faults[name] = fault
-            count_done = begin + len(piece)
             if self.progress is not None and size < count:
-                self.progress(count_done / count, count_done)
-        answers = {name: faults.get(name) or _joined(pieces[name]) for name in questions}
-        if in_pairs and not all(map(_is_held, answers.values())):
-            return self._found(questions, digits, in_pairs=False)
-        return answers
+                self.progress((begin + len(piece)) / count, begin + len(piece))
+        return {name: faults.get(name) or _joined(pieces[name]) for name in questions}
 
     def _piece(
         self, question: str, times: Sequence[Fraction], digits: int, in_pairs: bool
@@ -264,8 +262,7 @@ class Answers:
         """Rows at some of the times."""
         if in_pairs and (pairs := self.reference.pairs(question, times, digits)) is not None:
             return pairs
-        rows: Answer = getattr(self.reference, question)(times, digits)
-        return rows
+        return getattr(self.reference, question)(times, digits)  # type: ignore[no-any-return]
 
 
 def _joined(pieces: Sequence[Answer]) -> Answer:
@@ -445,7 +442,8 @@ class Score(ByValue):
     ``subject``: what was judged; ``reference``: what it was judged against.  ``halves``: the digits
     of omega and gamma at each time; ``other_parts``: those of angles, attitude and derived columns.
     ``refusals``: parts that were not judged, and why.  ``missing``: the rows in which a column
-    lacks a number that the motion has there, of each that does.  ``selected``: the rows that were
+    lacks a number that the motion has there, of each that does; ``gaps``: those of a part, for a
+    vector that lacks a component is none, and has no digits.  ``selected``: the rows that were
     judged, None for all of them.  ``agreement``: the accuracy of the reference in digits; inf for a
     closed form, nan if it is not known.  ``comparison``: of which all of this was made, as long as
     it is there.
@@ -457,6 +455,7 @@ class Score(ByValue):
     other_parts: Mapping[str, RowDigits]
     refusals: Mapping[str, str]
     missing: Mapping[str, tuple[int, ...]]
+    gaps: Mapping[str, tuple[int, ...]]
     selected: RowSelection | None
     agreement: float
     comparison: Comparison | None = field(compare=False)
@@ -491,14 +490,6 @@ class Score(ByValue):
         """The fewest correct digits over all times of angles, attitude and derived columns."""
         most = self.subject.held
         return {name: fewest(digits, most) for name, digits in self.other_parts.items()}
-
-    @cached_property
-    def gaps(self) -> dict[str, tuple[int, ...]]:
-        """The rows in which a part lacks a number that the motion has there, of each that does.
-
-        A vector that lacks a component is none, and has no digits.
-        """
-        return gaps_of_parts(self.missing)
 
     @property
     def rows_judged(self) -> int:
@@ -536,19 +527,24 @@ class Score(ByValue):
         """The part that has the fewest: "state", or one of ``part_digits``; BadInput likewise."""
         return self._worst.part
 
+    @property
+    def has_digits(self) -> bool:
+        """Whether any number was judged."""
+        return any(d is not None for row in self.part_digits.values() for d in row)
+
     @cached_property
     def _worst(self) -> _Worst:
+        if not self.has_digits:
+            why = "; ".join(self.unjudged) or "all cells are empty"
+            expected = f"a number in a column that can be judged ({why})"
+            raise BadInput(self.subject.name, "columns", None, expected)
         parts = {STATE_PART: self.digits, **self.other_parts}
-        numbers = [
+        numbers = (
             _Worst(d, part, k)
             for part, digits in parts.items()
             for k, d in enumerate(digits)
             if d is not None
-        ]
-        if not numbers:
-            why = "; ".join(self.unjudged) or "all cells are empty"
-            expected = f"a number in a column that can be judged ({why})"
-            raise BadInput(self.subject.name, "columns", None, expected)
+        )
         return min(numbers, key=lambda number: number.digits)
 
     @property
@@ -577,16 +573,6 @@ class Score(ByValue):
         return f"<Score of {self.subject.name} against {self.reference.kind}: {digits}>"
 
 
-def gaps_of_parts(missing: Mapping[str, Sequence[int]]) -> dict[str, tuple[int, ...]]:
-    """Rows in which parts lack a number, of those in which columns do."""
-    parts = PARTS | {word: x.names for word, x in COLUMNS.items()}
-    rows = {
-        part: sorted({k for name in names for k in missing.get(name, ())})
-        for part, names in parts.items()
-    }
-    return {part: tuple(gaps) for part, gaps in rows.items() if gaps}
-
-
 def score(
     subject: Table,
     reference: Reference,
@@ -604,7 +590,12 @@ def score(
     comparison = Comparison.of(subject, reference, progress, answers)
     errors = comparison.state_errors() if subject.state else None
     missing = comparison.missing()
-    gaps = gaps_of_parts(missing)
+    columns_of = PARTS | {word: x.names for word, x in COLUMNS.items()}
+    gaps = {
+        part: rows
+        for part, names in columns_of.items()
+        if (rows := tuple(sorted({k for name in names for k in missing.get(name, ())})))
+    }
 
     def whole(part: str, digits: RowDigits) -> RowDigits:
         """Digits of a part, None in rows that lack a number of it."""
@@ -639,6 +630,7 @@ def score(
         others,
         refusals,
         missing,
+        gaps,
         comparison.selected,
         reference.agreement,
         comparison,

@@ -282,7 +282,7 @@ def certified(
     from polhode.certificates import state_certificate
     from polhode.enclosures.certify import certify, certify_events
     from polhode.enclosures.task import MAX_STEPS
-    from polhode.judging.reference_rows import held_times
+    from polhode.judging.reference import held_times
     from polhode.scenes.library import BOX_KEY
 
     top, radii = scene

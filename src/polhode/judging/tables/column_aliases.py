@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
-from functools import partial
+from functools import cache, partial
 from typing import NamedTuple, TypeAlias
 
 from polhode.common.errors import BadInput, nearest
@@ -136,13 +136,13 @@ def _of_vector(vector: Sequence[Fraction], bits: int) -> Quaternion:
 
 def root(square: Fraction, bits: int) -> Fraction:
     """The square root to so many bits."""
-    size = square.denominator.bit_length() - square.numerator.bit_length()
-    places = bits + max(0, size)
-    return Fraction(math.isqrt((square.numerator << 2 * places) // square.denominator), 1 << places)
+    return exact.nearest(exact.sqrt(square), bits)
 
 
 # --- column aliases -------------------------------------------------------------------------------
 
+
+_BITS = 3700  # of a degree: far more than any table prints
 
 #: Another form of the attitude, which becomes a quaternion: see :func:`with_quaternions`.
 ROTATION_VECTOR = ("rotvec1", "rotvec2", "rotvec3")
@@ -216,6 +216,12 @@ _TIMES |= {"min": Fraction(60), "minute": Fraction(60), "minutes": Fraction(60)}
 _TURNS = {"rpm": Fraction(6), "dps": Fraction(1), "mdps": Fraction(1, 1000)}  # in degrees
 
 
+@cache
+def degree() -> Fraction:
+    """A degree in radians."""
+    return exact.nearest(exact.pi() / 180, _BITS)
+
+
 def known() -> list[str]:
     """The names of all columns of a trajectory."""
     return ["t", *STATE, *column_names()]
@@ -243,13 +249,12 @@ def are_attitude(headers: Sequence[str]) -> list[bool]:
 
 
 class NamedColumn(NamedTuple):
-    """The column that a header names, None where it is unknown; whether it is in degrees.
+    """The column that a header names, None where it is unknown.
 
     ``factor``: what its numbers are multiplied by, of another unit.
     """
 
     name: str | None
-    degrees: bool = False
     factor: Fraction = Fraction(1)
 
 
@@ -260,7 +265,6 @@ class _Unit(NamedTuple):
     """A unit: of an ``angle``, a ``rate`` or a ``time``, empty for none of these."""
 
     kind: str
-    degrees: bool = False
     factor: Fraction = Fraction(1)
 
 
@@ -284,9 +288,8 @@ def columns(headers: Sequence[str]) -> list[NamedColumn]:
     ['p', 'q', 'r']
     >>> [found.name for found in columns(["t", "x", "y", "z", "w"])]
     ['t', 'q1', 'q2', 'q3', 'q0']
-    >>> columns(["time_ms", "psi_deg"])
-    [Column(name='t', degrees=False, factor=Fraction(1, 1000)), \
-Column(name='psi', degrees=True, factor=Fraction(1, 1))]
+    >>> [found.name for found in columns(["time_ms", "psi_deg"])]
+    ['t', 'psi']
     """
     bare = {header for header in headers if header.lower() in _BARE_QUATERNION}
     if len(bare) == len(_BARE_QUATERNION):
@@ -341,7 +344,7 @@ def by_clock(
         factor, words = _MICRO, "microseconds, as in PX4's logs"
     else:
         return [*named], ()
-    counted = [NamedColumn("t", False, factor) if k == clock else x for k, x in enumerate(named)]
+    counted = [NamedColumn("t", factor) if k == clock else x for k, x in enumerate(named)]
     return counted, (f"read as: {headers[clock]} in {words}",)
 
 
@@ -367,14 +370,15 @@ def _alone(header: str) -> NamedColumn | _Component:
     if header in known() and header not in (*MATRIX, *RODRIGUES):  # of which all are needed
         return NamedColumn(header)
     if header == "%time":
-        return NamedColumn("t", False, _TIMES["ns"])
+        return NamedColumn("t", _TIMES["ns"])
     plain = _NOTHING.sub("", header.translate(_GREEK).strip())
     split = _UNIT.search(plain)
     for name, unit in ((plain, None), (plain[: split.start()] if split else "", split)):
         word = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name.strip()).lower()
         units = _unit(unit)
         column = "t" if name.strip() == "t" else _WORDS.get(word) or _WORDS.get(name.lower())
-        column = column or _rate_of_turn(word)
+        if turn := _ROLL.match(word):
+            column = column or STATE[("roll", "pitch", "yaw").index(turn[1])]
         if column is not None:
             return _in_unit(column, units)
         for kind, pattern in _NAMES.items():
@@ -384,22 +388,17 @@ def _alone(header: str) -> NamedColumn | _Component:
     return UNKNOWN
 
 
-def _rate_of_turn(word: str) -> str | None:
-    match = _ROLL.match(word)
-    return STATE[("roll", "pitch", "yaw").index(match[1])] if match else None
-
-
 def _unit(match: re.Match[str] | None) -> _Unit:
     """The unit at the end of a header."""
     if match is None or match[5]:
         return _Unit("")
     angle, per, rate, time = (x.lower() if x else "" for x in match.groups()[:4])
     if time:
-        return _Unit("time", factor=_TIMES.get(time, Fraction(1)))
+        return _Unit("time", _TIMES.get(time, Fraction(1)))
     if rate:
-        return _Unit("rate", True, _TURNS.get(rate, Fraction(360)))
-    factor = Fraction(1, 1000) if angle.startswith("m") else Fraction(1)
-    return _Unit("rate" if per else "angle", "deg" in angle, factor)
+        return _Unit("rate", _TURNS.get(rate, Fraction(360)) * degree())
+    factor = Fraction(1, 1000 if angle.startswith("m") else 1)
+    return _Unit("rate" if per else "angle", factor * degree() if "deg" in angle else factor)
 
 
 def _in_unit(name: str, unit: _Unit) -> NamedColumn:
@@ -408,7 +407,7 @@ def _in_unit(name: str, unit: _Unit) -> NamedColumn:
     kinds = ("angle",) if name in (*ANGLES, *ROTATION_VECTOR) else kinds
     if unit.kind and unit.kind not in kinds:
         return UNKNOWN
-    return NamedColumn(name, unit.degrees, unit.factor)
+    return NamedColumn(name, unit.factor)
 
 
 def _component(part: _Component, first: str) -> NamedColumn:
@@ -485,5 +484,5 @@ def naming(text: str) -> Naming:
             factor = sign * (expression.decimal(by) if by else Fraction(1))
         except ExpressionError as fault:
             raise BadInput("compare", "--columns", item, f"NAME=COLUMN*NUMBER ({fault})") from None
-        meant[name] = NamedColumn(ours, False, factor)
+        meant[name] = NamedColumn(ours, factor)
     return Naming((), meant)

@@ -12,8 +12,14 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from polhode.judging.tables.hypotheses import Evidence, Hypothesis
-from polhode.judging.tables.motions import Right, errors_of_rows, matrices, size_of_motion
+from polhode.judging.tables.hypotheses import (
+    Evidence,
+    Hypothesis,
+    Right,
+    errors_of_rows,
+    matrices,
+    size_of_motion,
+)
 from polhode.judging.tables.table import TURN, Change
 from polhode.numbers.number_types import Doubles
 from polhode.numbers.vectors import quaternion_products
@@ -201,12 +207,14 @@ _Form: TypeAlias = tuple[str, Doubles, Change | None]
 def _in_frames(forms: Sequence[_Form], true: Any) -> list[_Way]:
     """Rotations in all frames, by those that they rename: a change of scalar or sense may be one of
     frames."""
-    ways: list[_Way] = []
+    ways: list[tuple[int, _Way]] = []
     for form, rotations, change in forms:
         for frames, rows in _frames(rotations, true, change):
             if words := ", ".join(filter(None, (form, frames.words))):
-                ways.append((frames._replace(words=words, tries=len(forms) * frames.tries), rows))
-    return sorted(ways, key=lambda way: way[0].renamed)
+                renamed = frames.fitted or frames.words.count("=")
+                hypothesis = frames._replace(words=words, tries=len(forms) * frames.tries)
+                ways.append((renamed, (hypothesis, rows)))
+    return [way for _, way in sorted(ways, key=lambda way: way[0])]
 
 
 def _frames(rotations: Doubles, true: Any, change: Change | None) -> Iterator[_Way]:
@@ -225,15 +233,14 @@ def _frames(rotations: Doubles, true: Any, change: Change | None) -> Iterator[_W
         if change is not None:
             whole = change._replace(space=quaternion(space.T), body=quaternion(body))
         tries = len(TURNED) ** 2 if words else 1
-        renaming_frames = Hypothesis(words, whole, tries=tries, renamed=words.count("="))
-        yield renaming_frames, _against(space.T @ rotations @ body, true)
+        yield Hypothesis(words, whole, tries=tries), _against(space.T @ rotations @ body, true)
     if few or not np.all(np.isfinite(rotations[0])):
         return
     space, body = rotations[0] @ true[0].T, rotations[0].T @ true[0]
     pairs = (("space", space.T, space.T @ rotations), ("body", body, rotations @ body))
     for axes, turn, turned_back in pairs:
         words = f"{TURN}{rotation_in_words(turn)} in {axes} axes"
-        yield Hypothesis(words, tries=2, fitted=3, renamed=3), _against(turned_back, true)
+        yield Hypothesis(words, tries=2, fitted=3), _against(turned_back, true)
 
 
 def _words_of(space: Doubles, body: Doubles) -> str:

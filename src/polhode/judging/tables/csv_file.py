@@ -17,12 +17,12 @@ import io
 import math
 import re
 import string
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from functools import partial
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -41,7 +41,7 @@ from polhode.judging.tables.column_aliases import (
     twice,
     with_quaternions,
 )
-from polhode.judging.tables.table import Table, degree
+from polhode.judging.tables.table import Table
 from polhode.numbers import expression
 from polhode.numbers.conversion import exact_number, exactly, to_double
 from polhode.numbers.expression import ExpressionError
@@ -245,9 +245,7 @@ def table_of_columns(
     else:
         present = [*getattr(data, "coords", ()), *data.keys()]
         arrays = {str(name): getattr(data[name], "values", data[name]) for name in present}
-    if (places := names.stamp([*arrays])) is not None:
-        arrays = _columns_with_whole_stamps(source, arrays, *([*arrays][k] for k in places))
-    header = [*arrays]
+    header, columns = _with_one_clock(source, names, [*arrays], [*arrays.values()])
     named = names.columns(header)
     clock = next((k for k, column in enumerate(named) if column.name == "t"), None)
     if clock is None:
@@ -255,40 +253,50 @@ def table_of_columns(
         raise BadInput(source, "columns", ",".join(header), expected)
     refuse_names(source, "columns", header, named)
     if number is None:
-        judged = zip(header, named, strict=True)
-        number = type_of(arrays[name] for name, column in judged if column.name not in (None, "t"))
+        both = zip(named, columns, strict=True)
+        number = type_of(x for meant, x in both if meant.name not in (None, "t"))
     cells = [
-        None
-        if column.name is None
-        else each(source, name, arrays[name], _cell, "a column of numbers")
-        for name, column in zip(header, named, strict=True)
+        None if meant.name is None else each(source, name, x, _cell, "a column of numbers")
+        for name, meant, x in zip(header, named, columns, strict=True)
     ]
     whole = all(isinstance(t, Fraction) and t.denominator == 1 for t in cells[clock] or ())
     named, remarks = by_clock(header, named) if whole else (named, ())
     printed = number.printed_digits if number else MOST_PRINTED
     table = table_of_cells(source, header, named, cells, printed, number)
-    errors = _errors(table.times, arrays[header[clock]], named[clock].factor)
+    errors = _errors(table.times, columns[clock], named[clock].factor)
     name = "columns" if source == "compare" else source
     return replace(table, name=name, remarks=(*remarks, *table.remarks), time_errors=errors)
 
 
-def _columns_with_whole_stamps(
-    source: str, arrays: Mapping[str, Any], seconds: str, rest: str
-) -> dict[str, Any]:
-    """Columns whose time is in two of them, seconds and nanoseconds, as one of them."""
-    parts = [each(source, name, arrays[name], _whole, "whole numbers") for name in (seconds, rest)]
-    if not all(0 <= part < 10**9 for part in parts[1]) or len(parts[0]) != len(parts[1]):
-        raise BadInput(source, rest, None, "whole nanoseconds below 1e9, one for each second")
-    times = [Fraction(whole * 10**9 + part, 10**9) for whole, part in zip(*parts, strict=True)]
-    joined = {"t" if name == seconds else name: x for name, x in arrays.items() if name != rest}
-    return joined | {"t": times}
+def _with_one_clock(
+    source: str, names: Naming, header: Sequence[str], columns: Sequence[Any]
+) -> tuple[Sequence[str], Sequence[Any]]:
+    """Columns whose time is in two of them, whole seconds and nanoseconds, with one instead."""
+    if (places := names.stamp(header)) is None:
+        return header, columns
+    k, rest = places
+    times = []
+    for row, stamp in enumerate(zip_longest(columns[k], columns[rest]), 1):
+        try:
+            seconds, nanoseconds = map(_count, stamp)
+            times.append(f"{seconds}.{nanoseconds:09}")
+            if nanoseconds >= 10**9:
+                raise ValueError
+        except (TypeError, ValueError):
+            expected = f"whole seconds, and in {header[rest]} whole nanoseconds below 1e9"
+            key = f"{header[k]}, row {row}"
+            raise BadInput(source, key, ", ".join(map(str, stamp)), expected) from None
+    both = zip([*header], columns, strict=True)
+    joined = [("t", times) if i == k else column for i, column in enumerate(both) if i != rest]
+    return [name for name, _ in joined], [column for _, column in joined]
 
 
-def _whole(value: Any) -> int:
-    exact = _exactly(value)
-    if exact.denominator != 1:
+def _count(value: Any) -> int:
+    """A whole number from 0 on; raises TypeError or ValueError for another."""
+    number = _exactly(value)
+    if number.denominator != 1 or number < 0:
         raise ValueError("not whole")
-    return exact.numerator
+    return number.numerator
 
 
 def table_of_cells(
@@ -305,12 +313,11 @@ def table_of_cells(
     time.
     """
     cells_by_name: dict[str, Cells] = {}
-    for (name, degrees, factor), column in zip(named, cells, strict=True):
+    for (name, factor), column in zip(named, cells, strict=True):
         if name is None or column is None:
             continue
-        if degrees or factor != 1:
-            scale = factor * degree() if degrees else factor
-            column = tuple(x and exactly(x) * scale for x in column)
+        if factor != 1:
+            column = tuple(x and exactly(x) * factor for x in column)
         cells_by_name[name] = column
     times = [exactly(t) for t in cells_by_name.pop("t") if t is not None]
     if not times or any(len(column) != len(times) for column in cells_by_name.values()):
@@ -473,25 +480,50 @@ def read_csv(path: Path, number: NumberType | None, names: Naming) -> Table:
     readable = "a readable CSV file"
     content = read_stdin(MAX_BYTES, readable) if piped else read_whole(path, MAX_BYTES, readable)
     sheet = sheet_of(path, content, names)
-    if not sheet.header:
+    header, count = sheet.header, len(sheet.header)
+    if not header:
         raise BadInput(str(path), "file", None, "a header line that names the columns")
-    places = names.stamp(sheet.header)
-    if places is None and all(meant.name != "t" for meant in names.columns(sheet.header)):
-        raise BadInput(str(path), "header", ",".join(sheet.header), _ACCEPTED)
+    if names.stamp(header) is None and all(x.name != "t" for x in names.columns(header)):
+        raise BadInput(str(path), "header", ",".join(header), _ACCEPTED)
     for line, row in sheet.rows:
-        if (count := len(sheet.header)) != len(row):
+        if len(row) != count:
             expected = f"{count} values"
             if len(row) == count + 1:
                 expected += ", one a column of the header (names of rows, as R's, in quotes)"
             raise BadInput(f"{path}:{line}", "line", ",".join(row), expected)
-    if places is not None:
-        sheet = _with_whole_stamps(path, sheet, places)
-    header, named = sheet.header, names.columns(sheet.header)
+    columns = [*zip(*(row for _, row in sheet.rows), strict=True)] or [()] * count
+    header, texts = _with_one_clock(str(path), names, header, columns)
+    named = names.columns(header)
     refuse_names(str(path), "header", header, named)
     if not sheet.rows:
         raise BadInput(str(path), "file", None, "at least one line of numbers")
-    table = _table(path, sheet, named, number)
-    return replace(table, remarks=(*table.remarks, *sheet.remarks))
+    clock = next(k for k, meant in enumerate(named) if meant.name == "t")
+    whole = all(cell.isdecimal() for cell in texts[clock])
+    named, remarks = by_clock(header, named) if whole else (named, ())
+    judged = [x for meant, x in zip(named, texts, strict=True) if meant.name not in (None, "t")]
+    printed, shown = most_printed(judged), most_printed([texts[clock]])
+    kind = of_times = number
+    if number is None:
+        kind = printed_type(judged, printed)
+        of_times = printed_type([texts[clock]], shown)
+        if kind is not None:
+            remark = f"read as: numbers of {kind.name}, printed to {printed} digits"
+            remarks = (remark, *remarks)
+            printed = kind.printed_digits
+    lines = [f"{path}:{line}" for line, _ in sheet.rows]
+    cells = [
+        None
+        if meant.name is None
+        else _numbers(lines, texts[k], meant.name, of_times if k == clock else kind)
+        for k, meant in enumerate(named)
+    ]
+    table = table_of_cells(str(path), header, named, cells, printed, kind)
+    return replace(
+        table,
+        name=called(path),
+        remarks=(*remarks, *table.remarks, *sheet.remarks),
+        time_errors=_time_errors(table.times, named[clock], texts[clock], of_times, shown),
+    )
 
 
 def sheet_of(path: Path, content: bytes, names: Naming) -> Sheet:
@@ -555,24 +587,6 @@ def _sheet(lines: list[str], names: Naming) -> Sheet:
     return Sheet(header, rows, tuple(remarks), is_named)
 
 
-def _with_whole_stamps(path: Path, sheet: Sheet, places: tuple[int, int]) -> Sheet:
-    """A sheet whose time is in two columns, seconds and nanoseconds, as one that has it in one."""
-    k, rest = places
-    rows = []
-    for line, row in sheet.rows:
-        if not (row[k].isdecimal() and row[rest].isdecimal() and len(row[rest]) < 10):
-            expected = f"whole seconds, and in {sheet.header[rest]} whole nanoseconds below 1e9"
-            raise BadInput(f"{path}:{line}", sheet.header[k], f"{row[k]}, {row[rest]}", expected)
-        rows.append((line, _joined(row, places, f"{row[k]}.{row[rest]:0>9}")))
-    return sheet._replace(header=_joined(sheet.header, places, "t"), rows=rows)
-
-
-def _joined(cells: Sequence[str], places: tuple[int, int], time: str) -> list[str]:
-    """A row with its time instead of two parts of it."""
-    k, rest = places
-    return [time if i == k else cell for i, cell in enumerate(cells) if i != rest]
-
-
 def _rows(lines: Sequence[str], separator: str, before: int) -> list[tuple[int, list[str]]]:
     """Rows of cells with the numbers of their lines; ``before``: lines that stand before them."""
     stripped = (line.strip() for line in lines) if separator == " " else lines
@@ -617,56 +631,23 @@ def _commented(lines: Sequence[str], count: int, names: Naming) -> Sequence[str]
     return ()
 
 
-def _table(path: Path, sheet: Sheet, named: list[NamedColumn], number: NumberType | None) -> Table:
-    texts = [*zip(*(row for _, row in sheet.rows), strict=True)]
-    clock = next(k for k, meant in enumerate(named) if meant.name == "t")
-    whole = all(cell.isdecimal() for cell in texts[clock])
-    named, remarks = by_clock(sheet.header, named) if whole else (named, ())
-    judged = [x for meant, x in zip(named, texts, strict=True) if meant.name not in (None, "t")]
-    printed, shown = most_printed(judged), most_printed([texts[clock]])
-    kind = of_times = number
-    if number is None:
-        kind = printed_type(judged, printed)
-        of_times = printed_type([texts[clock]], shown)
-        if kind is not None:
-            remark = f"read as: numbers of {kind.name}, printed to {printed} digits"
-            remarks = (remark, *remarks)
-            printed = kind.printed_digits
-    cells = [
-        None
-        if meant.name is None
-        else _numbers(path, sheet, k, texts[k], meant.name, of_times if k == clock else kind)
-        for k, meant in enumerate(named)
-    ]
-    table = table_of_cells(str(path), sheet.header, named, cells, printed, kind)
-    return replace(
-        table,
-        name=called(path),
-        remarks=(*remarks, *table.remarks),
-        time_errors=_time_errors(table.times, named[clock], texts[clock], of_times, shown),
-    )
-
-
 def _numbers(
-    path: Path,
-    sheet: Sheet,
-    place: int,
-    texts: Sequence[str],
-    name: str,
-    number: NumberType | None,
+    lines: Sequence[str], texts: Sequence[str], name: str, number: NumberType | None
 ) -> Cells:
-    """A column's exact numbers; ``number``: whose values its cells stand for."""
+    """A column's exact numbers; ``number``: whose values its cells stand for.
+
+    ``lines``: what complaints name of each.
+    """
     numbers: list[float | Decimal | Fraction | None] = []
     read = expression.as_it_stands if number is None else partial(value, number=number)
     try:
         for text in texts:
             numbers.append(read(text) if text or name == "t" else None)
     except ExpressionError:
-        line, row = sheet.rows[len(numbers)]
-        expected = "a finite decimal number"
-        if row[place] and not row[place].strip("*"):
+        cell, expected = texts[len(numbers)], "a finite decimal number"
+        if cell and not cell.strip("*"):
             expected += " (asterisks stand where a format of Fortran was too narrow for it)"
-        raise BadInput(f"{path}:{line}", name, row[place], expected) from None
+        raise BadInput(lines[len(numbers)], name, cell, expected) from None
     return tuple(numbers)
 
 

@@ -30,19 +30,16 @@ from polhode.judging.tables.conventions import (
 from polhode.judging.tables.hypotheses import (
     EXACT,
     SURE,
-    Comparison,
     Evidence,
     Hypothesis,
-    explains,
-    is_alike,
-)
-from polhode.judging.tables.motions import (
     Right,
+    Trial,
     at_other_times,
     clock_remark,
     constant_omega,
+    explains,
     integrated,
-    matrices,
+    is_alike,
     other_numbers,
     other_scenes,
     other_times,
@@ -70,63 +67,45 @@ _APPLIED = "a reading that can be applied; this one is reported, and not applied
 # --- a table beside a motion ----------------------------------------------------------------------
 
 
-class _Part(NamedTuple):
-    """A part of a table beside a motion: its plainest convention of the best.
-
-    ``plain``: as it stands.  ``is_told``: whether the best one explains it.  ``goes``: whether that
-    goes with the motion.
-    """
-
-    best: Evidence
-    plain: Evidence
-    is_told: bool
-    goes: bool
-
-    @property
-    def convention(self) -> Evidence:
-        """In which it is read."""
-        return self.best if self.is_told else self.plain
-
-
 class View(NamedTuple):
     """The parts of a table of which every number is there, in the rows that tell, as doubles.
 
     ``right``: the scene's motion at the times as they stand; None where it is not known there.
-    ``parts``: what each part is beside it.
+    ``parts``: of each part its plainest convention of the best, beside the part as it stands.
     """
 
     values: dict[str, Doubles]
     times: list[Fraction]
     right: Right | None
-    parts: dict[str, _Part]
+    parts: dict[str, Trial]
 
     @property
     def is_right(self) -> bool:
         """Whether all parts are right as they stand, in all rows."""
-        return all(part.plain.digits >= WRONG for part in self.parts.values())
+        return all(part.rival.digits >= WRONG for part in self.parts.values())
 
     @property
     def is_explained(self) -> bool:
         """Whether the first rows of all parts are right, as they stand or in a convention."""
         return all(
-            part.is_told or float(np.min(part.plain.rows[:_FIRST_ROWS])) >= WRONG
+            part.is_told or float(np.min(part.rival.rows[:_FIRST_ROWS])) >= WRONG
             for part in self.parts.values()
         )
 
     def readings(self) -> list[Reading]:
         """Of each part that is wrong the convention that makes its first rows right, if any."""
         return [
-            _reading(name, part.plain.digits, part.best, self.times)
+            _reading(name, part.rival.digits, part.evidence, self.times)
             for name, part in self.parts.items()
             if part.is_told
         ]
 
-    def readings_in(self, scene: Hypothesis, parts: Mapping[str, _Part]) -> list[Reading]:
+    def readings_in(self, scene: Hypothesis, parts: Mapping[str, Trial]) -> list[Reading]:
         """Of each part that is wrong its convention in another scene's motion."""
         readings = []
         for name, there in parts.items():
-            plain, best = self.parts[name].plain, there.convention
-            same = is_alike(self.parts[name].best.course, best.course)
+            plain, best = self.parts[name].rival, there.convention
+            same = is_alike(self.parts[name].evidence.course, best.course)
             if plain.digits >= WRONG or (same and not there.is_told):
                 continue
             words = ", ".join(filter(None, (scene.words, best.hypothesis.words)))
@@ -200,25 +179,25 @@ def _motion(reference: Reference, times: Sequence[Fraction]) -> Right | None:
     if states is None:
         return None
     attitude = run and run.attitude if reference.encloses_attitude else rows(reference.attitude)
-    return Right(states, attitude, None if attitude is None else matrices(attitude))
+    return Right(states, attitude)
 
 
 def _parts(
     values: Mapping[str, Doubles], right: Right | None, must_move: bool = False
-) -> dict[str, _Part]:
+) -> dict[str, Trial]:
     """Parts beside a motion, each in its best convention; of none that is known as they stand.
 
     ``must_move``: whether a motion that stands still tells nothing.
     """
     if right is None:
         nothing = {k: Evidence(Hypothesis(), np.zeros(len(rows))) for k, rows in values.items()}
-        return {k: _Part(plain, plain, False, False) for k, plain in nothing.items()}
+        return {k: Trial(plain, plain, False) for k, plain in nothing.items()}
     count = len(right.states)
     parts = {k: _part(k, rows[:count], right, must_move) for k, rows in values.items()}
     return _with_same_axes({k: part for k, part in parts.items() if part is not None})
 
 
-def _part(part: str, values: Doubles, right: Right, must_move: bool) -> _Part | None:
+def _part(part: str, values: Doubles, right: Right, must_move: bool) -> Trial | None:
     """The best convention of a part; as it stands, where no other tells more or the part is right.
 
     A rotation that is fitted has to explain what the best of the others leaves.
@@ -229,21 +208,21 @@ def _part(part: str, values: Doubles, right: Right, must_move: bool) -> _Part | 
         return None
     moved = right.moved(part)
     if plain.digits >= WRONG:
-        return _Part(plain, plain, False, not must_move or plain.follows(moved, must_move))
+        return Trial(plain, plain, not must_move or plain.follows(moved, must_move))
     every = [plain, *tried]
     named = _best(part, [x for x in every if not x.rows_fitted], plain, moved, must_move)
     rotations = [x for x in every if x.rows_fitted]
     if not rotations:
         return named
     fitted = _best(part, rotations, plain, moved, must_move)
-    beside = Comparison(fitted.best, named.convention, fitted.goes)
-    return fitted if fitted.is_told and explains([beside]) else named
+    explained = fitted.is_told and fitted._replace(rival=named.convention).is_told
+    return fitted if explained else named
 
 
 def _best(
     part: str, evidence: Sequence[Evidence], plain: Evidence, moved: Doubles, must_move: bool
-) -> _Part:
-    """The plainest of the best conventions, and whether it explains the part.
+) -> Trial:
+    """The plainest of the best conventions beside the part as it stands.
 
     A start of numbers that are not round is one in few conventions: there, it alone tells.
     """
@@ -255,21 +234,21 @@ def _best(
     is_named = is_unit_alone(best.hypothesis) or starts <= ALIKE_AT_START[part]
     is_named = is_named and not best.hypothesis.words.startswith(SCALAR_FIRST)
     goes = best.follows(moved, must_move, is_named and not best.rows_fitted)
-    return _Part(best, plain, explains([Comparison(best, plain, goes)]), goes)
+    return Trial(best, plain, goes)
 
 
-def _with_same_axes(parts: dict[str, _Part]) -> dict[str, _Part]:
+def _with_same_axes(parts: dict[str, Trial]) -> dict[str, Trial]:
     """Parts of which gamma or omega, in axes that the other one tells, is the only one tried."""
     for name, partner in (("gamma", "omega"), ("omega", "gamma")):
         mine, its = parts.get(name), parts.get(partner)
         if mine is None or its is None or mine.is_told or not its.is_told:
             continue
-        own, theirs = _change_of(mine.best), _change_of(its.best)
+        own, theirs = _change_of(mine.evidence), _change_of(its.evidence)
         if own is None or theirs is None or own.order != theirs.order:
             continue
         same = own.signs in (theirs.signs, tuple(-s for s in theirs.signs))  # omega: a pseudovector
-        if same and explains([Comparison(_of_tries(mine.best, 1), mine.plain, mine.goes)]):
-            parts[name] = mine._replace(is_told=True)
+        if same and (alone := mine.of_tries(1)).is_told:
+            parts[name] = alone
     return parts
 
 
@@ -278,7 +257,7 @@ def _with_same_axes(parts: dict[str, _Part]) -> dict[str, _Part]:
 
 def other_motion(
     current: View, subject: Table, scene: Scene
-) -> tuple[Hypothesis, dict[str, _Part]] | None:
+) -> tuple[Hypothesis, dict[str, Trial]] | None:
     """The motion of which a table that is wrong is right in its first rows; None where none is.
 
     The one that explains most, the first of those that are alike.
@@ -290,9 +269,8 @@ def other_motion(
         parts = _parts(current.values, right, must_move=True)
         if parts.keys() != parts_of_best.keys():
             continue
-        tries = hypothesis.tries
         beside = [
-            Comparison(_of_tries(part.best, tries), parts_of_best[k].best, part.goes)
+            part.of_tries(hypothesis.tries)._replace(rival=parts_of_best[k].evidence)
             for k, part in parts.items()
         ]
         if explains(beside):
@@ -300,11 +278,6 @@ def other_motion(
             if all(part.goes and part.convention.digits >= SURE for part in parts.values()):
                 break  # in all its rows: the others are farther away
     return None if best is None else (best, parts_of_best)
-
-
-def _of_tries(evidence: Evidence, tries: int) -> Evidence:
-    """Evidence of a part for a hypothesis of the whole table, of which so many are as plain."""
-    return evidence._replace(hypothesis=evidence.hypothesis._replace(tries=tries))
 
 
 def _other_motions(
@@ -435,8 +408,8 @@ class FittedTable:
         if fit is None:
             return None
         evidence = self._evidence(hypothesis, fit.error)
-        comparison = Comparison(evidence, self.plain, evidence.follows(self.moved))
-        if not explains([comparison]) or evidence.digits < WRONG:
+        trial = Trial(evidence, self.plain, evidence.follows(self.moved))
+        if not trial.is_told or evidence.digits < WRONG:
             return None
         words = hypothesis.words
         if hypothesis.fitted:
@@ -530,7 +503,7 @@ def at_times_told(
     """
     moved = subject.at_other_times(change)
     there = view(moved, reference)
-    before = min((part.plain.digits for part in current.parts.values()), default=None)
+    before = min((part.rival.digits for part in current.parts.values()), default=None)
     ways = [part.convention for part in there.parts.values()]
     best = min(ways, key=lambda x: x.digits, default=None)
     digits, rows = (best.digits, shown_rows(best, there.times)) if best else (None, ())
@@ -608,7 +581,7 @@ def with_unit_quaternions(subject: Table, current: View) -> Table:
         return subject
     unit = [of_length_one(row, subject.number.bits) for row in attitude]
     before = max(0.0, -math.log10(max(abs(x - 1) for x in sizes)))
-    now = current.parts["attitude"].plain.digits if "attitude" in current.parts else 0.0
+    now = current.parts["attitude"].rival.digits if "attitude" in current.parts else 0.0
     reading = Reading("attitude", before, LENGTH, now)
     subject = subject.with_rows(ATTITUDE, unit)
     return replace(subject, readings=(*subject.readings, reading))

@@ -7,7 +7,6 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
-from functools import cache
 from itertools import chain
 from typing import NamedTuple, TypeAlias
 
@@ -16,8 +15,7 @@ import numpy as np
 from polhode.common.errors import BadInput, counted, one_line
 from polhode.common.values import ByValue, cached_property
 from polhode.equations.integrals import Drift, drift, drift_of_columns
-from polhode.judging.tables.column_aliases import are_attitude, lengths, not_judged, root
-from polhode.numbers import exact
+from polhode.judging.tables.column_aliases import are_attitude, degree, lengths, not_judged, root
 from polhode.numbers.conversion import exactly, mpf_row, to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.double_double import Pairs, of_cells
@@ -126,12 +124,6 @@ def _quaternion_length(q: Sequence[int]) -> Fraction:
     """The length of a quaternion of small whole numbers, to far more digits than are printed."""
     square = sum(x * x for x in q)
     return root(Fraction(square), _BITS)
-
-
-@cache
-def degree() -> Fraction:
-    """A degree in radians."""
-    return exact.nearest(exact.pi() / 180, _BITS)
 
 
 # --- table ----------------------------------------------------------------------------------------
@@ -329,9 +321,10 @@ def of_run(run: Trajectory) -> Table:
 def as_judged(table: Table, scene: Scene) -> Table:
     """A table with those columns alone that the scene has, and notes of the others."""
     there, unjudged = table.columns, not_judged()
+    again = are_attitude(table.ignored) if table.ignored else ()
     remarks = [
         (_quoted(name), _AGAIN if is_again else "is not known and was not judged")
-        for name, is_again in zip(table.ignored, are_attitude(table.ignored), strict=True)
+        for name, is_again in zip(table.ignored, again, strict=True)
     ]
     remarks += [(name, f"was not judged: {why}") for name, why in unjudged.items() if name in there]
     others = [name for name in column_names() if name not in unjudged]

@@ -67,7 +67,9 @@ def read_table(path: Path, number: NumberType | None = None, names: Naming = PLA
         try:
             reader.kind_at(path)
         except ValueError as why:
-            remarks = _unread(path, str(why))
+            if suffix == ".csv" and str(why) == reader.CHANGED:
+                beside = called(writer.beside(path))
+                remarks = (f"{beside} was not read: the table was changed since then",)
         else:
             return _of_result(path, number, names)
     if suffix in _ARRAYS:
@@ -88,13 +90,6 @@ def _of_result(path: Path, number: NumberType | None, names: Naming) -> Table:
         number = number or result.number
     columns = {x.name: x.values for x in result.table().columns}
     return replace(table_of_columns(columns, number, str(path), names), name=called(path))
-
-
-def _unread(path: Path, why: str) -> tuple[str, ...]:
-    """That the facts beside a CSV file were not read, where it was changed."""
-    if path.suffix.lower() == ".csv" and why == reader.CHANGED:
-        return (f"{called(writer.beside(path))} was not read: the table was changed since then",)
-    return ()
 
 
 def _arrays(path: Path, names: Naming) -> Arrays:
