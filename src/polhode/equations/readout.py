@@ -185,6 +185,8 @@ class Readout:
         """q0 q1 q2 q3 beside states, if asked for or needed: of length one, and gamma's."""
         if "attitude" not in self.scene.modelled:
             return None
+        if len(rows) == 0:
+            return self._array([]).reshape(0, 4) if self.number.flat else []
         with self._wider():
             columns, gamma = self._columns(rows, self._first), self._columns(states, 3)
             quaternions: Rows = self._narrowed(self._upright(columns, gamma))
