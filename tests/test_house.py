@@ -334,3 +334,15 @@ def test_names_do_not_get_vaguer():
     """A local variable, too, is named by what it is: CONTRIBUTING has ten examples."""
     trees = [ast.parse(path.read_text()) for path in (TOP / "src/polhode").rglob("*.py")]
     assert sum(map(_vague_bindings, trees)) <= _MOST_VAGUE
+
+
+def test_a_name_is_of_one_class():
+    """But for the checker, which imports nothing, and the regimes of each family."""
+    names = [
+        node.name
+        for file in (TOP / "src/polhode").rglob("*.py")
+        if file.name != "verify.py"
+        for node in ast.parse(file.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.ClassDef)
+    ]
+    assert {name for name in names if names.count(name) > 1} == {"Regime"}

@@ -24,9 +24,9 @@ from polhode.enclosures import (
     step_bound,
     task,
 )
-from polhode.enclosures.fixed_point_problem import Refused
+from polhode.enclosures.fixed_point_problem import TooImprecise
 from polhode.enclosures.quaternion import TurnBounds, Turned
-from polhode.enclosures.result import Part
+from polhode.enclosures.result import EnclosedPart
 from polhode.enclosures.taylor_polynomials import Pieces
 from polhode.numbers import vectors
 from shared import enclosures as trials
@@ -242,7 +242,7 @@ def test_a_proof_refuses_doubles_that_are_rounded_otherwise(mode: int) -> None:
         pytest.skip("no rounding mode to set")
     libm.fesetround(mode)
     try:
-        with pytest.raises(Refused, match="not rounded to the nearest"):
+        with pytest.raises(TooImprecise, match="not rounded to the nearest"):
             step_bound.check_arithmetic()
     finally:
         libm.fesetround(0)
@@ -300,7 +300,8 @@ def test_a_release_at_a_pole_is_left_as_a_run_leaves_it(name: str) -> None:
     assert enclosure.attitude is not None
     assert enclosure.angles.centres[0][0] is None is enclosure.angles.centres[0][2]
     later = [
-        Part(part.centres[1:], part.radii[1:]) for part in (enclosure.angles, enclosure.attitude)
+        EnclosedPart(part.centres[1:], part.radii[1:])
+        for part in (enclosure.angles, enclosure.attitude)
     ]
     assert None not in [x for row in later[0].centres for x in row]
     run = polhode.integrate(scene.at(times), NumberType("mp", 320))

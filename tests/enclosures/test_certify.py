@@ -13,7 +13,7 @@ import pytest
 import polhode
 from polhode import Body, Scene
 from polhode.enclosures import fixed_point_problem, integral_contraction, task
-from polhode.enclosures.fixed_point_problem import Refused
+from polhode.enclosures.fixed_point_problem import TooImprecise
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import guaranteed
 from polhode.numbers.exact import Irrational
@@ -312,7 +312,7 @@ def test_times_beside_a_point_of_the_grid_are_on_their_sides() -> None:
 def test_a_constant_that_does_not_sharpen_is_refused() -> None:
     from flint import arb
 
-    with pytest.raises(Refused, match="not known sharply"):
+    with pytest.raises(TooImprecise, match="not known sharply"):
         fixed_point_problem.sharp(lambda bits: arb(1, 1e-9), 80)
 
 

@@ -15,7 +15,7 @@ from flint import arb, ctx
 
 import polhode
 from polhode.enclosures import fixed_point_problem, integral_contraction, task
-from polhode.enclosures.fixed_point_problem import Refused
+from polhode.enclosures.fixed_point_problem import TooImprecise
 from polhode.scenes import library
 from shared import enclosures as faults
 from shared.tools import exactly, tiers
@@ -38,7 +38,7 @@ def _random_ratios(seed: int, rounds: int, levels: tuple[int, ...]) -> tuple[lis
             integrals = integral_contraction.prepared(trial.motion, 400) if n % 2 else []
             try:
                 proof = task.run(problem, faults.times_inside(trial, problem), integrals)
-            except Refused:
+            except TooImprecise:
                 refused += 1
                 continue
             ratios += faults.ratios(proof.rows, trial.states)
@@ -84,7 +84,7 @@ def _faulty_runs(seed: int, count: int) -> tuple[int, int, float]:
                     proof = task.run(
                         problem, faults.times_inside(trial, problem), integrals, untrusted
                     )
-            except Refused:
+            except TooImprecise:
                 refused += 1
                 continue
             contained += 1
@@ -114,7 +114,7 @@ def test_a_correction_that_hides_the_defect_that_it_was_given_is_noticed() -> No
     trial = faults.trial(faults.random_scene(random.Random(8), "generic"), [Fraction(61, 7)], 260)
     problem = fixed_point_problem.problem(trial.motion, 79)
     untrusted = replace(task.HONEST, window=bent, correction=hiding)
-    with contextlib.suppress(Refused):
+    with contextlib.suppress(TooImprecise):
         proof = task.run(problem, faults.times_inside(trial, problem), (), untrusted)
         assert max(faults.ratios(proof.rows, trial.states)) <= 1.0
 

@@ -120,7 +120,7 @@ def _by_an_integral_known_roughly() -> float:
     problem, integral = _at_rest(96)
     off = arb((1, -40))
     radius = 2.0 ** (problem.noise - 30)
-    state = zonotope.State(0, problem.start, np.diag([1.0] * 3 + [radius] * 3))
+    state = zonotope.ProofState(0, problem.start, np.diag([1.0] * 3 + [radius] * 3))
     with fixed_point_problem.ctx.workprec(400):
         value = integral.value + 2 * off + arb(0, 2.0**-39)
         integral = integral._replace(value=value)
@@ -137,7 +137,7 @@ def _by_an_integral_of_a_rough_slope() -> float:
         ]
     radius = 2.0**30
     start = (*problem.start[:5], problem.start[5] + (1 << (problem.fine - problem.noise + 29)))
-    state = zonotope.State(0, start, np.diag([1.0] * 5 + [radius]))
+    state = zonotope.ProofState(0, start, np.diag([1.0] * 5 + [radius]))
     integral = integral._replace(gradient=tuple(rough))
     return _outside(problem, state, integral, Fraction(1), problem.fine)
 
@@ -155,7 +155,7 @@ def _on_a_coarse_grid() -> float:
         truth = 1 + Fraction(off, 8 << coarse)
         with fixed_point_problem.ctx.workprec(400):
             value = arb(fmpq(truth.numerator, truth.denominator)) ** 2
-        state = zonotope.State(0, start, np.diag([1.0] * 5 + [radius]))
+        state = zonotope.ProofState(0, start, np.diag([1.0] * 5 + [radius]))
         integral = integral._replace(value=value)
         worst = max(worst, _outside(problem, state, integral, truth, coarse))
     return worst

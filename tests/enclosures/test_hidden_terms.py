@@ -21,7 +21,7 @@ from polhode.enclosures import (
     taylor_polynomials,
     zonotope,
 )
-from polhode.enclosures.fixed_point_problem import CLOCK, Refused
+from polhode.enclosures.fixed_point_problem import CLOCK, TooImprecise
 from shared import enclosure_checker as checker
 from shared import enclosures as trials
 from shared.motions import asymmetric
@@ -86,7 +86,7 @@ def test_a_box_has_the_s_of_its_own_r() -> None:
 
 def test_a_step_too_uncertain_is_refused() -> None:
     for numbers in ({"eps": 1e13}, {"growth": 1e16}, {"delta": float("nan")}, {"rho": 1e301}):
-        with pytest.raises(Refused):
+        with pytest.raises(TooImprecise):
             _missed(numbers)
 
 

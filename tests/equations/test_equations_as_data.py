@@ -67,7 +67,7 @@ def test_a_sum_in_the_derivative_is_not_proven(monkeypatch: pytest.MonkeyPatch) 
     start = np.zeros(pieces.near.shape), np.eye(6)[None, None].repeat(pieces.count, 0)
     assert np.all(np.isfinite(step_bound.bounds(problem, usual, *start).alpha))
     monkeypatch.setattr(step_bound, "SLOPES", (*terms.SLOPES, beside))
-    with pytest.raises(fixed_point_problem.Refused, match="entries are sums"):
+    with pytest.raises(fixed_point_problem.TooImprecise, match="entries are sums"):
         step_bound.bounds(problem, usual, *start)
     spared = replace(problem, factors=(0.0, *problem.factors[1:]))
     spared = replace(spared, factor_slack=(0.0, *problem.factor_slack[1:]))

@@ -18,7 +18,7 @@ from mpmath import mpc, mpf
 
 import polhode
 from polhode.closed_forms.balls.core import TooFewBits, ball
-from polhode.closed_forms.balls.frames import Frame, conjugate
+from polhode.closed_forms.balls.frames import MotionAxes, conjugate
 from polhode.closed_forms.families import FAMILIES, closed_form, form_of
 from polhode.closed_forms.membership import PrincipalScene
 from polhode.numbers import exact
@@ -284,7 +284,7 @@ def form(family, moments, torque, omega, gamma, psi=exact.ZERO, axes=None):
     """The closed form of a family, or of one by its name, of any exact numbers."""
     if isinstance(family, str):
         (family,) = (member for member in FAMILIES if member.name == family)
-    into = Frame(within=axes).into
+    into = MotionAxes(within=axes).into
     scene = PrincipalScene(moments, torque, into(omega), into(gamma))
     return form_of(family, scene, (omega, gamma, psi), axes)
 

@@ -22,7 +22,7 @@ from polhode.enclosures import (
     taylor_polynomials,
     zonotope,
 )
-from polhode.enclosures.fixed_point_problem import CLOCK, Motion, Problem
+from polhode.enclosures.fixed_point_problem import CLOCK, ExactMotion, Problem
 from polhode.enclosures.task import Untrusted, run
 from polhode.judging.adaptive_precision import integrate
 from polhode.numbers import exact
@@ -98,7 +98,7 @@ def truth(scene: Scene, times: Sequence[Any], bits: int) -> list[list[Fraction]]
 class Trial(NamedTuple):
     """A motion, times in its unit, and the true states there in its unit and axes."""
 
-    motion: Motion
+    motion: ExactMotion
     times: list[Fraction]
     states: list[list[Fraction]]
     bits: int
@@ -265,7 +265,7 @@ def integrals() -> list[float]:
         for k, s in enumerate(signs):
             centre[3 + k] += s * (1 << (problem.fine - 20))
         columns = np.diag([1.0, 1.0, 1.0, *(radius + r for r in problem.spread[3:])])
-        state = zonotope.State(0, tuple(centre), columns)
+        state = zonotope.ProofState(0, tuple(centre), columns)
         after = integral_contraction.shrunk(problem, state, prepared)
         assert after is not state
         for x, y, r in zip(truth[3:], after.centre[3:], after.radii[3:], strict=True):

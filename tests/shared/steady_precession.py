@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from polhode.closed_forms.families import (
     Condition,
+    NormalOrbit,
     NormalScene,
-    Orbit,
     OrbitMotion,
     equal,
     number,
@@ -75,7 +75,7 @@ class SteadyPrecession(OrbitMotion):
     def _regime(self) -> str:
         return REGIME
 
-    def _orbit(self, bits: int) -> Orbit:
+    def _orbit(self, bits: int) -> NormalOrbit:
         x, y, z = (number(g, bits) for g in self.normal.gamma)
         n, s = (number(rate, bits) for rate in rates(self.normal))
         return Circle((x, y, z), n, s)

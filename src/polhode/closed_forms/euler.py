@@ -38,15 +38,15 @@ from flint import acb, arb
 
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import (
-    Frame,
     Latest,
-    Motion,
+    MotionAxes,
     PermanentRotation,
+    SolvedMotion,
     Turn,
     conjugate,
     quaternion,
 )
-from polhode.closed_forms.balls.jacobi import Jacobi, Place, Shift
+from polhode.closed_forms.balls.jacobi import Jacobi, ReducedArgument, Shift
 from polhode.closed_forms.membership import Family, Misfit, Placement, PrincipalScene
 from polhode.numbers.exact import ZERO, Exact, sign, sqrt
 from polhode.numbers.vectors import Vector, dot, is_zero, quaternion_product
@@ -181,11 +181,11 @@ def place(scene: PrincipalScene) -> Placement | None:
         return Placement(
             regime=kind,
             solve=partial(_permanent_rotation, omega, gamma),
-            frame=Frame(),
+            frame=MotionAxes(),
             rates_of={"precession": "of the body about omega"},
         )
     a, b, c = (moments[i] for i in order)
-    frame = Frame().numbered(order, (1, -1 if order in _ODD else 1, 1))
+    frame = MotionAxes().numbered(order, (1, -1 if order in _ODD else 1, 1))
     exact = numbers((a, b, c), frame.into(omega))
     which = "largest" if exact.sense > 0 else "smallest"
     axis = f"principal axis {order[2] + 1} (of the {which} moment)"
@@ -208,13 +208,13 @@ def misfit(scene: PrincipalScene) -> Misfit | None:
 # --- motion ---------------------------------------------------------------------------------------
 
 
-def _permanent_rotation(omega: Vector, vertical: Vector | None) -> Motion:
+def _permanent_rotation(omega: Vector, vertical: Vector | None) -> SolvedMotion:
     """A permanent rotation, rest or the motion of a sphere."""
     half = root(dot(omega, omega)) / 2
     return PermanentRotation(omega, half, vertical, precession=2 * half)
 
 
-class Polhode(Motion):
+class Polhode(SolvedMotion):
     """The general motion; k = 0 (two equal moments) and k' = 0 (the separatrix) included.
 
     ``vertical``: at t = 0; None where it is not known.
@@ -270,19 +270,19 @@ class Polhode(Motion):
         polhode = arb.pi() * self.rate / (2 * self.elliptic.K)
         return {"precession": self.precession, "polhode": polhode}
 
-    def _direction(self, at: Place) -> tuple[arb, arb, arb]:
+    def _direction(self, at: ReducedArgument) -> tuple[arb, arb, arb]:
         """Iw/G."""
         (a, b, c), (sn, cn, dn) = self._momentum, at.functions
         return at.side * (a * cn), at.side * (b * sn), c * dn
 
-    def _turned(self, at: Place, t: arb) -> acb:
+    def _turned(self, at: ReducedArgument, t: arb) -> acb:
         """The projection of the third axis across G, but for a factor that stays."""
         theta = self._shift.at(at)
         sine, cosine = (self.precession * t).sin_cos()
         return (theta if self._sense > 0 else theta.conjugate()) * acb(cosine, sine)
 
     def _vertical_at(
-        self, direction: tuple[arb, arb, arb], at: Place, t: arb
+        self, direction: tuple[arb, arb, arb], at: ReducedArgument, t: arb
     ) -> tuple[arb, arb, arb]:
         """gamma."""
         z1, z2, z3 = direction
@@ -292,7 +292,7 @@ class Polhode(Motion):
         same, crossed = along + real * z3 / square, imaginary / square
         return z1 * same + z2 * crossed, z2 * same - z1 * crossed, along * z3 - real
 
-    def _attitude(self, at: Place, t: arb) -> Turn:
+    def _attitude(self, at: ReducedArgument, t: arb) -> Turn:
         """The quaternion body -> space in axes of space of which the third is along G."""
         (g1, g2, g3), (sn, cn, dn) = self._g, at.functions
         x, y = g1 * cn, g2 * sn

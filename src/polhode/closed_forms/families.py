@@ -26,7 +26,7 @@ from polhode.closed_forms._one_orbit import (
     staude,
     steklov,
 )
-from polhode.closed_forms._one_orbit.orbits import Orbit, OrbitMotion, orbit_family
+from polhode.closed_forms._one_orbit.orbits import NormalOrbit, OrbitMotion, orbit_family
 from polhode.closed_forms.balls.core import (
     SPARE,
     Kept,
@@ -40,8 +40,8 @@ from polhode.closed_forms.balls.core import (
 )
 from polhode.closed_forms.balls.core import number as rounded
 from polhode.closed_forms.balls.frames import (
-    Motion,
     Rows,
+    SolvedMotion,
     Turn,
     euler_angles,
     nutation,
@@ -78,8 +78,8 @@ __all__ = [
     "Condition",
     "Family",
     "Misfit",
+    "NormalOrbit",
     "NormalScene",
-    "Orbit",
     "OrbitMotion",
     "PrincipalScene",
     "closed_form",
@@ -290,7 +290,7 @@ class ClosedForm:
         """The least period of omega in the body, in the scene's unit of time; None without any."""
         unit = abs(self.place.unit)
 
-        def least(motion: Motion) -> Mapping[str, arb | None]:
+        def least(motion: SolvedMotion) -> Mapping[str, arb | None]:
             return {"period": None if motion.period is None else motion.period / ball(unit)}
 
         return self._numbers(digits, least).get("period")
@@ -302,7 +302,7 @@ class ClosedForm:
         """
         unit = abs(self.place.unit)
 
-        def rates(motion: Motion) -> Mapping[str, arb | None]:
+        def rates(motion: SolvedMotion) -> Mapping[str, arb | None]:
             return {name: rate * ball(unit) for name, rate in motion.rates().items()}
 
         return self._numbers(digits, rates)
@@ -365,7 +365,7 @@ class ClosedForm:
         return _Constants(start, sizes, unit, enclosed(self.place.vertical))
 
     def _numbers(
-        self, digits: int, numbers: Callable[[Motion], Mapping[str, arb | None]]
+        self, digits: int, numbers: Callable[[SolvedMotion], Mapping[str, arb | None]]
     ) -> dict[str, mpf]:
         """Those of the motion that there are, to so many digits of the largest and some more."""
         names: list[str] = []

@@ -25,9 +25,9 @@ from typing import NamedTuple, TypeAlias
 
 from flint import arb
 
-from polhode.closed_forms.balls.clocks import Factors, Oscillating, Place, Standing, Tending
+from polhode.closed_forms.balls.clocks import ClockPoint, Factors, Oscillating, Standing, Tending
 from polhode.closed_forms.balls.core import TooFewBits, ball, root, square
-from polhode.closed_forms.balls.frames import Frame, Motion
+from polhode.closed_forms.balls.frames import MotionAxes, SolvedMotion
 from polhode.closed_forms.balls.jacobi import Jacobi, carlson_rf
 from polhode.closed_forms.membership import (
     ENCLOSED_ATTITUDE,
@@ -122,7 +122,7 @@ def place(scene: PrincipalScene) -> Placement | None:
     assert up is not None
     i, j, k = order
     X, Y = torque[i] / scene.moments[k], torque[j] / scene.moments[k]
-    frame = Frame.equatorial(order, X, Y)
+    frame = MotionAxes.equatorial(order, X, Y)
     # 2h/C and G need no root: they are rational with rational data.
     flat = w[i] * w[i] + w[j] * w[j]
     H = 4 * flat + w[k] * w[k] + 2 * (X * up[i] + Y * up[j])
@@ -549,7 +549,7 @@ class Separated:
     def _proven(
         self,
         place: tuple[arb, arb],
-        points: tuple[Place, Place],
+        points: tuple[ClockPoint, ClockPoint],
         steps: tuple[arb, arb],
         misses: tuple[arb, arb],
     ) -> tuple[arb, arb]:
@@ -559,7 +559,9 @@ class Separated:
             variable.clock.slope(box)
             for variable, box in zip((self._u, self._v), boxes, strict=True)
         ]
-        wide = [Place(point.S, point.U, f, z) for point, (f, z) in zip(points, slopes, strict=True)]
+        wide = [
+            ClockPoint(point.S, point.U, f, z) for point, (f, z) in zip(points, slopes, strict=True)
+        ]
         moved = _step(wide[0], wide[1], *misses)
         phases = [x - step for x, step in zip(place, moved, strict=True)]
         for box, x in zip(boxes, phases, strict=True):
@@ -609,7 +611,7 @@ def _moved(clock: Clock, x: arb, f: arb, step: arb) -> tuple[arb, arb]:
     return part.phase + rest, size if part.phase.is_zero() else size.max(arb(1))
 
 
-def _step(u: Place, v: Place, miss: arb, late: arb) -> tuple[arb, arb]:
+def _step(u: ClockPoint, v: ClockPoint, miss: arb, late: arb) -> tuple[arb, arb]:
     """Newton's step of both phases: the inverse of [[f, -g], [z f, w g]] on what is missed."""
     f, g = u.f, v.f
     zf, wg = u.z * f, v.z * g
@@ -658,7 +660,7 @@ def _phase(clock: Clock, z: arb, twice: arb) -> arb:
     return arb.atan2(sin, cos) if cos.mid() > 0 else arb.pi() - arb.atan2(sin, -cos)
 
 
-class GoryachevMotion(Motion):
+class GoryachevMotion(SolvedMotion):
     """The motion in its axes and units, at the precision in force; its attitude has no formula."""
 
     def __init__(self, start: Start, regime: Regime) -> None:

@@ -31,7 +31,7 @@ from polhode.closed_forms.balls.core import (
     enclosed,
     nearest_integer,
 )
-from polhode.closed_forms.balls.frames import Frame, Latest, Motion, Turn
+from polhode.closed_forms.balls.frames import Latest, MotionAxes, SolvedMotion, Turn
 from polhode.closed_forms.lagrange import Constants, Nutating, Steady, constants
 from polhode.closed_forms.membership import (
     Condition,
@@ -98,7 +98,7 @@ def place(scene: PrincipalScene) -> Placement | None:
     x, y, z = (-ONE if n == order[1] else ZERO for n in range(3))
     e3: Vector = (x, y, z)
     e2, square = cross(e3, torque), dot(torque, torque)
-    frame = Frame((e2, e3, torque), (square, ONE, square))
+    frame = MotionAxes((e2, e3, torque), (square, ONE, square))
     assert scene.gamma is not None
     w2, w3, _ = frame.into(scene.omega)
     B, weight = moments[order[1]], sqrt(square)
@@ -322,7 +322,7 @@ def _inverse(m: acb_mat) -> acb_mat:
 # * Else :class:`PeriodMap`.
 
 
-class HessMotion(Motion):
+class HessMotion(SolvedMotion):
     """The motion at the precision in force.
 
     ``numbers``: of the sphere's motion; ``weight``: |T|; ``omega``: M2/B, M3/B, 0.

@@ -29,15 +29,15 @@ from flint import acb, arb
 
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import (
-    Frame,
     Latest,
-    Motion,
+    MotionAxes,
+    SolvedMotion,
     Turn,
     conjugate,
     halves,
     quaternion,
 )
-from polhode.closed_forms.balls.jacobi import Jacobi, Place, Shift
+from polhode.closed_forms.balls.jacobi import Jacobi, ReducedArgument, Shift
 from polhode.closed_forms.membership import (
     Condition,
     Family,
@@ -218,14 +218,14 @@ def place(scene: PrincipalScene) -> Placement | None:
     if top.axis is not None:
         i, j, k = with_last(top.axis)
         side, weight = sign(torque[k]), abs(torque[k])
-        frame = Frame().numbered((i, j, k), (1, side, side))
+        frame = MotionAxes().numbered((i, j, k), (1, side, side))
     else:
         # Directions and squared lengths: beside them only |Mg r0| is irrational.
         i, k, side = 0, 0, 1
         across = max((cross(unit, torque) for unit in IDENTITY), key=lambda v: dot(v, v))
         directions = across, cross(torque, across), torque
         squares = [dot(v, v) for v in directions]
-        frame, weight = Frame(directions, squares), sqrt(squares[2])
+        frame, weight = MotionAxes(directions, squares), sqrt(squares[2])
     w, up = frame.into(omega), frame.into(gamma)
     numbers = constants(moments[i], moments[k], weight, w, up)
     kind = regime(numbers)
@@ -368,7 +368,7 @@ def _slopes(c: Constants, now: Parameters) -> Parameters:
     )
 
 
-class LagrangeMotion(Motion):
+class LagrangeMotion(SolvedMotion):
     """A motion from its w and vertical at t = 0, in the top's axes.
 
     ``regime`` and ``side``, of the axis along its principal axis, are asked for periods alone.
@@ -486,14 +486,14 @@ class Quotient:
         self.passes = passes  # through 0, arg z then growing by pi
         self._factor = acb(1)
 
-    def begin(self, at: Place, value: acb, slope: acb) -> None:
+    def begin(self, at: ReducedArgument, value: acb, slope: acb) -> None:
         """Fit the factor to the value at t = 0, or to the slope where the value is 0."""
         if value.real.is_zero() and value.imag.is_zero():
             self._factor = slope / (self._shift.slope(at) * self._rate)
         else:
             self._factor = value / self._shift.at(at)
 
-    def at(self, place: Place, t: arb) -> acb:
+    def at(self, place: ReducedArgument, t: arb) -> acb:
         """The parameter at a time, ``place`` that of the functions."""
         sine, cosine = (self.turn * t).sin_cos()
         return self._factor * self._shift.at(place) * acb(cosine, sine)

@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias
 
 from flint import arb
 
-from polhode.closed_forms.balls.frames import Frame, Motion
+from polhode.closed_forms.balls.frames import MotionAxes, SolvedMotion
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import ONE, ZERO, Exact, exact, log10, nearest, rounded, sign, sqrt
 from polhode.numbers.mpmath_context import mpf
@@ -115,7 +115,7 @@ def _unit(log2_size: float) -> Fraction:
 ENCLOSED_ATTITUDE = "states are proven by the closed form, the attitude by an enclosure"
 
 #: Numbers of balls of a motion, by name, to the digits asked for.
-Sure: TypeAlias = Callable[[Callable[[Motion], Mapping[str, arb | None]]], Mapping[str, mpf]]
+Sure: TypeAlias = Callable[[Callable[[SolvedMotion], Mapping[str, arb | None]]], Mapping[str, mpf]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,9 +126,9 @@ class Placement:
     """
 
     regime: StrEnum | str
-    solve: Callable[[], Motion]
+    solve: Callable[[], SolvedMotion]
     #: The family's axes within the principal ones.
-    frame: Frame
+    frame: MotionAxes
     #: So many of the family's units of rates make one of the scene's; negative: time runs back.
     unit: Fraction = Fraction(1)
     #: The length of the family's vertical, negative in axes that are the opposites of the frame's.

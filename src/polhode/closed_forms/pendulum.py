@@ -32,10 +32,10 @@ from flint import arb
 
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import (
-    Frame,
     Latest,
-    Motion,
+    MotionAxes,
     PermanentRotation,
+    SolvedMotion,
     Turn,
     turned_back,
 )
@@ -140,13 +140,13 @@ def place(scene: PrincipalScene) -> Placement | None:
     if is_zero(n):
         kind = Regime.UPRIGHT if sign(dot(torque, gamma)) > 0 else Regime.HANGING
         rest = partial(PermanentRotation, omega, arb(0), gamma, stays=True)
-        return Placement(regime=kind, solve=rest, frame=Frame())
+        return Placement(regime=kind, solve=rest, frame=MotionAxes())
     swing = numbers(moments, torque, omega, gamma)
     kind = Regime.ROTATING if sign(swing.kc2) else Regime.SEPARATRIX
     return Placement(
         regime=Regime.LIBRATING if swing.librates else kind,
         solve=partial(Swing, swing, n, gamma),
-        frame=Frame(),
+        frame=MotionAxes(),
     )
 
 
@@ -169,7 +169,7 @@ def misfit(scene: PrincipalScene) -> Misfit | None:
 # --- motion ---------------------------------------------------------------------------------------
 
 
-class Swing(Motion):
+class Swing(SolvedMotion):
     """A swing about ``n``, of any length, in any axes; ``gamma``: the vertical at t = 0."""
 
     def __init__(self, numbers: SwingNumbers, n: Vector, gamma: Vector) -> None:

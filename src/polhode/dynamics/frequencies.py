@@ -19,7 +19,7 @@ from polhode.common.values import ByValue
 from polhode.dynamics import naff
 from polhode.dynamics.level_body import LevelBody
 from polhode.judging.reference import reference
-from polhode.judging.tables.table import Table
+from polhode.judging.tables.table import TrajectoryTable
 from polhode.judging.tables.table_file import is_table, read_table
 from polhode.numbers.conversion import TIME, doubles, reader, to_double
 from polhode.numbers.decimals import brief
@@ -28,8 +28,7 @@ from polhode.numbers.number_types import DOUBLE, AnyNumber, Complexes, Doubles
 from polhode.numbers.vectors import quaternion_product
 from polhode.results.cells import INTEGER
 from polhode.results.result import Result
-from polhode.results.table import Column, Fact
-from polhode.results.table import Table as ResultTable
+from polhode.results.table import Column, Fact, Table
 from polhode.runs.solve import solve
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
@@ -104,12 +103,12 @@ class Frequencies(Result, ByValue):
         words = ", ".join(f"{name} {x:.10g}" for name, x in strongest.items())
         return f"<Frequencies of {self.name}: strongest {words or 'none'}, to t = {self.end:g}>"
 
-    def table(self) -> ResultTable:
+    def table(self) -> Table:
         """One row per spectral line, of each signal the strongest first."""
         rows = [(name, k + 1, x) for name, lines in self.lines.items() for k, x in enumerate(lines)]
         lines = [line for _, _, line in rows]
         phases = [math.atan2(x.amplitude.imag, x.amplitude.real) for x in lines]
-        return ResultTable(
+        return Table(
             [
                 text_column("signal", [name for name, _, _ in rows]),
                 Column("line", [k for _, k, _ in rows], type=INTEGER),
@@ -137,7 +136,7 @@ class Frequencies(Result, ByValue):
             Fact("samples", self.samples),
             Fact("step", self.step, "time between two samples"),
             Fact("step_error", self.step_error, "what the step may be off by the times' rounding"),
-            Fact("known", ResultTable(columns), "of which lines are combinations"),
+            Fact("known", Table(columns), "of which lines are combinations"),
             Fact("closed_form", self.closed_form, "whether a closed form tells them"),
             provenance_fact(self.provenance),
         ]
@@ -268,7 +267,7 @@ def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
     return result if listed else replace(result, scene=scene)
 
 
-def _of_table(table: Table, of: Sequence[str] | None, count: int) -> Frequencies:
+def _of_table(table: TrajectoryTable, of: Sequence[str] | None, count: int) -> Frequencies:
     step = spacing(table.name, table.times, table.time_errors)
     columns, lacking = {}, {}
     for name, column in table.columns.items():

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from polhode.enclosures.fixed_point_problem import CLOCK, Motion, Problem, Refused
+from polhode.enclosures.fixed_point_problem import CLOCK, ExactMotion, Problem, TooImprecise
 from polhode.enclosures.step_bound import jacobian
-from polhode.enclosures.zonotope import State
+from polhode.enclosures.zonotope import ProofState
 from polhode.equations.terms import LAYERS, LEFT, RIGHT, layered
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
@@ -112,7 +112,7 @@ def degree(noise: int) -> int:
 
 
 def window(
-    problem: Problem, state: State, end: int, steps: int, pace: float, turn: float = MOST_TURN
+    problem: Problem, state: ProofState, end: int, steps: int, pace: float, turn: float = MOST_TURN
 ) -> Window | None:
     """Up to so many steps from a state towards the time ``end``; None where heyoka fails.
 
@@ -229,7 +229,7 @@ class Forecast(NamedTuple):
         return (2.0 if outputs else 1.0) * step * self.steps
 
 
-def forecast(motion: Motion, last: Exact, digits: float) -> Forecast:
+def forecast(motion: ExactMotion, last: Exact, digits: float) -> Forecast:
     """What the digits need at the time ``last``."""
     scene, count = motion.scene, max(1.0, steps(motion, last))
     errors = growth(scene, in_all=True, end=last)
@@ -244,7 +244,7 @@ def forecast(motion: Motion, last: Exact, digits: float) -> Forecast:
     return Forecast(bits, grown, min(count, steps_taken))
 
 
-def raised(noise: int, bits: float, why: Refused) -> int:
+def raised(noise: int, bits: float, why: TooImprecise) -> int:
     """The noise level to try after a refusal, by what the radius had grown to on the way.
 
     ``bits``: those that the digits need.  The growth is taken to go on as it went: that of a
@@ -257,6 +257,6 @@ def raised(noise: int, bits: float, why: Refused) -> int:
     return max(noise + 20, math.ceil(bits + why.grown + _AHEAD * ahead) + _SURE)
 
 
-def steps(motion: Motion, last: Exact) -> float:
+def steps(motion: ExactMotion, last: Exact) -> float:
     """About how many steps lead to a time; infinite beyond the range of double."""
     return _STEPS_A_UNIT * abs(to_double(last / Fraction(2) ** motion.unit))

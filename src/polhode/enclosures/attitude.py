@@ -21,7 +21,7 @@ from flint import arb
 
 from polhode.common.interrupts import NONE, Deadline
 from polhode.enclosures import quaternion
-from polhode.enclosures.fixed_point_problem import TIME_BITS, Motion, Problem, sharp
+from polhode.enclosures.fixed_point_problem import TIME_BITS, ExactMotion, Problem, sharp
 from polhode.enclosures.polynomial import ball
 from polhode.enclosures.quaternion import Turned
 from polhode.enclosures.step_bound import Bounds
@@ -101,7 +101,7 @@ class AttitudeWatch:
 
     def __init__(
         self,
-        motion: Motion,
+        motion: ExactMotion,
         problem: Problem,
         times: Sequence[Any],
         solution: quaternion.Solution,
@@ -124,7 +124,7 @@ class AttitudeWatch:
         self._first = np.array([float(x.mid()) for x in self._start])
         self.followed = self._beginning(motion) if angles else Followed(None)
 
-    def _beginning(self, motion: Motion) -> Followed:
+    def _beginning(self, motion: ExactMotion) -> Followed:
         """psi and phi at the start; just after it where that is at a pole.
 
         There psi + phi, at the lower pole psi - phi, is the psi given.

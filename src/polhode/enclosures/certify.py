@@ -20,14 +20,14 @@ from polhode.enclosures.fixed_point_problem import (
     CLOCK,
     MOST_NOISE,
     TIME_BITS,
-    Motion,
+    ExactMotion,
     Problem,
-    Refused,
+    TooImprecise,
     in_scene_axes,
     upper,
 )
 from polhode.enclosures.polynomial import Polynomial, ball, constant, rate, total, variable
-from polhode.enclosures.result import CertifiedEvents, Enclosure, EventTime, Part, digits_of
+from polhode.enclosures.result import CertifiedEvents, EnclosedPart, Enclosure, EventTime, digits_of
 from polhode.enclosures.statement import assumed
 from polhode.enclosures.task import MAX_STEPS, ProofOptions, Side, Task, task
 from polhode.enclosures.zeros import Search, first_derivative, is_still
@@ -129,7 +129,7 @@ def certify(
         started = process_time()
         try:
             enclosure = _enclosure(job, noise)
-        except Refused as why:
+        except TooImprecise as why:
             refusal, noise = str(why), job.raised(noise, why, tries)
             continue
         seconds = process_time() - started
@@ -155,7 +155,7 @@ def certify(
 
 
 def _enclosure(job: Task, noise: int) -> Enclosure:
-    """The enclosure at one noise level, as far as it came; raises Refused."""
+    """The enclosure at one noise level, as far as it came; raises TooImprecise."""
     scene, times, bits = job.box.scene, job.times, noise + 100
     attitudes = bool({"angles", "attitude"} & {*scene.modelled})
     solution, angles = approximation.forced, "angles" in scene.modelled
@@ -191,7 +191,9 @@ def _enclosure(job: Task, noise: int) -> Enclosure:
         if word in scene.outputs:
             balls_by_word[word] = derived_balls(word, scene, balls_by_word, bits)
     centres, radii = balls(balls_by_word["state"], bits)
-    parts = {word: Part(*balls(x, bits)) for word, x in balls_by_word.items() if word in COLUMNS}
+    parts = {
+        word: EnclosedPart(*balls(x, bits)) for word, x in balls_by_word.items() if word in COLUMNS
+    }
     return Enclosure(
         scene,
         tuple(times[n] for n in order),
@@ -264,7 +266,7 @@ def _digits(scene: Scene, sides: Sequence[Side], centres: Any, radii: Any) -> tu
     return tuple(digits)
 
 
-def _at_rest(motion: Motion) -> bool:
+def _at_rest(motion: ExactMotion) -> bool:
     """Whether w is zero for ever, zero by the rule for *equal*."""
     if motion.radii or any(sign(x) for x in motion.start[:3]):
         return False
@@ -350,7 +352,7 @@ def certify_events(
             break
         try:
             return _events(job, polynomials, noise)
-        except Refused as why:
+        except TooImprecise as why:
             noise = job.raised(noise, why, tries)
     if box.radii is not None:
         raise BadInput(scene.name, library.BOX_KEY, box.text, "narrower intervals")
@@ -360,7 +362,7 @@ def certify_events(
 def _events(
     job: Task, polynomials: Sequence[Polynomial], noise: int
 ) -> tuple[CertifiedEvents, ...]:
-    """The events proven at one noise level, as far as it came; raises Refused."""
+    """The events proven at one noise level, as far as it came; raises TooImprecise."""
 
     def watch(side: Side, problem: Problem, times: Sequence[Any]) -> list[Search]:
         bits, searches = 2 * problem.fine + 100, []
@@ -385,7 +387,9 @@ def _events(
     return tuple(rows)
 
 
-def _named(motion: Motion, event: Event, search: Search, end: arb, noise: int) -> CertifiedEvents:
+def _named(
+    motion: ExactMotion, event: Event, search: Search, end: arb, noise: int
+) -> CertifiedEvents:
     """What one search found up to the end, in the scene's unit and direction of time."""
     by = motion.unit_outside
     times, undecided = [], []
@@ -406,7 +410,7 @@ def _named(motion: Motion, event: Event, search: Search, end: arb, noise: int) -
     return CertifiedEvents(event.name, tuple(times), tuple(undecided))
 
 
-def _interval(motion: Motion, begin: arb, end: arb, last: arb) -> tuple[float, float]:
+def _interval(motion: ExactMotion, begin: arb, end: arb, last: arb) -> tuple[float, float]:
     """Doubles of the scene around all times of two balls, of those from 0 to ``last``."""
     by = motion.unit_outside
     with ctx.workprec(TIME_BITS):
@@ -426,7 +430,7 @@ def _time(time: arb, by: Fraction, slope: int, row: Sequence[arb], bits: int) ->
     return EventTime(middle(time) * by, radius, slope, centres, radii)
 
 
-def of_event(motion: Motion, n: int, event: Event) -> Polynomial:
+def of_event(motion: ExactMotion, n: int, event: Event) -> Polynomial:
     """What vanishes, as a polynomial in the proof's variables; raises BadInput."""
     scene = motion.scene
     text = event.expression

@@ -53,7 +53,7 @@ _MOST_BITS = 1 << 15
 _WIDEST = 1e100  # in units of 2**-P: whose square is a double
 
 
-class Refused(ArithmeticError):
+class TooImprecise(ArithmeticError):
     """No proof at this precision; the message says which test failed.
 
     ``reached``: how far the proof had come, as a part of its way; ``grown``: log2 of what the
@@ -98,7 +98,7 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Motion:
+class ExactMotion:
     """The exact motion of a scene in principal axes and its proof's unit of time, forward.
 
     ``constants``: the coefficients, exact, in the order of ``terms.NAMES``; ``start``: the six,
@@ -135,7 +135,7 @@ class Motion:
             return [x + arb(0, 1) * ball(r, bits) for x, r in zip(balls, self.radii, strict=True)]
 
     def balls(self, bits: int) -> list[arb]:
-        """The constants, each of radius below 2**-bits; raises Refused."""
+        """The constants, each of radius below 2**-bits; raises TooImprecise."""
         return [sharp(partial(ball, x), bits) for x in self.constants]
 
     @property
@@ -148,7 +148,7 @@ class Motion:
         ]
 
 
-def motion(scene: Scene, backward: bool = False, radii: Vector | None = None) -> Motion:
+def motion(scene: Scene, backward: bool = False, radii: Vector | None = None) -> ExactMotion:
     """The exact motion of a scene, to positive or to negative times.
 
     ``radii``: how far each component of omega may be from the scene's, in its axes; a box in the
@@ -163,7 +163,7 @@ def motion(scene: Scene, backward: bool = False, radii: Vector | None = None) ->
     if radii is not None:
         around = [[unit * r * abs(x) for x, r in zip(row, radii, strict=True)] for row in rows]
         box = [*(a + b + c for a, b, c in around), *[exact.ZERO] * 3]
-    return Motion(
+    return ExactMotion(
         scene,
         frame,
         backward,
@@ -175,15 +175,15 @@ def motion(scene: Scene, backward: bool = False, radii: Vector | None = None) ->
     )
 
 
-def problem(of: Motion, noise: int, constant_bits: int | None = None) -> Problem:
+def problem(of: ExactMotion, noise: int, constant_bits: int | None = None) -> Problem:
     """A motion's data as integers with radii for the noise level 2**-noise.
 
     ``constant_bits``: the constants are rounded to 2**-that; by default they stay as they are where
     they are fractions of a small denominator, and are rounded to 2**-(noise + 24) elsewhere.
-    Raises Refused where a constant cannot be known sharply enough.
+    Raises TooImprecise where a constant cannot be known sharply enough.
     """
     if not LEAST_NOISE <= noise <= MOST_NOISE:
-        raise Refused(f"a noise level of 2**-{noise} is outside {LEAST_NOISE} to {MOST_NOISE}")
+        raise TooImprecise(f"a noise level of 2**-{noise} is outside {LEAST_NOISE} to {MOST_NOISE}")
     fine = max(noise + 12, LEAST_FINE)
     balls = of.balls(fine + _SHARPER)
     with ctx.workprec(4 * fine + 200):
@@ -199,7 +199,7 @@ def problem(of: Motion, noise: int, constant_bits: int | None = None) -> Problem
             start.append(near)
             spread.append(upper(radius * arb((1, noise))))
     if of.radii and not max(spread) < _WIDEST:
-        raise Refused("the start's intervals are too wide")
+        raise TooImprecise("the start's intervals are too wide")
     return Problem(
         noise,
         fine,
@@ -215,7 +215,7 @@ def problem(of: Motion, noise: int, constant_bits: int | None = None) -> Problem
     )
 
 
-def _weights(of: Motion) -> tuple[float, ...]:
+def _weights(of: ExactMotion) -> tuple[float, ...]:
     """c m_i**(1/2), and 1 for gamma; doubles near them, m_i parts of the largest moment."""
     largest = max(of.moments)
     moments = [max(to_double(m / largest), _LEAST_WEIGHT) for m in of.moments]
@@ -225,7 +225,7 @@ def _weights(of: Motion) -> tuple[float, ...]:
 
 
 def _whole(
-    of: Motion, balls: Sequence[Any], noise: int, bits: int | None
+    of: ExactMotion, balls: Sequence[Any], noise: int, bits: int | None
 ) -> tuple[tuple[int, ...], tuple[int, ...], tuple[float, ...]]:
     """The constants as integers over a denominator a row, these, and the radii."""
     count, below = len(of.constants), []
@@ -259,7 +259,7 @@ def upper(x: Any) -> float:
 def sharp(formula: Callable[[int], Any], bits: int) -> Any:
     """The first ball of radius below 2**-bits that ``formula``, of a working precision, gives.
 
-    Raises Refused where none is found.
+    Raises TooImprecise where none is found.
     """
     working = bits + 64
     while working <= _MOST_BITS:
@@ -268,7 +268,7 @@ def sharp(formula: Callable[[int], Any], bits: int) -> Any:
             if value.rad() < arb((1, -bits)):
                 return value
         working *= 2
-    raise Refused("a constant of the body is not known sharply enough")
+    raise TooImprecise("a constant of the body is not known sharply enough")
 
 
 def _nearest(value: Any, bits: int) -> tuple[int, Any]:
@@ -277,12 +277,12 @@ def _nearest(value: Any, bits: int) -> tuple[int, Any]:
     return near, abs(value - arb((near, -bits)))
 
 
-def times(of: Motion, instants: Sequence[Exact], bits: int = TIME_BITS) -> list[Any]:
+def times(of: ExactMotion, instants: Sequence[Exact], bits: int = TIME_BITS) -> list[Any]:
     """Balls around times of the scene, in the proof's unit and forward."""
     return [ball(t / of.unit_outside, bits) for t in instants]
 
 
-def in_scene_axes(of: Motion, row: Sequence[arb], bits: int) -> list[arb]:
+def in_scene_axes(of: ExactMotion, row: Sequence[arb], bits: int) -> list[arb]:
     """A state in principal axes and the proof's unit as balls in the scene's axes and unit."""
     scene = of.scene
     with ctx.workprec(bits):

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb
 
-from polhode.enclosures.fixed_point_problem import UP, Motion, Problem, upper
+from polhode.enclosures.fixed_point_problem import UP, ExactMotion, Problem, upper
 from polhode.enclosures.polynomial import (
     BallPolynomial,
     Polynomial,
@@ -34,7 +34,7 @@ from polhode.enclosures.polynomial import (
     variable,
 )
 from polhode.enclosures.step_bound import TINY, gamma
-from polhode.enclosures.zonotope import State
+from polhode.enclosures.zonotope import ProofState
 from polhode.numbers.flint_context import ctx
 
 
@@ -52,7 +52,7 @@ class Integral(NamedTuple):
     second: tuple[BallPolynomial, ...]
 
 
-def first_integrals(motion: Motion) -> dict[str, Polynomial]:
+def first_integrals(motion: ExactMotion) -> dict[str, Polynomial]:
     """The first integrals that the motion is proven to have, by name."""
     x = [variable(i) for i in range(6)]
     largest = max(motion.moments)
@@ -79,7 +79,9 @@ def first_integrals(motion: Motion) -> dict[str, Polynomial]:
     return integrals
 
 
-def _kovalevskaya(x: Sequence[Polynomial], of: Motion, order: tuple[int, int, int]) -> Polynomial:
+def _kovalevskaya(
+    x: Sequence[Polynomial], of: ExactMotion, order: tuple[int, int, int]
+) -> Polynomial:
     """|(u + i v)**2 - (c1 + i c2)(gamma_u + i gamma_v)|**2, c = k/C, C about the third axis."""
     i, j, k = order
     c1, c2 = (of.torque[n] / of.moments[k] for n in (i, j))
@@ -90,7 +92,7 @@ def _kovalevskaya(x: Sequence[Polynomial], of: Motion, order: tuple[int, int, in
     return a * a + b * b
 
 
-def prepared(motion: Motion, bits: int) -> list[Integral]:
+def prepared(motion: ExactMotion, bits: int) -> list[Integral]:
     """The first integrals with balls for their coefficients and values, to so many bits."""
     integrals = []
     with ctx.workprec(bits):
@@ -111,7 +113,7 @@ def prepared(motion: Motion, bits: int) -> list[Integral]:
     return integrals
 
 
-def shrunk(problem: Problem, state: State, integrals: Sequence[Integral]) -> State:
+def shrunk(problem: Problem, state: ProofState, integrals: Sequence[Integral]) -> ProofState:
     """The state with a set made smaller by the first integrals, or as it is.
 
     Raises Contradiction where no point of the set has their values.
@@ -138,12 +140,12 @@ def shrunk(problem: Problem, state: State, integrals: Sequence[Integral]) -> Sta
     left = math.ldexp(1.0, problem.noise - problem.fine)
     lost = gamma(g.shape[1] + 8) * rounding  # products of k, then a difference and products of 6
     box = UP * (size @ width + lost + left) + TINY
-    smaller = State(state.time, centre, np.hstack([columns, np.diag(box)]))
+    smaller = ProofState(state.time, centre, np.hstack([columns, np.diag(box)]))
     return smaller if np.sum(smaller.radii) < np.sum(radii) else state
 
 
 def _measured(
-    problem: Problem, state: State, integrals: Sequence[Integral], eps: float
+    problem: Problem, state: ProofState, integrals: Sequence[Integral], eps: float
 ) -> tuple[Any, Any, Any]:
     """g, (6, k), the midpoints of c - H(y) in units of 2**-P, and w."""
     g = np.zeros((6, len(integrals)))

@@ -127,7 +127,7 @@ def _columns(times: Sequence[EventTime]) -> list[Column]:
 # --- result ---------------------------------------------------------------------------------------
 
 
-class Part(NamedTuple):
+class EnclosedPart(NamedTuple):
     """Angles or quaternions as balls, one row per time; None where an angle is not known.
 
     ``centres``: exact midpoints, ``radii``: doubles not below the radii, as in :class:`Enclosure`.
@@ -202,10 +202,10 @@ class Enclosure(Result, ByValue):
     seconds: float = field(compare=False)
     tries: int
     seconds_in_all: float = field(compare=False)
-    angles: Part | None = None
-    attitude: Part | None = None
+    angles: EnclosedPart | None = None
+    attitude: EnclosedPart | None = None
     outcome: Outcome = Outcome.REACHED_END
-    derived: Mapping[str, Part] = field(default_factory=dict)
+    derived: Mapping[str, EnclosedPart] = field(default_factory=dict)
     assumed: tuple[str, ...] = ()
     lost: tuple[float, ...] = ()
     omega_radius: tuple[Fraction, ...] | None = None
@@ -213,9 +213,9 @@ class Enclosure(Result, ByValue):
     events: tuple[CertifiedEvents, ...] | None = None
 
     @property
-    def _states(self) -> Part:
+    def _states(self) -> EnclosedPart:
         """The balls of the states."""
-        return Part(self.centres, self.radii)
+        return EnclosedPart(self.centres, self.radii)
 
     @cached_property
     def midpoints(self) -> list[list[Real]]:
@@ -264,7 +264,7 @@ class Enclosure(Result, ByValue):
                 columns += self._balls(COLUMNS[word].names, part)
         return Table([*columns, Column("digits_proven", list(self.digits), digits=4)])
 
-    def _balls(self, names: Sequence[str], part: Part) -> list[Column]:
+    def _balls(self, names: Sequence[str], part: EnclosedPart) -> list[Column]:
         rows = [
             [None if x is None else Ball(x, r) for x, r in zip(*pair, strict=True)]
             for pair in zip(*part, strict=True)

@@ -59,7 +59,7 @@ from typing import Any
 
 import numpy as np
 
-from polhode.enclosures.fixed_point_problem import UP, Problem, Refused
+from polhode.enclosures.fixed_point_problem import UP, Problem, TooImprecise
 from polhode.enclosures.taylor_polynomials import Defects, Pieces
 from polhode.equations.terms import ROWS, SLOPES, Slope
 from polhode.numbers.conversion import rounds_to_nearest
@@ -84,12 +84,12 @@ _CONSTANT = _most(lambda x: x.other is None)
 
 
 def check_arithmetic() -> None:
-    """Raise Refused where doubles are not rounded to the nearest, or small ones are made 0.
+    """Raise TooImprecise where doubles are not rounded to the nearest, or small ones are made 0.
 
     Bits of a thread's state, which any library may set.
     """
     if not rounds_to_nearest() or not np.array([2.0**-1074]) * 1.0 > 0.0:
-        raise Refused("doubles are not rounded to the nearest, or small ones are made 0")
+        raise TooImprecise("doubles are not rounded to the nearest, or small ones are made 0")
 
 
 def gamma(k: int) -> float:
@@ -155,17 +155,17 @@ def bounds(problem: Problem, defects: Defects, correction: Any, matrices: Any) -
     """alpha, delta, sigma and rho of every step, from what the untrusted parts have left.
 
     ``correction``: e, (W, p + 1, 6); ``matrices``: V, (W, m + 1, 6, 6), of any origin, and copied:
-    who made them may keep them and change them.  Raises Refused where they do not fit the
+    who made them may keep them and change them.  Raises TooImprecise where they do not fit the
     polynomials; numbers that are not finite make bounds that no test accepts.
     """
     pieces = defects.pieces
     steps, count = pieces.near.shape[:2]
     correction, matrices = np.array(correction, dtype=float), np.array(matrices, dtype=float)
     if _adds(problem):
-        raise Refused("a derivative whose entries are sums is not bounded")
+        raise TooImprecise("a derivative whose entries are sums is not bounded")
     fits = matrices.ndim == 4 and matrices.shape[::2] == (steps, 6) == matrices.shape[::3]
     if correction.shape != pieces.near.shape or not (fits and matrices.shape[1]):
-        raise Refused("an approximation does not fit")
+        raise TooImprecise("an approximation does not fit")
     lengths = pieces.lengths
     a = jacobian(problem, pieces.near, lengths)
     a_norms = _norms(a)

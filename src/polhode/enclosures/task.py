@@ -31,12 +31,12 @@ from polhode.enclosures.fixed_point_problem import (
     LEAST_NOISE,
     MOST_NOISE,
     TIME_BITS,
-    Motion,
+    ExactMotion,
     Problem,
-    Refused,
+    TooImprecise,
     motion,
 )
-from polhode.enclosures.zonotope import State
+from polhode.enclosures.zonotope import ProofState
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact
 from polhode.numbers.decimals import shown
@@ -93,7 +93,7 @@ class Proof:
 
     rows: list[list[arb]]
     steps: int
-    end: State
+    end: ProofState
     outcome: Outcome = Outcome.REACHED_END
 
 
@@ -106,7 +106,7 @@ def run(
     watchers: Sequence[Watcher] = (),
     deadline: Deadline = NONE,
 ) -> Proof:
-    """Balls around the states at times >= 0, increasing, given as balls.  Raises Refused.
+    """Balls around the states at times >= 0, increasing, given as balls.  Raises TooImprecise.
 
     What is proven until the ``deadline``, or until Ctrl-C, is kept.  ``watchers``: what looks for
     zeros on the way, or follows the attitude; they may raise TooLong.
@@ -125,14 +125,14 @@ def run(
             tried = _window(problem, state, end, wide, pace, untrusted, deadline)
             if tried is None:
                 if wide <= _FEWEST:
-                    raise Refused("the approximation loses the motion")
+                    raise TooImprecise("the approximation loses the motion")
                 wide = max(_FEWEST, wide // 2)
                 continue
             times_inside = zonotope.inside(times[len(rows) :], tried.pieces.times[-1])
             before = state.time
             try:
                 state, balls, accepted = zonotope.advance(state, tried, times_inside, deadline)
-            except Refused:
+            except TooImprecise:
                 if problem.is_box and wide > _FEWEST:  # as far as a box can be followed
                     wide = _FEWEST
                     continue
@@ -146,12 +146,12 @@ def run(
             whole, wide = state, min(most, 2 * wide)
             if progress is not None:
                 progress(state.time / end, steps)
-    except Refused as why:
+    except TooImprecise as why:
         if problem.is_box and whole.time > 0:
             outcome = Outcome.TOO_WIDE
         else:
             grown = math.log2(max(1.0, float(np.max(whole.radii))))
-            raise Refused(str(why), whole.time / end, grown) from why
+            raise TooImprecise(str(why), whole.time / end, grown) from why
     except TooLong:
         outcome = Outcome.TIME_LIMIT
     except KeyboardInterrupt:
@@ -161,7 +161,7 @@ def run(
 
 def _window(
     problem: Problem,
-    state: State,
+    state: ProofState,
     end: int,
     wide: int,
     pace: float,
@@ -194,7 +194,7 @@ def _window(
             return step_bound.bounds(problem, exact_defects, e, v)
         shape = taylor_polynomials.improved(shape, e, problem.noise, 53 - size)
         last = size
-    raise Refused("the corrections do not converge")
+    raise TooImprecise("the corrections do not converge")
 
 
 def _last_tick(times: Sequence[arb]) -> int:
@@ -204,7 +204,7 @@ def _last_tick(times: Sequence[arb]) -> int:
     with ctx.workprec(TIME_BITS):
         last = (times[-1] * arb((1, CLOCK))).upper().ceil().unique_fmpz()
     if last is None or last >= 1 << 60:
-        raise Refused("the last time is too far away")
+        raise TooImprecise("the last time is too far away")
     return max(1, int(last))
 
 
@@ -250,7 +250,7 @@ class Side(NamedTuple):
     ``places``: of each time that was asked for, where it is among them.
     """
 
-    motion: Motion
+    motion: ExactMotion
     ordered: list[Exact]
     places: dict[int, int]
 
@@ -305,7 +305,7 @@ class Task:
             noise = self.noise
             forecast(dearer * sum(row.seconds(noise, attitudes) for row in self.forecasts))
 
-    def raised(self, noise: int, why: Refused, tries: int) -> int | None:
+    def raised(self, noise: int, why: TooImprecise, tries: int) -> int | None:
         """The noise level after so many tries, the last one refused; None if more are of no use."""
         if noise == MOST_NOISE or (self.box.radii is not None and tries >= _OF_A_BOX):
             return None
@@ -315,7 +315,9 @@ class Task:
     def proofs(
         self, noise: int, watch: Callable[[Side, Problem, Sequence[Any]], Watchers]
     ) -> Iterator[tuple[Side, Watchers, Proof]]:
-        """Each side's proof at a noise level, until one does not reach its end; raises Refused.
+        """Each side's proof at a noise level, until one does not reach its end.
+
+        Raises TooImprecise.
 
         ``watch``: what looks on, made of the side, its problem and the times as balls.
         """

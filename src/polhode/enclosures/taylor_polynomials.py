@@ -19,7 +19,7 @@ import numpy as np
 from flint import fmpz, fmpz_poly
 
 from polhode.common.values import cached_property
-from polhode.enclosures.fixed_point_problem import CLOCK, UP, Problem, Refused
+from polhode.enclosures.fixed_point_problem import CLOCK, UP, Problem, TooImprecise
 from polhode.equations.terms import ROWS, Term, product
 
 # --- kronecker substitution -----------------------------------------------------------------------
@@ -86,8 +86,8 @@ class Packing:
         its other bits turned over are -d - 1.  The 1 and the words of that, each rounded once, are
         added from below.  All are >= 0, so the words' roundings make one of the sum; the last
         addition that is not of 0 makes another; the sum before it is at most the sum, the one
-        before that at most 2**-63 of it, and so on: one more and next to nothing.  Raises Refused
-        beyond the doubles.
+        before that at most 2**-63 of it, and so on: one more and next to nothing.
+        Raises TooImprecise beyond the doubles.
         """
         size = 8 * self.count * self.words
         raw = b"".join([int(x + self._signs).to_bytes(size, "little") for x in values])
@@ -102,7 +102,7 @@ class Packing:
             scales = 64 * k + powers
             if np.max(scales) > _LARGEST:
                 if np.any(word[scales > _LARGEST]):
-                    raise Refused("an approximation is too large")
+                    raise TooImprecise("an approximation is too large")
                 scales = np.minimum(scales, _LARGEST)
             numbers += word * np.ldexp(1.0, scales)[:, None]
         return np.where(negative, -numbers, numbers)
@@ -205,19 +205,19 @@ class Pieces:
 def of_doubles(times: Sequence[int], near: Any, rows: int = 6) -> Pieces:
     """The polynomials with these doubles as coefficients, rounded to integers.
 
-    What is given is copied: who made it may keep it and change it.  Raises Refused where the
+    What is given is copied: who made it may keep it and change it.  Raises TooImprecise where the
     numbers cannot be used.
     """
     times, near = tuple(int(t) for t in times), np.array(near, dtype=float)
     if near.ndim != 3 or near.shape[2] != rows or 0 in near.shape:
-        raise Refused("an approximation does not fit")
+        raise TooImprecise("an approximation does not fit")
     if len(times) != near.shape[0] + 1 or any(
         not 0 < b - a < 1 << (CLOCK + 16) for a, b in itertools.pairwise(times)
     ):
-        raise Refused("the grid of times cannot be used")
+        raise TooImprecise("the grid of times cannot be used")
     largest = float(np.max(np.abs(near)))
     if not largest < 2.0**40:
-        raise Refused("an approximation is not finite")
+        raise TooImprecise("an approximation is not finite")
     level = FIRST_LEVEL - max(0, math.frexp(largest)[1] - 1)
     whole = _integers(np.ldexp(near, level))
     gap = np.full(near.shape[:2], math.ldexp(1.0, -level - 1))
@@ -227,10 +227,10 @@ def of_doubles(times: Sequence[int], near: Any, rows: int = 6) -> Pieces:
 def improved(old: Pieces, correction: Any, noise: int, level: int) -> Pieces:
     """The polynomials plus a correction in units of 2**-noise, rounded to integers at a level.
 
-    ``correction``: (W, p + 1, C).  Raises Refused where it cannot be used.
+    ``correction``: (W, p + 1, C).  Raises TooImprecise where it cannot be used.
     """
     if correction.shape != old.near.shape or level < old.level:
-        raise Refused("a correction does not fit")
+        raise TooImprecise("a correction does not fit")
     whole = _integers(np.ldexp(correction, level - noise))
     moved = np.ldexp(np.max(np.abs(correction), axis=2), -noise)
     gap = UP * (old.gap + moved + math.ldexp(1.0, -level - 1))
@@ -246,9 +246,9 @@ def size(values: Any, noise: int) -> int:
 
 
 def _integers(values: Any) -> Any:
-    """The nearest integers, (W, C, p + 1); raises Refused where they are too large."""
+    """The nearest integers, (W, C, p + 1); raises TooImprecise where they are too large."""
     if not np.max(np.abs(values)) < _MOST:
-        raise Refused("an approximation is too large or not finite")
+        raise TooImprecise("an approximation is too large or not finite")
     return np.ascontiguousarray(np.rint(values).astype(np.int64).transpose(0, 2, 1))
 
 
@@ -349,11 +349,11 @@ def gaps(problem: Problem, pieces: Pieces, start: tuple[int, ...]) -> Any:
 def difference(x: Any, x_bits: int, y: Any, y_bits: int, noise: int) -> Any:
     """x·2**-x_bits - y·2**-y_bits in units of 2**-noise: exact in integers, then rounded once.
 
-    Of integers, or of arrays of them.  Raises Refused beyond the doubles.
+    Of integers, or of arrays of them.  Raises TooImprecise beyond the doubles.
     """
     bits = max(x_bits, y_bits)
     exact = (x << (bits - x_bits)) - (y << (bits - y_bits))
     try:
         return (exact << max(0, noise - bits)) / (1 << max(0, bits - noise))
     except OverflowError:
-        raise Refused("an approximation is too large") from None
+        raise TooImprecise("an approximation is too large") from None

@@ -12,7 +12,7 @@ from flint import arb, arb_poly
 
 from polhode.common.interrupts import NONE, Deadline
 from polhode.common.values import cached_property
-from polhode.enclosures.fixed_point_problem import CLOCK, UP, Motion
+from polhode.enclosures.fixed_point_problem import CLOCK, UP, ExactMotion
 from polhode.enclosures.integral_contraction import Contradiction
 from polhode.enclosures.polynomial import BallPolynomial, Polynomial, ball, rate
 from polhode.enclosures.step_bound import Bounds
@@ -32,7 +32,7 @@ _MOST_ORDER, _MOST_TERMS = 4, 2000  # of a derivative as a polynomial
 _BITS = 2000
 
 
-def first_derivative(motion: Motion, g: Polynomial) -> Polynomial | None:
+def first_derivative(motion: ExactMotion, g: Polynomial) -> Polynomial | None:
     """The first derivative of g along the motion that is not 0 at t = 0, where g is 0 there.
 
     None where g is not, where that is not decided exactly, or is of too high an order; and where
@@ -52,7 +52,7 @@ def first_derivative(motion: Motion, g: Polynomial) -> Polynomial | None:
     return None
 
 
-def is_still(motion: Motion, g: Polynomial) -> bool:
+def is_still(motion: ExactMotion, g: Polynomial) -> bool:
     """Whether nothing tells g from 0 all along the motion.
 
     Not trusted: said of the first Taylor coefficients to many digits, and only where a product of

@@ -34,7 +34,14 @@ import numpy as np
 from flint import arb, arb_poly
 
 from polhode.common.interrupts import NONE, Deadline
-from polhode.enclosures.fixed_point_problem import CLOCK, TIME_BITS, UP, Problem, Refused, upper
+from polhode.enclosures.fixed_point_problem import (
+    CLOCK,
+    TIME_BITS,
+    UP,
+    Problem,
+    TooImprecise,
+    upper,
+)
 from polhode.enclosures.step_bound import TINY, Bounds, gamma
 from polhode.enclosures.taylor_polynomials import difference, gaps
 from polhode.numbers.flint_context import ctx
@@ -52,7 +59,7 @@ class Step(NamedTuple):
 
 
 @dataclass(frozen=True)
-class State:
+class ProofState:
     """Where a proof stands: at ``time`` (times 2**-CLOCK) the exact state is in ``centre`` + set.
 
     ``centre``: six integers times 2**-fine; ``columns``: G, (6, N), in units of 2**-noise.
@@ -68,22 +75,22 @@ class State:
         return UP * np.sum(np.abs(self.columns), axis=1) + TINY
 
 
-def beginning(problem: Problem) -> State:
+def beginning(problem: Problem) -> ProofState:
     """The start of the motion, with the radii of its rounding."""
-    return State(0, problem.start, np.diag(problem.spread))
+    return ProofState(0, problem.start, np.diag(problem.spread))
 
 
 def advance(
-    state: State, bounds: Bounds, times: Sequence[Any], deadline: Deadline = NONE
-) -> tuple[State, list[list[Any]], list[Step]]:
+    state: ProofState, bounds: Bounds, times: Sequence[Any], deadline: Deadline = NONE
+) -> tuple[ProofState, list[list[Any]], list[Step]]:
     """Carry the set through a window's steps; balls at the times asked for, and the steps.
 
-    ``times``: balls around times inside the window, increasing.  Raises Refused where a step
+    ``times``: balls around times inside the window, increasing.  Raises TooImprecise where a step
     fails its test, TooLong at the deadline; nothing of the window is then to be used.
     """
     problem, pieces = bounds.problem, bounds.pieces
     if pieces.times[0] != state.time:
-        raise Refused("a window does not begin where the last one ended")
+        raise TooImprecise("a window does not begin where the last one ended")
     jumps = _jumps(state, bounds)
     hbs = UP * pieces.lengths * problem.beta * math.ldexp(1.0, -problem.noise) + TINY
     carried = _Carried(state.columns)
@@ -103,7 +110,7 @@ def advance(
         carried.step(bounds.ends[n], jump, hull, step.s)
     centre, rest = _centre(bounds)
     carried.settle(rest)
-    return State(pieces.times[-1], centre, carried.settled), rows, steps
+    return ProofState(pieces.times[-1], centre, carried.settled), rows, steps
 
 
 class _Carried:
@@ -132,7 +139,7 @@ class _Carried:
         if self.count == self.born.shape[1]:
             self.settle(0.0)
             if self.settled.shape[1] > MOST_COLUMNS:
-                raise Refused("the set has too many columns")
+                raise TooImprecise("the set has too many columns")
 
     def settle(self, rest: Any) -> None:
         """G <- [fl(T G) | box], the box holding H, what rounding lost and ``rest``."""
@@ -145,21 +152,21 @@ class _Carried:
 
 
 def _accepted(bounds: Bounds, n: int, eps: float, hb: float) -> Step:
-    """The test of the step theorem; raises Refused.  A number that is none fails it."""
+    """The test of the step theorem; raises TooImprecise.  A number that is none fails it."""
     growth, delta = float(bounds.growth[n]), float(bounds.delta[n])
     sigma, rho = float(bounds.sigma[n]), float(bounds.rho[n])
     r = UP * 2.0 * growth * (eps + delta + 2.0 * hb * sigma * sigma) + TINY
     if not 8.0 * growth * hb * r <= 0.999 or not sigma + r < 1e150:  # whose square is a number
-        raise Refused("the set has grown too large for the next step")
+        raise TooImprecise("the set has grown too large for the next step")
     for _ in range(1 + bounds.problem.is_box):  # an r that (2) gives makes another s; see there
         s = UP * (growth * (delta + hb * (sigma + r) ** 2) + rho * eps) + TINY
         if not s < 1e300:
-            raise Refused("the error of a step has no bound")
+            raise TooImprecise("the error of a step has no bound")
         r = min(r, UP * (float(bounds.sizes[n]) * eps + s) + TINY)
     return Step(r, s)
 
 
-def _jumps(state: State, bounds: Bounds) -> Any:
+def _jumps(state: ProofState, bounds: Bounds) -> Any:
     """Bounds of |J_n|, (W, 6): exact integer parts, and the corrections at both ends."""
     e = bounds.correction
     ends, sizes = np.sum(e, axis=1), np.sum(np.abs(e), axis=1)
@@ -199,7 +206,7 @@ def inside(times: Sequence[Any], end: int) -> list[Any]:
 
 
 def places(times: Sequence[int], times_asked: Sequence[Any]) -> dict[int, list[Any]]:
-    """The times as tau in the steps that hold their balls, by step; raises Refused outside."""
+    """The times as tau in the steps that hold their balls, by step; raises TooImprecise outside."""
     by_step: dict[int, list[Any]] = {}
     n = 0
     for t in times_asked:
@@ -207,7 +214,7 @@ def places(times: Sequence[int], times_asked: Sequence[Any]) -> dict[int, list[A
         while n + 1 < len(times) - 1 and ticks > times[n + 1]:
             n += 1
         if not (times[n] <= ticks.lower() and ticks.upper() <= times[n + 1]):
-            raise Refused("a time asked for is not inside a step")
+            raise TooImprecise("a time asked for is not inside a step")
         tau = (ticks - times[n]) / (times[n + 1] - times[n])
         by_step.setdefault(n, []).append(tau)
     return by_step

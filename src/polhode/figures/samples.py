@@ -14,7 +14,7 @@ import numpy.typing as npt
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
 from polhode.equations.kinematics import attitude_rates
-from polhode.judging.tables.table import Table
+from polhode.judging.tables.table import TrajectoryTable
 from polhode.numbers import exact
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact, sign
@@ -120,7 +120,7 @@ def of_run(trajectory: Trajectory) -> Samples:
     return Samples(scene.name, columns, scene, float(trajectory.number.eps))
 
 
-def of_table(table: Table, scene: Scene | None) -> Samples:
+def of_table(table: TrajectoryTable, scene: Scene | None) -> Samples:
     """A file's columns, in order of time."""
     order = sorted(range(len(table.times)), key=lambda k: table.times[k])
     named = {"t": table.times, **table.columns}

@@ -22,7 +22,7 @@ from polhode.judging.reference import reference as reference_of
 from polhode.judging.score import Answers
 from polhode.judging.tables.column_aliases import PLAIN, naming
 from polhode.judging.tables.explanations import table_as_told
-from polhode.judging.tables.table import PARTS, Table, of_run
+from polhode.judging.tables.table import PARTS, TrajectoryTable, of_run
 from polhode.judging.tables.table_file import is_table, read_table
 from polhode.numbers import exact
 from polhode.numbers.conversion import TIME, doubles, exactly, mpf_row, to_double
@@ -56,7 +56,7 @@ SPARE_DIGITS = 6
 _NAMES = {integrals.ENERGY: "h", integrals.AREA: "f", integrals.LENGTH: "gamma"}
 
 
-def errors(table: Table, reference: Reference, number: NumberType | None) -> Samples:
+def errors(table: TrajectoryTable, reference: Reference, number: NumberType | None) -> Samples:
     """Errors against a reference: of omega over its largest modulus, and of gamma.
 
     As far as the table has columns of the state; ``number``: the type of its numbers, if known.
@@ -78,7 +78,7 @@ def errors(table: Table, reference: Reference, number: NumberType | None) -> Sam
     return _samples(table, shown, scene, number)
 
 
-def departures(table: Table, scene: Scene, number: NumberType | None) -> Samples:
+def departures(table: TrajectoryTable, scene: Scene, number: NumberType | None) -> Samples:
     """Relative departures of the integrals from the exact scene's (see integrals.Drift).
 
     The table needs every column of the state.
@@ -97,7 +97,7 @@ def departures(table: Table, scene: Scene, number: NumberType | None) -> Samples
     return _samples(table, shown, scene, number)
 
 
-def in_order(table: Table) -> Table:
+def in_order(table: TrajectoryTable) -> TrajectoryTable:
     """A table's rows in order of time; a run's are."""
     if table.run is not None:
         return table
@@ -105,7 +105,7 @@ def in_order(table: Table) -> Table:
 
 
 def _samples(
-    table: Table, logs: dict[str, Any], scene: Scene, number: NumberType | None
+    table: TrajectoryTable, logs: dict[str, Any], scene: Scene, number: NumberType | None
 ) -> Samples:
     columns = {"t": np.array([to_double(t) for t in table.times])} | logs
     return Samples(table.name, columns, scene, float(number.eps) if number else None)
@@ -297,7 +297,9 @@ def _of_table(path: Path, word: str, request: Request) -> Drawing:
     return Drawing(samples, word, str(table.name), tuple(notes), measured=True)
 
 
-def _samples_of(table: Table, word: str, scene: Scene | None, number: NumberType | None) -> Samples:
+def _samples_of(
+    table: TrajectoryTable, word: str, scene: Scene | None, number: NumberType | None
+) -> Samples:
     """What a figure shows of a table, or of that of a run; raises BadInput where it cannot."""
     if scene is not None and word == "error":
         return errors(table, reference_of(scene), number)

@@ -36,7 +36,7 @@ from polhode.judging.tables.csv_file import table_of_columns, table_of_rows
 from polhode.judging.tables.explanations import Cause, as_meant, read_as_told
 from polhode.judging.tables.explanations import causes as fitted_causes
 from polhode.judging.tables.hypotheses import clock_remark, other_start
-from polhode.judging.tables.table import Reading, Table, as_judged, of_run
+from polhode.judging.tables.table import Reading, TrajectoryTable, as_judged, of_run
 from polhode.judging.tables.table_file import ENDINGS, read_table
 from polhode.numbers.decimals import brief
 from polhode.numbers.number_types import AnyNumber, AnyVector, NumberType
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 def compare(
     what: Trajectory
-    | Table
+    | TrajectoryTable
     | str
     | Path
     | Iterable[AnyVector]
@@ -288,7 +288,7 @@ def _truth(
     return reference(against, **limits._asdict())
 
 
-def _table(source: Any, scene: Scene, options: JudgingOptions) -> Table:
+def _table(source: Any, scene: Scene, options: JudgingOptions) -> TrajectoryTable:
     """What is judged, as a table; raises BadInput."""
     number, digits, columns = options.number, options.digits, options.columns
     if isinstance(source, Trajectory):
@@ -300,7 +300,7 @@ def _table(source: Any, scene: Scene, options: JudgingOptions) -> Table:
         return read_table(Path(source), kind, _naming(columns))
     if hasattr(source, "keys"):
         return table_of_columns(source, kind, names=_naming(columns, of_file=False))
-    if isinstance(source, Table):
+    if isinstance(source, TrajectoryTable):
         return source
     return table_of_rows(source, options.at, scene.columns if columns is None else columns, kind)
 
@@ -336,7 +336,7 @@ def refuse_incomplete(judged: Score) -> None:
     _ = judged.worst  # raises BadInput where nothing was judged
 
 
-def _refuse_parts(judged: Score, table: Table) -> None:
+def _refuse_parts(judged: Score, table: TrajectoryTable) -> None:
     columns = judged.reference.scene.columns
     for vector in (columns[:3], columns[3:], ATTITUDE if columns[3:] else ()):
         missing = [name for name in vector if name not in table.columns]
@@ -348,7 +348,7 @@ def _refuse_parts(judged: Score, table: Table) -> None:
             raise BadInput(table.name, ", ".join(missing), None, expected)
 
 
-def _refuse_gaps(judged: Score, table: Table) -> None:
+def _refuse_gaps(judged: Score, table: TrajectoryTable) -> None:
     if judged.missing:
         name = min(judged.missing, key=lambda name: judged.missing[name][0])
         row = judged.missing[name][0]

@@ -33,8 +33,7 @@ from polhode.numbers.decimals import brief, in_full, shortest
 from polhode.numbers.number_types import Doubles, NumberType
 from polhode.results.cells import DOUBLE, EXACT, TEXT
 from polhode.results.result import Result
-from polhode.results.table import Column, Fact, table_of_rows
-from polhode.results.table import Table as ResultTable
+from polhode.results.table import Column, Fact, Table, table_of_rows
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of
 from polhode.taylor import heyoka
 
@@ -233,7 +232,7 @@ class Judgement(Result, Score):
         offers = self.diagnosis.offers
         return (*applied, *(offer for offer in offers if offer.part not in parts))
 
-    def table(self) -> ResultTable:
+    def table(self) -> Table:
         """One row per time: the digits that are correct, and what was to be expected."""
         unit = unit_of(self.reference.scene, "t")
         columns = [Column("t", list(self.times), "time", unit)]
@@ -254,7 +253,7 @@ class Judgement(Result, Score):
             columns.append(Column(f"correct_digits_{name}", digits, type=DOUBLE, digits=4))
         if angles := self.rotation_angles:
             columns.append(Column("attitude_error", angles, "angle of rotation", "deg", DOUBLE, 4))
-        return ResultTable(columns)
+        return Table(columns)
 
     def facts(self) -> list[Fact]:
         """What was judged against what, the fewest digits, and what limits them."""

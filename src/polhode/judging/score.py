@@ -28,7 +28,7 @@ from polhode.judging.correct_digits import (
 from polhode.judging.reference import Reference, column_of, reference
 from polhode.judging.sources import NoAnswer
 from polhode.judging.tables.hypotheses import integrated
-from polhode.judging.tables.table import PARTS, WRONG, Table
+from polhode.judging.tables.table import PARTS, WRONG, TrajectoryTable
 from polhode.numbers import double_double
 from polhode.numbers.conversion import doubles, to_mpf
 from polhode.numbers.decimals import brief
@@ -130,7 +130,7 @@ class RowSelection(NamedTuple):
         return f"{left} of {count} rows, for their closed form is dear; judged were {chosen}"
 
 
-def selection(subject: Table, reference: Reference) -> RowSelection | None:
+def selection(subject: TrajectoryTable, reference: Reference) -> RowSelection | None:
     """The rows that are judged; None for all of them."""
     count = len(subject.times)
     if count <= MOST_DEAR or not reference.is_dear:
@@ -140,7 +140,7 @@ def selection(subject: Table, reference: Reference) -> RowSelection | None:
     return RowSelection(tuple(sorted({*rows, *far})), bool(far))
 
 
-def _farthest(subject: Table, scene: Scene) -> tuple[int, ...]:
+def _farthest(subject: TrajectoryTable, scene: Scene) -> tuple[int, ...]:
     """The row whose numbers are farthest from a run; none where there is no run.
 
     Of a quaternion up to its sign, of psi and phi up to whole turns.
@@ -292,7 +292,7 @@ T = TypeVar("T")
 STATE_PART = "state"  # omega and gamma together
 
 
-def bits_of(table: Table) -> int:
+def bits_of(table: TrajectoryTable) -> int:
     """The working precision in which a table is compared."""
     return math.ceil((math.ceil(table.held) + SPARE_DIGITS) * math.log2(10)) + 32
 
@@ -304,15 +304,15 @@ class Comparison(NamedTuple):
     ``judged``: the table of these.  ``answers``: the reference at their times.
     """
 
-    subject: Table
+    subject: TrajectoryTable
     selected: RowSelection | None
-    judged: Table
+    judged: TrajectoryTable
     answers: Answers
 
     @classmethod
     def of(
         cls,
-        subject: Table,
+        subject: TrajectoryTable,
         reference: Reference,
         progress: Progress | None = None,
         earlier: Answers | None = None,
@@ -449,7 +449,7 @@ class Score(ByValue):
     it is there.
     """
 
-    subject: Table
+    subject: TrajectoryTable
     reference: Reference
     halves: Mapping[str, RowDigits]
     other_parts: Mapping[str, RowDigits]
@@ -574,7 +574,7 @@ class Score(ByValue):
 
 
 def score(
-    subject: Table,
+    subject: TrajectoryTable,
     reference: Reference,
     progress: Progress | None = None,
     earlier: Score | None = None,

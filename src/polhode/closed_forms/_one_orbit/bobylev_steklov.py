@@ -28,7 +28,7 @@ from flint import acb, arb
 
 from polhode.closed_forms._one_orbit.orbits import EllipticTime, Formula, OrbitCase, orbit_family
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.frames import Frame, Motion, Turn, conjugate, quaternion
+from polhode.closed_forms.balls.frames import MotionAxes, SolvedMotion, Turn, conjugate, quaternion
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.balls.weierstrass import complex_functions
 from polhode.closed_forms.membership import Condition, NormalScene, PrincipalScene, equal, exclusion
@@ -57,7 +57,7 @@ def state_of(p: Scalar, Ga: Scalar, k: Scalar, r: Scalar, slope: Scalar) -> Sequ
     return p, 0 * r, r, Ga - r * r / (2 * k), -slope / k, p * r / k
 
 
-class Asymptotic(Motion):
+class Asymptotic(SolvedMotion):
     """The motion that tends to the rotation p, at one precision; r = 2 side nu sech v."""
 
     def __init__(
@@ -106,7 +106,7 @@ class BobylevSteklov(OrbitCase):
     conditions = staticmethod(conditions)
 
     @classmethod
-    def views(cls, scene: PrincipalScene) -> Iterator[tuple[Frame, PrincipalScene]]:
+    def views(cls, scene: PrincipalScene) -> Iterator[tuple[MotionAxes, PrincipalScene]]:
         """Of Kovalevskaya's body also the axes of which one goes through the centre of mass."""
         yield from super().views(scene)
         moments, torque, omega, gamma = scene
@@ -115,7 +115,7 @@ class BobylevSteklov(OrbitCase):
             return
         i, j, k = with_last(axis)
         if sign(torque[i]) and sign(torque[j]):
-            frame = Frame.equatorial((i, j, k), torque[i], torque[j])
+            frame = MotionAxes.equatorial((i, j, k), torque[i], torque[j])
             permuted = moments[i], moments[j], moments[k]
             yield (
                 frame,
@@ -135,7 +135,7 @@ class BobylevSteklov(OrbitCase):
         r = self.normal.omega[2]
         return self.normal.gamma[0] + r * r / (2 * self._k)
 
-    def solve(self) -> Motion:
+    def solve(self) -> SolvedMotion:
         """The constants are exact, each without cancellation."""
         p, _, r = self.normal.omega
         Ga, k = self._level, self._k

@@ -25,7 +25,7 @@ from flint import acb
 
 from polhode.closed_forms._one_orbit.orbits import FlowOrbit, OrbitCase, orbit_family
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.frames import Motion
+from polhode.closed_forms.balls.frames import SolvedMotion
 from polhode.closed_forms.membership import Condition, NormalScene, equal, positive
 from polhode.numbers.exact import ONE, ZERO, Exact, power, sign, sqrt
 from polhode.numbers.number_types import Scalar
@@ -140,7 +140,7 @@ class Chaplygin(OrbitCase):
         lever = 3 * A * self.normal.torque[0] / ((B - C) * x.B1)
         return ZERO, -lever * g2 / (C * x.ratio), lever * g3 / B
 
-    def solve(self) -> Motion:
+    def solve(self) -> SolvedMotion:
         x = coefficients(self.normal)
         scale = sqrt(x.B1)  # of Y and Z, the square of that of z
         z, Y, Z = self._begin(x)

@@ -30,7 +30,7 @@ from polhode.closed_forms._one_orbit.orbits import (
     orbit_family,
 )
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.frames import Motion
+from polhode.closed_forms.balls.frames import SolvedMotion
 from polhode.closed_forms.membership import Condition, NormalScene, equal, positive
 from polhode.numbers.exact import ZERO, sign, sqrt
 
@@ -64,7 +64,7 @@ class Goryachev(OrbitCase):
     name = "Goryachev"
     conditions = staticmethod(conditions)
 
-    def solve(self) -> Motion:
+    def solve(self) -> SolvedMotion:
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega
         x = polynomials(self.normal)
         (b0, _, b2), (c0, _, c2, _, c4), gamma = x.Q, x.R, x.mapped(ball).gamma

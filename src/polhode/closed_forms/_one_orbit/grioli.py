@@ -21,7 +21,7 @@ from flint import arb
 
 from polhode.closed_forms._one_orbit.orbits import OrbitCase, orbit_family
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.frames import Motion, Turn
+from polhode.closed_forms.balls.frames import SolvedMotion, Turn
 from polhode.closed_forms.membership import Condition, NormalScene, equal, positive
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
 from polhode.numbers.number_types import Scalar
@@ -83,7 +83,7 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     yield from scene.matching(x.gamma())
 
 
-class _Precession(Motion):
+class _Precession(SolvedMotion):
     """The motion in the normal axes, at the precision in force."""
 
     def __init__(self, x: SpinFrame, omega: Vector, speed: arb) -> None:
@@ -115,7 +115,7 @@ class Grioli(OrbitCase):
     name = "Grioli's regular precession"
     conditions = staticmethod(conditions)
 
-    def solve(self) -> Motion:
+    def solve(self) -> SolvedMotion:
         return _Precession(spin_frame(self.normal), self.normal.omega, self._speed())
 
 

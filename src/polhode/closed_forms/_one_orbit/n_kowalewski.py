@@ -25,7 +25,7 @@ from polhode.closed_forms._one_orbit.orbits import (
     orbit_family,
 )
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.frames import Motion
+from polhode.closed_forms.balls.frames import SolvedMotion
 from polhode.closed_forms.membership import Condition, NormalScene, equal, positive
 from polhode.numbers.exact import ONE, Exact, sqrt
 
@@ -87,7 +87,7 @@ class NKowalewski(OrbitCase):
     name = "N. Kowalewski"
     conditions = staticmethod(conditions)
 
-    def solve(self) -> Motion:
+    def solve(self) -> SolvedMotion:
         (A, B, C), polynomials = self.normal.moments, coefficients(self.normal)
         c3 = polynomials.c3
         gamma, over = gamma_of(self.normal, polynomials).mapped(ball).gamma, 1 / ball(c3)

@@ -13,7 +13,7 @@ from mpmath import libmp
 
 from polhode.closed_forms.balls.clocks import Factors, Oscillating
 from polhode.closed_forms.balls.core import TooFewBits, around, ball, root, square
-from polhode.closed_forms.balls.frames import Frame, Motion
+from polhode.closed_forms.balls.frames import MotionAxes, SolvedMotion
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.balls.periodic_attitude import (
     BallEquations,
@@ -102,9 +102,9 @@ class OrbitCase(ABC):
         self._strips: list[Strip] = []
 
     @classmethod
-    def views(cls, scene: PrincipalScene) -> Iterator[tuple[Frame, PrincipalScene]]:
+    def views(cls, scene: PrincipalScene) -> Iterator[tuple[MotionAxes, PrincipalScene]]:
         """The principal axes that are tried, and the scene in them: of a symmetric body any are."""
-        yield Frame(), scene
+        yield MotionAxes(), scene
 
     @staticmethod
     @abstractmethod
@@ -116,14 +116,14 @@ class OrbitCase(ABC):
         return self.name
 
     @abstractmethod
-    def solve(self) -> Motion:
+    def solve(self) -> SolvedMotion:
         """The motion in the normal axes, at the precision in force."""
 
     def _speed(self) -> arb:
         """A bound of |w|; positive, 1 at rest."""
         return root(self._speed2) if sign(self._speed2) else arb(1)
 
-    def _on(self, orbit: PeriodicOrbit) -> Motion:
+    def _on(self, orbit: PeriodicOrbit) -> SolvedMotion:
         """The motion on an orbit that solves the equations."""
         return PeriodicMotion(orbit, self._speed(), self._equations, self._strips)
 
@@ -404,7 +404,7 @@ def _real_or_not(z: acb, zeros: Sequence[acb]) -> acb:
 # azimuth (:mod:`..balls.periodic_attitude`).
 
 
-class Orbit(Protocol):
+class NormalOrbit(Protocol):
     """The motion in the axes of the normal form, at one precision."""
 
     @property
@@ -427,10 +427,10 @@ class OrbitMotion(OrbitCase):
     proven = False
 
     @abstractmethod
-    def _orbit(self, bits: int) -> Orbit:
+    def _orbit(self, bits: int) -> NormalOrbit:
         """The motion in the normal axes, at a precision of mpmath's that is in force."""
 
-    def solve(self) -> Motion:
+    def solve(self) -> SolvedMotion:
         motion = _Estimated(self._orbit)
         start = (*self.normal.omega, *self.normal.gamma)
         sizes = (*[self._speed()] * 3, *[arb(1)] * 3)
@@ -447,8 +447,8 @@ class OrbitMotion(OrbitCase):
 class _Estimated:
     """An orbit of mpmath's numbers, with their estimated errors."""
 
-    def __init__(self, make: Callable[[int], Orbit]) -> None:
-        self._orbits: list[tuple[int, Orbit]] = []
+    def __init__(self, make: Callable[[int], NormalOrbit]) -> None:
+        self._orbits: list[tuple[int, NormalOrbit]] = []
         periods = []
         for bits in (ctx.prec, ctx.prec - _FEWER):
             with mpmath.workprec(bits):

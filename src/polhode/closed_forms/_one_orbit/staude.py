@@ -14,7 +14,7 @@ from typing import ClassVar
 
 from polhode.closed_forms._one_orbit.orbits import OrbitCase, orbit_family
 from polhode.closed_forms.balls.core import ball
-from polhode.closed_forms.balls.frames import Motion, PermanentRotation
+from polhode.closed_forms.balls.frames import PermanentRotation, SolvedMotion
 from polhode.closed_forms.membership import ALL_AXES, Condition, NormalScene, vanishing
 from polhode.closed_forms.rotation_stability import STABLE, UNDECIDED, UNSTABLE, spectrum, verdict
 from polhode.numbers.exact import sign
@@ -52,7 +52,7 @@ class Staude(OrbitCase):
         b, d = spectrum(scene.moments, scene.torque, scene.omega, scene.gamma)
         return Regime(f"permanent rotation, {verdict(b, d)}")
 
-    def solve(self) -> Motion:
+    def solve(self) -> SolvedMotion:
         """The rotation; psi', its rate about the vertical, is a frequency, but at rest."""
         omega, gamma = self.normal.omega, self.normal.gamma
         return PermanentRotation(

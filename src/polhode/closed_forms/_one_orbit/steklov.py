@@ -30,7 +30,7 @@ from polhode.closed_forms._one_orbit.orbits import (
     orbit_family,
 )
 from polhode.closed_forms.balls.core import ball, root
-from polhode.closed_forms.balls.frames import Motion
+from polhode.closed_forms.balls.frames import SolvedMotion
 from polhode.closed_forms.membership import Condition, NormalScene, positive
 from polhode.numbers.exact import ZERO, sign
 
@@ -72,7 +72,7 @@ class Steklov(OrbitCase):
         A, B, _ = self.normal.moments
         return Regime.LOWER if sign(A - B) > 0 else Regime.UPPER
 
-    def solve(self) -> Motion:
+    def solve(self) -> SolvedMotion:
         (A, B, C), (p, q, r) = self.normal.moments, self.normal.omega
         x, c = polynomials(self.normal), self.normal.torque[0]
         sine, s, gamma = sign(A - B) > 0, sign(r), x.mapped(ball).gamma

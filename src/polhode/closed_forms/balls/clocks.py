@@ -295,7 +295,7 @@ class Factors(NamedTuple):
         return [(arb(1) / square(arb(self.scale)), arb(0)), *((x, arb(1)) for x in moduli)]
 
 
-class Place(NamedTuple):
+class ClockPoint(NamedTuple):
     """S, U, f and z at a phase."""
 
     S: arb
@@ -304,7 +304,7 @@ class Place(NamedTuple):
     z: arb
 
 
-class Part(NamedTuple):
+class ClockSplit(NamedTuple):
     """Where S is split: the phase, S and U up to there, and the rest of S in doubles."""
 
     phase: arb
@@ -319,10 +319,10 @@ class Standing:
     def __init__(self, z: arb) -> None:
         self.z = z
 
-    def at(self, x: arb, *, rough: bool = False) -> Place:
+    def at(self, x: arb, *, rough: bool = False) -> ClockPoint:
         """S, U, f and z at a phase."""
         del rough
-        return Place(x, self.z * x, arb(1), self.z)
+        return ClockPoint(x, self.z * x, arb(1), self.z)
 
     def slope(self, x: arb) -> tuple[arb, arb]:
         """f and z."""
@@ -334,9 +334,9 @@ class Standing:
         """The mean of z over S."""
         return self.z
 
-    def split(self, S: arb) -> Part:
+    def split(self, S: arb) -> ClockSplit:
         """At S itself."""
-        return Part(S, S, self.z * S, 0.0)
+        return ClockSplit(S, S, self.z * S, 0.0)
 
     def near(self, rest: float) -> tuple[float, float, arb]:
         """U, z and the phase at a rest of S, by doubles."""
@@ -421,7 +421,7 @@ class Oscillating(Clock):
         sin, cos = x.sin_cos()
         return self.width * sinh * (abs(sin) * cosh + abs(cos) * sinh)
 
-    def at(self, x: arb, *, rough: bool = False) -> Place:
+    def at(self, x: arb, *, rough: bool = False) -> ClockPoint:
         """S, U, f and z; S(x + 2 pi) = S(x) + 2 S(pi), both odd."""
         n = nearest_integer(x / (2 * arb.pi()))
         rest = x - 2 * n * arb.pi()
@@ -431,7 +431,7 @@ class Oscillating(Clock):
         moved = rest - side * middle
         # All the way from there: far from 0 a turn is known less well than an exact x.
         f, z = self.slope(rest.union(side * middle))
-        return Place(
+        return ClockPoint(
             2 * n * self.S[-1] + side * s + moved * f,
             2 * n * self.U[-1] + side * u + moved * f * z,
             f,
@@ -469,11 +469,11 @@ class Oscillating(Clock):
         """The mean of z over S."""
         return self.U[-1] / self.S[-1]
 
-    def split(self, S: arb) -> Part:
+    def split(self, S: arb) -> ClockSplit:
         """At a whole number of periods."""
         n = nearest_integer(S / (2 * self.S[-1]))
         whole = 2 * n * self.S[-1]
-        return Part(2 * n * arb.pi(), whole, 2 * n * self.U[-1], float((S - whole).mid()))
+        return ClockSplit(2 * n * arb.pi(), whole, 2 * n * self.U[-1], float((S - whole).mid()))
 
     def near(self, rest: float) -> tuple[float, float, arb]:
         """U, z and the phase at a rest of S, by doubles."""
@@ -518,7 +518,7 @@ class Tending(Clock):
         difference = radius.sinh() * (2 * x + radius).sinh()
         return abs(self.width) * difference / (inner * square(x.cosh()))
 
-    def at(self, x: arb, *, rough: bool = False) -> Place:
+    def at(self, x: arb, *, rough: bool = False) -> ClockPoint:
         """S, U, f and z; beyond the panels both grow evenly, but for a rest that is bounded."""
         side, middle = (-1 if x.mid() < 0 else 1), abs(x.mid())
         if middle < self.end:
@@ -529,7 +529,7 @@ class Tending(Clock):
             u = self.U[-1] + more * self.limit + self._off_u
         f, z = self.slope(x)
         moved = (x - side * middle) * f
-        return Place(side * s + moved, side * u + moved * z, f, z)
+        return ClockPoint(side * s + moved, side * u + moved * z, f, z)
 
     def scale(self, x: arb) -> arb:
         """The length of the panel there; of the last one beyond."""
@@ -540,16 +540,16 @@ class Tending(Clock):
         """The mean of z over S."""
         return self.limit
 
-    def split(self, S: arb) -> Part:
+    def split(self, S: arb) -> ClockSplit:
         """Beyond the panels, by what is even."""
         middle = abs(S.mid())
         more = middle - self.S[-1].mid()
         if not more > 0:
-            return Part(arb(0), arb(0), arb(0), float(S.mid()))
+            return ClockSplit(arb(0), arb(0), arb(0), float(S.mid()))
         side = -1 if S.mid() < 0 else 1
         more = side * more.mid()
         phase = (more / self._rate).mid()
-        return Part(phase, more, more * self.limit, side * float(self.S[-1].mid()))
+        return ClockSplit(phase, more, more * self.limit, side * float(self.S[-1].mid()))
 
     def near(self, rest: float) -> tuple[float, float, arb]:
         """U, z and the phase at a rest of S, by doubles."""

@@ -8,8 +8,8 @@ R = Rz(psi) Rx(theta) Rz(phi), body -> space, is the quaternion of the Cayley-Kl
 A family gives a quaternion q of its own axes with any start that has the right gamma; what polhode
 answers is ``product(start_attitude(...), frame.turn(product(conjugate(q(0)), q(t))))``.
 
-A motion is :class:`Motion`, in axes of its own; :class:`..families.ClosedForm` alone brings its
-rows into the scene's.
+A motion is :class:`SolvedMotion`, in axes of its own; :class:`..families.ClosedForm` alone brings
+its rows into the scene's.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _I = acb(0, 1)
 _ALONE = "the state has a closed form here, the attitude none: ask for reference.kind = certified"
 
 
-class Frame:
+class MotionAxes:
     """Right-handed axes of a motion: row n is ``directions[n]``/sqrt(``squares[n]``).
 
     The directions are at right angles, given in the principal axes, and those by their rows
@@ -55,14 +55,14 @@ class Frame:
         self._directions, self._squares, self._within = directions, squares, within
         self._matrix = Kept(self._made)
 
-    def numbered(self, order: Sequence[int], signs: Sequence[int] = (1, 1, 1)) -> Frame:
+    def numbered(self, order: Sequence[int], signs: Sequence[int] = (1, 1, 1)) -> MotionAxes:
         """Axis n is ``signs[n]`` times axis ``order[n]`` of these; it must be right-handed."""
         pairs = zip(order, signs, strict=True)
         rows = [[s * x for x in self._directions[i]] for i, s in pairs]
-        return Frame(rows, [self._squares[i] for i in order], self._within)
+        return MotionAxes(rows, [self._squares[i] for i in order], self._within)
 
     @classmethod
-    def equatorial(cls, order: Sequence[int], X: Exact, Y: Exact) -> Frame:
+    def equatorial(cls, order: Sequence[int], X: Exact, Y: Exact) -> MotionAxes:
         """The third is principal axis ``order[2]``, the first along (X, Y) in the other two."""
         i, j, k = order
         rows: list[list[Exact]] = [[ZERO] * 3 for _ in range(3)]
@@ -70,9 +70,9 @@ class Frame:
         square = X * X + Y * Y
         return cls(rows, (square, square, ONE))
 
-    def seen_from(self, within: Rows | None) -> Frame:
+    def seen_from(self, within: Rows | None) -> MotionAxes:
         """The same axes, the principal ones being those rows in the scene's."""
-        return Frame(self._directions, self._squares, within)
+        return MotionAxes(self._directions, self._squares, within)
 
     def into(self, vector: Sequence[Exact]) -> Vector:
         """A vector of the scene's axes in these, exactly."""
@@ -158,7 +158,7 @@ def turned_back(turn: Turn, g: Sequence[arb]) -> tuple[arb, arb, arb]:
     )
 
 
-class Motion(ABC):
+class SolvedMotion(ABC):
     """A motion from its start, in axes and units of its own, at the precision in force."""
 
     #: A bound of |w| over all time, and about its size; positive, 1 at rest.
@@ -184,7 +184,7 @@ class Motion(ABC):
         return None
 
 
-class PermanentRotation(Motion):
+class PermanentRotation(SolvedMotion):
     """w constant: the body turns uniformly about it (Rodrigues' formula), or rests.
 
     ``half``: |w|/2, the exact 0 at rest; ``vertical``: at t = 0, None where it is not known;

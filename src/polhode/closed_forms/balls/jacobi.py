@@ -171,13 +171,13 @@ class Jacobi:
         """v in [-K, K], or to the modulus k' in [-K', K'], from sn v, cn^2 v and dn^2 v."""
         return sn * carlson_rf(cn2, dn2)
 
-    def at(self, v: arb) -> Place:
+    def at(self, v: arb) -> ReducedArgument:
         """The functions at a phase."""
         if self.limit:
-            return Place(self, 0, v)
+            return ReducedArgument(self, 0, v)
         z = v / self._period
         n = nearest_integer(z)
-        return Place(self, n, z - n)
+        return ReducedArgument(self, n, z - n)
 
 
 class Shift:
@@ -204,7 +204,7 @@ class Shift:
         slope, value = (acb.modular_theta(y, jacobi.tau, n)[which] for n in (1, 0))
         return (_I * slope / value).real / (2 * jacobi.K)
 
-    def at(self, place: Place) -> acb:
+    def at(self, place: ReducedArgument) -> acb:
         """The quotient at a place."""
         if self.jacobi.circle:
             return acb(1)
@@ -216,7 +216,7 @@ class Shift:
         cosine, sine = place.double
         return acb(self._real(cosine) / place.th4, self._imaginary(cosine) * sine / place.th4)
 
-    def slope(self, place: Place) -> acb:
+    def slope(self, place: ReducedArgument) -> acb:
         """The quotient with its numerator differentiated: its derivative where it is 0."""
         jacobi = self.jacobi
         if jacobi.circle or (jacobi.limit and self.half):
@@ -228,7 +228,7 @@ class Shift:
         return acb.modular_theta(z, jacobi.tau, 1)[2 if self.half else 3] / below
 
 
-class Place:
+class ReducedArgument:
     """What the functions take at v = 2K (``n`` + ``z``), |z| <= 1/2 but for the ball's radius.
 
     On the separatrix, whose K is infinite, ``z`` is v itself.  sn and cn of the reduced phase have

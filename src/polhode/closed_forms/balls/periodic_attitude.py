@@ -32,7 +32,7 @@ from typing import Any, NamedTuple
 from flint import acb, acb_mat, arb
 
 from polhode.closed_forms.balls.core import Refused, TooFewBits, around, nearest_integer
-from polhode.closed_forms.balls.frames import Motion, Turn, conjugate, of_matrix
+from polhode.closed_forms.balls.frames import SolvedMotion, Turn, conjugate, of_matrix
 from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Scalar
@@ -160,7 +160,7 @@ class Strip(NamedTuple):
     most: float
 
 
-class PeriodicMotion(Motion):
+class PeriodicMotion(SolvedMotion):
     """The motion on an orbit; its attitude is made when it is first asked for.
 
     ``speed``: a proven bound of |w|; ``equations``: those of the body, None where the orbit is

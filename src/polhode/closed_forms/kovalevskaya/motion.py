@@ -18,7 +18,7 @@ from typing import NamedTuple, TypeAlias
 from flint import acb, arb, arb_poly
 
 from polhode.closed_forms.balls.core import TooFewBits, around, ball, nearest_integer, root
-from polhode.closed_forms.balls.frames import Motion
+from polhode.closed_forms.balls.frames import SolvedMotion
 from polhode.closed_forms.balls.periodic_attitude import PeriodicMotion, PeriodicOrbit
 from polhode.closed_forms.balls.weierstrass import (
     RealLattice,
@@ -32,7 +32,7 @@ from polhode.closed_forms.kovalevskaya.place import (
     ONE_FREQUENCY,
     KovalevskayaStart,
     Regime,
-    State,
+    SeparationState,
     appelrot_numbers,
     ascending,
     branch_points,
@@ -70,7 +70,7 @@ _WIDER = 6  # how often twice as far the equations are bounded: bits of a term o
 _I = acb(0, 1)
 
 
-def motion(start: KovalevskayaStart, kind: Regime | str) -> Motion:
+def motion(start: KovalevskayaStart, kind: Regime | str) -> SolvedMotion:
     """The motion in the top's axes and units, at the precision in force."""
     if kind in DEGENERATE:
         return DegenerateMotion(start)
@@ -88,7 +88,7 @@ def curve(start: KovalevskayaStart, sure: Sure) -> dict[str, object]:
     n is rounded to a power of two, 2^exponent.  tau is None on a degenerate curve.
     """
 
-    def parts(motion: Motion) -> Mapping[str, arb | None]:
+    def parts(motion: SolvedMotion) -> Mapping[str, arb | None]:
         rows = {"e": branch_points(start)[:3]}
         if isinstance(motion, ThetaMotion):
             rows["tau"] = list(motion.jacobian.lattice.tau)
@@ -200,7 +200,7 @@ class Node(NamedTuple):
         """e1 + e2 + k."""
         return -2 * self.half - self.K
 
-    def line(self, state: State) -> StateLine:
+    def line(self, state: SeparationState) -> StateLine:
         """The line, where q is not 0 and no s is K."""
         K, A, (B, C) = self.K, state.q * state.q, state.halves()
         T1, N1 = state.rates()
@@ -252,7 +252,7 @@ def is_regular(start: KovalevskayaStart) -> bool:
 # motion, and its numbers are meromorphic in t.
 
 
-class DegenerateMotion(Motion):
+class DegenerateMotion(SolvedMotion):
     """The motion in the top's axes and units, at the precision in force; its attitude is none."""
 
     def __init__(self, start: KovalevskayaStart) -> None:
@@ -277,9 +277,9 @@ class DegenerateMotion(Motion):
             raise TooFewBits
         self._begin(state, 1 if y > 0 else -1)
 
-    def _state(self, row: Sequence[arb]) -> State:
+    def _state(self, row: Sequence[arb]) -> SeparationState:
         p, q, r, _, G2, G3 = row
-        return State(p, q, r, G2, G3, self._H, self._m, self._b)
+        return SeparationState(p, q, r, G2, G3, self._H, self._m, self._b)
 
     def _elliptic(self, k: acb) -> None:
         """The lattice, and what is shifted by half periods and by al."""
@@ -302,7 +302,7 @@ class DegenerateMotion(Motion):
             y *= half.at(v, below) / half.size
         return y
 
-    def _begin(self, state: State, side: int) -> None:
+    def _begin(self, state: SeparationState, side: int) -> None:
         """ta, ro and the constants of the P_j; ``side``: the sign of y at ta."""
         line, p, pi = self._node.line(state), state.p, state.pi
         self._ta = self._place(line.third, side)

@@ -27,7 +27,7 @@ from typing import NamedTuple
 from flint import acb, arb
 
 from polhode.closed_forms.balls.core import TooFewBits, ball, either_root, root
-from polhode.closed_forms.balls.frames import Frame
+from polhode.closed_forms.balls.frames import MotionAxes
 from polhode.closed_forms.balls.periodic_attitude import BallEquations, Strip
 from polhode.closed_forms.balls.weierstrass import Quartic
 from polhode.closed_forms.membership import PrincipalScene, log2
@@ -54,7 +54,7 @@ _FIRST_BITS, _MOST_BITS = 128, 1 << 15
 # first and no second derivative; the third one of the quadratic equation tells w2.
 
 
-class State(NamedTuple):
+class SeparationState(NamedTuple):
     """What the separation variables take of a state and of its integrals, exact or in balls."""
 
     p: Scalar
@@ -147,16 +147,16 @@ class KovalevskayaStart:
         return []
 
     @cached_property
-    def state(self) -> State:
+    def state(self) -> SeparationState:
         """What the separation variables take of it."""
-        return State(*self.omega, *self.G[1:], self.H, self.m, self.b)
+        return SeparationState(*self.omega, *self.G[1:], self.H, self.m, self.b)
 
     def speed_bound(self) -> arb:
         """A bound of |w| at the precision in force: w^2/2 <= H - G1 <= H + |G|."""
         return (2 * (ball(self.H) + ball(self.a2).sqrt())).sqrt()
 
 
-def top_start(scene: PrincipalScene) -> tuple[Frame, KovalevskayaStart] | None:
+def top_start(scene: PrincipalScene) -> tuple[MotionAxes, KovalevskayaStart] | None:
     """The top's axes, the start and the integrals; None for a body that is no Kovalevskaya top.
 
     From principal axes these are rational where n^2 alone is not.
@@ -193,7 +193,7 @@ def top_start(scene: PrincipalScene) -> tuple[Frame, KovalevskayaStart] | None:
         weight=n2 * over2,
         exponent=exponent,
     )
-    return Frame.equatorial((i, j, k), X, Y), start
+    return MotionAxes.equatorial((i, j, k), X, Y), start
 
 
 # --- branch points --------------------------------------------------------------------------------

@@ -30,12 +30,12 @@ from flint import acb, arb
 
 from polhode.closed_forms.balls.clocks import Pair
 from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
-from polhode.closed_forms.balls.frames import Latest, Motion
+from polhode.closed_forms.balls.frames import Latest, SolvedMotion
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.jacobian import Jacobian, rates
 from polhode.closed_forms.kovalevskaya.place import (
     KovalevskayaStart,
-    State,
+    SeparationState,
     branch_points,
     square_roots,
 )
@@ -91,7 +91,7 @@ def dot(row: Sequence[acb], values: Values, which: int) -> acb:
     return total
 
 
-class ThetaState(Motion):
+class ThetaState(SolvedMotion):
     """The state as a function of time, in the top's axes and units, at the precision in force."""
 
     def __init__(self, start: KovalevskayaStart) -> None:
@@ -147,7 +147,7 @@ class ThetaState(Motion):
         Where q = 0, s1 is infinite and A of it 0.  Next to q = 0 the form loses some five digits
         for a decade of q; more bits pay for them.
         """
-        image, state = self.jacobian.image, State(*(ball(x) for x in self.start.state))
+        image, state = self.jacobian.image, SeparationState(*(ball(x) for x in self.start.state))
         if sign(self.start.state.q) == 0:
             s, w = state.finite_point()
             return image(acb(s), acb(w))

@@ -41,7 +41,7 @@ from polhode.judging.tables.column_aliases import (
     twice,
     with_quaternions,
 )
-from polhode.judging.tables.table import Table
+from polhode.judging.tables.table import TrajectoryTable
 from polhode.numbers import expression
 from polhode.numbers.conversion import exact_number, exactly, to_double
 from polhode.numbers.expression import ExpressionError
@@ -195,7 +195,7 @@ def table_of_rows(
     at: Iterable[AnyNumber] | None,
     columns: Sequence[str],
     number: NumberType | None = None,
-) -> Table:
+) -> TrajectoryTable:
     """Rows of numbers as a table; raises BadInput.  ``number``: their type, where it is not plain.
 
     Floats, of Python or of an array, say so themselves; other numbers without ``number`` are exact.
@@ -227,7 +227,7 @@ def table_of_columns(
     number: NumberType | None = None,
     source: str = "compare",
     names: Naming = PLAIN,
-) -> Table:
+) -> TrajectoryTable:
     """Columns by name as a table: a mapping, a pandas DataFrame, an xarray Dataset.
 
     ``source``: what complaints name.  ``names``: what was said of single names.
@@ -306,7 +306,7 @@ def table_of_cells(
     cells: Sequence[Cells | None],
     printed: int,
     number: NumberType | None,
-) -> Table:
+) -> TrajectoryTable:
     """What cells mean by their columns' names: in the scene's units, one column of each name.
 
     ``cells``: of each column; None of one that is not known.  Raises BadInput for a row without a
@@ -331,7 +331,7 @@ def table_of_cells(
     most = number.most_digits if number else min(printed + 2.0, MOST_DIGITS)
     digits = min(most, yardstick.most_digits)
     cells_by_name, remarks = _with_rates(cells_by_name, header)
-    return Table(
+    return TrajectoryTable(
         source,
         tuple(times),
         cells_by_name,
@@ -470,7 +470,7 @@ class Sheet(NamedTuple):
     is_named: bool = True
 
 
-def read_csv(path: Path, number: NumberType | None, names: Naming) -> Table:
+def read_csv(path: Path, number: NumberType | None, names: Naming) -> TrajectoryTable:
     """A CSV file as a table, of ``-`` the standard input; raises BadInput.
 
     ``number``: its decimals stand for numbers of it.  ``names``: columns that were named beside it.

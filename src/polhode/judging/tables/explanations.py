@@ -50,8 +50,8 @@ from polhode.judging.tables.table import (
     WRONG,
     Change,
     Reading,
-    Table,
     TimeChange,
+    TrajectoryTable,
     as_judged,
 )
 from polhode.numbers.conversion import doubles, to_double
@@ -114,14 +114,14 @@ class View(NamedTuple):
         return readings
 
 
-def view(subject: Table, reference: Reference) -> View:
+def view(subject: TrajectoryTable, reference: Reference) -> View:
     """A table beside the motion of a reference."""
     values, times = whole_parts(subject)
     right = _motion(reference, times)
     return View(values, times, right, _parts(values, right))
 
 
-def whole_parts(subject: Table) -> tuple[dict[str, Doubles], list[Fraction]]:
+def whole_parts(subject: TrajectoryTable) -> tuple[dict[str, Doubles], list[Fraction]]:
     """The parts that have all their numbers in some rows, as doubles, in those of the rows that
     tell; their times."""
     parts, common = [], {*range(len(subject.times))}
@@ -256,7 +256,7 @@ def _with_same_axes(parts: dict[str, Trial]) -> dict[str, Trial]:
 
 
 def other_motion(
-    current: View, subject: Table, scene: Scene
+    current: View, subject: TrajectoryTable, scene: Scene
 ) -> tuple[Hypothesis, dict[str, Trial]] | None:
     """The motion of which a table that is wrong is right in its first rows; None where none is.
 
@@ -342,7 +342,7 @@ class _Fit(NamedTuple):
     error: Doubles
 
 
-def causes(subject: Table, scene: Scene) -> tuple[Cause, ...]:
+def causes(subject: TrajectoryTable, scene: Scene) -> tuple[Cause, ...]:
     """What explains a table of states that is wrong, the best first; empty where nothing does."""
     whole = subject.some(subject.whole_rows(subject.state))
     chosen = few(len(whole.times), _ROWS)
@@ -471,7 +471,7 @@ class FittedTable:
 # --- readings -------------------------------------------------------------------------------------
 
 
-def read_as_told(subject: Table, reference: Reference, readings: str) -> Table:
+def read_as_told(subject: TrajectoryTable, reference: Reference, readings: str) -> TrajectoryTable:
     """A table as it is read in readings separated by semicolons, in the words that tell them.
 
     Raises BadInput for one that is none of the table's.
@@ -491,12 +491,12 @@ def read_as_told(subject: Table, reference: Reference, readings: str) -> Table:
 
 
 def at_times_told(
-    subject: Table,
+    subject: TrajectoryTable,
     current: View,
     reference: Reference,
     words: str,
     change: TimeChange,
-) -> tuple[Table, View]:
+) -> tuple[TrajectoryTable, View]:
     """A table at changed times, with the reading that says so, and how it is seen there.
 
     ``current``: the table before.
@@ -511,13 +511,15 @@ def at_times_told(
     return replace(moved, readings=(*moved.readings, reading)), there
 
 
-def table_as_told(table: Table, reference: Reference, words: str) -> Table:
+def table_as_told(table: TrajectoryTable, reference: Reference, words: str) -> TrajectoryTable:
     """A table whose state, angles and attitude are read so; raises BadInput likewise."""
     reread = read_as_told(as_judged(table, reference.scene), reference, words)
     return replace(table, times=reread.times, columns={**table.columns, **reread.columns})
 
 
-def _readings(subject: Table, reference: Reference, phrases: Sequence[str]) -> list[Reading]:
+def _readings(
+    subject: TrajectoryTable, reference: Reference, phrases: Sequence[str]
+) -> list[Reading]:
     """Readings of parts, in the words that tell them."""
     sample = view(subject, reference)
     if sample.right is None and sample.parts:
@@ -543,7 +545,9 @@ def _readings(subject: Table, reference: Reference, phrases: Sequence[str]) -> l
     return [*readings.values()]
 
 
-def _possible(phrase: str, by_phrase: Mapping[str, tuple[str, Evidence]], subject: Table) -> str:
+def _possible(
+    phrase: str, by_phrase: Mapping[str, tuple[str, Evidence]], subject: TrajectoryTable
+) -> str:
     """Readings that a table may have, of those that rename axes only the nearest ones."""
     applied = [words for words, (_, evidence) in by_phrase.items() if _change_of(evidence)]
     near = get_close_matches(phrase, applied)
@@ -552,7 +556,9 @@ def _possible(phrase: str, by_phrase: Mapping[str, tuple[str, Evidence]], subjec
     return f"readings that this table can have: {listed(phrase, [*near, *plain, *times])}"
 
 
-def as_meant(subject: Table, against: Reference) -> tuple[Table, tuple[Reading, ...]]:
+def as_meant(
+    subject: TrajectoryTable, against: Reference
+) -> tuple[TrajectoryTable, tuple[Reading, ...]]:
     """A table in the conventions in which its wrong parts begin right, where some do; and the
     readings that are told and not applied."""
     current = view(subject, against)
@@ -573,7 +579,7 @@ def as_meant(subject: Table, against: Reference) -> tuple[Table, tuple[Reading, 
     return subject.read_as(applied), tuple(x for x in readings if x.change is None)
 
 
-def with_unit_quaternions(subject: Table, current: View) -> Table:
+def with_unit_quaternions(subject: TrajectoryTable, current: View) -> TrajectoryTable:
     """A table whose quaternions are of length 1, if they have another one."""
     attitude = subject.rows(ATTITUDE)
     sizes = None if attitude is None else lengths(attitude)

@@ -20,7 +20,7 @@ import numpy as np
 
 from polhode.common.errors import BadInput
 from polhode.judging.sources import in_double
-from polhode.judging.tables.table import WRONG, Change, Table, TimeChange
+from polhode.judging.tables.table import WRONG, Change, TimeChange, TrajectoryTable
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief
@@ -312,7 +312,7 @@ def other_times(times: Sequence[Fraction]) -> dict[str, TimeChange]:
     return shifts | steps | back | units
 
 
-def clock_remark(subject: Table, scene: Scene) -> tuple[str, ...]:
+def clock_remark(subject: TrajectoryTable, scene: Scene) -> tuple[str, ...]:
     """That times that are far and close together look like a clock's, in words."""
     first, last = (to_double(end(subject.times)) for end in (min, max))
     nearest = min(abs(first), abs(last))
@@ -505,7 +505,7 @@ _SAME_START = 6.0  # digits of a start that is a case's
 _SHOWN = 2  # cases
 
 
-def other_start(subject: Table, scene: Scene) -> str:
+def other_start(subject: TrajectoryTable, scene: Scene) -> str:
     """That a table's row at t = 0 is not the scene's start; empty where it is, or there is none."""
     row = _start_of(subject)
     off = {name: digits for name, digits in _digits(row, scene).items() if digits < WRONG}
@@ -528,7 +528,7 @@ def _begin_so(cases: list[str]) -> str:
     return f"; {' and '.join(shown)}{more} begin{'s' * (len(cases) == 1)} so"
 
 
-def _start_of(subject: Table) -> Mapping[str, float]:
+def _start_of(subject: TrajectoryTable) -> Mapping[str, float]:
     """The numbers of the state at t = 0, as far as they are there; gamma also of a quaternion."""
     if 0 not in subject.times:
         return {}

@@ -143,7 +143,7 @@ MOST_AT_ONCE = 20.0  # digits of a table whose drift pairs of doubles tell
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Table(ByValue):
+class TrajectoryTable(ByValue):
     """A trajectory by columns: of a run, of a file, of arrays.
 
     ``times``: exact ones.  ``columns``: cells by name, None where one is empty; of what is judged
@@ -241,7 +241,7 @@ class Table(ByValue):
         there = [self.columns[name] for name in names if name in self.columns]
         return sorted({k for cells in there for k, x in enumerate(cells) if x is None})
 
-    def some(self, which: Sequence[int]) -> Table:
+    def some(self, which: Sequence[int]) -> TrajectoryTable:
         """Some of the rows."""
         return replace(
             self,
@@ -250,20 +250,20 @@ class Table(ByValue):
             time_errors=tuple(self.time_errors[k] for k in which) if self.time_errors else (),
         )
 
-    def with_rows(self, names: Sequence[str], rows: Iterable[GivenRow]) -> Table:
+    def with_rows(self, names: Sequence[str], rows: Iterable[GivenRow]) -> TrajectoryTable:
         """The table with other cells in some columns."""
         return replace(
             self, columns={**self.columns, **dict(zip(names, zip(*rows, strict=True), strict=True))}
         )
 
-    def at_other_times(self, change: TimeChange) -> Table:
+    def at_other_times(self, change: TimeChange) -> TrajectoryTable:
         """The same rows at changed times; their origin is off by as much as the first time."""
         times, unit = tuple(change.of(t) for t in self.times), abs(to_double(change.unit))
         errors = [unit * x for x in self.time_errors]
         off = errors[0] if errors and change.shift else 0.0
         return replace(self, times=times, time_errors=tuple(x + off for x in errors))
 
-    def read_as(self, readings: Sequence[Reading]) -> Table:
+    def read_as(self, readings: Sequence[Reading]) -> TrajectoryTable:
         """The table in other conventions, as far as readings can be applied."""
         table = self
         for reading in readings:
@@ -294,7 +294,7 @@ class Table(ByValue):
         return drift(scene, [mpf_row(row, bits) for row in rows], bits)
 
 
-def of_run(run: Trajectory) -> Table:
+def of_run(run: Trajectory) -> TrajectoryTable:
     """A run as a table; raises BadInput for one that reached no time."""
     if not run.times:
         ended = f"a time that the run reached ({run.outcome.cause}; {run.outcome.advice})"
@@ -305,7 +305,7 @@ def of_run(run: Trajectory) -> Table:
         cells = rows.tolist() if isinstance(rows, np.ndarray) else rows
         columns |= dict(zip(names, zip(*cells, strict=True), strict=True))
     columns = {name: cells for name, cells in columns.items() if name not in not_judged()}
-    table = Table(
+    table = TrajectoryTable(
         f"{run.scene.name}: {run.number.name} ({run.number.bits} bits)",
         tuple(run.times),
         columns,
@@ -318,7 +318,7 @@ def of_run(run: Trajectory) -> Table:
     return replace(table, remarks=(table.early,)) if table.early else table
 
 
-def as_judged(table: Table, scene: Scene) -> Table:
+def as_judged(table: TrajectoryTable, scene: Scene) -> TrajectoryTable:
     """A table with those columns alone that the scene has, and notes of the others."""
     there, unjudged = table.columns, not_judged()
     again = are_attitude(table.ignored) if table.ignored else ()
@@ -354,7 +354,7 @@ def _together(remarks: Iterable[tuple[str, str]]) -> list[str]:
     return notes
 
 
-def _length(table: Table) -> list[str]:
+def _length(table: TrajectoryTable) -> list[str]:
     """That quaternions have another length than 1."""
     attitude = table.rows(ATTITUDE)
     sizes = None if attitude is None else lengths(attitude)

@@ -22,7 +22,7 @@ from polhode.judging.tables.csv_file import (
     sheet_of,
     table_of_columns,
 )
-from polhode.judging.tables.table import Table, of_run
+from polhode.judging.tables.table import TrajectoryTable, of_run
 from polhode.numbers.number_types import NumberType
 from polhode.results import reader, writer
 from polhode.results.cells import texts, word_of
@@ -52,7 +52,9 @@ def is_table(name: str | Path) -> bool:
     )
 
 
-def read_table(path: Path, number: NumberType | None = None, names: Naming = PLAIN) -> Table:
+def read_table(
+    path: Path, number: NumberType | None = None, names: Naming = PLAIN
+) -> TrajectoryTable:
     """A file as a table, of any kind that its ending tells; raises BadInput.
 
     A result that polhode saved and nobody changed is read as what it is; a CSV file that was
@@ -78,7 +80,7 @@ def read_table(path: Path, number: NumberType | None = None, names: Naming = PLA
     return replace(table, remarks=(*remarks, *table.remarks))
 
 
-def _of_result(path: Path, number: NumberType | None, names: Naming) -> Table:
+def _of_result(path: Path, number: NumberType | None, names: Naming) -> TrajectoryTable:
     """A result's table; of a run the run itself, but for what its file says of its digits."""
     result = load_result(path)
     if isinstance(result, Trajectory):
