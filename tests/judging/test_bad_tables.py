@@ -115,6 +115,8 @@ BAD = [
     (lambda _: [[1]], {"at": [1], "columns": ["s"]}, "columns = s"),
     (lambda _: [[1, 2]], {"at": [1], "columns": ["p", "p"]}, "columns = p: expected each column"),
     (lambda _: 3, {"at": [1]}, NUMBERS),
+    (lambda _: mapping(), {"read": 5}, "compare: read = 5: expected a text"),
+    (lambda _: mapping(), {"read": ["omega degrees"]}, "compare: read = "),
     (lambda _: mapping(), {"against": None}, "a reference, or a scene"),
     (lambda _: mapping(), {"against": "ref.csv"}, "SCENE = ref.csv: expected a scene"),
     (lambda _: mapping(), {"against": "REF.NPZ"}, "SCENE = REF.NPZ: expected a scene"),

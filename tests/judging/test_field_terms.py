@@ -54,6 +54,19 @@ def equations(which, gyro=1.0, torque=1.0, turning=1.0, **others):
     return f
 
 
+@pytest.mark.parametrize("single", [False, True])
+def test_no_more_digits_are_claimed_than_are_told(single):
+    # an error of 5e-10 was called right "to 1e-15 of the rates"
+    exact, off = equations("lagrange"), equations("lagrange", torque=1 + (0 if single else 5e-10))
+
+    def f(t, y):
+        return exact(t, y).astype(np.float32) if single else off(t, y)
+
+    text = str(polhode.compare_field(f, "lagrange/nutation"))
+    told = float(text.partition(", to ")[2].split()[0])
+    assert 1e-9 <= told < (1e-4 if single else 1.1e-9)
+
+
 def products(which, signs):
     return {"inertia": SCENES[which][1] * signs}
 

@@ -317,6 +317,13 @@ def test_nanoseconds_are_the_rest_of_a_second(tmp_path, rest):
     assert "whole nanoseconds below 1e9" in line
 
 
+@pytest.mark.parametrize("seconds", [1, np.array(1), None, "12", {0, 1}, {0: 1}])
+def test_seconds_of_a_stamp_are_a_column(seconds):
+    # such were read letter by letter, or ended with a traceback
+    with pytest.raises(BadInput, match=r"compare: sec.*: expected a column of whole numbers"):
+        polhode.compare({"sec": seconds, "nanosec": [0, 0], "p": [0.0, 0.0]}, CASE)
+
+
 def test_other_parts_of_names_are_no_parts_of_a_time():
     others = ("stamp.sec", "stamp.nanosec", "b_w_RS_S_x [rad s^-1]", "p_RS_R_x [m]")
     columns_given = {"time": [0.0], "p": [0.16]} | {name: [9.0] for name in others}

@@ -167,6 +167,7 @@ def scored(
     """
     read, limits, as_it_stands = options.read, options.limits, options.as_it_stands
     of_kind("compare", "as_it_stands", as_it_stands, bool, "True or False")
+    of_kind("compare", "read", read, (str, type(None)), "a text: 'omega degrees'")
     truth = _truth(source, against, limits)
     table_given = _table(source, truth.scene, options)
     run = None if isinstance(source, Trajectory) else table_given.run

@@ -139,7 +139,8 @@ class FieldComparison(Result):
 
     def __str__(self) -> str:
         if self.right:
-            return f"every term is that of {self.scene.name}, to {self.residual:.1g} of the rates"
+            told = max(_LEAST, _NOISE * self.residual)  # what differs by less is called right
+            return f"every term is that of {self.scene.name}, to {told:.1g} of the rates"
         more = len(self.terms) - _FEW
         shown = [*self.terms[:_FEW], *([f"and {more} more"] if more > 0 else [])]
         return "\n".join([f"not the equations of {self.scene.name}:", *shown])

@@ -26,7 +26,7 @@ from itertools import pairwise, zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from polhode.common.arguments import each
+from polhode.common.arguments import each, numbers_given
 from polhode.common.errors import BadInput, few, nearest
 from polhode.common.files import STDIN, called, read_stdin, read_whole
 from polhode.judging.tables.column_aliases import (
@@ -275,15 +275,21 @@ def _with_one_clock(
     if (places := names.stamp(header)) is None:
         return header, columns
     k, rest = places
+    parts = []
+    for place in places:
+        cells, are_several = numbers_given(columns[place])
+        if not are_several:
+            raise BadInput(source, header[place], columns[place], "a column of whole numbers")
+        parts.append(cells)
     times = []
-    for row, stamp in enumerate(zip_longest(columns[k], columns[rest]), 1):
+    for row, stamp in enumerate(zip_longest(*parts), 1):
         try:
             seconds, nanoseconds = map(_count, stamp)
             times.append(f"{seconds}.{nanoseconds:09}")
             if nanoseconds >= 10**9:
                 raise ValueError
         except (TypeError, ValueError):
-            expected = f"whole seconds, and in {header[rest]} whole nanoseconds below 1e9"
+            expected = f"whole seconds from 0 on, and in {header[rest]} whole nanoseconds below 1e9"
             key = f"{header[k]}, row {row}"
             raise BadInput(source, key, ", ".join(map(str, stamp)), expected) from None
     both = zip([*header], columns, strict=True)
