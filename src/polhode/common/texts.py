@@ -23,7 +23,7 @@ JsonObject: TypeAlias = dict[str, Any]
 
 
 def as_json(value: object) -> str:
-    """JSON text, ASCII: a line for each key of an object and for each row of a table."""
+    """JSON text, ASCII: a line for each key and each row of a table, and for what one column is."""
     from json import dumps
 
     return _json(value, 0, partial(dumps, ensure_ascii=True, allow_nan=False)) + "\n"
@@ -32,6 +32,8 @@ def as_json(value: object) -> str:
 def _json(value: object, depth: int, dumps: Callable[[object], str]) -> str:
     inner, outer = "\n" + " " * (depth + 1), "\n" + " " * depth
     if isinstance(value, dict) and value:
+        if depth > 1 and not any(isinstance(x, (list, dict)) for x in value.values()):
+            return dumps(value)
         lines = [f"{dumps(str(k))}: {_json(v, depth + 1, dumps)}" for k, v in value.items()]
         return "{" + inner + ("," + inner).join(lines) + outer + "}"
     if isinstance(value, list) and value and isinstance(value[0], (list, dict)):
