@@ -249,3 +249,10 @@ def test_progress_counts_members_and_may_be_a_bar(capsys):
     assert told[-1] == (1.0, 15)
     assert polhode.reduce_many(scene, VARIED, "final", progress=True) == plain
     assert polhode.reduce_many(scene, VARIED, "final", progress=False) == plain
+
+
+@pytest.mark.parametrize("name", ["nutation", "equator"])
+def test_an_event_of_gamma_is_refused_in_a_line_where_there_is_none(name):
+    scene = polhode.top(moments=[3, 2, 1.5], omega=[1, 2, 3], end=1)
+    with pytest.raises(polhode.BadInput, match=f"keep: first = '?{name}'?: expected an event of"):
+        polhode.reduce_many(scene, {"start.omega[1]": [1]}, f"first {name}")

@@ -353,6 +353,17 @@ def test_starts_are_arrays_of_omega_and_gamma_in_any_order_and_number(tmp_path):
     assert polhode.load_result(tmp_path / "none.npz").column("start.omega[1]").shape == (0,)
 
 
+@pytest.mark.parametrize("centre", [["pi/4", 0, 1], [0.25, 0, 1]], ids=["irrational", "rational"])
+def test_members_begin_at_the_floats_of_an_array_also_where_they_are_read_as_scenes(centre):
+    above = float(np.nextafter(np.nextafter(0.8, 1), 1))  # |gamma|² is 1 to 2 eps
+    rows = np.array([[1, 0, 2, 0.6, above, 0], [0.5, 1, 2, -above, 0, 0.6]])
+    moments = np.array([[2, 1.5, 1], [2, 1.75, 1]])
+    many = polhode.integrate_many(
+        scene(centre=centre), {"body.moments": moments}, starts=rows, at=[0]
+    )
+    assert (many.states[:, 0] == rows).all()
+
+
 def test_a_unit_of_time_next_to_a_power_of_two_is_the_exact_one_for_rows_too():
     root = float(Fraction("0.99951136071412980"))  # the fourth one of 1 - 1/512
     rates = root + np.array([-9e-10, -1e-10, 0, 1e-10, 9e-10])

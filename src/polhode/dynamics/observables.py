@@ -89,6 +89,8 @@ def event_of(scene: Scene, name: str) -> Event:
     if name not in events:
         raise BadInput(scene.name, f"keep: {FIRST}", name, f"an event: {nearest(name, [*events])}")
     event = events[name]
+    if scene.gamma is None and event.expression is not None and not event.zero:
+        raise BadInput(scene.name, f"keep: {FIRST}", name, "an event of omega: there is no gamma")
     if event.expression is None or not size_of(scene, event).entire:
         expected = "an event with an expression, without roots and division by a variable"
         raise BadInput(scene.name, f"keep: {FIRST}", name, expected)
