@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from string import Formatter
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -309,11 +310,21 @@ def test_ctrl_c_ends_a_study_and_writes_nothing(tmp_path):
     assert [*tmp_path.iterdir()] == []
 
 
+def test_rows_that_are_printed_say_whether_they_are_quick(monkeypatch):
+    """A page of quick rows said that programs were missing, which quick studies leave out."""
+    results, study = [], SimpleNamespace(rows=lambda quick, say, only: {"x": only("x")})
+    monkeypatch.setattr(make, "module", lambda name: study)
+    monkeypatch.setattr(make, "tables", lambda name, rows: results.append(rows) or {})
+    make.part("speed", ["x"], quick=True)
+    assert results == [{"quick": True, "x": True}]
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (["acuracy"], "expected speed, accuracy"),
         (["--only", "x"], "NAME of one study"),
+        (["speed", "--only", "x", "-o", "y"], "expected no --only"),
         (["accuracy", "--only", "no such case"], "part of the name of a row, such as"),
         (["benchmark", "--only", "lagrange", "-o", "x"], "expected euler-largest-axis"),
     ],
