@@ -53,6 +53,16 @@ def test_every_kind_of_motion_of_every_family_has_a_case():
         assert {kind for kind in kinds if f"{family}: {kind}" not in cases} <= BARE
 
 
+def test_every_case_with_a_closed_form_has_its_line_of_the_table():
+    """The line is what its author says of the motion, the catalogue what the program says."""
+    told = {
+        name: f"{entry.reference}: {entry.regime}"
+        for name, entry in polhode.cases().entries.items()
+        if entry.reference != "certified"
+    }
+    assert told == motion_table()["library"]
+
+
 @pytest.mark.parametrize(
     ("case", "which"),
     tiers(
@@ -233,6 +243,13 @@ def test_bands_are_proposed_that_the_case_then_keeps(tmp_path, capsys):
         assert low < sum(band) / 2 < high
     assert cli.main(["check", str(whole)]) == 0
     assert "1 passed, 0 failed" in capsys.readouterr().out
+
+
+def test_a_proposed_band_ends_at_the_most_digits_of_the_type():
+    (case,) = check_report.check_cases(["euler/rest"], number=["double", "mp"], propose=True).cases
+    assert case.proposal["double"] == (15.0, 16.0)
+    (sphere,) = check_report.check_cases(["euler/sphere"], number=["mp"], propose=True).cases
+    assert sphere.proposal["mp"] == polhode.load("euler/sphere").expect["mp"]
 
 
 def test_check_without_any_case_says_so_in_one_line(tmp_path, monkeypatch, capsys):

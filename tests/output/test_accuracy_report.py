@@ -102,7 +102,9 @@ def test_the_drift_of_a_run_that_is_not_projected_stands_beside_one_that_was_cor
 def test_a_right_and_a_wrong_file_are_told_apart(report):
     right, wrong = rows(report, "files")
     assert (right["verdict"], wrong["verdict"]) == ("good", "bad")
-    assert report.sections[0].verdict == "bad"  # of the worst file
+    (overview,) = rows(report, "overview")
+    assert (overview["verdict"], overview["limit"]) == ("bad", wrong["limit"])  # of the worst file
+    assert wrong["limit"] != right["limit"]
     assert right["half_lost_after"] is None
     assert wrong["lost_after"] == 0.0
 
@@ -128,6 +130,14 @@ def test_what_a_file_cost_and_its_step_are_taken_from_its_name(methods):
     assert 1.9 < order["order"] < 2.1
     work = [x for x in rows(methods, "work") if x["of"] != "double"]
     assert [x["seconds"] for x in work] == [0.02, 0.04]
+
+
+def test_files_of_a_method_without_steps_are_told_how_a_report_is_given_them(files):
+    """It named an option that reports do not have."""
+    told = polhode.report(TOP, files["mid256"], files["mid512"], at=TIMES, number="double")
+    (text,) = told.sections[0].words["orders"]
+    assert "the step sizes of the method after each name, FILE=h=0.01: the files' rows" in text
+    assert "--steps" not in text
 
 
 def test_a_prepared_run_has_the_digits_of_its_tolerance(report):
@@ -252,9 +262,9 @@ def test_thirty_scenes_have_a_row_and_a_section_each(report, monkeypatch):
     assert len(re.findall(r'<h2 id="scene-', text)) == 30 == text.count('<a href="#scene-')
     assert "<i>" not in text
     (text,) = page(Path("x.md"), many).values()
-    first = text[: text.index("A verdict is")].strip().splitlines()[2:]
+    first = text[: text.index("Verdict and limit are")].strip().splitlines()[2:]
     assert len(first) == 32
-    assert {len(re.findall(r"(?<!\\)\|", line)) for line in first} == {9}  # of eight columns
+    assert {len(re.findall(r"(?<!\\)\|", line)) for line in first} == {8}  # of seven columns
 
 
 # -- the verb --------------------------------------------------------------------------------------

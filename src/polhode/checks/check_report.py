@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -55,9 +56,10 @@ def _untold(text: str) -> None:
 class NumberCheck:
     """One check: a case in one number type against its band.
 
-    ``outcome``: how the run ended, ``ended`` whether as it should.  ``lost``: that no digits are
-    left, and after which time; else empty.  ``limit``: what limits the digits, of a line that does
-    not pass or where details were asked for; else empty.
+    ``outcome``: how the run ended, ``ended`` whether as it should.  ``most_digits``: that its
+    type can hold.  ``lost``: that no digits are left, and after which time; else empty.  ``limit``:
+    what limits the digits, of a line that does not pass or where details were asked for; else
+    empty.
     """
 
     number: str
@@ -65,6 +67,7 @@ class NumberCheck:
     band: tuple[float, float] | None
     outcome: str
     ended: bool
+    most_digits: float
     lost: str = ""
     limit: str = ""
 
@@ -77,10 +80,15 @@ class NumberCheck:
 
     @property
     def proposal(self) -> tuple[float, float] | None:
-        """A band about the digits of this run, to be pasted; None where there are none."""
+        """A band about the digits of this run, to be pasted; None where there are none.
+
+        It ends at the most digits that the type can hold, beyond which an upper edge says nothing.
+        """
         if not self.ended or self.lost:
             return None
-        return max(0.0, round(self.digits - SPREAD, 1)), round(self.digits + SPREAD, 1)
+        most = math.ceil(10 * self.most_digits) / 10
+        least = max(0.0, round(self.digits - SPREAD, 1))
+        return least, min(round(self.digits + SPREAD, 1), most)
 
     @property
     def verdict(self) -> str:
@@ -191,11 +199,11 @@ def _report_line(
     options = Options("auto" if number == "mp" else "taylor", digits=digits)
     plain = replace(scene, outputs=(), events=())  # the digits are those of the state
     run = solve(plain, choose_number(scene, number, digits), options, interruptible=False)
-    outcome = run.outcome.value
+    outcome, most = run.outcome.value, run.number.most_digits
     if not run.outcome.done:
-        return NumberCheck(number, 0.0, band, outcome, ended=False), None
+        return NumberCheck(number, 0.0, band, outcome, False, most), None
     own = score(as_judged(of_run(run), scene), reference, earlier=earlier)
-    line = NumberCheck(number, own.state_worst, band, outcome, ended=True)
+    line = NumberCheck(number, own.state_worst, band, outcome, True, most)
     limit = limit_of(own, STATE_PART)
     is_limit_told = details or not line.passed
     if own.state_worst < LAST or (is_limit_told and limit is None):

@@ -183,17 +183,20 @@ def observed_order(
 
 
 def order_between(
-    judged: Sequence[Score], steps: Sequence[AnyNumber] | None = None
+    judged: Sequence[Score],
+    steps: Sequence[AnyNumber] | None = None,
+    where: str = "in --steps",
 ) -> ObservedOrder:
     """The order of one method whose tables, made with different steps, were judged.
 
     ``steps``: of the tables, the distances of their rows unless given.
+    ``where``: in which place a user gives them.
     """
     names = tuple(score.subject.name for score in judged)
     if steps is None:
         lengths = tuple(_spacing(score) for score in judged)
         apart = ", ".join(f"{x:g}" for x in lengths)
-        expected = f"the step sizes of the method in --steps: the files' rows are {apart} apart"
+        expected = f"the step sizes of the method {where}: the files' rows are {apart} apart"
     else:
         lengths = _lengths("orders", steps)
         expected = f"{len(judged)} different ones above 0, one a file"

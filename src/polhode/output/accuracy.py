@@ -208,7 +208,9 @@ def section(
     verdict = (max if files else min)(marks, key=VERDICTS.index)
     fewest = {line.name: line.fewest for line in lines}
     of_files = min((d for x in files if (d := x.fewest) is not None), default=None)
-    limit = next((str(x.judgement.limit) for x in lines if x.judgement is not None), "")
+    by_digits = sorted(files, key=lambda x: math.inf if x.fewest is None else x.fewest)
+    judgements = (x.judgement for x in (*by_digits, *lines) if x.fewest is not None)
+    limit = next((str(x.limit) for x in judgements if x is not None), "")
     runs = [fewest.get(name) for name in NUMBERS]
     kind = motion.verdict, limit, against.regime, against.kind
     described = [line.split(None, 1) for line in str(describe(scene)).splitlines()]
@@ -338,7 +340,8 @@ def _orders(files: Sequence[AccuracyLine]) -> Iterator[tuple[str, ReportRow]]:
         steps = [x.source.step for x in lines if x.judgement and x.source and x.source.step]
         if len(judgements) > 1:
             try:
-                order = order_between(judgements, steps if len(steps) == len(lines) else None)
+                known = steps if len(steps) == len(lines) else None
+                order = order_between(judgements, known, "after each name, FILE=h=0.01")
                 row = ", ".join(order.names), order.order, order.least, order.most
                 yield str(order), row
             except BadInput as fault:

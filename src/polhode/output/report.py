@@ -126,11 +126,12 @@ def report(
     Parameters
     ----------
     *what : Scene, str, Path, Trajectory, mapping, DataFrame or Dataset
-        Scenes (cases that ship, paths, objects), and tables as for :func:`polhode.compare`, each
-        after the scene that it is judged against (a run of polhode's may stand first, and is judged
-        against the scene that it holds); mine.csv=0.8s tells what a file cost, mine.csv=0.8s,h=0.01
-        its method's step too; files whose names differ in digits alone are one method's, whose
-        order is told.
+        Scenes (cases that ship, paths, objects), and tables as for :func:`polhode.compare` (a CSV
+        with the header t,p,q,r,gamma1,gamma2,gamma3, say), each after the scene that it is judged
+        against (a run of polhode's may stand first, and is judged against the scene that it holds);
+        mine.csv=0.8s tells what a file cost, mine.csv=h=0.01 its method's step,
+        mine.csv=0.8s,h=0.01 both; files whose names differ in digits alone are one method's, whose
+        order is told by these steps.
     number : str, optional
         One number type (double, extended, quad, mp) in place of the first three.
     digits : int, optional

@@ -63,16 +63,18 @@ PARTS: Mapping[str, ReportPart] = {
         TITLE,
         "verdict digits_double digits_extended digits_quad files digits_files motion limit regime "
         "reference",
-        "A verdict is that of a scene's files, or of its best run where it has none. Good: as many "
-        "correct digits at every time as were asked for, or, where none were, half of those that "
-        "the numbers hold; fair: one or more; bad: none; unknown: nothing could be judged. Correct "
-        "digits are -log10 of the relative error, the fewest of state, angles and attitude.",
+        "Verdict and limit are those of a scene's worst file; without files the verdict is that of "
+        "the best run, the limit that of the first. Good: as many correct digits at every time as "
+        "were asked for, or, where none were, half of those that the numbers hold; fair: one or "
+        "more; bad: none; unknown: nothing could be judged. Correct digits are -log10 of the "
+        "relative error, the fewest of state, angles and attitude.",
     ),
     "description": ReportPart("", "fact text", "", "ellipsoid of inertia; an arrow along Mg r0"),
     "digits": ReportPart(
         "Correct digits over time",
         "of t correct_digits digits_expected_least digits_expected_most",
-        "In brackets: where nine in ten runs of that number type would be.",
+        "In brackets: where nine in ten runs by steps in that number type would be. A refined run, "
+        "such as most in quad, may have more digits.",
         "correct digits over time; shaded: expected",
     ),
     "runs": ReportPart(
@@ -99,7 +101,7 @@ PARTS: Mapping[str, ReportPart] = {
         "Speed against error",
         "of tolerance digits seconds",
         "Each row is a prepared run to the end of the scene, the least processor time of up to "
-        "five calls, and its correct digits there.",
+        "five calls, and its correct digits there; a file's row has the seconds that were told.",
         "processor time over correct digits at the end",
     ),
 }

@@ -73,7 +73,8 @@ def judged(
     Parameters
     ----------
     file : str or Path
-        A CSV (- for standard input), .npz, .npy or .parquet with a column t.
+        A CSV (- for standard input), .npz, .npy or .parquet with a column t and others, such as
+        p,q,r,gamma1,gamma2,gamma3.
     scene : str or Path
         A case that ships, or a path.
     at_least : float, optional
