@@ -25,8 +25,6 @@ import polhode
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
-    from matplotlib.figure import Figure
 
 #: Keys, and what JSON can hold.
 JsonObject: TypeAlias = dict[str, Any]
@@ -131,16 +129,11 @@ def cores() -> int:
 
 
 def write_whole(texts: Mapping[Path, str]) -> list[Path]:
-    """Write files, all of them whole or none; their paths."""
-    parts = {path.with_name(f".{path.name}.part"): path for path in texts}
-    try:
-        for part, path in parts.items():
-            part.write_text(texts[path], encoding="utf-8")
-        for part, path in parts.items():
-            os.replace(part, path)
-    finally:
-        for part in parts:
-            part.unlink(missing_ok=True)
+    """Write files, each of them whole or not at all; their paths."""
+    for path, text in texts.items():
+        part = path.with_name(f".{path.name}.part")
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
     return [*texts]
 
 
@@ -168,6 +161,13 @@ class Only:
         (self.taken if is_wanted else self.passed).extend(labels)
         return is_wanted
 
+    def check(self) -> None:
+        """Raise BadInput where no row was wanted."""
+        if not self.taken:
+            names = ", ".join(dict.fromkeys(self.passed[:8]))
+            likely = f"part of the name of a row, such as {names}"
+            raise polhode.BadInput("make.py", "--only", " ".join(self.texts), likely)
+
 
 # --- words ----------------------------------------------------------------------------------------
 #
@@ -179,6 +179,8 @@ DASH = "–"
 
 def formatted(value: object, form: str) -> str:
     """A value in a form of columns (see ``Column``); a dash where there is none."""
+    if isinstance(value, list):
+        return ", ".join(value)
     if value is None or value == "":
         return DASH
     if isinstance(value, bool):
@@ -428,8 +430,6 @@ def digits(run: JsonObject | None) -> float | str | None:
 
 WIDTH = 4.4  # inches: text of 8 points is 9 pixels on a page 400 pixels wide
 GUIDE, SHADE = "#777777", "#f4f4f4"
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_SHORT = 60.0  # from end to end: an axis without two powers of ten far from each other
 #: Colours of Okabe and Ito's set, told apart by every eye; of number types, and of others.
 COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
 MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
@@ -461,42 +461,15 @@ LOOKS: dict[str, dict[str, Any]] = {
 OTHER_LOOK = _look("#444444", "+", ":")
 
 
-def logarithmic(axis: Axis) -> None:
-    """Label the powers of ten of a logarithmic axis; of a short one twice and five times them."""
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    low, high = axis.get_view_interval()
-    axis.set_major_locator(LogLocator(numticks=8))
-    axis.set_major_formatter(lambda x, _: _label(x))
-    if high < low * _SHORT:
-        axis.set_minor_locator(LogLocator(subs=(2, 5)))
-        axis.set_minor_formatter(lambda x, _: f"{x:g}")
-    else:
-        axis.set_minor_formatter(NullFormatter())
-
-
-def _label(x: float) -> str:
-    """A power of ten, written out where it is short."""
-    exponent = f"{math.log10(x):.0f}".translate(_RAISED)
-    return f"{x:g}" if 9e-4 < x < 2e4 else f"10{exponent}"
-
-
 def plain(axes: Axes) -> None:
-    """Pale lines at the labels of both axes, which are logarithmic where their scales are."""
+    """Pale lines at the labels of both axes, plain numbers where they are logarithmic."""
+    from matplotlib.ticker import LogFormatter
+
     axes.grid()
     for axis in (axes.xaxis, axes.yaxis):
         if axis.get_scale() == "log":
-            logarithmic(axis)
-
-
-def legend(figure: Figure, columns: int) -> None:
-    """Every name of the panels once, above them."""
-    handles: dict[str, Any] = {}
-    for panel in figure.axes:
-        for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
-            handles.setdefault(name, handle)
-    place: dict[str, Any] = {"loc": "outside upper center", "ncols": columns, "frameon": False}
-    figure.legend(handles.values(), handles.keys(), **place)
+            axis.set_major_formatter(LogFormatter())
+            axis.set_minor_formatter(LogFormatter(minor_thresholds=(1.8, 0.9)))
 
 
 def drawn(
@@ -517,7 +490,11 @@ def drawn(
             lines, columns, figsize=size, layout="constrained", squeeze=False, **how
         )
         draw(*panels.flat)
-        legend(figure, names)
+        handles: dict[str, Any] = {}  # every name of the panels once
+        for panel in figure.axes:
+            for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
+                handles.setdefault(name, handle)
+        figure.legend(handles.values(), handles, loc="outside upper center", ncols=names)
         figure.savefig(out, format="svg", metadata={"Date": None})
     return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
 
