@@ -142,14 +142,10 @@ def rounded(digits: float | None) -> float | None:
 
 def projection(run: polhode.Trajectory) -> dict[str, Any] | None:
     """The corrections of a run that was put back on its integrals; None where it was not."""
-    if run.projection is None:
+    if (x := run.projection) is None:
         return None
-    return {
-        "onto": [*run.projection.onto],
-        "count": run.projection.count,
-        "largest": kit.significant(run.projection.largest, 3),
-        "sum": kit.significant(run.projection.sum, 3),
-    }
+    sizes = {"largest": kit.significant(x.largest, 3), "sum": kit.significant(x.sum, 3)}
+    return {"onto": [*x.onto], "count": x.count, **sizes}
 
 
 # --- printed --------------------------------------------------------------------------------------

@@ -229,27 +229,27 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     }
 
 
-def _runs(results: kit.JsonObject, part: str) -> list[kit.JsonObject]:
-    """Every run of a part, near or far, each with its motion."""
-    runs = [{**motion, **run} for motion in results["motions"] for run in motion[part]]
-    incomplete = {True: "", False: " (incomplete)"}
-    return [{**run, "count": f"{run['found']}{incomplete[run['complete']]}"} for run in runs]
+def _runs(results: kit.JsonObject, *parts: str) -> list[kit.JsonObject]:
+    """Every run of the parts, near or far, each with its motion."""
+    return [{**x, **run} for x in results["motions"] for part in parts for run in x[part]]
 
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    near, far = _runs(results, "near"), _runs(results, "far")
+    far, every, proven = (
+        _runs(results, "far"),
+        _runs(results, "near", "far"),
+        _proven_rows(results),
+    )
+    near = [run["ulps"] for run in _runs(results, "near") if "ulps" in run]
     return {
         "end": max((run["end"] for run in far), default=0),
         "true": sum(run["true"] for run in far),
         "found": sum(run["found"] for run in far),
         "whole": share(run["complete"] for run in far),
-        "ulps": max((run["ulps"] for run in near if "ulps" in run), default=0),
-        "exact": share(run["complete"] and run["found"] == run["true"] for run in [*near, *far]),
-        "same": share(
-            row["undecided"] == 0 and row["proven"] == row["double"]
-            for row in _proven_rows(results)
-        ),
+        "ulps": max(near, default=0),
+        "exact": share(run["complete"] and run["found"] == run["true"] for run in every),
+        "same": share(not x["undecided"] and x["proven"] == x["double"] for x in proven),
         "steps": share(len({*row["steps"]}) == 1 for row in results["cost"]),
     }
 

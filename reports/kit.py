@@ -71,20 +71,6 @@ def clocked(call: Callable[[], Answer]) -> tuple[Answer, float]:
     return answer, time.process_time() - began
 
 
-def timed(calls: Sequence[Callable[[], Answer]], repeats: int, patience: float) -> list[Timed]:
-    """What calls return and cost: once each to begin with, then in turns, what is slow no more."""
-    timed_calls = [Timed(*clocked(call), 1) for call in calls]
-    seconds: list[list[float]] = [[] for _ in calls]
-    for _ in range(repeats):
-        for call, first, more in zip(calls, timed_calls, seconds, strict=True):
-            if first.seconds <= patience:
-                more.append(clocked(call)[1])
-    return [
-        first._replace(seconds=min(more), calls=repeats) if more else first
-        for first, more in zip(timed_calls, seconds, strict=True)
-    ]
-
-
 class Timed(NamedTuple):
     """What a call returned, the least processor seconds, and of how many calls.
 
@@ -94,6 +80,18 @@ class Timed(NamedTuple):
     answer: Any
     seconds: float
     calls: int
+
+
+def timed(calls: Sequence[Callable[[], Answer]], repeats: int, patience: float) -> list[Timed]:
+    """What calls return and cost: once each to begin with, then in turns, what is slow no more."""
+    first = [Timed(*clocked(call), 1) for call in calls]
+    again = [call for call, cost in zip(calls, first, strict=True) if cost.seconds <= patience]
+    rounds = [[clocked(call)[1] for call in again] for _ in range(repeats)]
+    least = map(min, zip(*rounds, strict=True))
+    return [
+        x._replace(seconds=next(least), calls=repeats) if x.seconds <= patience else x
+        for x in first
+    ]
 
 
 #: The makers of a study's parts, each with what its rows are of.

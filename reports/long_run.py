@@ -435,22 +435,18 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
     """Medians over the ensembles against time, and above each what the worst start has."""
     tops = results["tops"]
     growth = f"median of {tops[0]['starts']} starts, bar to the worst"
-    walks = "Energy, not projected: deviation (filled), |mean| (open)"
 
     def draw(*panels: Axes) -> None:
-        titles = f"Error: {growth}", f"Drift: {growth}", walks
-        labels = "error", "drift", "departure of h"
-        for axes, name in zip(panels, ("error", "drift"), strict=False):
+        for axes, name in zip(panels, _SLOPES, strict=True):
             _draw_growth(axes, tops, name)
-        _draw_inputs(panels[0], tops)
-        _draw_walks(panels[2], tops)
-        panels[2].set(xlabel="t (units of the scene)")
-        for axes, title, label in zip(panels, titles, labels, strict=True):
-            axes.set(xscale="log", yscale="log", ylabel=label)
-            axes.set_title(title, size=9, loc="left")
+            if name == "error":
+                _draw_inputs(axes, tops)
+            axes.set(xscale="log", yscale="log", ylabel=name)
+            axes.set_title(f"{name.capitalize()}: {growth}", size=9, loc="left")
             kit.plain(axes)
+        panels[-1].set(xlabel="t (units of the scene)")
 
-    return {"long-run": kit.drawn(draw, 9.4, 3, names=2, sharex=True)}
+    return {"long-run": kit.drawn(draw, 6.6, 2, names=2, sharex=True)}
 
 
 def _draw_growth(axes: Axes, tops: Sequence[kit.JsonObject], name: str) -> None:
@@ -459,15 +455,18 @@ def _draw_growth(axes: Axes, tops: Sequence[kit.JsonObject], name: str) -> None:
         for method in top["methods"]:
             if name in method:
                 put_back = "projected" if "projected" in method["method"] else "not projected"
-                row, look = method[name], _look(top, method["method"])
+                row, look = method[name], kit.LOOKS[method["method"]]
+                look = look | {"marker": _MARKS[top["top"]], "color": _COLOURS[top["top"]]}
                 axes.plot(top["times"], row["median"], label=f"{top['top']}, {put_back}", **look)
                 bars = {"color": look["color"], "lw": 2, "alpha": 0.3}
                 axes.vlines(top["times"], row["median"], row["largest"], **bars)
     times, (slope, label) = tops[0]["times"], _SLOPES[name]
     since = next(k for k, t in enumerate(times) if t >= tops[0]["fitted_since"])
     height = 3 * tops[0]["methods"][0][name]["median"][since]
-    steep = height, height * (times[-1] / times[since]) ** slope
-    _note(axes, (times[since], times[-1]), steep, label)
+    line = (times[since], height), (times[-1], height * (times[-1] / times[since]) ** slope)
+    axes.plot(*zip(*line, strict=True), **_DOTTED)
+    middle = [(first * last) ** 0.5 for first, last in zip(*line, strict=True)]
+    axes.annotate(label, middle, (-3, 3), textcoords="offset points", ha="right", size=8)
 
 
 def _draw_inputs(axes: Axes, tops: list[kit.JsonObject]) -> None:
@@ -476,32 +475,3 @@ def _draw_inputs(axes: Axes, tops: list[kit.JsonObject]) -> None:
         points = [(x["t"], x["inputs"]["median"]) for x in _over_time(row) if "inputs" in x]
         look = _DOTTED | {"ls": "--", "marker": _MARKS[row["top"]], "ms": 2.5}
         axes.plot(*np.array(points or [(np.nan,) * 2]).T, label="rounded inputs", **look)
-
-
-def _draw_walks(axes: Axes, tops: Sequence[kit.JsonObject]) -> None:
-    """The departure of h in runs that are not projected: standard deviation, size of the mean."""
-    lowest = []
-    for top in tops:
-        for row in top["methods"][0]["integrals"]:
-            if row["integral"] == "h":
-                look = _look(top, "double") | {"lw": 0.8}
-                axes.plot(top["times"], row["deviation"], **look)
-                means = look | {"ls": "none", "ms": 5, "mfc": "none"}
-                axes.plot(top["times"], [abs(x) for x in row["mean"]], **means)
-                lowest.append(row["deviation"][-1])
-    if lowest:
-        low, high = tops[0]["fitted_since"], tops[0]["times"][-1]
-        height = min(lowest) / 6
-        _note(axes, (low, high), (height * (low / high) ** 0.5, height), "slope 1/2")
-
-
-def _note(axes: Axes, x: tuple[float, float], y: tuple[float, float], text: str) -> None:
-    """A dotted line and its name at its middle."""
-    axes.plot(x, y, **_DOTTED)
-    middle = (x[0] * x[1]) ** 0.5, (y[0] * y[1]) ** 0.5
-    axes.annotate(text, middle, (-3, 3), textcoords="offset points", ha="right", size=8)
-
-
-def _look(top: kit.JsonObject, method: str) -> dict[str, Any]:
-    """A top's mark and colour, a method's line."""
-    return kit.LOOKS[method] | {"marker": _MARKS[top["top"]], "color": _COLOURS[top["top"]]}

@@ -181,36 +181,34 @@ _FINE = {
     "quad": (1e-20, 2.0**-112),
     "mp": (float(kit.TYPES["mp"].eps),),
 }
-#: Wide types are projected at their own tolerance alone: they are not unless they are asked to be.
-_PROJECTED = _FINE | {"quad": _FINE["quad"][-1:]}
-WAYS = tuple(
-    Way(number, project, tolerances[number])
-    for number in _FINE
-    for project, tolerances in ((False, _FINE), (True, _PROJECTED))
-)
 
 
-def _runs(curve: Way, motion: LibraryMotion, quick: bool) -> bool:
-    """Whether a way of a motion is run.
+def ways(motion: LibraryMotion, quick: bool) -> Iterator[Way]:
+    """The ways of a motion, each type as it is and projected.
 
     Steps in quad and mp that are projected take 3 to 15 seconds to t = 1000, and nothing is
-    projected in these types unless it is asked to be: one motion shows them.
+    projected in these types unless it is asked to be: one motion shows them, at their own eps.
     """
-    if quick and not (motion.quick and curve.number in QUICK_TYPES):
-        return False
-    wide = curve.project and curve.number in ("quad", "mp")
-    return not wide or motion.name == TYPES_SHOWN
+    for number in QUICK_TYPES if quick else _FINE:
+        yield Way(number, False, _FINE[number])
+        if number in QUICK_TYPES:
+            yield Way(number, True, _FINE[number])
+        elif motion.name == TYPES_SHOWN:
+            yield Way(number, True, _FINE[number][-1:])
 
 
 def motions(quick: bool, only: kit.Only) -> dict[LibraryMotion, list[Way]]:
     """The motions asked for, each with the ways that are."""
-    ways_of: dict[LibraryMotion, list[Way]] = {}
-    for motion in MOTIONS:
-        labels = motion.name, motion.case, "every motion"
-        for curve in WAYS:
-            if _runs(curve, motion, quick) and only(*labels, curve.name):
-                ways_of.setdefault(motion, []).append(curve)
-    return ways_of
+    ways_of = {
+        motion: [
+            way
+            for way in ways(motion, quick)
+            if only(motion.name, motion.case, "every motion", way.name)
+        ]
+        for motion in MOTIONS
+        if motion.quick >= quick
+    }
+    return {motion: chosen for motion, chosen in ways_of.items() if chosen}
 
 
 def row(
