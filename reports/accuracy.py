@@ -319,8 +319,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     cases = map(kit.by_number, results["cases"])
     return {
         "cases": (
-            {**x, "outcomes": kit.listed(run["outcome"] for run in x["runs"].values())}
-            for x in cases
+            {**x, "outcomes": sorted({run["outcome"] for run in x["runs"].values()})} for x in cases
         ),
         "proven": results["proven"],
         "printed": (

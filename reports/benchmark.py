@@ -142,13 +142,10 @@ def certified_values(top: Top) -> CertifiedValues:
 def _rows(enclosure: polhode.Enclosure, places: tuple[int, int]) -> list[tuple[str, ...]] | None:
     """The balls as correctly rounded decimals; None where one leaves a doubt."""
     assert enclosure.attitude is not None
+    states = zip(enclosure.centres, enclosure.radii, strict=True)
     rows = []
-    for centres, turn, radii, off in zip(
-        enclosure.centres,
-        enclosure.attitude.centres,
-        enclosure.radii,
-        enclosure.attitude.radii,
-        strict=True,
+    for (centres, radii), (turn, off) in zip(
+        states, zip(*enclosure.attitude, strict=True), strict=True
     ):
         row = []
         for k, (x, radius) in enumerate(zip((*centres, *turn), (*radii, *off), strict=True)):

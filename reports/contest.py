@@ -94,21 +94,22 @@ class _Contest:
             for tol in BY_NAME[name].tolerances if tolerances is None else tolerances.get(name, ()):
                 for k in range(DRAWS):
                     self._once(name, k, tol)
-        every = self.cell.every_tolerance
-        near = {name: [*timed_again(self.points[name], every)] for name in self.ready}
+        again = [
+            (k, name, tol)
+            for name in self.ready
+            for k, tol in timed_again(self.points[name], self.cell.every_tolerance)
+        ]
+        again.sort(key=lambda x: x[0])  # a draw after the other, the programs in turns
         if self.cell.starts:
-            for name, near_here in near.items():
-                for k, tol in near_here[:1]:  # what is compiled for so many starts is not timed
-                    run, draw_here = self.ready[name], self.draws[k]
-                    with suppress(Exception):  # a fault of the timed call is told
-                        run(draw_here.top, draw_here.start.copy(), self.times / self.cell.end, tol)
+            for k, name, tol in {name: (k, name, tol) for k, name, tol in again[::-1]}.values():
+                # what is compiled for so many starts is not timed
+                top, start = self.draws[k].top, self.draws[k].start.copy()
+                with suppress(Exception):  # a fault of the timed call is told
+                    self.ready[name](top, start, self.times / self.cell.end, tol)
         began = time.perf_counter()
         for _ in range(ROUNDS):
-            for k in range(DRAWS):
-                for name, near_here in near.items():
-                    for draw_asked, tol in near_here:
-                        if draw_asked == k:
-                            self._block(name, k, tol)
+            for k, name, tol in again:
+                self._block(name, k, tol)
             if time.perf_counter() - began > patience:
                 return
 
@@ -254,16 +255,15 @@ _MODULE = "contest"
 
 def wanted_cells(quick: bool, only: Only) -> dict[str, list[Cell]]:
     """The cells to hold, by kind."""
-    cells: dict[str, list[Cell]] = {}
-    for kind in QUICK_KINDS if quick else tops.KINDS:
-        here = [
+    cells = {
+        kind: [
             cell
             for cell in tops.cells(kind)
             if (not quick or cell[1:] in QUICK_CELLS) and only(cell.name)
         ]
-        if here:
-            cells[kind] = here
-    return cells
+        for kind in (QUICK_KINDS if quick else tops.KINDS)
+    }
+    return {kind: wanted for kind, wanted in cells.items() if wanted}
 
 
 def rows(

@@ -215,11 +215,6 @@ def counted(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{count} {word}" for word, count in counts.items() if count)
 
 
-def listed(words: Iterable[str]) -> str:
-    """Each of the words once, in order; a dash where there is none."""
-    return ", ".join(sorted(set(words))) or DASH
-
-
 # --- page -----------------------------------------------------------------------------------------
 #
 # A study's page is its template: Markdown with a field {NAME} for each fact, for each table a block
@@ -467,7 +462,7 @@ def plain(axes: Axes) -> None:
     for axis in (axes.xaxis, axes.yaxis):
         if axis.get_scale() == "log":
             axis.set_major_formatter(LogFormatter())
-            axis.set_minor_formatter(LogFormatter(minor_thresholds=(1.8, 0.9)))
+            axis.set_minor_formatter(LogFormatter(minor_thresholds=(2, 0.9)))
 
 
 def drawn(

@@ -388,7 +388,7 @@ def _over_time(row: kit.JsonObject) -> Iterator[kit.JsonObject]:
     """
     followed = row.get("inputs", {}).get("median", [])
     for k, t in enumerate(row["times"]):
-        sizes = {
+        sizes: kit.JsonObject = {
             name: {size: row[name][size][k] for size in SIZES}
             for name in ("error", "drift")
             if name in row
@@ -465,8 +465,8 @@ def _draw_growth(axes: Axes, tops: Sequence[kit.JsonObject], name: str) -> None:
     height = 3 * tops[0]["methods"][0][name]["median"][since]
     line = (times[since], height), (times[-1], height * (times[-1] / times[since]) ** slope)
     axes.plot(*zip(*line, strict=True), **_DOTTED)
-    middle = [(first * last) ** 0.5 for first, last in zip(*line, strict=True)]
-    axes.annotate(label, middle, (-3, 3), textcoords="offset points", ha="right", size=8)
+    x, y = ((first * last) ** 0.5 for first, last in zip(*line, strict=True))
+    axes.annotate(label, (x, y), (-3, 3), textcoords="offset points", ha="right", size=8)
 
 
 def _draw_inputs(axes: Axes, tops: list[kit.JsonObject]) -> None:

@@ -78,38 +78,24 @@ _FIRST_LIMIT = 120.0
 
 def first_row(program: Program, quick: bool) -> dict[str, Any]:
     """Wall and processor seconds, with empty caches of compiled code and after that."""
-    run = tops.draw(KIND, 0, END, OUTPUTS).run(TOLERANCE)
-    job = program.job(tops.present(KIND), [run])
-    clocks: dict[str, tuple[float, float]] = {}
-    began, fault = time.perf_counter(), ""
-    try:
-        for _ in range(1 if quick else FIRST_REPEATS):
-            with tempfile.TemporaryDirectory() as cache:
-                for word in ("cold", "warm"):
-                    clock = _clocked(job, Path(cache))
-                    clocks[word] = min(clock, clocks.get(word, clock))
-            if time.perf_counter() - began > ENOUGH:
-                break
-    except ArithmeticError as failed:
-        fault = str(failed)
-    rounded = {
-        word: {"wall": round(wall, 3), "processor": round(processor, 3)}
-        for word, (wall, processor) in clocks.items()
+    job = program.job(tops.present(KIND), [tops.draw(KIND, 0, END, OUTPUTS).run(TOLERANCE)])
+    clocks: dict[str, list[tuple[float, float]]] = {"cold": [], "warm": []}
+    began = time.perf_counter()
+    for _ in range(1 if quick else FIRST_REPEATS):
+        with tempfile.TemporaryDirectory() as cache:
+            for clock in clocks.values():  # of a process from its start to its end
+                before, start = sum(os.times()[2:4]), time.perf_counter()  # children's
+                answers, fault = ask(process.__name__, job, _FIRST_LIMIT, Path(cache))
+                wall, spent = time.perf_counter() - start, sum(os.times()[2:4]) - before
+                if fault or "failed" in answers[0]:
+                    return {"program": program.name, "fault": fault or answers[0]["failed"]}
+                clock.append((round(wall, 3), round(spent, 3)))
+        if time.perf_counter() - began > ENOUGH:
+            break
+    least = {
+        word: dict(zip(("wall", "processor"), min(x), strict=True)) for word, x in clocks.items()
     }
-    return {"program": program.name, **rounded, "fault": fault}
-
-
-def _clocked(job: dict[str, Any], cache: Path) -> tuple[float, float]:
-    """Wall and processor seconds of one process from its start to its end.
-
-    Raises ArithmeticError where it failed.
-    """
-    before, began = sum(os.times()[2:4]), time.perf_counter()  # of children: user, system
-    answers, fault = ask(process.__name__, job, _FIRST_LIMIT, cache)
-    wall, spent = time.perf_counter() - began, sum(os.times()[2:4]) - before
-    if fault or "failed" in answers[0]:
-        raise ArithmeticError(fault or answers[0]["failed"])
-    return wall, spent
+    return {"program": program.name, **least, "fault": ""}
 
 
 # --- number types ---------------------------------------------------------------------------------
@@ -337,7 +323,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 
 def by_length(cells: Sequence[kit.JsonObject]) -> list[kit.JsonObject]:
     """A row a number of starts or outputs, a length, and a level of digits, over the kinds."""
-    levels: dict[tuple[Any, ...], list[kit.JsonObject]] = {}
+    levels: dict[tuple[int, int, int, float], list[kit.JsonObject]] = {}
     for cell in cells:
         for level in cell["levels"]:
             key = cell.get("starts", 0), cell["outputs"], cell["end"], level["digits"]

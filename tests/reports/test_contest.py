@@ -337,7 +337,7 @@ def test_what_the_page_counts_follows_from_the_rows(factor):
     for name, many in (("single", False), ("many", True)):
         shown = [row[:2] + row[3:7] for row in tables[name].rows]
         cells = sorted(
-            (x["starts"], x["outputs"], x["end"], Cell(*list(x.values())[:4]).name)
+            (x["starts"], x["outputs"], x["end"], Cell(*[*x.values()][:4]).name.partition(" ")[2])
             for x in results["cells"]
             if (x["starts"] > 0) == many
         )
