@@ -148,9 +148,7 @@ def _top_row(top: str, first: polhode.Scene, members: Sequence[Member]) -> dict[
             "inputs": _beside_inputs(members),
         },
     ]
-    reference = polhode.reference(first)
-    assert isinstance(reference, polhode.Reference)
-    limit = kit.significant(float(reference.error(first.times[-1:], DIGITS)), 3)
+    limit = kit.significant(float(polhode.reference(first).error(first.times[-1:], DIGITS)), 3)
     least = min(np.median(errors, axis=0).min() for errors in (plain, projected))
     return {
         "top": top,

@@ -24,7 +24,6 @@ import benchmark
 import kit
 import polhode
 from kit import HERE, JsonObject, Only, PageTable, template, write_whole
-from polhode.common.texts import as_json
 
 #: The studies, each a file of that name, with _ for -; the seconds that each takes on two
 #: processors, whole and quick.
@@ -128,7 +127,8 @@ def write_study(name: str, folder: Path, quick: bool = False) -> list[Path]:
         "versions": origin["versions"] | (study.versions() if hasattr(study, "versions") else {}),
         "cpu": origin["cpu"],
     }
-    texts = {f"{name}.json": as_json(results), **pages(json.loads(as_json(results)))}
+    text = json.dumps(results, indent=1, allow_nan=False) + "\n"
+    texts = {f"{name}.json": text, **pages(json.loads(text))}
     folder.mkdir(parents=True, exist_ok=True)
     return write_whole({folder / file: text for file, text in texts.items()})
 

@@ -127,13 +127,8 @@ class LibraryMotion(NamedTuple):
 
     def scene(self, times: Sequence[Fraction]) -> polhode.Scene:
         """Its scene at other times."""
-        own: dict[str, Any] = {
-            "times": tuple(times),
-            "outputs": self.outputs,
-            "events": (),
-            "published": (),
-        }
-        return replace(polhode.load(self.case), **own)
+        plain = replace(polhode.load(self.case), events=(), published=())
+        return replace(plain, times=tuple(times), outputs=self.outputs)
 
 
 _REGULAR, _CHAOTIC = "general/asymmetric-regular", "general/asymmetric-chaotic"

@@ -6,6 +6,7 @@ No test depends on how long anything takes.
 from __future__ import annotations
 
 import json
+import pickle
 import warnings
 from importlib.util import find_spec
 from itertools import pairwise
@@ -22,7 +23,7 @@ import programs
 import speed
 import tops
 from kit import Only
-from peers import scipy_ode
+from peers import process, scipy_ode
 from peers.process import ask
 from polhode.dynamics.lyapunov import lyapunov
 from programs import ENGINE, OURS, RUN
@@ -161,6 +162,15 @@ def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatc
     assert row["faults"] == {"broken": failed["fault"]}
 
 
+@pytest.mark.parametrize("lost", [0, 1, 40])
+def test_what_a_stopped_process_had_answered_is_kept(lost, tmp_path):
+    """Of its last answer only what is whole."""
+    answers = {"state": [0.1] * 6}, {"state": [0.2] * 6}
+    data = b"".join(map(pickle.dumps, answers))
+    (tmp_path / "answers").write_bytes(data[: len(data) - lost])
+    assert [*process._answers(tmp_path / "answers")] == [*answers][: 1 if lost else 2]
+
+
 # rows
 
 
@@ -170,12 +180,12 @@ def test_a_cell_that_an_ended_process_did_not_come_to_is_held_whole_by_the_next(
     answer = {"cell": first, "points": {OURS: {(0, 1e-9): (9.0, 1e-3)}}, "faults": {}}
     jobs = []
 
-    def process(_, job, *rest):
+    def asked(_, job, *rest):
         jobs.append({**job})
         answers = [answer, answer | {"cell": second}]
         return (answers[:1], "stopped") if len(jobs) == 1 else (answers, "")
 
-    monkeypatch.setattr(contest, "ask", process)
+    monkeypatch.setattr(contest, "ask", asked)
     monkeypatch.setattr(contest, "row", lambda cell, points, faults: (points, faults))
     truths = {contest._judged_cell(cell): [] for cell in (first, second)}
     cells = [first, second]
