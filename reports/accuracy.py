@@ -10,7 +10,6 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from math import ceil
 from typing import Any
 
 import kit
@@ -143,14 +142,10 @@ def rounded(digits: float | None) -> float | None:
 
 def projection(run: polhode.Trajectory) -> dict[str, Any] | None:
     """The corrections of a run that was put back on its integrals; None where it was not."""
-    if run.projection is None:
+    if (x := run.projection) is None:
         return None
-    return {
-        "onto": [*run.projection.onto],
-        "count": run.projection.count,
-        "largest": kit.significant(run.projection.largest, 3),
-        "sum": kit.significant(run.projection.sum, 3),
-    }
+    sizes = {"largest": kit.significant(x.largest, 3), "sum": kit.significant(x.sum, 3)}
+    return {"onto": [*x.onto], "count": x.count, **sizes}
 
 
 # --- printed --------------------------------------------------------------------------------------
@@ -324,12 +319,11 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     cases = map(kit.by_number, results["cases"])
     return {
         "cases": (
-            {**x, "outcomes": kit.listed(run["outcome"] for run in x["runs"].values())}
-            for x in cases
+            {**x, "outcomes": sorted({run["outcome"] for run in x["runs"].values()})} for x in cases
         ),
-        "proven": ({**x, "lies": "yes" if x["inside"] else "NO"} for x in results["proven"]),
+        "proven": results["proven"],
         "printed": (
-            {**x, "verdict": _verdict(x), "of": f"{x['digits_right']:.1f} of {x['digits_shown']}"}
+            {**x, "verdict": _verdict(x)}
             for x in sorted(results["printed"], key=lambda row: _KINDS.index(row["kind"]))
         ),
         "time_labels": results["time_labels"],
@@ -338,32 +332,25 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    runs = [run for _, run in kit.runs_of(results["cases"])]
-    judged = [
-        (run["correct_digits"], run["expected"], run["limit"])
-        for run in runs
-        if run.get("expected") and not run["lost"] and run["limit"] != "reference"
-    ]
-    below = [limit for right, band, limit in judged if right < band[0]]
-    above = sum(right > band[2] for right, band, _ in judged)
-    both = [
-        (run["correct_digits"], run["refined"]["correct_digits"], run["refined"]["agreement"])
-        for run in runs
-        if run.get("refined") and not run["lost"]
-    ]
-    gains = [refined - steps for steps, refined, _ in both]
+    runs = [run for _, run in kit.runs_of(results["cases"]) if not run.get("lost")]
+    judged = [run for run in runs if run.get("expected") and run["limit"] != "reference"]
+    below = [run for run in judged if run["correct_digits"] < run["expected"][0]]
+    above = sum(run["correct_digits"] > run["expected"][2] for run in judged)
+    both = [(run["correct_digits"], run["refined"]) for run in runs if run.get("refined")]
+    gains = [refined["correct_digits"] - steps for steps, refined in both]
+    apart = [min(steps, x["correct_digits"]) - x["agreement"] for steps, x in both]
     stands = {kind: [row for row in results["printed"] if row["kind"] == kind] for kind in _KINDS}
     return {
         "judged": len(judged),
         "inside": len(judged) - len(below) - above,
         "below": len(below),
         "above": above,
-        "method": sum(limit.startswith("method") for limit in below),
+        "method": sum(run["limit"].startswith("method") for run in below),
         "refined": len(both),
         "better": sum(gain > 0 for gain in gains),
         "gain": kit.median(gains, "+.1f"),
         "least_gain": f"{min(gains, default=0):+.1f}",
-        "apart": ceil(10 * max((min(steps, two) - x for steps, two, x in both), default=0)) / 10,
+        "apart": math.ceil(10 * max(apart, default=0)) / 10,
         "contained": kit.share(row["inside"] for row in results["proven"]),
         "agreement": kit.between([row["digits_right"] for row in stands["printout"]], ".1f"),
         **{kind: kit.share(row["stands"] for row in rows) for kind, rows in stands.items()},

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
@@ -13,7 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import polhode
-from kit import HERE, Say, template, write_whole
+from kit import HERE, Only, Say, template, write_whole
 from polhode.certificates import state_certificate
 from polhode.enclosures.statement import LENGTH
 from polhode.equations.kinematics import starting_attitude
@@ -143,13 +142,10 @@ def certified_values(top: Top) -> CertifiedValues:
 def _rows(enclosure: polhode.Enclosure, places: tuple[int, int]) -> list[tuple[str, ...]] | None:
     """The balls as correctly rounded decimals; None where one leaves a doubt."""
     assert enclosure.attitude is not None
+    states = zip(enclosure.centres, enclosure.radii, strict=True)
     rows = []
-    for centres, turn, radii, off in zip(
-        enclosure.centres,
-        enclosure.attitude.centres,
-        enclosure.radii,
-        enclosure.attitude.radii,
-        strict=True,
+    for (centres, radii), (turn, off) in zip(
+        states, zip(*enclosure.attitude, strict=True), strict=True
     ):
         row = []
         for k, (x, radius) in enumerate(zip((*centres, *turn), (*radii, *off), strict=True)):
@@ -185,36 +181,28 @@ NAME = "heavy top benchmark"
 _PLACES = 60  # of decimals of data that have no end
 
 
-def write_benchmark(folder: Path, only: Iterable[str] = (), tick: Say | None = None) -> list[Path]:
-    """Write the benchmark, each top's files whole as they are proved; the paths.
+def write_benchmark(folder: Path, only: Only, say: Say) -> list[Path]:
+    """Write the benchmark, each top's files as they are proved; the paths.
 
-    ``only``: names of tops, whose values and certificates alone are written.
+    ``only``: the names of the tops whose values and certificates alone are written.
     """
-    chosen = [_named(name) for name in only] or [*TOPS]
+    chosen = [top for top in TOPS if only(top.name)]
+    only.check()
     folder.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
     values_of: dict[str, CertifiedValues] = {}
     for n, top in enumerate(chosen):
-        if tick is not None:
-            tick(f"{top.name}, {n + 1} of {len(chosen)}; about {SECONDS} s each")
+        say(f"{top.name}, {n + 1} of {len(chosen)}; about {SECONDS} s each")
         values_of[top.name] = values = certified_values(top)
         certificate = json.dumps(values.certificate) + "\n"
-        written += _save(folder, {f"{top.name}.csv": values.csv, top.proof: certificate})
+        written += write_whole(
+            {folder / f"{top.name}.csv": values.csv, folder / top.proof: certificate}
+        )
     if len(values_of) == len(TOPS):
-        texts = {name: (HERE / "benchmark" / name).read_text(encoding="utf-8") for name in CHECKERS}
-        written += _save(folder, texts | {DATA: data(values_of), PAGE: page()})
+        checkers = {folder / x: (HERE / "benchmark" / x).read_text() for x in CHECKERS}
+        texts = {folder / DATA: data(values_of), folder / PAGE: page()}
+        written += write_whole(checkers | texts)
     return written
-
-
-def _save(folder: Path, texts: dict[str, str]) -> list[Path]:
-    return write_whole({folder / name: text for name, text in texts.items()})
-
-
-def _named(name: str) -> Top:
-    tops = {label: top for top in TOPS for label in (top.case, top.name)}
-    if name not in tops:
-        raise polhode.BadInput("benchmark", "--only", name, ", ".join(top.name for top in TOPS))
-    return tops[name]
 
 
 def data(values_of: dict[str, CertifiedValues]) -> str:

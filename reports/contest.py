@@ -1,23 +1,22 @@
-"""All programs on one kind of motion, side by side in one process: ``python -m … < job``.
+"""All programs on one kind of motion, side by side in a process as :mod:`peers.process` has them.
 
 Of many starts those that are judged are run alone, and all of them where it is timed.
 
-A job: {"kind", "cells": [[numbers of a :class:`tops.Cell`, [exact states a draw]]], "programs":
-names, "tolerances": {cell's name: {program: [tolerances]}} or null, "patience": seconds}.  Without
+A job: {"kind", "cells": [(cell, [exact states a draw])], "programs": names, "tolerances": {cell:
+{program: [tolerances]}} or {}, "patience": seconds}.  Without
 tolerances each program is run once at all of its own, judged, and only those next to a level are
 timed further, in cells of the work-precision diagram all.  A short call is timed in a block of
 them, as a loop makes them; each has another start than the one before: the draw's, its first
 component off by some units in the last place.  What is judged has the draw's own.
 
-The answer is lines of JSON, flushed as they are made: {"failed": program, "fault"} of one that
-could not be prepared, and for each cell {"cell", "points": {program: [[draw, tol, digits,
-seconds]]}, "faults"}.
+The answers: {"failed": program, "fault"} of one that could not be prepared, and for each cell
+{"cell", "points": {program: {(draw, tol): (digits, seconds)}}, "faults"}.
 """
 
 from __future__ import annotations
 
-import json
 import math
+import pickle
 import random
 import statistics
 import sys
@@ -26,7 +25,6 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -61,20 +59,19 @@ Points = dict[tuple[int, float], tuple[float, float]]
 def main() -> None:
     """Answer the job on stdin."""
     end_with_parent()
-    job = json.load(sys.stdin)
+    job = pickle.load(sys.stdin.buffer)
     ready: dict[bool, dict[str, Run]] = {False: {}, True: {}}
-    cells = [(Cell(*numbers), [*map(_states, texts)]) for numbers, texts in job["cells"]]
     for name in job["programs"]:
-        for many in sorted({cell.starts > 0 for cell, _ in cells}):
+        for many in sorted({cell.starts > 0 for cell, _ in job["cells"]}):
             if not many or name in MANY:
                 try:
                     ready[many][name] = BY_NAME[name].prepared(present(job["kind"]), many)
                 except Exception as fault:  # of a package that does not fit the others
                     write({"failed": name, "fault": _fault_text(fault)})
-    for cell, truths in cells:
+    for cell, truths in job["cells"]:
         contest = _Contest(cell, truths, ready[cell.starts > 0])
-        contest.hold((job["tolerances"] or {}).get(cell.name), job["patience"])
-        write({"cell": cell.name, "points": contest.plain_points(), "faults": contest.faults})
+        contest.hold(job["tolerances"].get(cell), job["patience"])
+        write({"cell": cell, "points": contest.timed_points(), "faults": contest.faults})
 
 
 class _Contest:
@@ -97,21 +94,22 @@ class _Contest:
             for tol in BY_NAME[name].tolerances if tolerances is None else tolerances.get(name, ()):
                 for k in range(DRAWS):
                     self._once(name, k, tol)
-        every = self.cell.every_tolerance
-        near = {name: [*timed_again(self.points[name], every)] for name in self.ready}
+        again = [
+            (k, name, tol)
+            for name in self.ready
+            for k, tol in timed_again(self.points[name], self.cell.every_tolerance)
+        ]
+        again.sort(key=lambda x: x[0])  # a draw after the other, the programs in turns
         if self.cell.starts:
-            for name, near_here in near.items():
-                for k, tol in near_here[:1]:  # what is compiled for so many starts is not timed
-                    run, draw_here = self.ready[name], self.draws[k]
-                    with suppress(Exception):  # a fault of the timed call is told
-                        run(draw_here.top, draw_here.start.copy(), self.times / self.cell.end, tol)
+            for k, name, tol in {name: (k, name, tol) for k, name, tol in again[::-1]}.values():
+                # what is compiled for so many starts is not timed
+                top, start = self.draws[k].top, self.draws[k].start.copy()
+                with suppress(Exception):  # a fault of the timed call is told
+                    self.ready[name](top, start, self.times / self.cell.end, tol)
         began = time.perf_counter()
         for _ in range(ROUNDS):
-            for k in range(DRAWS):
-                for name, near_here in near.items():
-                    for draw_asked, tol in near_here:
-                        if draw_asked == k:
-                            self._block(name, k, tol)
+            for k, name, tol in again:
+                self._block(name, k, tol)
             if time.perf_counter() - began > patience:
                 return
 
@@ -158,15 +156,15 @@ class _Contest:
                 raise ArithmeticError(f"{len(states)} of {outputs} states")
             self.points[name][k, tol] = digits(judged(states, outputs), truth, scene), seconds
 
-    def plain_points(self) -> dict[str, list[list[float]]]:
-        """The points as plain lists."""
+    def timed_points(self) -> dict[str, Points]:
+        """The points that were timed."""
         return {
-            name: [
-                [k, tol, round(right, 3), seconds]
-                for (k, tol), (right, seconds) in rows.items()
+            name: {
+                key: (round(right, 3), seconds)
+                for key, (right, seconds) in points.items()
                 if seconds < math.inf
-            ]
-            for name, rows in self.points.items()
+            }
+            for name, points in self.points.items()
         }
 
 
@@ -187,10 +185,6 @@ def timed_again(points: Points, every: bool) -> Iterator[tuple[int, float]]:
 
 def _fault_text(fault: Exception) -> str:
     return f"{type(fault).__name__}: {fault}"
-
-
-def _states(texts: Sequence[Sequence[str]]) -> States:
-    return [[Fraction(x) for x in row] for row in texts]
 
 
 if __name__ == "__main__":
@@ -261,16 +255,15 @@ _MODULE = "contest"
 
 def wanted_cells(quick: bool, only: Only) -> dict[str, list[Cell]]:
     """The cells to hold, by kind."""
-    cells: dict[str, list[Cell]] = {}
-    for kind in QUICK_KINDS if quick else tops.KINDS:
-        here = [
+    cells = {
+        kind: [
             cell
             for cell in tops.cells(kind)
             if (not quick or cell[1:] in QUICK_CELLS) and only(cell.name)
         ]
-        if here:
-            cells[kind] = here
-    return cells
+        for kind in (QUICK_KINDS if quick else tops.KINDS)
+    }
+    return {kind: wanted for kind, wanted in cells.items() if wanted}
 
 
 def rows(
@@ -294,41 +287,39 @@ def _kind(
     kind: str,
     cells: Sequence[Cell],
     programs: Sequence[Program],
-    truths: Mapping[Cell, list[Any]],
+    truths: Mapping[Cell, list[States]],
     cache: Path,
     quick: bool,
     say: Say,
 ) -> list[dict[str, Any]]:
     """The rows of one kind, from as many processes as are made."""
-    points: dict[str, dict[str, Points]] = {cell.name: {} for cell in cells}
-    faults: dict[str, dict[str, str]] = {cell.name: {} for cell in cells}
+    points: dict[Cell, dict[str, Points]] = {cell: {} for cell in cells}
+    faults: dict[Cell, dict[str, str]] = {cell: {} for cell in cells}
     job: dict[str, Any] = {
         "kind": kind,
         "cells": [(cell, truths[_judged_cell(cell)]) for cell in cells],
         "programs": [program.name for program in programs],
-        "tolerances": None,
+        "tolerances": {},
         "patience": QUICK_PATIENCE if quick else PATIENCE,
     }
     for turn in range(1 if quick else PROCESSES):
         say(f"contest: {kind}, process {turn + 1}")
         answers, fault = ask(_MODULE, job, _LIMIT, cache)
-        missing = {cell.name for cell in cells}
+        missing = {*cells}
         for answer in answers:
             if "failed" in answer:
                 for cell in cells:
-                    faults[cell.name][answer["failed"]] = answer["fault"]
+                    faults[cell][answer["failed"]] = answer["fault"]
             else:
                 missing.discard(answer["cell"])
                 _enter(points[answer["cell"]], answer["points"])
                 faults[answer["cell"]] |= answer["faults"]
-        for label in missing if fault else ():
-            faults[label][f"process {turn + 1}"] = fault
+        for cell in missing if fault else ():
+            faults[cell][f"process {turn + 1}"] = fault
         job["tolerances"] = {  # a cell that no process came to is held whole by the next one
-            cell.name: held_again(points[cell.name], cell.every_tolerance)
-            for cell in cells
-            if points[cell.name]
+            cell: held_again(points[cell], cell.every_tolerance) for cell in cells if points[cell]
         }
-    return [row(cell, points[cell.name], faults[cell.name]) for cell in cells]
+    return [row(cell, points[cell], faults[cell]) for cell in cells]
 
 
 def row(cell: Cell, points: Mapping[str, Points], faults: Mapping[str, str]) -> dict[str, Any]:
@@ -416,24 +407,23 @@ def _judged_cell(cell: Cell) -> Cell:
     return cell._replace(outputs=2, starts=MANY_JUDGED * (cell.starts > 0))
 
 
-def _truths(cells_of: Mapping[str, Sequence[Cell]], say: Say) -> dict[Cell, list[Any]]:
+def _truths(cells_of: Mapping[str, Sequence[Cell]], say: Say) -> dict[Cell, list[States]]:
     """The references of all draws, the longest first: no clock runs beside them."""
     every = {_judged_cell(cell) for cells in cells_of.values() for cell in cells}
     ends = sorted(every, key=lambda cell: (-cell.end, cell))
-    truths = rows_by_part({"references": (_texts, ends)}, False, say)["references"]
+    truths = rows_by_part({"references": (_truths_of, ends)}, False, say)["references"]
     return dict(zip(ends, truths, strict=True))
 
 
-def _texts(cell: Cell) -> list[Any]:
-    truths = (tops.truth(cell.kind, k, cell.end, cell.starts > 0) for k in range(DRAWS))
-    return [[[*map(str, row)] for row in states] for states in truths]
+def _truths_of(cell: Cell) -> list[States]:
+    return [tops.truth(cell.kind, k, cell.end, cell.starts > 0) for k in range(DRAWS)]
 
 
-def _enter(points: dict[str, Points], answers: Mapping[str, Sequence[Sequence[float]]]) -> None:
-    for name, marks in answers.items():
+def _enter(points: dict[str, Points], answers: Mapping[str, Points]) -> None:
+    """The least seconds of all answers."""
+    for name, answered in answers.items():
         here = points.setdefault(name, {})
-        for place, tol, right, seconds in marks:
-            key = int(place), tol
+        for key, (right, seconds) in answered.items():
             before = here.get(key, (right, math.inf))
             here[key] = before[0], min(before[1], seconds)
 

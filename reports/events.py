@@ -70,7 +70,7 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
 
 def _motion(motion: EventMotion, far: dict[str, int]) -> dict[str, Any]:
     scene = _watching(polhode.load(motion.name), motion.zero)
-    zeros = Zeros(scene, motion.zero)
+    zeros = Zeros(scene)
     near = math.floor(PERIODS * zeros.period)
     return {
         "case": motion.name,
@@ -176,69 +176,34 @@ def _cost_row(name: str, repeats: int) -> dict[str, Any]:
 
 # --- zeros ----------------------------------------------------------------------------------------
 #
-# The reference of the study of events: zeros along periodic closed forms, found without a run.
+# The reference of the study of events: proven zeros along periodic motions.
 
 
-ZERO_DIGITS = 65  # of the closed form where its zeros are located
+ZERO_DIGITS = 65  # of the zeros of one period
 BITS = 240
 
 
 class Zeros:
-    """The zeros of an expression along a periodic closed form, to 60 digits, any number of periods.
+    """The zeros of a scene's event along a periodic motion, any number of periods of it.
 
-    The expression has the period of omega, or of the nutation where omega has none.
-    They are found in one period alone, by signs at many times and then by the secant rule.
+    Those of one period alone are proven, without a run.  The period is that of omega by the closed
+    form, or of the nutation where omega has none.
     """
 
-    def __init__(self, scene: polhode.Scene, zero: str, samples: int = 64) -> None:
-        reference = polhode.reference(replace(scene, events=()))
-        assert isinstance(reference, polhode.Reference)
-        self._reference, self._zero, self._columns = reference, zero, scene.columns
-        period = reference.period
-        if period is None:  # of a top that nutates, whose zeros these are
-            with mpmath.workprec(BITS):
-                period = 2 * mpmath.pi / reference.frequencies["nutation"]
+    def __init__(self, scene: polhode.Scene) -> None:
+        reference = polhode.reference(scene)
+        with mpmath.workprec(BITS):
+            period = reference.period or 2 * mpmath.pi / reference.frequencies["nutation"]
         self.period = kit.exactly(period)
-        times = [self.period * k / samples for k in range(samples + 1)]
-        values = self._values(times, 20)
-        self.first: list[Fraction] = []
-        for k in range(samples):
-            if values[k] * values[k + 1] < 0:
-                self.first.append(self._refined(times[k], times[k + 1]))
-            elif values[k] == 0 and k > 0:
-                self.first.append(times[k])
+        past = self.period * Fraction(5, 4)  # an event at the end of a proof is not decided
+        (event,) = polhode.certify_events(scene, past, digits=ZERO_DIGITS)
+        self.first = [x.time for x in event.times if x.time <= self.period + Fraction(x.radius)]
 
     def until(self, end: int) -> list[Fraction]:
         """All zeros in 0 < t <= end."""
         count = math.ceil(end / self.period) + 1
         every = [self.period * n + t for n in range(count) for t in self.first]
         return [t for t in every if 0 < t <= end]
-
-    def _values(self, times: Sequence[Any], digits: int) -> list[Fraction]:
-        rows = zip(times, self._reference.at(times, digits), strict=True)
-        values = [kit.exactly(self._value(t, row)) for t, row in rows]
-        return [x if abs(x) > Fraction(1, 10 ** (digits - 3)) else Fraction(0) for x in values]
-
-    def _value(self, t: Any, row: Sequence[Any]) -> Any:
-        """The expression in the columns of a row at a time."""
-        with mpmath.workprec(BITS):
-            columns = dict(zip(self._columns, row, strict=True), t=_wide(t))
-            return eval(self._zero, {}, columns)  # of this file
-
-    def _refined(self, low: Fraction, high: Fraction) -> Fraction:
-        def value(t: Any) -> Any:
-            return self._value(t, self._reference.at([t], ZERO_DIGITS)[0])
-
-        with mpmath.workprec(BITS):
-            between = _wide(low), _wide(high)
-            root = mpmath.findroot(value, between, solver="anderson", tol=1e-120, maxsteps=60)
-            return kit.exactly(root)
-
-
-def _wide(t: Any) -> Any:
-    """A time as mpmath's number, in the precision in use."""
-    near = kit.exactly(t)
-    return mpmath.mpf(near.numerator) / near.denominator
 
 
 def ulp(t: Fraction, bits: int) -> Fraction:
@@ -264,27 +229,27 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     }
 
 
-def _runs(results: kit.JsonObject, part: str) -> list[kit.JsonObject]:
-    """Every run of a part, near or far, each with its motion."""
-    runs = [{**motion, **run} for motion in results["motions"] for run in motion[part]]
-    incomplete = {True: "", False: " (incomplete)"}
-    return [{**run, "count": f"{run['found']}{incomplete[run['complete']]}"} for run in runs]
+def _runs(results: kit.JsonObject, *parts: str) -> list[kit.JsonObject]:
+    """Every run of the parts, near or far, each with its motion."""
+    return [{**x, **run} for x in results["motions"] for part in parts for run in x[part]]
 
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    near, far = _runs(results, "near"), _runs(results, "far")
+    far, every, proven = (
+        _runs(results, "far"),
+        _runs(results, "near", "far"),
+        _proven_rows(results),
+    )
+    near = [run["ulps"] for run in _runs(results, "near") if "ulps" in run]
     return {
         "end": max((run["end"] for run in far), default=0),
         "true": sum(run["true"] for run in far),
         "found": sum(run["found"] for run in far),
         "whole": share(run["complete"] for run in far),
-        "ulps": max((run["ulps"] for run in near if "ulps" in run), default=0),
-        "exact": share(run["complete"] and run["found"] == run["true"] for run in [*near, *far]),
-        "same": share(
-            row["undecided"] == 0 and row["proven"] == row["double"]
-            for row in _proven_rows(results)
-        ),
+        "ulps": max(near, default=0),
+        "exact": share(run["complete"] and run["found"] == run["true"] for run in every),
+        "same": share(not x["undecided"] and x["proven"] == x["double"] for x in proven),
         "steps": share(len({*row["steps"]}) == 1 for row in results["cost"]),
     }
 
@@ -300,56 +265,30 @@ def _proven_rows(results: kit.JsonObject) -> list[kit.JsonObject]:
 
 # --- figure ---------------------------------------------------------------------------------------
 #
-# Figure of the study of events: errors of their times, and their cost.
+# Figure of the study of events: errors of their times.
 
 
 FLOOR = 0.01  # ulps: smaller errors are drawn there, on the axis
 
 
 def svgs(results: kit.JsonObject) -> dict[str, str]:
-    """Above: how large errors of event times are, in ulps; below: cost of a run with events."""
-
-    def draw(above: Axes, below: Axes) -> None:
-        _draw_errors(above, results["motions"])
-        _draw_cost(below, results["cost"])
-
-    return {"events": kit.drawn(draw, 5.6, 2)}
+    """How large errors of event times are, in ulps."""
+    return {"events": kit.drawn(partial(_draw_errors, motions=results["motions"]), 3)}
 
 
 def _draw_errors(axes: Axes, motions: Sequence[kit.JsonObject]) -> None:
     """How many events have no larger error than that: a curve a number type."""
     for name, colour in kit.COLOURS.items():
-        sizes = sorted(
+        sizes = [
             max(ulps, FLOOR)
             for motion in motions
-            for part in ("near", "far")
-            for run in motion[part]
+            for run in (*motion["near"], *motion["far"])
             if run["number"] == name
             for _, ulps in run.get("samples", ())
-        )
+        ]
         if sizes:
-            share = [100 * k / len(sizes) for k in range(len(sizes) + 1)]
-            eighth = max(len(sizes) // 8, 1)
-            look: dict[str, Any] = {
-                "marker": kit.MARKS[name],
-                "ms": 4,
-                "markevery": (eighth, eighth),
-            }
-            steps = [FLOOR, *sizes]
-            axes.plot(steps, share, drawstyle="steps-post", color=colour, label=name, **look)
+            look: dict[str, Any] = {"marker": kit.MARKS[name], "ms": 4, "color": colour}
+            axes.ecdf(sizes, label=name, markevery=max(len(sizes) // 8, 1), **look)
     axes.set(xscale="log", xlabel="error of the time, in units of its last place")
-    axes.set(xlim=(FLOOR, None), ylim=(0, 100), ylabel="events with no larger error, %")
-    kit.plain(axes)
-
-
-def _draw_cost(axes: Axes, rows: Sequence[kit.JsonObject]) -> None:
-    """The time of a run over one without events; number types beside each other."""
-    for k, row in enumerate(rows):
-        times, aside = row["microseconds_a_step"], 0.07 * (k - (len(rows) - 1) / 2)
-        ratios = [time / times[0] for time in times]
-        number = row["number"]
-        places = [n + aside for n in row["events"]]
-        axes.plot(places, ratios, kit.MARKS[number], color=kit.COLOURS[number], ms=4, label=number)
-    axes.set(xlabel="events watched", ylim=(0, None), ylabel="time of a run (without events 1)")
-    axes.set_xticks((0, 1, 3))
+    axes.set(xlim=(FLOOR, None), ylim=(0, 1), ylabel="events with no larger error")
     kit.plain(axes)

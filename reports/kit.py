@@ -25,8 +25,6 @@ import polhode
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
-    from matplotlib.figure import Figure
 
 #: Keys, and what JSON can hold.
 JsonObject: TypeAlias = dict[str, Any]
@@ -73,20 +71,6 @@ def clocked(call: Callable[[], Answer]) -> tuple[Answer, float]:
     return answer, time.process_time() - began
 
 
-def timed(calls: Sequence[Callable[[], Answer]], repeats: int, patience: float) -> list[Timed]:
-    """What calls return and cost: once each to begin with, then in turns, what is slow no more."""
-    timed_calls = [Timed(*clocked(call), 1) for call in calls]
-    seconds: list[list[float]] = [[] for _ in calls]
-    for _ in range(repeats):
-        for call, first, more in zip(calls, timed_calls, seconds, strict=True):
-            if first.seconds <= patience:
-                more.append(clocked(call)[1])
-    return [
-        first._replace(seconds=min(more), calls=repeats) if more else first
-        for first, more in zip(timed_calls, seconds, strict=True)
-    ]
-
-
 class Timed(NamedTuple):
     """What a call returned, the least processor seconds, and of how many calls.
 
@@ -96,6 +80,18 @@ class Timed(NamedTuple):
     answer: Any
     seconds: float
     calls: int
+
+
+def timed(calls: Sequence[Callable[[], Answer]], repeats: int, patience: float) -> list[Timed]:
+    """What calls return and cost: once each to begin with, then in turns, what is slow no more."""
+    first = [Timed(*clocked(call), 1) for call in calls]
+    again = [call for call, cost in zip(calls, first, strict=True) if cost.seconds <= patience]
+    rounds = [[clocked(call)[1] for call in again] for _ in range(repeats)]
+    least = map(min, zip(*rounds, strict=True))
+    return [
+        x._replace(seconds=next(least), calls=repeats) if x.seconds <= patience else x
+        for x in first
+    ]
 
 
 #: The makers of a study's parts, each with what its rows are of.
@@ -131,16 +127,11 @@ def cores() -> int:
 
 
 def write_whole(texts: Mapping[Path, str]) -> list[Path]:
-    """Write files, all of them whole or none; their paths."""
-    parts = {path.with_name(f".{path.name}.part"): path for path in texts}
-    try:
-        for part, path in parts.items():
-            part.write_text(texts[path], encoding="utf-8")
-        for part, path in parts.items():
-            os.replace(part, path)
-    finally:
-        for part in parts:
-            part.unlink(missing_ok=True)
+    """Write files, each of them whole or not at all; their paths."""
+    for path, text in texts.items():
+        part = path.with_name(f".{path.name}.part")
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
     return [*texts]
 
 
@@ -168,6 +159,13 @@ class Only:
         (self.taken if is_wanted else self.passed).extend(labels)
         return is_wanted
 
+    def check(self) -> None:
+        """Raise BadInput where no row was wanted."""
+        if not self.taken:
+            names = ", ".join(dict.fromkeys(self.passed[:8]))
+            likely = f"part of the name of a row, such as {names}"
+            raise polhode.BadInput("make.py", "--only", " ".join(self.texts), likely)
+
 
 # --- words ----------------------------------------------------------------------------------------
 #
@@ -179,6 +177,8 @@ DASH = "–"
 
 def formatted(value: object, form: str) -> str:
     """A value in a form of columns (see ``Column``); a dash where there is none."""
+    if isinstance(value, list):
+        return ", ".join(value)
     if value is None or value == "":
         return DASH
     if isinstance(value, bool):
@@ -213,11 +213,6 @@ def share(flags: Iterable[bool]) -> str:
 def counted(counts: Mapping[str, int]) -> str:
     """How many of each, those of which there are some: "3 elliptic, 2 hyperbolic"."""
     return ", ".join(f"{count} {word}" for word, count in counts.items() if count)
-
-
-def listed(words: Iterable[str]) -> str:
-    """Each of the words once, in order; a dash where there is none."""
-    return ", ".join(sorted(set(words))) or DASH
 
 
 # --- page -----------------------------------------------------------------------------------------
@@ -428,8 +423,6 @@ def digits(run: JsonObject | None) -> float | str | None:
 
 WIDTH = 4.4  # inches: text of 8 points is 9 pixels on a page 400 pixels wide
 GUIDE, SHADE = "#777777", "#f4f4f4"
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_SHORT = 60.0  # from end to end: an axis without two powers of ten far from each other
 #: Colours of Okabe and Ito's set, told apart by every eye; of number types, and of others.
 COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
 MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
@@ -461,42 +454,15 @@ LOOKS: dict[str, dict[str, Any]] = {
 OTHER_LOOK = _look("#444444", "+", ":")
 
 
-def logarithmic(axis: Axis) -> None:
-    """Label the powers of ten of a logarithmic axis; of a short one twice and five times them."""
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    low, high = axis.get_view_interval()
-    axis.set_major_locator(LogLocator(numticks=8))
-    axis.set_major_formatter(lambda x, _: _label(x))
-    if high < low * _SHORT:
-        axis.set_minor_locator(LogLocator(subs=(2, 5)))
-        axis.set_minor_formatter(lambda x, _: f"{x:g}")
-    else:
-        axis.set_minor_formatter(NullFormatter())
-
-
-def _label(x: float) -> str:
-    """A power of ten, written out where it is short."""
-    exponent = f"{math.log10(x):.0f}".translate(_RAISED)
-    return f"{x:g}" if 9e-4 < x < 2e4 else f"10{exponent}"
-
-
 def plain(axes: Axes) -> None:
-    """Pale lines at the labels of both axes, which are logarithmic where their scales are."""
+    """Pale lines at the labels of both axes, plain numbers where they are logarithmic."""
+    from matplotlib.ticker import LogFormatter
+
     axes.grid()
     for axis in (axes.xaxis, axes.yaxis):
         if axis.get_scale() == "log":
-            logarithmic(axis)
-
-
-def legend(figure: Figure, columns: int) -> None:
-    """Every name of the panels once, above them."""
-    handles: dict[str, Any] = {}
-    for panel in figure.axes:
-        for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
-            handles.setdefault(name, handle)
-    place: dict[str, Any] = {"loc": "outside upper center", "ncols": columns, "frameon": False}
-    figure.legend(handles.values(), handles.keys(), **place)
+            axis.set_major_formatter(LogFormatter())
+            axis.set_minor_formatter(LogFormatter(minor_thresholds=(2, 0.9)))
 
 
 def drawn(
@@ -517,7 +483,11 @@ def drawn(
             lines, columns, figsize=size, layout="constrained", squeeze=False, **how
         )
         draw(*panels.flat)
-        legend(figure, names)
+        handles: dict[str, Any] = {}  # every name of the panels once
+        for panel in figure.axes:
+            for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
+                handles.setdefault(name, handle)
+        figure.legend(handles.values(), handles, loc="outside upper center", ncols=names)
         figure.savefig(out, format="svg", metadata={"Date": None})
     return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
 

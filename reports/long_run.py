@@ -50,7 +50,7 @@ PLAIN, PROJECTED = "double", "double projected"
 INPUTS_UNTIL = 3163
 
 #: Labels of the rows of polhode in the table of the far moment.
-FAR = ("polhode, not projected", "far")
+FAR = (f"polhode {PROJECTED}", "far")
 
 
 class Member(NamedTuple):
@@ -148,9 +148,7 @@ def _top_row(top: str, first: polhode.Scene, members: Sequence[Member]) -> dict[
             "inputs": _beside_inputs(members),
         },
     ]
-    reference = polhode.reference(first)
-    assert isinstance(reference, polhode.Reference)
-    limit = kit.significant(float(reference.error(first.times[-1:], DIGITS)), 3)
+    limit = kit.significant(float(polhode.reference(first).error(first.times[-1:], DIGITS)), 3)
     least = min(np.median(errors, axis=0).min() for errors in (plain, projected))
     return {
         "top": top,
@@ -176,11 +174,9 @@ def _growth(
     shown: Mapping[str, Callable[..., Any]] = SIZES,
 ) -> dict[str, Any]:
     """How an ensemble's errors or departures grow; ``law``: the exponent that is expected."""
-    fitted = exponent(times, series, since, np.median if shown is SIZES else np.std)
-    exponents = fitted._asdict() if fitted else dict.fromkeys(Exponent._fields)
     return {
         **{name: _short(number(series, axis=0)) for name, number in shown.items()},
-        **{name: None if x is None else round(x, 3) for name, x in exponents.items()},
+        **exponent(times, series, since, np.median if shown is SIZES else np.std),
         "law": law,
     }
 
@@ -229,13 +225,8 @@ def _beside_inputs(members: Sequence[Member]) -> dict[str, Any]:
 RESAMPLES = 400
 
 
-class Exponent(NamedTuple):
-    """A fitted exponent and that of the last decade alone, each with its standard error."""
-
-    exponent: float
-    uncertainty: float
-    last_decade: float
-    last_uncertainty: float
+#: A fitted exponent and that of the last decade alone, each with its standard error.
+EXPONENTS = ("exponent", "uncertainty", "last_decade", "last_uncertainty")
 
 
 def exponent(
@@ -243,15 +234,15 @@ def exponent(
     members: Sequence[Sequence[float]],
     since: float,
     middle_of: Callable[..., Any] = np.median,
-) -> Exponent | None:
-    """The exponent of the median's growth from ``since`` on; None where it is zero somewhere.
+) -> dict[str, float | None]:
+    """The exponents of the median's growth from ``since`` on; None where it is zero somewhere.
 
     ``members``: one row of errors a member.  ``middle_of``: numpy's function that grows.
     """
     late = np.array(times) >= since
     x, y = np.log10(np.array(times))[late], np.array(members)[:, late]
     if late.sum() < 3 or (middle_of(y, axis=0) <= 0).any():
-        return None
+        return dict.fromkeys(EXPONENTS)
     drawn = np.random.default_rng(1).integers(0, len(y), (RESAMPLES, len(y)))
     samples = np.log10(np.maximum(middle_of(y[drawn], axis=1), np.finfo(float).tiny))
     weights = 1 / np.sqrt(np.maximum(samples.var(axis=0), 1e-6))
@@ -260,7 +251,7 @@ def exponent(
     for part in (np.full(len(x), True), x >= x[-1] - 1 - 1e-9):  # the last decade
         slope, *others = np.polyfit(x[part], lines[part], 1, w=weights[part])[0].tolist()
         fitted += [slope, float(np.std(others, ddof=1))]
-    return Exponent(*fitted)
+    return dict(zip(EXPONENTS, (round(x, 3) for x in fitted), strict=True))
 
 
 # --- late time ------------------------------------------------------------------------------------
@@ -342,16 +333,15 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
     rows = _methods(results["tops"])
     return {
-        "exponents": _exponent_rows(rows),
-        "walks": _walks(rows),
-        "inputs": [_beside(row) for row in rows if "inputs" in row],
-        "error": _growth_rows(rows, "error"),
-        "drift": _growth_rows(rows, "drift"),
-        "projection": [
-            {**row, "onto": _squared(", ".join(row["projection"]["onto"]))}
+        "exponents": [
+            {**row, **row[name], "of": name}
             for row in rows
-            if "projection" in row
+            for name in ("error", "drift")
+            if name in row and row[name]["exponent"] is not None
         ],
+        "walks": _walks(rows),
+        "growth": [at_time for row in rows for at_time in _over_time(row)],
+        "projection": [row for row in rows if "projection" in row],
         "far": far_table_rows(results),
         "faults": _faults(results["at"]),
     }
@@ -369,6 +359,7 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
         "pull": max(pulls, default=0),
         "reference_error": max((top["reference_error"] for top in tops), default=0),
         "walls": sum(top["wall"] for top in tops),
+        "followed": INPUTS_UNTIL,
         "far_end": far["t"],
     }
 
@@ -378,77 +369,35 @@ def _methods(tops: list[kit.JsonObject]) -> list[kit.JsonObject]:
     return [{**top, **method} for top in tops for method in top["methods"]]
 
 
-def _exponent_rows(rows: list[kit.JsonObject]) -> list[kit.JsonObject]:
-    """What grew by each method on each kind of top, of which an exponent was found."""
-    return [
-        {**row, **row[name], **_fitted(row[name]), "of": name}
-        for row in rows
-        for name in ("error", "drift")
-        if row.get(name) is not None and row[name]["exponent"] is not None
-    ]
-
-
-def _fitted(row: kit.JsonObject) -> kit.JsonObject:
-    """An exponent, and that of the last decade, each with its standard error, as texts."""
-    if row["exponent"] is None:
-        return {}
-    if row["exponent"] == row["uncertainty"] == 0:  # such as the spin of a Lagrange top
-        return dict.fromkeys(("fitted", "last"), "stays")
-    return {
-        "fitted": f"{row['exponent']:.2f} ± {row['uncertainty']:.2f}",
-        "last": f"{row['last_decade']:.2f} ± {row['last_uncertainty']:.2f}",
-    }
-
-
 def _walks(rows: list[kit.JsonObject]) -> list[kit.JsonObject]:
     """Every integral of every kind of top: its departure at the end, the mean over its error."""
     walks = []
     for row in [{**method, **x} for method in rows for x in method.get("integrals", ())]:
-        mean, deviation = row["mean"][-1], row["deviation"][-1]
-        error = deviation / math.sqrt(row["starts"])
-        walks.append(
-            {
-                **row,
-                **_fitted(row),
-                "name": _squared(row["integral"]),
-                "end_mean": f"{mean:+.1e} ± {error:.1e}",
-                "end_deviation": deviation,
-                "pull": mean / error if error else 0.0,
-            }
-        )
+        error = row["deviation"][-1] / math.sqrt(row["starts"])
+        pull = row["mean"][-1] / error if error else 0.0
+        walks.append({**row, "mean_error": error, "pull": pull})
     return walks
 
 
-def _squared(names: str) -> str:
-    return names.replace("^2", "²")
+def _over_time(row: kit.JsonObject) -> Iterator[kit.JsonObject]:
+    """A method on a kind of top at each time: error, drift, and what its inputs leave.
 
-
-def _beside(row: kit.JsonObject) -> kit.JsonObject:
-    """What rounding the inputs leaves at each time, and the run's error over it.
-
-    The same at the last time, where it went on like t.
+    That goes on like t where it was not followed.
     """
-    times, alone, over = row["times"], row["inputs"]["median"], row["inputs"]["error_over_it"]
-    grown = alone[-1] * times[-1] / times[len(alone) - 1]
-    cells = {
-        str(t): f"{left:.1e}; ×{ratio:.3g}"
-        for t, left, ratio in zip(times, alone, over, strict=False)
-    }
-    like_t = f"{grown:.1e}; ×{row['error']['median'][-1] / grown:.3g}"
-    return {**row, "cells": cells, "like_t": like_t}
-
-
-def _growth_rows(rows: list[kit.JsonObject], name: str) -> list[kit.JsonObject]:
-    """Median and largest error, or drift, at each time."""
-    grown = []
-    for row in [method for method in rows if name in method]:
-        columns = zip(row["times"], row[name]["median"], row[name]["largest"], strict=True)
-        grown.append({**row, "cells": {str(t): _spread(*both) for t, *both in columns}})
-    return grown
-
-
-def _spread(middle: float | None, most: float | None) -> str:
-    return f"{kit.formatted(middle, '.1e')} / {kit.formatted(most, '.1e')}"
+    followed = row.get("inputs", {}).get("median", [])
+    for k, t in enumerate(row["times"]):
+        sizes: kit.JsonObject = {
+            name: {size: row[name][size][k] for size in SIZES}
+            for name in ("error", "drift")
+            if name in row
+        }
+        if followed[k:]:
+            left, over = followed[k], row["inputs"]["error_over_it"][k]
+            sizes["inputs"] = {"median": left, "over": over}
+        elif followed:
+            left = followed[-1] * t / row["times"][len(followed) - 1]
+            sizes["inputs"] = {"median": left, "over": row["error"]["median"][k] / left}
+        yield {**row, "t": t, **sizes}
 
 
 def _faults(far: kit.JsonObject) -> list[kit.JsonObject]:
@@ -460,22 +409,13 @@ def _faults(far: kit.JsonObject) -> list[kit.JsonObject]:
 def far_table_rows(results: kit.JsonObject) -> list[kit.JsonObject]:
     """Median and largest error of every method at the far moment, by the kinds of tops."""
     far = results["at"]
-    rows: dict[str, kit.JsonObject] = {}
-    for method in _methods(results["tops"]):
-        name = "polhode" if "projected" in method["method"] else "polhode, not projected"
-        k, error = method["times"].index(far["t"]), method["error"]
-        cell = _spread(error["median"][k], error["largest"][k])
-        rows.setdefault(name, {})[method["top"]] = cell
-    rows = dict(sorted(rows.items()))
-    for method in _methods(far["tops"]):
-        few = method.get("starts", far["starts"]) < far["starts"]
-        cell = _spread(method["median"], method["largest"])
-        cell += f", {method['starts']} starts" if few else ""
-        rows.setdefault(method["method"], {})[method["top"]] = (
-            cell if method["reached"] else "failed"
-        )
-    tops = dict.fromkeys(top["top"] for top in (*results["tops"], *far["tops"]))
-    return [{"method": name, "cells": dict.fromkeys(tops) | cells} for name, cells in rows.items()]
+    own = [
+        {**row, "method": f"polhode {row['method']}", **at_time["error"]}
+        for row in _methods(results["tops"])
+        for at_time in _over_time(row)
+        if at_time["t"] == far["t"]
+    ]
+    return sorted([*own, *_methods(far["tops"])], key=lambda row: [*TOPS].index(row["top"]))
 
 
 # --- figure ---------------------------------------------------------------------------------------
@@ -493,22 +433,18 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
     """Medians over the ensembles against time, and above each what the worst start has."""
     tops = results["tops"]
     growth = f"median of {tops[0]['starts']} starts, bar to the worst"
-    walks = "Energy, not projected: deviation (filled), |mean| (open)"
 
     def draw(*panels: Axes) -> None:
-        titles = f"Error: {growth}", f"Drift: {growth}", walks
-        labels = "error", "drift", "departure of h"
-        for axes, name in zip(panels, ("error", "drift"), strict=False):
+        for axes, name in zip(panels, _SLOPES, strict=True):
             _draw_growth(axes, tops, name)
-        _draw_inputs(panels[0], tops)
-        _draw_walks(panels[2], tops)
-        panels[2].set(xlabel="t (units of the scene)")
-        for axes, title, label in zip(panels, titles, labels, strict=True):
-            axes.set(xscale="log", yscale="log", ylabel=label)
-            axes.set_title(title, size=9, loc="left")
+            if name == "error":
+                _draw_inputs(axes, tops)
+            axes.set(xscale="log", yscale="log", ylabel=name)
+            axes.set_title(f"{name.capitalize()}: {growth}", size=9, loc="left")
             kit.plain(axes)
+        panels[-1].set(xlabel="t (units of the scene)")
 
-    return {"long-run": kit.drawn(draw, 9.4, 3, names=2, sharex=True)}
+    return {"long-run": kit.drawn(draw, 6.6, 2, names=2, sharex=True)}
 
 
 def _draw_growth(axes: Axes, tops: Sequence[kit.JsonObject], name: str) -> None:
@@ -517,54 +453,23 @@ def _draw_growth(axes: Axes, tops: Sequence[kit.JsonObject], name: str) -> None:
         for method in top["methods"]:
             if name in method:
                 put_back = "projected" if "projected" in method["method"] else "not projected"
-                row, look = method[name], _look(top, method["method"])
+                row, look = method[name], kit.LOOKS[method["method"]]
+                look = look | {"marker": _MARKS[top["top"]], "color": _COLOURS[top["top"]]}
                 axes.plot(top["times"], row["median"], label=f"{top['top']}, {put_back}", **look)
                 bars = {"color": look["color"], "lw": 2, "alpha": 0.3}
                 axes.vlines(top["times"], row["median"], row["largest"], **bars)
     times, (slope, label) = tops[0]["times"], _SLOPES[name]
     since = next(k for k, t in enumerate(times) if t >= tops[0]["fitted_since"])
     height = 3 * tops[0]["methods"][0][name]["median"][since]
-    steep = height, height * (times[-1] / times[since]) ** slope
-    _note(axes, (times[since], times[-1]), steep, label)
+    line = (times[since], height), (times[-1], height * (times[-1] / times[since]) ** slope)
+    axes.plot(*zip(*line, strict=True), **_DOTTED)
+    x, y = ((first * last) ** 0.5 for first, last in zip(*line, strict=True))
+    axes.annotate(label, (x, y), (-3, 3), textcoords="offset points", ha="right", size=8)
 
 
-def _draw_inputs(axes: Axes, tops: Sequence[kit.JsonObject]) -> None:
-    """What rounding the inputs leaves of projected runs, as far as it was followed, then like t."""
-    for top in tops:
-        for method in top["methods"]:
-            if "inputs" in method:
-                middle, last = method["inputs"]["median"], top["times"][-1]
-                times = top["times"][: len(middle)]
-                look = _DOTTED | {"ls": "--", "marker": _MARKS[top["top"]], "ms": 2.5}
-                axes.plot(times, middle, label="rounded inputs", **look)
-                ends = middle[-1], middle[-1] * last / times[-1]
-                axes.plot((times[-1], last), ends, **_DOTTED)
-
-
-def _draw_walks(axes: Axes, tops: Sequence[kit.JsonObject]) -> None:
-    """The departure of h in runs that are not projected: standard deviation, size of the mean."""
-    lowest = []
-    for top in tops:
-        for row in top["methods"][0]["integrals"]:
-            if row["integral"] == "h":
-                look = _look(top, "double") | {"lw": 0.8}
-                axes.plot(top["times"], row["deviation"], **look)
-                means = look | {"ls": "none", "ms": 5, "mfc": "none"}
-                axes.plot(top["times"], [abs(x) for x in row["mean"]], **means)
-                lowest.append(row["deviation"][-1])
-    if lowest:
-        low, high = tops[0]["fitted_since"], tops[0]["times"][-1]
-        height = min(lowest) / 6
-        _note(axes, (low, high), (height * (low / high) ** 0.5, height), "slope 1/2")
-
-
-def _note(axes: Axes, x: tuple[float, float], y: tuple[float, float], text: str) -> None:
-    """A dotted line and its name at its middle."""
-    axes.plot(x, y, **_DOTTED)
-    middle = (x[0] * x[1]) ** 0.5, (y[0] * y[1]) ** 0.5
-    axes.annotate(text, middle, (-3, 3), textcoords="offset points", ha="right", size=8)
-
-
-def _look(top: kit.JsonObject, method: str) -> dict[str, Any]:
-    """A top's mark and colour, a method's line."""
-    return kit.LOOKS[method] | {"marker": _MARKS[top["top"]], "color": _COLOURS[top["top"]]}
+def _draw_inputs(axes: Axes, tops: list[kit.JsonObject]) -> None:
+    """What rounding the inputs leaves of projected runs, followed at first, then like t."""
+    for row in _methods(tops):
+        points = [(x["t"], x["inputs"]["median"]) for x in _over_time(row) if "inputs" in x]
+        look = _DOTTED | {"ls": "--", "marker": _MARKS[row["top"]], "ms": 2.5}
+        axes.plot(*np.array(points or [(np.nan,) * 2]).T, label="rounded inputs", **look)

@@ -18,14 +18,12 @@ import time
 from collections.abc import Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
-from textwrap import fill
 from typing import Any
 
 import benchmark
 import kit
 import polhode
 from kit import HERE, JsonObject, Only, PageTable, template, write_whole
-from polhode.common.texts import as_json
 
 #: The studies, each a file of that name, with _ for -; the seconds that each takes on two
 #: processors, whole and quick.
@@ -39,14 +37,13 @@ STUDIES = {
 }
 BENCHMARK = "benchmark"
 README = HERE.parent / "README.md"
-_WIDTH = 118
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Make what is asked for; 0, or 1 for what was stale, or 2 for bad input."""
     parser = argparse.ArgumentParser("make.py", description=(__doc__ or "").partition("\n")[0])
     every_name = ", ".join([*STUDIES, BENCHMARK])
-    only = "rows with TEXT in their names (may be repeated), printed; of the benchmark a top"
+    only = "rows with TEXT in their names (may be repeated), printed; of the benchmark written"
     stale = (
         "make pages, figures and README's table from the rows again; name what changes, and rows "
         "of another version"
@@ -88,7 +85,7 @@ def answers(options: argparse.Namespace) -> Iterator[object]:
         yield from write_stale(folder, names)
         yield from filter(None, (old_rows(folder, name) for name in names))
     elif options.name == BENCHMARK:
-        yield from benchmark.write_benchmark(folder, options.only, say)
+        yield from benchmark.write_benchmark(folder, Only(tuple(options.only)), say)
     elif options.only:
         yield part(options.name, options.only, options.quick)
     else:
@@ -130,7 +127,8 @@ def write_study(name: str, folder: Path, quick: bool = False) -> list[Path]:
         "versions": origin["versions"] | (study.versions() if hasattr(study, "versions") else {}),
         "cpu": origin["cpu"],
     }
-    texts = {f"{name}.json": as_json(results), **pages(json.loads(as_json(results)))}
+    text = json.dumps(results, indent=1, allow_nan=False) + "\n"
+    texts = {f"{name}.json": text, **pages(json.loads(text))}
     folder.mkdir(parents=True, exist_ok=True)
     return write_whole({folder / file: text for file, text in texts.items()})
 
@@ -140,9 +138,7 @@ def part(name: str, texts: Sequence[str], quick: bool = False) -> str:
     only = Only(tuple(texts))
     rows = module(name).rows(quick, lambda text: say(f"{name}: {text}"), only)
     results = {"quick": quick, **rows}
-    if not only.taken:
-        likely = f"part of the name of a row, such as {', '.join(dict.fromkeys(only.passed[:8]))}"
-        raise polhode.BadInput("make.py", "--only", " ".join(texts), likely)
+    only.check()
     return "\n\n".join(x.markdown for x in tables(name, results).values() if x.rows)
 
 
@@ -153,14 +149,15 @@ def pages(results: JsonObject) -> dict[str, str]:
     return {**{f"{key}.svg": svg for key, svg in figures.items()}, f"{name}.md": page(results)}
 
 
-def page(results: JsonObject) -> str:
-    """A study's page as Markdown, from its JSON object."""
+def page(results: JsonObject, *templates: str) -> str:
+    """A study's page as Markdown, from its JSON object; or other templates filled from it."""
     name, origin = results["study"], dict(results["provenance"])
     packages = [f"{package} {version}" for package, version in origin["versions"].items()]
     again = _command(name) + " --quick" * results["quick"]
     origin |= {"again": again, "packages": ", ".join(packages), "polhode": packages[0]}
     facts = module(name).facts(results) | {"question": results["question"], "origin": origin}
-    return kit.filled(template(name) + template("provenance"), tables(name, results), facts)
+    text = "".join(map(template, templates or (name, "provenance")))
+    return kit.filled(text, tables(name, results), facts)
 
 
 def tables(name: str, results: JsonObject) -> dict[str, PageTable]:
@@ -202,25 +199,7 @@ def results_of(folder: Path, name: str) -> JsonObject:
 
 def with_summary(readme: str, speed: JsonObject) -> str:
     """README with the speed study's table of lengths, of outputs and of many starts."""
-    from tops import DRAWS
-
-    origin = speed["provenance"]
-    packages = ", ".join(f"{name} {origin['versions'][name]}" for name in ("polhode", "heyoka"))
-    kinds = {cell["kind"] for cell in speed["cells"]}
-    arrays: dict[tuple[int, int], set[str]] = {}
-    for cell in speed["cells"]:
-        if cell["starts"]:
-            arrays.setdefault((cell["starts"], cell["end"]), set()).add(cell["kind"])
-    counts = " or ".join(str(count) for count in sorted({len(x) for x in arrays.values()}))
-    conditions = (
-        f"Medians over {len(kinds)} kinds of motion of {DRAWS} bodies each (in n of m: in so many "
-        "of the kinds both reach the digits), "
-        "prepared once, processor time of a call with a new start, one thread; many starts in "
-        f"one call, of {counts} of the kinds; "
-        f"{packages}, {origin['cpu']}. [All rows and rules](reports/speed.md)."
-    )
-    text = f"{tables('speed', speed)['summary'].markdown}\n\n{fill(conditions, _WIDTH)}\n"
-    pattern = r"(<!-- summary: [^>]*-->\n).*?(<!-- end -->)"
+    text, pattern = page(speed, "summary"), r"(<!-- summary: [^>]*-->\n).*?(<!-- end -->)"
     return re.sub(pattern, lambda match: match[1] + text + match[2], readme, flags=re.DOTALL)
 
 

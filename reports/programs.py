@@ -49,10 +49,9 @@ class Program(NamedTuple):
         """Whether all that it needs is installed."""
         return all(find_spec(need) is not None for need in self.needs)
 
-    def job(self, present: Sequence[bool], runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    def job(self, present: Sequence[bool], runs: Sequence[tuple[Any, ...]]) -> dict[str, Any]:
         """The job of :mod:`peers.process`."""
-        shared = {"module": self.module, "method": self.method}
-        return {**shared, "present": [*present], "runs": [*runs]}
+        return {"module": self.module, "method": self.method, "present": present, "runs": runs}
 
     def prepared(self, present: Sequence[bool], many: bool = False) -> Run:
         """Its prepared form for a pattern of the equations, of one start or of many."""

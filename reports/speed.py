@@ -6,13 +6,14 @@ import math
 import os
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import contest
 import kit
@@ -35,14 +36,10 @@ QUICK_PROGRAMS = (OURS, RUN, ENGINE)  # what needs no compiler
 
 
 def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
-    """The study's rows; seconds vary from run to run, digits do not.
-
-    ``without``: the programs that are not installed.
-    """
+    """The study's rows; seconds vary from run to run, digits do not."""
     wanted_cells, ways_of = contest.wanted_cells(quick, only), motions(quick, only)
     refined = [x for x in REFINED if x.quick >= quick and only(f"refined: {x.name} t={x.end}")]
-    chosen = [p for p in PROGRAMS if not quick or p.name in QUICK_PROGRAMS]
-    programs = [p for p in chosen if p.is_there]
+    programs = [p for p in PROGRAMS if p.is_there and (not quick or p.name in QUICK_PROGRAMS)]
     first: kit.Parts = {
         "first": (partial(first_row, quick=quick), programs if only("first result") else [])
     }
@@ -57,7 +54,6 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     return {
         "once_above": PATIENCE,
         "programs": [program.name for program in programs],
-        "without": [p.name for p in chosen if not p.is_there],
         **starting,
         "cells": cells,
         **kit.rows_by_part(others, True, say),
@@ -82,38 +78,24 @@ _FIRST_LIMIT = 120.0
 
 def first_row(program: Program, quick: bool) -> dict[str, Any]:
     """Wall and processor seconds, with empty caches of compiled code and after that."""
-    run = tops.draw(KIND, 0, END, OUTPUTS).run(TOLERANCE)
-    job = program.job(tops.present(KIND), [run])
-    clocks: dict[str, tuple[float, float]] = {}
-    began, fault = time.perf_counter(), ""
-    try:
-        for _ in range(1 if quick else FIRST_REPEATS):
-            with tempfile.TemporaryDirectory() as cache:
-                for word in ("cold", "warm"):
-                    clock = _clocked(job, Path(cache))
-                    clocks[word] = min(clock, clocks.get(word, clock))
-            if time.perf_counter() - began > ENOUGH:
-                break
-    except ArithmeticError as failed:
-        fault = str(failed)
-    rounded = {
-        word: {"wall": round(wall, 3), "processor": round(processor, 3)}
-        for word, (wall, processor) in clocks.items()
+    job = program.job(tops.present(KIND), [tops.draw(KIND, 0, END, OUTPUTS).run(TOLERANCE)])
+    clocks: dict[str, list[tuple[float, float]]] = {"cold": [], "warm": []}
+    began = time.perf_counter()
+    for _ in range(1 if quick else FIRST_REPEATS):
+        with tempfile.TemporaryDirectory() as cache:
+            for clock in clocks.values():  # of a process from its start to its end
+                before, start = sum(os.times()[2:4]), time.perf_counter()  # children's
+                answers, fault = ask(process.__name__, job, _FIRST_LIMIT, Path(cache))
+                wall, spent = time.perf_counter() - start, sum(os.times()[2:4]) - before
+                if fault or "failed" in answers[0]:
+                    return {"program": program.name, "fault": fault or answers[0]["failed"]}
+                clock.append((round(wall, 3), round(spent, 3)))
+        if time.perf_counter() - began > ENOUGH:
+            break
+    least = {
+        word: dict(zip(("wall", "processor"), min(x), strict=True)) for word, x in clocks.items()
     }
-    return {"program": program.name, **rounded, "fault": fault}
-
-
-def _clocked(job: dict[str, Any], cache: Path) -> tuple[float, float]:
-    """Wall and processor seconds of one process from its start to its end.
-
-    Raises ArithmeticError where it failed.
-    """
-    before, began = sum(os.times()[2:4]), time.perf_counter()  # of children: user, system
-    answers, fault = ask(process.__name__, job, _FIRST_LIMIT, cache)
-    wall, spent = time.perf_counter() - began, sum(os.times()[2:4]) - before
-    if fault or "failed" in answers[0]:
-        raise ArithmeticError(fault or answers[0]["failed"])
-    return wall, spent
+    return {"program": program.name, **least, "fault": ""}
 
 
 # --- number types ---------------------------------------------------------------------------------
@@ -145,13 +127,8 @@ class LibraryMotion(NamedTuple):
 
     def scene(self, times: Sequence[Fraction]) -> polhode.Scene:
         """Its scene at other times."""
-        own: dict[str, Any] = {
-            "times": tuple(times),
-            "outputs": self.outputs,
-            "events": (),
-            "published": (),
-        }
-        return replace(polhode.load(self.case), **own)
+        plain = replace(polhode.load(self.case), events=(), published=())
+        return replace(plain, times=tuple(times), outputs=self.outputs)
 
 
 _REGULAR, _CHAOTIC = "general/asymmetric-regular", "general/asymmetric-chaotic"
@@ -185,36 +162,34 @@ _FINE = {
     "quad": (1e-20, 2.0**-112),
     "mp": (float(kit.TYPES["mp"].eps),),
 }
-#: Wide types are projected at their own tolerance alone: they are not unless they are asked to be.
-_PROJECTED = _FINE | {"quad": _FINE["quad"][-1:]}
-WAYS = tuple(
-    Way(number, project, tolerances[number])
-    for number in _FINE
-    for project, tolerances in ((False, _FINE), (True, _PROJECTED))
-)
 
 
-def _runs(curve: Way, motion: LibraryMotion, quick: bool) -> bool:
-    """Whether a way of a motion is run.
+def ways(motion: LibraryMotion, quick: bool) -> Iterator[Way]:
+    """The ways of a motion, each type as it is and projected.
 
     Steps in quad and mp that are projected take 3 to 15 seconds to t = 1000, and nothing is
-    projected in these types unless it is asked to be: one motion shows them.
+    projected in these types unless it is asked to be: one motion shows them, at their own eps.
     """
-    if quick and not (motion.quick and curve.number in QUICK_TYPES):
-        return False
-    wide = curve.project and curve.number in ("quad", "mp")
-    return not wide or motion.name == TYPES_SHOWN
+    for number in QUICK_TYPES if quick else _FINE:
+        yield Way(number, False, _FINE[number])
+        if number in QUICK_TYPES:
+            yield Way(number, True, _FINE[number])
+        elif motion.name == TYPES_SHOWN:
+            yield Way(number, True, _FINE[number][-1:])
 
 
 def motions(quick: bool, only: kit.Only) -> dict[LibraryMotion, list[Way]]:
     """The motions asked for, each with the ways that are."""
-    ways_of: dict[LibraryMotion, list[Way]] = {}
-    for motion in MOTIONS:
-        labels = motion.name, motion.case, "every motion"
-        for curve in WAYS:
-            if _runs(curve, motion, quick) and only(*labels, curve.name):
-                ways_of.setdefault(motion, []).append(curve)
-    return ways_of
+    ways_of = {
+        motion: [
+            way
+            for way in ways(motion, quick)
+            if only(motion.name, motion.case, "every motion", way.name)
+        ]
+        for motion in MOTIONS
+        if motion.quick >= quick
+    }
+    return {motion: chosen for motion, chosen in ways_of.items() if chosen}
 
 
 def row(
@@ -321,179 +296,100 @@ def _refined(motion: LibraryMotion) -> dict[str, Any]:
 # Rows of the tables and facts of the speed study's page: polhode beside other programs, and alone.
 
 
-#: Levels of digits, each with its cell.
-Levels: TypeAlias = Sequence[tuple[kit.JsonObject, kit.JsonObject]]
-
-LONG = 1000  # from this end on a run is told as a long one
+_NEVER = {"wall": math.inf}
 SUMMARY_ENDS = (1, 10, 100, 1000)
 WORDS = ("ahead", "even", "behind", "alone", "not run", "not reached")
+ALONE = {"alone": "polhode alone", "not run": "others not run"}
 
 
 def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
-    many, single = _parted(results["cells"])
+    lengths = by_length(results["cells"])
     return {
-        "summary": summary(results["cells"], _not_run(results)),
-        "standing": standings(results["cells"]),
-        "first": sorted(map(_first, results["first"]), key=lambda row: row["order"]),
-        "short": _by_length([cell for cell in single if cell["end"] < LONG]),
-        "long": _by_length([cell for cell in single if cell["end"] >= LONG]),
-        "many": _by_length(many),
+        "summary": summary(lengths),
+        "first": sorted(results["first"], key=lambda row: row.get("cold", _NEVER)["wall"]),
+        "single": [row for row in lengths if not row["starts"]],
+        "many": [row for row in lengths if row["starts"]],
         "faults": _faults(results),
         "types": _best(results["motions"]),
         "refined": results["refined"],
     }
 
 
-def _first(row: kit.JsonObject) -> kit.JsonObject:
-    """Seconds to a first result; where a program failed, why there are none."""
-    failed = dict.fromkeys(("wall", "processor"), row["fault"])
-    ways = {way: row.get(way, failed) for way in ("cold", "warm")}
-    return {**row, **ways, "order": row["cold"]["wall"] if "cold" in row else math.inf}
+def by_length(cells: Sequence[kit.JsonObject]) -> list[kit.JsonObject]:
+    """A row a number of starts or outputs, a length, and a level of digits, over the kinds."""
+    levels: dict[tuple[int, int, int, float], list[kit.JsonObject]] = {}
+    for cell in cells:
+        for level in cell["levels"]:
+            key = cell.get("starts", 0), cell["outputs"], cell["end"], level["digits"]
+            levels.setdefault(key, []).append(level)
+    return [_over_kinds(*key, every) for key, every in sorted(levels.items())]
 
 
-def summary(cells: Sequence[kit.JsonObject], not_run: str) -> Iterator[kit.JsonObject]:
+def _over_kinds(
+    starts: int, outputs: int, end: int, digits: float, levels: Sequence[kit.JsonObject]
+) -> kit.JsonObject:
+    """What a row says of one length and level of digits."""
+    unit = 1e6 / starts if starts else 1e3
+    verdicts = [level["verdict"] for level in levels]
+    stands = Counter(verdict["stands"] for verdict in verdicts)
+    met = [verdict for verdict in verdicts if "best" in verdict]
+    best = [name for name, _ in Counter(sorted(x["best"] for x in met)).most_common(2)]
+    ratios = [verdict["ratio"][0] for verdict in met]
+    programs = {
+        name: [p for level in levels for p in level["programs"] if p["program"] == name]
+        for name in (OURS, ENGINE, RUN)
+    }
+    often = "" if len(met) == len(levels) else f" (in {len(met)} of {len(levels)})"
+    alone = next((text for word, text in ALONE.items() if stands[word]), "not reached")
+    return {
+        "starts": starts,
+        "end": end,
+        "run": f"t = {end}, " + (f"{starts} starts" if starts else f"{outputs} outputs"),
+        "cells": f"t={end} " + (f"starts={starts}" if starts else f"outputs={outputs}"),
+        "digits": digits,
+        "own": kit.median([unit * p["seconds"] for p in programs[OURS] if p["seconds"]], ".3g"),
+        "stands": kit.counted({word: stands[word] for word in WORDS}),
+        "best": ", ".join(best) or kit.DASH,
+        "ratio": kit.spread(ratios, ".2f"),
+        **{
+            name: kit.spread([p["ratio"][0] for p in programs[name] if p["ratio"]], ".2f")
+            for name in (ENGINE, RUN)
+        },
+        "summary": f"{_bold(kit.median(ratios, '.2f'))} {best[0]}{often}" if met else alone,
+    }
+
+
+def _bold(ratio: str) -> str:
+    return f"**{ratio}**" if float(ratio) > 1 else ratio
+
+
+def summary(lengths: Iterable[kit.JsonObject]) -> list[kit.JsonObject]:
     """The time of the best other program over the propagator's: runs down, digits across.
 
     Medians over the kinds of motion, and the program that is best in most of them; above 1 in bold.
-    The last rows are of many starts at once.  ``not_run``: what stands where no other program was.
+    The last rows are of many starts at once.
     """
-    digits = dict.fromkeys(level["digits"] for cell in cells for level in cell["levels"])
-    usual = [cell for cell in cells if cell["end"] in SUMMARY_ENDS]
-    for (starts, outputs, end), here in _groups(usual, "starts", "outputs", "end").items():
-        run = f"t = {end}, " + (f"{starts} starts" if starts else f"{outputs} outputs")
-        yield {"run": run, "cells": {f"{x:g}": _best_other(here, x, not_run) for x in digits}}
-
-
-def _best_other(cells: Sequence[kit.JsonObject], digits: float, not_run: str) -> str:
-    """The best other program's time over the propagator's in cells, and which it is in most."""
-    verdicts = [x["verdict"] for _, x in levels(cells) if x["digits"] == digits]
-    ratios = [verdict["ratio"][0] for verdict in verdicts if "best" in verdict]
-    if not ratios:
-        words_said = {verdict["stands"] for verdict in verdicts}
-        words = {"alone": "polhode alone", "not run": not_run}
-        return next((text for word, text in words.items() if word in words_said), "not reached")
-    ratio = kit.median(ratios, ".2f")
-    names = [verdict["best"] for verdict in verdicts if "best" in verdict]
-    often = max(sorted(set(names)), key=names.count)
-    part = "" if len(ratios) == len(verdicts) else f" (in {len(ratios)} of {len(verdicts)})"
-    return f"{f'**{ratio}**' if float(ratio) > 1 else ratio} {often}{part}"
-
-
-def standings(cells: Sequence[kit.JsonObject]) -> Iterator[kit.JsonObject]:
-    """How often polhode is ahead of the others, and how far it is from heyoka: a row a length."""
-    counts = stands(levels(cells))
-    missing = ["not run"] if counts["not run"] else []
-    for (starts, end), here in _groups(cells, "starts", "end").items():
-        pairs = levels(here)
-        counts = stands(pairs)
-        lost = [x["verdict"] for _, x in pairs if x["verdict"]["stands"] == "behind"]
-        ratios = [verdict["ratio"][0] for verdict in lost]
-        own = [1 / ratio for ratio in ratios_of(pairs, ENGINE)]
-        yield {
-            "run": f"t = {end}" + f", {starts} starts" * (starts > 0),
-            **counts,
-            "missing": {word: counts[word] for word in missing},
-            "lost": kit.spread(ratios, ".2f"),
-            "best": kit.listed(verdict["best"] for verdict in lost),
-            "engine": kit.spread(own, ".2f"),
-        }
+    cells: dict[str, dict[str, str]] = {}
+    for row in lengths:
+        if row["end"] in SUMMARY_ENDS:
+            cells.setdefault(row["run"], {})[f"{row['digits']:g}"] = row["summary"]
+    return [{"run": run, "cells": by_digits} for run, by_digits in cells.items()]
 
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    refined = results["refined"]
-    _, cells = _parted(results["cells"])
+    refined, cells = results["refined"], results["cells"]
+    arrays = Counter((cell["starts"], cell["end"]) for cell in cells if cell.get("starts"))
     better = [row["refined"]["digits"] - row["taylor"]["digits"] for row in refined]
     return {
         "draws": cells[0]["draws"] if cells else kit.DASH,
         "kinds": ", ".join(dict.fromkeys(cell["kind"] for cell in cells)) or kit.DASH,
-        "without": _without(results),
+        "without": ", ".join(x for x in BY_NAME if x not in results["programs"]) or "none",
+        "many_kinds": " or ".join(map(str, sorted({*arrays.values()}))),
         "once_above": f"{results['once_above']:g}",
         "refined_time": kit.between([1 / row["gain"] for row in refined], ".3f"),
         "refined_digits": kit.between(better, "+.1f"),
-    }
-
-
-def _not_run(results: kit.JsonObject) -> str:
-    """What a cell says where no other program was run."""
-    if results.get("quick"):
-        return "others not run by --quick"
-    extras = _extras(results) or ["polhode[peers]"]
-    return f"others not run: install {', '.join(extras)}"
-
-
-def _without(results: kit.JsonObject) -> str:
-    """The programs that were not run at all, and how they can be."""
-    if results.get("quick"):
-        return "all others (--quick runs what needs no compiler)"
-    names, extras = ", ".join(results["without"]), _extras(results)
-    return f"{names} (install {', '.join(extras)})" if extras else names or "none"
-
-
-def _extras(results: kit.JsonObject) -> list[str]:
-    """What installs the programs that are missing."""
-    absent = [BY_NAME[name].needs for name in results["without"] if name in BY_NAME]
-    extras = {f"polhode[peers{'-fortran' * ('numbalsoda' in needs)}]" for needs in absent}
-    return sorted(extras, reverse=True)
-
-
-def _parted(cells: Sequence[kit.JsonObject]) -> tuple[list[kit.JsonObject], list[kit.JsonObject]]:
-    """The cells of many starts at once, and the others."""
-    many = [cell for cell in cells if cell.get("starts")]
-    return many, [cell for cell in cells if not cell.get("starts")]
-
-
-def _groups(
-    cells: Sequence[kit.JsonObject], *names: str
-) -> dict[tuple[int, ...], list[kit.JsonObject]]:
-    """The cells by their numbers of these names, in order."""
-    groups: dict[tuple[int, ...], list[kit.JsonObject]] = {}
-    for cell in cells:
-        groups.setdefault(tuple(cell.get(name, 0) for name in names), []).append(cell)
-    return dict(sorted(groups.items()))
-
-
-def levels(cells: Iterable[kit.JsonObject]) -> Levels:
-    """The cells and their levels."""
-    return [(cell, level) for cell in cells for level in cell["levels"]]
-
-
-def stands(pairs: Levels) -> dict[str, int]:
-    """How often polhode is ahead, even, behind, alone, or does not reach the digits itself."""
-    words = [level["verdict"]["stands"] for _, level in pairs]
-    return {word: words.count(word) for word in WORDS}
-
-
-def ratios_of(pairs: Levels, name: str) -> list[float]:
-    """The ratios of a program, where it has one."""
-    programs = [program for _, level in pairs for program in level["programs"]]
-    named = [program["ratio"] for program in programs if program["program"] == name]
-    return [ratio[0] for ratio in named if ratio is not None]
-
-
-def _by_length(cells: Sequence[kit.JsonObject]) -> Iterator[kit.JsonObject]:
-    """A row a length, number of outputs or of starts, and level, over the kinds."""
-    for (end, outputs, starts), here in _groups(cells, "end", "outputs", "starts").items():
-        name = f"t={end} " + (f"starts={starts}" if starts else f"outputs={outputs}")
-        unit = 1e6 / starts if starts else 1e3
-        for digits in [level["digits"] for level in here[0]["levels"]]:
-            pairs = [(cell, level) for cell, level in levels(here) if level["digits"] == digits]
-            yield {"cells": name, "digits": digits, **_over_kinds(pairs, unit)}
-
-
-def _over_kinds(pairs: Levels, unit: float) -> kit.JsonObject:
-    """What a row says of one length and level, seconds times a unit."""
-    own = [p["seconds"] for _, x in pairs for p in x["programs"] if p["program"] == OURS]
-    met = [x["verdict"] for _, x in pairs if "best" in x["verdict"]]
-    names = [verdict["best"] for verdict in met]
-    first = sorted(set(names), key=lambda name: (-names.count(name), name))[:2]
-    return {
-        "own": kit.median([unit * seconds for seconds in own if seconds], ".3g"),
-        "stands": kit.counted(stands(pairs)),
-        "best": ", ".join(first) or kit.DASH,
-        "ratio": kit.spread([verdict["ratio"][0] for verdict in met], ".2f"),
-        **{name: kit.spread(ratios_of(pairs, name), ".2f") for name in (ENGINE, RUN)},
     }
 
 
@@ -513,6 +409,7 @@ def _faults(results: kit.JsonObject) -> list[kit.JsonObject]:
     causes = {
         (name, fault): None for cell in results["cells"] for name, fault in cell["faults"].items()
     }
+    causes |= {(row["program"], row["fault"]): None for row in results["first"] if row["fault"]}
     causes |= {
         (method["method"], f"at tolerance {point['tol']:.2g}: {point['reason']}"): None
         for motion in results["motions"]
@@ -539,7 +436,10 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
     if panels:
         drawn["speed"] = work_precision(panels)
     if results["motions"]:
-        types = {_title(motion): _types(motion) for motion in results["motions"]}
+        titles = [
+            f"{motion['motion'].capitalize()}, t = {motion['end']}" for motion in results["motions"]
+        ]
+        types = dict(zip(titles, map(_types, results["motions"]), strict=True))
         drawn["types"] = work_precision(types)
     return drawn
 
@@ -578,14 +478,8 @@ def work_precision(panels: Mapping[str, Curves]) -> str:
 
 def _panel(cell: kit.JsonObject) -> str:
     """The title of a cell's panel."""
-    kind = f"{cell['kind'][0].upper()}{cell['kind'][1:]}"
-    if cell.get("starts"):
-        return f"{cell['starts']} starts, t = {cell['end']}"
-    return f"{kind}, t = {cell['end']}"
-
-
-def _title(motion: kit.JsonObject) -> str:
-    return f"{motion['motion'][0].upper()}{motion['motion'][1:]}, t = {motion['end']}"
+    name = f"{cell['starts']} starts" if cell.get("starts") else cell["kind"].capitalize()
+    return f"{name}, t = {cell['end']}"
 
 
 def _types(motion: kit.JsonObject) -> Curves:

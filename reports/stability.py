@@ -29,30 +29,26 @@ QUARTERS = 4  # of the way, each of whose ends is one of those states
 
 def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; no figure in them depends on the clock."""
-    chosen = [name for name in hard_names(quick) if only(name)]
-
-    scenes = [polhode.load(name) for name in chosen]
-    pairs = zip(scenes, case_rows(scenes, quick, say), strict=True)
-    cases = [_hard(scene, row) for scene, row in pairs]
+    scenes = [polhode.load(name) for name in hard_names(quick) if only(name)]
+    cases = [
+        row | {"end": float(scene.end), "runs": [*map(_judged, row["runs"])]}
+        for scene, row in zip(scenes, case_rows(scenes, quick, say), strict=True)
+    ]
+    names = [scene.name for scene in scenes]
     longest_first = sorted(scenes, key=lambda scene: -scene.log10_angle)
     ways = kit.rows_by_part({"back": (_back, longest_first)}, quick, say)["back"]
-    ways_back = dict(zip((scene.name for scene in longest_first), ways, strict=True))
     return {
         "kinds": [
-            {"kind": kind, "cases": [name for name in names if name in chosen]}
-            for kind, names in KINDS.items()
+            {"kind": kind, "cases": [name for name in cases if name in names]}
+            for kind, cases in KINDS.items()
         ],
         "cases": cases,
-        "back": [row for name in chosen for row in ways_back[name]],
+        "back": sorted((row for way in ways for row in way), key=lambda x: names.index(x["case"])),
     }
 
 
-def _hard(scene: polhode.Scene, row: dict[str, Any]) -> dict[str, Any]:
-    """A case of the study of accuracy, with how far each run is behind what was expected."""
-    return row | {"end": float(scene.end), "runs": [_judged(run) for run in row["runs"]]}
-
-
 def _judged(run: dict[str, Any]) -> dict[str, Any]:
+    """A run of the study of accuracy, with how far it is behind what was expected."""
     if "correct_digits" not in run:
         return run
     expected = run["expected"]
@@ -75,21 +71,19 @@ def _back(scene: polhode.Scene) -> list[dict[str, Any]]:
     backs = [polhode.conditioning(home, number="quad").log10_kappa[-1] for home in ways]
     back = max((x for x in backs if x is not None), default=None)
     kappa = None if there is None or back is None else max(there, back)
-    rows = []
-    for name in numbers:
-        eps = error(scene, kit.TYPES[name])
-        rows.append(
-            {
-                "case": scene.name,
-                "number": name,
-                "log10_kappa": None if there is None else round(there, 2),
-                "log10_kappa_back": None if back is None else round(back, 2),
-                "error_eps": kit.significant(eps, 3),
-                "times_kappa": None if kappa is None else kit.significant(eps / 10**kappa, 2),
-                "within": None if kappa is None else eps <= 10**kappa,
-            }
-        )
-    return rows
+    errors = {name: error(scene, kit.TYPES[name]) for name in numbers}
+    return [
+        {
+            "case": scene.name,
+            "number": name,
+            "log10_kappa": None if there is None else round(there, 2),
+            "log10_kappa_back": None if back is None else round(back, 2),
+            "error_eps": kit.significant(eps, 3),
+            "times_kappa": None if kappa is None else kit.significant(eps / 10**kappa, 2),
+            "within": None if kappa is None else eps <= 10**kappa,
+        }
+        for name, eps in errors.items()
+    ]
 
 
 # --- hard cases -----------------------------------------------------------------------------------
@@ -157,11 +151,6 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     cases = {case["case"]: kit.by_number(case, _pair) for case in results["cases"]}
     runs = [{**case, **run} for case, run in kit.runs_of(results["cases"])]
     late = [run for run in runs if (run.get("behind") or 0) > 0]
-    ways: dict[str, kit.JsonObject] = {}
-    for row in results["back"]:
-        empty = {**row, "runs": {}, "eps": dict.fromkeys(LONGEST)}
-        way = ways.setdefault(row["case"], empty)
-        way["runs"][row["number"]], way["eps"][row["number"]] = row, row["error_eps"]
     return {
         "cases": (
             {**cases[name], "kind": kind["kind"]}
@@ -177,7 +166,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
             for run in runs
             if run.get("behind") is None
         ),
-        "back": ({**way, "within": _within(way["runs"])} for way in ways.values()),
+        "back": results["back"],
     }
 
 
@@ -191,12 +180,6 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
         "within": kit.share(row["within"] for row in judged),
         "times_kappa": max((row["times_kappa"] for row in judged), default=0),
     }
-
-
-def _within(runs: kit.JsonObject) -> str:
-    """Of each number type, whether its run came back within kappa·eps."""
-    said = {True: "yes", False: "no", None: "not known"}
-    return ", ".join(f"{name}: {said[row['within']]}" for name, row in runs.items())
 
 
 # --- figure ---------------------------------------------------------------------------------------

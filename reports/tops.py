@@ -158,11 +158,9 @@ class Draw(NamedTuple):
     top: Top
     start: Any
 
-    def run(self, tol: float) -> dict[str, Any]:
+    def run(self, tol: float) -> tuple[Any, ...]:
         """The run of a job of :mod:`peers.process`."""
-        times = [float(t) for t in self.scene.times]
-        top = [x.tolist() for x in self.top]
-        return {"top": top, "start": self.start.tolist(), "times": times, "tol": tol}
+        return self.top, self.start, np.array([*map(float, self.scene.times)]), tol
 
 
 def cells(kind: str) -> list[Cell]:

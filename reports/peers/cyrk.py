@@ -58,16 +58,9 @@ def _in_python(present: Sequence[bool], method: str) -> Run:
         def field(dy: Array, t: float, y: Array) -> None:
             dy[:] = rates(*y.tolist(), c)
 
-        solution = pysolve_ivp(
-            field,
-            (times[0], times[-1]),
-            start,
-            method=method,
-            t_eval=times,
-            rtol=tol,
-            atol=tol,
-            pass_dy_as_arg=True,
-        )
+        options = {"method": method, "t_eval": times, "rtol": tol, "atol": tol}
+        span = times[0], times[-1]
+        solution = pysolve_ivp(field, span, start, pass_dy_as_arg=True, **options)
         if not solution.success:
             raise ArithmeticError("success is False")
         return solution.y.T

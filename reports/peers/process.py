@@ -1,19 +1,20 @@
-"""One program as a process: ``python -m peers.process < job``, which imports nothing else.
+"""One program as a process: ``python -m peers.process ANSWERS < job``, which imports nothing else.
 
-A job: {"module", "method", "present", "runs": [{"top": [coefficients, moments, torque], "start",
-"times", "tol"}]}; see :mod:`peers.field`.  The answer is a line of JSON a run, flushed
-as it is made, so that a process that dies or is stopped leaves what it had: {"state": the last one}
-or {"failed": why}.
+A job: {"module", "method", "present", "runs": [(top, start, times, tol)]}; see :mod:`peers.field`.
+An answer a run is added to the file ANSWERS as it is made, so that a process that dies or is
+stopped leaves what it had: {"state": the last one} or {"failed": why}.  Both are pickles.
 """
 
 from __future__ import annotations
 
-import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -23,17 +24,12 @@ _SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of Linux
 
 def main() -> None:
     """Answer the job on stdin."""
-    import numpy as np
-
-    from peers.field import Top
-
     end_with_parent()
-    job = json.load(sys.stdin)
+    job = pickle.load(sys.stdin.buffer)
     run = import_module(job["module"]).prepared(job["present"], job["method"])
-    for job_run in job["runs"]:
-        top = Top(*map(np.array, job_run["top"]))
+    for arguments in job["runs"]:
         try:
-            rows = run(top, np.array(job_run["start"]), np.array(job_run["times"]), job_run["tol"])
+            rows = run(*arguments)
         except Exception as fault:  # whatever a program raises is a result of the study
             write({"failed": f"{type(fault).__name__}: {fault}"})
         else:
@@ -52,8 +48,9 @@ def end_with_parent() -> None:
 
 
 def write(answer: dict[str, Any]) -> None:
-    """One line of JSON, at once."""
-    print(json.dumps(answer), flush=True)
+    """Add an answer to those of this process, at once."""
+    with open(sys.argv[1], "ab") as file:
+        pickle.dump(answer, file)
 
 
 if __name__ == "__main__":
@@ -65,26 +62,25 @@ if __name__ == "__main__":
 # Other programs as processes of their own: what is asked of them, and what came back.
 
 
-def ask(
-    module: str, job: Mapping[str, Any], limit: float, cache: Path
-) -> tuple[list[dict[str, Any]], str]:
+def ask(module: str, job: Mapping[str, Any], limit: float, cache: Path) -> tuple[list[Any], str]:
     """The answers of ``python -m module`` to a job, and what ended it early, if anything did."""
-    command = [sys.executable, "-m", module]
-    try:
-        ended = subprocess.run(
-            command,
-            input=json.dumps(job).encode(),
-            capture_output=True,
-            timeout=limit,
-            env=environment(cache),
-        )
-    except subprocess.TimeoutExpired as late:
-        return _lines(late.stdout or b""), f"stopped after {limit:g} s"
-    if ended.returncode == 0:
-        return _lines(ended.stdout), ""
-    last = ended.stderr.decode(errors="replace").strip().splitlines()[-1:]
-    message = f": {last[0]}" if last else ""
-    return _lines(ended.stdout), f"process ended with {ended.returncode}{message}"
+    with tempfile.TemporaryDirectory() as folder:
+        path, fault = Path(folder) / "answers", ""
+        path.touch()
+        try:
+            ended = subprocess.run(
+                [sys.executable, "-m", module, path],
+                input=pickle.dumps(job),
+                capture_output=True,
+                timeout=limit,
+                env=environment(cache),
+            )
+        except subprocess.TimeoutExpired:
+            return [*_answers(path)], f"stopped after {limit:g} s"
+        if ended.returncode:
+            last = ended.stderr.decode(errors="replace").strip().splitlines()[-1:]
+            fault = ": ".join([f"process ended with {ended.returncode}", *last])
+        return [*_answers(path)], fault
 
 
 def environment(cache: Path) -> dict[str, str]:
@@ -102,14 +98,8 @@ def environment(cache: Path) -> dict[str, str]:
     }
 
 
-def _lines(output: bytes) -> list[dict[str, Any]]:
-    """The whole lines of JSON in an output; what else a process printed is passed over."""
-    answers = []
-    for line in output.decode(errors="replace").splitlines():
-        try:
-            answer = json.loads(line)
-        except ValueError:
-            continue
-        if isinstance(answer, dict):
-            answers.append(answer)
-    return answers
+def _answers(path: Path) -> Iterator[Any]:
+    """The answers in a file, of which the last may not be whole."""
+    with path.open("rb") as file, suppress(EOFError, pickle.UnpicklingError):
+        while True:
+            yield pickle.load(file)

@@ -6,6 +6,7 @@ No test depends on how long anything takes.
 from __future__ import annotations
 
 import json
+import pickle
 import warnings
 from importlib.util import find_spec
 from itertools import pairwise
@@ -22,7 +23,7 @@ import programs
 import speed
 import tops
 from kit import Only
-from peers import scipy_ode
+from peers import process, scipy_ode
 from peers.process import ask
 from polhode.dynamics.lyapunov import lyapunov
 from programs import ENGINE, OURS, RUN
@@ -135,12 +136,12 @@ def test_the_least_of_several_calls_next_to_a_level_is_told(monkeypatch):
     cell_contest._once(OURS, 0, 1e-9)
     for _ in range(2):
         cell_contest._block(OURS, 0, 1e-9)
-    ((_, tol, digits, least),) = cell_contest.plain_points()[OURS]
+    (((_, tol), (digits, least)),) = cell_contest.timed_points()[OURS].items()
     assert (tol, least) == (1e-9, 1.0)
     assert digits > 15
     entered = {}
     for seconds in (2.0, 1.0, 3.0):  # of three processes, by the fastest
-        contest._enter(entered, {OURS: [[0, tol, digits, seconds]]})
+        contest._enter(entered, {OURS: {(0, tol): (digits, seconds)}})
     assert entered == {OURS: {(0, tol): (digits, 1.0)}}
 
 
@@ -149,7 +150,7 @@ def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatc
     truths = contest._truths({"lagrange": [(cell := Cell("lagrange", 10, 2))]}, print)
     cells = [(cell, truths[cell])]
     job = {"kind": "lagrange", "cells": cells, "programs": ["broken", OURS], "patience": 0}
-    job["tolerances"] = {"lagrange t=10 outputs=2": {OURS: [1e-9]}}
+    job["tolerances"] = {cell: {OURS: [1e-9]}}
     answers, fault = ask(contest._MODULE, job, 60.0, tmp_path)
     failed, answer = answers
     assert fault == ""
@@ -161,29 +162,38 @@ def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatc
     assert row["faults"] == {"broken": failed["fault"]}
 
 
+@pytest.mark.parametrize("lost", [0, 1, 40])
+def test_what_a_stopped_process_had_answered_is_kept(lost, tmp_path):
+    """Of its last answer only what is whole."""
+    answers = {"state": [0.1] * 6}, {"state": [0.2] * 6}
+    data = b"".join(map(pickle.dumps, answers))
+    (tmp_path / "answers").write_bytes(data[: len(data) - lost])
+    assert [*process._answers(tmp_path / "answers")] == [*answers][: 1 if lost else 2]
+
+
 # rows
 
 
 def test_a_cell_that_an_ended_process_did_not_come_to_is_held_whole_by_the_next(monkeypatch):
     """It was never held again, and its programs were called so slow that they did not reach it."""
     first, second = tops.cells("chaotic")[:2]
-    answer = {"cell": first.name, "points": {OURS: [[0, 1e-9, 9.0, 1e-3]]}, "faults": {}}
+    answer = {"cell": first, "points": {OURS: {(0, 1e-9): (9.0, 1e-3)}}, "faults": {}}
     jobs = []
 
-    def process(_, job, *rest):
-        jobs.append(json.loads(json.dumps(job)))
-        answers = [answer, answer | {"cell": second.name}]
+    def asked(_, job, *rest):
+        jobs.append({**job})
+        answers = [answer, answer | {"cell": second}]
         return (answers[:1], "stopped") if len(jobs) == 1 else (answers, "")
 
-    monkeypatch.setattr(contest, "ask", process)
+    monkeypatch.setattr(contest, "ask", asked)
     monkeypatch.setattr(contest, "row", lambda cell, points, faults: (points, faults))
     truths = {contest._judged_cell(cell): [] for cell in (first, second)}
     cells = [first, second]
     rows = contest._kind("chaotic", cells, [], truths, None, False, lambda text: None)
-    assert [job["tolerances"] and {*job["tolerances"]} for job in jobs] == [
-        None,
-        {first.name},  # without a word of the other, which is held at all of its tolerances
-        {first.name, second.name},
+    assert [{*job["tolerances"]} for job in jobs] == [
+        set(),
+        {first},  # without a word of the other, which is held at all of its tolerances
+        {first, second},
     ]
     assert [faults for _, faults in rows] == [{}, {"process 1": "stopped"}]
     assert all(points[OURS] for points, _ in rows)
@@ -324,40 +334,32 @@ def synthetic(factor: float) -> dict:
     ]
     clock = {"wall": 0.5, "processor": 0.4}
     first = [{"program": OURS, "cold": clock, "warm": clock, "fault": ""}]
-    rest = {"once_above": 0.1, "without": [], "motions": [], "refined": []}
+    rest = {"once_above": 0.1, "programs": [OURS], "motions": [], "refined": []}
     return json.loads(json.dumps({"first": first, "cells": cells, **rest}))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("factor", [0.5])
+@pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_what_the_page_counts_follows_from_the_rows(factor):
+    """Of one kind of motion; each length and level has a row, and the summary a cell."""
     results = synthetic(factor)
-    words = {2.0: "ahead", 0.5: "behind", 1.0: "even"}
-    standing = make.tables("speed", results)["standing"]
-    own = standing.header.index(words[factor])
-    lengths = {(x["starts"], x["end"]): [] for x in results["cells"]}
-    for cell in results["cells"]:
-        lengths[cell["starts"], cell["end"]] += stands(cell)
-    assert len(standing.rows) == len(lengths)
-    for row, (many, end) in zip(standing.rows, sorted(lengths), strict=True):
-        assert row[0] == f"t = {end}" + (f", {many} starts" if many else "")
-        counts = [int(x) for x in row[1:6]]
-        assert counts[own - 1] == sum(counts) == len(lengths[many, end])
-        lost = (f"{0.5:.2f} (0.50–0.50)", PEER) if factor == 0.5 else ("–", "–")
-        assert row[6:8] == lost
-        assert row[8].startswith("1.00 (1.00–")
-    lines = make.tables("speed", results)["many"].markdown.splitlines()
-    assert sum("starts=100 " in line for line in lines) == 9
-    assert "starts" not in make.tables("speed", results)["short"].markdown
-    ratio = f"{factor:.2f}"
-    cell = f"**{ratio}** {PEER}" if factor > 1 else f"{ratio} {PEER}"
-    summary = make.tables("speed", results)["summary"]
+    tables, word = make.tables("speed", results), {2.0: "ahead", 0.5: "behind"}[factor]
+    for name, many in (("single", False), ("many", True)):
+        shown = [row[:2] + row[3:7] for row in tables[name].rows]
+        cells = sorted(
+            (x["starts"], x["outputs"], x["end"], Cell(*[*x.values()][:4]).name.partition(" ")[2])
+            for x in results["cells"]
+            if (x["starts"] > 0) == many
+        )
+        said = f"1 {word}", PEER, f"{factor:.2f}", "1.00"
+        assert shown == [(x[-1], f"{level:g}", *said) for x in cells for level in contest.LEVELS]
+    cell = f"**{factor:.2f}** {PEER}" if factor > 1 else f"{factor:.2f} {PEER}"
     held = {(x["starts"], x["outputs"], x["end"]) for x in results["cells"]}
-    assert [row[0] for row in summary.rows] == [
+    assert [row[0] for row in tables["summary"].rows] == [
         f"t = {end}, " + (f"{starts} starts" if starts else f"{outputs} outputs")
         for starts, outputs, end in sorted(held)
     ]
-    assert {x for row in summary.rows for x in row[1:]} == {cell}
+    assert {x for row in tables["summary"].rows for x in row[1:]} == {cell}
 
 
 # the study
@@ -366,38 +368,21 @@ def test_what_the_page_counts_follows_from_the_rows(factor):
 def test_a_program_that_is_not_installed_is_left_out_and_named(monkeypatch):
     monkeypatch.setattr(programs, "find_spec", lambda need: None if need == "CyRK" else True)
     results = speed.rows(False, print, Only(("no such row",)))
-    assert results["without"] == [p.name for p in programs.PROGRAMS if p.name.startswith("CyRK")]
-    assert not {*results["without"]} & {*results["programs"]}
     assert OURS in results["programs"]
-    names = ", ".join(results["without"])
-    assert speed.facts(results)["without"] == f"{names} (install polhode[peers])"
+    missing = [p.name for p in programs.PROGRAMS if p.name.startswith("CyRK")]
+    assert speed.facts(results)["without"] == ", ".join(missing)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("state", "cell", "without"),
-    [
-        ({"quick": True}, "others not run by --quick", "all others (--quick runs what needs no"),
-        (
-            {"without": ["CyRK VERN8", "numbalsoda lsoda"]},
-            "others not run: install polhode[peers], polhode[peers-fortran]",
-            "CyRK VERN8, numbalsoda lsoda (install polhode[peers], polhode[peers-fortran])",
-        ),
-    ],
-)
-def test_polhode_is_not_alone_where_no_other_was_run(state, cell, without):
+def test_polhode_is_not_alone_where_no_other_was_run():
     """It was called so where others were not installed, and with --quick."""
     ours = points(REACH, dict.fromkeys(REACH, 1e-3))
     rows = [contest.row(cell, {OURS: ours, ENGINE: ours}, {}) for cell in tops.cells("chaotic")]
-    results = {**synthetic(1.0), **state, "cells": rows}
+    tables = make.tables("speed", {**synthetic(1.0), "cells": rows})
     assert {word for row in rows for word in stands(row)} == {"not run"}
-    tables = make.tables("speed", results)
-    assert {x for row in tables["summary"].rows for x in row[1:]} == {cell}
-    assert "not run" in tables["standing"].header
-    assert speed.facts(results)["without"].startswith(without)
+    assert {x for row in tables["summary"].rows for x in row[1:]} == {"others not run"}
+    assert {row[3] for row in tables["single"].rows} == {"1 not run"}
     lost = {OURS: ours, PEER: {}}  # it was run, and reached nothing
     assert stands(contest.row(Cell("euler", 10, 2), lost, {})) == ["alone"] * 3
-    assert "not run" not in make.tables("speed", synthetic(1.0))["standing"].header
 
 
 @pytest.mark.slow
@@ -442,4 +427,4 @@ def test_a_small_contest_from_end_to_end():
             reached = {row["program"]: row["reached"] for row in level["programs"]}
             assert reached == dict.fromkeys((OURS, RUN, ENGINE), 8)
             assert level["verdict"]["stands"] == "not run"
-    assert "t=10 outputs=101" in make.tables("speed", results)["short"].markdown
+    assert "t=10 outputs=101" in make.tables("speed", results)["single"].markdown

@@ -193,13 +193,12 @@ def _grouped(sources: Sequence[Any]) -> list[tuple[Scene, list[GivenTable]]]:
     groups: list[tuple[Scene, list[GivenTable]]] = []
     for k, source in enumerate(sources, 1):
         table = None if isinstance(source, Scene) else _table_of(source, k)
-        scene = library.load(source, takes=REQUESTS) if table is None else None
-        if table is not None and not groups:
-            scene = _own_scene(table)
-        if scene is not None:
-            groups.append((scene, []))
-        if table is not None:
-            groups[-1][1].append(table)
+        if table is None:
+            groups.append((library.load(source, takes=REQUESTS), []))
+            continue
+        if not groups:
+            groups.append((_own_scene(table), []))
+        groups[-1][1].append(table)
     names = [scene.name for scene, _ in groups]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None or not names:

@@ -313,20 +313,19 @@ def digits(plt: Any, scene: Scene | None, rows: Sequence[ReportRow]) -> Any:
 
     ``rows``: name, t, digits, and the band's edges, None where unknown.
     """
-    figure, panel = _panel(plt)
+    figure, panel = plt.subplots(figsize=SIZE, layout="constrained")
     for name, look, (t, right, least, most) in _series(rows):
         style = "-" if name in COLOURS else "--"
         panel.plot(t, right, label=name, ls=style, ms=2.2, **look)
         panel.fill_between(t, least, most, color=look["color"], alpha=0.2, lw=0)
     panel.set(xlabel=time_label(scene), ylabel="correct digits")
     panel.set_ylim(bottom=0)
-    _legend(figure)
     return figure
 
 
 def work(plt: Any, rows: Sequence[ReportRow]) -> Any:
     """Processor time over correct digits; ``rows``: name, tolerance, digits, seconds."""
-    figure, panel = _panel(plt)
+    figure, panel = plt.subplots(figsize=SIZE, layout="constrained")
     for name, look, (_, right, seconds) in _series(rows):
         order = np.argsort(right, kind="stable")
         panel.plot(right[order], seconds[order], label=name, ms=4, **look)
@@ -334,7 +333,6 @@ def work(plt: Any, rows: Sequence[ReportRow]) -> Any:
     panel.yaxis.set_major_formatter(lambda x, _: power_of_ten(math.log10(x)))
     panel.minorticks_off()
     panel.set(xlabel="correct digits at the end", ylabel="processor seconds")
-    _legend(figure)
     return figure
 
 
@@ -344,17 +342,12 @@ def body(plt: Any, of: Body) -> Any:
     figure, panel = plt.subplots(figsize=(4.2, 2.2), layout="constrained")
     panel.set_aspect("equal")
     panel.axis("off")
-    moments = [to_double(x) for x in of.moments]
-    semi = 1 / np.sqrt(moments)
-    semi = semi / semi.max()
+    moments = np.array([to_double(x) for x in of.moments])
+    semi = np.sqrt(moments.min() / moments)
     turn = np.linspace(0, 2 * np.pi, 61)
-    for k in range(3):
-        ring = np.zeros((3, len(turn)))
-        ring[(k + 1) % 3], ring[(k + 2) % 3] = np.cos(turn), np.sin(turn)
+    for k, (x, y) in enumerate((_SEEN_FROM * (semi + 0.25)).T):  # the tips of the axes
+        ring = np.insert([np.cos(turn), np.sin(turn)], k, 0, axis=0)
         panel.plot(*(_SEEN_FROM @ (semi[:, None] * ring)), color=COLOURS["double"], lw=0.8)
-        tip = np.zeros(3)
-        tip[k] = semi[k] + 0.25
-        x, y = _SEEN_FROM @ tip
         panel.plot([0, x], [0, y], color="#000000", lw=0.5)
         side = "center" if k == 2 else "left" if x > 0 else "right"
         text = f"{'ABC'[k]} = {moments[k]:.4g}"
@@ -372,19 +365,16 @@ def drawn(title: str, draw: Callable[..., Any], *subject: Any) -> str:
     with canvas.paper() as plt:
         figure = draw(plt, *subject)
         figure.patch.set_visible(False)
+        for panel in figure.axes:
+            panel.patch.set_visible(False)
+            panel.grid(color="#888888", alpha=0.3)
+            if panel.get_legend_handles_labels()[1]:
+                canvas.legend(figure.legend, [panel], loc="outside upper left", ncols=3)
         svg = canvas.as_svg(figure, title)
     svg = svg[svg.index("<svg") :].replace("#000000", "currentColor")
-    label = escape(printable(title))
-    head = f'<svg fill="currentColor" role="img" aria-label="{label}"'
+    head = f'<svg fill="currentColor" role="img" aria-label="{escape(printable(title))}"'
     head, _, rest = svg.replace("<svg", head, 1).partition(">")
     return f"{head}>\n<style>{_DARK}</style>{rest}"
-
-
-def _panel(plt: Any) -> tuple[Any, Any]:
-    figure, panel = plt.subplots(figsize=SIZE, layout="constrained")
-    panel.patch.set_visible(False)
-    panel.grid(color="#888888", alpha=0.3)
-    return figure, panel
 
 
 def _series(rows: Sequence[ReportRow]) -> Iterator[tuple[str, dict[str, str], Doubles]]:
@@ -394,10 +384,6 @@ def _series(rows: Sequence[ReportRow]) -> Iterator[tuple[str, dict[str, str], Do
         colour = COLOURS.get(name) or next(others)
         look = {"color": colour, "marker": MARKS.get(name, "x")}
         yield name, look, np.array([row[1:] for row in rows if row[0] == name], dtype=float).T
-
-
-def _legend(figure: Any) -> None:
-    canvas.legend(figure.legend, figure.axes, loc="outside upper left", ncols=3)
 
 
 # -- texts on a page -------------------------------------------------------------------------------
