@@ -28,6 +28,7 @@ from polhode.judging.tables.conventions import (
     is_unit_alone,
 )
 from polhode.judging.tables.hypotheses import (
+    AS_THEY_STAND,
     EXACT,
     SURE,
     Evidence,
@@ -48,7 +49,6 @@ from polhode.judging.tables.table import (
     LENGTH,
     PARTS,
     WRONG,
-    Change,
     Reading,
     TimeChange,
     TrajectoryTable,
@@ -154,12 +154,7 @@ def shown_rows(evidence: Evidence, times: Sequence[Fraction]) -> tuple[tuple[Fra
 def _reading(part: str, before: float, evidence: Evidence, times: Sequence[Fraction]) -> Reading:
     """A part in its convention; ``before``: its digits as it stands."""
     words, rows = evidence.hypothesis.words, shown_rows(evidence, times)
-    return Reading(part, before, words, evidence.digits, _change_of(evidence), rows)
-
-
-def _change_of(evidence: Evidence) -> Change | None:
-    change = evidence.hypothesis.change
-    return change if isinstance(change, Change) else None
+    return Reading(part, before, words, evidence.digits, evidence.hypothesis.change, rows)
 
 
 def _motion(reference: Reference, times: Sequence[Fraction]) -> Right | None:
@@ -243,7 +238,7 @@ def _with_same_axes(parts: dict[str, Trial]) -> dict[str, Trial]:
         mine, its = parts.get(name), parts.get(partner)
         if mine is None or its is None or mine.is_told or not its.is_told:
             continue
-        own, theirs = _change_of(mine.evidence), _change_of(its.evidence)
+        own, theirs = mine.evidence.hypothesis.change, its.evidence.hypothesis.change
         if own is None or theirs is None or own.order != theirs.order:
             continue
         same = own.signs in (theirs.signs, tuple(-s for s in theirs.signs))  # omega: a pseudovector
@@ -269,10 +264,11 @@ def other_motion(
         parts = _parts(current.values, right, must_move=True)
         if parts.keys() != parts_of_best.keys():
             continue
-        beside = [
-            part.of_tries(hypothesis.tries)._replace(rival=parts_of_best[k].evidence)
-            for k, part in parts.items()
-        ]
+        beside = []
+        for name, part in parts.items():
+            convention = part.evidence.hypothesis  # as many as these were tried in each motion
+            tries = hypothesis.tries * (convention.tries if convention.words else 1)
+            beside.append(part.of_tries(tries)._replace(rival=parts_of_best[name].evidence))
         if explains(beside):
             best, parts_of_best = hypothesis, parts
             if all(part.goes and part.convention.digits >= SURE for part in parts.values()):
@@ -286,8 +282,7 @@ def _other_motions(
     """The scene's motion at other times as far as it is followed, and that of other scenes."""
     rate = 10.0**scene.log10_rate
     for hypothesis in at_other_times(all_times, scene):
-        change = hypothesis.change
-        assert isinstance(change, TimeChange)
+        _, change = hypothesis.of(Fraction(0))
         some = [change.of(t) for t in times]
         for farthest in _FARTHEST:
             far = [k for k, t in enumerate(some) if abs(t) * rate > farthest]
@@ -298,7 +293,7 @@ def _other_motions(
         if right is not None:
             yield hypothesis, right
     for hypothesis in other_scenes(scene):
-        right = integrated(hypothesis.scene, times)
+        right = integrated(hypothesis.of(Fraction(0))[0], times)
         if right is not None:
             yield hypothesis, right
 
@@ -389,9 +384,8 @@ class FittedTable:
 
     def _error(self, hypothesis: Hypothesis, x: float, count: int) -> Doubles | None:
         """The scaled difference from the first rows, in one column; None if too large."""
-        assert hypothesis.motion is not None
         try:
-            scene, change = hypothesis.motion(Fraction(x))
+            scene, change = hypothesis.of(Fraction(x))
         except ValueError:  # moments of no body
             return None
         motion = integrated(scene, [change.of(t) for t in self.times[:count]], attitude=False)
@@ -549,7 +543,7 @@ def _possible(
     phrase: str, by_phrase: Mapping[str, tuple[str, Evidence]], subject: TrajectoryTable
 ) -> str:
     """Readings that a table may have, of those that rename axes only the nearest ones."""
-    applied = [words for words, (_, evidence) in by_phrase.items() if _change_of(evidence)]
+    applied = [words for words, (_, x) in by_phrase.items() if x.hypothesis.change]
     near = get_close_matches(phrase, applied)
     plain = [words for words in applied if "=" not in words and words not in near]
     times = [f"t {words}" for words in other_times(subject.times)]
@@ -566,8 +560,8 @@ def as_meant(
         return with_unit_quaternions(subject, current), ()
     if (explanation := other_motion(current, subject, against.scene)) is not None:
         hypothesis, parts = explanation
-        change = hypothesis.change
-        if not isinstance(change, TimeChange):
+        _, change = hypothesis.of(Fraction(0))
+        if change == AS_THEY_STAND:
             offers = tuple(current.readings_in(hypothesis, parts))
             return with_unit_quaternions(subject, current), offers
         subject, current = at_times_told(subject, current, against, hypothesis.words, change)
