@@ -28,7 +28,6 @@ from polhode.numbers.conversion import doubles, exactly, to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.number_types import Doubles, Given, Scalar
-from polhode.scenes.body import Body
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 from polhode.taylor import heyoka
 
@@ -135,12 +134,6 @@ def chance(digits: float, expected: Band, times: int) -> float:
     ratio = 10.0 ** min(expected.least - digits, 3.0)
     deviate = NormalDist().inv_cdf(1 - 1 / 40) * ratio
     return min(1.0, times * math.erfc(deviate / math.sqrt(2)))
-
-
-def is_thin(body: Body) -> bool:
-    """Whether steps of a body lose more than the band allows: see :data:`THIN`."""
-    moments = [to_double(x) for x in body.moments]
-    return min(moments) < THIN * max(moments)
 
 
 def is_lost(digits: float | None, expected: Band | None) -> bool:
@@ -297,7 +290,8 @@ def limit_of(score: Score, part: str, expected: Expectation | None = None) -> Li
     worst, most = min(there), min(table.held, table.number.most_digits)
     if table.run is None and worst >= table.printed - 1:
         return PRINTED
-    at, thin = digits.index(worst), is_thin(scene.body)
+    moments = [to_double(x) for x in scene.body.moments]
+    at, thin = digits.index(worst), min(moments) < THIN * max(moments)
     band, inputs = (expected.bands[at], expected.inputs[at]) if expected else (None, None)
     times = score.rows_judged
     if part != STATE_PART:
@@ -375,8 +369,7 @@ def differences(own: Given | Pairs, true: Given | Pairs, signs: Doubles | None =
     if signs is None:
         signs = np.ones(len(own.hi) if isinstance(own, Pairs) else len(list(own)))
     if isinstance(own, Pairs) and isinstance(true, Pairs):
-        signed = Pairs(own.hi * signs[:, None], own.lo * signs[:, None])
-        rounded: Doubles = (signed - true).hi
+        rounded: Doubles = (Pairs(own.hi * signs[:, None], own.lo * signs[:, None]) - true).hi
         return rounded
     rows = zip(signs.tolist(), plain_rows(own), plain_rows(true), strict=True)
     return np.array(

@@ -56,14 +56,6 @@ def renaming(order: Sequence[int], signs: Sequence[int]) -> Doubles:
     return matrix
 
 
-def nearest_renaming(matrix: Doubles) -> Doubles | None:
-    """The axes' renaming that a matrix is nearly; None where it is none."""
-    rounded = np.round(matrix)
-    return (
-        rounded if np.max(np.abs(matrix - rounded)) < NEAR and not np.isnan(rounded).any() else None
-    )
-
-
 def in_words(matrix: Doubles) -> str:
     """A renaming as ``x y z = x -z y``; empty where the axes stay."""
     order, signs = np.argmax(np.abs(matrix), axis=1), matrix.sum(axis=1)
@@ -223,8 +215,10 @@ def _frames(rotations: Doubles, true: Any, change: Change | None) -> Iterator[_W
     """
     few, same = len(rotations) < LEAST_ROWS, np.eye(3)
     for body in TURNED[:1] if few else TURNED:
-        space = nearest_renaming(rotations[0] @ body @ true[0].T)
-        if space is None or (few and not np.array_equal(space, same)):
+        matrix = rotations[0] @ body @ true[0].T
+        space = np.round(matrix)
+        is_near = np.max(np.abs(matrix - space)) < NEAR  # not so where one is not a number
+        if not is_near or (few and not np.array_equal(space, same)):
             continue
         words, whole = _words_of(space, body), change
         if change is not None:

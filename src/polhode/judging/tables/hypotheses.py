@@ -124,7 +124,8 @@ class Evidence(NamedTuple):
     def gain(self) -> float:
         """The digits more than as it stands that random numbers hardly have in any of the tries."""
         chance = (math.log10(self.hypothesis.tries) + _RARE) / self.freedom
-        return max(LEAST_GAIN, chance) * (2 if self.rows_fitted >= len(self.rows) else 1)
+        is_all_fitted = self.hypothesis.fitted and self.rows_fitted >= len(self.rows)
+        return max(LEAST_GAIN, chance) * (2 if is_all_fitted else 1)
 
     def follows(self, moved: Doubles, must_move: bool = False, is_named: bool = False) -> bool:
         """Whether it goes with the motion; ``moved``: how far that is from its first row.
@@ -405,13 +406,12 @@ def other_numbers(scene: Scene) -> Iterator[Hypothesis]:
         origin=1.0,
         smallest=_SLOWEST,
     )
-    for words, axes, size in _elements(scene.body.inertia):
-        i, j = axes[0]
-        change = partial(_with_elements, scene, [(i, j, size) for i, j in axes])
-        yield _number(words, change, scene.body.inertia[i][j], to_double(size))
+    for words, places, own, size in _elements(scene.body.inertia):
+        elements = [(i, j, size) for i, j in places]
+        yield _number(words, partial(_with_elements, scene, elements), own, to_double(size))
     if scene.columns[3:] and scene.body.weight:
-        own = to_double(scene.body.weight)
-        words = f"a weight, or a distance of the centre, of {{}} times the scene's {own:.6g}"
+        weight = f"{to_double(scene.body.weight):.6g}"
+        words = f"a weight, or a distance of the centre, of {{}} times the scene's {weight}"
         yield _number(words, partial(_with_weight, scene), Fraction(1), 1.0)
         centre = scene.body.centre
         size = max(map(abs, centre))
@@ -424,21 +424,21 @@ def other_numbers(scene: Scene) -> Iterator[Hypothesis]:
         yield _number(words, partial(_with_omega, scene, i, rate), scene.omega[i], rate)
 
 
-def _elements(inertia: Matrix) -> Iterator[tuple[str, list[tuple[int, int]], Exact]]:
+def _elements(inertia: Matrix) -> Iterator[tuple[str, list[tuple[int, int]], Exact, Exact]]:
     """The moments, or the elements of a full tensor, that may be another: in words, their places,
-    and the size of a change."""
+    the scene's, and the size of a change."""
     moments = [inertia[i][i] for i in range(3)]
     if any(inertia[i][j] != 0 for i in range(3) for j in range(i)):
         for i, j in combinations_with_replacement(range(3), 2):
             words = f"the element {'xyz'[i]}{'xyz'[j]} of inertia = {{}} (the scene's is {{own}})"
-            yield words, [(i, j)], moments[i] if i == j else max(moments)
+            yield words, [(i, j)], inertia[i][j], moments[i] if i == j else max(moments)
         return
     equal = [i for i in range(3) if moments.count(moments[i]) > 1]
     for axes in [[0], [1], [2], *([equal] if equal else [])]:
         letters = " = ".join("ABC"[i] for i in axes)
         noun, verb = ("moment", "is") if len(axes) == 1 else ("moments", "are")
         words = f"the {noun} {letters} = {{}} (the scene's {verb} {{own}})"
-        yield words, [(i, i) for i in axes], moments[axes[0]]
+        yield words, [(i, i) for i in axes], moments[axes[0]], moments[axes[0]]
 
 
 def _number(
@@ -522,13 +522,12 @@ def _start_of(subject: TrajectoryTable) -> Mapping[str, float]:
     """The numbers of the state at t = 0, as far as they are there; gamma also of a quaternion."""
     if 0 not in subject.times:
         return {}
-    place = subject.times.index(0)
-    cells = {
-        name: subject.columns[name][place]
+    row = {
+        name: to_double(exactly(x))
         for name in (*subject.state, *ATTITUDE)
         if name in subject.columns
+        and (x := subject.columns[name][subject.times.index(0)]) is not None
     }
-    row = {name: to_double(exactly(x)) for name, x in cells.items() if x is not None}
     if {*ATTITUDE} <= row.keys():
         (matrix,) = matrices(np.array([[row[name] for name in ATTITUDE]]))
         row = dict(zip(STATE[3:], matrix[2].tolist(), strict=True)) | row
