@@ -260,11 +260,12 @@ def comparison(digits, rival=NONE, goes=True, freedom=3, rows_fitted=0, **hypoth
     ("gain", "how"),
     [
         (1.5, {}),
-        (3.0, {"fitted": 1}),
+        (3.0, {"fitted": 1, "rows_fitted": 4}),
+        (1.5, {"fitted": 3, "rows_fitted": 1}),  # for that row no longer counts
         (3.5, {"freedom": 1}),
         (9.5, {"freedom": 1, "tries": 10**6}),
         (4.75, {"freedom": 2, "tries": 10**6}),
-        (9.5, {"freedom": 2, "tries": 10**6, "fitted": 1}),
+        (9.5, {"freedom": 2, "tries": 10**6, "fitted": 1, "rows_fitted": 4}),
     ],
 )
 def test_so_many_digits_more_are_asked_and_no_more(gain, how):

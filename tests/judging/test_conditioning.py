@@ -220,8 +220,8 @@ def test_a_run_is_limited_by_what_its_problem_allows():
 def test_the_limit_has_a_name(digits, expected, inputs, reference, name):
     band = None if expected is None else Band(*expected)
     most = DOUBLE.most_digits
-    plain = limits.plain_limit(digits, most, reference)
-    assert (plain or limits.limit(digits, most, band, inputs, "of it")) == name
+    limit = limits.limit(digits, most, band, inputs, "of it", reference=reference)
+    assert limit == name
 
 
 @pytest.mark.parametrize(("times", "digits"), [(1, 0.0), (2, 0.0583), (11, 0.1607), (301, 0.2836)])

@@ -716,6 +716,15 @@ def test_a_drifting_file_is_told_its_convention(name):
 
 
 @pytest.mark.slow
+def test_a_rotation_that_the_first_row_tells_needs_no_more_digits_than_a_name():
+    """Four rows of two digits; three digits were asked, as of a number that is fitted to all."""
+    file = files.of_convention(277, "turned in space")
+    (reading,) = judged(file).readings
+    assert reading.convention.startswith("a constant rotation of 132° about (0.532, -0.716, 0.452)")
+    assert [round(digits, 1) for _, digits in reading.rows] == [2.4, 2.1]
+
+
+@pytest.mark.slow
 def test_a_fast_top_is_told_the_unit_of_omega():
     """Its spin is hardly moved, so that what comes after the first row says little of the axes."""
     numbers = {"centre": [0, 0, 1], "weight": 20, "angles": [0, "25°", 0], "rates": [0, 0, 94]}

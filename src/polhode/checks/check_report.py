@@ -17,7 +17,7 @@ from polhode.common.processes import cores
 from polhode.common.values import ByValue
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.limits import LAST, expectation, limit_of, lost_digits
+from polhode.judging.limits import LAST, UNKNOWN, expectation, limit_of, lost_digits
 from polhode.judging.reference import Reference
 from polhode.judging.reference import reference as reference_of
 from polhode.judging.score import STATE_PART, Score, score
@@ -206,11 +206,11 @@ def _report_line(
     line = NumberCheck(number, own.state_worst, band, outcome, True, most)
     limit = limit_of(own, STATE_PART)
     is_limit_told = details or not line.passed
-    if own.state_worst < LAST or (is_limit_told and limit is None):
+    if own.state_worst < LAST or (is_limit_told and limit == UNKNOWN):
         expected = expectation(own, conditions)
         line = replace(line, lost=lost_digits(own.digits, expected))
         limit = limit_of(own, STATE_PART, expected)
-    return replace(line, limit=limit or "") if is_limit_told else line, own
+    return replace(line, limit=limit) if is_limit_told else line, own
 
 
 # --- form cross checks ----------------------------------------------------------------------------

@@ -20,6 +20,7 @@ from polhode.judging.judgement import Diagnosis, Judgement
 from polhode.judging.limits import (
     LAST,
     NO_LIMIT,
+    UNKNOWN,
     Residual,
     ResidualRows,
     departure,
@@ -220,13 +221,12 @@ def diagnosis(score: Score, offered: tuple[Reading, ...], details: bool) -> Diag
     is_foreign = table.run is None
     offers = offered if score.is_wrong else ()
     falls = {name: departure(score.times, row) for name, row in score.part_digits.items()}
-    plain = [limit_of(score, part) for part in (STATE_PART, "attitude")]
+    limited = (STATE_PART, "attitude")
     loses_all = bool(score.digits) and score.state_worst < LAST
-    is_plain = None not in plain and not any(falls.values())
+    is_plain = UNKNOWN not in [limit_of(score, part) for part in limited]
+    is_plain = is_plain and not any(falls.values())
     expected = None if is_plain and not (loses_all or details) else expectation(score)
-    limit, limit_of_attitude = (
-        limit_of(score, part, expected) or NO_LIMIT for part in (STATE_PART, "attitude")
-    )
+    limit, limit_of_attitude = (limit_of(score, part, expected) for part in limited)
     rotation = rotation_errors(score)
     residuals: tuple[Residual, ...] = ()
     blamed = is_foreign and "method" in (limit.name, limit_of_attitude.name)

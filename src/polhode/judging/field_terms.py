@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import combinations_with_replacement, permutations
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -380,7 +381,7 @@ class _Fitted:
     def _others(self) -> Iterator[tuple[str, Scene]]:
         """Bodies that may be meant, in words."""
         for hypothesis in other_scenes(self.scene):
-            scene = hypothesis.scene
+            scene, _ = hypothesis.of(Fraction(0))
             if scene.body.inertia != self.scene.body.inertia:  # the weight is a term of its own
                 yield hypothesis.words, scene
         inertia = self.scene.body.inertia

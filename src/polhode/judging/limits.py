@@ -28,7 +28,6 @@ from polhode.numbers.conversion import doubles, exactly, to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.number_types import Doubles, Given, Scalar
-from polhode.scenes.body import Body
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 from polhode.taylor import heyoka
 
@@ -75,18 +74,6 @@ UNKNOWN = Limit("unknown", "the digits to expect were not computed")
 OF_THIN = Limit("unknown", "steps of so thin a body lose more than the expected digits allow for")
 
 
-def plain_limit(digits: float, most: float, reference: float) -> Limit | None:
-    """What limits so many correct digits, where that needs nothing of the motion; else None.
-
-    ``most``: the most that a table may have.  ``reference``: those that the reference is good for,
-    inf for a closed form.  *reference*: it is not good for more.  *rounding*: these are the type's
-    own last digits.
-    """
-    if reference < digits + LAST:
-        return Limit("reference")
-    return Limit("rounding") if digits >= most - LAST else None
-
-
 def limit(
     digits: float,
     most: float,
@@ -95,19 +82,25 @@ def limit(
     steps: str,
     times: int = 1,
     thin: bool = False,
+    reference: float = math.inf,
 ) -> Limit:
-    """What limits so many correct digits that have no plain limit.
+    """What limits so many correct digits.
 
-    ``expected``: those of a run that rounds once a step.  ``inputs``: those that rounding the
-    scene's numbers leaves.  ``times``: of so many these digits are the fewest.
+    ``most``: the most that a table may have.  ``expected``: those of a run that rounds once a step.
+    ``inputs``: those that rounding the scene's numbers leaves.  ``times``: of so many these digits
+    are the fewest.  ``reference``: those that the reference is good for, inf for a closed form.
 
-    *rounding*: the motion takes few.  *inputs*: no fewer than expected, and it is rounding the
-    scene's numbers that costs them: the steps add next to nothing.  *conditioning*: no fewer than
-    expected; any method that rounds its state at each step in this type loses as much.  *method*:
-    fewer than nineteen in twenty such runs have at their worst time; ``steps`` says what the method
-    does.  *unknown*: what to expect was not computed, for the motion is too long; or the body is
-    ``thin``, of which steps lose more.
+    *reference*: it is not good for more.  *rounding*: these are the type's own last digits, or the
+    motion takes few.  *inputs*: no fewer than expected, and it is rounding the scene's numbers that
+    costs them: the steps add next to nothing.  *conditioning*: no fewer than expected; any method
+    that rounds its state at each step in this type loses as much.  *method*: fewer than nineteen in
+    twenty such runs have at their worst time; ``steps`` says what the method does.  *unknown*: what
+    to expect was not computed; or the body is ``thin``, of which steps lose more.
     """
+    if reference < digits + LAST:
+        return Limit("reference")
+    if digits >= most - LAST:
+        return Limit("rounding")
     if expected is None:
         return UNKNOWN
     least = expected.least - selected(times)
@@ -141,12 +134,6 @@ def chance(digits: float, expected: Band, times: int) -> float:
     ratio = 10.0 ** min(expected.least - digits, 3.0)
     deviate = NormalDist().inv_cdf(1 - 1 / 40) * ratio
     return min(1.0, times * math.erfc(deviate / math.sqrt(2)))
-
-
-def is_thin(body: Body) -> bool:
-    """Whether steps of a body lose more than the band allows: see :data:`THIN`."""
-    moments = [to_double(x) for x in body.moments]
-    return min(moments) < THIN * max(moments)
 
 
 def is_lost(digits: float | None, expected: Band | None) -> bool:
@@ -288,11 +275,11 @@ def lost_digits(digits: RowDigits, expected: Expectation) -> str:
 # --- limits of a score ----------------------------------------------------------------------------
 
 
-def limit_of(score: Score, part: str, expected: Expectation | None = None) -> Limit | None:
+def limit_of(score: Score, part: str, expected: Expectation | None = None) -> Limit:
     """What limits the digits of the state, or of the attitude; none of what was not judged.
 
-    Without ``expected`` None where the motion has to be known.  The rate at which an attitude goes
-    wrong is the error of omega, and that of the state is what it was expected to be: so it is
+    Without ``expected`` UNKNOWN where the motion has to be known.  The rate at which an attitude
+    goes wrong is the error of omega, and that of the state is what it was expected to be: so it is
     expected to lose the digits of the state, and those of the angle that was turned until then.
     """
     table, scene = score.subject, score.reference.scene
@@ -303,17 +290,17 @@ def limit_of(score: Score, part: str, expected: Expectation | None = None) -> Li
     worst, most = min(there), min(table.held, table.number.most_digits)
     if table.run is None and worst >= table.printed - 1:
         return PRINTED
-    if (plain := plain_limit(worst, most, score.agreement)) is not None or expected is None:
-        return plain
-    at, thin = digits.index(worst), is_thin(scene.body)
-    band, inputs, times = expected.bands[at], expected.inputs[at], score.rows_judged
+    moments = [to_double(x) for x in scene.body.moments]
+    at, thin = digits.index(worst), min(moments) < THIN * max(moments)
+    band, inputs = (expected.bands[at], expected.inputs[at]) if expected else (None, None)
+    times = score.rows_judged
     if part != STATE_PART:
         inputs, times = None, len(there)
         if band is not None:
             angle = 10.0**scene.log10_rate * abs(to_double(score.times[at]))
             band = band._replace(least=max(0.0, band.least - math.log10(1 + angle)))
-    of_rounding = limit(worst, most, band, inputs, table.steps, times, thin)
-    if part != STATE_PART or of_rounding.name != "method":
+    of_rounding = limit(worst, most, band, inputs, table.steps, times, thin, score.agreement)
+    if part != STATE_PART or of_rounding.name != "method" or expected is None:
         return of_rounding
     off = time_rounding(score, expected)
     return of_rounding if off is None else Limit("rounding", f"of the times, by up to {off:.1g}")
@@ -342,15 +329,10 @@ def time_rounding(score: Score, expected: Expectation) -> float | None:
     fewer = selected(len(score.times))
     least = [table.held if (e := expected.bands[k]) is None else e.least - fewer for k in chosen]
     digits = [table.held if (d := score.digits[k]) is None else d for k in chosen]
-    errors = _errors_of(digits)
-    right = bool(np.all(errors <= _MORE * (moved + _errors_of(least))))
+    errors, allowance = 10.0 ** -np.array([digits, least])
+    right = bool(np.all(errors <= _MORE * (moved + allowance)))
     worst = int(np.argmax(errors))
     return float(np.max(off)) if right and errors[worst] <= _MOST * moved[worst] else None
-
-
-def _errors_of(digits: Sequence[float]) -> Doubles:
-    errors: Doubles = 10.0 ** -np.array(digits)
-    return errors
 
 
 # --- residuals ------------------------------------------------------------------------------------
@@ -387,8 +369,7 @@ def differences(own: Given | Pairs, true: Given | Pairs, signs: Doubles | None =
     if signs is None:
         signs = np.ones(len(own.hi) if isinstance(own, Pairs) else len(list(own)))
     if isinstance(own, Pairs) and isinstance(true, Pairs):
-        signed = Pairs(own.hi * signs[:, None], own.lo * signs[:, None])
-        rounded: Doubles = (signed - true).hi
+        rounded: Doubles = (Pairs(own.hi * signs[:, None], own.lo * signs[:, None]) - true).hi
         return rounded
     rows = zip(signs.tolist(), plain_rows(own), plain_rows(true), strict=True)
     return np.array(

@@ -67,12 +67,11 @@ def with_quaternions(columns: Mapping[str, Cells], bits: int) -> dict[str, Cells
         ROTATION_VECTOR: partial(_of_vector, bits=bits + GUARD),
     }
     for names, read in readers.items():
-        if not {*names} <= {*columns}:
-            continue
-        rows = [*zip(*(columns[name] for name in names), strict=True)]
-        cells = [*zip(*_steady(rows, read), strict=True)]
-        others = {name: x for name, x in columns.items() if name not in names}
-        return others | dict(zip(ATTITUDE, cells, strict=True))
+        if {*names} <= columns.keys():
+            rows = zip(*(columns[name] for name in names), strict=True)
+            cells = zip(*_steady(rows, read), strict=True)
+            others = {name: x for name, x in columns.items() if name not in names}
+            return others | dict(zip(ATTITUDE, cells, strict=True))
     return dict(columns)
 
 
@@ -94,7 +93,7 @@ def of_length_one(row: GivenRow, bits: int) -> list[Fraction | None]:
 
 
 def _steady(
-    rows: Sequence[Cells], read: Callable[[Sequence[Fraction]], Quaternion | None]
+    rows: Iterable[Cells], read: Callable[[Sequence[Fraction]], Quaternion | None]
 ) -> list[Sequence[Fraction | None]]:
     steady: list[Sequence[Fraction | None]] = []
     before = None
@@ -357,12 +356,6 @@ def _g_is_a_rate(parts: Sequence[_Component | None], meant: Sequence[NamedColumn
     }
     accelerated = any(part is not None and part.kind == "acceleration" for part in parts)
     return (accelerated or bool({*STATE[3:]} & others)) and not {*STATE[:3]} & others
-
-
-def twice(named: Iterable[NamedColumn]) -> str | None:
-    """A name that two columns have; None where there is none."""
-    names = [column.name for column in named]
-    return next((name for name in readable() if names.count(name) > 1), None)
 
 
 def _alone(header: str) -> NamedColumn | _Component:

@@ -56,14 +56,6 @@ def renaming(order: Sequence[int], signs: Sequence[int]) -> Doubles:
     return matrix
 
 
-def nearest_renaming(matrix: Doubles) -> Doubles | None:
-    """The axes' renaming that a matrix is nearly; None where it is none."""
-    rounded = np.round(matrix)
-    return (
-        rounded if np.max(np.abs(matrix - rounded)) < NEAR and not np.isnan(rounded).any() else None
-    )
-
-
 def in_words(matrix: Doubles) -> str:
     """A renaming as ``x y z = x -z y``; empty where the axes stay."""
     order, signs = np.argmax(np.abs(matrix), axis=1), matrix.sum(axis=1)
@@ -71,18 +63,20 @@ def in_words(matrix: Doubles) -> str:
     return "" if signed_axes == ["x", "y", "z"] else f"x y z = {' '.join(signed_axes)}"
 
 
+def _largest_product(matrix: Doubles) -> Doubles:
+    """The quaternion of a rotation, of some length."""
+    products = quaternion_products(matrix.ravel().tolist())
+    k = max(range(4), key=lambda k: products[k][k])
+    return np.array(products[k])
+
+
 def rotation_in_words(matrix: Doubles) -> str:
     """A rotation as ``78.46° about (0.267, 0.535, 0.802)``, by 0 to 180 degrees."""
-    m, trace = matrix, float(np.trace(matrix))
-    twice = np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
-    sine = float(np.linalg.norm(twice))
-    axis = twice
-    if trace < 1:  # more than a right angle: from the symmetric part, (1 - cos) n nᵀ
-        symmetric = m + m.T + (1 - trace) * np.eye(3)
-        axis = symmetric[:, int(np.argmax(np.diag(symmetric)))]
-        axis = -axis if float(axis @ twice) < 0 else axis
-    axis = (axis / (float(np.linalg.norm(axis)) or 1.0)).round(3) + 0.0
-    angle = math.degrees(math.atan2(sine, trace - 1))
+    q = _largest_product(matrix)
+    scalar, axis = abs(float(q[0])), q[1:] * (-1 if q[0] < 0 else 1)
+    sine = float(np.linalg.norm(axis))
+    axis = (axis / (sine or 1.0)).round(3) + 0.0
+    angle = math.degrees(2 * math.atan2(sine, scalar))
     return f"{angle:.4g}° about ({', '.join(f'{x:.3g}' for x in axis)})"
 
 
@@ -92,10 +86,8 @@ TURNED = [m for m in (renaming(*axes) for axes in AXES) if np.linalg.det(m) > 0]
 
 def quaternion(matrix: Doubles) -> tuple[int, ...]:
     """The quaternion of a renaming that is a turn, of some length, in small whole numbers."""
-    products = quaternion_products(matrix.ravel().tolist())
-    best = max(products, key=lambda q: sum(x * x for x in q))
-    least = min(abs(x) for x in best if x)
-    return tuple(round(float(x / least)) for x in best)
+    q = _largest_product(matrix)
+    return tuple(round(x) for x in q / np.min(np.abs(q[q != 0])))
 
 
 # --- conventions ----------------------------------------------------------------------------------
@@ -125,7 +117,7 @@ _Way: TypeAlias = tuple[Hypothesis, Doubles]
 def is_unit_alone(hypothesis: Hypothesis) -> bool:
     """Whether it changes the unit and no axes: a factor that no start has by chance."""
     change = hypothesis.change
-    return isinstance(change, Change) and change == Change(SAME, (1, 1, 1), change.degrees)
+    return change is not None and change == Change(SAME, (1, 1, 1), change.degrees)
 
 
 def conventions(part: str, values: Doubles, right: Right) -> Iterator[Evidence]:
@@ -145,21 +137,18 @@ def conventions(part: str, values: Doubles, right: Right) -> Iterator[Evidence]:
 
 
 def _of_omega(values: Doubles, right: Right) -> Iterator[_Way]:
-    true = right.states[:, :3]
-    yield from _of_vector(STATE[:3], values, true, True)
+    true, attitude = right.states[:, :3], right.matrices
     for degrees, unit in _UNITS:
-        factor = degrees * _DEGREE or 1.0
-        if unit:
-            yield from _of_vector(STATE[:3], values, true, True, degrees, unit)
-        if right.matrices is not None:
-            along = np.einsum("nij,nj->ni", right.matrices, true)
-            for convention, digits in _of_vector(("x", "y", "z"), factor * values, along, True):
+        yield from _of_vector(STATE[:3], values, true, True, degrees, unit)
+        if attitude is not None:
+            along = np.einsum("nij,nj->ni", attitude, true)
+            for convention, digits in _of_vector("xyz", values, along, True, degrees):
                 words = filter(None, ("along the axes of space", convention.words, unit))
                 yield Hypothesis(" ".join(words), tries=convention.tries), digits
 
 
 def _of_vector(
-    names: tuple[str, ...],
+    names: Sequence[str],
     values: Doubles,
     true: Doubles,
     relative: bool,
@@ -226,8 +215,10 @@ def _frames(rotations: Doubles, true: Any, change: Change | None) -> Iterator[_W
     """
     few, same = len(rotations) < LEAST_ROWS, np.eye(3)
     for body in TURNED[:1] if few else TURNED:
-        space = nearest_renaming(rotations[0] @ body @ true[0].T)
-        if space is None or (few and not np.array_equal(space, same)):
+        matrix = rotations[0] @ body @ true[0].T
+        space = np.round(matrix)
+        is_near = np.max(np.abs(matrix - space)) < NEAR  # not so where one is not a number
+        if not is_near or (few and not np.array_equal(space, same)):
             continue
         words, whole = _words_of(space, body), change
         if change is not None:

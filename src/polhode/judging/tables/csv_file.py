@@ -18,11 +18,12 @@ import math
 import re
 import string
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from functools import partial
-from itertools import pairwise, zip_longest
+from itertools import chain, pairwise, zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -38,7 +39,7 @@ from polhode.judging.tables.column_aliases import (
     columns,
     known,
     not_judged,
-    twice,
+    readable,
     with_quaternions,
 )
 from polhode.judging.tables.table import TrajectoryTable
@@ -86,19 +87,19 @@ def type_of(parts: Iterable[Any]) -> NumberType | None:
 
     ``parts``: arrays, lists or tuples of cells.  Integers and empty cells go with any type.
     """
-    names = {kind.__name__ for part in parts for kind in _kinds(part)}
+    names: set[str] = set()
+    for part in parts:
+        dtype = getattr(part, "dtype", None)
+        if dtype is not None and dtype.kind != "O":
+            names.add(dtype.type.__name__)
+        elif dtype is not None or isinstance(part, (list, tuple)):
+            names |= {kind.__name__ for kind in {*map(type, part)}}
+        else:
+            return None
     floats = {x for x in names if x not in _NEUTRAL and not x.startswith(("int", "uint"))}
     if not floats or not floats <= _KINDS.keys():
         return None
     return _WIDER[max(_KINDS[name] for name in floats)]
-
-
-def _kinds(part: Any) -> set[type]:
-    """The classes of the cells of one part."""
-    dtype = getattr(part, "dtype", None)
-    if dtype is not None and dtype.kind != "O":
-        return {dtype.type}
-    return {*map(type, part)} if dtype is not None or isinstance(part, (list, tuple)) else {object}
 
 
 def printed_type(columns: Iterable[Sequence[str]], printed: int) -> NumberType | None:
@@ -134,21 +135,46 @@ def _telling(kind: NumberType) -> int:
 
 def _type_of(cell: str, kind: NumberType) -> float | None:
     """How much a decimal tells for a type, as a power of ten; None where it is not of the type."""
-    try:
-        _, digits, places = Decimal(cell).as_tuple()
-    except InvalidOperation:  # refused where the cells are read
-        return None
-    if not isinstance(places, int):
-        return None
-    short = "".join(map(str, digits)).strip("0")
-    if len(short) < _telling(kind) or abs(places) > _FARTHEST:
+    cells, place = _digits(cell)
+    digits = "".join(map(str, cells))
+    if len(digits.strip("0")) < _telling(kind) or abs(place) > _FARTHEST:
         return 0.0
-    x, unit = Fraction(int("".join(map(str, digits)))), Fraction(10) ** places
+    x, unit = Fraction(int(digits)), Fraction(10) ** place
     size = kind.rounded(x * unit)
     if abs(size - x * unit) >= unit:
         return None
     spacing = math.log10(x) - (kind.bits - 1) * math.log10(2)
     return max(0.0, spacing - math.log10(2))
+
+
+def _digits(cell: str) -> tuple[tuple[int, ...], int]:
+    """A decimal's digits from the first that is not 0 on, and the power of ten of its last place;
+    those of 0 for what is no decimal, which is refused where the cells are read."""
+    try:
+        _, digits, place = Decimal(cell).as_tuple()
+    except InvalidOperation:
+        return (0,), 0
+    return (digits, place) if isinstance(place, int) else ((0,), 0)
+
+
+def most_printed(columns: Iterable[Sequence[str]]) -> int:
+    """The most significant digits of any cell, 1 or more."""
+    most = 1
+    for cell in chain.from_iterable(columns):
+        if len(cell) > most and len(cell.lstrip("+-0.")) > most:  # else it has no more digits
+            most = max(most, len(_digits(cell)[0]))
+    return most
+
+
+def last_place(cells: Sequence[str]) -> Fraction:
+    """The least unit of a cell's last place."""
+    return Fraction(10) ** min(map(_place, cells))
+
+
+def _place(cell: str) -> int:
+    """The power of ten of a decimal's last place, at a third of the time that a Decimal takes."""
+    mantissa, _, power = cell.lower().partition("e")
+    return int(power or 0) - len(mantissa.partition(".")[2])
 
 
 def of_type(times: Sequence[Fraction], number: NumberType) -> tuple[float, ...]:
@@ -263,7 +289,8 @@ def table_of_columns(
     named, remarks = by_clock(header, named) if whole else (named, ())
     printed = number.printed_digits if number else MOST_PRINTED
     table = table_of_cells(source, header, named, cells, printed, number)
-    errors = _errors(table.times, columns[clock], named[clock].factor)
+    unit = abs(named[clock].factor)  # in units of a clock, unless they are floats
+    errors = _time_errors(table.times, type_of([columns[clock]]), unit if unit < 1 else None)
     name = "columns" if source == "compare" else source
     return replace(table, name=name, remarks=(*remarks, *table.remarks), time_errors=errors)
 
@@ -374,11 +401,12 @@ def refuse_names(
     source: str, key: str, header: Sequence[str], named: Sequence[NamedColumn]
 ) -> None:
     """Raise BadInput for a column that is there twice, or a header with no column to judge."""
-    if (name := twice(named)) is not None:
-        both = [f"{of!r}" for of, meant in zip(header, named, strict=True) if meant.name == name]
+    names = [meant.name for meant in named]
+    if (name := next((x for x in readable() if names.count(x) > 1), None)) is not None:
+        both = [repr(of) for of, meant in zip(header, names, strict=True) if meant == name]
         expected = f"each column once ({', '.join(both)}), or {NAMING} that chooses one"
         raise BadInput(source, key, name, expected)
-    if all(meant.name in (None, "t") for meant in named):
+    if {*names} <= {None, "t"}:
         expected = f"columns besides t that can be judged: {NAMING} translates names"
         expected += f" to {', '.join(known()[1:])}"
         if "xyz[0]" in header:
@@ -386,12 +414,19 @@ def refuse_names(
         raise BadInput(source, key, ",".join(header), expected)
 
 
-def _errors(times: Sequence[Fraction], cells: Any, factor: Fraction) -> tuple[float, ...]:
-    """By how much times may be off that were given so: in floats, or in units of a clock."""
-    number = type_of([cells])
-    if number is None:
-        return of_decimals(times, abs(factor)) if factor < 1 else ()
-    return of_type(times, number)
+def _time_errors(
+    times: Sequence[Fraction],
+    number: NumberType | None,
+    unit: Fraction | None,
+    are_doubles: bool = False,
+) -> tuple[float, ...]:
+    """By how much times may be off that are numbers of a type, or of ``unit``; of decimals that may
+    be doubles ``are_doubles``."""
+    if number is not None:
+        return of_type(times, number)
+    rounded = of_decimals(times, unit) if unit else ()
+    doubles = of_type(times, DOUBLE) if are_doubles else ()
+    return tuple(map(max, doubles, rounded)) if doubles and rounded else doubles or rounded
 
 
 def _cell(value: Any) -> float | Fraction | None:
@@ -413,7 +448,6 @@ def _exactly(value: Any) -> Fraction:
 MAX_BYTES = 1 << 30
 MAX_LINE = 1_000_000  # characters
 _EMPTY = ("", "nan", "na", "n/a", "#n/a", "<na>", "nat", "null", "none", "missing", r"\n")
-_PLAIN = "0123456789+-.eE"
 #: Not a number as C's library of Windows prints it, ``-nan(ind)`` now and ``-1.#IND`` once, and as
 #: others do with its bits, ``nan(0x8000)``.
 _NAN = re.compile(r"[+-]?(?:nan\(\w*\)|1\.#(?:ind|[qs]?nan)0*)", re.I)
@@ -428,7 +462,7 @@ _REPR = re.compile(
     r"(?:(?:np|numpy)\.(?:float|double|longdouble|u?int)\w*|Decimal|(?:mp\.|mpmath\.)?mpf|tensor)"
     r"\((['\"]?)([^()'\"]+|-?nan\(\w*\))\1\)"
 )
-_LONGEST = 60  # characters of a cell that is read as a double at once
+_PLAIN = "0123456789+-.eE"
 _LEAST, _MOST = 1e-290, 1e290  # within them a double has all its bits
 _SEPARATORS = ",;\t"
 _BLANK = _SEPARATORS + string.whitespace
@@ -528,7 +562,12 @@ def read_csv(path: Path, number: NumberType | None, names: Naming) -> Trajectory
         table,
         name=called(path),
         remarks=(*remarks, *table.remarks, *sheet.remarks),
-        time_errors=_time_errors(table.times, named[clock], texts[clock], of_times, shown),
+        time_errors=_time_errors(
+            table.times,
+            of_times,
+            None if of_times else abs(named[clock].factor) * last_place(texts[clock]),
+            DIGITS_HELD["double"] <= shown <= DOUBLE.printed_digits,
+        ),
     )
 
 
@@ -616,15 +655,10 @@ def _have_decimal_commas(lines: Sequence[str], separator: str) -> bool:
 def _are_numbers(row: Sequence[str], commas: bool) -> bool:
     """Whether cells are numbers, with decimal commas perhaps, so that they are no header."""
     cells = [plain_cell(cell.replace(",", ".") if commas else cell) for cell in row]
-    return any(cells) and all(map(_is_decimal, filter(None, cells)))
-
-
-def _is_decimal(cell: str) -> bool:
     try:
-        expression.decimal(cell)
+        return bool([expression.decimal(cell) for cell in cells if cell])
     except ExpressionError:
         return False
-    return True
 
 
 def _commented(lines: Sequence[str], count: int, names: Naming) -> Sequence[str]:
@@ -657,26 +691,6 @@ def _numbers(
     return tuple(numbers)
 
 
-def _time_errors(
-    times: Sequence[Fraction],
-    clock: NamedColumn,
-    texts: Sequence[str],
-    number: NumberType | None,
-    digits: int,
-) -> tuple[float, ...]:
-    """By how much times may be off, as they are printed with so many digits.
-
-    ``number``: whose values they are.
-    """
-    if number is not None:
-        return of_type(times, number)
-    rounded = of_decimals(times, abs(clock.factor) * last_place(texts))
-    if not DIGITS_HELD["double"] <= digits <= DOUBLE.printed_digits:
-        return rounded
-    doubles = of_type(times, DOUBLE)
-    return tuple(map(max, doubles, rounded)) if rounded else doubles
-
-
 def plain_cell(cell: str) -> str:
     """A cell's number as a plain decimal, "" where it has none; any other cell as it is.
 
@@ -703,37 +717,8 @@ def value(cell: str, number: NumberType) -> float | Fraction:
 
     Raises ExpressionError for what is no finite decimal number.
     """
-    if number.bits == DOUBLE.bits and len(cell) < _LONGEST and not cell.strip(_PLAIN):
-        try:
-            x = float(cell)
-        except ValueError:
-            x = 0.0
-        if _LEAST < abs(x) < _MOST:
-            return x
+    if number.bits == DOUBLE.bits and not cell.strip(_PLAIN):
+        with suppress(ValueError):
+            if _LEAST < abs(x := float(cell)) < _MOST:
+                return x
     return number.rounded(expression.decimal(cell))
-
-
-def most_printed(columns: Sequence[Sequence[str]]) -> int:
-    """The most significant digits of any cell, 1 or more."""
-    most = 1
-    for cells in columns:
-        for cell in cells:
-            if len(cell) > most and len(cell.lstrip("+-0.")) > most:  # else it has no more digits
-                most = max(most, _significant(cell))
-    return most
-
-
-def last_place(cells: Sequence[str]) -> Fraction:
-    """The least unit of a cell's last place."""
-    return Fraction(10) ** min(map(_place, cells))
-
-
-def _place(cell: str) -> int:
-    """The power of ten of a decimal's last place."""
-    mantissa, _, power = cell.lower().partition("e")
-    return int(power or 0) - len(mantissa.partition(".")[2])
-
-
-def _significant(cell: str) -> int:
-    mantissa = cell.lower().partition("e")[0].lstrip("+-0.")
-    return len(mantissa) - ("." in mantissa)

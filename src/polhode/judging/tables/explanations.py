@@ -28,6 +28,7 @@ from polhode.judging.tables.conventions import (
     is_unit_alone,
 )
 from polhode.judging.tables.hypotheses import (
+    AS_THEY_STAND,
     EXACT,
     SURE,
     Evidence,
@@ -37,18 +38,19 @@ from polhode.judging.tables.hypotheses import (
     at_other_times,
     clock_remark,
     constant_omega,
+    errors_of_rows,
     explains,
     integrated,
     is_alike,
     other_numbers,
     other_scenes,
     other_times,
+    size_of_motion,
 )
 from polhode.judging.tables.table import (
     LENGTH,
     PARTS,
     WRONG,
-    Change,
     Reading,
     TimeChange,
     TrajectoryTable,
@@ -78,11 +80,6 @@ class View(NamedTuple):
     times: list[Fraction]
     right: Right | None
     parts: dict[str, Trial]
-
-    @property
-    def is_right(self) -> bool:
-        """Whether all parts are right as they stand, in all rows."""
-        return all(part.rival.digits >= WRONG for part in self.parts.values())
 
     @property
     def is_explained(self) -> bool:
@@ -116,22 +113,16 @@ class View(NamedTuple):
 
 def view(subject: TrajectoryTable, reference: Reference) -> View:
     """A table beside the motion of a reference."""
-    values, times = whole_parts(subject)
-    right = _motion(reference, times)
-    return View(values, times, right, _parts(values, right))
-
-
-def whole_parts(subject: TrajectoryTable) -> tuple[dict[str, Doubles], list[Fraction]]:
-    """The parts that have all their numbers in some rows, as doubles, in those of the rows that
-    tell; their times."""
-    parts, common = [], {*range(len(subject.times))}
+    parts, common = [], {*range(len(subject.times))}  # that have all their numbers in some rows
     for part, names in PARTS.items():
         if rows := common.intersection(subject.whole_rows(names)):
             parts.append(part)
             common = rows
     whole = sorted(common)
     some = subject.some([whole[k] for k in probed_rows([subject.times[k] for k in whole])])
-    return {part: doubles(some.rows(PARTS[part]) or []) for part in parts}, [*some.times]
+    values, times = {part: doubles(some.rows(PARTS[part]) or []) for part in parts}, [*some.times]
+    right = _motion(reference, times)
+    return View(values, times, right, _parts(values, right))
 
 
 def probed_rows(times: Sequence[Fraction]) -> list[int]:
@@ -151,15 +142,12 @@ def shown_rows(evidence: Evidence, times: Sequence[Fraction]) -> tuple[tuple[Fra
     return tuple((times[k], float(evidence.rows[k])) for k in sorted({first, middle, last}))
 
 
-def _reading(part: str, before: float, evidence: Evidence, times: Sequence[Fraction]) -> Reading:
+def _reading(
+    part: str, before: float | None, evidence: Evidence, times: Sequence[Fraction]
+) -> Reading:
     """A part in its convention; ``before``: its digits as it stands."""
     words, rows = evidence.hypothesis.words, shown_rows(evidence, times)
-    return Reading(part, before, words, evidence.digits, _change_of(evidence), rows)
-
-
-def _change_of(evidence: Evidence) -> Change | None:
-    change = evidence.hypothesis.change
-    return change if isinstance(change, Change) else None
+    return Reading(part, before, words, evidence.digits, evidence.hypothesis.change, rows)
 
 
 def _motion(reference: Reference, times: Sequence[Fraction]) -> Right | None:
@@ -243,7 +231,7 @@ def _with_same_axes(parts: dict[str, Trial]) -> dict[str, Trial]:
         mine, its = parts.get(name), parts.get(partner)
         if mine is None or its is None or mine.is_told or not its.is_told:
             continue
-        own, theirs = _change_of(mine.evidence), _change_of(its.evidence)
+        own, theirs = mine.evidence.hypothesis.change, its.evidence.hypothesis.change
         if own is None or theirs is None or own.order != theirs.order:
             continue
         same = own.signs in (theirs.signs, tuple(-s for s in theirs.signs))  # omega: a pseudovector
@@ -269,10 +257,11 @@ def other_motion(
         parts = _parts(current.values, right, must_move=True)
         if parts.keys() != parts_of_best.keys():
             continue
-        beside = [
-            part.of_tries(hypothesis.tries)._replace(rival=parts_of_best[k].evidence)
-            for k, part in parts.items()
-        ]
+        beside = []
+        for name, part in parts.items():
+            convention = part.evidence.hypothesis  # as many as these were tried in each motion
+            tries = hypothesis.tries * (convention.tries if convention.words else 1)
+            beside.append(part.of_tries(tries)._replace(rival=parts_of_best[name].evidence))
         if explains(beside):
             best, parts_of_best = hypothesis, parts
             if all(part.goes and part.convention.digits >= SURE for part in parts.values()):
@@ -286,8 +275,7 @@ def _other_motions(
     """The scene's motion at other times as far as it is followed, and that of other scenes."""
     rate = 10.0**scene.log10_rate
     for hypothesis in at_other_times(all_times, scene):
-        change = hypothesis.change
-        assert isinstance(change, TimeChange)
+        _, change = hypothesis.of(Fraction(0))
         some = [change.of(t) for t in times]
         for farthest in _FARTHEST:
             far = [k for k, t in enumerate(some) if abs(t) * rate > farthest]
@@ -298,7 +286,7 @@ def _other_motions(
         if right is not None:
             yield hypothesis, right
     for hypothesis in other_scenes(scene):
-        right = integrated(hypothesis.scene, times)
+        right = integrated(hypothesis.of(Fraction(0))[0], times)
         if right is not None:
             yield hypothesis, right
 
@@ -334,14 +322,6 @@ class Cause(NamedTuple):
         return f"explained by {self.words}, which gives {self.digits:.1f} digits"
 
 
-class _Fit(NamedTuple):
-    """A number fitted to rows, the largest change by it, and what is left, row by row."""
-
-    x: float
-    slope: float
-    error: Doubles
-
-
 def causes(subject: TrajectoryTable, scene: Scene) -> tuple[Cause, ...]:
     """What explains a table of states that is wrong, the best first; empty where nothing does."""
     whole = subject.some(subject.whole_rows(subject.state))
@@ -355,7 +335,7 @@ def causes(subject: TrajectoryTable, scene: Scene) -> tuple[Cause, ...]:
     plain = integrated(scene, times, attitude=False)
     if plain is None:
         return ()
-    fit = FittedTable(doubles(cells), times, columns, plain)
+    fit = FittedTable(doubles(cells), times, columns, plain.states)
     if {*columns} & {0, 1, 2} and (cause := fit.cause(constant_omega(scene))) is not None:
         return (cause[0],)
     explanations = [x for number in other_numbers(scene) if (x := fit.cause(number)) is not None]
@@ -370,28 +350,25 @@ class FittedTable:
     """Rows of states that numbers are fitted to."""
 
     def __init__(
-        self, rows: Doubles, times: list[Fraction], columns: list[int], plain: Right
+        self, rows: Doubles, times: list[Fraction], columns: list[int], states: Doubles
     ) -> None:
         self.rows, self.times, self.columns = rows, times, columns
-        rates = float(np.max(np.linalg.norm(plain.states[:, :3], axis=1))) or 1.0
-        self.scale = np.array([rates if c < 3 else 1.0 for c in columns])
-        error = (plain.states[:, columns] - rows) / self.scale
-        self.plain = self._evidence(Hypothesis(), error)
-        moved = (plain.states - plain.states[0])[:, columns] / self.scale
-        self.moved: Doubles = np.max(np.abs(moved), axis=1)
+        self.scale = np.array([size_of_motion(states[:, :3], c < 3) for c in columns])
+        plain = states[:, columns]
+        self.plain = self._evidence(Hypothesis(), (plain - rows) / self.scale)
+        self.moved = errors_of_rows((plain - plain[0]) / self.scale, 0)
 
     def _evidence(self, hypothesis: Hypothesis, error: Doubles) -> Evidence:
         """The digits of all rows, of what is left of them; they are fitted as a whole."""
-        worst = np.max(np.abs(error.reshape(len(self.rows), -1)), axis=1)
+        worst = errors_of_rows(error.reshape(len(self.rows), -1), 0)
         with np.errstate(divide="ignore"):
             digits = np.where(worst > 0, -np.log10(worst), _MOST_DIGITS)
         return Evidence(hypothesis, digits, len(self.rows), self.rows.size)
 
     def _error(self, hypothesis: Hypothesis, x: float, count: int) -> Doubles | None:
         """The scaled difference from the first rows, in one column; None if too large."""
-        assert hypothesis.motion is not None
         try:
-            scene, change = hypothesis.motion(Fraction(x))
+            scene, change = hypothesis.of(Fraction(x))
         except ValueError:  # moments of no body
             return None
         motion = integrated(scene, [change.of(t) for t in self.times[:count]], attitude=False)
@@ -407,47 +384,51 @@ class FittedTable:
         fit = self._fit(hypothesis)
         if fit is None:
             return None
-        evidence = self._evidence(hypothesis, fit.error)
+        x, slope, error = fit
+        evidence = self._evidence(hypothesis, error)
         trial = Trial(evidence, self.plain, evidence.follows(self.moved))
         if not trial.is_told or evidence.digits < WRONG:
             return None
         words = hypothesis.words
         if hypothesis.fitted:
             least = _LEAST_IF_EXACT if evidence.digits >= EXACT else LEAST
-            value = hypothesis.origin + hypothesis.unit * fit.x
-            if abs(fit.x) < least or not fit.slope or value < hypothesis.smallest:
+            value = hypothesis.origin + hypothesis.unit * x
+            if abs(x) < least or not slope or value < hypothesis.smallest:
                 return None
             size = abs(hypothesis.unit) / max(abs(value), 1e-300)
-            sure = 10.0**-evidence.digits / fit.slope * size
+            sure = 10.0**-evidence.digits / slope * size
             places = max(1, min(15, math.floor(-math.log10(sure)) if sure > 0 else 15))
             words = words.format(f"{value:.{places}g}").replace("+ -", "- ")
         return Cause(words, min(evidence.digits, _MOST_TOLD)), evidence
 
-    def _fit(self, hypothesis: Hypothesis) -> _Fit | None:
-        """The number that fits all rows, by ever more of them; None where it leads nowhere."""
-        if not hypothesis.fitted:
-            error = self._error(hypothesis, 0.0, len(self.times))
-            return None if error is None else _Fit(0.0, 0.0, error)
-        x, count = 0.0, min(_FIRST, len(self.times))
-        while (fit := self._fit_of_first(hypothesis, x, count)) is not None:
-            worst = float(np.max(np.abs(fit.error)))
-            if worst > 10.0**-WRONG:  # of the first rows, which any number makes right
-                return None
-            if count == len(self.times):
-                return fit
-            x, count = fit.x, min(2 * count, len(self.times))
+    def _fit(self, hypothesis: Hypothesis) -> tuple[float, float, Doubles] | None:
+        """The number that fits all rows, by ever more of them, the largest change by it, and what
+        is left; None where it leads nowhere."""
+        x, slope, count = 0.0, 0.0, _FIRST if hypothesis.fitted else len(self.times)
+        while (error := self._error(hypothesis, x, count)) is not None:
+            if hypothesis.fitted:
+                leads = _LEADS if count < len(self.times) else 0.0
+                fit = self._fit_of_first(hypothesis, x, error, leads, count)
+                if fit is None or float(np.max(np.abs(fit[2]))) > 10.0**-WRONG:
+                    return None  # the first rows any number makes right
+                x, slope, error = fit
+            if count >= len(self.times):
+                return x, slope, error
+            count *= 2
         return None
 
-    def _fit_of_first(self, hypothesis: Hypothesis, x: float, count: int) -> _Fit | None:
-        """The number for the first rows, from one near it on.
+    def _fit_of_first(
+        self, hypothesis: Hypothesis, x: float, error: Doubles, leads: float, count: int
+    ) -> tuple[float, float, Doubles] | None:
+        """The number for the first rows, from one near it on, where a share ``leads`` of the
+        square of the error is along its change; that, and what is left.
 
         The change by the number is that over the last step, as long as that is no small one.
         """
-        error = self._error(hypothesis, x, count)
         changed = self._error(hypothesis, x + _SMALL, count)
-        if error is None or changed is None:
+        if changed is None:
             return None
-        slope, leads = (changed - error) / _SMALL, _LEADS if count < len(self.times) else 0.0
+        slope = (changed - error) / _SMALL
         for _ in range(_STEPS):
             along, square = float(slope @ error), float(slope @ slope)
             if not square > 0:
@@ -465,7 +446,7 @@ class FittedTable:
             if abs(step) > _SMALL:
                 slope = (nearer - error) / step
             x, error = x + step, nearer
-        return _Fit(x, float(np.max(np.abs(slope))), error)
+        return x, float(np.max(np.abs(slope))), error
 
 
 # --- readings -------------------------------------------------------------------------------------
@@ -505,9 +486,10 @@ def at_times_told(
     there = view(moved, reference)
     before = min((part.rival.digits for part in current.parts.values()), default=None)
     ways = [part.convention for part in there.parts.values()]
-    best = min(ways, key=lambda x: x.digits, default=None)
-    digits, rows = (best.digits, shown_rows(best, there.times)) if best else (None, ())
-    reading = Reading("t", before, words, digits, rows=rows)
+    reading = Reading("t", before, words, None)
+    if ways:
+        reading = _reading("t", before, min(ways, key=lambda x: x.digits), there.times)
+        reading = reading._replace(convention=words, change=None)
     return replace(moved, readings=(*moved.readings, reading)), there
 
 
@@ -525,19 +507,16 @@ def _readings(
     if sample.right is None and sample.parts:
         raise BadInput(subject.name, "read", phrases[0], "numbers that can be followed in double")
     by_phrase: dict[str, tuple[str, Evidence]] = {}
-    digits: dict[str, float] = dict.fromkeys(sample.parts, 0.0)
     for part, values in sample.values.items():
         for evidence in conventions(part, values, sample.right) if sample.right else ():
             if words := evidence.hypothesis.words:
                 by_phrase.setdefault(f"{part} {words}", (part, evidence))
-            else:
-                digits[part] = evidence.digits
     readings: dict[str, Reading] = {}
     for phrase in phrases:
         if phrase not in by_phrase:
             raise BadInput(subject.name, "read", phrase, _possible(phrase, by_phrase, subject))
         part, evidence = by_phrase[phrase]
-        reading = _reading(part, digits[part], evidence, sample.times)
+        reading = _reading(part, sample.parts[part].rival.digits, evidence, sample.times)
         if reading.change is None or part in readings:
             expected = f"no second reading of {part}" if reading.change else _APPLIED
             raise BadInput(subject.name, "read", phrase, expected)
@@ -549,7 +528,7 @@ def _possible(
     phrase: str, by_phrase: Mapping[str, tuple[str, Evidence]], subject: TrajectoryTable
 ) -> str:
     """Readings that a table may have, of those that rename axes only the nearest ones."""
-    applied = [words for words, (_, evidence) in by_phrase.items() if _change_of(evidence)]
+    applied = [words for words, (_, x) in by_phrase.items() if x.hypothesis.change]
     near = get_close_matches(phrase, applied)
     plain = [words for words in applied if "=" not in words and words not in near]
     times = [f"t {words}" for words in other_times(subject.times)]
@@ -562,12 +541,12 @@ def as_meant(
     """A table in the conventions in which its wrong parts begin right, where some do; and the
     readings that are told and not applied."""
     current = view(subject, against)
-    if current.is_right:
+    if all(part.rival.digits >= WRONG for part in current.parts.values()):
         return with_unit_quaternions(subject, current), ()
     if (explanation := other_motion(current, subject, against.scene)) is not None:
         hypothesis, parts = explanation
-        change = hypothesis.change
-        if not isinstance(change, TimeChange):
+        _, change = hypothesis.of(Fraction(0))
+        if change == AS_THEY_STAND:
             offers = tuple(current.readings_in(hypothesis, parts))
             return with_unit_quaternions(subject, current), offers
         subject, current = at_times_told(subject, current, against, hypothesis.words, change)

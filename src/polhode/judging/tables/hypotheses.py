@@ -26,7 +26,7 @@ from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, Doubles, NumberType
-from polhode.numbers.vectors import Vector, rotation
+from polhode.numbers.vectors import Matrix, Vector, rotation
 from polhode.scenes import library
 from polhode.scenes.body import Body, exact_vector
 from polhode.scenes.scene import Scene
@@ -45,8 +45,8 @@ from polhode.scenes.vocabulary import ATTITUDE, STATE
 # after them, and where there are none, their own fewest digits.
 #
 # **Chance.**  A hypothesis of which ``tries`` were tried has to have so many digits more than the
-# table as it stands that one in some thousand tables of random numbers has one; a number that was
-# fitted to the table costs as much again.
+# table as it stands that one in some thousand tables of random numbers has one.  A number that was
+# fitted to all rows costs as much again; one that was fitted to the first costs those rows.
 #
 # **Motion.**  It has to follow the motion: where the motion has left its first row, the table is
 # nearer to it than one that stays there, or goes elsewhere, would be.
@@ -63,6 +63,7 @@ _FAR_LEFT = 0.5  # likewise, so that what goes elsewhere is plainly not there
 _STILL = 0.01  # and by less it stands still
 _FOLLOWS = 0.7  # digits of the way that the motion has come
 
+AS_THEY_STAND = TimeChange()
 #: The scene whose number is so much larger, and its times; raises ValueError for no body.
 Motion: TypeAlias = Callable[[Fraction], tuple[Scene, TimeChange]]
 
@@ -71,15 +72,14 @@ class Hypothesis(NamedTuple):
     """What may be wrong with a part of a table, or with all of it.
 
     ``words``: how it is told, with {} for the number that is fitted; empty for the table as it
-    stands.  ``change``: how the part is read, or at which times the rows hold; None of what is told
-    and not applied.  ``motion``: of which the table may be, of a hypothesis of all parts.
-    ``tries``: how many are as plain, of which one may be right by chance.  ``fitted``: how many
-    numbers are fitted to the table, ``origin + unit * x`` for the x of ``motion``, ``smallest`` or
-    more.
+    stands.  ``change``: how a part is read; None where that is told and not applied.  ``motion``:
+    of which the whole table may be, and at which times.  ``tries``: how many are as plain, of which
+    one may be right by chance.  ``fitted``: how many numbers are fitted to the table, for the x of
+    ``motion`` ``origin + unit * x``, ``smallest`` or more.
     """
 
     words: str = ""
-    change: Change | TimeChange | None = None
+    change: Change | None = None
     motion: Motion | None = None
     tries: int = 1
     fitted: int = 0
@@ -87,12 +87,10 @@ class Hypothesis(NamedTuple):
     unit: float = 1.0
     smallest: float = -math.inf
 
-    @property
-    def scene(self) -> Scene:
-        """Of which it says that the table is, before a number is fitted."""
+    def of(self, x: Fraction) -> tuple[Scene, TimeChange]:
+        """The motion of which it says that the table is; 0 before a number is fitted."""
         assert self.motion is not None
-        scene, _ = self.motion(Fraction(0))
-        return scene
+        return self.motion(x)
 
 
 class Evidence(NamedTuple):
@@ -126,7 +124,8 @@ class Evidence(NamedTuple):
     def gain(self) -> float:
         """The digits more than as it stands that random numbers hardly have in any of the tries."""
         chance = (math.log10(self.hypothesis.tries) + _RARE) / self.freedom
-        return max(LEAST_GAIN, chance) * (2 if self.hypothesis.fitted else 1)
+        is_all_fitted = self.hypothesis.fitted and self.rows_fitted >= len(self.rows)
+        return max(LEAST_GAIN, chance) * (2 if is_all_fitted else 1)
 
     def follows(self, moved: Doubles, must_move: bool = False, is_named: bool = False) -> bool:
         """Whether it goes with the motion; ``moved``: how far that is from its first row.
@@ -327,20 +326,16 @@ def clock_remark(subject: TrajectoryTable, scene: Scene) -> tuple[str, ...]:
 
 def at_other_times(times: Sequence[Fraction], scene: Scene) -> list[Hypothesis]:
     """That the rows of a table hold at other times, those near before those far."""
-    changes = other_times(times)
-
-    def farthest(change: TimeChange) -> Fraction:
-        return max(abs(change.of(t)) for t in (min(times), max(times)))
-
-    order = sorted(changes.items(), key=lambda item: farthest(item[1]))
-    return [
-        Hypothesis(words, change, partial(_at_times, scene, change), len(changes))
-        for words, change in order
-    ]
+    changes, ends = other_times(times), (min(times), max(times))
+    near_first = sorted(changes, key=lambda words: max(abs(changes[words].of(t)) for t in ends))
+    return [_plainly(words, scene, changes[words], len(changes)) for words in near_first]
 
 
-def _at_times(scene: Scene, change: TimeChange, _: Fraction) -> tuple[Scene, TimeChange]:
-    return scene, change
+def _plainly(
+    words: str, scene: Scene, change: TimeChange = AS_THEY_STAND, tries: int = 1
+) -> Hypothesis:
+    """That a table is of a scene, without a number to be fitted."""
+    return Hypothesis(words, motion=lambda _: (scene, change), tries=tries)
 
 
 # --- other scenes ---------------------------------------------------------------------------------
@@ -348,26 +343,25 @@ def _at_times(scene: Scene, change: TimeChange, _: Fraction) -> tuple[Scene, Tim
 
 def other_scenes(scene: Scene) -> Iterator[Hypothesis]:
     """That a table is of a scene with a sign or an order of numbers that is often another."""
-    body, plain = scene.body, TimeChange()
+    inertia, opposite = scene.body.inertia, Fraction(-2)
     scenes: dict[str, Scene] = {}
-    if body.weight:
-        scenes["a weight of the other sign"] = _with_weight(scene, Fraction(-2))
-    products = [(i, j) for i in range(3) for j in range(i) if body.inertia[i][j] != 0]
+    if scene.body.weight:
+        scenes["a weight of the other sign"] = _with_weight(scene, opposite)
+    products = [(i, j, inertia[i][j]) for i in range(3) for j in range(i) if inertia[i][j] != 0]
     some = [products, *([product] for product in products)] if len(products) > 1 else [products]
-    for signs in filter(None, some):
-        names = ", ".join("I" + "xyz"[j] + "xyz"[i] for i, j in signs)
-        changes = [(i, j, -2 * body.inertia[i][j]) for i, j in signs]
+    for elements in filter(None, some):
+        names = ", ".join("I" + "xyz"[j] + "xyz"[i] for i, j, _ in elements)
         with suppress(BadInput, ValueError):  # moments of no body
             words = f"products of inertia of the other sign ({names})"
-            scenes[words] = _with_inertia(scene, changes)
+            scenes[words] = _with_elements(scene, elements, opposite)
     for words, changed in scenes.items():
-        yield Hypothesis(words, motion=partial(_at_times, changed, plain), tries=len(scenes))
+        yield _plainly(words, changed, tries=len(scenes))
     if scene.columns[3:] and "quaternion" in scene.source:
         start = integrated(scene, [Fraction(0)])
         if start is not None and start.attitude is not None:
             a, b, c, d = start.attitude[0]
-            motion = partial(_at_times, _with_attitude(scene, (d, a, b, c)), plain)
-            yield Hypothesis("the scene's quaternion taken as scalar-last", motion=motion)
+            words = "the scene's quaternion taken as scalar-last"
+            yield _plainly(words, _with_attitude(scene, (d, a, b, c)))
 
 
 def _with_attitude(scene: Scene, quaternion: Sequence[float]) -> Scene:
@@ -393,18 +387,18 @@ def constant_omega(scene: Scene) -> Hypothesis:
     """That omega stays as it is at t = 0: it does so of a body of equal moments without weight."""
     unit, none = Fraction(1), Fraction(0)
     rows = (unit, none, none), (none, unit, none), (none, none, unit)
-    sphere = replace(scene, body=Body(rows, (none,) * 3, none))
-    return Hypothesis(CONSTANT, motion=partial(_at_times, sphere, TimeChange()))
+    return _plainly(CONSTANT, replace(scene, body=Body(rows, (none,) * 3, none)))
 
 
 def other_numbers(scene: Scene) -> Iterator[Hypothesis]:
     """That one number is another, the plainer first: of the clock, of the body, of the start."""
     unit = float(Frame.of(scene).unit)
-
-    def later(x: Fraction) -> tuple[Scene, TimeChange]:
-        return scene, TimeChange(shift=-Fraction(float(x) * unit))
-
-    yield Hypothesis("rows that belong to t + {}", motion=later, fitted=1, unit=unit)
+    yield Hypothesis(
+        "rows that belong to t + {}",
+        motion=lambda x: (scene, TimeChange(shift=-Fraction(float(x) * unit))),
+        fitted=1,
+        unit=unit,
+    )
     yield Hypothesis(
         "a clock of {} times the pace",
         motion=lambda x: (scene, TimeChange(unit=1 + x)),
@@ -412,67 +406,63 @@ def other_numbers(scene: Scene) -> Iterator[Hypothesis]:
         origin=1.0,
         smallest=_SLOWEST,
     )
-    yield from _other_moments(scene)
+    for words, places, own, size in _elements(scene.body.inertia):
+        elements = [(i, j, size) for i, j in places]
+        yield _number(words, partial(_with_elements, scene, elements), own, to_double(size))
     if scene.columns[3:] and scene.body.weight:
-        own = to_double(scene.body.weight)
-        words = f"a weight, or a distance of the centre, of {{}} times the scene's {own:.6g}"
-        yield _number(words, partial(_with_weight, scene), 1.0, 1.0)
+        weight = f"{to_double(scene.body.weight):.6g}"
+        words = f"a weight, or a distance of the centre, of {{}} times the scene's {weight}"
+        yield _number(words, partial(_with_weight, scene), Fraction(1), 1.0)
         centre = scene.body.centre
         size = max(map(abs, centre))
         for i, axis in enumerate("xyz"):
-            own = to_double(centre[i])
-            words = f"the centre's {axis} = {{}} (the scene's is {own:.6g})"
-            yield _number(words, partial(_with_centre, scene, i, size), own, to_double(size))
+            words = f"the centre's {axis} = {{}} (the scene's is {{own}})"
+            yield _number(words, partial(_with_centre, scene, i, size), centre[i], to_double(size))
     rate = max([to_double(abs(w)) for w in scene.omega]) or 1.0
     for i, name in enumerate(STATE[:3]):
-        own = to_double(scene.omega[i])
-        words = f"{name} = {{}} at t = 0 (the scene's is {own:.6g})"
-        yield _number(words, partial(_with_omega, scene, i, rate), own, rate)
+        words = f"{name} = {{}} at t = 0 (the scene's is {{own}})"
+        yield _number(words, partial(_with_omega, scene, i, rate), scene.omega[i], rate)
 
 
-def _other_moments(scene: Scene) -> Iterator[Hypothesis]:
-    """That a moment, or an element of a full tensor, is another."""
-    inertia = scene.body.inertia
+def _elements(inertia: Matrix) -> Iterator[tuple[str, list[tuple[int, int]], Exact, Exact]]:
+    """The moments, or the elements of a full tensor, that may be another: in words, their places,
+    the scene's, and the size of a change."""
     moments = [inertia[i][i] for i in range(3)]
     if any(inertia[i][j] != 0 for i in range(3) for j in range(i)):
         for i, j in combinations_with_replacement(range(3), 2):
-            own, unit = to_double(inertia[i][j]), moments[i] if i == j else max(moments)
-            words = f"the element {'xyz'[i]}{'xyz'[j]} of inertia = {{}} (the scene's is {own:.6g})"
-            change = partial(_with_elements, scene, [(i, j, unit)])
-            yield _number(words, change, own, to_double(unit))
+            words = f"the element {'xyz'[i]}{'xyz'[j]} of inertia = {{}} (the scene's is {{own}})"
+            yield words, [(i, j)], inertia[i][j], moments[i] if i == j else max(moments)
         return
     equal = [i for i in range(3) if moments.count(moments[i]) > 1]
     for axes in [[0], [1], [2], *([equal] if equal else [])]:
-        own = to_double(moments[axes[0]])
         letters = " = ".join("ABC"[i] for i in axes)
         noun, verb = ("moment", "is") if len(axes) == 1 else ("moments", "are")
-        words = f"the {noun} {letters} = {{}} (the scene's {verb} {own:.6g})"
-        change = partial(_with_elements, scene, [(i, i, moments[i]) for i in axes])
-        yield _number(words, change, own, own)
+        words = f"the {noun} {letters} = {{}} (the scene's {verb} {{own}})"
+        yield words, [(i, i) for i in axes], moments[axes[0]], moments[axes[0]]
 
 
 def _number(
-    words: str, scene_of: Callable[[Fraction], Scene], origin: float, unit: float
+    words: str, scene_of: Callable[[Fraction], Scene], own: Exact, unit: float
 ) -> Hypothesis:
-    """That a number of the scene is ``origin + unit * x``."""
-
-    def motion(x: Fraction) -> tuple[Scene, TimeChange]:
-        return scene_of(x), TimeChange()
-
-    return Hypothesis(words, motion=motion, fitted=1, origin=origin, unit=unit)
+    """That a number of the scene is ``own + unit * x``."""
+    origin = to_double(own)
+    words = words.replace("{own}", f"{origin:.6g}")
+    return Hypothesis(
+        words,
+        motion=lambda x: (scene_of(x), AS_THEY_STAND),
+        fitted=1,
+        origin=origin,
+        unit=unit,
+    )
 
 
 def _with_elements(scene: Scene, elements: Sequence[tuple[int, int, Exact]], x: Fraction) -> Scene:
-    """The scene with elements of inertia that are x units larger."""
-    return _with_inertia(scene, [(i, j, x * unit) for i, j, unit in elements])
-
-
-def _with_inertia(scene: Scene, changes: Sequence[tuple[int, int, Exact]]) -> Scene:
-    """The scene with elements of inertia that are so much larger."""
+    """The scene with elements of inertia, on both sides of the diagonal, that are x units larger;
+    raises UnphysicalBody."""
     inertia = [*scene.body.inertia]
-    for i, j, change in changes:
+    for i, j, unit in elements:
         for row, column in {(i, j), (j, i)}:
-            inertia[row] = _moved(inertia[row], column, change)
+            inertia[row] = _moved(inertia[row], column, x * unit)
     a, b, c = inertia
     return replace(scene, body=scene.body.replaced(inertia=(a, b, c)))
 
@@ -532,13 +522,12 @@ def _start_of(subject: TrajectoryTable) -> Mapping[str, float]:
     """The numbers of the state at t = 0, as far as they are there; gamma also of a quaternion."""
     if 0 not in subject.times:
         return {}
-    place = subject.times.index(0)
-    cells = {
-        name: subject.columns[name][place]
+    row = {
+        name: to_double(exactly(x))
         for name in (*subject.state, *ATTITUDE)
         if name in subject.columns
+        and (x := subject.columns[name][subject.times.index(0)]) is not None
     }
-    row = {name: to_double(exactly(x)) for name, x in cells.items() if x is not None}
     if {*ATTITUDE} <= row.keys():
         (matrix,) = matrices(np.array([[row[name] for name in ATTITUDE]]))
         row = dict(zip(STATE[3:], matrix[2].tolist(), strict=True)) | row

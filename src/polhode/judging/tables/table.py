@@ -56,20 +56,17 @@ class Change(NamedTuple):
 
     def row(self, row: Sequence[object]) -> list[Fraction | None]:
         """A row's cells changed; empty ones stay so."""
-        if not self.order:
-            return [None if x is None else exactly(x) for x in row]
         cells = [None if (x := row[k]) is None else exactly(x) for k in self.order]
-        signed = [None if x is None else s * x for s, x in zip(self.signs, cells, strict=True)]
-        numbers = [x for x in signed if x is not None]
-        if {self.space, self.body} != {(1, 0, 0, 0)}:
-            if len(numbers) < len(signed):
-                return [None] * len(signed)
-            by = 1 / (_quaternion_length(self.space) * _quaternion_length(self.body))
-            return [
-                by * x
-                for x in quaternion_product(quaternion_product(self.space, numbers), self.body)
-            ]
-        return [x * self.degrees * degree() if x and self.degrees else x for x in signed]
+        unit = self.degrees * degree() if self.degrees else 1
+        numbers = [x and s * unit * x for s, x in zip(self.signs, cells, strict=True)]
+        if self.space == self.body == (1, 0, 0, 0):
+            return numbers
+        if None in cells:
+            return [None] * len(cells)
+        turned = quaternion_product(quaternion_product(self.space, numbers), self.body)
+        square = sum(x * x for x in self.space) * sum(x * x for x in self.body)
+        length = root(Fraction(square), _BITS)  # of small whole numbers
+        return [x / length for x in turned]
 
 
 class TimeChange(NamedTuple):
@@ -118,12 +115,6 @@ class Reading(NamedTuple):
             value = "exact" if digits >= _EXACT else f"{digits:.1f}{unit}"
             phrases.append(f"{value} at t = {brief(t)}")
         return ", ".join(phrases)
-
-
-def _quaternion_length(q: Sequence[int]) -> Fraction:
-    """The length of a quaternion of small whole numbers, to far more digits than are printed."""
-    square = sum(x * x for x in q)
-    return root(Fraction(square), _BITS)
 
 
 # --- table ----------------------------------------------------------------------------------------
@@ -269,7 +260,7 @@ class TrajectoryTable(ByValue):
         for reading in readings:
             names, change = PARTS.get(reading.part, ()), reading.change
             rows = table.rows(names)
-            if rows is not None and change is not None and change.order:
+            if rows is not None and change is not None:
                 table = table.with_rows(names, map(change.row, rows))
         return replace(table, readings=(*table.readings, *readings))
 
