@@ -57,6 +57,11 @@ def exactly(x: Any) -> Fraction:
     return (-1) ** sign * int(mantissa) * Fraction(2) ** int(exponent)
 
 
+def exact_number(text: str) -> Any:
+    """The exact number that a scene makes of a text: a Fraction, or an irrational one."""
+    return polhode.top(moments=[1, 1, 1], omega=[0, 0, text]).omega[2]
+
+
 def tiers(fast: Iterable[Any], slow: Iterable[Any]) -> list[Any]:
     """The fast cases, then the slow ones; the values of several parameters are a tuple."""
     return [*fast, *(slow_case(case) for case in slow)]
