@@ -111,7 +111,7 @@ CAMPAIGNS = {
     ),
     "windows of events": (
         "taylor/test_event_windows",
-        "[crossings_of_very_many_expressions(part) for part in range(10)]",
+        "[runs_meet_what_is_proven_of_very_many_expressions(part) for part in range(10)]",
     ),
 }
 
