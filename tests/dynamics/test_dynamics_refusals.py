@@ -2,8 +2,6 @@
 
 import re
 import time
-from dataclasses import replace
-from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -12,7 +10,6 @@ import polhode
 from polhode.common import values
 from polhode.dynamics import section
 from polhode.dynamics import starts as geometry
-from polhode.dynamics.exact_levels import MOST_SPREAD, RationalBody, Reach
 from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.starts import cut_of
 from polhode.scenes.vocabulary import STATE
@@ -155,26 +152,6 @@ def test_a_level_far_slower_than_the_scene_is_looked_at_as_often():
     cut, slow = (polhode.section("euler/prolate", h=h, **options) for h in (1, "1e-20"))
     assert slow.times == pytest.approx(1e10 * cut.times, rel=1e-12)
     assert slow.digits == pytest.approx(cut.digits, abs=1.2)
-
-
-def test_reach_of_exact_levels():
-    """The bits between roots: twice those of the body's own gaps, and those of f."""
-    body = RationalBody.of(polhode.load(REGULAR).body)
-    reach = Reach.of(body)
-    inside = [Fraction(0), Fraction(10) ** 40, -(Fraction(10) ** -40)]
-    assert [x in reach for x in inside] == [True] * 3
-    assert Fraction(10) ** 42 not in reach
-    assert Fraction(10) ** -42 not in reach
-    near = replace(body, moments=(1 + Fraction(1, 2**60), Fraction(1), Fraction(3, 2)))
-    narrow = Reach.of(near)
-    bits = MOST_SPREAD - 2 * (60 + np.log2(1.5))
-    assert np.log2(narrow.most / narrow.least) == pytest.approx(2 * bits, abs=1e-6)
-    none = Reach.of(replace(near, moments=(1 + Fraction(1, 2**80), Fraction(1), Fraction(2))))
-    assert none.most < none.least
-    assert Fraction(10) ** 400 in Reach.of(replace(body, torque=(Fraction(0),) * 3))
-    # the exact roots of a symmetric top: 1e-120 took 6 s, 1e-150 had no end
-    axial = Reach.of(replace(body, torque=(Fraction(0), Fraction(0), Fraction(1))))
-    assert [Fraction(10) ** -n in axial for n in (80, 90)] == [True, False]
 
 
 def test_a_body_out_of_reach_is_said_so():

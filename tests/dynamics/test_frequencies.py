@@ -167,7 +167,7 @@ def quasi_periodic(rng: np.random.Generator, least: float) -> tuple:
 @pytest.mark.parametrize(("least", "most"), [(0.3, 100), (7, 300), (30, 100)])
 def test_claims_cover_lines_near_and_far(least, most, tmp_path):
     rng, factors, sharp = np.random.default_rng(7), [], []
-    for _ in range(15):
+    for _ in range(6):
         signal, step, om = quasi_periodic(rng, least)
         for line in lines_of(tmp_path, signal, step, len(om)):
             off = float(np.min(np.abs(om - line.frequency)))

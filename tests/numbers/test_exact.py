@@ -8,6 +8,7 @@ import random
 from fractions import Fraction
 from operator import truediv
 
+import mpmath
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -15,7 +16,6 @@ from hypothesis import strategies as st
 import polhode
 from polhode import NumberType
 from polhode.numbers.exact import arctan2, log10, power
-from polhode.numbers.mpmath_context import mpmath
 from shared.tools import exact_number, exactly
 
 EQUAL_BITS = 4096  # of the rule by which a number is zero
