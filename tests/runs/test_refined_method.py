@@ -89,6 +89,13 @@ def test_the_state_at_any_time_of_a_long_run():
     assert run("250").tolist() == run([250])[0].tolist() == run(np.array(250)).tolist()
 
 
+def test_outputs_do_not_change_the_motion():
+    """Few or a crowd of them: the sums in double, not the levels, know of others."""
+    last = refined(SCENE, [30]).states
+    for times in (range(31), [*(1 + Fraction(k, 10**6) for k in range(700)), 30]):
+        assert apart(refined(SCENE, times).states[-1:], last)[0] < 2e-34
+
+
 def test_short_runs_take_heyokas_own_steps_unless_told():
     """Short: 20 radians, here of 1.16 a unit of time; alone and in a sweep."""
     runs = [polhode.integrate(SCENE, "quad", at=[t], project=False) for t in (17, 18)]
