@@ -219,12 +219,6 @@ def test_every_unit_has_a_size_above_zero():
 # -- names in expressions --------------------------------------------------------------------------
 
 
-def test_names_meet_numbers_in_the_arithmetic_of_the_names() -> None:
-    algebra = Algebra(float, {"sqrt": lambda x: x**0.5, "sin": abs, "cos": abs})
-    assert evaluate("sqrt(p)*(1/4+1/4) - -p**2", {"p": 16.0}, algebra) == 258.0
-    assert evaluate("2*3", {"p": 16.0}, algebra) == Fraction(6)
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [
