@@ -78,6 +78,10 @@ CAMPAIGNS = {
         "dynamics/test_chaos_map",
         "growing_motions_that_are_known_are_unstable_and_others_chaotic()",
     ),
+    "loose rows": (
+        "runs/test_loose_propagator",
+        "rows_of_random_times_are_within_the_tolerance(1000)",
+    ),
     "moved data": (
         "closed_forms/test_membership",
         "[test_any_datum_moved_by_1e_30_is_refused(x, slice(1, None, 2)) for x in FIXED]",

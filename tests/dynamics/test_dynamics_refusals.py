@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.common import values
 from polhode.dynamics import section
 from polhode.dynamics import starts as geometry
 from polhode.dynamics.level_body import LevelBody
@@ -16,7 +15,7 @@ from polhode.scenes.vocabulary import STATE
 from polhode.taylor import batches, variations
 from polhode.taylor import event_batches as taylor
 from polhode.taylor.event_batches import Watched
-from shared.tools import tiers
+from shared.tools import change_memory, tiers
 
 REGULAR = "general/asymmetric-regular"
 
@@ -127,7 +126,7 @@ def test_a_large_grid_is_refused_before_its_states_are_found(
 
 
 def test_what_is_refused_for_its_size_says_the_largest_that_works(monkeypatch):
-    monkeypatch.setattr(values, "MOST_BYTES", 12_000)
+    change_memory(monkeypatch, 12_000)
     with pytest.raises(polhode.BadInput, match="2 orbits to 16 crossings: expected at most 30 "):
         polhode.section(REGULAR, starts=[[1.5, 0.5], [1.5, -0.5]], crossings=16)
     assert polhode.section(REGULAR, starts=[[1.5, 0.5], [1.5, -0.5]], crossings=15).complete

@@ -14,7 +14,7 @@ from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.newton_shooting import at_level, bordered
 from polhode.dynamics.orbit import Return
 from shared import plain_taylor
-from shared.tools import DOUBLE, EXTENDED, exactly, mp, tiers
+from shared.tools import EXTENDED, exactly, mp, tiers
 
 GRIOLI = polhode.load("grioli/precession")
 
@@ -245,17 +245,6 @@ def test_digits_are_measured_from_the_decimals_that_are_written():
     text = newton_shooting._written(chord, wrong, fine.time, fine.number, 20, 1)
     assert 0.1e-12 < text.error < 10e-12
     assert fine.error < 1e-21
-
-
-@pytest.mark.parametrize("turn", ["1", "-2", "3"])
-def test_psi_of_a_motion_about_the_vertical_is_the_attitude_s(turn):
-    """A sleeping top, of which psi alone has no meaning: its whole turns are not told."""
-    asleep = polhode.top(
-        moments=[2, 2, 1], centre=[0, 0, 1], weight=1, omega=[0, 0, turn], gamma=[0, 0, 1], end=1
-    )
-    result = orbit.advance(asleep, DOUBLE)
-    assert not result.whole
-    assert float(result.psi) == pytest.approx(float(turn), abs=1e-13)
 
 
 @pytest.mark.slow

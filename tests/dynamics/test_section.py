@@ -188,14 +188,6 @@ def test_a_crossing_at_the_seam_of_two_chunks_counts_once():
             assert np.abs(second.times[0] + second.rests[0] - plain.times[k]).max() < 1e-11
 
 
-def test_flat_crossings_count_and_contacts_do_not():
-    """Where q vanishes q**3 has a triple zero, and gamma3 q**2 touches zero."""
-    for by, plain, off in (("q**3", "q", 1e-6), ("gamma3*q**2", "gamma3", 1e-11)):
-        options = {"starts": "scene", "crossings": 8}
-        flat, cut = (polhode.section(GENERIC, by=x, **options) for x in (by, plain))
-        assert np.abs(flat.times - cut.times).max() < off
-
-
 def test_an_expression_as_small_as_doubles_have_is_none_that_stays():
     """It was refused as a constant: a complex step of 1e-30 along it was 0."""
     options = {"starts": "scene", "crossings": 4}

@@ -14,6 +14,7 @@ import pytest
 import polhode
 from polhode.cli import main
 from shared.closed_forms import number as number_at
+from shared.members import rotation
 from shared.tools import DOUBLE, EXTENDED, QUAD, exactly, mp, tiers
 
 SPACE = ("omega_x", "omega_y", "omega_z")
@@ -23,18 +24,6 @@ def scene_of(name, outputs=("hodographs",), step=Fraction(1, 200), count=60, **c
     scene = polhode.load(name)
     times = tuple(step * k for k in range(count))
     return replace(scene, outputs=tuple(outputs), times=times, events=(), **changes)
-
-
-def exact_rotation(q, v):
-    """R(q) v by the matrix of the quaternion, in fractions."""
-    a, b, c, d = q
-    square = a * a + b * b + c * c + d * d
-    matrix = (
-        (a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
-        (2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
-        (2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d),
-    )
-    return [sum(x * y for x, y in zip(row, v, strict=True)) / square for row in matrix]
 
 
 # -- the space vector ---------------------------------------------------------------------------
@@ -48,7 +37,8 @@ def test_a_vector_is_turned_exactly_and_rounded_once(number):
     assert [*map(list, body)] == [list(row[:3]) for row in run.states]
     assert not number.flat or space.dtype == run.states.dtype
     for q, v, row in zip(run.attitude, body, space, strict=True):
-        exact = exact_rotation([exactly(x) for x in q], [exactly(x) for x in v])
+        turn, vector = rotation(*map(exactly, q)), [exactly(x) for x in v]
+        exact = [sum(x * y for x, y in zip(line, vector, strict=True)) for line in turn]
         largest = max(abs(x) for x in exact)
         for component, true in zip(row, exact, strict=True):
             assert abs(exactly(component) - true) <= largest * number.eps * Fraction(51, 100)

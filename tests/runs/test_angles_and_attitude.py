@@ -31,7 +31,6 @@ def error(mine, exact, relative=False) -> float:
 
 
 UNEVEN = [0, "0.1", "0.2", "0.2000001", 3, 50, "50.01", 70]
-GRID = [Fraction(k, 2) for k in range(1301)]
 #: gamma circles near the third axis, and the pole lies between the path and its chords.
 CIRCLING = polhode.top(
     moments=["1", "1.05", "0.9"],
@@ -54,10 +53,7 @@ CIRCLING = polhode.top(
         [
             ("double", scene("lagrange/turned-axes", [*UNEVEN, 200])),
             ("double", scene("kovalevskaya/generic", [-1, -33, -90])),
-            ("double", scene("lagrange/nutation", GRID)),
-            ("extended", scene("goryachev/motion", [-1, -20])),
             ("extended", scene("hard/near-pole", [2, 8])),
-            ("extended", scene("general/asymmetric-chaotic", [5, 25])),
             ("extended", CIRCLING),
             ("quad", scene("euler/backward", [-1, -12])),
             ("mp", scene("lagrange/looping", [-3, -6], psi=Fraction(22, 7))),

@@ -18,9 +18,8 @@ import pytest
 import polhode
 from polhode import Outcome
 from polhode.cli import main
-from polhode.common.interrupts import ProgressLine
 from shared.motions import heavy, heavy_file, in_other_units, same_bits, scene_of
-from shared.tools import DOUBLE, change_policy, exactly
+from shared.tools import DOUBLE, change_policy, exactly, press_ctrl_c
 
 LONG = "euler/largest-axis"
 
@@ -227,7 +226,7 @@ def test_ctrl_c_ends_a_run_within_a_second_and_reports_what_was_reached(number):
 
 def test_ctrl_c_of_a_command_exits_130_and_writes_what_there_is(tmp_path, monkeypatch, capsys):
     path = tmp_path / "x.csv"
-    monkeypatch.setattr(ProgressLine, "say", lambda *_: signal.raise_signal(signal.SIGINT))
+    press_ctrl_c(monkeypatch, 1)
     command = ["run", LONG, "--at", "100,1e10", "--max-steps", "1000000000000"]
     assert main([*command, "-o", str(path)]) == 130
     assert "interrupted" in capsys.readouterr().err
