@@ -107,6 +107,8 @@ def test_heights_are_extremal(extremum):
     options = {"by": "height", "extremum": extremum, "accuracy": False}
     states = polhode.section(GENERIC, grid=(12, 12), crossings=1, **options, **LEVEL).start_states
     assert max(off_level(GENERIC, states, 3, Fraction(1, 2), "velocity")) < 64
+    slopes = bend(GENERIC, states, "height")
+    assert (slopes < 0).all() if extremum == "max" else (slopes > 0).all()
 
 
 # -- crossings against closed forms ----------------------------------------------------------------
