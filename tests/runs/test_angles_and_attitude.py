@@ -113,15 +113,6 @@ def test_angles_that_grow_loosen_no_step(number, project, monkeypatch):
     assert error([row[2:] for row in along.angles], [row[2:] for row in exact], True) < 4 * eps
 
 
-def test_psi_and_phi_are_continuous_over_many_turns():
-    run = polhode.integrate(
-        scene("euler/largest-axis", [Fraction(k, 10) for k in range(1, 1000)], ("angles",))
-    )
-    for column in (run.psi, run.phi):
-        assert np.max(np.abs(np.diff(column))) < 1.5
-    assert max(abs(run.psi[-1]), abs(run.phi[-1])) > 4 * math.pi
-
-
 @pytest.mark.parametrize("distance", ["1e-3", "-1e-9"])
 @pytest.mark.parametrize("number", ["double", pytest.param("extended", marks=pytest.mark.slow)])
 def test_psi_and_phi_past_near_poles(distance, number):

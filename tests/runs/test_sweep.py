@@ -317,14 +317,6 @@ def test_reductions_of_members_whose_axes_turn_are_those_of_each():
 # -- what is varied -------------------------------------------------------------------------------
 
 
-def test_values_are_exact_and_evenly_spaced():
-    many = polhode.integrate_many(heavy(), {"start.omega[1]": "0.1:0.4:4"}, at=[1])
-    assert [row[0] for row in many.varied.rows] == [Fraction(k, 10) for k in (1, 2, 3, 4)]
-    assert [m.omega[0] for m in many.members] == [Fraction(k, 10) for k in (1, 2, 3, 4)]
-    assert many.members[0].source == ""
-    assert many.members[0].text != many.members[1].text
-
-
 def test_a_scene_changed_in_python_is_varied_as_it_is():
     scene = replace(heavy(), omega=(9, 9, 9))
     many = polhode.integrate_many(scene, {"start.omega[1]": [1]}, at=[1])
