@@ -210,10 +210,12 @@ def test_a_level_that_is_none_is_refused_by_the_least_energy_of_exact_levels(cas
         polhode.section(case, h=least - 1e-10 * size, f=area, crossings=2)
     text = float(str(caught.value).partition("above ")[2].partition(",")[0])
     assert text == pytest.approx(least, rel=1e-11, abs=1e-13)
+    said = ""
     try:  # just above it there is a level, though the cells of a grid may miss it
         polhode.section(case, h=least + 1e-10 * size, f=area, crossings=1, accuracy=False)
     except polhode.BadInput as fault:
-        assert "a finer grid, or another level" in str(fault)
+        said = str(fault)
+    assert not said or "a finer grid, or another level" in said
 
 
 # -- precession ------------------------------------------------------------------------------------
