@@ -71,6 +71,26 @@ def little_optimised() -> Iterator[None]:
 
 
 @pytest.fixture
+def no_idle_engines(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
+    """No compiled engine is left to be lent, now and whenever this is called."""
+    from polhode.taylor import engine
+
+    def forget() -> None:
+        monkeypatch.setattr(engine, "IDLE", {})
+
+    forget()
+    return forget
+
+
+@pytest.fixture
+def parts_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Finished jobs are kept as soon as they are there, not every few seconds."""
+    from polhode.common import checkpoint
+
+    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
+
+
+@pytest.fixture
 def quick_changes() -> Iterator[None]:
     """Threads take turns far more often than they would."""
     interval = sys.getswitchinterval()

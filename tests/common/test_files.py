@@ -11,9 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from polhode.common.files import write_whole
+import polhode
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
+RUN = polhode.integrate("euler/rest", at=[1])
 
 
 @pytest.fixture
@@ -32,13 +33,13 @@ def mode(path: Path) -> int:
 def test_a_new_file_has_the_kernel_s_permissions_and_an_old_one_keeps_its_own(tmp_path, had, umask):
     path = tmp_path / "file.json"
     if had is not None:
-        path.write_text("old")
+        polhode.integrate("euler/rest", at=[2]).save(path)
         path.chmod(had)
-    write_whole({path: "new"})
+    RUN.save(path)
     assert mode(path) == (0o666 & ~umask if had is None else had)
     assert [*tmp_path.iterdir()] == [path]
     path.chmod(0o600)
-    assert path.read_text() == "new"
+    assert polhode.load_result(path) == RUN
 
 
 @pytest.mark.parametrize("umask", [0o077], indirect=True)
@@ -59,8 +60,8 @@ def test_nobody_else_may_write_what_threads_write_at_once(tmp_path, umask):
     beside.start()
     try:
         with ThreadPoolExecutor(8) as pool:
-            paths = [tmp_path / f"file{k}" for k in range(200)]
-            list(pool.map(lambda path: write_whole({path: "x"}), paths))
+            paths = [tmp_path / f"file{k}.json" for k in range(200)]
+            list(pool.map(RUN.save, paths))
     finally:
         end.set()
         beside.join()

@@ -8,7 +8,6 @@ import pytest
 
 import polhode
 from polhode.cli import main
-from polhode.common import checkpoint
 from polhode.dynamics import chaos_map
 from polhode.dynamics.level_body import LevelBody, tangents_of
 from shared.tools import tiers
@@ -146,7 +145,8 @@ def test_nothing_is_called_regular_early_and_a_chaotic_motion_is_left_early():
 
 
 @pytest.mark.slow
-def test_the_same_in_any_company_and_after_a_stop(tmp_path, monkeypatch):
+@pytest.mark.usefixtures("parts_at_once")
+def test_the_same_in_any_company_and_after_a_stop(tmp_path):
     """Bit for bit, whatever the neighbours: bodies of two weights in turn, one of them another."""
     options = {"end": 200, "vary": {"start.omega[3]": "0.5:3:21", "body.weight": [1, "5/4"]}}
     plain = polhode.chaos_map(GENERIC, **options)
@@ -158,7 +158,6 @@ def test_the_same_in_any_company_and_after_a_stop(tmp_path, monkeypatch):
         assert (alone[1::2] != again[1::2]).all()
     options["vary"] = {"start.omega[3]": "0.5:3:40", "start.omega[1]": "0.1:1:8"}
     plain, folder = polhode.chaos_map(GENERIC, **options), tmp_path / "m.part"
-    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
     polhode.chaos_map(GENERIC, parts=folder, **options)
     jobs = sorted(folder.glob("job-*.npz"))
     assert len(jobs) == 2

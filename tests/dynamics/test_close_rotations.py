@@ -109,9 +109,9 @@ def test_regions_by_counting_critical_points(moments, f, torque):
 def test_two_discs_join_over_the_saddle_between_them(f):
     """Along the circle gamma3 = 0 from one minimum to the other W_f is highest at (-1, 0, 0)."""
     points = counted(NEAR, float(f))
-    (first, place, _), (_, second, _), (saddle, middle, index) = points[:3]
+    (first, place, _), (_, second, _), (saddle, between, index) = points[:3]
     assert index == 1
-    assert np.allclose(middle, [-1, 0, 0], atol=1e-12)
+    assert np.allclose(between, [-1, 0, 0], atol=1e-12)
     assert abs(place[2]) < 1e-12
     assert np.allclose(place * [1, -1, 1], second)
     angle = np.linspace(-1, 1, 2001) * np.arctan2(abs(place[1]), -place[0])

@@ -6,10 +6,6 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.dynamics.exact_levels import BODY_BITS, RationalBody
-from polhode.dynamics.levels import fourth_integral
-from polhode.numbers.conversion import to_double
-from polhode.numbers.polynomials import fraction_near
 from shared.motions import scene_of
 
 
@@ -53,9 +49,9 @@ UNREAL = (
 def on_the_level(scene, name, starts, seed=18):
     """Values at the points where the gradients of the four integrals depend on each other."""
     moments, torque = (
-        np.array([to_double(x) for x in v]) for v in (scene.body.moments, scene.body.torque)
+        np.array([float(x) for x in v]) for v in (scene.body.moments, scene.body.torque)
     )
-    h, f = to_double(scene.integrals.energy), to_double(scene.integrals.area)
+    h, f = float(scene.integrals.energy), float(scene.integrals.area)
     c = torque[0] / moments[2]
     rng = np.random.default_rng(seed)
 
@@ -124,10 +120,8 @@ def test_special_motions_lie_on_a_critical_value(case, family):
 
 
 def critical(scene):
-    """The critical values of a scene's level and its own value, without the rest of its levels."""
-    level = scene.integrals.energy, scene.integrals.area
-    h, f = (fraction_near(x, BODY_BITS)[0] for x in level)
-    return fourth_integral(scene, RationalBody.of(scene.body), h, f)
+    """The critical values of a scene's level and its own value."""
+    return polhode.levels(scene).here.fourth
 
 
 def top(moments, centre, omega, gamma=("3/5", 0, "4/5"), weight=1):

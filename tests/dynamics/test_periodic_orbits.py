@@ -13,9 +13,8 @@ from polhode.dynamics import newton_shooting, orbit
 from polhode.dynamics.level_body import LevelBody
 from polhode.dynamics.newton_shooting import at_level, bordered
 from polhode.dynamics.orbit import Return
-from polhode.numbers import exact, number_types
 from shared import plain_taylor
-from shared.tools import exactly, mp, tiers
+from shared.tools import EXTENDED, exactly, mp, tiers
 
 GRIOLI = polhode.load("grioli/precession")
 
@@ -97,7 +96,7 @@ def test_another_orbit_of_griolis_whose_residue_is_known():
 
 def gamma_of(scene, digits):
     """gamma of a found scene, an irrational unit vector, to many digits."""
-    return [exact.binary(*exact.rounded(x, 4 * digits)) if x else 0 for x in scene.gamma]
+    return [polhode.NumberType("mp", 4 * digits).rounded(x) for x in scene.gamma]
 
 
 def test_what_the_monodromy_matrix_keeps_exactly():
@@ -180,7 +179,7 @@ def test_in_turned_axes_and_in_other_units():
 
 def test_a_type_that_is_too_narrow_is_left_for_a_wider_one(monkeypatch):
     """The error of the decimals decides, not what was foreseen."""
-    monkeypatch.setattr(newton_shooting, "type_for", lambda digits, least=0: number_types.EXTENDED)
+    monkeypatch.setattr(newton_shooting, "type_for", lambda digits, least=0: EXTENDED)
     closed_orbit = polhode.orbit(perturbed(1e-3, 0), digits=22)
     assert 1e-26 < closed_orbit.error < 1e-22
     monkeypatch.setattr(newton_shooting, "MOST_TYPES", 1)
@@ -246,17 +245,6 @@ def test_digits_are_measured_from_the_decimals_that_are_written():
     text = newton_shooting._written(chord, wrong, fine.time, fine.number, 20, 1)
     assert 0.1e-12 < text.error < 10e-12
     assert fine.error < 1e-21
-
-
-@pytest.mark.parametrize("turn", ["1", "-2", "3"])
-def test_psi_of_a_motion_about_the_vertical_is_the_attitude_s(turn):
-    """A sleeping top, of which psi alone has no meaning: its whole turns are not told."""
-    asleep = polhode.top(
-        moments=[2, 2, 1], centre=[0, 0, 1], weight=1, omega=[0, 0, turn], gamma=[0, 0, 1], end=1
-    )
-    result = orbit.advance(asleep, number_types.DOUBLE)
-    assert not result.whole
-    assert float(result.psi) == pytest.approx(float(turn), abs=1e-13)
 
 
 @pytest.mark.slow

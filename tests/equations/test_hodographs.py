@@ -10,19 +10,14 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import polhode
 from polhode.cli import main
-from polhode.equations.columns import derived
-from polhode.numbers import row_formulas
-from polhode.numbers.conversion import to_extended, to_mpf
 from shared.closed_forms import number as number_at
-from shared.tools import DOUBLE, EXTENDED, QUAD, exactly, examples, mp, tiers
+from shared.members import rotation
+from shared.tools import DOUBLE, EXTENDED, QUAD, exactly, mp, tiers
 
 SPACE = ("omega_x", "omega_y", "omega_z")
-COMPONENT = st.floats(-10, 10, allow_subnormal=False)
 
 
 def scene_of(name, outputs=("hodographs",), step=Fraction(1, 200), count=60, **changes):
@@ -31,41 +26,22 @@ def scene_of(name, outputs=("hodographs",), step=Fraction(1, 200), count=60, **c
     return replace(scene, outputs=tuple(outputs), times=times, events=(), **changes)
 
 
-def exact_rotation(q, v):
-    """R(q) v by the matrix of the quaternion, in fractions."""
-    a, b, c, d = q
-    square = a * a + b * b + c * c + d * d
-    matrix = (
-        (a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)),
-        (2 * (b * c + a * d), a * a - b * b + c * c - d * d, 2 * (c * d - a * b)),
-        (2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d),
-    )
-    return [sum(x * y for x, y in zip(row, v, strict=True)) / square for row in matrix]
-
-
 # -- the space vector ---------------------------------------------------------------------------
 
 
-@settings(max_examples=examples(60), deadline=None)
-@given(
-    st.tuples(*[COMPONENT] * 4).filter(lambda q: max(map(abs, q)) > 1e-3),
-    st.tuples(*[COMPONENT] * 3),
-    st.sampled_from([DOUBLE, EXTENDED, QUAD, mp(50)]),
-)
-def test_a_vector_is_turned_exactly_and_rounded_once(q, v, number):
-    """Against fractions: half an ulp of the largest component, whatever the quaternion's length."""
-    state = (*v, 0.0, 0.0, 1.0)
-    if number.name == "double":
-        rows = np.array([q]), np.array([state])
-    elif number.name == "extended":
-        rows = tuple(np.array([[to_extended(exactly(x)) for x in r]]) for r in (q, state))
-    else:
-        rows = tuple([[to_mpf(exactly(x), number.bits) for x in r]] for r in (q, state))
-    exact = exact_rotation([exactly(x) for x in q], [exactly(x) for x in v])
-    largest = max(abs(x) for x in exact)
-    (row,) = derived("hodographs", polhode.load("euler/sphere"), rows[::-1], number)
-    for component, true in zip(row, exact, strict=True):
-        assert abs(exactly(component) - true) <= largest * number.eps * Fraction(51, 100)
+@pytest.mark.parametrize("number", [DOUBLE, EXTENDED, QUAD, mp(50)], ids=lambda n: n.name)
+def test_a_vector_is_turned_exactly_and_rounded_once(number):
+    """Of a run's own numbers: half an ulp of the largest component; the body's are the state's."""
+    run = polhode.integrate(scene_of("kovalevskaya/generic", step=Fraction(1, 3), count=12), number)
+    body, space = run.hodographs
+    assert [*map(list, body)] == [list(row[:3]) for row in run.states]
+    assert not number.flat or space.dtype == run.states.dtype
+    for q, v, row in zip(run.attitude, body, space, strict=True):
+        turn, vector = rotation(*map(exactly, q)), [exactly(x) for x in v]
+        exact = [sum(x * y for x, y in zip(line, vector, strict=True)) for line in turn]
+        largest = max(abs(x) for x in exact)
+        for component, true in zip(row, exact, strict=True):
+            assert abs(exactly(component) - true) <= largest * number.eps * Fraction(51, 100)
 
 
 @pytest.mark.parametrize("number", tiers(["double", "quad"], ["extended", "mp"]))
@@ -82,19 +58,6 @@ def test_a_runs_hodographs_are_those_of_the_closed_form(number):
     eps = float(run.number.eps)
     assert eps / 20 < worst < 60 * eps
     assert curves.body == [row[:3] for row in polhode.reference(scene).at(run.times, 60)]
-
-
-def test_the_body_hodograph_is_the_states_own_numbers(monkeypatch):
-    """And the space one is the same where long double is no wider than double."""
-    run = polhode.integrate(scene_of("kovalevskaya/generic", count=5))
-    body, space = run.hodographs
-    assert np.array_equal(body, run.states[:, :3])
-    assert space.dtype == np.float64
-    wide = polhode.integrate(scene_of("kovalevskaya/generic", count=2), "extended")
-    assert wide.hodographs.space.dtype == np.longdouble
-    monkeypatch.setattr(row_formulas, "extended_here", lambda: False)
-    parts = run.states, run.attitude
-    assert np.array_equal(derived("hodographs", run.scene, parts, run.number), space)
 
 
 # -- rolling ------------------------------------------------------------------------------------

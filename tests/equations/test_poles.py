@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import polhode
-from polhode.equations.kinematics import phi_leaving_the_pole
 
 TOP, BRICK, ASKEW = [1, 1, 0.5], [1.2, 1, 0.5], [0.2, 0.3, 1]
 
@@ -42,30 +40,6 @@ def test_a_run_counts_as_its_reference_does(start):
     (true,) = polhode.reference(top).angles([top.end], 15)
     got = polhode.integrate(top).angles[-1]
     assert max(abs(float(x) - float(y)) for x, y in zip(true, got, strict=True)) < 1e-11
-
-
-@pytest.mark.parametrize(
-    ("omega", "up", "sense", "expected"),
-    [
-        ([-1, 0, 7], 1, 1, -math.pi),
-        ([-1, 0, 7], -1, -1, math.pi),
-        ([1, 0, 7], 1, 1, 0.0),
-        ([0, 1, 7], 1, 1, -math.pi / 2),
-        ([0, 1, 7], 1, -1, math.pi / 2),
-        ([0, 1, 7], -1, 1, math.pi / 2),
-        (["-1e-400", "1e-400", 7], 1, 1, -3 * math.pi / 4),
-    ],
-)
-def test_the_limit_of_phi(omega, up, sense, expected):
-    assert phi_leaving_the_pole(scene(omega, up, 1), sense) == expected
-
-
-@pytest.mark.parametrize("sense", [1, -1])
-def test_without_w_across_the_limit_is_that_of_its_rate(sense):
-    """gamma'' = gamma x w', w' = I^-1 (gamma x Mg r0): for r0 = -e2, gamma = e3, w' = e1/A."""
-    for centre, expected in (((0, -1, 0), 0.0), ((1, 0, 0), -math.pi / 2)):
-        at_rest = scene([0, 0, 0], 1, 1, [4, 4, 1], centre)
-        assert phi_leaving_the_pole(at_rest, sense) == expected
 
 
 def test_a_pendulum_that_goes_over_the_top_turns_psi_back_by_pi():

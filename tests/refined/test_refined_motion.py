@@ -149,34 +149,8 @@ def test_guesses_that_are_off_change_less_than_the_estimate_or_are_refused(monke
         run(scene, 30)
 
 
-def test_outputs_do_not_change_the_motion_and_agree_with_a_run_that_ends_there():
-    """Few or a crowd of them."""
-    scene = asymmetric()
-    for ends, chosen in (
-        ([Fraction(k, 7) for k in range(1, 71)], (1, 45)),
-        ([*(1 + Fraction(k, 10**6) for k in range(700)), 10], (651,)),
-    ):
-        many, last = run(scene, 0, *ends), run(scene, 10)
-        assert len(many.states) == len(ends) + 1
-        assert (
-            max(distance(many, last)) < 2e-36
-        )  # the sums in double, not the levels, know of others
-        start = [*(x * Fraction(2) ** scene.time_unit for x in scene.omega), *scene.gamma]
-        assert off(many.exactly(0), start) < 1e-37
-        for i in chosen:
-            assert off(many.exactly(i), run(scene, ends[i - 1]).exactly(0)) < 1e-35
-
-
 def off(state, second):
     return max(abs(float(a - b)) for a, b in zip(state, second, strict=True))
-
-
-def test_backward_is_forward_with_the_rates_turned_about():
-    scene = asymmetric()
-    reversed_scene = replace(scene, omega=tuple(-w for w in scene.omega))
-    back, forward = run(scene, -5, -20), run(reversed_scene, 5, 20)
-    for a, b in zip(back.states, forward.states, strict=True):
-        assert a == [-x for x in b[:3]] + b[3:]
 
 
 def test_a_body_that_hangs_at_rest_or_has_nothing_to_move_it():

@@ -111,3 +111,9 @@ def facts_beside(path: Path) -> Path:
 def content_at(path: Path) -> Content:
     """What a file of one of them says."""
     return content_of(path, KINDS)
+
+
+def read(content: Content, path: Path) -> Content:
+    """A content that was written there and read again."""
+    written(content, path)
+    return content_at(path)

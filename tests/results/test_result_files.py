@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from invented import ENDINGS, TEXTS, Bare, Odd, content_at, facts_beside, written
+from invented import ENDINGS, TEXTS, Bare, Odd, content_at, facts_beside, read, written
 
 import polhode
 from polhode import Result
@@ -21,11 +21,6 @@ from polhode.results.cells import header_and_rows, lines
 from polhode.results.table import Column, Content, Fact, Table
 
 RESULTS = {"all types": Odd(4), "three rows": Odd(3), "one": Odd(1), "none": Odd(0), "bare": Bare()}
-
-
-def read(content: Content, path: Path) -> Content:
-    written(content, path)
-    return content_at(path)
 
 
 @pytest.mark.parametrize("ending", ENDINGS)

@@ -31,7 +31,6 @@ def error(mine, exact, relative=False) -> float:
 
 
 UNEVEN = [0, "0.1", "0.2", "0.2000001", 3, 50, "50.01", 70]
-GRID = [Fraction(k, 2) for k in range(1301)]
 #: gamma circles near the third axis, and the pole lies between the path and its chords.
 CIRCLING = polhode.top(
     moments=["1", "1.05", "0.9"],
@@ -54,10 +53,7 @@ CIRCLING = polhode.top(
         [
             ("double", scene("lagrange/turned-axes", [*UNEVEN, 200])),
             ("double", scene("kovalevskaya/generic", [-1, -33, -90])),
-            ("double", scene("lagrange/nutation", GRID)),
-            ("extended", scene("goryachev/motion", [-1, -20])),
             ("extended", scene("hard/near-pole", [2, 8])),
-            ("extended", scene("general/asymmetric-chaotic", [5, 25])),
             ("extended", CIRCLING),
             ("quad", scene("euler/backward", [-1, -12])),
             ("mp", scene("lagrange/looping", [-3, -6], psi=Fraction(22, 7))),
@@ -115,15 +111,6 @@ def test_angles_that_grow_loosen_no_step(number, project, monkeypatch):
         assert error([row[:1] for row in along.angles], [row[:1] for row in exact]) < eps / 10
     assert error(along.angles, exact, True) < 100 * eps
     assert error([row[2:] for row in along.angles], [row[2:] for row in exact], True) < 4 * eps
-
-
-def test_psi_and_phi_are_continuous_over_many_turns():
-    run = polhode.integrate(
-        scene("euler/largest-axis", [Fraction(k, 10) for k in range(1, 1000)], ("angles",))
-    )
-    for column in (run.psi, run.phi):
-        assert np.max(np.abs(np.diff(column))) < 1.5
-    assert max(abs(run.psi[-1]), abs(run.phi[-1])) > 4 * math.pi
 
 
 @pytest.mark.parametrize("distance", ["1e-3", "-1e-9"])

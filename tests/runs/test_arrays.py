@@ -11,7 +11,7 @@ import pytest
 import polhode
 from polhode.taylor import batches, defaults, lanes
 from shared.motions import TURNED, rows_in_quad
-from shared.tools import tiers
+from shared.tools import change_memory, tiers
 
 EPS = 2.0**-52
 BODY = {"moments": [3, 2, 1.5], "centre": [0.25, 0.125, 0.5], "weight": 4}
@@ -537,10 +537,8 @@ def test_what_has_no_order_is_no_sequence_of_numbers():
 
 
 def test_too_many_numbers_are_refused_before_anything_is_integrated(monkeypatch):
-    from polhode.common import values
-
     go = polhode.propagator(scene())
-    monkeypatch.setattr(values, "MOST_BYTES", 10_000)
+    change_memory(monkeypatch, 10_000)
     with pytest.raises(polhode.BadInput, match="9 starts at 40 times: expected at most"):
         go(starts(9), t=np.linspace(1, 2, 40))
     with pytest.raises(polhode.BadInput, match="9 members at 40 times: expected at most"):

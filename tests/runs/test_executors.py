@@ -10,84 +10,45 @@ import pytest
 
 from polhode.common import processes
 from polhode.common.processes import in_order
+from runs import jobs
 from shared.tools import python, tiers
-
-HERE = os.getpid()
-
-
-def squared(k):
-    if k == 3:
-        raise ValueError(f"no {k}")
-    return k * k
-
-
-def deadly(k):
-    """Ends any process but the first one."""
-    if os.getpid() != HERE and os.getppid() == int(os.environ["POLHODE_TEST_PARENT"]):
-        os._exit(1)
-    return -k
-
-
-def long(k):
-    if k:
-        time.sleep(600)
-    return k
 
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_results_come_in_the_order_of_the_jobs_and_a_fault_is_the_caller_s(workers):
     begun = []
-    squares = in_order(squared, range(5), workers, begun.append)
+    squares = in_order(jobs.squared, range(5), workers, begun.append)
     assert [next(squares) for _ in range(3)] == [0, 1, 4]
     with pytest.raises(ValueError, match="no 3"):
         next(squares)
     assert begun[:4] == [0, 1, 2, 3]
 
 
-def test_the_jobs_of_a_process_that_died_are_done_here(monkeypatch):
-    monkeypatch.setenv("POLHODE_TEST_PARENT", str(os.getpid()))
-    assert [*in_order(deadly, range(3), 2)] == [0, -1, -2]
-
-
-class Odd(Exception):
-    """Pickled, but not made again from what is pickled."""
-
-    def __init__(self, one, two):
-        super().__init__(f"{one} {two}")
-
-
-def odd(k):
-    raise Odd("odd", k)
-
-
-def unspeakable(k):
-    return lambda: k
-
-
-def noisy(k):
-    print("what a library says")
-    os.write(1, b"and what its C code says")
-    return sys.stdin.read(), k
+def test_the_jobs_of_a_process_that_died_are_done_here(monkeypatch, tmp_path):
+    monkeypatch.setenv(jobs.PARENT, str(os.getpid()))
+    monkeypatch.setenv(jobs.MARK, str(tmp_path / "died"))
+    assert [*in_order(jobs.deadly, range(3), 2)] == [0, -1, -2]
+    assert (tmp_path / "died").exists()
 
 
 @pytest.mark.slow
 def test_faults_and_results_that_cannot_travel_are_told():
     with pytest.raises(RuntimeError, match="odd 0"):
-        list(in_order(odd, range(2), 2))
+        list(in_order(jobs.odd, range(2), 2))
     with pytest.raises(AttributeError, match=r"pickle|get local object"):
-        list(in_order(unspeakable, range(2), 2))
+        list(in_order(jobs.unspeakable, range(2), 2))
 
 
 @pytest.mark.slow
 def test_what_a_job_prints_is_no_answer_and_stdin_is_not_its():
-    assert list(in_order(noisy, range(3), 2)) == [("", 0), ("", 1), ("", 2)]
+    assert list(in_order(jobs.noisy, range(3), 2)) == [("", 0), ("", 1), ("", 2)]
 
 
 @pytest.mark.slow
 def test_where_the_caller_goes_the_processes_end(monkeypatch):
     made, make = [], processes.Process
     monkeypatch.setattr(processes, "Process", lambda: made.append(make()) or made[-1])
-    found = in_order(long, range(3), 2)
+    found = in_order(jobs.long, range(3), 2)
     assert next(found) == 0
     assert [x._process.poll() for x in made] == [None, None]
     found.close()
@@ -126,7 +87,7 @@ def test_ctrl_c_of_a_terminal_does_not_reach_them(monkeypatch):
     """From their first moment on, while Python starts, too: the caller ends them."""
     made, make = [], processes.Process
     monkeypatch.setattr(processes, "Process", lambda: made.append(make()) or made[-1])
-    found = in_order(squared, range(2), 2)
+    found = in_order(jobs.squared, range(2), 2)
     assert next(found) == 0
     for process in made:
         os.kill(process._process.pid, signal.SIGINT)

@@ -80,6 +80,16 @@ def test_no_row_is_off_by_more_than_the_tolerance(name, grid):
         assert errors(scene, go, times) < tol + 64 * EPS
 
 
+def rows_of_random_times_are_within_the_tolerance(count):
+    """Of a random motion, tolerance and way: one row or thousands, wherever they lie."""
+    dice = np.random.default_rng(count)
+    for _ in range(count):
+        scene, tol = top(str(dice.choice([*MOTIONS]))), 10 ** dice.uniform(-12, -2)
+        way = float(dice.choice([1, -1])) * 10 ** dice.uniform(-2, 1.2) / fastest(scene)
+        times = np.unique(dice.random(int(dice.choice([1, 3, 60, 500, 3000])))) * way
+        assert errors(scene, polhode.propagator(scene, tol=tol), times) < tol + 64 * EPS
+
+
 @pytest.mark.parametrize("fast", [10, 1000])
 def test_of_a_start_faster_than_the_scene_gamma_is_off_by_that_many_tolerances(fast):
     """The unit of time is the scene's, and heyoka's error that of the largest variable."""

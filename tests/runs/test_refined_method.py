@@ -12,9 +12,7 @@ import polhode
 from polhode import Event, Outcome
 from polhode.cli import main
 from polhode.refined import compiled_field, refinement
-from polhode.refined.compiled_field import Stalled
 from polhode.refined.refinement import refine
-from polhode.runs.options import refinement_pays
 from polhode.verbs import notes
 from shared.tools import exactly, tiers
 
@@ -89,6 +87,13 @@ def test_the_state_at_any_time_of_a_long_run():
     assert run("250").tolist() == run([250])[0].tolist() == run(np.array(250)).tolist()
 
 
+def test_outputs_do_not_change_the_motion():
+    """Few or a crowd of them: the sums in double, not the levels, know of others."""
+    last = refined(SCENE, [30]).states
+    for times in (range(31), [*(1 + Fraction(k, 10**6) for k in range(700)), 30]):
+        assert apart(refined(SCENE, times).states[-1:], last)[0] < 2e-34
+
+
 def test_short_runs_take_heyokas_own_steps_unless_told():
     """Short: 20 radians, here of 1.16 a unit of time; alone and in a sweep."""
     runs = [polhode.integrate(SCENE, "quad", at=[t], project=False) for t in (17, 18)]
@@ -99,10 +104,8 @@ def test_short_runs_take_heyokas_own_steps_unless_told():
     fine, steps = refined(SCENE, [50]), polhode.integrate(SCENE, "quad", at=[50], method="taylor")
     assert (steps.method, steps.errors) == ("taylor", None)
     assert max(errors(fine)) < max(errors(steps)) / 4  # the inputs' rounding alone costs more
-    near, far = (polhode.load(SCENE).at((Fraction(t),)) for t in (30, 110))
-    more = polhode.integrate(SCENE, at=[1], digits=50).number
-    assert not refinement_pays(near, more)
-    assert refinement_pays(far, more)
+    runs = [polhode.integrate(SCENE, at=[t], digits=50) for t in (30, 110)]
+    assert [run.method for run in runs] == ["taylor", "refined"]
 
 
 @pytest.mark.parametrize(
@@ -228,8 +231,6 @@ def test_no_errors_from_where_two_runs_have_parted(tmp_path):
 @pytest.mark.slow
 def test_sweeps_that_stall_are_made_with_more_limbs():
     scene = polhode.load(UNSTABLE).at([300])
-    with pytest.raises(Stalled):
-        refine(scene, scene.times)
     run = polhode.integrate(scene, "quad")
     assert run.method == "refined"
     assert errors(run)[0] < run.errors[0] < 1e-30

@@ -320,6 +320,7 @@ def test_two_sweeps_do_not_share_a_folder(tmp_path):
 
 
 @pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.usefixtures("parts_at_once")
 def test_a_disk_that_fills_ends_the_sweep_and_keeps_what_was_written(first, tmp_path, monkeypatch):
     """Where nothing was written there is no folder."""
     folder, whole, write = tmp_path / "parts", swept(None), checkpoint.write_whole
@@ -329,7 +330,6 @@ def test_a_disk_that_fills_ends_the_sweep_and_keeps_what_was_written(first, tmp_
             raise polhode.BadInput("part", "file", None, "a place to write to (No space left)")
         write(texts)
 
-    monkeypatch.setattr(checkpoint, "EVERY", 0.0)
     monkeypatch.setattr(checkpoint, "write_whole", full)
     with pytest.raises(polhode.BadInput, match="No space left"):
         swept(folder)

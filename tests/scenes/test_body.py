@@ -11,8 +11,6 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode import BadInput, Body, Part
-from polhode.scenes import body as classification
-from polhode.scenes.body import ClassicalTop, classical_top
 from shared.members import rotation
 from shared.tools import number
 
@@ -320,38 +318,3 @@ def test_a_body_that_moves_so_is_named_where_there_is_one(moments, more, words):
     said = refusal_of(moments, **more)
     assert words in said
     assert words or "pendulum" not in said
-
-
-# -- Which classical top a body is, about each axis, and that every room asks the one finder -------
-
-#: moments with the axis of C last, torque, what the body is.
-BODIES = [
-    ((2, 2, 3), (0, 0, 1), classification.LAGRANGE),
-    ((2, 2, 3), (0, 0, -1), classification.LAGRANGE),
-    ((2, 2, 1), (0, 0, 1), classification.LAGRANGE),  # of a Kovalevskaya top's moments
-    ((1, 1, 1), (0, 0, 1), classification.SPHERE),
-    ((2, 2, 1), (1, 0, 0), classification.KOVALEVSKAYA),
-    ((2, 2, 1), (3, -4, 0), classification.KOVALEVSKAYA),
-    ((4, 4, 1), (1, 2, 0), classification.CHAPLYGIN),
-    ((3, 3, 1), (1, 2, 0), classification.SYMMETRIC),
-    ((2, 2, 1), (1, 0, 1), classification.SYMMETRIC),
-    ((4, 4, 1), (0, 1, 1), classification.SYMMETRIC),
-]
-
-
-#: The same of bodies that are another top about no axis.
-ROUND = [
-    ((2, 2, 1), (0, 0, 0), classification.EULER),
-    ((1, 1, 1), (1, 0, 2), classification.SPHERE),
-    ((2, 3, 4), (0, 0, 1), classification.ASYMMETRIC),
-]
-
-
-@pytest.mark.parametrize("axis", [0, 1, 2])
-@pytest.mark.parametrize(("moments", "torque", "kind"), [*BODIES, *ROUND])
-def test_a_top_is_found_about_every_axis(moments, torque, kind, axis):
-    body, weight = [None] * 3, [None] * 3
-    for i, a, t in zip(classification.with_last(axis), moments, torque, strict=True):
-        body[i], weight[i] = Fraction(a), Fraction(t)
-    about = None if (moments, torque, kind) in ROUND else axis
-    assert classical_top(tuple(body), tuple(weight)) == ClassicalTop(kind, about)

@@ -99,7 +99,7 @@ def integrated(points, mass, at, axis):
 @pytest.mark.parametrize(("keys", "points"), SOLIDS, ids=lambda x: str(x)[:40])
 @pytest.mark.parametrize("axis", [*TURNS])
 def test_moments_are_the_integrals_over_the_solid(keys, points, axis):
-    if axis != "z" and not SHAPES[keys["shape"]].round:
+    if axis != "z" and keys["shape"] in ("box", "ellipsoid", "sphere"):
         pytest.skip("has no axis")
     part = polhode.Part(mass=2.5, at=(0.5, -1, 3), axis=axis, **keys)
     centre, inertia = integrated(points, 2.5, (0.5, -1, 3), axis)

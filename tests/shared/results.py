@@ -2,7 +2,7 @@
 
 import functools
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -10,7 +10,7 @@ from pathlib import Path
 import polhode
 from polhode.checks.check_report import check_cases
 from polhode.cli import main
-from polhode.judging.convergence_order import ObservedOrder
+from polhode.judging.convergence_order import ObservedOrder, order_between
 from polhode.output.about import about
 from polhode.output.cases import cases
 from polhode.output.description import describe
@@ -100,7 +100,14 @@ def result_of_kind(name: str) -> Storable:
 
 # -- the examples of all verbs, which --help prints, and the files that they read
 
+#: Whose answer is a result.
+WITH_RESULT = {verb.name for verb in ROWS if verb.kind}
 EXAMPLES = {verb.name: verb.command.removeprefix("polhode ") for verb in ROWS}
+
+
+def order_of(names: Sequence[str], steps: Sequence[str]) -> ObservedOrder:
+    """The order of convergence that tables of a motion with such steps show."""
+    return order_between([polhode.compare(Path(name), TOP) for name in names], steps)
 
 
 def verb_of(command: str) -> Verb:

@@ -7,6 +7,7 @@ import copy
 import inspect
 import json
 import math
+import signal
 import subprocess
 import sys
 import tempfile
@@ -23,6 +24,8 @@ from hypothesis import settings
 
 import polhode
 from polhode import NumberType
+from polhode.common import values
+from polhode.common.interrupts import ProgressLine
 from polhode.numbers.expression import number as number
 from polhode.scenes.library import names as library_names
 from polhode.scenes.scene import even_times as even_times
@@ -55,6 +58,11 @@ def exactly(x: Any) -> Fraction:
         return Fraction(*x.as_integer_ratio())
     sign, mantissa, exponent, _ = raw
     return (-1) ** sign * int(mantissa) * Fraction(2) ** int(exponent)
+
+
+def exact_number(text: str) -> Any:
+    """The exact number that a scene makes of a text: a Fraction, or an irrational one."""
+    return polhode.top(moments=[1, 1, 1], omega=[0, 0, text]).omega[2]
 
 
 def tiers(fast: Iterable[Any], slow: Iterable[Any]) -> list[Any]:
@@ -90,6 +98,24 @@ def change_policy(monkeypatch: pytest.MonkeyPatch, **changes: int) -> None:
     """Change columns of the policy table, for every number type and the rest of a test."""
     for name, row in defaults.TABLE.items():
         monkeypatch.setitem(defaults.TABLE, name, row._replace(**changes))
+
+
+def change_memory(monkeypatch: pytest.MonkeyPatch, most: int) -> None:
+    """Let results have so many bytes at most, for the rest of a test."""
+    monkeypatch.setattr(values, "MOST_BYTES", most)
+
+
+def press_ctrl_c(monkeypatch: pytest.MonkeyPatch, count: int) -> list[str]:
+    """Ctrl-C with the line of progress that is the ``count``-th; the lines, as they come."""
+    lines: list[str] = []
+
+    def say(_: Any, text: str) -> None:
+        lines.append(text)
+        if len(lines) == count:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(ProgressLine, "say", say)
+    return lines
 
 
 # -- a function with one piece of its text replaced, a certificate with one value replaced

@@ -18,22 +18,39 @@ from shared.motions import heavy_file
 UNPRIVILEGED = ["setpriv", "--bounding-set", "-dac_override", "--inh-caps", "-dac_override"]
 
 
-def polhode(arguments, cwd, cache, before=(), code=0, **environment):
-    """What a verb says in a process of its own, with this cache directory: both its streams."""
+#: Commands in one process, what is printed of each as JSON; of a refusal its line.
+PROGRAM = """
+import contextlib, io, json, sys
+from polhode.cli import main
+answers = []
+for words in sys.argv[1:]:
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        code = main(words.split())
+    answers.append([code, out.getvalue()])
+print(json.dumps(answers))
+"""
+
+
+def polhode(cache, *commands, cwd, before=(), **environment):
+    """The exit code and the output of commands of one process with this cache; what it notes."""
     environment |= {"HEYOKA_CACHE_DIR": str(cache), "PYTHONDONTWRITEBYTECODE": "1"}
     process = subprocess.run(
-        [*before, sys.executable, "-m", "polhode", *arguments.split()],
+        [*before, sys.executable, "-c", PROGRAM, *commands],
         cwd=cwd,
         env=os.environ | environment,
         capture_output=True,
         text=True,
     )
-    assert process.returncode == code, process.stderr
-    return process.stdout, process.stderr
+    assert process.returncode == 0, process.stderr
+    return json.loads(process.stdout), process.stderr
 
 
-def about(cwd, cache, before=(), **environment):
-    return json.loads(polhode("about --json", cwd, cache, before, **environment)[0])["cache"]
+RUN, ABOUT = "run scene.toml --json", "about --json"
+
+
+def cache_of(answer):
+    """What ``about`` says of the cache."""
+    return json.loads(answer[1])["cache"]
 
 
 @pytest.fixture(scope="module")
@@ -41,14 +58,15 @@ def home(tmp_path_factory):
     """A folder with a scene, a good cache, and what a run of the scene prints."""
     folder = tmp_path_factory.mktemp("cache")
     (folder / "scene.toml").write_text(heavy_file("5", samples=3))
-    out, _ = polhode("run scene.toml --json", folder, folder / "good")
+    (run, text), _ = polhode(folder / "good", RUN, "about", cwd=folder)
     assert (folder / "good" / "cache.db").stat().st_size > 10_000
-    return folder, json.loads(out)["columns"]
+    assert re.search(r"^cache .* MB in ", text[1], re.MULTILINE)
+    return folder, json.loads(run[1])["columns"]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("how", ["a file", "read-only"])
-def test_a_bad_cache_changes_nothing(home, tmp_path, how):
+def test_a_bad_cache_changes_nothing_and_about_says_what_is_wrong(home, tmp_path, how):
     folder, states = home
     cache, before = tmp_path / "cache", ()
     if how == "a file":
@@ -59,29 +77,19 @@ def test_a_bad_cache_changes_nothing(home, tmp_path, how):
             if shutil.which("setpriv") is None:
                 pytest.skip("root writes everywhere, and setpriv is missing")
             before = UNPRIVILEGED
-    out, err = polhode("run scene.toml --json", folder, cache, before)
-    assert (json.loads(out)["columns"], err) == (states, "")  # nothing else on stdout
-    facts = about(folder, cache, before)
+    (run, facts, text), err = polhode(cache, RUN, ABOUT, "about", cwd=folder, before=before)
+    assert (json.loads(run[1])["columns"], err) == (states, "")  # nothing else on stdout
+    facts = cache_of(facts)
     assert (facts["enabled"], facts["bytes"], "fault" in facts) == (True, None, True)
-
-
-@pytest.mark.slow
-def test_about_says_what_is_wrong_with_the_cache(home):
-    folder, _ = home
-    for cache, said in (
-        (folder / "good", r"cache .* MB in "),
-        ("/proc/polhode", r"cache        none, every run compiles again \("),
-    ):
-        assert re.search(f"^{said}", polhode("about", folder, cache)[0], re.MULTILINE)
+    assert re.search(r"^cache        none, every run compiles again \(", text[1], re.MULTILINE)
 
 
 @pytest.mark.slow
 def test_the_cache_does_not_grow_once_it_holds_what_a_run_needs(home, tmp_path):
     """heyoka never finds its mp code again: each process would add some 0.8 MB."""
-    folder, _ = home
     sizes = []
     for _ in range(3):
-        polhode("run scene.toml --number mp --method taylor", folder, tmp_path)
+        polhode(tmp_path, "run scene.toml --number mp --method taylor", cwd=home[0])
         sizes.append((tmp_path / "cache.db").stat().st_size)
     assert 0 < sizes[1] == sizes[2]
 
@@ -89,16 +97,17 @@ def test_the_cache_does_not_grow_once_it_holds_what_a_run_needs(home, tmp_path):
 @pytest.mark.slow
 def test_the_environment_bounds_the_cache(home, tmp_path):
     folder, _ = home
-    assert about(folder, tmp_path, POLHODE_CACHE_MB="7")["limit"] == 7_000_000
     none = tmp_path / "none"
-    about(folder, none)  # which keeps what its own test compiles
-    usual = about(folder, none)
-    assert about(folder, none, POLHODE_CACHE_MB="0")["enabled"] is False
-    polhode("run scene.toml", folder, none, POLHODE_CACHE_MB="0")
-    assert about(folder, none) == usual  # nothing kept, and heyoka's file has no limit of 0
-    assert usual["enabled"]
-    assert usual["limit"] > 0
-    _, err = polhode("about", folder, tmp_path, code=2, POLHODE_CACHE_MB="much")
+    (_, first), _ = polhode(none, ABOUT, ABOUT, cwd=folder, POLHODE_CACHE_MB="7")
+    usual = cache_of(first)
+    assert (usual["limit"], usual["enabled"]) == (7_000_000, True)
+    (_, off), _ = polhode(none, RUN, ABOUT, cwd=folder, POLHODE_CACHE_MB="0")
+    assert cache_of(off)["enabled"] is False
+    # nothing kept, and heyoka's file has no limit of 0
+    (again,), _ = polhode(none, ABOUT, cwd=folder, POLHODE_CACHE_MB="7")
+    assert cache_of(again) == usual
+    ((code, _),), err = polhode(tmp_path, "about", cwd=folder, POLHODE_CACHE_MB="much")
+    assert code == 2
     assert "POLHODE_CACHE_MB" in err
     assert err.count("\n") == 1
 

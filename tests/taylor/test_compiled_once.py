@@ -10,7 +10,6 @@ import pytest
 
 import polhode
 from polhode import Event, NumberType, Outcome
-from polhode.taylor import engine
 from shared.tools import change_policy, exactly, tiers
 
 NAME = "lagrange/nutation"
@@ -27,9 +26,8 @@ def top(**more) -> polhode.Scene:
 
 
 @pytest.fixture
-def built(monkeypatch) -> list:
+def built(monkeypatch, no_idle_engines) -> list:
     """The integrators that heyoka makes from now on, none being idle."""
-    monkeypatch.setattr(engine, "IDLE", {})
     builds: list = []
     make = hy.taylor_adaptive
 
@@ -44,7 +42,7 @@ def built(monkeypatch) -> list:
 # -- what compiles, and what is built -------------------------------------------------------------
 
 
-@pytest.mark.parametrize("bits", [53, 64, 65])
+@pytest.mark.parametrize("bits", [53, 65])
 def test_few_bits_are_parameters_too(bits):
     """heyoka takes parameters of its own precision alone, and an exponent has 64 bits at least."""
     run = polhode.integrate(top(), NumberType("mp", bits), method="taylor", at=[1])
@@ -146,7 +144,7 @@ def test_a_coefficient_that_underflows_is_no_zero(number, built):
 # -- neighbours -----------------------------------------------------------------------------------
 
 
-def test_runs_in_turn_have_the_bits_of_runs_alone(monkeypatch):
+def test_runs_in_turn_have_the_bits_of_runs_alone(monkeypatch, no_idle_engines):
     """With corrections in between, calls of a run that another body's came after, and Ctrl-C."""
 
     def pressed(*_):
@@ -154,10 +152,10 @@ def test_runs_in_turn_have_the_bits_of_runs_alone(monkeypatch):
 
     between, alone = ["1/3", "19/2"], []
     for body in (ORDINARY, SPECIAL):
-        monkeypatch.setattr(engine, "IDLE", {})  # that no other has used
+        no_idle_engines()  # that another has used
         run = polhode.integrate(top(**body), at=range(11))
         alone.append((run.scene, run.states, run(between)))
-    monkeypatch.setattr(engine, "IDLE", {})
+    no_idle_engines()
     runs = [polhode.integrate(scene) for scene, _, _ in alone]
     for _ in range(2):
         for run, (scene, states, there) in zip(runs, alone, strict=True):
@@ -175,7 +173,9 @@ def test_runs_in_turn_have_the_bits_of_runs_alone(monkeypatch):
     ("outputs", "number"),
     tiers([((), "double"), ((), "extended")], [(("angles",), "double"), (("angles",), "extended")]),
 )
-def test_another_start_in_an_idle_integrator_has_the_bits_of_a_new_one(number, outputs, built):
+def test_another_start_in_an_idle_integrator_has_the_bits_of_a_new_one(
+    number, outputs, no_idle_engines
+):
     """Its spin, which the equations keep, is told whenever the state is, and in events of time."""
     zero = Event("e", "gamma3 - 1/2 - t/200")
     new, reused = (
@@ -187,7 +187,7 @@ def test_another_start_in_an_idle_integrator_has_the_bits_of_a_new_one(number, o
     assert idle.events[0].times
     for t, row in zip(idle.events[0].times, idle.events[0].states, strict=True):
         assert abs(exactly(row[5]) - Fraction(1, 2) - t / 200) < 2 * idle.number.eps
-    engine.IDLE.clear()
+    no_idle_engines()
     fresh = polhode.integrate(reused, number, project=7)
     assert fresh == idle
     assert polhode.integrate(new, number, project=7) == first

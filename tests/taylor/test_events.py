@@ -261,36 +261,7 @@ def test_the_command_line_prints_events_and_a_stop_is_success(tmp_path, capsys):
     assert "event flip: 1 at t = 4.99370553165105" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("number", ["double", "extended"])
-def test_states_at_crossings_are_on_the_section_whatever_else_is_watched(number, monkeypatch):
-    """An event that would end the run, and never comes, changes no time by more than an ulp."""
-    change_policy(monkeypatch, chunk=400)
-    never = Event("never", "q - 100", stop=True)
-    pair = Event("plain", "q"), Event("up", "p*gamma2 - q*gamma1", "rising")
-    first, second = (
-        polhode.integrate(watched("kovalevskaya/generic", *events), number, at=[0, -200]).events
-        for events in (pair, (*pair, never))
-    )
-    eps = 2.0 ** (-63 if number == "extended" else -52)
-    for a, b in zip(first, second[:2], strict=True):
-        assert len(a.times) == len(b.times) > 2
-        assert a.complete
-        assert (a.grazing, b.complete) == (b.grazing, True)
-        parted = max(abs(s - t) / abs(t) for s, t in zip(a.times, b.times, strict=True))
-        assert parted <= eps
-        assert np.max(np.abs(a.states - b.states)) <= 30 * eps
-    assert np.max(np.abs(first[0].states[:, 1])) <= eps  # unpolished: ten times that
-
-
 # -- runs that end otherwise, and what is kept ----------------------------------------------------
-
-
-def test_a_run_that_ends_beside_a_crossing():
-    whole = polhode.integrate(watched(EULER, "q"), at=[300])
-    last = whole.events[0].times[-1]
-    for off, more in ((-1e-9, -1), (0, 0), (1e-9, 0)):
-        run = polhode.integrate(watched(EULER, "q"), at=[last + Fraction(off)], project=False)
-        assert len(run.events[0].times) == len(whole.events[0].times) + more
 
 
 @pytest.mark.parametrize("end", ["interrupted", "step limit"])

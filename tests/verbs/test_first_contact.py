@@ -16,7 +16,7 @@ from polhode import cli
 from polhode.cli import main
 from polhode.common import provenance
 from polhode.output.cases import entry_of
-from polhode.scenes import library, vocabulary
+from polhode.scenes import library
 from shared.tools import case_names
 
 TOP = Path(__file__).parents[2]
@@ -158,9 +158,8 @@ def test_a_commented_case_is_the_case(case, tmp_path, capsys):
     lines = [x for x in path.read_text().splitlines() if x not in scene.source.splitlines()]
     assert lines
     assert all(line.startswith("# ") for line in lines)
-    (omega,) = [key for key in vocabulary.KEYS["start"] if key.name == "omega"]
     if case == "lagrange/nutation":
-        assert f"# omega: {omega.meaning}\nomega = [0.16, 0.3, 4.1]\n" in path.read_text()
+        assert re.search(r"\n# omega: \w.*\nomega = \[0.16, 0.3, 4.1\]\n", path.read_text())
 
 
 @pytest.mark.parametrize(

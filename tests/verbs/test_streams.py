@@ -54,7 +54,7 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(monkeypatch):
         resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
 
     before = {*Path().iterdir()}
-    words = "run top.toml -o x.npz"
+    words = "reference euler/flat --at 1 -o x.csv"
     process = ended(*words.split(), preexec_fn=full)
     assert process.returncode == 2, process.stderr
     assert process.stderr.splitlines()[-1].startswith("polhode: x.")
@@ -73,11 +73,11 @@ def test_a_reader_that_goes_away_is_no_error():
 
 @pytest.mark.slow
 def test_a_closed_stdout_is_a_place_that_cannot_be_written_to():
-    process = shell("polhode run top.toml >&-")
+    process = shell("polhode reference euler/flat --at 1 >&-")
     assert process.returncode == 2
     expected = "polhode: cannot write to standard output: Bad file descriptor"
     assert process.stderr.splitlines()[-1] == expected
-    assert shell("polhode run top.toml -o x.csv >&- 2>&-").returncode == 0
+    assert shell("polhode reference euler/flat --at 1 -o x.csv >&- 2>&-").returncode == 0
     assert Path("x.csv").exists()
 
 
@@ -88,7 +88,8 @@ def test_a_scene_and_a_table_may_come_through_pipes():
     assert process.returncode == 0, process.stderr
     assert "correct digits" in process.stdout
     assert [*Path().iterdir()] == [Path("top.toml")]
-    assert len(shell("polhode run top.toml -o /dev/stdout").stdout.splitlines()) == 3
+    shown = shell("polhode reference top.toml --at 0,1 -o /dev/stdout").stdout
+    assert len(shown.splitlines()) == 3
 
 
 @pytest.mark.slow

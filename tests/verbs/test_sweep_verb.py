@@ -2,8 +2,6 @@
 
 import json
 import re
-import signal
-from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +9,8 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.verbs import terminal
 from shared.motions import heavy_file
+from shared.tools import press_ctrl_c
 
 HEAVY = heavy_file(samples=3)
 
@@ -28,30 +26,6 @@ def run(capsys, *arguments):
     code = cli.main(["sweep", *arguments])
     output = capsys.readouterr()
     return code, output.out, output.err
-
-
-def test_every_combination_as_json(scene, capsys):
-    varied = ["--vary", "start.omega[1]=0.1:0.3:3", "--vary", "body.weight=1,sqrt(2)"]
-    code, out, err = run(capsys, scene, *varied, "--json")
-    answer = json.loads(out)
-    assert (code, err) == (0, "")
-    assert answer["vary"] == ["start.omega[1]", "body.weight"]
-    assert answer["projected"] is False
-    assert answer["complete"] is True
-    columns, members = answer["columns"], answer["members"]
-    assert columns["member"] == [k for k in range(1, 7) for _ in range(3)]
-    assert columns["t"] == [0.0, 10.0, 20.0] * 6
-    assert members["start.omega[1]"][:3] == ["0.1", "0.1", "0.2"]
-    assert Fraction(members["body.weight"][0]) == 1
-    assert members["body.weight"][1].startswith("1.41421356237309504880168872420969807857")
-    single = polhode.integrate(
-        polhode.integrate_many(scene, {"start.omega[1]": ["0.3"], "body.weight": [1]})[0].scene
-    )
-    states = np.array([columns[name][12:15] for name in NAMES]).T
-    assert np.allclose(states, single.states, rtol=0, atol=128 * 2.0**-52)
-    assert members["outcome"] == ["reached end"] * 6
-    columns = {"member", "start.omega[1]", "body.weight", "outcome", "reached", "steps"}
-    assert {*members} == columns | {f"drift_{name}" for name in ("h", "f", "gamma", "fourth")}
 
 
 def test_a_table_on_stdout_and_a_note_on_stderr(scene, capsys):
@@ -89,16 +63,9 @@ def test_what_is_finished_at_ctrl_c_is_kept_and_the_same_command_goes_on(
     scene, tmp_path, capsys, monkeypatch
 ):
     """A sweep of seconds, interrupted: no file yet, its finished members in a folder."""
-    sentences = []
-
-    def say(_, text):
-        sentences.append(text)
-        if len(sentences) == 2:
-            signal.raise_signal(signal.SIGINT)
-
     words = ["--at", "2000", "--vary", "start.omega[3]=0.5:1:400"]
     with monkeypatch.context() as patch:
-        patch.setattr(terminal.ProgressLine, "say", say)
+        sentences = press_ctrl_c(patch, 2)
         code, _, err = run(capsys, scene, *words, "-o", "x.npz")
     assert code == 130
     not_run, reached = map(int, re.search(r"; (\d+) not run, (\d+) reached end\n", err).groups())
