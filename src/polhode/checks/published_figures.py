@@ -16,9 +16,8 @@ from typing import Any
 
 from polhode.common.errors import BadInput
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.reference import Reference
+from polhode.judging.reference import FAMILIES, Reference
 from polhode.judging.reference import reference as reference_of
-from polhode.judging.sources import FAMILIES
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_string
