@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
@@ -78,8 +79,7 @@ def figures(scene: Scene, reference: Reference) -> list[PrintedFigure]:
 
 def significant_digits(printed: str) -> int:
     """How many significant digits a printed decimal shows."""
-    mantissa = printed.lower().split("e")[0].lstrip("+-").replace(".", "").lstrip("0")
-    return max(1, len(mantissa))
+    return len(Decimal(printed).as_tuple().digits)
 
 
 def _figure(published: Published, columns: Mapping[str, Any]) -> PrintedFigure:
@@ -114,9 +114,7 @@ def _right(printed: str, ours: Fraction, difference: Fraction) -> int:
 
 def last_unit(printed: str) -> Fraction:
     """The unit of a printed decimal's last digit."""
-    mantissa, _, power = printed.lower().partition("e")
-    places = len(mantissa.partition(".")[2])
-    return Fraction(10) ** (int(power or 0) - places)
+    return Fraction(10) ** int(Decimal(printed).as_tuple().exponent)
 
 
 def _leading_unit(x: Fraction) -> Fraction:

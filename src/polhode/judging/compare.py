@@ -198,8 +198,8 @@ def diagnosis(score: Score, offered: tuple[Reading, ...], details: bool) -> Diag
         rows = ResidualRows.of(score, rotation)
         noise = rows.noise(score) if blamed and not offers else None
         if noise is not None:
-            limit = noise if limit.name == "method" else limit
-            limit_of_attitude = noise if limit_of_attitude.name == "method" else limit_of_attitude
+            both = limit, limit_of_attitude
+            limit, limit_of_attitude = (noise if x.name == "method" else x for x in both)
         residuals = rows.residuals if details or noise is not None else ()
     causes: tuple[Cause, ...] = ()
     if is_foreign and score.digits and not offers and (loses_all or limit.name == "method"):

@@ -119,10 +119,6 @@ class Reference(Storable):
         """That of :meth:`result`."""
         return self.result().content()
 
-    def save(self, path: str | Path) -> None:
-        """Write :meth:`result` to a file."""
-        self.result().save(path)
-
     @property
     def proven(self) -> bool | str:
         """Whether every digit given so far is proven: by a theorem, exact decisions and balls.
@@ -174,9 +170,8 @@ class Reference(Storable):
     def hodographs(self, times: Iterable[AnyNumber], digits: int = 50) -> Hodographs:
         """Rows of omega in the body and in space, right to ``digits`` digits of the largest |w|."""
         times = _times(self.scene, times)
-        rows, attitude = self.at(times, digits), self.attitude(times, digits + 1)
-        space = derived("hodographs", self.scene, (rows, attitude), number_types.mp(digits + 1))
-        return Hodographs([row[:3] for row in rows], space)
+        space = self.column("hodographs", times, digits)
+        return Hodographs([row[:3] for row in self.at(times, digits)], space)
 
     def pairs(self, word: str, times: Sequence[Exact], digits: int) -> Pairs | None:
         """Many rows of ``word``, "at" or "attitude", each number the sum of two doubles.
@@ -271,7 +266,7 @@ class Reference(Storable):
 
     def _question(self, times: Iterable[AnyNumber], digits: int) -> tuple[list[Exact], int]:
         """Times and digits of a question; raises BadInput."""
-        digits = whole(self.scene.name, "digits", digits, 1, self._most_digits)
+        digits = whole(self.scene.name, "digits", digits, 1, MOST_ASKED)
         return _times(self.scene, times), digits
 
     def tabulated(self, digits: int, outputs: Sequence[str] = ()) -> ReferenceTable:
@@ -298,11 +293,6 @@ class Reference(Storable):
             self.proven,
             scene.provenance(),
         )
-
-    @property
-    def _most_digits(self) -> int:
-        """How many digits may be asked for."""
-        return MOST_ASKED
 
     def _rows_at(self, word: str, times: Sequence[Exact], digits: int) -> list[list[Any]]:
         """Rows of the state ("at"), "attitude" or "angles"; raises BadInput, NoAnswer."""
@@ -342,13 +332,6 @@ class EnclosureReference(Reference):
         self._limits, self._began = limits, time.monotonic()
         self.agreement, self._has_states = math.nan, False
         self._proofs: list[tuple[tuple[str, ...], list[Exact], Enclosure]] = []
-
-    @property
-    def _most_digits(self) -> int:
-        """As many as may be proven."""
-        from polhode.enclosures.task import MOST_DIGITS  # a closed form needs no enclosure
-
-        return MOST_DIGITS
 
     def result(self) -> Enclosure:
         """The enclosure at the times of the scene, to 30 digits."""

@@ -443,11 +443,6 @@ class Score(ByValue):
         return self._worst.digits
 
     @property
-    def worst_row(self) -> int:
-        """The first row at which the digits are fewest; BadInput likewise."""
-        return self._worst.row
-
-    @property
     def worst_time(self) -> Fraction:
         """The first time at which the digits are fewest; BadInput likewise."""
         return self.times[self._worst.row]
