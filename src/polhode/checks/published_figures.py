@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from functools import cache, partial
 from typing import Any
 
 from polhode.common.errors import BadInput
@@ -70,11 +71,8 @@ class PrintedFigure:
 
 def figures(scene: Scene, reference: Reference) -> list[PrintedFigure]:
     """Every published figure of a scene beside ours."""
-    columns = {
-        (t, digits): columns_at(scene, reference, t, digits)
-        for t, digits in {(_key(p.t), _digits(p)): None for p in scene.published}
-    }
-    return [_figure(p, columns[_key(p.t), _digits(p)]) for p in scene.published]
+    columns = cache(partial(columns_at, scene, reference))
+    return [_figure(p, columns(_key(p.t), _digits(p))) for p in scene.published]
 
 
 def significant_digits(printed: str) -> int:

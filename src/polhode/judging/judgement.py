@@ -235,9 +235,9 @@ class Judgement(Result, Score):
                     None if is_lost(d, band) else d
                     for d, band in zip(self.digits, bands, strict=True)
                 ],
-                "digits_expected_least": [None if x is None else x.least for x in bands],
-                "digits_expected_median": [None if x is None else x.middle for x in bands],
-                "digits_expected_most": [None if x is None else x.most for x in bands],
+                "digits_expected_least": [band and band.least for band in bands],
+                "digits_expected_median": [band and band.middle for band in bands],
+                "digits_expected_most": [band and band.most for band in bands],
                 "digits_inputs": self.inputs,
             }
             columns += (Column(k, x, type=DOUBLE, digits=4) for k, x in digits_of_state.items())

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 
 from polhode.common.errors import counted
 from polhode.common.values import ByValue
@@ -113,18 +112,18 @@ def number_of(digits: int) -> NumberType:
 def bounds(
     rows: Sequence[Sequence[Real]], radii: Sequence[Sequence[Real]], printed: int
 ) -> list[list[Real]]:
-    """Bounds of the errors of rows as they are printed, from those of the numbers."""
-    pairs = zip(rows, radii, strict=True)
-    return [[*map(partial(_bound, printed), row, radius)] for row, radius in pairs]
+    """Bounds of the errors of rows as they are printed, from those of the numbers.
 
+    Each may be rounded to three digits.
+    """
 
-def _bound(printed: int, x: Real, radius: Real) -> Real:
-    """A bound of the error of x as it is printed: one that may be rounded to three digits."""
-    with mpmath.workprec(64):
+    def bound(x: Real, radius: Real) -> Real:
         rounding = abs(own(x)) * 5 * mpmath.mpf(10) ** -printed
-        bound = (own(radius) + rounding) * (1 + mpmath.mpf(2) ** -7)
-        plain: Real = ordinary(bound)
-        return plain
+        of_both: Real = ordinary((own(radius) + rounding) * (1 + mpmath.mpf(2) ** -7))
+        return of_both
+
+    with mpmath.workprec(64):
+        return [[*map(bound, *pair)] for pair in zip(rows, radii, strict=True)]
 
 
 def right_rows(

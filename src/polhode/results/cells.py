@@ -25,6 +25,7 @@ from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
 from html import escape
+from types import NoneType
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import aligned, printable
@@ -224,11 +225,8 @@ def of_json(values: Sequence[Value], kind: str) -> Any:
     """The values of a list in JSON; ValueError where one is of another type."""
     import numpy as np
 
-    allowed = _JSON_TYPES.get(kind, (str,))
-    if kind not in (INTEGER, TRUTH, TEXT):
-        allowed = (*allowed, type(None))
     types = set(map(type, values))
-    if not types <= {*allowed}:
+    if not types <= {*_JSON_TYPES.get(kind, (str, NoneType))}:
         raise ValueError(f"a value that is not of type {kind[:40]}")
     if kind == DOUBLE:
         if str in types and not {x for x in values if type(x) is str} <= {*_INFINITE}:
@@ -240,9 +238,10 @@ def of_json(values: Sequence[Value], kind: str) -> Any:
 
 
 _JSON_TYPES: dict[str, tuple[type, ...]] = {
-    DOUBLE: (float, int, str),
+    DOUBLE: (float, int, str, NoneType),
     INTEGER: (int,),
     TRUTH: (bool,),
+    TEXT: (str,),
 }
 
 
