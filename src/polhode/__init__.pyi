@@ -49,9 +49,9 @@ from polhode.judging.field_terms import FieldComparison as FieldComparison
 from polhode.judging.field_terms import compare_field as compare_field
 from polhode.judging.judgement import Judgement as Judgement
 from polhode.judging.reference import Reference as Reference
-from polhode.judging.reference import ReferenceTable as ReferenceTable
 from polhode.judging.reference import reference as reference
 from polhode.judging.reference import reference_table as reference_table
+from polhode.judging.reference_table import ReferenceTable as ReferenceTable
 from polhode.motion.outcomes import EventTimes as EventTimes
 from polhode.motion.outcomes import Outcome as Outcome
 from polhode.motion.outcomes import Projection as Projection

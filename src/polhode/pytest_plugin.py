@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from polhode.judging.score import Score
+    from polhode.judging.judgement import Judgement
 
 #: Properties of a test, one of each for each judgement; they stand in JUnit's XML.
 _DIGITS, _SCENE = "correct_digits", "correct_digits_scene"
@@ -90,34 +90,32 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 @pytest.fixture
-def assert_digits(request: pytest.FixtureRequest) -> Callable[..., Score]:
+def assert_digits(request: pytest.FixtureRequest) -> Callable[..., Judgement]:
     """:func:`polhode.testing.assert_digits`; its digits are told at the end, and in JUnit's XML."""
     from polhode import testing
 
-    def tell(score: Score) -> None:
+    def tell(judgement: Judgement) -> None:
         properties = request.node.user_properties
-        properties.append((_DIGITS, round(score.worst, 2)))
-        properties.append((_SCENE, score.reference.scene.name))
+        properties.append((_DIGITS, round(judgement.worst, 2)))
+        properties.append((_SCENE, judgement.reference.scene.name))
         if request.config.getoption(_OPTION):
-            properties.append((_REPORT, _row_of(score)))
+            properties.append((_REPORT, _row_of(judgement)))
 
     return partial(testing.assert_digits, told=tell)
 
 
-def _row_of(score: Score) -> dict[str, Any]:
+def _row_of(judgement: Judgement) -> dict[str, Any]:
     """What a page tells of a judgement, in plain values, which pytest-xdist sends."""
     from polhode.common.errors import few
-    from polhode.judging.compare import judgement
     from polhode.output.accuracy import AccuracyLine
 
-    judged = judgement(score)
-    line = AccuracyLine("", judged)
-    shown = few(len(score.times), _MOST_TIMES)
+    line = AccuracyLine("", judgement)
+    shown = few(len(judgement.times), _MOST_TIMES)
     digits = [line.digits[k] for k in shown]
     return {
-        "scene": score.reference.scene.name,
-        "worst": score.worst,
-        "verdict": judged.verdict,
-        "t": [float(score.times[k]) for k in shown],
+        "scene": judgement.reference.scene.name,
+        "worst": judgement.worst,
+        "verdict": judgement.verdict,
+        "t": [float(judgement.times[k]) for k in shown],
         "digits": [math.nan if d is None else d for d in digits],
     }

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
-from polhode.judging.compare import JudgingOptions, judgement, refuse_incomplete, scored
+from polhode.judging.compare import compare, refuse_incomplete
 from polhode.judging.convergence_order import ObservedOrder, observed_order
-from polhode.judging.score import Score
+from polhode.judging.judgement import Judgement
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.number_types import AnyNumber, AnyVector
@@ -41,8 +41,8 @@ def assert_digits(
     number: str | None = None,
     columns: Sequence[str] | None = None,
     as_it_stands: bool = True,
-    told: Callable[[Score], None] | None = None,
-) -> Score:
+    told: Callable[[Judgement], None] | None = None,
+) -> Judgement:
     """Judge a trajectory, and fail if it has fewer correct digits than ``at_least``.
 
     Parameters
@@ -65,11 +65,11 @@ def assert_digits(
     as_it_stands : bool
         False: other conventions than the scene's are allowed.
     told : callable, optional
-        Called with the score before digits are demanded of it.
+        Called with the judgement before digits are demanded of it.
 
     Returns
     -------
-    Score
+    Judgement
         The digits of each part at each time.
 
     Raises
@@ -105,20 +105,21 @@ def assert_digits(
         held = [to_double(exact_number(t)) for t in times]
         mine, at = [mine(t) for t in held], held
     try:
-        options = JudgingOptions(number, at=at, columns=columns, as_it_stands=as_it_stands)
-        score, offered = scored(mine, scene, options)
-        refuse_incomplete(score)
+        judgement = compare(
+            mine, scene, number=number, at=at, columns=columns, as_it_stands=as_it_stands
+        )
+        refuse_incomplete(judgement)
     except BadInput as fault:
         raise fault.with_traceback(None) from None
     if told is not None:
-        told(score)
-    rows = [d for d in score.part_digits.values() if d]
-    for k, t in enumerate(score.times):
+        told(judgement)
+    rows = [d for d in judgement.part_digits.values() if d]
+    for k, t in enumerate(judgement.times):
         here = min((x for d in rows if (x := d[k]) is not None), default=at_least)
         if not here >= at_least:  # nor where that is nan
             few = f"{here:.2f} correct digits at t = {brief(t)}, where at least {at_least:g}"
-            raise AssertionError(f"{few} are wanted\n{judgement(score, offered)}")
-    return score
+            raise AssertionError(f"{few} are wanted\n{judgement}")
+    return judgement
 
 
 def order_of(

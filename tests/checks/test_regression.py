@@ -83,7 +83,7 @@ def test_a_corrupted_equation_of_motion_fails(case, which, monkeypatch):
         return numbers | {which: numbers[which] * CHANGE}
 
     monkeypatch.setattr(principal, "coefficients", corrupted)
-    (report,) = check_report.check([case], ["double", "quad"])
+    (report,) = check_report.check_cases([case], number=["double", "quad"]).cases
     assert not report.passed
     assert {line.number for line in report.lines if not line.passed} == {"quad"}
 
@@ -93,7 +93,7 @@ def test_without_a_band_nothing_passes_or_fails_and_lost_digits_are_words(tmp_pa
     path = tmp_path / "own.toml"
     text = (library.folder() / "euler" / "separatrix.toml").read_text()
     path.write_text(text.partition("[expect]")[0].replace("end = 30", "end = 400"))
-    report = next(check_report.check([str(path)], ["double"]))
+    (report,) = check_report.check_cases([path], number=["double"]).cases
     assert report.passed is None
     assert cli.main(["check", str(path), "--number", "double"]) == 3
     out, err = capsys.readouterr()
@@ -128,9 +128,12 @@ def test_a_case_passes_and_an_unknown_number_type_is_refused(refusal, capsys):
 
 
 @pytest.mark.slow
-def test_cases_shared_by_processes_give_the_same_reports():
+def test_cases_shared_by_processes_give_the_same_reports(monkeypatch):
     names = ["euler/rest", "euler/sphere", "staude/stable"]
-    alone, shared = ([*check_report.check(names, ["double"], workers=n)] for n in (1, 2))
+    alone = check_report.check_cases(names, number=["double"], details=True).cases
+    monkeypatch.setattr(check_report, "_MANY", 2)
+    monkeypatch.setattr(check_report, "cores", lambda: 2)
+    shared = check_report.check_cases(names, number=["double"], details=True).cases
     assert [report.scene.name for report in shared] == names
     assert [report.lines[0].digits for report in alone] == [r.lines[0].digits for r in shared]
     assert [report.lines[0].limit for report in alone] == [r.lines[0].limit for r in shared]

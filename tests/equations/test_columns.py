@@ -32,7 +32,8 @@ ROW = ColumnWord(("speed",), ("state",), "derived", "the length of omega")
 def speed():
     """The column in the package that is imported."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(columns.FORMULAS, "speed", columns.DerivedColumn(columns.of_rows(_speed)))
+        column = columns.DerivedColumn(columns.of_rows(_speed), "p q r are")
+        patch.setitem(columns.FORMULAS, "speed", column)
         patch.setitem(COLUMNS, "speed", ROW)
         yield
 
@@ -112,8 +113,6 @@ def test_a_run_has_the_speed_wherever_it_goes(number, scene, tmp_path, capsys):
     assert list(frame["speed"]) == speeds == list(dataset["speed"].values)
     assert "<th>speed</th>" in run._repr_html_()
     assert samples.of_run(run).columns["speed"].tolist() == [float(x) for x in speeds]
-    judged = polhode.compare(run)
-    assert kind.most_digits - 3 < judged.parts["speed"] <= kind.most_digits
 
 
 @pytest.mark.parametrize(("name", "digits"), [(TOP, 12), ("euler/turned-axes", 40)])
@@ -137,26 +136,16 @@ def test_a_reference_gives_the_speed_to_the_last_digit(name, digits, capsys):
         assert abs(exactly(x) - Fraction(text)) < 10 * Fraction(10) ** -digits
 
 
-def test_compare_judges_a_column_of_speed(tmp_path, capsys):
-    """An error is relative to the largest speed."""
-    path, times = tmp_path / "x.csv", [Fraction(5 * k, 2) for k in range(3)]
-    true = [true_speed([exactly(x) for x in row]) for row in polhode.reference(TOP).at(times, 30)]
-
-    def judged(error):
-        speeds = [true[0], true[1] + error, true[2]]
-        rows = [f"{float(t)!r},{mpmath.nstr(x, 17)}" for t, x in zip(times, speeds, strict=True)]
-        path.write_text("\n".join(["t,speed", *rows]) + "\n")
-        return document(capsys, "compare", str(path), TOP, "--json")
-
-    answer = judged(0)
-    assert answer["judged"] == ["speed"]
-    assert 14.9 < min(answer["columns"]["correct_digits_speed"]) <= 16
-    answer = judged(max(true) * mpmath.mpf("1e-7"))
-    digits = answer["columns"]["correct_digits_speed"]
-    assert min(digits) == digits[1] == pytest.approx(7, abs=1e-9)
-    path.write_text("t,q0,speed\n0,,\n1,,\n")
-    assert main(["compare", str(path), TOP]) == 3  # no row has numbers
-    assert "speed was not judged: none of it has a value" in capsys.readouterr().out
+def test_compare_judges_what_the_speed_is_made_of(tmp_path, capsys):
+    """Of a file with both the speed is left aside, and a file of speeds alone is refused."""
+    path = tmp_path / "x.csv"
+    path.write_text("t,p,q,r,speed\n0,0,0,0,1\n")
+    answer = document(capsys, "compare", str(path), TOP, "--json")
+    assert answer["judged"] == ["p", "q", "r"]
+    assert "column speed was not judged: p q r are" in answer["not_judged"]
+    path.write_text("t,speed\n0,1\n")
+    assert main(["compare", str(path), TOP]) == 2
+    assert "expected columns of p, q, r" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("number", tiers(["double"], ["extended"]))

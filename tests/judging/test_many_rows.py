@@ -226,10 +226,10 @@ def table(case):
 def test_the_digits_are_those_of_exact_numbers(case, monkeypatch):
     columns = table(case)
     in_pairs = polhode.compare(columns, case, as_it_stands=True, **HELD)
-    assert isinstance(in_pairs.comparison.answers.rows("at", 20), double_double.Pairs)
+    assert isinstance(in_pairs.comparison.rows("at", 20), double_double.Pairs)
     monkeypatch.setattr(double_double, "DIGITS", 0)
     exactly = polhode.compare(columns, case, as_it_stands=True, **HELD)
-    assert isinstance(exactly.comparison.answers.rows("at", 20), list)
+    assert isinstance(exactly.comparison.rows("at", 20), list)
     assert max(d for d in exactly.digits if d is not None) > 15
     for name, digits in exactly.part_digits.items():
         assert in_pairs.part_digits[name] == pytest.approx(digits, abs=1e-9)
@@ -249,9 +249,9 @@ def test_a_number_beyond_doubles_or_just_below_is_judged(size, column):
 
 
 def test_sizes_that_pairs_do_not_hold_are_asked_for_as_numbers(monkeypatch):
-    monkeypatch.setattr(score, "_LEAST", 1e3)  # radians a second
+    monkeypatch.setattr("polhode.judging.reference._LEAST", 1e3)  # radians a second
     judgement = polhode.compare(
         table(CASES_IN_PAIRS[0]), CASES_IN_PAIRS[0], as_it_stands=True, **HELD
     )
-    assert isinstance(judgement.comparison.answers.rows("at", 20), list)
+    assert isinstance(judgement.comparison.rows("at", 20), list)
     assert max(d for d in judgement.digits if d is not None) > 15

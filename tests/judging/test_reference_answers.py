@@ -17,7 +17,7 @@ from flint import acb
 import polhode
 from polhode.cli import main
 from polhode.closed_forms.kovalevskaya.theta_attitude import EigenspaceChoice, Moment
-from polhode.judging import sources
+from polhode.judging.reference import _TURNING as TURNING
 from polhode.motion.outcomes import EventTimes
 from shared import plain_taylor
 from shared.tables import STATE
@@ -288,7 +288,7 @@ def test_a_run_that_leaves_the_motion_tells_no_turns(monkeypatch):
     exact = polhode.reference("euler/separatrix")
     ((psi, _, phi),) = exact.angles([200], 20)  # by more digits
     assert (round(float(psi)), round(float(phi))) == (209, 7)
-    monkeypatch.setattr(sources, "_TURNING", sources._TURNING[:1])
+    monkeypatch.setattr("polhode.judging.reference._TURNING", TURNING[:1])
     assert None not in exact.angles([5], 20)[0]
     with pytest.raises(polhode.BadInput, match="went round to t = 200 is not known"):
         exact.angles([5, 200], 20)

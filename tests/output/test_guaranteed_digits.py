@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode.cli import main
-from polhode.judging.reference import right_rows
+from polhode.judging.reference_table import right_rows
 from polhode.judging.tables.table_file import read_table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import decimal_string, shortest

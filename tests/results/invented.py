@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
+from unittest import mock
 
 import mpmath
 import numpy as np
@@ -12,8 +13,7 @@ import pytest
 from polhode import Result
 from polhode.common.files import write_whole
 from polhode.numbers import expression
-from polhode.results import writer
-from polhode.results.reader import content_of
+from polhode.results import reader, writer
 from polhode.results.table import Column, Content, Fact, Table
 
 ROOT = expression.number("sqrt(2)")
@@ -110,7 +110,8 @@ def facts_beside(path: Path) -> Path:
 
 def content_at(path: Path) -> Content:
     """What a file of one of them says."""
-    return content_of(path, KINDS)
+    with mock.patch.object(reader, "KINDS", KINDS):
+        return reader.content_of(path)
 
 
 def read(content: Content, path: Path) -> Content:

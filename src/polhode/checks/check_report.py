@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
 
 from polhode.checks.published_figures import WANTED, PrintedFigure, figures, textbook_digits
-from polhode.common import processes as of_work
 from polhode.common.errors import BadInput, counted, nearest, one_line
 from polhode.common.interrupts import Message
-from polhode.common.processes import cores
+from polhode.common.processes import cores, in_order
 from polhode.common.values import ByValue
 from polhode.judging.conditioning import Conditioning, conditioning
 from polhode.judging.correct_digits import worst_digits
@@ -45,11 +44,6 @@ from polhode.scenes.vocabulary import FORMS
 SPREAD = 1.0  # digits by which a run of another machine or version may have more or fewer
 #: The number types for which bands are proposed.
 PROPOSED = ("double", "extended", "quad")
-TICK = Callable[[str], None]
-
-
-def _untold(text: str) -> None:
-    """Says nothing."""
 
 
 @dataclass(frozen=True)
@@ -129,35 +123,12 @@ class CaseCheck:
         return all(verdicts) if verdicts else None
 
 
-def check(
-    patterns: Sequence[str] = (),
-    numbers: Sequence[str] = (),
-    tick: TICK = _untold,
-    workers: int = 1,
-    details: bool = True,
-) -> Iterator[CaseCheck]:
-    """Check cases (all that ship, or names, patterns, paths) in the number types that they expect.
-
-    ``numbers``: these types instead; a case without a band for one is run and shown without.
-    ``workers``: processes that share the cases.  ``details``: whether what limits the digits is
-    told of all lines, for which the motion is followed; else of those that do not pass.
-    """
-    for number in numbers:
-        if number not in number_types.NAMES:
-            raise BadInput("check", "number", number, nearest(number, list(number_types.NAMES)))
-    scenes = [library.load(name) for name in library.matching(list(patterns))]
-    if not scenes:
-        raise BadInput("check", "SCENE", None, "a path: no cases are installed")
-
-    solve = partial(check_scene, numbers=tuple(numbers), details=details)
-    shared = min(workers, len(scenes))
-    yield from of_work.in_order(solve, scenes, shared, lambda scene: tick(scene.name))
-
-
 def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True) -> CaseCheck:
     """The checks of one case: of its states, by runs without outputs and events.
 
-    ``details``: as of :func:`check`.
+    In the number types that it expects.  ``numbers``: these instead; a case without a band for one
+    is run and shown without.  ``details``: whether what limits the digits is told of all lines, for
+    which the motion is followed; else of those that do not pass.
     """
     reference = reference_of(scene)
     types = [*(numbers or scene.expect)]
@@ -243,17 +214,13 @@ class CrossCheck:
         return self.digits is None or self.digits >= LEAST
 
 
-def cross_checks(tick: TICK) -> Iterator[CrossCheck]:
+def cross_checks(message: Message) -> Iterator[CrossCheck]:
     """Each scene in each form against its principal form."""
     for name in SCENES:
-        tick(f"{name} in all forms")
-        yield from _in_all_forms(name)
-
-
-def _in_all_forms(name: str) -> list[CrossCheck]:
-    scene = replace(library.load(name), outputs=(), events=(), form="principal").at([TIME])
-    trusted = solve(scene, choose_number(scene, "quad", None), _OWN_STEPS, interruptible=False)
-    return [_checked(form, trusted) for form in FORMS if form != scene.form]
+        message(f"{name} in all forms")
+        scene = replace(library.load(name), outputs=(), events=(), form="principal").at([TIME])
+        trusted = solve(scene, choose_number(scene, "quad", None), _OWN_STEPS, interruptible=False)
+        yield from (_checked(form, trusted) for form in FORMS if form != scene.form)
 
 
 def _checked(form: str, trusted: Trajectory) -> CrossCheck:
@@ -325,15 +292,10 @@ class CheckReport(Result, ByValue):
         return self._text(details=True)
 
     def _text(self, details: bool) -> str:
-        lines = [
-            line
-            for report in self.cases
-            for line in (
-                [_line(report)]
-                if report.passed and not details and not self.proposing
-                else _lines(report, self.proposing)
-            )
-        ]
+        lines: list[str] = []
+        for report in self.cases:
+            is_short = report.passed and not details and not self.proposing
+            lines += [_line(report)] if is_short else _lines(report, self.proposing)
         for form in self.forms:
             digits = "" if form.digits is None else f"{form.digits:.1f} digits, "
             mark = _MARKS[form.passed]
@@ -419,17 +381,27 @@ def check_cases(
     """
     if propose and not scenes:
         raise BadInput("check", "--propose", None, "SCENEs to propose bands for")
-    tick = message or _untold
-    patterns = [*map(str, scenes)]
-    shared = cores() if len(library.matching(patterns)) >= _MANY else 1
+    for name in number:
+        if name not in number_types.NAMES:
+            raise BadInput("check", "number", name, nearest(name, list(number_types.NAMES)))
+    numbers = tuple(number or (PROPOSED if propose else ()))
+    solve = partial(check_scene, numbers=numbers, details=details or propose)
     reports: list[CaseCheck] = []
     crossed: list[CrossCheck] = []
+
+    def say(text: str) -> None:
+        if message is not None:
+            message(text)
+
     try:
         if scenes or not forms:
-            numbers = number or (PROPOSED if propose else ())
-            reports.extend(check(patterns, numbers, tick, shared, details or propose))
+            cases = [library.load(name) for name in library.matching([*map(str, scenes)])]
+            if not cases:
+                raise BadInput("check", "SCENE", None, "a path: no cases are installed")
+            shared = min(cores(), len(cases)) if len(cases) >= _MANY else 1
+            reports.extend(in_order(solve, cases, shared, lambda scene: say(scene.name)))
         if forms or not (scenes or number):
-            crossed.extend(cross_checks(tick))
+            crossed.extend(cross_checks(say))
     except KeyboardInterrupt:
         return CheckReport(reports, crossed, propose, interrupted=True)
     return CheckReport(reports, crossed, propose)

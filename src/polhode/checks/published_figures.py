@@ -11,14 +11,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
+from functools import cache, partial
 from typing import Any
 
 from polhode.common.errors import BadInput
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.reference import Reference
+from polhode.judging.reference import FAMILIES, Reference
 from polhode.judging.reference import reference as reference_of
-from polhode.judging.sources import FAMILIES
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import decimal_string
@@ -70,17 +71,13 @@ class PrintedFigure:
 
 def figures(scene: Scene, reference: Reference) -> list[PrintedFigure]:
     """Every published figure of a scene beside ours."""
-    columns = {
-        (t, digits): columns_at(scene, reference, t, digits)
-        for t, digits in {(_key(p.t), _digits(p)): None for p in scene.published}
-    }
-    return [_figure(p, columns[_key(p.t), _digits(p)]) for p in scene.published]
+    columns = cache(partial(columns_at, scene, reference))
+    return [_figure(p, columns(_key(p.t), _digits(p))) for p in scene.published]
 
 
 def significant_digits(printed: str) -> int:
     """How many significant digits a printed decimal shows."""
-    mantissa = printed.lower().split("e")[0].lstrip("+-").replace(".", "").lstrip("0")
-    return max(1, len(mantissa))
+    return len(Decimal(printed).as_tuple().digits)
 
 
 def _figure(published: Published, columns: Mapping[str, Any]) -> PrintedFigure:
@@ -115,9 +112,7 @@ def _right(printed: str, ours: Fraction, difference: Fraction) -> int:
 
 def last_unit(printed: str) -> Fraction:
     """The unit of a printed decimal's last digit."""
-    mantissa, _, power = printed.lower().partition("e")
-    places = len(mantissa.partition(".")[2])
-    return Fraction(10) ** (int(power or 0) - places)
+    return Fraction(10) ** int(Decimal(printed).as_tuple().exponent)
 
 
 def _leading_unit(x: Fraction) -> Fraction:

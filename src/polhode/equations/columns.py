@@ -34,12 +34,11 @@ class DerivedColumn(NamedTuple):
 
     ``of``: a scene's formula, and its exact coefficients by name; of a row of what it needs, one
     after the other (the state is p q r gamma1 gamma2 gamma3), of coefficients and of the scalar's
-    functions.  ``not_judged``: why a file's column is not held against a reference, where it is
-    not.
+    functions.  ``not_judged``: what of a file is held against a reference in its place.
     """
 
     of: Callable[[Scene], tuple[RowFormula, Mapping[str, Exact]]]
-    not_judged: str = ""
+    not_judged: str
 
 
 def of_rows(formula: RowFormula) -> Callable[[Scene], tuple[RowFormula, Mapping[str, Exact]]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, overload
 
@@ -19,7 +19,7 @@ from polhode.figures.samples import ANOTHER, Samples, of_samples
 from polhode.judging.correct_digits import largest, log10_differences, log10_rate, scaled
 from polhode.judging.reference import Reference
 from polhode.judging.reference import reference as reference_of
-from polhode.judging.score import Answers
+from polhode.judging.score import Comparison
 from polhode.judging.tables.column_aliases import PLAIN, naming
 from polhode.judging.tables.explanations import table_as_told
 from polhode.judging.tables.table import PARTS, TrajectoryTable, of_run
@@ -66,8 +66,9 @@ def errors(table: TrajectoryTable, reference: Reference, number: NumberType | No
     if not {*scene.columns} & table.columns.keys():
         raise BadInput(table.name, "header", None, f"a column of {', '.join(scene.columns)}")
     most = number.most_digits if number else table.printed + 2
-    answers = Answers(reference, table.times, False, None)
-    true = answers.rows("at", math.ceil(min(most, 1000)) + SPARE_DIGITS)
+    states_alone = {name: x for name, x in table.columns.items() if name in scene.columns}
+    table = replace(table, columns=states_alone)
+    true = Comparison(table, reference, table).rows("at", math.ceil(min(most, 1000)) + SPARE_DIGITS)
     states = table.numbers(scene.columns, in_pairs=isinstance(true, Pairs))
     log10_errors = scaled(log10_differences(states, true), log10_rate(true, scene))
     parts = {"omega": largest(log10_errors[:, :3]), "gamma": largest(log10_errors[:, 3:])}

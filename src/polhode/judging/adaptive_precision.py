@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, NamedTuple, Never, TypedDict, Unpack, overload
+from typing import Literal, Never, TypedDict, Unpack, overload
 
 from polhode.common.arguments import refuse_unknown, whole
 from polhode.common.errors import BadInput
@@ -202,7 +202,7 @@ def integrate(
     from polhode.judging.digit_check import checked  # and with it all closed forms
 
     free = number in (None, "mp") and tol is None and inputs is None
-    lost, most = needed(scene, digits) if free else Need(0.0, math.inf)
+    lost, most = needed(scene, digits) if free else (0.0, math.inf)
     if hopeless := lost > most:  # beyond what can be computed: the type of the digits alone
         chosen = number_types.for_digits(digits, 0.0)
     else:
@@ -212,7 +212,10 @@ def integrate(
         run = solve(scene, chosen, options, progress)
         if not (run.outcome.done and run.times):
             return run
-        run = _as_expected(run) if hopeless else checked(run, digits, prove, progress)
+        if hopeless:  # nothing is left to check: the fewest digits that it is expected to have
+            run = replace(run, correct_digits=min(run.expected.digits), checked_by=EXPECTED)
+        else:
+            run = checked(run, digits, prove, progress)
         right = run.correct_digits or 0.0
         if right >= digits or run.outcome is Outcome.INTERRUPTED:
             return run
@@ -224,29 +227,23 @@ def integrate(
     return replace(run, outcome=Outcome.TOO_FEW_DIGITS)
 
 
-class Need(NamedTuple):
-    """The digits that a motion is expected to lose, and the most that a run can make good."""
+def needed(scene: Scene, digits: int) -> tuple[float, float]:
+    """The digits that a motion is expected to lose, and the most that a run can make good.
 
-    lost: float
-    most: float
-
-
-def needed(scene: Scene, digits: int) -> Need:
-    """What ``digits`` of them ask for beside: see :mod:`polhode.taylor.error_growth`.
-
+    Beside ``digits`` of them: see :mod:`polhode.taylor.error_growth`.
     A motion that multiplies errors beyond what a double can follow is led by an integration of
     wider type.
     """
     from polhode.taylor.error_growth import LED_FROM, growth
 
     if not scene.times:
-        return Need(0.0, math.inf)  # refused by whoever integrates
+        return 0.0, math.inf  # refused by whoever integrates
     errors = growth(scene, trusted=math.inf)
     most = _affordable(errors.steps) - digits
     lost = max(errors.lost)
     if lost > LED_FROM and lost <= most:
         lost = max(growth(scene, limit=most + 1, led=True).lost)
-    return Need(lost, max(most, DEFAULT_MP_DIGITS))
+    return lost, max(most, DEFAULT_MP_DIGITS)
 
 
 def _affordable(steps: int) -> float:
@@ -264,8 +261,3 @@ def _missed(lost: float, number: NumberType, right: float) -> float:
     if right >= 1:
         return max(lost, number.most_digits - right) + 1
     return 2 * max(lost, number.most_digits)
-
-
-def _as_expected(run: Trajectory) -> Trajectory:
-    """A run with the fewest digits that it is expected to have."""
-    return replace(run, correct_digits=min(run.expected.digits), checked_by=EXPECTED)

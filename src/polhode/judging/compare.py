@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Never
+from typing import TYPE_CHECKING, Any, Never
 
 from polhode.common.arguments import each, of_kind, refuse_unknown
 from polhode.common.errors import BadInput, TooManySteps
@@ -21,6 +21,7 @@ from polhode.judging.limits import (
     LAST,
     NO_LIMIT,
     UNKNOWN,
+    Expectation,
     Residual,
     ResidualRows,
     departure,
@@ -29,9 +30,8 @@ from polhode.judging.limits import (
     limit_of,
     rotation_errors,
 )
-from polhode.judging.reference import Reference, reference
+from polhode.judging.reference import NoAnswer, ProofLimits, Reference, reference
 from polhode.judging.score import STATE_PART, Score, bits_of, score
-from polhode.judging.sources import NoAnswer, ProofLimits
 from polhode.judging.tables.column_aliases import PLAIN, Naming, naming
 from polhode.judging.tables.csv_file import table_of_columns, table_of_rows
 from polhode.judging.tables.explanations import Cause, as_meant, read_as_told
@@ -49,6 +49,8 @@ from polhode.scenes.vocabulary import ATTITUDE
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+_MOTION = ("units", "body", "omega", "gamma")  # fields of a scene that tell its motion
 
 
 def compare(
@@ -141,78 +143,39 @@ def compare(
     gate = "no threshold: polhode.testing.assert_digits(run, scene, at_least) has one"
     refuse_unknown("compare", compare, unknown, at_least=gate)
     of_kind("compare", "details", details, bool, "True or False")
-    limits = ProofLimits(progress, forecast, max_seconds)
-    options = JudgingOptions(number, digits, at, columns, as_it_stands, read, limits)
-    score, offered = scored(what, against, options)
-    return judgement(score, offered, details)
-
-
-class JudgingOptions(NamedTuple):
-    """How a table is read and judged; the fields are parameters of :func:`compare`."""
-
-    number: str | NumberType | None = None
-    digits: int | None = None
-    at: Iterable[AnyNumber] | None = None
-    columns: Sequence[str] | None = None
-    as_it_stands: bool = False
-    read: str | None = None
-    limits: ProofLimits = ProofLimits()
-
-
-def scored(
-    source: Any, against: Reference | Scene | str | Path | None, options: JudgingOptions
-) -> tuple[Score, tuple[Reading, ...]]:
-    """The score of what :func:`compare` judges, as it is read; readings that were not applied.
-
-    The truth, the table, how it is read, and the score: what follows tells why.  Raises BadInput.
-    """
-    read, limits, as_it_stands = options.read, options.limits, options.as_it_stands
     of_kind("compare", "as_it_stands", as_it_stands, bool, "True or False")
     of_kind("compare", "read", read, (str, type(None)), "a text: 'omega degrees'")
-    truth = _truth(source, against, limits)
-    table_given = _table(source, truth.scene, options)
-    run = None if isinstance(source, Trajectory) else table_given.run
-    same = ("units", "body", "omega", "gamma")
-    if run is not None and (
-        read or any(getattr(run.scene, key) != getattr(truth.scene, key) for key in same)
-    ):
+    limits = ProofLimits(progress, forecast, max_seconds)
+    truth = _truth(what, against, limits)
+    scene = truth.scene
+    table_given = _table(what, scene, number, digits, at, columns)
+    run = None if isinstance(what, Trajectory) else table_given.run
+    if run and (read or any(getattr(run.scene, x) != getattr(scene, x) for x in _MOTION)):
         table_given = replace(table_given, run=None)  # another's table, as it were
-    table_given = as_judged(table_given, truth.scene)
+    table_given = as_judged(table_given, scene)
     if not table_given.columns:
-        expected = f"columns of {', '.join(truth.scene.columns)}, angles or attitude"
+        expected = f"columns of {', '.join(scene.columns)}, angles or attitude"
         raise BadInput(table_given.name, "header", None, expected)
     is_read = table_given.run is None and read is None and not as_it_stands
-    table = table_given
-    offered: tuple[Reading, ...] = ()
+    table, offered = table_given, tuple[Reading, ...]()
     if table_given.run is None and read is not None:
         table = read_as_told(table_given, truth, read)
     elif is_read:
         table, offered = as_meant(table_given, truth)
     try:
-        return score(table, truth, limits.progress), offered
+        result = score(table, truth, progress)
     except TooManySteps as fault:
-        expected = "; ".join([fault.expected, *clock_remark(table, truth.scene)])
+        expected = "; ".join([fault.expected, *clock_remark(table, scene)])
         raise TooManySteps(fault.source, "t", fault.value, expected) from None
     except NoAnswer:
         if not truth.is_closed_form:
             raise
-    truth = reference(truth.scene, "certified", **limits._asdict())
-    if is_read:
-        table, offered = as_meant(table_given, truth)
-    return score(table, truth, limits.progress), offered
-
-
-def judgement(
-    score: Score,
-    offered: tuple[Reading, ...] = (),
-    details: bool = False,
-) -> Judgement:
-    """A score with what its digits mean, which is found when it is first asked for.
-
-    ``offered``: readings that were not applied.  ``details``: also what no limit needs.
-    """
-    meaning = waiting(partial(diagnosis, score, offered, details))
-    return Judgement(**{x.name: getattr(score, x.name) for x in fields(Score)}, diagnosis=meaning)
+        truth = reference(scene, "certified", **limits._asdict())
+        if is_read:
+            table, offered = as_meant(table_given, truth)
+        result = score(table, truth, progress)
+    meaning = waiting(partial(diagnosis, result, offered, details))
+    return Judgement(**{x.name: getattr(result, x.name) for x in fields(Score)}, diagnosis=meaning)
 
 
 def diagnosis(score: Score, offered: tuple[Reading, ...], details: bool) -> Diagnosis:
@@ -225,6 +188,7 @@ def diagnosis(score: Score, offered: tuple[Reading, ...], details: bool) -> Diag
     loses_all = bool(score.digits) and score.state_worst < LAST
     is_plain = UNKNOWN not in [limit_of(score, part) for part in limited]
     is_plain = is_plain and not any(falls.values())
+    unknown = (None,) * len(score.times)
     expected = None if is_plain and not (loses_all or details) else expectation(score)
     limit, limit_of_attitude = (limit_of(score, part, expected) for part in limited)
     rotation = rotation_errors(score)
@@ -234,8 +198,8 @@ def diagnosis(score: Score, offered: tuple[Reading, ...], details: bool) -> Diag
         rows = ResidualRows.of(score, rotation)
         noise = rows.noise(score) if blamed and not offers else None
         if noise is not None:
-            limit = noise if limit.name == "method" else limit
-            limit_of_attitude = noise if limit_of_attitude.name == "method" else limit_of_attitude
+            both = limit, limit_of_attitude
+            limit, limit_of_attitude = (noise if x.name == "method" else x for x in both)
         residuals = rows.residuals if details or noise is not None else ()
     causes: tuple[Cause, ...] = ()
     if is_foreign and score.digits and not offers and (loses_all or limit.name == "method"):
@@ -255,7 +219,7 @@ def diagnosis(score: Score, offered: tuple[Reading, ...], details: bool) -> Diag
     return Diagnosis(
         limit,
         limit_of_attitude,
-        expected,
+        expected or Expectation(unknown, unknown, None, ""),
         departures,
         offers,
         causes,
@@ -284,14 +248,20 @@ def _truth(
         if isinstance(source, (str, Path)) and Path(source).suffix.lower() == ".toml":
             expected = f"the scene after the table: polhode compare {against} {source}"
         raise BadInput("compare", "SCENE", str(against), expected)
-    if not isinstance(against, (Scene, str, Path)):
+    if isinstance(against, Reference):
         return against
     return reference(against, **limits._asdict())
 
 
-def _table(source: Any, scene: Scene, options: JudgingOptions) -> TrajectoryTable:
+def _table(
+    source: Any,
+    scene: Scene,
+    number: str | NumberType | None,
+    digits: int | None,
+    at: Iterable[AnyNumber] | None,
+    columns: Sequence[str] | None,
+) -> TrajectoryTable:
     """What is judged, as a table; raises BadInput."""
-    number, digits, columns = options.number, options.digits, options.columns
     if isinstance(source, Trajectory):
         return of_run(source)
     if digits is not None and number is None:
@@ -303,7 +273,7 @@ def _table(source: Any, scene: Scene, options: JudgingOptions) -> TrajectoryTabl
         return table_of_columns(source, kind, names=_naming(columns, of_file=False))
     if isinstance(source, TrajectoryTable):
         return source
-    return table_of_rows(source, options.at, scene.columns if columns is None else columns, kind)
+    return table_of_rows(source, at, scene.columns if columns is None else columns, kind)
 
 
 def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:

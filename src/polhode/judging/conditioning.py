@@ -21,7 +21,7 @@ inputs can cost so much, and costs less nearly always.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache
@@ -432,13 +432,8 @@ class Conditioning(Result, ByValue):
         between two projections, which take away what leads off the exact scene's level; 0 for none.
         """
         kind = self._kind(number)
-
-        def left(places: Sequence[int]) -> list[float]:
-            roundings = self._rounding(kind, every)
-            sizes = inputs_sizes(self.along, [roundings[k] for k in places])
-            return [*map(float, _digits(sizes, kind))]
-
-        return self._at_times(kind, left, 0.0)
+        sizes = inputs_sizes(self.along, self._rounding(kind, every))
+        return self._at_times(kind, _digits(sizes, kind).tolist(), 0.0)
 
     def expected(
         self, number: NumberType | str | None = None, every: int | None = None
@@ -452,12 +447,8 @@ class Conditioning(Result, ByValue):
         if every is None:
             row = defaults.of(kind)
             every = row.project_every if row.projected else 0
-
-        def bands(places: Sequence[int]) -> list[Band]:
-            roundings = self._rounding(kind, every)
-            logs = quantiles(self.along, [roundings[k] for k in places])
-            return [Band(*row) for row in _digits(logs, kind)[:, ::-1].tolist()]
-
+        logs = quantiles(self.along, self._rounding(kind, every))
+        bands = (Band(*row) for row in _digits(logs, kind)[:, ::-1].tolist())
         return self._at_times(kind, bands, Band(0.0, 0.0, 0.0))
 
     def digits_bound(self, number: NumberType | str | None = None) -> tuple[float | None, ...]:
@@ -466,11 +457,8 @@ class Conditioning(Result, ByValue):
         0 where no digits are left, None where kappa is not known.
         """
         kind = self._kind(number)
-
-        def left(places: Sequence[int]) -> list[float]:
-            return [*map(float, _digits(np.array([self._kappas[k] for k in places]), kind))]
-
-        return self._at_times(kind, left, 0.0)
+        logs = np.array([x for x in self.log10_kappa if x is not None])
+        return self._at_times(kind, _digits(logs, kind).tolist(), 0.0)
 
     @cached_property
     def lost_after(self) -> float | None:
@@ -542,24 +530,25 @@ class Conditioning(Result, ByValue):
         return "\n".join([*lines, *filter(None, (self.lost, self.note))])
 
     def _at_times(
-        self, number: NumberType, quantity: Callable[[Sequence[int]], list[T]], none_left: T
+        self, number: NumberType, known: Iterable[T], none_left: T
     ) -> tuple[T | None, ...]:
         """What is known at each time of the stretch that ends there; None where that is unknown.
 
-        ``quantity``: of many stretches.  ``none_left``: what is told where it is known that no
-        digits of the type are left.
+        ``known``: of the stretches that end at a time.  ``none_left``: what is told where it is
+        known that no digits of the type are left.
         """
-        values = iter(quantity([k for k in self._places if k is not None]))
-        beyond = none_left if number.bits <= self.number.bits else None
+        values, beyond = iter(known), none_left if number.bits <= self.number.bits else None
         pairs = zip(self._places, self.along.outputs, strict=True)
         return tuple(
             next(values) if k is not None else beyond if self._gone(t) else None for k, t in pairs
         )
 
     def _rounding(self, number: NumberType, every: int) -> list[Rounding]:
-        """What rounding has done at the end of each stretch, computed once a type."""
+        """What rounding has done at the times where a stretch ends, computed once a type."""
         if (number, every) not in self._known:
-            self._known[number, every] = [*rounding(self.along, number, every)]
+            of_stretches = [*rounding(self.along, number, every)]
+            there = [of_stretches[k] for k in self._places if k is not None]
+            self._known[number, every] = there
         return self._known[number, every]
 
     @cached_property
@@ -567,9 +556,7 @@ class Conditioning(Result, ByValue):
         return {}
 
     def _kind(self, number: NumberType | str | None) -> NumberType:
-        if number is None:
-            return self.number
-        return number_types.named(number) if isinstance(number, str) else number
+        return number_types.named(number) if isinstance(number, str) else number or self.number
 
     def _gone(self, own: float) -> bool:
         """Whether no digits are left at a time of the scene's own unit."""

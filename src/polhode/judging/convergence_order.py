@@ -11,7 +11,7 @@ from statistics import linear_regression, median
 
 from polhode.common.arguments import each
 from polhode.common.errors import BadInput
-from polhode.judging.compare import JudgingOptions, scored
+from polhode.judging.compare import compare
 from polhode.judging.conditioning import Band
 from polhode.judging.limits import expectation
 from polhode.judging.reference import reference
@@ -177,8 +177,9 @@ def observed_order(
         raise BadInput("order_of", "steps", len(lengths), f"{_FEWEST} or more, different, above 0")
     lengths = tuple(sorted(lengths, reverse=True))
     against = reference(scene)
-    options = JudgingOptions(at=times, columns=columns, as_it_stands=True)
-    scores = [scored(mine(h), against, options)[0] for h in lengths]
+    scores = [
+        compare(mine(h), against, at=times, columns=columns, as_it_stands=True) for h in lengths
+    ]
     return _order("order_of", scores, lengths)
 
 

@@ -85,13 +85,12 @@ def log10_rate(rows: Given | Pairs, scene: Scene) -> float:
     return exact.log10(fallback) / 2 if sign(fallback) else 0.0
 
 
-def log10_errors(states: Given, reference: Given, rate: float) -> Doubles:
+def log10_errors(states: Given, reference: Given, scene: Scene) -> Doubles:
     """For each time log10 of the larger of the scaled errors of w and of gamma.
 
-    ``states``: rows as long as those of ``reference``; an entry None is not judged.  ``rate``: as
-    :func:`log10_rate` gives it.
+    ``states``: rows as long as those of ``reference``; an entry None is not judged.
     """
-    return largest(scaled(log10_differences(states, reference), rate))
+    return largest(scaled(log10_differences(states, reference), log10_rate(reference, scene)))
 
 
 def scaled(differences: Doubles, rate: float) -> Doubles:
@@ -114,8 +113,8 @@ def digits_of(log10_error: Scalar, cap: float) -> Scalar:
 
 def worst_digits(states: Given, reference: Given, scene: Scene, cap: float) -> float:
     """The fewest correct digits over all rows."""
-    errors = log10_errors(states, reference, log10_rate(reference, scene))
-    return float(np.fmin.reduce(digits_of(errors, cap), initial=cap))
+    digits = digits_of(log10_errors(states, reference, scene), cap)
+    return float(np.fmin.reduce(digits, initial=cap))
 
 
 def state_errors(states: AnyStates, true: AnyStates, scene: Scene | str | Path) -> Doubles:
@@ -156,7 +155,7 @@ def state_errors(states: AnyStates, true: AnyStates, scene: Scene | str | Path) 
         raise BadInput(
             scene.name, "states", f"{len(states)} rows", f"{len(true)}, as the true ones"
         )
-    errors: Doubles = 10.0 ** log10_errors(states, true, log10_rate(true, scene))
+    errors: Doubles = 10.0 ** log10_errors(states, true, scene)
     return errors
 
 

@@ -11,8 +11,7 @@ from typing import NamedTuple
 from polhode.common.errors import BadInput, few
 from polhode.common.interrupts import Progress
 from polhode.judging.correct_digits import worst_digits
-from polhode.judging.reference import reference
-from polhode.judging.sources import ProofTooLong
+from polhode.judging.reference import ProofTooLong, reference
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import Given, wider
 from polhode.runs.options import Options

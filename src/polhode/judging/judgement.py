@@ -70,7 +70,7 @@ class Diagnosis(NamedTuple):
     ``limit``: what limits the digits of the state; empty where it was not judged, and of a table
     that is wrong in the first digit or would be right in a convention that is not applied, for then
     its method is not to blame; ``attitude_limit``: what limits those of the attitude.
-    ``expectation``: the digits to expect, None where no limit needs them and they were not asked
+    ``expectation``: the digits to expect, unknown where no limit needs them and they were not asked
     for.  ``departures``: parts that leave the motion: right until one time, wrong from the next one
     on.  ``offers``: conventions in which parts still wrong would be right, not applied; ``causes``:
     numbers of which one, if it were another, would make a wrong table right, the best first, fitted
@@ -83,7 +83,7 @@ class Diagnosis(NamedTuple):
 
     limit: Limit
     attitude_limit: Limit
-    expectation: Expectation | None
+    expectation: Expectation
     departures: Mapping[str, Departure]
     offers: tuple[Reading, ...]
     causes: tuple[Cause, ...]
@@ -150,10 +150,7 @@ class Judgement(Result, Score):
 
         Of a projected run those that projection leaves; see :func:`polhode.conditioning`.
         """
-        expectation = self.diagnosis.expectation
-        if expectation is None:
-            return (None,) * len(self.digits)
-        return expectation.bands if self.digits else ()
+        return self.diagnosis.expectation.bands if self.digits else ()
 
     @property
     def inputs(self) -> tuple[float | None, ...]:
@@ -161,22 +158,17 @@ class Judgement(Result, Score):
 
         Of a projected run those that are left where projection has taken its part away.
         """
-        expectation = self.diagnosis.expectation
-        if expectation is None:
-            return (None,) * len(self.digits)
-        return expectation.inputs if self.digits else ()
+        return self.diagnosis.expectation.inputs if self.digits else ()
 
     @property
     def lost_after(self) -> float | None:
         """The time after which kappa leaves no digits; None where it leaves some throughout."""
-        expectation = self.diagnosis.expectation
-        return None if expectation is None else expectation.lost_after
+        return self.diagnosis.expectation.lost_after
 
     @property
     def lost(self) -> str:
         """That no digits are left, and after which time; empty where some are left throughout."""
-        expectation = self.diagnosis.expectation
-        return "" if expectation is None else lost_digits(self.digits, expectation)
+        return lost_digits(self.digits, self.diagnosis.expectation)
 
     @property
     def drift(self) -> Drift | None:
@@ -243,9 +235,9 @@ class Judgement(Result, Score):
                     None if is_lost(d, band) else d
                     for d, band in zip(self.digits, bands, strict=True)
                 ],
-                "digits_expected_least": [None if x is None else x.least for x in bands],
-                "digits_expected_median": [None if x is None else x.middle for x in bands],
-                "digits_expected_most": [None if x is None else x.most for x in bands],
+                "digits_expected_least": [band and band.least for band in bands],
+                "digits_expected_median": [band and band.middle for band in bands],
+                "digits_expected_most": [band and band.most for band in bands],
                 "digits_inputs": self.inputs,
             }
             columns += (Column(k, x, type=DOUBLE, digits=4) for k, x in digits_of_state.items())
@@ -335,7 +327,7 @@ class Judgement(Result, Score):
         if details:
             lines.append(self._head)
         if is_judged:
-            lines += [*self._digit_lines(None if details else self.worst_row), self.verdict]
+            lines += [*self._digit_lines(None if details else self._worst.row), self.verdict]
         else:
             lines.append(": ".join(filter(None, [NOTHING, self._without_numbers])))
         if details:

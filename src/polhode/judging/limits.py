@@ -20,10 +20,10 @@ import numpy as np
 
 from polhode.common.errors import BadInput, few
 from polhode.equations.form import field
+from polhode.judging.auxiliary_runs import by_sign
 from polhode.judging.conditioning import Band, Conditioning, conditioning
 from polhode.judging.correct_digits import log10_rate, plain_rows
 from polhode.judging.score import SHOWN, STATE_PART, RowDigits, Score
-from polhode.judging.sources import by_sign
 from polhode.numbers.conversion import doubles, exactly, to_double
 from polhode.numbers.decimals import brief
 from polhode.numbers.double_double import Pairs

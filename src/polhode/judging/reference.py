@@ -5,47 +5,63 @@ All answer the same questions; ``kind`` says which it is, and nothing else is ca
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+import math
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar
 
-from polhode.closed_forms.families import closed_form, misfit
+from polhode.closed_forms.families import ClosedForm, closed_form, misfit
+from polhode.closed_forms.kovalevskaya.place import DEGENERATE, ONE_FREQUENCY
 from polhode.common.arguments import each, whole
-from polhode.common.errors import BadInput, counted, nearest
+from polhode.common.errors import BadInput, nearest
 from polhode.common.interrupts import Progress
-from polhode.common.values import ByValue
 from polhode.equations.columns import derived
 from polhode.equations.kinematics import Hodographs
-from polhode.judging.sources import (
-    ROUGH,
-    SAVED_DIGITS,
-    ClosedFormSource,
-    EnclosureSource,
-    ProofLimits,
-    Source,
-    TextbookSource,
+from polhode.judging.auxiliary_runs import FINE, turning_run
+from polhode.judging.reference_table import (
+    ReferenceTable,
+    bounds,
+    held_times,
+    number_of,
+    right_rows,
 )
+from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact, number_types
-from polhode.numbers.conversion import TIME, reader, to_double
-from polhode.numbers.decimals import is_decimal
-from polhode.numbers.exact import Exact
-from polhode.numbers.mpmath_context import mpmath, ordinary, own
-from polhode.numbers.number_types import AnyNumber, Given, NumberType, Real, Scalar
-from polhode.results.cells import EXACT, TEXT, digits_word
+from polhode.numbers.conversion import TIME, exactly, reader, to_double
+from polhode.numbers.decimals import shown
+from polhode.numbers.exact import Exact, Irrational
+from polhode.numbers.mpmath_context import mpmath, ordinary
+from polhode.numbers.number_types import DOUBLE, EXTENDED, MOST_ASKED, QUAD, AnyNumber, Real
 from polhode.results.result import Result, Storable
-from polhode.results.table import Column, Content, Fact, Table
+from polhode.results.table import Content
 from polhode.scenes import library
+from polhode.scenes.body import kind_of_body
 from polhode.scenes.scene import Scene
-from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
 from polhode.scenes.vocabulary import COLUMNS, REQUESTS
 
 if TYPE_CHECKING:
+    from polhode.enclosures.result import Enclosure
     from polhode.numbers.double_double import Pairs
 
 BACKENDS = ("flint", "mpmath", "certified")
 MAX_LOG10_ANGLE = 100
+SAVED_DIGITS = 30  # of a reference that is saved as it is
+ROUGH = 53  # bits in which a closed form plans; it computes with more
+_LEAST, _MOST = 1e-250, 1e250  # sizes of w of which two doubles hold all digits
+
+T = TypeVar("T")
+
+
+class NoAnswer(BadInput):
+    """That a reference has no answer to a question that another one may answer."""
+
+
+class ProofTooLong(BadInput):
+    """That a proof would take longer than it may."""
 
 
 class Reference(Storable):
@@ -54,7 +70,12 @@ class Reference(Storable):
     ``kind``: which closed form, or "certified"; ``regime``: the kind of motion.  Answers are in the
     scene's body axes and units, at ``times`` that are ints, Fractions, floats, mpf or decimal
     strings, taken exactly.  A question to which there is no answer raises BadInput; of numbers that
-    a closed form alone can tell, an enclosure tells None.  ``source``: what gives the rows.
+    a closed form alone can tell, an enclosure tells None.
+
+    ``agreement``: the accuracy in digits: inf of a closed form; of an enclosure the digits proven
+    for the last request of states, at its worst time, nan before the first.  ``backend``: its word
+    in :func:`polhode.reference`.  ``encloses_attitude``: whether attitude and angles are proven by
+    an enclosure.  ``is_dear``: whether of a table of very many rows only some are judged.
 
     >>> import polhode
     >>> exact = polhode.reference("euler/largest-axis")
@@ -64,20 +85,23 @@ class Reference(Storable):
 
     __hash__ = None  # type: ignore[assignment]
 
-    def __init__(self, scene: Scene, source: Source) -> None:
-        self.scene, self.source = scene, source
-        self.kind, self.regime = source.kind, source.regime
-        self.is_closed_form, self.is_dear = source.is_closed_form, source.is_dear
-        self.encloses_attitude = source.encloses_attitude
+    backend: ClassVar[str]
+    is_closed_form: ClassVar[bool] = True
+    agreement = math.inf
+    encloses_attitude = False
+    is_dear = False
+
+    def __init__(self, scene: Scene, kind: str, regime: str) -> None:
+        self.scene, self.kind, self.regime = scene, kind, regime
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Reference):
             return NotImplemented
-        mine, its = ((x.source.backend, x.kind, x.scene) for x in (self, other))
+        mine, its = ((x.backend, x.kind, x.scene) for x in (self, other))
         return mine == its
 
     def __reduce__(self) -> tuple[object, ...]:
-        return reference, (self.scene, self.source.backend)  # what was computed is computed again
+        return reference, (self.scene, self.backend)  # what was computed is computed again
 
     def __repr__(self) -> str:
         return f"<Reference of {self.scene.name}: {self.kind}, {self.regime}>"
@@ -89,22 +113,11 @@ class Reference(Storable):
 
     def result(self) -> Result:
         """What a file of it holds: rows at the times of the scene, to 30 digits, or the proof."""
-        outputs = self.scene.outputs if self.source.has_attitude else ()
-        return self.source.proof or tabulated(self, outputs=outputs)
+        return self.tabulated(SAVED_DIGITS, self.scene.outputs)
 
     def content(self) -> Content:
         """That of :meth:`result`."""
         return self.result().content()
-
-    def save(self, path: str | Path) -> None:
-        """Write :meth:`result` to a file."""
-        self.result().save(path)
-
-    @property
-    def agreement(self) -> float:
-        """The accuracy in digits: inf of a closed form; of an enclosure the digits proven for the
-        last request of states, at its worst time, nan before the first."""
-        return self.source.agreement
 
     @property
     def proven(self) -> bool | str:
@@ -113,7 +126,7 @@ class Reference(Storable):
         False where the digits are only reproduced, with more bits; a text where the proof rests on
         something more, such as the numbers that are called 0 by the rule for irrational ones.
         """
-        return self.source.proven
+        return True
 
     def at(self, times: Iterable[AnyNumber], digits: int = 50) -> list[list[Real]]:
         """Rows p q r [gamma1 gamma2 gamma3] as mpf, right to ``digits`` digits."""
@@ -139,26 +152,39 @@ class Reference(Storable):
     ) -> list[list[Real | None]]:
         """Rows of an output by its word, such as "angles"; of hodographs omega in space.
 
-        What is derived is the same formula as a run's, of rows right to ``digits`` digits.
+        What is derived is the same formula as a run's, of the state to ``digits`` digits and of
+        other rows to one more, in more precision than either.  Raises BadInput.
         """
-        return column_of(partial(getattr, self), self.scene, word, times, digits)
+        if word not in COLUMNS:
+            raise BadInput(self.scene.name, "outputs", word, nearest(word, [*COLUMNS]))
+        times = list(times)
+        if COLUMNS[word].how == "integrated":
+            return self._rows(word, times, digits)
+        parts = [
+            self.at(times, digits) if need == "state" else self._rows(need, times, digits + 1)
+            for need in COLUMNS[word].needs
+        ]
+        rows = derived(word, self.scene, parts, number_types.mp(digits + 1))
+        return [list(row) for row in rows]
 
     def hodographs(self, times: Iterable[AnyNumber], digits: int = 50) -> Hodographs:
         """Rows of omega in the body and in space, right to ``digits`` digits of the largest |w|."""
         times = _times(self.scene, times)
-        rows, attitude = self.at(times, digits), self.attitude(times, digits + 1)
-        space = derived("hodographs", self.scene, (rows, attitude), number_types.mp(digits + 1))
-        return Hodographs([row[:3] for row in rows], space)
+        space = self.column("hodographs", times, digits)
+        return Hodographs([row[:3] for row in self.at(times, digits)], space)
 
     def pairs(self, word: str, times: Sequence[Exact], digits: int) -> Pairs | None:
         """Many rows of ``word``, "at" or "attitude", each number the sum of two doubles.
 
         Right to ``digits`` digits, at most :data:`polhode.numbers.double_double.DIGITS`; None of
-        what has no such rows.
+        what has no such rows, or whose omega is too large or too small for them.
         """
         _refuse_far(self.scene, times)
         attitude = word == "attitude"
-        return self.source.answer(lambda motion: motion.pairs(times, digits, attitude=attitude))
+        pairs = self._answer(lambda motion: motion.pairs(times, digits, attitude=attitude))
+        if pairs is None or attitude:
+            return pairs
+        return pairs if _LEAST < abs(pairs.hi[:, :3]).max(initial=0.0) < _MOST else None
 
     def error(self, times: Iterable[AnyNumber], digits: int = 50) -> Real:
         """A bound of the error of :meth:`at`, of w over its largest modulus, or of gamma.
@@ -166,10 +192,10 @@ class Reference(Storable):
         It is an estimate where the digits are only reproduced.
         """
         instants, digits = self._question(times, digits)
-        bound: Real | None = self.source.answer(lambda motion: motion.error(digits, instants))
+        bound: Real | None = self._answer(lambda motion: motion.error(digits, instants))
         if bound is not None:
             return bound
-        self.source.rows("at", instants, digits)  # which are proven to so many
+        self._rows_at("at", instants, digits)  # which are proven to so many
         own: Real = ordinary(mpmath.mpf(10) ** -digits)
         return own
 
@@ -184,22 +210,22 @@ class Reference(Storable):
         True
         """
         instants, digits = self._question(times, digits)
-        return self.source.answer(lambda motion: motion.radii(instants, digits))
+        return self._answer(lambda motion: motion.radii(instants, digits))
 
     @property
     def conditions(self) -> tuple[str, ...]:
         """The conditions on body and start that hold exactly, of a family that names them."""
-        return self.source.answer(lambda motion: motion.place.held) or ()
+        return self._answer(lambda motion: motion.place.held) or ()
 
     @property
     def curve(self) -> dict[str, object] | None:
         """The algebraic curve of a Kovalevskaya top: H, K2, its roots e and period matrix tau."""
-        return self.source.answer(lambda motion: motion.curve(50))
+        return self._answer(lambda motion: motion.curve(50))
 
     @property
     def approach(self) -> Real | None:
         """The rate at which a motion of Hess's tends to a periodic one; None where it does not."""
-        return self.source.answer(lambda motion: motion.approach(50))
+        return self._answer(lambda motion: motion.approach(50))
 
     @property
     def period(self) -> Real | None:
@@ -215,12 +241,12 @@ class Reference(Storable):
         >>> print(round(exact.period * exact.frequencies["nutation"] / 6.283185307179586, 9))
         2.0
         """
-        return self.source.answer(lambda motion: motion.period(50))
+        return self._answer(lambda motion: motion.period(50))
 
     @property
     def frequencies(self) -> dict[str, Real]:
         """The motion's frequencies by name, radians per unit of time, to 50 digits."""
-        return self.source.answer(lambda motion: motion.frequencies(50)) or {}
+        return self._answer(lambda motion: motion.frequencies(50)) or {}
 
     @property
     def rates_of(self) -> dict[str, str]:
@@ -230,18 +256,330 @@ class Reference(Storable):
         >>> polhode.reference("euler/attitude").rates_of["precession"]
         'of principal axis 3 (of the largest moment) about the angular momentum'
         """
-        rates = self.source.answer(lambda motion: motion.place.rates_of) or {}
+        rates = self._answer(lambda motion: motion.place.rates_of) or {}
         frequencies = self.frequencies if rates else {}
         return {name: words for name, words in rates.items() if name in frequencies}
 
     def _rows(self, word: str, times: Iterable[AnyNumber], digits: int) -> list[list[Any]]:
         instants, digits = self._question(times, digits)
-        return self.source.rows(word, instants, digits) if instants else []
+        return self._rows_at(word, instants, digits) if instants else []
 
     def _question(self, times: Iterable[AnyNumber], digits: int) -> tuple[list[Exact], int]:
         """Times and digits of a question; raises BadInput."""
-        digits = whole(self.scene.name, "digits", digits, 1, self.source.most_digits)
+        digits = whole(self.scene.name, "digits", digits, 1, MOST_ASKED)
         return _times(self.scene, times), digits
+
+    def tabulated(self, digits: int, outputs: Sequence[str] = ()) -> ReferenceTable:
+        """Its rows at the times of its scene, each number to so many digits of its own."""
+        scene = self.scene
+        digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
+        printed = number_of(digits).printed_digits
+        times = held_times(scene, scene.times, digits)
+        columns = {
+            word: right_rows(partial(self.column, word), times, printed)
+            for word in COLUMNS
+            if word in outputs
+        }
+        states, radii = right_rows(self.at, times, printed), self.radii(times, printed)
+        return ReferenceTable(
+            scene,
+            self.kind,
+            self.regime,
+            digits,
+            tuple(times),
+            states,
+            None if radii is None else bounds(states, radii, printed),
+            columns,
+            self.proven,
+            scene.provenance(),
+        )
+
+    def _rows_at(self, word: str, times: Sequence[Exact], digits: int) -> list[list[Any]]:
+        """Rows of the state ("at"), "attitude" or "angles"; raises BadInput, NoAnswer."""
+        raise NotImplementedError
+
+    def _answer(self, question: Callable[[ClosedForm], T]) -> T | None:
+        """What a closed form tells of its motion; None where there is none."""
+        del question
+        return None
+
+
+# --- enclosure ------------------------------------------------------------------------------------
+
+
+class ProofLimits(NamedTuple):
+    """What is called during each proof as by :func:`polhode.certify`, and the most seconds of all
+    proofs of a source together, from its making on."""
+
+    progress: Progress | None = None
+    forecast: Callable[[float], None] | None = None
+    max_seconds: float | None = None
+
+
+class EnclosureReference(Reference):
+    """Balls that contain the exact motion of any scene, and their midpoints.
+
+    ``agreement`` holds the digits proven for the last request of states, at its worst time; if
+    states were never asked for, of the last attitude or angles.
+    """
+
+    backend = "certified"
+    is_closed_form = False
+    encloses_attitude = True
+
+    def __init__(self, scene: Scene, limits: ProofLimits) -> None:
+        super().__init__(scene, "certified", kind_of_body(scene.body))
+        self._limits, self._began = limits, time.monotonic()
+        self.agreement, self._has_states = math.nan, False
+        self._proofs: list[tuple[tuple[str, ...], list[Exact], Enclosure]] = []
+
+    def result(self) -> Enclosure:
+        """The enclosure at the times of the scene, to 30 digits."""
+        return self._enclosure(self.scene.outputs, self.scene.times, SAVED_DIGITS)
+
+    def _rows_at(self, word: str, times: Sequence[Exact], digits: int) -> list[list[Any]]:
+        """Midpoints, proven to so many digits."""
+        if word != "at" and self.scene.gamma is None:
+            raise BadInput(self.scene.name, "start.gamma", None, "a unit vector, for an attitude")
+        enclosure = self._enclosure(() if word == "at" else (word,), times, digits)
+        if word == "at":
+            self.agreement, self._has_states = enclosure.proven, True
+            return [[*row] for row in enclosure.midpoints]
+        part = enclosure.attitude if word == "attitude" else enclosure.angles
+        assert part is not None
+        if not self._has_states:
+            self.agreement = min(part.digits)
+        if word == "angles":
+            self._refuse_lost(enclosure)
+        return part.midpoints(enclosure.noise + 128)
+
+    def _enclosure(
+        self, outputs: tuple[str, ...], times: Sequence[Exact], digits: int
+    ) -> Enclosure:
+        """The balls; what was proven to as many digits at the same times is not proven again."""
+        from polhode.enclosures.certify import certify  # a closed form needs no heyoka
+
+        for words, instants, earlier in self._proofs:
+            if words == outputs and instants == [*times] and earlier.asked >= digits:
+                return earlier
+        scene, limits = replace(self.scene, outputs=outputs), self._limits
+        if limits.max_seconds is not None:
+            left = limits.max_seconds + self._began - time.monotonic()
+            limits = limits._replace(max_seconds=max(1e-3, left))
+        enclosure = certify(scene, times, digits=digits, **limits._asdict())
+        if enclosure.outcome is Outcome.TIME_LIMIT:
+            last = shown(max(times, key=abs))
+            expected = f"seconds in which the motion is proven to t = {last}, or earlier times"
+            raise ProofTooLong(scene.name, "max_seconds", self._limits.max_seconds, expected)
+        if not enclosure.outcome.done:
+            raise KeyboardInterrupt
+        self._proofs.append((outputs, [*times], enclosure))
+        return enclosure
+
+    def _refuse_lost(self, enclosure: Enclosure) -> None:
+        """Raise NoAnswer where psi and phi are lost, and the third axis does not stay vertical."""
+        from polhode.equations.kinematics import departure
+
+        assert enclosure.angles is not None
+        pairs = zip(enclosure.angles.centres, enclosure.times, strict=True)
+        if not any(row[0] is None and t != 0 for row, t in pairs):
+            return
+        if self.scene.starts_at_pole and departure(self.scene) is None:
+            return
+        since = ", ".join(f"{t:.6g}" for t in enclosure.lost)
+        expected = f"a motion that keeps away from the poles: psi and phi are lost at t = {since}"
+        raise NoAnswer(self.scene.name, "angles", None, expected)
+
+
+# --- textbook -------------------------------------------------------------------------------------
+#
+# Euler's and Lagrange's tops by Jacobi's functions and Legendre's third integral, generic motions
+# of Kovalevskaya's by Abel's sums.  The digits are those that two working precisions agree on.
+
+
+FAMILIES = ("euler", "lagrange", "kovalevskaya")
+_SPECIAL = (*DEGENERATE, *ONE_FREQUENCY)  # of Kovalevskaya's: two branch points are equal
+
+
+class TextbookReference(Reference):
+    """The state of a classical top as a textbook has it, computed by mpmath alone.
+
+    Raises BadInput for a scene of another family, and for a motion that the formulas do not have.
+    """
+
+    backend = "mpmath"
+
+    def __init__(self, scene: Scene) -> None:
+        fitting = closed_form(scene, scene.reference if scene.reference in FAMILIES else "auto")
+        if fitting is None or fitting[0] not in FAMILIES:
+            kind = "no family" if fitting is None else fitting[0]
+            expected = f"{', '.join(FAMILIES[:-1])} or {FAMILIES[-1]}, for backend mpmath"
+            raise BadInput(scene.name, "reference", kind, expected)
+        super().__init__(scene, fitting[0], fitting[1].regime)
+        if self.kind == "kovalevskaya" and self.regime in _SPECIAL:
+            expected = "a generic motion, for backend mpmath"
+            raise BadInput(scene.name, "reference", self.regime, expected)
+
+    @property
+    def proven(self) -> bool | str:
+        """That the digits are reproduced, and no more."""
+        return False
+
+    def result(self) -> Result:
+        """What a file of it holds: it has states alone."""
+        return self.tabulated(SAVED_DIGITS)
+
+    def _rows_at(self, word: str, times: Sequence[Exact], digits: int) -> list[list[Any]]:
+        """Rows of the state, to digits that repeat themselves."""
+        from polhode.closed_forms import textbook
+
+        if word != "at":
+            raise BadInput(self.scene.name, "outputs", word, "none: mpmath has states alone")
+        try:
+            with mpmath.workprec(ROUGH):
+                rows: list[list[Real]] = ordinary(
+                    textbook.states(self.scene, self.kind, self.regime, times, digits)
+                )
+                return rows
+        except (ValueError, ArithmeticError, mpmath.NoConvergence) as fault:
+            why = str(fault) or "they divide by 0 or do not converge"
+            expected = f"a motion that mpmath's functions reach ({why})"
+            raise BadInput(self.scene.name, "reference", self.regime, expected) from None
+
+
+# --- closed form ----------------------------------------------------------------------------------
+
+
+_FORETOLD_SECONDS, _MOST_SECONDS = 60, 300  # of an enclosure where there is no other attitude
+_MOST_SHOWN = 3  # numbers that are called 0 by the rule
+_TURNING = (
+    (DOUBLE, 1e5),
+    (EXTENDED, 1e4),
+    (QUAD, 3e3),
+)  # runs that tell turns; radians, some seconds
+_NEAR = 0.01  # radians between the angles of a motion and of a run that follows it
+_MOST_PASSAGES = 500  # that are looked at, whether they are exactly through a pole
+_PASSAGE_DIGITS, _PASSED, _NEWTON = 56, 45, 7  # digits, those of a distance of 0, steps
+
+
+class ClosedFormReference(Reference):
+    """A closed form in balls, in the scene's body axes and units."""
+
+    backend = "flint"
+
+    def __init__(self, scene: Scene, kind: str, motion: ClosedForm) -> None:
+        super().__init__(scene, kind, motion.regime)
+        self._motion, self.is_dear = motion, motion.place.is_dear
+        self.encloses_attitude = not motion.place.has_attitude
+
+    @property
+    def proven(self) -> bool | str:
+        """Whether every digit given so far is proven."""
+        how, zero = self._motion.place.proven, self._motion.assumed
+        if not how or not zero:
+            return how
+        bounds = [*dict.fromkeys(map(_shown, zero))]  # of several numbers one may be the same
+        numbers = ", ".join(bounds[:_MOST_SHOWN])
+        if (more := len(bounds) - _MOST_SHOWN) > 0:
+            numbers += f" and {more} more"
+        condition = f"if these numbers are 0: {numbers}"
+        return f"{how}; {condition}" if isinstance(how, str) else condition
+
+    def _rows_at(self, word: str, times: Sequence[Exact], digits: int) -> list[list[Any]]:
+        """Rows right to so many digits."""
+        if word == "at":
+            return self._answer(lambda motion: motion.at(times, digits))
+        if self.encloses_attitude and any(map(exact.sign, times)):
+            return self._enclosed(word, times, digits)
+        if word == "attitude":
+            return self._answer(lambda motion: motion.attitude(times, digits))
+        return self._angles(times, digits)
+
+    def _answer(self, question: Callable[[ClosedForm], T]) -> T:
+        """What the closed form tells of its motion; raises NoAnswer where it has no answer."""
+        try:
+            with mpmath.workprec(ROUGH):  # one question at a time; each sets what it needs
+                return ordinary(question(self._motion))
+        except BadInput:
+            raise
+        except (ValueError, ArithmeticError) as fault:
+            expected = f"a question that this closed form answers ({fault})"
+            raise NoAnswer(self.scene.name, "reference", self.kind, expected) from None
+
+    def _enclosed(self, word: str, times: Sequence[Exact], digits: int) -> list[list[Any]]:
+        """Attitude or angles by a proof, where the closed form has the state alone."""
+
+        def foretold(seconds: float) -> None:
+            if seconds > _FORETOLD_SECONDS:
+                expected = (
+                    f"times that take at most {_FORETOLD_SECONDS} s (these take about "
+                    f"{seconds:.0f} s), or reference.kind = certified"
+                )
+                raise BadInput(self.scene.name, "t", None, expected)
+
+        proof = EnclosureReference(self.scene, ProofLimits(None, foretold, _MOST_SECONDS))
+        try:
+            return proof._rows_at(word, times, digits)
+        except BadInput as fault:  # past a pole there is no answer here, but the attitude is one
+            key = "reference" if isinstance(fault, NoAnswer) else fault.key
+            expected = f"{fault.expected}: {self.kind} has the state alone, {word} is enclosed"
+            raise type(fault)(fault.source, key, fault.value, expected) from None
+
+    def _angles(self, times: Sequence[Exact], digits: int) -> list[list[Any]]:
+        """psi and phi of the attitude, in the turns that a run tells."""
+        if self.scene.gamma is None:
+            return self._answer(lambda motion: motion.angles(times, digits))  # which says why not
+        plain = replace(self.scene, form="principal")  # other forms are singular at times
+        passages: list[Fraction] | None = None
+        for number, farthest in _TURNING:
+            run = turning_run(plain, times, number, farthest)
+            if run is None:
+                continue
+            near = [[x if x is None else float(x) for x in row] for row in run.angles]
+            rows = self._answer(partial(ClosedForm.angles, times=times, digits=digits, near=near))
+            if all(map(_is_near, rows, near)):
+                passages = run.passages(rows)
+                if not passages:
+                    return rows
+        if passages and len(passages) <= _MOST_PASSAGES and all(map(self._is_through, passages)):
+            return rows
+        last = shown(max(times, key=abs))
+        expected = (
+            "a question that this closed form answers (how often psi and phi went round to "
+            f"t = {last} is not known: ask for the attitude)"
+        )
+        raise NoAnswer(self.scene.name, "reference", self.kind, expected)
+
+    def _is_through(self, time: Fraction) -> bool:
+        """Whether the third axis is vertical, exactly for all that can be told, near a time."""
+        for _ in range(_NEWTON):  # for the least distance from the pole: gamma' = gamma x w
+            row = self._rows_at("at", [FINE.rounded(time)], _PASSAGE_DIGITS)[0]
+            p, q, r, *gamma = (exactly(x) for x in row)
+            if max(map(abs, gamma[:2])) < Fraction(1, 10**_PASSED):
+                return True
+            across = gamma[1] * r - gamma[2] * q, gamma[2] * p - gamma[0] * r
+            square = across[0] ** 2 + across[1] ** 2
+            if not square:
+                return False
+            time = FINE.rounded(time - (gamma[0] * across[0] + gamma[1] * across[1]) / square)
+        return False
+
+
+def _shown(x: Irrational) -> str:
+    """A number that is called 0 by the rule, by the bound of it that is known."""
+    top = x.enclosure(exact.EQUAL_BITS).abs_upper()
+    return f"|x| < 1e{math.ceil(float(top.log()) / math.log(10))}" if top > 0 else "0"
+
+
+def _is_near(row: Sequence[Real | None], about: Sequence[float | None]) -> bool:
+    """Whether angles are about those of a run, psi and phi in their turns too, if they are any."""
+    pairs = zip(row, about, strict=True)
+    return None in row or all(
+        x is not None and y is not None and abs(float(x) - y) < _NEAR for x, y in pairs
+    )
+
+
+# --- by scene -------------------------------------------------------------------------------------
 
 
 def reference(
@@ -299,7 +637,7 @@ def reference(
     if backend not in BACKENDS:
         raise BadInput(scene.name, "backend", backend, " or ".join(BACKENDS))
     if backend == "mpmath":
-        return Reference(scene, TextbookSource(scene))
+        return TextbookReference(scene)
     fitting = None
     if "certified" not in (backend, scene.reference):
         with mpmath.workprec(ROUGH):
@@ -311,52 +649,8 @@ def reference(
                 fits += f"; {scene.reference} needs {why}"
             raise BadInput(scene.name, "reference.kind", scene.reference, fits)
     if fitting is not None:
-        return Reference(scene, ClosedFormSource(scene, *fitting))
-    limits = ProofLimits(progress, forecast, max_seconds)
-    return Reference(scene, EnclosureSource(scene, limits))
-
-
-def _times(scene: Scene, times: Iterable[AnyNumber]) -> list[Exact]:
-    """Times taken exactly; raises BadInput for those that are too far."""
-    instants = [*each(scene.name, "t", times, reader(scene.units, TIME), "a list of times")]
-    _refuse_far(scene, instants)
-    return instants
-
-
-def _refuse_far(scene: Scene, times: Sequence[Exact]) -> None:
-    """Raise BadInput for times beyond 10**100 radians, where digits cost more each."""
-    far = exact.log10(max(times, key=lambda t: abs(to_double(t)), default=exact.ZERO))
-    if scene.log10_rate + far > MAX_LOG10_ANGLE:
-        expected = f"at most 10**{MAX_LOG10_ANGLE} radians turned"
-        raise BadInput(scene.name, "t", f"10**{far:.0f}", expected)
-
-
-# --- columns and tables ---------------------------------------------------------------------------
-
-
-#: A reference's answer to a question by its name: rows at times, to so many digits.
-Asked = Callable[[str], Callable[..., list[list[Real | None]]]]
-
-
-def column_of(
-    ask: Asked, scene: Scene, word: str, times: Iterable[AnyNumber], digits: int
-) -> list[list[Real | None]]:
-    """Rows of an output at the times; raises BadInput.
-
-    A derived one is the formula of the reference's own rows: those of the state to so many digits,
-    others to one more, and the formula to more than either.
-    """
-    if word not in COLUMNS:
-        raise BadInput(scene.name, "outputs", word, nearest(word, [*COLUMNS]))
-    times = list(times)
-    if COLUMNS[word].how == "integrated":
-        return ask(word)(times, digits)
-    parts = [
-        ask("at")(times, digits) if need == "state" else ask(need)(times, digits + 1)
-        for need in COLUMNS[word].needs
-    ]
-    rows = derived(word, scene, parts, number_types.mp(digits + 1))
-    return [list(row) for row in rows]
+        return ClosedFormReference(scene, *fitting)
+    return EnclosureReference(scene, ProofLimits(progress, forecast, max_seconds))
 
 
 def reference_table(
@@ -411,183 +705,19 @@ def reference_table(
     if not truth.is_closed_form:
         expected = "a scene with a closed form, or polhode.certify"
         raise BadInput(scene.name, "reference", truth.regime, expected)
-    return tabulated(truth, digits, scene.outputs)
+    return truth.tabulated(digits, scene.outputs)
 
 
-def tabulated(
-    truth: Reference, digits: int = SAVED_DIGITS, outputs: Sequence[str] = ()
-) -> ReferenceTable:
-    """A closed form at the times of its scene."""
-    scene = truth.scene
-    digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
-    printed = number_of(digits).printed_digits
-    times = held_times(scene, scene.times, digits)
-    columns = {
-        word: right_rows(partial(truth.column, word), times, printed)
-        for word in COLUMNS
-        if word in outputs
-    }
-    states, radii = right_rows(truth.at, times, printed), truth.radii(times, printed)
-    return ReferenceTable(
-        scene,
-        truth.kind,
-        truth.regime,
-        digits,
-        tuple(times),
-        states,
-        None if radii is None else bounds(states, radii, printed),
-        columns,
-        truth.proven,
-        scene.provenance(),
-    )
+def _times(scene: Scene, times: Iterable[AnyNumber]) -> list[Exact]:
+    """Times taken exactly; raises BadInput for those that are too far."""
+    instants = [*each(scene.name, "t", times, reader(scene.units, TIME), "a list of times")]
+    _refuse_far(scene, instants)
+    return instants
 
 
-# --- rows -----------------------------------------------------------------------------------------
-#
-# Rows of a reference at given times: what a file or a terminal has of it, every digit right.
-#
-# A closed form answers to so many digits of the largest |w|, or of 1: a small component then has
-# fewer digits of its own, and one that is zero may come out as a rounding error.  So it is asked
-# for more, by what the smallest components lack; what has no digit in common at two precisions is
-# zero.
-
-
-_RADIUS_DIGITS = 3
-_SPARE = 4  # digits beyond the last printed one: the last is then right to 0.5001 of its unit
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class ReferenceTable(Result, ByValue):
-    """A reference at given times, each number to as many correct digits as were asked for.
-
-    ``scene``: with these times and outputs.  ``kind``: which closed form; ``regime``: the kind of
-    motion.  ``times``: decimals as they were asked for, others rounded where no digit notices.
-    ``states``: rows p q r [gamma1 gamma2 gamma3] as mpf; ``radii``: proven bounds of the errors of
-    these as they are printed, None where the digits are only reproduced.  ``outputs``: rows by the
-    words of the scene's outputs.  ``proven``: as of the reference.
-
-    >>> import polhode
-    >>> found = polhode.reference_table("euler/largest-axis", at=[1], digits=20)
-    >>> found.regime, found.digits
-    ('polhode about the largest-moment axis', 20)
-    >>> print(found.column("p")[0])
-    0.447808688218415
-    """
-
-    scene: Scene
-    kind: str
-    regime: str
-    digits: int
-    times: tuple[Exact, ...]
-    states: list[list[Real]]
-    radii: list[list[Real]] | None
-    outputs: Mapping[str, list[list[Real | None]]]
-    proven: bool | str
-    provenance: Mapping[str, object] = field(compare=False)
-
-    @property
-    def number(self) -> NumberType:
-        """The number type whose decimals hold the digits."""
-        return number_of(self.digits)
-
-    def table(self) -> Table:
-        """A row a time: the state and the outputs, and bounds of the state's errors."""
-        printed = self.number.printed_digits
-        word = digits_word(printed)
-        columns = [Column("t", list(self.times), "time", unit_of(self.scene, "t"), EXACT, printed)]
-        parts: list[tuple[Sequence[str], Given]] = [(self.scene.columns, self.states)]
-        parts += [(COLUMNS[name].names, rows) for name, rows in self.outputs.items()]
-        for names, rows in parts:
-            of_part = row_columns(self.scene, names, rows, self.number, digits=printed)
-            columns += [column._replace(type=word) for column in of_part]
-        if self.radii is not None:
-            bound = digits_word(_RADIUS_DIGITS)
-            for k, name in enumerate(self.scene.columns):
-                radii, unit = [row[k] for row in self.radii], unit_of(self.scene, name)
-                columns.append(Column(f"{name}_radius", radii, "proven bound", unit, bound, 0))
-        return Table(columns)
-
-    def facts(self) -> list[Fact]:
-        """Which reference, and whether its digits are proven."""
-        assumed = self.proven if isinstance(self.proven, str) else None
-        return [
-            *scene_facts(self.scene),
-            Fact("reference", self.kind, "which closed form"),
-            Fact("regime", self.regime, "the kind of motion"),
-            Fact("digits", self.digits, "correct digits asked for"),
-            Fact("proven", self.proven is True, "whether every digit is"),
-            Fact("assumed", assumed, "what a proof rests on besides", type=TEXT),
-            provenance_fact(self.provenance),
-        ]
-
-    def __repr__(self) -> str:
-        summary = f"{self.kind}, {self.regime}, {counted(len(self.times), 'time')}"
-        return f"<ReferenceTable of {self.scene.name}: {summary}, {self.digits} digits>"
-
-
-def held_times(scene: Scene, times: Sequence[Exact], digits: int) -> list[Exact]:
-    """Times to be printed in full: decimals as they are, others rounded where no digit notices."""
-    bits = number_types.bits_for(digits + 1)
-    fine = NumberType("mp", 3 * bits + 64 + int(4 * scene.at(tuple(times)).log10_angle))
-    return [t if is_decimal(t) else fine.rounded(t) for t in times]
-
-
-def number_of(digits: int) -> NumberType:
-    """The number type whose decimals hold so many digits."""
-    return NumberType("mp", number_types.bits_for(digits + 1))
-
-
-def bounds(
-    rows: Sequence[Sequence[Real]], radii: Sequence[Sequence[Real]], printed: int
-) -> list[list[Real]]:
-    """Bounds of the errors of rows as they are printed, from those of the numbers."""
-    pairs = zip(rows, radii, strict=True)
-    return [[*map(partial(_bound, printed), row, radius)] for row, radius in pairs]
-
-
-def _bound(printed: int, x: Real, radius: Real) -> Real:
-    """A bound of the error of x as it is printed: one that may be rounded to three digits."""
-    with mpmath.workprec(64):
-        rounding = abs(own(x)) * 5 * mpmath.mpf(10) ** -printed
-        bound = (own(radius) + rounding) * (1 + mpmath.mpf(2) ** -7)
-        plain: Real = ordinary(bound)
-        return plain
-
-
-def right_rows(
-    ask: Callable[[Sequence[Exact], int], list[list[Scalar]]], times: Sequence[Exact], printed: int
-) -> list[list[Scalar]]:
-    """The rows of a closed form at the times, each component to so many digits of its own.
-
-    ``ask``: its question, of times and digits.  None in a row stays None.
-    """
-    digits = printed + _SPARE
-    rows = ask(times, digits)
-    lacking = _lacking(rows, digits)
-    if not lacking:
-        return rows
-    finer = ask(times, digits + lacking)
-    return [
-        [_zero_or(x, y, digits) for x, y in zip(row, fine, strict=True)]
-        for row, fine in zip(rows, finer, strict=True)
-    ]
-
-
-def _lacking(rows: list[list[Scalar]], digits: int) -> int:
-    """The digits that the smallest component lacks, as far as twice the digits asked for."""
-    sizes = [mpmath.mag(x) for row in rows for x in row if x]
-    if not sizes:
-        return 0
-    bits = max(0, *sizes) - min(sizes)
-    return min(2 * digits, int(bits * number_types.LOG10_2) + 1) if bits > 3 else 0
-
-
-def _zero_or(coarse: Scalar, fine: Scalar, digits: int) -> Scalar:
-    """The finer value; 0 where it is below what was asked for first and shares no digit with it."""
-    if not fine or not coarse:
-        return fine
-    if mpmath.mag(coarse) >= -digits / number_types.LOG10_2 + 8:
-        return fine
-    with mpmath.workprec(53):
-        alike = abs(own(coarse) - own(fine)) <= abs(own(fine)) / 2
-    return fine if alike else ordinary(mpmath.mpf(0))
+def _refuse_far(scene: Scene, times: Sequence[Exact]) -> None:
+    """Raise BadInput for times beyond 10**100 radians, where digits cost more each."""
+    far = exact.log10(max(times, key=lambda t: abs(to_double(t)), default=exact.ZERO))
+    if scene.log10_rate + far > MAX_LOG10_ANGLE:
+        expected = f"at most 10**{MAX_LOG10_ANGLE} radians turned"
+        raise BadInput(scene.name, "t", f"10**{far:.0f}", expected)

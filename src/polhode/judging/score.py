@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from typing import NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -21,25 +21,22 @@ from polhode.judging.correct_digits import (
     largest,
     log10_differences,
     log10_rate,
-    log10_sizes,
     plain_rows,
     scaled,
 )
-from polhode.judging.reference import Reference, column_of, reference
-from polhode.judging.sources import NoAnswer
+from polhode.judging.reference import NoAnswer, Reference, reference
 from polhode.judging.tables.hypotheses import integrated
 from polhode.judging.tables.table import PARTS, WRONG, TrajectoryTable
 from polhode.numbers import double_double
 from polhode.numbers.conversion import doubles, to_mpf
-from polhode.numbers.decimals import brief
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.number_types import DOUBLE, EXTENDED, Doubles, Given, Scalar
 from polhode.scenes.scene import Scene
-from polhode.scenes.vocabulary import ANGLES, ATTITUDE, COLUMNS, STATE
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE
 
 # --- part digits ----------------------------------------------------------------------------------
 #
-# Correct digits of one part of a table, row by row: of a quaternion, of angles, of columns.
+# Correct digits of one part of a table, row by row: of a quaternion, or of angles.
 
 
 #: Digits at each time, None where no cell of the part is there or could be judged.
@@ -75,12 +72,8 @@ def part_digits(
     if name == "angles":
         angles = angles_of_attitudes(plain_rows(true), bits)
         return row_digits(log10_differences(own, angles, turning=TURNING, bits=bits), most)
-    scale = 0.0 if COLUMNS[name].how == "integrated" else _log10_largest(true)
-    differences = log10_differences(own, true)
-    if name == "attitude":
-        sides = differences, log10_differences(own, true, side=-1)
-        differences = np.fmin(*map(largest, sides))[:, None]
-    return row_digits(differences - scale, most)
+    sides = (largest(log10_differences(own, true, side=side)) for side in (1, -1))
+    return row_digits(np.fmin(*sides)[:, None], most)
 
 
 def angles_of_attitudes(attitudes: Given, bits: int) -> list[list[Scalar | None]]:
@@ -95,12 +88,6 @@ def angles_of_attitudes(attitudes: Given, bits: int) -> list[list[Scalar | None]
             is_pole = mpmath.sin(theta) < mpmath.ldexp(2, -bits // 2)
             angles.append([None, theta, None] if is_pole else [psi, theta, phi])
     return angles
-
-
-def _log10_largest(rows: Given | Pairs) -> float:
-    """log10 of the largest size of a derived column's numbers; of 1 where all are 0."""
-    most = float(np.nanmax(log10_sizes(rows), initial=-math.inf))
-    return most if most > -math.inf else 0.0
 
 
 # --- row selection --------------------------------------------------------------------------------
@@ -169,115 +156,6 @@ def _largest(differences: Doubles) -> Doubles:
     return most
 
 
-# --- answers --------------------------------------------------------------------------------------
-#
-# A reference's rows at the times that are judged, each question asked once.
-#
-# What was asked for more digits answers for fewer: runs of one scene in several number types are
-# judged by the rows that the widest of them needs.
-
-
-#: Rows of a reference, one a time: each number the sum of two doubles where these hold the digits,
-#: else a number of so many, or None where the motion has none.
-Answer: TypeAlias = "Pairs | Given"
-
-_LEAST, _MOST = 1e-250, 1e250  # sizes of w of which two doubles hold all digits
-_PIECE = 500  # rows asked for at once: how far it is is told between two pieces
-
-
-@dataclass(frozen=True, eq=False)
-class Answers:
-    """What a reference answers at some times.
-
-    ``attitude``: whether the attitude will be asked for too.  A closed form in balls finds states
-    with attitudes, so that both are asked for together.  ``progress``: told of the rows.
-    """
-
-    reference: Reference
-    times: Sequence[Fraction]
-    attitude: bool
-    progress: Progress | None
-    _known: dict[tuple[str, int], Answer | ValueError] = field(default_factory=dict)
-
-    def rows(self, word: str, digits: int) -> Answer:
-        """Rows of the state ("at") or of an output, to so many digits; raises ValueError."""
-        if word == "at" or COLUMNS[word].how == "integrated":
-            return self._asked(word, digits)
-
-        def ask(question: str) -> Any:
-            return lambda times, more: plain_rows(self._asked(question, digits))
-
-        return column_of(ask, self.reference.scene, word, self.times, digits)
-
-    def _asked(self, question: str, digits: int) -> Answer:
-        """The answer to one question, as it was given, to more digits or as many, or now.
-
-        One that was refused may not be for fewer digits.
-        """
-        known = self._known
-        enough = sorted(n for name, n in known if name == question and n >= digits)
-        for n in enough:
-            if n == digits or not isinstance(known[question, n], ValueError):
-                digits = n
-                break
-        if (question, digits) not in known:
-            both = self.attitude and not self.reference.encloses_attitude
-            group = ("attitude", "at") if both and question in ("attitude", "at") else (question,)
-            # a proof goes through all times: not in pieces
-            enclosed = "attitude" in group and self.reference.encloses_attitude
-            in_pairs = question in ("at", "attitude") and not enclosed
-            in_pairs = in_pairs and digits <= double_double.DIGITS
-            size = _PIECE if self.reference.is_closed_form and not enclosed else len(self.times)
-            answers = self._together(group, digits, size, in_pairs)
-            if in_pairs and not all(map(_is_held, answers.values())):
-                answers = self._together(group, digits, size, False)
-            known |= {(name, digits): answer for name, answer in answers.items()}
-        reply = known[question, digits]
-        if isinstance(reply, ValueError):
-            raise reply
-        return reply
-
-    def _together(
-        self, questions: Sequence[str], digits: int, size: int, in_pairs: bool
-    ) -> dict[str, Answer | ValueError]:
-        """Answers to questions that are asked together, so many rows at once, or why not."""
-        pieces: dict[str, list[Answer]] = {name: [] for name in questions}
-        faults: dict[str, ValueError] = {}
-        count = len(self.times)
-        for begin in range(0, count, size):
-            piece = self.times[begin : begin + size]
-            for name in questions:
-                try:
-                    if name not in faults:
-                        pieces[name].append(self._piece(name, piece, digits, in_pairs))
-                except ValueError as fault:  # BadInput is one
-                    faults[name] = fault
-            if self.progress is not None and size < count:
-                self.progress((begin + len(piece)) / count, begin + len(piece))
-        return {name: faults.get(name) or _joined(pieces[name]) for name in questions}
-
-    def _piece(
-        self, question: str, times: Sequence[Fraction], digits: int, in_pairs: bool
-    ) -> Answer:
-        """Rows at some of the times."""
-        if in_pairs and (pairs := self.reference.pairs(question, times, digits)) is not None:
-            return pairs
-        return getattr(self.reference, question)(times, digits)  # type: ignore[no-any-return]
-
-
-def _joined(pieces: Sequence[Answer]) -> Answer:
-    """The rows of all pieces, which are of one kind."""
-    parts = [x for x in pieces if isinstance(x, Pairs)]
-    return double_double.joined(parts) if parts else [row for x in pieces for row in plain_rows(x)]
-
-
-def _is_held(answer: Answer | ValueError) -> bool:
-    """Whether pairs have all the digits that they may have: of w, whatever its unit of time."""
-    if not isinstance(answer, Pairs):
-        return True
-    return bool(_LEAST < np.max(np.abs(answer.hi[:, :3]), initial=0.0) < _MOST)
-
-
 # --- score ----------------------------------------------------------------------------------------
 
 
@@ -297,17 +175,31 @@ def bits_of(table: TrajectoryTable) -> int:
     return math.ceil((math.ceil(table.held) + SPARE_DIGITS) * math.log2(10)) + 32
 
 
-class Comparison(NamedTuple):
-    """A table beside a reference, row by row.
+#: Rows of a reference, one a time: each number the sum of two doubles where these hold the digits,
+#: else a number of so many, or None where the motion has none.
+Answer: TypeAlias = "Pairs | Given"
+
+_PIECE = 500  # rows asked for at once: how far it is is told between two pieces
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A table beside a reference, which is asked each question once.
+
+    What was asked for more digits answers for fewer: runs of one scene in several number types are
+    judged by the rows that the widest of them needs.
 
     ``subject``: the table.  ``selected``: the rows that are judged, None for all of them;
-    ``judged``: the table of these.  ``answers``: the reference at their times.
+    ``judged``: the table of these.  ``progress``: told of the reference's rows.  ``known``: its
+    answers, or why there is none, by the question and the digits asked for.
     """
 
     subject: TrajectoryTable
-    selected: RowSelection | None
+    reference: Reference
     judged: TrajectoryTable
-    answers: Answers
+    selected: RowSelection | None = None
+    progress: Progress | None = None
+    known: dict[tuple[str, int], Answer | ValueError] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -315,38 +207,70 @@ class Comparison(NamedTuple):
         subject: TrajectoryTable,
         reference: Reference,
         progress: Progress | None = None,
-        earlier: Answers | None = None,
+        earlier: Comparison | None = None,
     ) -> Comparison:
         """A comparison, by answers of an earlier one where it asked the same."""
         selected = selection(subject, reference)
         judged = subject if selected is None else subject.some(selected.rows)
-        same = earlier is not None and earlier.reference is reference
-        if earlier is None or not same or earlier.times != judged.times:
-            words = [word for word, x in COLUMNS.items() if {*x.names} & subject.columns.keys()]
-            needs = {need for word in words for need in (word, *COLUMNS[word].needs)}
-            attitude = bool({"attitude", "angles"} & needs)
-            earlier = Answers(reference, judged.times, attitude, progress)
-        return cls(subject, selected, judged, earlier)
+        same = earlier and earlier.reference is reference and earlier.judged.times == judged.times
+        known = earlier.known if earlier and same else {}
+        return cls(subject, reference, judged, selected, progress, known)
 
     @property
     def digits_wanted(self) -> int:
         """The digits of the reference that tell all of the table's."""
         return math.ceil(self.subject.held) + SPARE_DIGITS
 
-    @property
-    def bits(self) -> int:
-        """The working precision of what is compared."""
-        return bits_of(self.subject)
+    def rows(self, question: str, digits: int) -> Answer:
+        """The reference's rows of the state ("at") or the attitude, to so many digits or more.
 
-    def at_all_rows(self, digits: RowDigits) -> RowDigits:
-        """Digits at all rows of the table, None where they are not judged."""
-        if self.selected is None:
-            return digits
-        by_row = dict(zip(self.selected.rows, digits, strict=True))
-        return tuple(by_row.get(k) for k in range(len(self.subject.times)))
+        One that was refused may not be for fewer digits.  Raises ValueError.
+        """
+        known = self.known
+        answers = ((n, x) for (name, n), x in known.items() if name == question and n >= digits)
+        enough = [n for n, x in answers if n == digits or not isinstance(x, ValueError)]
+        digits = min(enough, default=digits)
+        if not enough:
+            # a closed form in balls finds states with attitudes, so both are asked for together
+            is_enclosed = self.reference.encloses_attitude
+            turns = not is_enclosed and {*ATTITUDE, *ANGLES} & self.subject.columns.keys()
+            questions = ("attitude", "at") if turns else (question,)
+            is_proof = not self.reference.is_closed_form or (is_enclosed and question != "at")
+            answers_now = self._together(questions, digits, is_proof)
+            known |= {(name, digits): answer for name, answer in answers_now.items()}
+        answer = known[question, digits]
+        if isinstance(answer, ValueError):
+            raise answer
+        return answer
+
+    def _together(
+        self, questions: Sequence[str], digits: int, is_proof: bool
+    ) -> dict[str, Answer | ValueError]:
+        """Answers to questions that are asked together, or why not.
+
+        Many rows in pieces, but for a proof, which goes through all times.
+        """
+        pieces: dict[str, list[Answer]] = {name: [] for name in questions}
+        faults: dict[str, ValueError] = {}
+        times, count = self.judged.times, len(self.judged.times)
+        size = count if is_proof else _PIECE
+        in_pairs = digits <= double_double.DIGITS and not is_proof
+        for begin in range(0, count, size):
+            piece = times[begin : begin + size]
+            for name in questions:
+                try:
+                    if name not in faults:
+                        pairs = self.reference.pairs(name, piece, digits) if in_pairs else None
+                        ask = getattr(self.reference, name)
+                        pieces[name].append(ask(piece, digits) if pairs is None else pairs)
+                except ValueError as fault:  # BadInput is one
+                    faults[name] = fault
+            if self.progress is not None and size < count:
+                self.progress((begin + len(piece)) / count, begin + len(piece))
+        return {name: faults.get(name) or _joined(pieces[name]) for name in questions}
 
     def by_enough(
-        self, word: str, judged: Callable[[Answer], T], right: Callable[[T], float], more: int = 0
+        self, question: str, judged: Callable[[Answer], T], right: Callable[[T], float], more: int
     ) -> T:
         """What is judged by the reference, asked for more digits until none hide behind its own.
 
@@ -356,20 +280,20 @@ class Comparison(NamedTuple):
         """
         requested = min(self.digits_wanted, FIRST_ASKED)
         while True:
-            value = judged(self.answers.rows(word, requested + more))
+            value = judged(self.rows(question, requested + more))
             if requested == self.digits_wanted or right(value) < requested - SPARE_DIGITS:
                 return value
             requested = min(self.digits_wanted, 4 * requested)
 
-    def first_answer(self, word: str) -> Answer:
-        """The reference's rows of a word, to the digits that were asked for at first."""
-        return self.answers.rows(word, min(self.digits_wanted, FIRST_ASKED))
+    def first_answer(self, question: str) -> Answer:
+        """The reference's rows to the digits that were asked for at first."""
+        return self.rows(question, min(self.digits_wanted, FIRST_ASKED))
 
     def residuals(
-        self, word: str, names: Sequence[str], difference: Callable[[Answer, Answer], Doubles]
+        self, question: str, names: Sequence[str], difference: Callable[[Answer, Answer], Doubles]
     ) -> Doubles:
         """What is left of columns beside the reference at all times; raises ValueError."""
-        true = self.first_answer(word)
+        true = self.first_answer(question)
         own = self.judged.numbers(names, in_pairs=isinstance(true, Pairs))
         rows = difference(own, true)
         if self.selected is None:
@@ -379,22 +303,21 @@ class Comparison(NamedTuple):
         return everywhere
 
     def part(self, name: str) -> RowDigits:
-        """Digits of angles, attitude or a derived column; raises ValueError."""
-        most = self.subject.held
-        word, more = ("attitude", NEAR_POLE) if name == "angles" else (name, 0)
+        """Digits of angles or of the attitude in the rows that are judged; raises ValueError."""
+        most, bits = self.subject.held, bits_of(self.subject)
 
         def judged(true: Answer) -> RowDigits:
-            own = self.judged.numbers(COLUMNS[name].names, in_pairs=isinstance(true, Pairs))
-            return part_digits(name, own, true, most, self.bits)
+            own = self.judged.numbers(PARTS[name], in_pairs=isinstance(true, Pairs))
+            return part_digits(name, own, true, most, bits)
 
-        digits = self.by_enough(word, judged, lambda row: fewest(row, most), more)
-        return self.at_all_rows(digits)
+        more = NEAR_POLE if name == "angles" else 0
+        return self.by_enough("attitude", judged, lambda row: fewest(row, most), more)
 
     def state_errors(self) -> Doubles:
         """log10 of the scaled errors of the state's numbers, shape (rows, columns)."""
-        scene, times = self.answers.reference.scene, self.judged.times
+        scene, times = self.reference.scene, self.judged.times
         begins = [k for k, t in enumerate(times) if not t]
-        start = [to_mpf(x, self.bits) for x in scene.start]
+        start = [to_mpf(x, bits_of(self.subject)) for x in scene.start]
 
         def errors(true: Answer) -> Doubles:
             in_pairs = isinstance(true, Pairs)
@@ -408,7 +331,7 @@ class Comparison(NamedTuple):
             later = row_digits(np.delete(logs, begins, axis=0), self.subject.held)
             return max((d for d in later if d is not None), default=0.0)
 
-        return self.by_enough("at", errors, most_right)
+        return self.by_enough("at", errors, most_right, 0)
 
     def missing(self) -> dict[str, tuple[int, ...]]:
         """The rows in which a column lacks a number that the motion has there, of each that does.
@@ -419,12 +342,20 @@ class Comparison(NamedTuple):
         if rows := self.subject.gaps(ANGLES):
             with suppress(ValueError):  # what the motion has there is not known
                 times = [self.subject.times[k] for k in rows]
-                attitude = self.answers.reference.attitude(times, _DIGITS)
+                attitude = self.reference.attitude(times, _DIGITS)
                 true = dict(zip(rows, angles_of_attitudes(attitude, DOUBLE.bits), strict=True))
                 for place, name in enumerate(ANGLES):
                     here = gaps.get(name, [])
                     gaps[name] = [k for k in here if true[k][place] is not None]
         return {name: tuple(rows) for name, rows in gaps.items() if rows}
+
+
+def _joined(pieces: Sequence[Answer]) -> Answer:
+    """The rows of all pieces."""
+    parts = [x for x in pieces if isinstance(x, Pairs)]
+    if parts and len(parts) == len(pieces):
+        return double_double.joined(parts)
+    return [row for x in pieces for row in plain_rows(x)]
 
 
 class _Worst(NamedTuple):
@@ -440,7 +371,7 @@ class Score(ByValue):
     """The right digits of a table, part by part.
 
     ``subject``: what was judged; ``reference``: what it was judged against.  ``halves``: the digits
-    of omega and gamma at each time; ``other_parts``: those of angles, attitude and derived columns.
+    of omega and gamma at each time; ``other_parts``: those of angles and attitude.
     ``refusals``: parts that were not judged, and why.  ``missing``: the rows in which a column
     lacks a number that the motion has there, of each that does; ``gaps``: those of a part, for a
     vector that lacks a component is none, and has no digits.  ``selected``: the rows that were
@@ -480,14 +411,13 @@ class Score(ByValue):
     def part_digits(self) -> dict[str, RowDigits]:
         """Correct digits of each part at each time, None where it has no value there.
 
-        omega, gamma; angles and attitude, by absolute error; derived columns, by errors relative
-        to their largest value.
+        omega, gamma; angles and attitude, by absolute error.
         """
         return {**self.halves, **self.other_parts}
 
     @property
     def parts(self) -> dict[str, float]:
-        """The fewest correct digits over all times of angles, attitude and derived columns."""
+        """The fewest correct digits over all times of angles and attitude."""
         most = self.subject.held
         return {name: fewest(digits, most) for name, digits in self.other_parts.items()}
 
@@ -511,11 +441,6 @@ class Score(ByValue):
     def worst(self) -> float:
         """The fewest correct digits of any part that was judged; BadInput where none was."""
         return self._worst.digits
-
-    @property
-    def worst_row(self) -> int:
-        """The first row at which the digits are fewest; BadInput likewise."""
-        return self._worst.row
 
     @property
     def worst_time(self) -> Fraction:
@@ -568,10 +493,6 @@ class Score(ByValue):
             for name, why in self.refusals.items()
         ]
 
-    def __repr__(self) -> str:
-        digits = f"worst {self.worst:.2f} correct digits at t = {brief(self.worst_time)}"
-        return f"<Score of {self.subject.name} against {self.reference.kind}: {digits}>"
-
 
 def score(
     subject: TrajectoryTable,
@@ -586,33 +507,33 @@ def score(
     rows that it asked for.  Raises BadInput where the state cannot be judged, which is
     :class:`NoAnswer` where another reference may have an answer.
     """
-    answers = None if earlier is None or earlier.comparison is None else earlier.comparison.answers
-    comparison = Comparison.of(subject, reference, progress, answers)
+    comparison_before = None if earlier is None else earlier.comparison
+    comparison = Comparison.of(subject, reference, progress, comparison_before)
     errors = comparison.state_errors() if subject.state else None
     missing = comparison.missing()
-    columns_of = PARTS | {word: x.names for word, x in COLUMNS.items()}
+    selected, everywhere = comparison.selected, range(len(subject.times))
     gaps = {
         part: rows
-        for part, names in columns_of.items()
+        for part, names in PARTS.items()
         if (rows := tuple(sorted({k for name in names for k in missing.get(name, ())})))
     }
 
-    def whole(part: str, digits: RowDigits) -> RowDigits:
-        """Digits of a part, None in rows that lack a number of it."""
+    def placed(part: str, digits: RowDigits) -> RowDigits:
+        """Digits at all rows, None in those that are not judged, and that lack a number of it."""
         lacking = {*gaps.get(part, ())}
-        if not lacking:
+        if selected is None and not lacking:
             return digits
-        return tuple(None if k in lacking else d for k, d in enumerate(digits))
+        by_row = dict(zip(everywhere if selected is None else selected.rows, digits, strict=True))
+        return tuple(None if k in lacking else by_row.get(k) for k in everywhere)
 
     halves: dict[str, RowDigits] = {}
     for name, half in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
-        if errors is not None and {*STATE[half]} & {*subject.state}:
-            digits = row_digits(errors[:, half], subject.held)
-            halves[name] = whole(name, comparison.at_all_rows(digits))
+        if errors is not None and {*PARTS[name]} & {*subject.state}:
+            halves[name] = placed(name, row_digits(errors[:, half], subject.held))
     others: dict[str, RowDigits] = {}
     refusals: dict[str, str] = {}
-    for name in COLUMNS:
-        own = comparison.judged.rows(COLUMNS[name].names)
+    for name in ("angles", "attitude"):
+        own = comparison.judged.rows(PARTS[name])
         if own is None:
             continue
         if all(x is None for row in own for x in row):
@@ -622,7 +543,7 @@ def score(
         if isinstance(digits_or_refusal, str):
             refusals[name] = digits_or_refusal
         else:
-            others[name] = whole(name, digits_or_refusal)
+            others[name] = placed(name, digits_or_refusal)
     return Score(
         subject,
         reference,
@@ -631,7 +552,7 @@ def score(
         refusals,
         missing,
         gaps,
-        comparison.selected,
+        selected,
         reference.agreement,
         comparison,
     )
@@ -642,9 +563,9 @@ def _part_or_refusal(comparison: Comparison, name: str) -> RowDigits | str:
     try:
         return comparison.part(name)
     except ValueError as fault:  # BadInput is one
-        truth = comparison.answers.reference
+        truth = comparison.reference
         if isinstance(fault, NoAnswer) and truth.is_closed_form:
             with suppress(ValueError):
                 proven = reference(truth.scene, "certified")
-                return Comparison.of(comparison.subject, proven).part(name)
+                return replace(comparison, reference=proven, known={}).part(name)
         return str(fault)

@@ -16,12 +16,11 @@ from polhode.common.errors import BadInput, TooManySteps, few
 from polhode.common.interrupts import Message, heard
 from polhode.dynamics.lyapunov import Lyapunov, lyapunov
 from polhode.judging.adaptive_precision import integrate
-from polhode.judging.compare import JudgingOptions, compare, scored
+from polhode.judging.compare import compare
 from polhode.judging.conditioning import conditioning
 from polhode.judging.convergence_order import order_between
 from polhode.judging.judgement import Judgement
-from polhode.judging.reference import Reference, reference
-from polhode.judging.sources import ProofTooLong
+from polhode.judging.reference import ProofTooLong, Reference, reference
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import brief
@@ -383,8 +382,8 @@ def _costed(scene: Scene, against: Reference, number: str, tolerance: str | None
         began = time.process_time()
         row = call()
         seconds.append(time.process_time() - began)
-    score, _ = scored([row], against, JudgingOptions(number, at=[scene.end], as_it_stands=True))
-    return (number, float(tolerance or named(number).eps), score.worst, min(seconds))
+    judged = compare([row], against, number=number, at=[scene.end], as_it_stands=True)
+    return (number, float(tolerance or named(number).eps), judged.worst, min(seconds))
 
 
 # --- words beside them ----------------------------------------------------------------------------

@@ -25,6 +25,7 @@ from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
 from html import escape
+from types import NoneType
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import aligned, printable
@@ -44,7 +45,7 @@ from polhode.numbers.number_types import EXTENDED, Doubles, NumberType
 from polhode.results.table import Column, Fact, Table, Value, Values
 
 if TYPE_CHECKING:  # what shows texts alone, as the list of cases, starts without numpy
-    import numpy as np
+    pass
 
 DOUBLE, INTEGER, TRUTH = "double", "integer", "truth"
 TEXT, EXACT, OBJECT = "text", "exact", "object"
@@ -84,8 +85,9 @@ def type_of(values: Values, word: str = "") -> str:
     import numpy as np
 
     if isinstance(values, np.ndarray) and values.dtype.kind != "O":
-        return _of_array(values)
-    kinds = set(map(type, values))
+        kinds: set[type] = {values.dtype.type}
+    else:
+        kinds = set(map(type, values))
     gaps = type(None) in kinds
     kinds.discard(type(None))
     if not kinds:
@@ -99,7 +101,8 @@ def type_of(values: Values, word: str = "") -> str:
     if Fraction in kinds and _all(kinds, Fraction, int):
         return EXACT
     if _all(kinds, int, np.integer):
-        if any(x is not None and abs(x) >= _SAFE for x in values):
+        there = [x for x in values if x is not None] if gaps else values
+        if np.abs(there).max(initial=0) >= _SAFE:
             return EXACT
         return DOUBLE if gaps else INTEGER
     if _all(kinds, int, np.integer, float, np.float32, np.float16):
@@ -107,19 +110,6 @@ def type_of(values: Values, word: str = "") -> str:
     if _all(kinds, np.longdouble):
         return bits_word(EXTENDED)
     raise TypeError(f"values of {', '.join(sorted(x.__name__ for x in kinds))} need their type")
-
-
-def _of_array(values: np.ndarray[Any, np.dtype[Any]]) -> str:
-    import numpy as np
-
-    kind = values.dtype.kind
-    if kind == "f":
-        return DOUBLE if values.dtype.itemsize <= 8 else bits_word(EXTENDED)
-    if kind in "iu":
-        return EXACT if values.size and np.abs(values).max() >= _SAFE else INTEGER
-    if kind in "bU":
-        return TRUTH if kind == "b" else TEXT
-    raise TypeError(f"an array of {values.dtype} has no type of its own")
 
 
 def _all(kinds: set[type], *of: type) -> bool:
@@ -235,11 +225,8 @@ def of_json(values: Sequence[Value], kind: str) -> Any:
     """The values of a list in JSON; ValueError where one is of another type."""
     import numpy as np
 
-    allowed = _JSON_TYPES.get(kind, (str,))
-    if kind not in (INTEGER, TRUTH, TEXT):
-        allowed = (*allowed, type(None))
     types = set(map(type, values))
-    if not types <= {*allowed}:
+    if not types <= {*_JSON_TYPES.get(kind, (str, NoneType))}:
         raise ValueError(f"a value that is not of type {kind[:40]}")
     if kind == DOUBLE:
         if str in types and not {x for x in values if type(x) is str} <= {*_INFINITE}:
@@ -251,9 +238,10 @@ def of_json(values: Sequence[Value], kind: str) -> Any:
 
 
 _JSON_TYPES: dict[str, tuple[type, ...]] = {
-    DOUBLE: (float, int, str),
+    DOUBLE: (float, int, str, NoneType),
     INTEGER: (int,),
     TRUTH: (bool,),
+    TEXT: (str,),
 }
 
 
@@ -273,14 +261,10 @@ def _number(kind: str) -> NumberType:
 
 def _binary(text: str, number_type: NumberType) -> Value:
     if text in _INFINITE:
-        infinite = float(text)
-        if number_type.flat:
-            import numpy as np
-
-            return np.longdouble(infinite)
         from polhode.numbers.mpmath_context import mpmath, ordinary
 
-        return ordinary(mpmath.mpf(infinite))
+        infinite = float(text)
+        return infinite if number_type.flat else ordinary(mpmath.mpf(infinite))
     return number_value(number_type.rounded(decimal(text)), number_type)
 
 

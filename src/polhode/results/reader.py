@@ -11,9 +11,9 @@ import io
 import json
 import re
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -44,18 +44,8 @@ KINDS = (
     *("About", "Cases", "CertifiedEvents", "ChaosMap", "CheckReport", "Conditioning"),
     *("Description", "Enclosure", "Ensemble", "EventTimes", "FieldComparison"),
     *("Frequencies", "Judgement", "Levels", "Lyapunov", "ObservedOrder", "Orbit", "OrbitFamily"),
-    *(
-        "OrbitSearch",
-        "ProvedChaos",
-        "ProvedOrbit",
-        "ProvedOrbits",
-        "ProvedStability",
-        "Reductions",
-        "ReferenceTable",
-        "Report",
-        "Section",
-    ),
-    *("Trajectory", "Verdict"),
+    *("OrbitSearch", "ProvedChaos", "ProvedOrbit", "ProvedOrbits", "ProvedStability"),
+    *("Reductions", "ReferenceTable", "Report", "Section", "Trajectory", "Verdict"),
 )
 #: What a file that is none makes reading it raise.
 DAMAGED = (
@@ -67,11 +57,8 @@ FOREIGN = "polhode did not write it"
 CHANGED = "it was changed since polhode wrote it"
 
 
-def content_of(path: Path, kinds: Sequence[str] = KINDS) -> Content:
-    """The content of a result's file; raises BadInput for any other file.
-
-    ``kinds``: the words for kinds that are known.
-    """
+def content_of(path: Path) -> Content:
+    """The content of a result's file; raises BadInput for any other file."""
     suffix = path.suffix.lower()
     if suffix not in ENDINGS:
         expected = f"a name that ends in {nearest(suffix, [*ENDINGS])}"
@@ -79,7 +66,7 @@ def content_of(path: Path, kinds: Sequence[str] = KINDS) -> Content:
     expected = "a result that polhode saved"
     data = read_whole(path, MOST_BYTES, expected)
     try:
-        return _READERS[suffix](path, data, kinds)
+        return _content(*_READERS[suffix](path, data))
     except BadInput:
         raise
     except DAMAGED as fault:
@@ -87,7 +74,11 @@ def content_of(path: Path, kinds: Sequence[str] = KINDS) -> Content:
         raise BadInput(str(path), "file", None, f"{expected} ({reason})") from None
 
 
-def _of_csv(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
+#: The facts of a file and what describes them, and its columns.
+_Parts: TypeAlias = tuple[dict[str, Value], Mapping[str, Any]]
+
+
+def _of_csv(path: Path, data: bytes) -> _Parts:
     place = beside(path)
     about = _object(read_whole(place, MOST_BYTES, f"the facts of {path.name}"))
     if about["sha256"] != digest(data):
@@ -98,32 +89,32 @@ def _of_csv(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
     if words == {DOUBLE} and text.tell() < len(data) and not any(gap in data for gap in _GAPS):
         # numpy's own reader is several times as fast
         matrix = np.loadtxt(text, delimiter=",", ndmin=2, comments=None)
-        return _content(about, dict(zip(names, matrix.T, strict=True)), kinds)
+        return about, dict(zip(names, matrix.T, strict=True))
     rows = [*csv.reader(text)]
     cells = zip(*rows, strict=True) if rows else (() for _ in names)
-    return _content(about, dict(zip(names, cells, strict=True)), kinds)
+    return about, dict(zip(names, cells, strict=True))
 
 
 _GAPS = (b",,", b",\n", b"\n,", b'"')
 
 
-def _of_json(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
+def _of_json(path: Path, data: bytes) -> _Parts:
     about = _object(data)
     if "sha256" in about:
         raise ValueError(f"these are the facts of {path.stem}, which is to be read")
-    return _content(about, about["columns"], kinds)
+    return about, about["columns"]
 
 
-def _of_npz(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
+def _of_npz(path: Path, data: bytes) -> _Parts:
     arrays = dict(read_npz(data))
     about = _object(arrays.pop(ABOUT).tobytes())
     for name, description in about["about"]["facts"].items():
         if "columns" in description:
             about[name] = {key: arrays.pop(f"{name}.{key}") for key in description["columns"]}
-    return _content(about, arrays, kinds)
+    return about, arrays
 
 
-def _of_parquet(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
+def _of_parquet(path: Path, data: bytes) -> _Parts:
     parquet = needed("pyarrow.parquet")
     try:
         file = parquet.ParquetFile(io.BytesIO(data))
@@ -141,7 +132,7 @@ def _of_parquet(path: Path, data: bytes, kinds: Sequence[str]) -> Content:
         arrays = {name: _arrow_values(table[name], name in texts) for name in names}
     except Exception as fault:  # pyarrow has classes of its own for what is no such file
         raise ValueError(f"no Parquet file: {str(fault)[:80]}") from None
-    return _content(about, arrays, kinds)
+    return about, arrays
 
 
 def _arrow_values(column: Any, is_text: bool) -> Any:
@@ -223,9 +214,9 @@ def _no_constant(text: str) -> float:
     raise ValueError(f"{text}: no number")
 
 
-def _content(about: dict[str, Value], columns: Mapping[str, Any], kinds: Sequence[str]) -> Content:
+def _content(about: dict[str, Value], columns: Mapping[str, Any]) -> Content:
     kind, version, title = _text(about["result"]), _text(about["version"]), _text(about["title"])
-    if kind not in kinds:
+    if kind not in KINDS:
         raise ValueError(f"result {kind[:40]!r}")
     descriptions = about["about"]["facts"]
     if len(descriptions) > MOST_COLUMNS or not {*descriptions}.isdisjoint(RESERVED):
@@ -282,19 +273,17 @@ _FLAT = tuple(_DTYPES.values())
 
 def _fact(name: str, content: Any, description: Mapping[str, Value]) -> Fact:
     if "columns" in description:
-        return Fact(
-            name,
-            _table(content, description["columns"], description["labels"]),
-            *_meaning(description),
-        )
-    word = _text(description["type"])
+        table = _table(content, description["columns"], description["labels"])
+        return Fact(name, table, *_meaning(description))
+    word, value = _text(description["type"]), content
     if content is None or word == OBJECT:
-        return Fact(name, plain(content), *_meaning(description), word)
-    values = of_json(content if isinstance(content, list) else [content], word)
-    plainly = values.tolist() if isinstance(values, np.ndarray) and word in _FLAT else [*values]
-    return Fact(
-        name, plainly if isinstance(content, list) else plainly[0], *_meaning(description), word
-    )
+        value = plain(content)
+    else:
+        is_list = isinstance(content, list)
+        values = of_json(content if is_list else [content], word)
+        listed = values.tolist() if word in _FLAT else [*values]
+        value = listed if is_list else listed[0]
+    return Fact(name, value, *_meaning(description), word)
 
 
 def _meaning(description: Mapping[str, Value]) -> tuple[str, str]:

@@ -149,7 +149,7 @@ def _judged(
 ) -> Judgement:
     """The judgement of a file; ``options``: others of :func:`polhode.compare`."""
     from polhode.judging.compare import compare
-    from polhode.judging.sources import ProofTooLong
+    from polhode.judging.reference import ProofTooLong
     from polhode.proofs.theorem import NotProved
 
     def foretold(seconds: float) -> None:
@@ -283,7 +283,7 @@ def certified(
     from polhode.certificates import state_certificate
     from polhode.enclosures.certify import certify, certify_events
     from polhode.enclosures.task import MAX_STEPS
-    from polhode.judging.reference import held_times
+    from polhode.judging.reference_table import held_times
     from polhode.scenes.library import BOX_KEY
 
     top, radii = scene

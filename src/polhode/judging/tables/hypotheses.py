@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from polhode.common.errors import BadInput
-from polhode.judging.sources import in_double
+from polhode.judging.auxiliary_runs import in_double
 from polhode.judging.tables.table import WRONG, Change, TimeChange, TrajectoryTable
 from polhode.motion.frame import Frame
 from polhode.numbers.conversion import exactly, to_double
