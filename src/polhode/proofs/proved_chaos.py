@@ -285,12 +285,12 @@ class _ChaosSearch:
 
     def _proved(self, orbit: ProvedOrbit, guess: Guess, size: float) -> ProvedChaos:
         """The theorem by one chain of sets; raises the checker's NotProved."""
-        certificate = chaos_certificate.guesses(guess.chain)
-        proof = chaos_certificate.horseshoe_of(certificate)
+        certificate = chaos_certificate.guesses(guess)
+        proof = by_checker(verify.horseshoe, certificate)
         with ctx.workprec(orbit.bits + 64):
             start = [as_arb(x) for x in (*orbit.omega, *orbit.gamma)]
             period = as_arb(orbit.period)
-        chaos_certificate.check_orbit(proof, start, period)
+        by_checker(verify.is_orbit_of, proof, start, period)
         short, long = upper(proof.short), upper(proof.long)
         entropy = _least_entropy(short, long)
         statement: JsonObject = {"entropy": down(entropy), "short": up(short), "long": up(long)}
