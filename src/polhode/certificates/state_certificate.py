@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
 from polhode.certificates import certificate_file, verify
-from polhode.certificates.certificate_file import JsonObject, by_checker, write
+from polhode.certificates.certificate_file import JsonObject, by_checker
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
 from polhode.numbers.decimals import shown
@@ -37,22 +35,6 @@ _MORE = (0, 48, 112, 192)  # bits, where those are too few
 _SHARPEST = 2.0**-20  # a radius is no smaller a part of the largest at its time
 
 
-def save(
-    scene: Scene,
-    times: Sequence[Exact],
-    balls: Sequence[Sequence[Ball]],
-    path: str | Path,
-    progress: Progress | None = None,
-    attitude: Attitude | None = None,
-) -> None:
-    """Write the certificate that a scene's states, and its attitude, lie in balls at certain times.
-
-    It is checked before it is written, with more bits where that does not succeed at once.  Raises
-    BadInput for what has no certificate, or cannot be written.
-    """
-    write(path, json.dumps(certificate(scene, times, balls, progress, attitude)))
-
-
 def certificate(
     scene: Scene,
     times: Sequence[Exact],
@@ -60,7 +42,11 @@ def certificate(
     progress: Progress | None = None,
     attitude: Attitude | None = None,
 ) -> JsonObject:
-    """The certificate as JSON's objects, checked; raises BadInput."""
+    """The certificate, as JSON's objects, that states and attitude lie in balls at certain times.
+
+    It is checked, with more bits where that does not succeed at once.  Raises BadInput for what has
+    no certificate.
+    """
     check(scene, times)
     turns: Sequence[Sequence[Ball]] = [()] * len(times) if attitude is None else attitude.balls
     claimed = [

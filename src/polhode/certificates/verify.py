@@ -41,6 +41,7 @@ import re
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from functools import cache
 from itertools import accumulate, chain, combinations, pairwise, zip_longest
@@ -969,14 +970,10 @@ def rounded_up(x: Fraction) -> str:
 
 def decimal(x: Fraction, up: bool, minus: bool) -> str:
     """Two digits and an exponent, of any size."""
-    power = math.floor((x.numerator.bit_length() - x.denominator.bit_length()) * math.log10(2)) - 1
-    scaled = x / Fraction(10) ** power
-    while scaled >= 100:
-        scaled, power = scaled / 10, power + 1
-    digits = math.ceil(scaled) if up else math.floor(scaled)
-    if digits >= 100:
-        digits, power = 10, power + 1
-    return f"{'-' * minus}{digits // 10}.{digits % 10}e{power + 1:+03d}"
+    two = Context(2, ROUND_CEILING if up else ROUND_FLOOR)
+    value = two.divide(Decimal(x.numerator), Decimal(x.denominator))
+    digits, power = f"{value:.1e}".split("e")
+    return f"{'-' * minus}{digits}e{int(power):+03d}"
 
 
 # -- a claim: a periodic orbit ------------------------------------------------------------------

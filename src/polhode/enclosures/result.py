@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -321,7 +322,7 @@ class Enclosure(Result, ByValue):
         if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
             super().save(path)
             return
-        from polhode.certificates import state_certificate
+        from polhode.certificates import certificate_file, state_certificate
 
         if self.omega_radius is not None:
             raise BadInput(self.scene.name, "start.omega", None, "numbers, for a certificate")
@@ -329,7 +330,9 @@ class Enclosure(Result, ByValue):
         if self.attitude is not None and gamma is not None:
             first = starting_attitude(gamma, self.scene.psi)
             attitude = state_certificate.Attitude(first, self.attitude.decimals())
-        state_certificate.save(self.scene, self.times, self.decimals(), path, progress, attitude)
+        balls = self.decimals()
+        document = state_certificate.certificate(self.scene, self.times, balls, progress, attitude)
+        certificate_file.write(path, json.dumps(document))
 
     def __repr__(self) -> str:
         last = f" to t = {shown(self.times[-1])}" if self.times else ""

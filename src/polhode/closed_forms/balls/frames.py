@@ -59,7 +59,7 @@ class MotionAxes:
         """Axis n is ``signs[n]`` times axis ``order[n]`` of these; it must be right-handed."""
         pairs = zip(order, signs, strict=True)
         rows = [[s * x for x in self._directions[i]] for i, s in pairs]
-        return MotionAxes(rows, [self._squares[i] for i in order], self._within)
+        return MotionAxes(rows, [self._squares[i] for i in order])
 
     @classmethod
     def equatorial(cls, order: Sequence[int], X: Exact, Y: Exact) -> MotionAxes:
@@ -75,9 +75,7 @@ class MotionAxes:
         return MotionAxes(self._directions, self._squares, within)
 
     def into(self, vector: Sequence[Exact]) -> Vector:
-        """A vector of the scene's axes in these, exactly."""
-        if self._within is not None:
-            vector = [dot(row, vector) for row in self._within]
+        """A vector of the principal axes in these, exactly."""
         a, b, c = (
             dot(row, vector) / length
             for row, length in zip(self._directions, self._lengths, strict=True)
