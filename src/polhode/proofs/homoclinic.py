@@ -34,6 +34,7 @@ _LONGEST = 0.15  # a segment
 _SINE = 0.03  # between segments, at least
 _CLOSE = 0.05  # guesses that differ by less, in periods and in powers, are one
 _APART = 0.15  # points of two segments that meet
+_BLOCK = 256  # segments whose neighbours are looked at at once
 _NEWTON = 12
 _SINGULAR = 1e-4
 _SAME = 1e-3
@@ -178,11 +179,11 @@ def _meetings(u: _Segments, s: _Segments) -> Iterator[tuple[int, int, float, flo
     low, high = (
         np.searchsorted(s.begin[0, order], u.begin[0] + side * 2 * _APART) for side in (-1, 1)
     )
-    for k in range(u.begin.shape[1]):
-        j = order[low[k] : high[k]]
-        i, j = _near(u, s, np.full(j.shape, k), j)
-        if len(i):
-            yield from _through(u, s, i, j)
+    for k in range(0, u.begin.shape[1], _BLOCK):
+        first, many = low[k : k + _BLOCK], (high - low)[k : k + _BLOCK]
+        i = np.repeat(np.arange(k, k + len(many)), many)
+        j = order[np.arange(len(i)) + np.repeat(first - (np.cumsum(many) - many), many)]
+        yield from _through(u, s, *_near(u, s, i, j))
 
 
 def _near(u: _Segments, s: _Segments, i: Indices, j: Indices) -> tuple[Indices, Indices]:
