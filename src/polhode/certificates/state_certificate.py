@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 from polhode.certificates import certificate_file, verify
 from polhode.certificates.certificate_file import JsonObject, by_checker
@@ -18,14 +18,6 @@ from polhode.scenes.scene import Scene
 
 #: Middle and radius as decimals.
 Ball: TypeAlias = tuple[str, str]
-
-
-class Attitude(NamedTuple):
-    """The quaternion at t = 0, and at each time its four balls."""
-
-    start: Sequence[Exact]
-    balls: Sequence[Sequence[Ball]]
-
 
 #: The part of the time that guesses take; the check, which takes the rest, counts from 0 again.
 MAKING = 0.2
@@ -40,18 +32,18 @@ def certificate(
     times: Sequence[Exact],
     balls: Sequence[Sequence[Ball]],
     progress: Progress | None = None,
-    attitude: Attitude | None = None,
+    turn: Sequence[Exact] = (),
 ) -> JsonObject:
     """The certificate, as JSON's objects, that states and attitude lie in balls at certain times.
 
-    It is checked, with more bits where that does not succeed at once.  Raises BadInput for what has
-    no certificate.
+    ``balls``: rows of six, of ten with the attitude; ``turn``: the quaternion at t = 0 then.  It is
+    checked, with more bits where that does not succeed at once.  Raises BadInput for what has no
+    certificate.
     """
     check(scene, times)
-    turns: Sequence[Sequence[Ball]] = [()] * len(times) if attitude is None else attitude.balls
     claimed = [
-        (t, _widened([*row, *turn]))
-        for t, row, turn in zip(times, balls, turns, strict=True)
+        (t, _widened(row))
+        for t, row in zip(times, balls, strict=True)
         if t != 0 and isinstance(t, Fraction)  # at 0 the scene itself says it
     ]
     statement = [
@@ -64,11 +56,11 @@ def certificate(
     fewest = max(verify.COARSE, math.ceil(-math.log2(least))) + _SPARE
     fault = ""
     for bits in (fewest + more for more in _MORE):
-        numbers = _numbers(scene, attitude, bits + verify.COARSE)
+        numbers = _numbers(scene, turn, bits + verify.COARSE)
         with ctx.workprec(bits + 2 * verify.COARSE):
             _, _, start = verify.balls_of(verify.read_scene(numbers))
             making = _part_of(progress, 0.0, MAKING)
-            guesses = certificate_file.steps(numbers, start, last, bits, progress=making)
+            guesses = certificate_file.steps(numbers, start[:6], last, bits, progress=making)
         document = {
             "format": verify.FORMAT,
             "kind": "state",
@@ -116,10 +108,10 @@ def _widened(row: Sequence[Ball]) -> list[Ball]:
     ]
 
 
-def _numbers(scene: Scene, attitude: Attitude | None, bits: int) -> JsonObject:
+def _numbers(scene: Scene, turn: Sequence[Exact], bits: int) -> JsonObject:
     """The scene's exact numbers as texts, irrational ones as balls."""
     vectors: dict[str, Sequence[Exact]] = {"omega": scene.omega, "gamma": scene.gamma or ()}
-    if attitude is not None:
-        vectors["attitude"] = attitude.start
+    if turn:
+        vectors["attitude"] = turn
     texts = {key: [certificate_file.number(x, bits) for x in v] for key, v in vectors.items()}
     return {**certificate_file.body_numbers(scene.body, bits), **texts}

@@ -701,20 +701,22 @@ def state(certificate: object, tell: Tell | None = None) -> list[str]:
     contents = _contents(certificate)
     claims = _claims(contents["statement"])
     turns = sum(len(balls) > 6 for _, balls in claims)
-    scene, first = read_scene(contents["scene"]), read_attitude(contents["scene"])
-    if turns and not first:
+    scene = read_scene(contents["scene"])
+    if turns and len(scene[2]) == 6:
         raise Damaged("scene: expected attitude, which the statement is about")
     guesses = read_guesses([contents[name] for name in Guesses._fields], more=len(claims))
     ctx.prec = guesses.bits + 2 * COARSE
-    _check_start(claims, [*scene[2], *first])
+    _check_start(claims, scene[2])
     inertia, torque, start = balls_of(scene)
-    turn = _attitude(first, start[3:]) if turns else []
-    run = Run(guesses, inertia, torque, turn)
+    if turns:
+        _check_vertical(start[3:6], start[6:])
+    start = start if turns else start[:6]
+    run = Run(guesses, inertia, torque, start[6:])
     sense, unit = (1 if run.grid[-1] > 0 else -1), run.unit
     for t, _ in claims:
         if not 0 <= sense * t <= sense * run.grid[-1] * unit:
             raise NotProved(f"t = {written(t)} lies outside the grid")
-    rows = zip([*start, *turn], run.rates, run.centres[0], strict=True)
+    rows = zip(start, run.rates, run.centres[0], strict=True)
     offset = [x * rate - y for x, rate, y in rows]
     begin = Set([[x.mid()] for x in offset], [[upper(x.rad())] for x in offset], 1)
     left = sorted((claim for claim in claims if claim[0]), key=lambda claim: -abs(claim[0]))
@@ -732,9 +734,8 @@ def state(certificate: object, tell: Tell | None = None) -> list[str]:
     ]
 
 
-def _attitude(first: Sequence[Interval], gamma: Sequence[arb]) -> list[arb]:
-    """The attitude at t = 0; refused where its gamma is another one than the scene's."""
-    q = [ball(x) for x in first]
+def _check_vertical(gamma: Sequence[arb], q: Sequence[arb]) -> None:
+    """Refuse an attitude that has another gamma."""
     vertical = [
         2 * (q[1] * q[3] - q[0] * q[2]),
         2 * (q[2] * q[3] + q[0] * q[1]),
@@ -743,7 +744,6 @@ def _attitude(first: Sequence[Interval], gamma: Sequence[arb]) -> list[arb]:
     for x, y in zip(vertical, gamma, strict=True):
         if not x.overlaps(y):
             raise NotProved("the attitude at t = 0 has another gamma than the scene")
-    return q
 
 
 def _grid(value: object, where: str) -> list[int]:
@@ -760,17 +760,9 @@ Scene = tuple[list[list[Interval]], list[list[Interval]], list[Interval]]
 
 
 def read_scene(scene: object) -> Scene:
-    """Inertia, centre and weight, and start of a scene, without its attitude; raises Damaged."""
-    if isinstance(scene, dict):
-        scene = {key: x for key, x in scene.items() if key != "attitude"}
-    return read_body(scene, ("omega", "gamma"))
-
-
-def read_attitude(scene: object) -> list[Interval]:
-    """The quaternion at t = 0, where the scene tells one."""
-    if not isinstance(scene, dict) or "attitude" not in scene:
-        return []
-    return _intervals(scene["attitude"], 4, "scene.attitude")
+    """Inertia, centre and weight, and start of a scene, with its attitude where it has one."""
+    turned = isinstance(scene, dict) and "attitude" in scene
+    return read_body(scene, ("omega", "gamma", *["attitude"] * turned))
 
 
 def read_body(scene: object, names: Sequence[str]) -> Scene:
@@ -790,8 +782,10 @@ def read_body(scene: object, names: Sequence[str]) -> Scene:
         if any(rows[i][j] != rows[j][i] for i in range(3) for j in range(i)):
             raise Damaged("scene.inertia: expected a symmetric matrix")
     load = [_intervals(centre, 3, "scene.centre"), [_interval(weight, "scene.weight")]]
-    lists = zip(names[3:], vectors, strict=True)
-    return rows, load, [x for name, vector in lists for x in _intervals(vector, 3, f"scene.{name}")]
+    start: list[Interval] = []
+    for name, vector in zip(names[3:], vectors, strict=True):
+        start += _intervals(vector, 4 if name == "attitude" else 3, f"scene.{name}")
+    return rows, load, start
 
 
 def _intervals(value: object, count: int, where: str) -> list[Interval]:

@@ -326,12 +326,12 @@ class Enclosure(Result, ByValue):
 
         if self.omega_radius is not None:
             raise BadInput(self.scene.name, "start.omega", None, "numbers, for a certificate")
-        attitude, gamma = None, self.scene.gamma
+        turn: Sequence[Exact] = ()
+        rows, gamma = self.decimals(), self.scene.gamma
         if self.attitude is not None and gamma is not None:
-            first = starting_attitude(gamma, self.scene.psi)
-            attitude = state_certificate.Attitude(first, self.attitude.decimals())
-        balls = self.decimals()
-        document = state_certificate.certificate(self.scene, self.times, balls, progress, attitude)
+            turn = starting_attitude(gamma, self.scene.psi)
+            rows = [[*x, *y] for x, y in zip(rows, self.attitude.decimals(), strict=True)]
+        document = state_certificate.certificate(self.scene, self.times, rows, progress, turn)
         certificate_file.write(path, json.dumps(document))
 
     def __repr__(self) -> str:
