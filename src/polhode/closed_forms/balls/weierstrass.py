@@ -37,9 +37,6 @@ from polhode.numbers.exact import Exact, sign
 # Computational Algebraic Number Theory, 7.4).
 
 
-_I = acb(0, 1)
-
-
 class RealLattice:
     """The lattice of three roots at the precision in force, ``roots[0]`` real as said above.
 
