@@ -24,7 +24,7 @@ from polhode.closed_forms.balls.core import Kept, Refused, TooFewBits, ball, enc
 from polhode.common.values import cached_property
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
-from polhode.numbers.vectors import Vector, dot
+from polhode.numbers.vectors import Vector, dot, quaternion_products
 from polhode.scenes.body import IDENTITY
 
 #: Rows of components in the scene's axes.
@@ -131,17 +131,9 @@ def conjugate(a: Turn) -> Turn:
 
 def of_matrix(rows: Sequence[Sequence[arb]]) -> Turn:
     """The quaternion of a rotation matrix, of either sign (Shepperd 1978)."""
-    (a, b, c), (d, e, f), (g, h, i) = rows
-    squares = [1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i]
-    best = max(range(4), key=lambda n: squares[n].mid())
-    square = squares[best]
-    parts = (
-        (square, h - f, c - g, d - b),
-        (h - f, square, b + d, c + g),
-        (c - g, b + d, square, f + h),
-        (d - b, c + g, f + h, square),
-    )[best]
-    w, x, y, z = (n / (2 * square.sqrt()) for n in parts)
+    products = quaternion_products([x for row in rows for x in row])
+    best = max(range(4), key=lambda n: products[n][n].mid())
+    w, x, y, z = (n / (2 * products[best][best].sqrt()) for n in products[best])
     return w, x, y, z
 
 
