@@ -761,8 +761,8 @@ Scene = tuple[list[list[Interval]], list[list[Interval]], list[Interval]]
 
 def read_scene(scene: object) -> Scene:
     """Inertia, centre and weight, and start of a scene, with its attitude where it has one."""
-    turned = isinstance(scene, dict) and "attitude" in scene
-    return read_body(scene, ("omega", "gamma", *["attitude"] * turned))
+    has_turn = isinstance(scene, dict) and "attitude" in scene
+    return read_body(scene, ("omega", "gamma", *["attitude"] * has_turn))
 
 
 def read_body(scene: object, names: Sequence[str]) -> Scene:

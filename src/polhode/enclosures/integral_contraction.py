@@ -60,10 +60,10 @@ def first_integrals(motion: ExactMotion) -> dict[str, Polynomial]:
     """The first integrals that the motion is proven to have, by name."""
     x, nothing = [variable(i) for i in range(6)], Polynomial({})
     inside = motion.frame.inside(motion.scene)
-    known = integrals_of(inside)
-    k = {name: constant(value) for name, value in known.coefficients.items()}
+    formulas = integrals_of(inside)
+    k = {name: constant(value) for name, value in formulas.coefficients.items()}
     state = x[:3] if inside.gamma is None else x
-    named = dict(zip(known.onto, known.values(state, k, nothing), strict=True))
+    named = dict(zip(formulas.onto, formulas.values(state, k, nothing), strict=True))
     proven = {name: named[name] for name in (ENERGY, AREA, LENGTH) if name in named}
     if all(row.rational for row in motion.field):
         momentum = [x[i] * k[f"I{i}"] for i in range(3)]
