@@ -7,7 +7,7 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from decimal import ROUND_CEILING, Context
 from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple, Unpack
@@ -44,7 +44,6 @@ from polhode.scenes.vocabulary import REQUESTS, STATE
 # --- theorem --------------------------------------------------------------------------------------
 
 
-_FLOOR = Context(prec=2, rounding=ROUND_FLOOR)
 _CEILING = Context(prec=6, rounding=ROUND_CEILING)
 
 
@@ -223,7 +222,7 @@ def as_arb(x: Ball) -> arb:
 
 def down(value: float) -> str:
     """A positive bound as a decimal of two digits that is not above it."""
-    return f"{float(_FLOOR.create_decimal(value)):.1e}"
+    return verify.decimal(Fraction(value), up=False, minus=False)
 
 
 def up(value: float) -> str:
