@@ -62,7 +62,7 @@ from polhode.closed_forms.membership import (
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
 from polhode.numbers.conversion import to_mpf as number
-from polhode.numbers.exact import EQUAL_BITS, Exact, Irrational, noted, sign
+from polhode.numbers.exact import EQUAL_BITS, ONE, Exact, Irrational, noted, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.vectors import Vector, quaternion_product
@@ -160,6 +160,7 @@ class ClosedForm:
         self._omega, self._known_gamma, self._psi = start
         self._width = 3 if self._known_gamma is None else 6  # of a row of :meth:`at`
         self._frame = place.frame.seen_from(axes)
+        self._has_units = place.unit != 1 or place.vertical is not ONE
         self._motion = Kept(place.solve)
         self._constants = Kept(self._constants_now)
         self._first_turn = Kept(lambda: start_attitude(self._gamma, self._psi))
@@ -317,9 +318,12 @@ class ClosedForm:
             return [*start, *self._first_turn()] if attitude else start, sizes
         frame, now = self._frame, t * unit
         state = motion.at(now)
-        row = frame.back([x * unit for x in state[:3]])
+        omega, vertical = state[:3], state[3:]
+        if self._has_units:  # most have none, and rows are many
+            omega, vertical = [x * unit for x in omega], [x / length for x in vertical]
+        row = frame.back(omega)
         if len(start) > 3:
-            row += frame.back([x / length for x in state[3:]])
+            row += frame.back(vertical)
         if attitude:
             row += quaternion_product(self._first_turn(), frame.turn(motion.turn(now)))
         return row, sizes
