@@ -107,12 +107,9 @@ class CertifiedValues:
         assert gamma is not None
         units = [_just_over_half(self.places[k >= 3]) for k in range(10)]
         balls = [[(x, unit) for x, unit in zip(row, units, strict=True)] for row in self.rows[1:]]
-        attitude = state_certificate.Attitude(
-            starting_attitude(gamma, self.scene.psi), [row[6:] for row in balls]
-        )
         times = [Fraction(t) for t in self.times[1:]]
-        states = [row[:6] for row in balls]
-        return state_certificate.certificate(self.scene, times, states, None, attitude)
+        turn = starting_attitude(gamma, self.scene.psi)
+        return state_certificate.certificate(self.scene, times, balls, None, turn)
 
     @property
     def csv(self) -> str:

@@ -1,4 +1,4 @@
-"""The checker's bounds beside what they bound: of a step, the set, a turn, a box of motions.
+"""The checker's bounds beside what they bound: of a step, the set, a box of motions.
 
 Each holds as it stands, and not without one of its terms; those of rounding show at few bits.
 ``tests/measure/checker.json`` has the terms, one by one.
@@ -229,31 +229,6 @@ def test_a_set_of_few_bits_loses_no_point_from_step_to_step(monkeypatch, quiet):
         ctx.prec, points = FEW, after
 
 
-@pytest.mark.parametrize("seed", [3, 4, 5])
-@pytest.mark.parametrize(("wide", "noise"), [(0, 0), (1, 0), (0, 1)])
-def test_rates_of_few_bits_are_off_by_their_bound_at_most(monkeypatch, wide, noise, seed):
-    """What the polynomials near w miss: by rounding alone, by the directions, by the noise."""
-    monkeypatch.setattr(verify, "COARSE", FEW)
-    chance = random.Random(seed)
-    points = verify.Set(numbers(chance, 6, 1), sizes_of(numbers(chance, 6, 1, wide)), 1)
-    points.s = numbers(chance, 6, 6)
-    p, v = numbers(chance, 6, 4), [numbers(chance, 6, 6) for _ in range(3)]
-    if wide:  # by far the most of the first component
-        v = [[[x * arb((1, -3 * i)) for x in row] for i, row in enumerate(entry)] for entry in v]
-    step: Any = SimpleNamespace(bits=FEW, p=[arb_poly(row) for row in p], v=[arb_mat(x) for x in v])
-    ctx.prec = FEW
-    y, off = verify.Stage(0, 1, step, arb(0), [arb(noise)], points).rates()
-    ctx.prec = 300
-    most, m, s, w = Fraction(0), *(numbers_of(x) for x in (points.m, points.s, points.w))
-    for tau in (Fraction(0), Fraction(1, 3), Fraction(1)):
-        turn: Any = sum(numbers_of(x) * tau**k for k, x in enumerate(v))
-        for i in range(3):
-            value = sum(exactly(x) * tau**k for k, x in enumerate(y[i].coeffs()))
-            there = sum(exactly(x) * tau**k for k, x in enumerate(p[i])) + turn[i] @ m[:, 0]
-            most = max(most, abs(there - value) + np.abs(turn[i] @ s) @ w[:, 0] + noise)
-    assert 0 < most <= exactly(off) < 8 * most + Fraction(1, 8)
-
-
 def test_noise_is_that_of_the_widest_set_and_of_each_column():
     """Two sets of starts, the second one wider; columns of D of the sizes 1 and 4."""
     inertia = [[arb(x if i == j else 0) for j in range(3)] for i, x in enumerate((3, 2, 1))]
@@ -314,51 +289,6 @@ def test_starts_of_few_bits_hold_every_point_of_a_set(monkeypatch, long):
     for u in (*axes, *-axes):
         truth = u @ off + np.abs(u @ frame) @ np.array(sizes)
         assert truth * 4**SCALE <= reached(0, u) < (truth + Fraction(1, 8)) * 4**SCALE
-
-
-# -- a turn ---------------------------------------------------------------------------------------
-
-
-def still(r: float) -> Any:
-    """A step in which w is 0 to within r."""
-    return SimpleNamespace(
-        step=SimpleNamespace(bits=64), rates=lambda: ([arb_poly([0])] * 3, arb(r))
-    )
-
-
-def test_a_turn_is_off_by_what_it_was_and_what_the_step_misses():
-    """|Q u - q v| may be |Q - q| + |q| |u - v|, the turn u being of length 1."""
-    turn = verify.Attitude([arb(x) for x in (1, 2, -1, 3)])
-    alone = [turn.step(arb("0.125"), still(r))[1] for r in (0, 1)]
-    assert alone[0] == 0
-    turn.off = arb("0.25")
-    ctx.prec = 64
-    for r, miss in ((0, 0), (1, alone[1])):
-        off = turn.step(arb("0.125"), still(r))[1]
-        assert miss + turn.off <= off * (1 + arb("1e-15"))
-        assert off < miss + arb("0.25") + arb("0.51") * alone[1]
-    assert float(verify._length([arb(1), arb(0, 1), arb(-1), arb(1)])) == pytest.approx(2)
-
-
-def test_a_turn_of_few_bits_is_off_by_its_rounding_too():
-    chance = random.Random(4)
-    start = [arb(row[0], 2.0**-12) for row in numbers(chance, 4, 1)]
-    turn = verify.Attitude(start)
-    assert float(turn.off) == pytest.approx(2.0**-11, rel=1e-6)
-    assert [x.rad() for x in turn.q] == [0] * 4
-    v = [row[0] for row in numbers(chance, 4, 1)]
-    after = turn.next([arb_poly([x]) for x in v], arb((1, -10)), FEW)
-    ctx.prec = 300
-    q, by, product = ([exactly(x) for x in row] for row in (turn.q, v, after.q))
-    a, b, c, d = q
-    e, f, g, h = by
-    exact = [a * e - b * f - c * g - d * h, a * f + b * e + c * h - d * g]
-    exact += [a * g + c * e + d * f - b * h, a * h + d * e + b * g - c * f]
-    lost = math.sqrt(sum((x - y) ** 2 for x, y in zip(exact, product, strict=True)))
-    assert lost > 1e-5
-    assert lost + 2.0**-10 <= float(after.off) < 2.0**-9 + 16 * 2.0**-FEW
-    value = turn.at([arb_poly([x]) for x in v], arb((1, -3)), Fraction(0), 64)
-    assert all(float(x.rad()) >= 0.125 for x in value)
 
 
 # -- motions through a box ------------------------------------------------------------------------

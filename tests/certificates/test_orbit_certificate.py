@@ -16,7 +16,6 @@ from polhode.certificates import certificate_file, verify
 from polhode.certificates.certificate_file import by_checker
 from polhode.dynamics.level_body import LevelBody
 from polhode.proofs import orbit_certificate
-from polhode.proofs.orbit_certificate import Box
 from shared import proofs as chains
 from shared.tools import altered, answer, tiers
 
@@ -146,8 +145,9 @@ def test_several_periods_are_not_the_least_one(orbits, kind, times):
     orbit = orbits[kind]
     start = [x.centre for x in (*orbit.omega, *orbit.gamma)]
     period = times * orbit.period.centre
-    on, box = LevelBody(orbit.scene, orbit.h, orbit.f), Box(start, period, SMALL, 140, 0.2)
-    zero = by_checker(verify.zero_near, orbit_certificate.guesses(on, box))
+    on = LevelBody(orbit.scene, orbit.h, orbit.f)
+    guesses = orbit_certificate.guesses(on, start, period, SMALL, 140, 0.2)
+    zero = by_checker(verify.zero_near, guesses)
     assert zero.repeated == f"the period may be {times} times the least one"
     statement = json.loads(orbit.certificate)["statement"]
     claim = verify.read_orbit(statement)._replace(
@@ -172,9 +172,7 @@ def test_the_box_and_not_its_centre_is_followed_to_a_part_of_the_period():
     balls = zip((*orbit.omega, *orbit.gamma), grown, strict=True)
     start = [x.centre + Fraction(3, 10) * radius * y for x, y in balls]
     level = LevelBody(orbit.scene, orbit.h, orbit.f)
-    guesses = orbit_certificate.guesses(
-        level, Box(start, 4 * orbit.period.centre, radius, 140, 0.2)
-    )
+    guesses = orbit_certificate.guesses(level, start, 4 * orbit.period.centre, radius, 140, 0.2)
     zero = by_checker(verify.zero_near, guesses)
     assert zero.repeated == "the period may be 2 times the least one"
 

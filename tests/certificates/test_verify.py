@@ -7,13 +7,11 @@ import ast
 import copy
 import itertools
 import json
-import math
 import random
 import subprocess
 import sys
 from dataclasses import replace
 from fractions import Fraction
-from types import SimpleNamespace
 
 import pytest
 from flint import arb, arb_mat, arb_poly, ctx, fmpq
@@ -23,10 +21,11 @@ from polhode import BadInput
 from polhode.certificates import verify
 from polhode.certificates.state_certificate import MAKING
 from polhode.cli import main
+from polhode.numbers.vectors import quaternion_product
 from shared.tools import altered, answer, of_table, tiers
 
 REGULAR = "general/asymmetric-regular"
-NAMES = {"balls": verify.NAMES, "attitude": verify.TURN}
+PARTS = {"balls": slice(6), "attitude": slice(6, 10)}
 
 
 def scene_of(name, with_attitude=True):
@@ -239,28 +238,28 @@ def test_errors_of_the_start_are_carried_on(with_turns, monkeypatch):
 
 def worst(certificate, monkeypatch, key):
     """How far the truth lies from the middle of the checker's balls at the last time, in radii."""
-    ratios = {}
+    rows = []
     with monkeypatch.context() as patch, ctx.workprec(64):
-        patch.setattr(verify, "_check", lambda names, _, there: ratios.update({names: there}))
+        patch.setattr(verify, "_check", lambda _, there: rows.append(there))
         verify.state(certificate)
     truth = [Fraction(middle) for middle, _ in certificate["statement"][-1][key]]
     with ctx.workprec(300):
         return max(
             float(abs(x.mid() - arb(fmpq(y.numerator, y.denominator))).mid() / x.rad())
-            for x, y in zip(ratios[NAMES[key]], truth, strict=True)
+            for x, y in zip(rows[-1][PARTS[key]], truth, strict=True)
         )
 
 
 #: Guesses that are far from the truth, and the balls that have to hold it.
 FAULTS = {
     **dict.fromkeys(("taylor", "no next_of_v", "next_of_v", "rough centres"), "balls"),
-    **dict.fromkeys(("turning", "rough centres of the turn"), "attitude"),
+    **dict.fromkeys(("taylor of the turn", "rough centres of the turn"), "attitude"),
 }
 
 
 def faulty(fault, certificate, patch):
     """A certificate or a checker with such guesses."""
-    function = fault.removeprefix("no ")
+    function = fault.removeprefix("no ").removesuffix(" of the turn")
     if not fault.startswith("rough"):
         guess = getattr(verify, function)
 
@@ -270,7 +269,7 @@ def faulty(fault, certificate, patch):
                 if fault.startswith("no"):
                     return rows * arb(0)
                 return (rows * arb("1.001")).mid() if arguments[1] == 0 else rows
-            rows[2][3] += arb("1e-12").mid()
+            rows[8 if fault.endswith("turn") else 2][3] += arb("1e-12").mid()
             return rows
 
         patch.setattr(verify, function, wrong)
@@ -363,15 +362,16 @@ def test_a_body_at_rest_without_weight_and_vertical_stays_where_it_is():
     assert holds(certificate | {"statement": [claim]})
 
 
-def test_a_turn_about_the_diagonal_reaches_the_bound_of_what_w_misses():
-    """w is r in each component where y is 0: by the angle h r sqrt(3), u = 1 is left the most."""
-    h, r = 0.125, 1e-3
+def test_the_attitude_is_a_variable_of_the_rates():
+    """Q' = Q (0, w)/2: of every unit quaternion and every unit of w."""
     with ctx.workprec(64):
-        still = SimpleNamespace(bits=64), [arb_poly([0])] * 3, arb(r)
-        stage = SimpleNamespace(step=still[0], rates=lambda: still[1:])
-        _, off = verify.Attitude([arb(1), arb(0), arb(0), arb(0)]).step(arb(h), stage)
-    gone = 2 * math.sin(math.sqrt(3) * r * h / 4)
-    assert gone <= float(off) < 1.0001 * gone
+        body = verify.Body(
+            [[arb(int(i == j)) for j in range(3)] for i in range(3)], [arb(0)] * 3, True
+        )
+        for a, i in itertools.product(range(4), range(3)):
+            x = [arb(int(k in (i, 6 + a))) for k in range(10)]
+            right = quaternion_product([int(k == a) for k in range(4)], [0, *x[:3]])
+            assert verify.rates(body, x)[6:] == [y / 2 for y in right]
 
 
 # -- what is no certificate -----------------------------------------------------------------------

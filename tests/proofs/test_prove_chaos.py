@@ -14,7 +14,7 @@ import polhode
 from polhode.certificates import verify
 from polhode.certificates.certificate_file import by_checker
 from polhode.cli import main
-from polhode.proofs import chaos_certificate, homoclinic
+from polhode.proofs import homoclinic
 from polhode.proofs.chaos_certificate import Rectangle
 from polhode.proofs.proved_orbit import as_arb
 from shared import proofs as chains
@@ -76,7 +76,7 @@ def test_the_example_is_proved_with_the_entropy_of_its_times():
 @pytest.mark.parametrize("k", [0, 9])
 def test_points_of_a_set_are_where_its_image_says(k):
     """At corners and between; the slope holds the differences of the section map."""
-    chain, images = chains.example().chain, chains.example().proof.images
+    chain, images = chains.example().guess, chains.example().proof.images
     source, after = chain.sets[k], chain.sets[(k + 1) % len(chain.sets)]
     chart, target = (chain.charts[x.chart] for x in (source, after))
     image = images[k]
@@ -129,7 +129,7 @@ def disk(source):
 @pytest.mark.parametrize("k", [0, 1, 9, "far"])
 def test_a_set_lies_in_its_disk(k):
     """One far from its chart's centre as well: the way there counts by half of its slope."""
-    chain = chains.example().chain
+    chain = chains.example().guess
     source = Rectangle(0, 1e-3, 1e-5, 1e-5) if k == "far" else chain.sets[k]
     chart = chain.charts[source.chart]
     (middle, radius), *_ = (rows.T for rows in disk(source))
@@ -141,7 +141,7 @@ def test_a_set_lies_in_its_disk(k):
 def test_slopes_of_a_large_set_lie_in_those_of_its_disk():
     """They differ from corner to corner by as much as its size."""
     size, near = 1e-3, 0.05
-    source, chart = Rectangle(0, 0.0, size, size), chains.example().chain.charts[0]
+    source, chart = Rectangle(0, 0.0, size, size), chains.example().guess.charts[0]
     _, *slopes = (rows.T for rows in disk(source))
     for corner in itertools.product((-1.0, 1.0), repeat=2):
         _, n = chains.point_of(source, chart, *corner)
@@ -168,7 +168,7 @@ def test_each_set_covers_the_next_within_the_depth_of_its_chart(monkeypatch):
         return proof.margins[0]
 
     monkeypatch.setattr(verify, "covers", covers)
-    chaos_certificate.horseshoe_of(guesses)
+    by_checker(verify.horseshoe, guesses)
     with ctx.workprec(200):
         sets = [verify._rectangle(x, scale, len(depths), "") for x in guesses["sets"]]
         count = len(sets)
@@ -186,17 +186,17 @@ def balls_of(orbit):
 def test_the_periodic_orbit_of_the_first_set_is_the_one_that_was_proved():
     example = chains.example()
     start, period = balls_of(example.orbit)
-    chaos_certificate.check_orbit(example.proof, start, period)
+    by_checker(verify.is_orbit_of, example.proof, start, period)
     elsewhere, _ = balls_of(chains.proved(chains.ELLIPTIC))
-    width, height = example.chain.sets[0].width, example.chain.sets[0].height
-    wide, tall = (example.chain.charts[0].wide[:, j].tolist() for j in (0, 1))
-    lower = example.chain.charts[0].deep[:, 0].tolist()
+    width, height = example.guess.sets[0].width, example.guess.sets[0].height
+    wide, tall = (example.guess.charts[0].wide[:, j].tolist() for j in (0, 1))
+    lower = example.guess.charts[0].deep[:, 0].tolist()
     false = [(elsewhere, period, "through the first set|touch|miss|no bound")]
     for column, far in ((wide, 1.01 * width), (tall, -1.01 * height), (lower, 1.1e-4)):
         beside = [x + far * y for x, y in zip(start, column, strict=True)]
         false.append((beside, period, "through the first set|no bound"))
     # inside, but beside the plane, and outside where the motion meets that
-    along = example.chain.charts[0].deep[:, 3]
+    along = example.guess.charts[0].deep[:, 3]
     beside = 0.9999 * width * np.array(wide) + 9e-5 * along
     moved = [x + y for x, y in zip(start, beside.tolist(), strict=True)]
     false.append((moved, period, "through the first set|no bound"))
@@ -205,7 +205,7 @@ def test_the_periodic_orbit_of_the_first_set_is_the_one_that_was_proved():
     false.append((start, 2 * period, "a time of the short loop"))
     for at, time, why in false:
         with pytest.raises(verify.NotProved, match=why):
-            chaos_certificate.check_orbit(example.proof, at, time)
+            by_checker(verify.is_orbit_of, example.proof, at, time)
 
 
 @pytest.mark.slow

@@ -14,10 +14,11 @@ from flint import ctx
 import polhode
 from polhode import ProvedOrbit, ProvedStability
 from polhode.certificates import verify
+from polhode.certificates.certificate_file import by_checker
 from polhode.dynamics.level_body import LevelBody
 from polhode.numbers.number_types import Doubles, double_array
 from polhode.proofs import chaos_certificate, homoclinic
-from polhode.proofs.chaos_certificate import Chain, Chart, Guess, Rectangle
+from polhode.proofs.chaos_certificate import Chart, Guess, Rectangle
 from polhode.proofs.homoclinic import Homoclinic
 
 #: The body and the level of the examples; the orbits as a search in double found them.
@@ -114,7 +115,6 @@ class Example(NamedTuple):
 
     orbit: ProvedOrbit
     guess: Guess
-    chain: Chain
     guesses: dict[str, Any]
     proof: verify.Horseshoe
 
@@ -137,9 +137,8 @@ def guess() -> tuple[ProvedOrbit, Guess]:
 def example() -> Example:
     """The proof of it."""
     orbit, first_guess = guess()
-    chain = first_guess.chain
-    guesses = chaos_certificate.guesses(chain)
-    return Example(orbit, first_guess, chain, guesses, chaos_certificate.horseshoe_of(guesses))
+    guesses = chaos_certificate.guesses(first_guess)
+    return Example(orbit, first_guess, guesses, by_checker(verify.horseshoe, guesses))
 
 
 def start_of(orbit: ProvedOrbit) -> Sequence[float]:
@@ -191,7 +190,7 @@ def tilted(
 
     ``above``: the level, along the gradient of the energy, lies the chart's centre.
     """
-    chain = example().chain
+    chain = example().guess
     chart = chain.charts[0]
     centre = chart.centre + above * chart.deep[:, 0]
     chart = chart._replace(centre=centre, wide=chart.wide + by * chart.deep[:, :2])
@@ -203,7 +202,7 @@ def tilted(
 
 def stepped(time: float) -> tuple[verify.Image, Rectangle, Chart, Chart, float]:
     """N0 one step further, its directions carried on: as of misses."""
-    chain, surface = example().chain, guess()[1].surface
+    chain, surface = example().guess, guess()[1].surface
     chart, source = chain.charts[0], chain.sets[0]
     place, slope = homoclinic.flow_with_derivative(surface, chart.centre, time)
     target = chaos_certificate.chart_at(surface, place, *(slope @ chart.wide).T)
@@ -235,7 +234,7 @@ def first_image(guesses: dict[str, Any]) -> verify.Image:
 
     with pytest.MonkeyPatch.context() as patch, contextlib.suppress(Enough):
         patch.setattr(verify, "covers", covers)
-        chaos_certificate.horseshoe_of(guesses)
+        by_checker(verify.horseshoe, guesses)
     return images[0]
 
 

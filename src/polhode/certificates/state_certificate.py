@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from pathlib import Path
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 from polhode.certificates import certificate_file, verify
-from polhode.certificates.certificate_file import JsonObject, by_checker, write
+from polhode.certificates.certificate_file import JsonObject, by_checker
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
 from polhode.numbers.decimals import shown
@@ -21,14 +19,6 @@ from polhode.scenes.scene import Scene
 #: Middle and radius as decimals.
 Ball: TypeAlias = tuple[str, str]
 
-
-class Attitude(NamedTuple):
-    """The quaternion at t = 0, and at each time its four balls."""
-
-    start: Sequence[Exact]
-    balls: Sequence[Sequence[Ball]]
-
-
 #: The part of the time that guesses take; the check, which takes the rest, counts from 0 again.
 MAKING = 0.2
 
@@ -37,35 +27,23 @@ _MORE = (0, 48, 112, 192)  # bits, where those are too few
 _SHARPEST = 2.0**-20  # a radius is no smaller a part of the largest at its time
 
 
-def save(
-    scene: Scene,
-    times: Sequence[Exact],
-    balls: Sequence[Sequence[Ball]],
-    path: str | Path,
-    progress: Progress | None = None,
-    attitude: Attitude | None = None,
-) -> None:
-    """Write the certificate that a scene's states, and its attitude, lie in balls at certain times.
-
-    It is checked before it is written, with more bits where that does not succeed at once.  Raises
-    BadInput for what has no certificate, or cannot be written.
-    """
-    write(path, json.dumps(certificate(scene, times, balls, progress, attitude)))
-
-
 def certificate(
     scene: Scene,
     times: Sequence[Exact],
     balls: Sequence[Sequence[Ball]],
     progress: Progress | None = None,
-    attitude: Attitude | None = None,
+    turn: Sequence[Exact] = (),
 ) -> JsonObject:
-    """The certificate as JSON's objects, checked; raises BadInput."""
+    """The certificate, as JSON's objects, that states and attitude lie in balls at certain times.
+
+    ``balls``: rows of six, of ten with the attitude; ``turn``: the quaternion at t = 0 then.  It is
+    checked, with more bits where that does not succeed at once.  Raises BadInput for what has no
+    certificate.
+    """
     check(scene, times)
-    turns: Sequence[Sequence[Ball]] = [()] * len(times) if attitude is None else attitude.balls
     claimed = [
-        (t, _widened([*row, *turn]))
-        for t, row, turn in zip(times, balls, turns, strict=True)
+        (t, _widened(row))
+        for t, row in zip(times, balls, strict=True)
         if t != 0 and isinstance(t, Fraction)  # at 0 the scene itself says it
     ]
     statement = [
@@ -78,11 +56,11 @@ def certificate(
     fewest = max(verify.COARSE, math.ceil(-math.log2(least))) + _SPARE
     fault = ""
     for bits in (fewest + more for more in _MORE):
-        numbers = _numbers(scene, attitude, bits + verify.COARSE)
+        numbers = _numbers(scene, turn, bits + verify.COARSE)
         with ctx.workprec(bits + 2 * verify.COARSE):
             _, _, start = verify.balls_of(verify.read_scene(numbers))
             making = _part_of(progress, 0.0, MAKING)
-            guesses = certificate_file.steps(numbers, start, last, bits, progress=making)
+            guesses = certificate_file.steps(numbers, start[:6], last, bits, progress=making)
         document = {
             "format": verify.FORMAT,
             "kind": "state",
@@ -130,10 +108,10 @@ def _widened(row: Sequence[Ball]) -> list[Ball]:
     ]
 
 
-def _numbers(scene: Scene, attitude: Attitude | None, bits: int) -> JsonObject:
+def _numbers(scene: Scene, turn: Sequence[Exact], bits: int) -> JsonObject:
     """The scene's exact numbers as texts, irrational ones as balls."""
     vectors: dict[str, Sequence[Exact]] = {"omega": scene.omega, "gamma": scene.gamma or ()}
-    if attitude is not None:
-        vectors["attitude"] = attitude.start
+    if turn:
+        vectors["attitude"] = turn
     texts = {key: [certificate_file.number(x, bits) for x in v] for key, v in vectors.items()}
     return {**certificate_file.body_numbers(scene.body, bits), **texts}

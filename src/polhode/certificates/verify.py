@@ -12,6 +12,8 @@ The equations, in body axes, O fixed, omega = w, upward vertical gamma, k = weig
 
     I w' = I w x w + gamma x k,    gamma' = gamma x w,        x = (w, gamma),  x' = f(x).
 
+Where the attitude is stated, a unit quaternion Q that takes body axes to space, x has it too, and
+f has Q' = Q (0, w)/2; x has n components, 6 or 10, and
 f is quadratic: f(x + z) = f(x) + f'(x) z + B(z, z).  On a step of length h, tau in [0, 1], let p
 be any polynomials, A = h f'(p), d = p' - h f(p).  The motion is p + z, where
 z' = A z + h B(z, z) - d.  Norms are maxima, of matrices row sums; |B(z, z)| <= beta |z|^2.  With
@@ -20,7 +22,7 @@ z' = A z + h B(z, z) - d.  Norms are maxima, of matrices row sums; |B(z, z)| <= 
 
 |z| < r on the whole step, by Gronwall's lemma and continuity, and for any matrix polynomials V
 
-    z(tau) in V(tau) z(0) + [-s, s]^6,   s = e^alpha (delta + |h| beta r^2) + rho eps,
+    z(tau) in V(tau) z(0) + [-s, s]^n,   s = e^alpha (delta + |h| beta r^2) + rho eps,
     rho = e^alpha (|1 - V(0)| + int |A V - V'|),
 
 by variation of constants.  The derivative D of the flow along such a motion obeys
@@ -41,6 +43,7 @@ import re
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from functools import cache
 from itertools import accumulate, chain, combinations, pairwise, zip_longest
@@ -64,6 +67,13 @@ MOST_WORK, EACH, HARD = 20_000_000_000, 100, 1000  # about an hour; see Run
 NAMES = ("p", "q", "r", "gamma1", "gamma2", "gamma3")
 UNKNOWN = (*NAMES, "the period", "lam1", "lam2", "lam3")
 TURN = ("q0", "q1", "q2", "q3")
+#: Of each component of Q (0, w) its products: sign, component of Q, component of w.
+TURNING = (
+    ((-1, 1, 0), (-1, 2, 1), (-1, 3, 2)),
+    ((1, 0, 0), (1, 2, 2), (-1, 3, 1)),
+    ((1, 0, 1), (1, 3, 0), (-1, 1, 2)),
+    ((1, 0, 2), (1, 1, 1), (-1, 2, 0)),
+)
 GROUP = 24  # steps
 SPARE = 16  # bits of a guess's numbers beyond those asked for
 MOST_TERMS = 120  # of V
@@ -71,10 +81,9 @@ COARSE = 64  # bits of matrices and bounds
 STATES, DERIVATIVES, SETS = 52, 64, 20  # bits to which V is made, by what is carried
 
 Interval = tuple[Fraction, Fraction]  # middle and radius
-Claim = tuple[Fraction, list[Interval]]  # a time and six balls; of the attitude four
+Claim = tuple[Fraction, list[Interval]]  # a time and six balls, with the attitude ten
 Table: TypeAlias = list[list[arb]]
 Tell: TypeAlias = Callable[[float, int], None]  # the part of the steps that is done, and how many
-X = TypeVar("X", arb, arb_poly)
 Y = TypeVar("Y", arb, arb_poly, acb)  # coefficients of jets
 Z = TypeVar("Z", "arb", "arb_poly", "Jet[arb]", "Jet[arb_poly]")
 
@@ -253,9 +262,14 @@ def integral(norms: Iterable[arb]) -> arb:
 
 
 class Body:
-    """f as tables of coefficients, balls; what is exactly zero stands nowhere."""
+    """f as tables of coefficients, balls; what is exactly zero stands nowhere.
 
-    def __init__(self, inertia: Sequence[Sequence[arb]], torque: Sequence[arb]) -> None:
+    ``turns``: whether the attitude is one of its variables.
+    """
+
+    def __init__(
+        self, inertia: Sequence[Sequence[arb]], torque: Sequence[arb], turns: bool = False
+    ) -> None:
         #: (row, a, b): the coefficient of x_a x_b, a <= b; (row, j): of x_j.
         self.quadratic: dict[tuple[int, ...], arb] = {}
         self.linear: dict[tuple[int, ...], arb] = {}
@@ -270,9 +284,12 @@ class Body:
             a, b = (i + 1) % 3, (i + 2) % 3
             self._add(self.quadratic, (3 + i, b, 3 + a), arb(1))
             self._add(self.quadratic, (3 + i, a, 3 + b), arb(-1))
+        for i, terms in enumerate(TURNING if turns else ()):
+            for sign, a, b in terms:
+                self._add(self.quadratic, (6 + i, b, 6 + a), arb(sign) / 2)
         self.beta = largest(
             summed(upper(x) for (row, *_), x in self.quadratic.items() if row == i)
-            for i in range(6)
+            for i in range(10)
         )
 
     @staticmethod
@@ -282,9 +299,9 @@ class Body:
             table[key] = entry
 
     def field(self, x: Sequence[Z], product: Callable[[int, int], Z]) -> list[Z]:
-        """The six rates: ``x`` its six values, ``product(i, j)`` that of two of them."""
+        """The rates: ``x`` their values, ``product(i, j)`` that of two of them."""
         rates = []
-        for i in range(6):
+        for i in range(len(x)):
             terms = [product(a, b) * k for (row, a, b), k in self.quadratic.items() if row == i]
             terms += [x[j] * k for (row, j), k in self.linear.items() if row == i]
             rates.append(sum(terms, x[i] * arb(0)))
@@ -360,7 +377,7 @@ def taylor_over(
                 for left, right in factors:
                     total += sum(map(mul, left, reversed(right)))
                 products[pair] = total >> fine
-            rates = [0] * 6
+            rates = [0] * len(rows)
             for (i, a, b), x in quadratic:
                 rates[i] += x * products[a, b]
             for (i, j), x in linear:
@@ -388,24 +405,6 @@ def next_of_v(total: arb_mat, k: int) -> arb_mat:
     return (total / arb(k + 1)).mid()
 
 
-def turning(y: Sequence[arb_poly], h: arb, bits: int) -> list[list[arb]]:
-    """Exact coefficients of polynomials near v' = h/2 v (0, y), v(0) = 1."""
-    rows, least, small = [[arb(int(i == 0))] for i in range(4)], arb(2) ** -bits, 0
-
-    def product(i: int, j: int) -> arb:
-        k = len(rows[0]) - 1
-        return summed(rows[i][n] * y[j][k - n] for n in range(k + 1))
-
-    for k in range(bits + 20):
-        rates = _times_rate(product)
-        for row, rate in zip(rows, rates, strict=True):
-            row.append((rate * h / (2 * (k + 1))).mid())
-        small = small + 1 if largest(row[-1] for row in rows) < least else 0
-        if small == 2:
-            break
-    return rows
-
-
 # -- one step, and the set ----------------------------------------------------------------------
 
 
@@ -423,7 +422,7 @@ class Step:
         ]
         ctx.prec = COARSE
         self.delta = integral([largest(some) for some in zip_longest(*defect, fillvalue=arb(0))])
-        a = matrices_of(body.derivative(self.p), h)
+        a = matrices_of(body.derivative(self.p), h, len(centre))
         norms = [row_sum(x.table()) for x in a]
         self.growth = upper(integral(norms).exp())
         self.beta = upper(h) * body.beta
@@ -463,10 +462,12 @@ class Step:
         return middle, matrix
 
 
-def matrices_of(entries: Mapping[tuple[int, int], arb_poly], h: arb) -> list[arb_mat]:
+def matrices_of(
+    entries: Mapping[tuple[int, int], arb_poly], h: arb, size: int = 6
+) -> list[arb_mat]:
     """The coefficients of h times a matrix of polynomials, of at least one."""
     rows = {place: (x * h).coeffs() for place, x in entries.items()}
-    matrices = [arb_mat(6, 6) for _ in range(max(1, *map(len, rows.values())))]
+    matrices = [arb_mat(size, size) for _ in range(max(1, *map(len, rows.values())))]
     for place, row in rows.items():
         for matrix, x in zip(matrices, row, strict=False):
             matrix[place] = x
@@ -479,7 +480,7 @@ def transition(a: Sequence[arb_mat], norms: Sequence[arb], fine: int) -> tuple[l
     V(0) is the unit matrix exactly.  Coefficients of the residual below V's degree are computed,
     the others bounded by the norms of A's and V's.
     """
-    v, sizes, small = [arb_mat(_unit())], [arb(1)], 0
+    v, sizes, small = [arb_mat(_unit(a[0].nrows()))], [arb(1)], 0
     least, residual = arb(2) ** -fine, arb(0)
     while small < 2 and len(v) < MOST_TERMS:
         k = len(v) - 1
@@ -495,8 +496,8 @@ def transition(a: Sequence[arb_mat], norms: Sequence[arb], fine: int) -> tuple[l
 
 
 def rough(matrix: arb_mat) -> arb:
-    """An upper bound of the norm, at most 6 times as large."""
-    return upper((6 * upper((matrix * matrix.transpose()).trace())).sqrt())
+    """An upper bound of the norm, at most as many times as large as it has rows."""
+    return upper((matrix.nrows() * upper((matrix * matrix.transpose()).trace())).sqrt())
 
 
 class Set:
@@ -504,14 +505,14 @@ class Set:
 
     Column j is one of m_j + sum_k W_kj xi_k S_k, |xi_k| <= 1.  The first columns are z, of one or
     several sets of starts; those after them are the columns of D, the derivative of the flow.  A
-    step adds six directions, its noise; after a group of steps those of the group become six, the
+    step adds n directions, its noise; after a group of steps those of the group become n, the
     smallest box around them.
     """
 
     def __init__(self, m: Table, box: Table, states: int) -> None:
         self.m, self.states = m, states
-        self.s, self.w = _unit(), box  # S by rows, W by directions
-        self.old = 6  # directions that stand before the group's
+        self.s, self.w = _unit(len(m)), box  # S by rows, W by directions
+        self.old = len(m)  # directions that stand before the group's
 
     def sizes(self) -> list[arb]:
         """Upper bounds of the columns."""
@@ -538,7 +539,7 @@ class Set:
         around = _bounds(rows, self.w)
         ctx.prec = step.bits
         table = []
-        for i in range(6):
+        for i in range(len(middle)):
             row = zip(moved[i], around[i], left[i], strict=True)
             balls = [x + arb(0, upper(y + z)) for x, y, z in row]
             table.append([x + middle[i] for x in balls[: self.states]] + balls[self.states :])
@@ -546,6 +547,7 @@ class Set:
 
     def next(self, step: Step, noise: Sequence[arb], centre: Sequence[arb]) -> Set:
         """The set about the next centre."""
+        unit, count = _unit(len(centre)), len(centre)
         middle, v = step.at(arb(1))
         moved, rows, left = self.carried(v, noise)
         ctx.prec = step.bits
@@ -559,19 +561,19 @@ class Set:
         ]
         successor = Set([[x.mid() for x in row] for row in moved], new, self.states)
         successor.old = self.old
-        if len(rows[0]) + 6 - self.old > 6 * GROUP:
+        if len(rows[0]) + count - self.old > count * GROUP:
             box = _bounds([row[self.old :] for row in rows], self.w[self.old :])
-            rows = [row[: self.old] + more for row, more in zip(rows, _unit(), strict=True)]
+            rows = [row[: self.old] + more for row, more in zip(rows, unit, strict=True)]
             successor.w = self.w[: self.old] + box + new
-            successor.old = self.old + 6
+            successor.old = self.old + count
         else:
             successor.w = self.w + new
-        successor.s = [row + more for row, more in zip(rows, _unit(), strict=True)]
+        successor.s = [row + more for row, more in zip(rows, unit, strict=True)]
         return successor
 
 
-def _unit() -> Table:
-    return [[arb(int(i == j)) for j in range(6)] for i in range(6)]
+def _unit(size: int = 6) -> Table:
+    return [[arb(int(i == j)) for j in range(size)] for i in range(size)]
 
 
 def _bounds(rows: Table, weights: Table) -> Table:
@@ -614,9 +616,14 @@ def check_work(steps: int, bits: int) -> None:
 
 
 class Run:
-    """A body, a grid and centres, in the unit of time 2^-shift, in which rates are about 1."""
+    """A body, a grid and centres, in the unit of time 2^-shift, in which rates are about 1.
 
-    def __init__(self, guesses: Guesses, inertia: Table, torque: Sequence[arb]) -> None:
+    ``turn``: the attitude at the start, where it is one of the variables.
+    """
+
+    def __init__(
+        self, guesses: Guesses, inertia: Table, torque: Sequence[arb], turn: Sequence[arb] = ()
+    ) -> None:
         """Raises NotProved."""
         self.time_bits, self.grid, state_bits, rows, self.bits = guesses
         begin = [dyadic(x, -state_bits) for x in rows[0]]
@@ -624,32 +631,29 @@ class Run:
             self.shift = scaling(inertia, torque, begin)
             self.inertia, by = inertia, arb(2) ** (-2 * self.shift)
             self.torque = [x * by for x in torque]
-            self.body = Body(inertia, self.torque)
+            self.body = Body(inertia, self.torque, bool(turn))
         except (ZeroDivisionError, OverflowError, ValueError):
             raise NotProved("the body's moments of inertia have no inverse") from None
-        self.rates = [*[arb(2) ** -self.shift] * 3, *[arb(1)] * 3]
+        self.rates = [*[arb(2) ** -self.shift] * 3, *[arb(1)] * (3 + len(turn))]
         powers = [-state_bits - self.shift] * 3 + [-state_bits] * 3
         self.centres = [[dyadic(x, e) for x, e in zip(row, powers, strict=True)] for row in rows]
+        self.centres[0] += [x.mid() for x in turn]
 
     @property
     def unit(self) -> Fraction:
         """The grid's unit, in the scene's units."""
         return Fraction(2) ** -self.time_bits
 
-    def length(self, stage: Stage) -> arb:
-        """A step's length in the unit of time of the run."""
-        return dyadic(stage.last - stage.first, self.shift - self.time_bits)
-
     def stages(self, columns: Set, fine: int, tell: Tell | None) -> Iterator[Stage]:
         """Each step, with the set at its start; raises NotProved."""
-        count = len(self.centres)
+        count, centre = len(self.centres), self.centres[0]
         for n, (first, last) in enumerate(pairwise(self.grid)):
             if tell is not None:
                 tell(n / count, n)
             try:
                 ctx.prec = self.bits
                 h = dyadic(last - first, self.shift - self.time_bits)
-                step = Step(self.body, self.centres[n], h, self.bits, fine)
+                step = Step(self.body, centre, h, self.bits, fine)
                 sizes = columns.sizes()
                 reach = [step.reach(eps) for eps in sizes[: columns.states]]
                 noise = [step.noise(eps, r) for eps, r in zip(sizes, reach, strict=False)]
@@ -657,7 +661,9 @@ class Run:
                 noise += [upper(of_d * size) for size in sizes[columns.states :]]
                 yield Stage(first, last, step, largest(reach), noise, columns)
                 if n + 1 < count:
-                    columns = columns.next(step, noise, self.centres[n + 1])
+                    ctx.prec = self.bits  # of an attitude the centre is where the last step ends
+                    centre = [*self.centres[n + 1], *(x(arb(1)).mid() for x in step.p[6:])]
+                    columns = columns.next(step, noise, centre)
             except (ZeroDivisionError, OverflowError):
                 raise NotProved(f"step {n + 1}: a number is too large") from None
             except NotProved as fault:
@@ -674,116 +680,12 @@ class Stage(NamedTuple):
     noise: list[arb]
     before: Set
 
-    def part(self, time: Fraction) -> Fraction:
-        """Where in the step a time of the grid's unit lies, from 0 to 1; raises NotProved."""
+    def at(self, time: Fraction) -> Table:
+        """The columns at a time of the step, in the grid's unit; raises NotProved."""
         tau = (time - self.first) / (self.last - self.first)
         if not 0 <= tau <= 1:
             raise NotProved("a time is not in the step that should contain it")
-        return tau
-
-    def at(self, time: Fraction) -> Table:
-        """The columns at a time of the step, in the grid's unit."""
-        return self.before.within(self.step, self.noise, self.part(time))
-
-    def rates(self) -> tuple[list[arb_poly], arb]:
-        """Exact polynomials near w of the first set, and a bound of what they miss."""
-        step, columns = self.step, self.before
-        m = [row[0] for row in columns.m]
-        around = [row[0] for row in _bounds(columns.s, columns.w)]
-        ctx.prec, off, polynomials = step.bits, arb(0), []
-        for i in range(3):
-            moved = arb_poly([summed(x[i, j] * m[j] for j in range(6)) for x in step.v])
-            row = (step.p[i] + moved).coeffs()
-            polynomials.append(arb_poly([x.mid() for x in row]))
-            rounded = summed(upper(x.rad()) for x in row)
-            left = summed(upper(x[i, j]) * around[j] for x in step.v for j in range(6))
-            off = off.max(upper(rounded + left + self.noise[0]))
-        return polynomials, off
-
-
-# -- the attitude -------------------------------------------------------------------------------
-
-#: The attitude Q, a unit quaternion that takes body axes to space, has Q' = Q (0, w)/2.  On a step
-#: Q = Q(0) u with u' = h/2 u (0, w), u(0) = 1.  For any polynomials v and y, |w - y| <= r in each
-#: component, d = v' - h/2 v (0, y), (u - v)' is orthogonal to u - v but for h/2 u (0, w - y) - d;
-#: so, |u| being 1 and the norm Euclid's,
-#:
-#:     |u - v| <= |v(0) - 1| + int |d| + |h| sqrt(3)/2 r = miss,
-#:
-#: and a quaternion q within e of Q(0) gives |Q - q v| <= (|q| + e) miss + e (1 + miss).  Here y is
-#: the part in w of p + V m, m the middle of the set of the z(0): r bounds V (z(0) - m), and s.
-
-
-class Attitude:
-    """Q at the start of a step: an exact quaternion, and how far it may be off."""
-
-    def __init__(self, start: Sequence[arb]) -> None:
-        self.q = [x.mid() for x in start]
-        self.off = _length([x.rad() for x in start])
-
-    def step(self, h: arb, stage: Stage) -> tuple[list[arb_poly], arb]:
-        """v and a bound of what q v misses, at every moment of a step; raises NotProved."""
-        y, r = stage.rates()
-        ctx.prec = stage.step.bits
-        v = [arb_poly(row) for row in turning(y, h, stage.step.bits)]
-        delta = defect_of_turn(v, y, h)
-        ctx.prec = COARSE
-        miss = upper(delta + upper(h) / 2 * arb(3).sqrt() * r)
-        size = upper(_length(self.q) + self.off)
-        return v, upper(size * miss + self.off * (1 + miss))
-
-    def at(self, v: Sequence[arb_poly], off: arb, tau: Fraction, bits: int) -> list[arb]:
-        """Q at a moment of the step, as balls."""
-        ctx.prec = bits
-        moment = ball((tau, Fraction(0)))
-        a, b = self.q, [row(moment) for row in v]
-        product = [
-            a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-            a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-            a[0] * b[2] + a[2] * b[0] + a[3] * b[1] - a[1] * b[3],
-            a[0] * b[3] + a[3] * b[0] + a[1] * b[2] - a[2] * b[1],
-        ]
-        return [x + arb(0, off) for x in product]
-
-    def next(self, v: Sequence[arb_poly], off: arb, bits: int) -> Attitude:
-        """Q at the start of the next step."""
-        successor = Attitude(self.at(v, arb(0), Fraction(1), bits))
-        successor.off = upper(successor.off + off)
-        return successor
-
-
-def defect_of_turn(v: Sequence[arb_poly], y: Sequence[arb_poly], h: arb) -> arb:
-    """An upper bound of the integral of |v' - h/2 v (0, y)|; v(0) is 1 exactly."""
-    slopes = _times_rate(lambda i, j: v[i] * y[j])
-    rows = [
-        (row.derivative() - slope * (h / 2)).coeffs() for row, slope in zip(v, slopes, strict=True)
-    ]
-    ctx.prec = COARSE
-    return integral([_length(some) for some in zip_longest(*rows, fillvalue=arb(0))])
-
-
-def _length(numbers: Iterable[arb]) -> arb:
-    """An upper bound of the Euclidean norm."""
-    return upper(summed(upper(x) ** 2 for x in numbers).sqrt())
-
-
-def _times_rate(product: Callable[[int, int], X]) -> list[X]:
-    """The components of v (0, w): ``product(i, j)`` is v_i w_j."""
-    return [
-        -product(1, 0) - product(2, 1) - product(3, 2),
-        product(0, 0) + product(2, 2) - product(3, 1),
-        product(0, 1) + product(3, 0) - product(1, 2),
-        product(0, 2) + product(1, 1) - product(2, 0),
-    ]
-
-
-def vertical(q: Sequence[arb]) -> list[arb]:
-    """The gamma of an attitude."""
-    return [
-        2 * (q[1] * q[3] - q[0] * q[2]),
-        2 * (q[2] * q[3] + q[0] * q[1]),
-        q[0] ** 2 - q[1] ** 2 - q[2] ** 2 + q[3] ** 2,
-    ]
+        return self.before.within(self.step, self.noise, tau)
 
 
 # -- a claim: states ----------------------------------------------------------------------------
@@ -797,59 +699,51 @@ def _contents(certificate: object, more: Sequence[str] = ()) -> dict[str, object
 def state(certificate: object, tell: Tell | None = None) -> list[str]:
     """What a certificate of states proves; raises NotProved, Damaged."""
     contents = _contents(certificate)
-    claims, turns = _claims(contents["statement"])
-    scene, first = read_scene(contents["scene"]), read_attitude(contents["scene"])
-    if turns and not first:
+    claims = _claims(contents["statement"])
+    turns = sum(len(balls) > 6 for _, balls in claims)
+    scene = read_scene(contents["scene"])
+    if turns and len(scene[2]) == 6:
         raise Damaged("scene: expected attitude, which the statement is about")
     guesses = read_guesses([contents[name] for name in Guesses._fields], more=len(claims))
     ctx.prec = guesses.bits + 2 * COARSE
-    _check_start(NAMES, claims, scene[2])
-    _check_start(TURN, turns, first)
+    _check_start(claims, scene[2])
     inertia, torque, start = balls_of(scene)
-    attitude = _attitude(first, start[3:]) if turns else None
-    run = Run(guesses, inertia, torque)
+    if turns:
+        _check_vertical(start[3:6], start[6:])
+    start = start if turns else start[:6]
+    run = Run(guesses, inertia, torque, start[6:])
     sense, unit = (1 if run.grid[-1] > 0 else -1), run.unit
     for t, _ in claims:
         if not 0 <= sense * t <= sense * run.grid[-1] * unit:
             raise NotProved(f"t = {written(t)} lies outside the grid")
-    offset = [x * rate - y for x, rate, y in zip(start, run.rates, run.centres[0], strict=True)]
+    rows = zip(start, run.rates, run.centres[0], strict=True)
+    offset = [x * rate - y for x, rate, y in rows]
     begin = Set([[x.mid()] for x in offset], [[upper(x.rad())] for x in offset], 1)
-    claims_left, turns_left = _in_order(claims), _in_order(turns)
+    left = sorted((claim for claim in claims if claim[0]), key=lambda claim: -abs(claim[0]))
     for stage in run.stages(begin, STATES, tell):
-        end = sense * stage.last * unit
-        while claims_left and sense * claims_left[-1][0] <= end:
-            claim = claims_left.pop()
-            there = [row[0] for row in stage.at(claim[0] / unit)]
-            _check(NAMES, claim, [x / rate for x, rate in zip(there, run.rates, strict=True)])
-        if attitude is None:
-            continue
-        v, off = attitude.step(run.length(stage), stage)
-        while turns_left and sense * turns_left[-1][0] <= end:
-            claim = turns_left.pop()
-            tau = stage.part(claim[0] / unit)
-            _check(TURN, claim, attitude.at(v, off, tau, stage.step.bits))
-        attitude = attitude.next(v, off, stage.step.bits)
+        while left and sense * left[-1][0] <= sense * stage.last * unit:
+            claim = left.pop()
+            there = zip(stage.at(claim[0] / unit), run.rates, strict=True)
+            _check(claim, [row[0] / rate for row, rate in there])
     last = written(max((t for t, _ in claims), key=abs))
-    widest = max(radius for _, balls in (*claims, *turns) for _, radius in balls)
-    too = f" and at {len(turns)} its attitude" if turns else ""
+    widest = max(radius for _, balls in claims for _, radius in balls)
+    too = f" and at {turns} its attitude" if turns else ""
     return [
         f"proved: at {len(claims)} times up to t = {last} the motion of this scene{too} "
         f"lies in the balls that the certificate states, of radius {rounded_up(widest)} at most"
     ]
 
 
-def _in_order(claims: Sequence[Claim]) -> list[Claim]:
-    """The claims at other times than 0, the last one first."""
-    return sorted((claim for claim in claims if claim[0]), key=lambda claim: -abs(claim[0]))
-
-
-def _attitude(first: Sequence[Interval], gamma: Sequence[arb]) -> Attitude:
-    """The attitude at t = 0; refused where its gamma is another one than the scene's."""
-    start = [ball(x) for x in first]
-    for x, y in zip(vertical(start), gamma, strict=True):
+def _check_vertical(gamma: Sequence[arb], q: Sequence[arb]) -> None:
+    """Refuse an attitude that has another gamma."""
+    vertical = [
+        2 * (q[1] * q[3] - q[0] * q[2]),
+        2 * (q[2] * q[3] + q[0] * q[1]),
+        q[0] ** 2 - q[1] ** 2 - q[2] ** 2 + q[3] ** 2,
+    ]
+    for x, y in zip(vertical, gamma, strict=True):
         if not x.overlaps(y):
             raise NotProved("the attitude at t = 0 has another gamma than the scene")
-    return Attitude(start)
 
 
 def _grid(value: object, where: str) -> list[int]:
@@ -866,17 +760,9 @@ Scene = tuple[list[list[Interval]], list[list[Interval]], list[Interval]]
 
 
 def read_scene(scene: object) -> Scene:
-    """Inertia, centre and weight, and start of a scene, without its attitude; raises Damaged."""
-    if isinstance(scene, dict):
-        scene = {key: x for key, x in scene.items() if key != "attitude"}
-    return read_body(scene, ("omega", "gamma"))
-
-
-def read_attitude(scene: object) -> list[Interval]:
-    """The quaternion at t = 0, where the scene tells one."""
-    if not isinstance(scene, dict) or "attitude" not in scene:
-        return []
-    return _intervals(scene["attitude"], 4, "scene.attitude")
+    """Inertia, centre and weight, and start of a scene, with its attitude where it has one."""
+    has_turn = isinstance(scene, dict) and "attitude" in scene
+    return read_body(scene, ("omega", "gamma", *["attitude"] * has_turn))
 
 
 def read_body(scene: object, names: Sequence[str]) -> Scene:
@@ -896,8 +782,10 @@ def read_body(scene: object, names: Sequence[str]) -> Scene:
         if any(rows[i][j] != rows[j][i] for i in range(3) for j in range(i)):
             raise Damaged("scene.inertia: expected a symmetric matrix")
     load = [_intervals(centre, 3, "scene.centre"), [_interval(weight, "scene.weight")]]
-    lists = zip(names[3:], vectors, strict=True)
-    return rows, load, [x for name, vector in lists for x in _intervals(vector, 3, f"scene.{name}")]
+    start: list[Interval] = []
+    for name, vector in zip(names[3:], vectors, strict=True):
+        start += _intervals(vector, 4 if name == "attitude" else 3, f"scene.{name}")
+    return rows, load, start
 
 
 def _intervals(value: object, count: int, where: str) -> list[Interval]:
@@ -919,20 +807,20 @@ def scaling(inertia: Sequence[Sequence[arb]], torque: Sequence[arb], start: Sequ
     return math.frexp(rate)[1] if 0 < rate < float("inf") else 0
 
 
-def _claims(statement: object) -> tuple[list[Claim], list[Claim]]:
-    """Those of the state, and those of the attitude."""
+def _claims(statement: object) -> list[Claim]:
+    """Those of the state, where it is stated with the attitude."""
     claims: list[Claim] = []
-    turns: list[Claim] = []
     for n, row in enumerate(_list(statement, None, "statement")):
         where = f"statement[{n}]"
         has_turn = isinstance(row, dict) and "attitude" in row
         time, balls, *more = _keys(row, ("t", "balls", *["attitude"] * has_turn), where)
-        t = _rational(time, f"{where}.t")
-        claims.append((t, _balls(balls, 6, f"{where}.balls")))
-        turns += [(t, _balls(turn, 4, f"{where}.attitude")) for turn in more]
+        row_of_balls = _balls(balls, 6, f"{where}.balls")
+        for turn in more:
+            row_of_balls += _balls(turn, 4, f"{where}.attitude")
+        claims.append((_rational(time, f"{where}.t"), row_of_balls))
     if not claims:
         raise Damaged("statement: expected at least one time")
-    return claims, turns
+    return claims
 
 
 def _balls(value: object, count: int, where: str) -> list[Interval]:
@@ -941,18 +829,18 @@ def _balls(value: object, count: int, where: str) -> list[Interval]:
     return _intervals(value, count, where)
 
 
-def _check_start(names: Sequence[str], claims: Sequence[Claim], start: Sequence[Interval]) -> None:
+def _check_start(claims: Sequence[Claim], start: Sequence[Interval]) -> None:
     for t, balls in claims:
         if t != 0:
             continue
-        for name, (x, r), (middle, radius) in zip(names, start, balls, strict=True):
+        for name, (x, r), (middle, radius) in zip((*NAMES, *TURN), start, balls, strict=False):
             if abs(x - middle) + r > radius:
                 raise NotProved(f"{name} at t = 0 is not in its ball")
 
 
-def _check(names: Sequence[str], claim: Claim, there: Sequence[arb]) -> None:
+def _check(claim: Claim, there: Sequence[arb]) -> None:
     t, balls = claim
-    for name, x, pair in zip(names, there, balls, strict=True):
+    for name, x, pair in zip((*NAMES, *TURN), there, balls, strict=False):
         _inside(x, pair, f"{name} at t = {written(t)}")
 
 
@@ -969,14 +857,10 @@ def rounded_up(x: Fraction) -> str:
 
 def decimal(x: Fraction, up: bool, minus: bool) -> str:
     """Two digits and an exponent, of any size."""
-    power = math.floor((x.numerator.bit_length() - x.denominator.bit_length()) * math.log10(2)) - 1
-    scaled = x / Fraction(10) ** power
-    while scaled >= 100:
-        scaled, power = scaled / 10, power + 1
-    digits = math.ceil(scaled) if up else math.floor(scaled)
-    if digits >= 100:
-        digits, power = 10, power + 1
-    return f"{'-' * minus}{digits // 10}.{digits % 10}e{power + 1:+03d}"
+    two = Context(2, ROUND_CEILING if up else ROUND_FLOOR)
+    value = two.divide(Decimal(x.numerator), Decimal(x.denominator))
+    digits, power = f"{value:.1e}".split("e")
+    return f"{'-' * minus}{digits}e{int(power):+03d}"
 
 
 # -- a claim: a periodic orbit ------------------------------------------------------------------

@@ -316,16 +316,12 @@ class ClosedForm:
         motion, (start, sizes, unit, length) = self._motion(), self._constants()
         if t.is_zero():
             return [*start, *self._first_turn()] if attitude else start, sizes
-        frame, now = self._frame, t
-        vertical: Sequence[arb]
-        if self._has_units:
-            now = t * unit
-            state = motion.at(now)
-            row = frame.back([x * unit for x in state[:3]])
-            vertical = [x / length for x in state[3:]]
-        else:
-            state = motion.at(now)
-            row, vertical = frame.back(state[:3]), state[3:]
+        frame, now = self._frame, t * unit
+        state = motion.at(now)
+        omega, vertical = state[:3], state[3:]
+        if self._has_units:  # most have none, and rows are many
+            omega, vertical = [x * unit for x in omega], [x / length for x in vertical]
+        row = frame.back(omega)
         if len(start) > 3:
             row += frame.back(vertical)
         if attitude:

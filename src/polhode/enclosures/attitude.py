@@ -30,7 +30,7 @@ from polhode.equations.kinematics import departure, phi_leaving_the_pole, starti
 from polhode.numbers.exact import arctan2
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Complexes, Doubles
-from polhode.numbers.vectors import quaternion_product
+from polhode.numbers.vectors import quaternion_product, vertical
 
 # --- turns ----------------------------------------------------------------------------------------
 #
@@ -181,28 +181,24 @@ class AttitudeWatch:
 
 
 def two_numbers(
-    nodes: Doubles, vertical: Doubles, turn: Doubles, before: Doubles, first: Doubles, axes: Doubles
+    nodes: Doubles, gamma: Doubles, turn: Doubles, before: Doubles, first: Doubles, axes: Doubles
 ) -> Complexes:
     """sin(theta) exp(i psi) and sin(theta) exp(i phi) at some tau, (2, n).
 
-    ``vertical``: coefficients of gamma in principal axes; ``turn``: of the turn in the step, after
+    ``gamma``: its coefficients in principal axes; ``turn``: of the turn in the step, after
     ``before`` and the start's attitude ``first``; ``axes``: the principal ones in the scene's.
     """
-    powers = np.vander(nodes, max(len(vertical), len(turn)), increasing=True)
-    gammas = powers[:, : len(vertical)] @ vertical @ axes
+    powers = np.vander(nodes, max(len(gamma), len(turn)), increasing=True)
+    gammas = powers[:, : len(gamma)] @ gamma @ axes
     quaternion_at = np.array(quaternion_product(before, (powers[:, : len(turn)] @ turn).T))
     q = quaternion_product(first, [quaternion_at[0], *(axes.T @ quaternion_at[1:])])
     psi = third_axis(q)
     return np.array([1j * psi[0] - psi[1], gammas[:, 1] + 1j * gammas[:, 0]])
 
 
-def third_axis(q: Sequence[Any]) -> list[Any]:
-    """The body's third axis in space."""
-    return [
-        2 * (q[1] * q[3] + q[0] * q[2]),
-        2 * (q[2] * q[3] - q[0] * q[1]),
-        q[0] * q[0] - q[1] * q[1] - q[2] * q[2] + q[3] * q[3],
-    ]
+def third_axis(q: Sequence[Any]) -> Sequence[Any]:
+    """The body's third axis in space: what the opposite turn makes of the vertical."""
+    return vertical((q[0], *(-x for x in q[1:])))
 
 
 def angles(pose: Pose, gamma: Sequence[Any], bits: int) -> list[Any]:

@@ -37,7 +37,7 @@ from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle
-from polhode.numbers.vectors import Vector
+from polhode.numbers.vectors import Vector, dot
 from polhode.scenes.scene import Scene
 
 CLOCK = 14  # times of the grid are integers times 2**-CLOCK
@@ -293,8 +293,4 @@ def in_scene_axes(of: ExactMotion, row: Sequence[arb], bits: int) -> list[arb]:
         if of.frame.axes.trivial:
             return [x for vector in vectors for x in vector]
         turn = [[ball(x, bits) for x in unit] for unit in of.frame.axes.rows]
-        return [
-            turn[0][i] * v[0] + turn[1][i] * v[1] + turn[2][i] * v[2]
-            for v in vectors
-            for i in range(3)
-        ]
+        return [dot(column, v) for v in vectors for column in zip(*turn, strict=True)]

@@ -29,13 +29,17 @@ from polhode.enclosures.fixed_point_problem import UP, ExactMotion, Problem, upp
 from polhode.enclosures.polynomial import (
     BallPolynomial,
     Polynomial,
+    constant,
     rate,
     total,
     variable,
 )
 from polhode.enclosures.step_bound import TINY, gamma
 from polhode.enclosures.zonotope import ProofState
+from polhode.equations.integrals import AREA, ENERGY, KOVALEVSKAYA, LENGTH, MOMENTUM
+from polhode.equations.integrals import first_integrals as integrals_of
 from polhode.numbers.flint_context import ctx
+from polhode.numbers.vectors import dot
 
 
 class Contradiction(AssertionError):
@@ -54,42 +58,22 @@ class Integral(NamedTuple):
 
 def first_integrals(motion: ExactMotion) -> dict[str, Polynomial]:
     """The first integrals that the motion is proven to have, by name."""
-    x = [variable(i) for i in range(6)]
-    largest = max(motion.moments)
-    inertia = [m / largest for m in motion.moments]
-    momentum = [x[i] * inertia[i] for i in range(3)]
-    torque = [k / largest for k in motion.torque]
-    kinetic = total([momentum[i] * x[i] for i in range(3)])
-    weight = total([x[3 + i] * torque[i] * 2 for i in range(3)])
-    integrals = {"h": kinetic + weight}
-    if motion.scene.gamma is not None:
-        integrals["f"] = total([momentum[i] * x[3 + i] for i in range(3)])
-        integrals["|gamma|^2"] = total([x[i] * x[i] for i in range(3, 6)])
-    field = motion.field
-    if all(row.rational for row in field):
-        candidates = {"|G|^2": total([part * part for part in momentum])}
-        for i, name in enumerate("pqr"):
-            candidates[name] = x[i]
-        candidates["w.k"] = total([x[i] * torque[i] for i in range(3)])
-        for order in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-            candidates[f"K^2, axis {order[2] + 1}"] = _kovalevskaya(x, motion, order)
+    x, nothing = [variable(i) for i in range(6)], Polynomial({})
+    inside = motion.frame.inside(motion.scene)
+    formulas = integrals_of(inside)
+    k = {name: constant(value) for name, value in formulas.coefficients.items()}
+    state = x[:3] if inside.gamma is None else x
+    named = dict(zip(formulas.onto, formulas.values(state, k, nothing), strict=True))
+    proven = {name: named[name] for name in (ENERGY, AREA, LENGTH) if name in named}
+    if all(row.rational for row in motion.field):
+        momentum = [x[i] * k[f"I{i}"] for i in range(3)]
+        candidates = {MOMENTUM: dot(momentum, momentum), **dict(zip("pqr", x, strict=False))}
+        candidates["w.k"] = total([x[i] * k.get(f"2m{i}", nothing) for i in range(3)])
+        candidates[KOVALEVSKAYA] = named.get(KOVALEVSKAYA, nothing)
         for name, candidate in candidates.items():
-            if candidate.terms and not rate(candidate, field).terms:
-                integrals[name] = candidate
-    return integrals
-
-
-def _kovalevskaya(
-    x: Sequence[Polynomial], of: ExactMotion, order: tuple[int, int, int]
-) -> Polynomial:
-    """|(u + i v)**2 - (c1 + i c2)(gamma_u + i gamma_v)|**2, c = k/C, C about the third axis."""
-    i, j, k = order
-    c1, c2 = (of.torque[n] / of.moments[k] for n in (i, j))
-    u, v, g, h = x[i], x[j], x[3 + i], x[3 + j]
-    real = [u * u, -(v * v), g * -c1, h * c2]
-    imaginary = [u * v * 2, h * -c1, g * -c2]
-    a, b = total(real), total(imaginary)
-    return a * a + b * b
+            if candidate.terms and not rate(candidate, motion.field).terms:
+                proven[name] = candidate
+    return proven
 
 
 def prepared(motion: ExactMotion, bits: int) -> list[Integral]:

@@ -116,10 +116,7 @@ def variable(index: int) -> Polynomial:
 
 def total(parts: Sequence[Polynomial]) -> Polynomial:
     """The sum of any number of polynomials."""
-    polynomial_sum = Polynomial({})
-    for part in parts:
-        polynomial_sum = polynomial_sum + part
-    return polynomial_sum
+    return sum(parts, Polynomial({}))
 
 
 def rate(of: Polynomial, field: Sequence[Polynomial]) -> Polynomial:

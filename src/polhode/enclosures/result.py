@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -321,15 +322,17 @@ class Enclosure(Result, ByValue):
         if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
             super().save(path)
             return
-        from polhode.certificates import state_certificate
+        from polhode.certificates import certificate_file, state_certificate
 
         if self.omega_radius is not None:
             raise BadInput(self.scene.name, "start.omega", None, "numbers, for a certificate")
-        attitude, gamma = None, self.scene.gamma
+        turn: Sequence[Exact] = ()
+        rows, gamma = self.decimals(), self.scene.gamma
         if self.attitude is not None and gamma is not None:
-            first = starting_attitude(gamma, self.scene.psi)
-            attitude = state_certificate.Attitude(first, self.attitude.decimals())
-        state_certificate.save(self.scene, self.times, self.decimals(), path, progress, attitude)
+            turn = starting_attitude(gamma, self.scene.psi)
+            rows = [[*x, *y] for x, y in zip(rows, self.attitude.decimals(), strict=True)]
+        document = state_certificate.certificate(self.scene, self.times, rows, progress, turn)
+        certificate_file.write(path, json.dumps(document))
 
     def __repr__(self) -> str:
         last = f" to t = {shown(self.times[-1])}" if self.times else ""

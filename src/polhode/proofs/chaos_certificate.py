@@ -6,7 +6,6 @@ derivatives of the flow foretell, in double.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -14,14 +13,12 @@ import numpy as np
 from flint import arb
 
 from polhode.certificates import certificate_file, verify
-from polhode.certificates.certificate_file import JsonObject, by_checker
+from polhode.certificates.certificate_file import JsonObject
 from polhode.dynamics.level_body import LevelBody
 from polhode.motion.frame import Frame
-from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import DOUBLE, Doubles, double_array
 from polhode.proofs.homoclinic import Homoclinic, Saddle, flow_with_derivative
-from polhode.scenes.body import Body
 
 # --- certificate ----------------------------------------------------------------------------------
 
@@ -33,7 +30,7 @@ _TIME_BITS = 64
 
 
 class Chart(NamedTuple):
-    """c, E (6, 2), K (6, 4), a, and eta, in the scene's axes and units."""
+    """c, E (6, 2), K (6, 4), a, and eta."""
 
     centre: Doubles
     wide: Doubles
@@ -51,23 +48,37 @@ class Rectangle(NamedTuple):
     height: float
 
 
-class Chain(NamedTuple):
-    """A body and a level; N0, M1, ..., Mk, and the time from each to the plane of the next one."""
+class Guess(NamedTuple):
+    """What a proof begins with, in the axes and the unit of time of the surface.
 
-    body: Body
-    h: Exact
-    f: Exact
+    ``sets``: N0, M1, ..., Mk; ``times``: of each to the next one's plane.
+    """
+
+    surface: LevelBody
+    saddle: Saddle
     charts: list[Chart]
     sets: list[Rectangle]
     times: list[float]
 
 
-def guesses(chain: Chain) -> JsonObject:
-    """A certificate but for its statement."""
-    bits = _BITS + verify.COARSE
-    scene = certificate_file.on_level(chain.body, chain.h, chain.f, bits)
+def guesses(guess: Guess) -> JsonObject:
+    """A certificate but for its statement, in the scene's axes and units."""
+    on, bits, unit = guess.surface, _BITS + verify.COARSE, float(guess.surface.unit)
+    turn = double_array(Frame.of(on.scene).matrix(DOUBLE)).T
+    place, back = (np.kron(np.diag([x, 1.0]), turn) for x in (1.0 / unit, unit))
+    charts = [
+        Chart(place @ x.centre, place @ x.wide, place @ x.deep, back @ x.plane, x.eta)
+        for x in guess.charts
+    ]
+    scene = certificate_file.on_level(on.scene.body, on.h, on.f, bits)
+    transits: list[JsonObject] = []
     with ctx.workprec(bits + verify.COARSE):
-        transits = [_transit(scene, chain, n) for n in range(len(chain.sets))]
+        for source, time in zip(guess.sets, guess.times, strict=True):
+            chart, end = charts[source.chart], Fraction(time * unit)
+            start = [arb(x) for x in (chart.centre + chart.wide[:, 0] * source.middle).tolist()]
+            steps = certificate_file.steps(scene, start, end, _BITS, _TIME_BITS, growth=_GROWTH)
+            *grid, _ = steps._asdict().items()
+            transits.append(dict(grid))
     sizes = Rectangle._fields[1:]
     return {
         "format": verify.FORMAT,
@@ -75,34 +86,13 @@ def guesses(chain: Chain) -> JsonObject:
         "scene": scene,
         "bits": _BITS,
         "scale": _SCALE,
-        "charts": [_integers(x) for x in chain.charts],
+        "charts": [_integers(x) for x in charts],
         "sets": [
             {"chart": x.chart} | {word: _nearest(getattr(x, word)) for word in sizes}
-            for x in chain.sets
+            for x in guess.sets
         ],
         "transits": transits,
     }
-
-
-def horseshoe_of(certificate: JsonObject) -> verify.Horseshoe:
-    """What the checker proves of guesses; raises its NotProved."""
-    return by_checker(verify.horseshoe, certificate)
-
-
-def check_orbit(theorem: verify.Horseshoe, start: Sequence[arb], period: arb) -> None:
-    """That a periodic motion is the one of the first set; raises the checker's NotProved."""
-    by_checker(verify.is_orbit_of, theorem, start, period)
-
-
-def _transit(scene: JsonObject, chain: Chain, n: int) -> JsonObject:
-    """Steps from the middle of a set to the next plane."""
-    rectangle = chain.sets[n]
-    chart = chain.charts[rectangle.chart]
-    start = [arb(x) for x in (chart.centre + chart.wide[:, 0] * rectangle.middle).tolist()]
-    end = Fraction(chain.times[n])
-    steps = certificate_file.steps(scene, start, end, _BITS, _TIME_BITS, growth=_GROWTH)
-    *grid, _ = steps._asdict().items()
-    return dict(grid)
 
 
 def _integers(chart: Chart) -> JsonObject:
@@ -123,31 +113,6 @@ def _nearest(x: float) -> int:
 ETA = 1e-4
 _WIDER, _HIGHER = 0.7, 1.5  # of the image: a next set's width, its height
 _LEAST_HEIGHT = 0.25  # of N0's: far above what the checker leaves open, which is of second order
-
-
-class Guess(NamedTuple):
-    """What a proof begins with, in the axes and the unit of time of the surface.
-
-    ``sets``: N0, M1, ..., Mk; ``times``: of each to the next one's plane.
-    """
-
-    surface: LevelBody
-    saddle: Saddle
-    charts: list[Chart]
-    sets: list[Rectangle]
-    times: list[float]
-
-    @property
-    def chain(self) -> Chain:
-        """The same in the scene's axes and units."""
-        on, by = self.surface, float(self.surface.unit)
-        turn = double_array(Frame.of(on.scene).matrix(DOUBLE)).T
-        place, back = (np.kron(np.diag([x, 1.0]), turn) for x in (1.0 / by, by))
-        charts = [
-            Chart(place @ x.centre, place @ x.wide, place @ x.deep, back @ x.plane, x.eta)
-            for x in self.charts
-        ]
-        return Chain(on.scene.body, on.h, on.f, charts, self.sets, [x * by for x in self.times])
 
 
 def guess_along(on: LevelBody, at: Saddle, orbit: Homoclinic, size: float) -> Guess:

@@ -34,6 +34,7 @@ _LONGEST = 0.15  # a segment
 _SINE = 0.03  # between segments, at least
 _CLOSE = 0.05  # guesses that differ by less, in periods and in powers, are one
 _APART = 0.15  # points of two segments that meet
+_BLOCK = 256  # segments whose neighbours are looked at at once
 _NEWTON = 12
 _SINGULAR = 1e-4
 _SAME = 1e-3
@@ -174,30 +175,20 @@ def _segments(crossings: Crossings, sizes: Doubles) -> _Segments:
 
 def _meetings(u: _Segments, s: _Segments) -> Iterator[tuple[int, int, float, float, float]]:
     """Pairs of segments that pass through each other, and where."""
-    if not u.begin.size or not s.begin.size:
-        return
-    cell = _LONGEST
-    base = np.array([1, 1 << 20])
-    key = np.floor((s.begin[[0, 3]] + s.end[[0, 3]]) / (2 * cell)).astype(np.int64).T @ base
-    order = np.argsort(key)
-    ranked = key[order]
-    middles = np.floor((u.begin[[0, 3]] + u.end[[0, 3]]) / (2 * cell)).astype(np.int64)
-    for dx in (-1, 0, 1):
-        for dy in (-1, 0, 1):
-            places = (middles + np.array([[dx], [dy]])).T @ base
-            low = np.searchsorted(ranked, places, "left")
-            high = np.searchsorted(ranked, places, "right")
-            many = high - low
-            i = np.repeat(np.arange(len(many)), many)
-            start = np.repeat(low - np.concatenate([[0], np.cumsum(many)[:-1]]), many)
-            j = order[start + np.arange(len(i))]
-            for k in range(0, len(i), 500_000):
-                yield from _through(u, s, *_near(u, s, i[k : k + 500_000], j[k : k + 500_000]))
+    order = np.argsort(s.begin[0])
+    low, high = (
+        np.searchsorted(s.begin[0, order], u.begin[0] + side * 2 * _APART) for side in (-1, 1)
+    )
+    for k in range(0, u.begin.shape[1], _BLOCK):
+        first, many = low[k : k + _BLOCK], (high - low)[k : k + _BLOCK]
+        i = np.repeat(np.arange(k, k + len(many)), many)
+        j = order[np.arange(len(i)) + np.repeat(first - (np.cumsum(many) - many), many)]
+        yield from _through(u, s, *_near(u, s, i, j))
 
 
 def _near(u: _Segments, s: _Segments, i: Indices, j: Indices) -> tuple[Indices, Indices]:
     """Those pairs whose other components are near as well."""
-    for row in (1, 2, 4, 5):
+    for row in range(1, 6):
         near = np.abs(u.begin[row, i] - s.begin[row, j]) < 2 * _APART
         i, j = i[near], j[near]
     return i, j

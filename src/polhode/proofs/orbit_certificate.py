@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import NamedTuple
 
 import numpy as np
 
@@ -34,40 +33,37 @@ from polhode.scenes.scene import Scene
 _DIVISORS = 2  # times as many as the steepness at the start asks: primes to divide the period by
 
 
-class Box(NamedTuple):
-    """Where a proof looks for an orbit, and how.
+def guesses(
+    on: LevelBody,
+    start: Sequence[Fraction],
+    period: Fraction,
+    radius: Fraction,
+    bits: int,
+    part: float,
+) -> JsonObject:
+    """A certificate but for its statement.
 
     ``start``, ``period``: x* and T*, near an orbit, in the scene's axes and units.  ``radius``: of
-    the box, states being about 1; ``bits``; ``part``: of the radius of convergence that a step is.
+    the box around them, states being about 1; ``part``: of the radius of convergence, a step.
     """
-
-    start: Sequence[Fraction]
-    period: Fraction
-    radius: Fraction
-    bits: int
-    part: float
-
-
-def guesses(on: LevelBody, box: Box) -> JsonObject:
-    """A certificate but for its statement."""
-    bits, state_bits = box.bits, box.bits + 8  # the first centre is x* itself
+    state_bits = bits + 8  # the first centre is x* itself
     scene = certificate_file.on_level(on.scene.body, on.h, on.f, bits + verify.COARSE)
     with ctx.workprec(bits + 2 * verify.COARSE):
-        x = [verify.ball((x, Fraction(0))) for x in box.start]
-        steps = certificate_file.steps(scene, x, box.period, bits, bits, box.part)
+        x = [verify.ball((x, Fraction(0))) for x in start]
+        steps = certificate_file.steps(scene, x, period, bits, bits, part)
         centres = [[x << state_bits - steps.state_bits for x in row] for row in steps.centres]
-        centres[0] = [round(x * (1 << state_bits)) for x in box.start]
+        centres[0] = [round(x * (1 << state_bits)) for x in start]
         steps = steps._replace(state_bits=state_bits, centres=centres)
         run = verify.Run(steps, *verify.balls_of(verify.read_body(scene, ("level",)))[:2])
         steep = max(float(verify.steepness(verify.slope(run.body, x)).mid()) for x in run.centres)
-    steep *= float(box.period * Fraction(2) ** run.shift)
+    steep *= float(period * Fraction(2) ** run.shift)
     *grid, _ = steps._asdict().items()
     return {
         "format": verify.FORMAT,
         "kind": "orbit",
         "scene": scene,
         **dict(grid),
-        "radius_bits": math.floor(-math.log2(box.radius)),
+        "radius_bits": math.floor(-math.log2(radius)),
         "divided_to": math.ceil(_DIVISORS * steep / (2 * math.pi)),
         "bits": bits,
     }
@@ -86,15 +82,6 @@ _STEPS = (0.25, 0.15, 0.1)  # of the radius of convergence
 _SINGULAR = 1e11  # condition of the ten equations
 
 
-class OrbitProof(NamedTuple):
-    """What the checker proved, of which guesses; ``runs``: how often it was called."""
-
-    zero: verify.Zero
-    certificate: JsonObject
-    digits: float
-    runs: int
-
-
 def closed_near(on: LevelBody, near: Scene) -> Closed:
     """The orbit near a scene's start whose period is about its end; raises BadInput, NotProved."""
     if near.gamma is None or near.end is None or sign(near.end) <= 0:
@@ -111,8 +98,11 @@ def closed_near(on: LevelBody, near: Scene) -> Closed:
 
 def proof_of(
     on: LevelBody, orbit: Closed, digits: int, progress: Message | None = None
-) -> OrbitProof:
-    """The first certificate with so many digits that the checker proves; raises NotProved."""
+) -> tuple[verify.Zero, JsonObject, float, int]:
+    """The first certificate with so many digits that the checker proves; raises NotProved.
+
+    What the checker proved, of which guesses, its digits, and how often the checker was called.
+    """
     place = max(digits // 2 + _CENTRE, digits - _FEWER)
     bits = math.ceil(BITS_A_DIGIT * digits) + _SPARE
     why, proved_digits = "", 0.0
@@ -126,7 +116,7 @@ def proof_of(
             break
         start = [Fraction(x) for x in (*fine.omega, *fine.gamma)]
         radius, part = Fraction(1, 10 ** (place - _BOX)), _STEPS[min(tried, len(_STEPS) - 1)]
-        certificate = guesses(on, Box(start, Fraction(fine.period), radius, bits, part))
+        certificate = guesses(on, start, Fraction(fine.period), radius, bits, part)
         try:
             zero = by_checker(verify.zero_near, certificate)
         except verify.NotProved as refused:
@@ -146,7 +136,7 @@ def proof_of(
     if why or proved_digits < digits:
         why = why or f"{proved_digits:.1f} digits are proved, not {digits}"
         raise NotProved(f"{on.scene.name}: {_advice(on, orbit, why)}")
-    return OrbitProof(zero, certificate, proved_digits, tried + 1)
+    return zero, certificate, proved_digits, tried + 1
 
 
 def _digits_of(on: LevelBody, orbit: Closed, zero: verify.Zero) -> float:

@@ -7,6 +7,7 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -209,7 +210,7 @@ def prove_chaos(
     most = whole(scene.name, "tries", tries, 1, MOST_TRIES)
     on = level_of(scene, h, f)
     if orbit is not None:
-        return _ChaosSearch(on, most, progress).first([closed_orbit(on, orbit)])
+        return _first_proof(on, [closed_orbit(on, orbit)], most, most, progress)
     if progress is not None:
         progress("unstable periodic orbits of the level")
     some = orbit_search(scene, _GRID, _RETURNS, h, f)
@@ -219,107 +220,96 @@ def prove_chaos(
     unstable = [k for k in order if not 0.0 <= float(some.closed[k].residue) <= 1.0]
     if not unstable:
         raise NotProved(f"{scene.name}: no unstable periodic orbit was found on the level")
-    return _ChaosSearch(on, most, progress).first([some.closed[k] for k in unstable[:_ORBITS]])
+    orbits = [some.closed[k] for k in unstable[:_ORBITS]]
+    return _first_proof(on, orbits, most if len(orbits) == 1 else _EACH, most, progress)
 
 
-class _ChaosSearch:
-    """The tries of one proof."""
+def _first_proof(
+    on: LevelBody, orbits: list[Closed], each: int, most: int, progress: Message | None
+) -> ProvedChaos:
+    """The first chain of sets that is proved; raises NotProved.
 
-    def __init__(self, on: LevelBody, most: int, progress: Message | None) -> None:
-        self.on, self.most, self.progress = on, most, progress
-        self.tried = self.seen = 0
-        self.began = time.process_time()
-        self.causes: list[str] = []
-
-    def first(self, orbits: list[Closed]) -> ProvedChaos:
-        """The first proof that holds; raises NotProved."""
-        each = self.most if len(orbits) == 1 else _EACH
-        for orbit in orbits:
-            try:
-                theorem = self._beside(theorem_of(self.on, orbit, _DIGITS), each)
-            except NotProved as why:
-                self.causes.append(str(why).partition(": ")[2])
+    ``each``: homoclinic orbits of one periodic orbit, ``most``: chains in all.
+    """
+    began, name, tried, seen = time.process_time(), on.scene.name, 0, 0
+    say = progress or (lambda _: None)
+    causes = ["none of the manifolds' points led to one"]
+    for closed in orbits:
+        try:
+            orbit = theorem_of(on, closed, _DIGITS)
+            level, at = _saddle(orbit)
+        except NotProved as why:
+            causes.append(str(why).partition(": ")[2])
+            continue
+        say(f"manifolds of the orbit of period {float(orbit.period):.6g}")
+        connections = islice(homoclinic.search(level, at), each)
+        chains = ((approximate, size) for approximate in connections for size in SIZES)
+        for approximate, size in islice(chains, most - tried):
+            tried, seen = tried + 1, seen + (size == SIZES[0])
+            say(f"chain {tried} of sets along homoclinic orbit {seen}")
+            moved, rho = homoclinic.towards(at, approximate, size)
+            connection = homoclinic.connection_near(level, at, moved)
+            if connection is None:
+                causes.append("the homoclinic orbit is lost near the periodic one")
                 continue
-            if theorem is not None:
-                return theorem
-        name = self.on.scene.name
-        if not self.seen:
-            causes = self.causes or ["none of the manifolds' points led to one"]
-            raise NotProved(f"{name}: no transversal homoclinic orbit was found: {causes[-1]}")
-        raise NotProved(
-            f"{name}: {self.tried} chains of sets along {self.seen} homoclinic orbits failed, the "
-            f"last one since {self.causes[-1]}; try more of them, or another orbit"
-        )
+            guess = chaos_certificate.guess_along(level, at, connection, rho)
+            try:
+                return _proved(orbit, guess, rho, tried, began)
+            except (verify.NotProved, verify.Damaged) as why:
+                causes.append(str(why))
+    if not seen:
+        raise NotProved(f"{name}: no transversal homoclinic orbit was found: {causes[-1]}")
+    raise NotProved(
+        f"{name}: {tried} chains of sets along {seen} homoclinic orbits failed, the "
+        f"last one since {causes[-1]}; try more of them, or another orbit"
+    )
 
-    def _beside(self, orbit: ProvedOrbit, each: int) -> ProvedChaos | None:
-        if orbit.kind == "elliptic":
-            self.causes.append("the periodic orbit is elliptic")
-            return None
-        on = LevelBody(orbit.near, orbit.h, orbit.f)
-        place = np.array([to_double(x) for x in on.exact_start])
-        at = homoclinic.saddle(on, place, float(orbit.period) / float(on.unit))
-        if at is None:
-            self.causes.append("the periodic orbit's multipliers are too near to 1")
-            return None
-        self._say(f"manifolds of the orbit of period {float(orbit.period):.6g}")
-        for k, approximate in enumerate(homoclinic.search(on, at)):
-            if k == each:
-                break
-            self.seen += 1
-            for size in SIZES:
-                if self.tried == self.most:
-                    return None
-                self.tried += 1
-                self._say(f"chain {self.tried} of sets along homoclinic orbit {self.seen}")
-                moved, rho = homoclinic.towards(at, approximate, size)
-                connection = homoclinic.connection_near(on, at, moved)
-                if connection is None:
-                    self.causes.append("the homoclinic orbit is lost near the periodic one")
-                    continue
-                guess = chaos_certificate.guess_along(on, at, connection, rho)
-                try:
-                    return self._proved(orbit, guess, rho)
-                except (verify.NotProved, verify.Damaged) as why:
-                    self.causes.append(str(why))
-        return None
 
-    def _proved(self, orbit: ProvedOrbit, guess: Guess, size: float) -> ProvedChaos:
-        """The theorem by one chain of sets; raises the checker's NotProved."""
-        certificate = chaos_certificate.guesses(guess.chain)
-        proof = chaos_certificate.horseshoe_of(certificate)
-        with ctx.workprec(orbit.bits + 64):
-            start = [as_arb(x) for x in (*orbit.omega, *orbit.gamma)]
-            period = as_arb(orbit.period)
-        chaos_certificate.check_orbit(proof, start, period)
-        short, long = upper(proof.short), upper(proof.long)
-        entropy = _least_entropy(short, long)
-        statement: JsonObject = {"entropy": down(entropy), "short": up(short), "long": up(long)}
-        by_checker(verify.check_chaos, verify.read_chaos(statement), proof)
-        return ProvedChaos(
-            orbit.scene,
-            orbit.h,
-            orbit.f,
-            orbit,
-            len(guess.sets),
-            len(proof.margins),
-            entropy,
-            short,
-            long,
-            min(float(x.stretch.lower()) for x in proof.margins),
-            max(float(x.height.upper()) for x in proof.margins),
-            min(float(x.cone.lower()) for x in proof.margins),
-            size,
-            self.tried,
-            time.process_time() - self.began,
-            json.dumps({**certificate, "statement": statement}),
-            guess,
-            tuple(proof.images),
-            orbit.scene.provenance(),
-        )
+def _saddle(orbit: ProvedOrbit) -> tuple[LevelBody, homoclinic.Saddle]:
+    """The level, and the orbit's directions on it; raises NotProved where it has none."""
+    name, level = orbit.scene.name, LevelBody(orbit.near, orbit.h, orbit.f)
+    if orbit.kind == "elliptic":
+        raise NotProved(f"{name}: the periodic orbit is elliptic")
+    place = np.array([to_double(x) for x in level.exact_start])
+    at = homoclinic.saddle(level, place, float(orbit.period) / float(level.unit))
+    if at is None:
+        raise NotProved(f"{name}: the periodic orbit's multipliers are too near to 1")
+    return level, at
 
-    def _say(self, text: str) -> None:
-        if self.progress is not None:
-            self.progress(text)
+
+def _proved(orbit: ProvedOrbit, guess: Guess, size: float, tries: int, began: float) -> ProvedChaos:
+    """The theorem by one chain of sets; raises the checker's NotProved."""
+    certificate = chaos_certificate.guesses(guess)
+    proof = by_checker(verify.horseshoe, certificate)
+    with ctx.workprec(orbit.bits + 64):
+        start = [as_arb(x) for x in (*orbit.omega, *orbit.gamma)]
+        period = as_arb(orbit.period)
+    by_checker(verify.is_orbit_of, proof, start, period)
+    short, long = upper(proof.short), upper(proof.long)
+    entropy = _least_entropy(short, long)
+    statement: JsonObject = {"entropy": down(entropy), "short": up(short), "long": up(long)}
+    by_checker(verify.check_chaos, verify.read_chaos(statement), proof)
+    return ProvedChaos(
+        orbit.scene,
+        orbit.h,
+        orbit.f,
+        orbit,
+        len(guess.sets),
+        len(proof.margins),
+        entropy,
+        short,
+        long,
+        min(float(x.stretch.lower()) for x in proof.margins),
+        max(float(x.height.upper()) for x in proof.margins),
+        min(float(x.cone.lower()) for x in proof.margins),
+        size,
+        tries,
+        time.process_time() - began,
+        json.dumps({**certificate, "statement": statement}),
+        guess,
+        tuple(proof.images),
+        orbit.scene.provenance(),
+    )
 
 
 def _least_entropy(short: float, long: float) -> float:

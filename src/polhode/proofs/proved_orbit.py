@@ -7,7 +7,7 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from decimal import ROUND_CEILING, Context
 from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple, Unpack
@@ -31,7 +31,7 @@ from polhode.numbers.exact import Exact, as_ball
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import DOUBLE, AnyNumber
 from polhode.numbers.polynomials import middle
-from polhode.proofs.orbit_certificate import OrbitProof, closed_near, proof_of
+from polhode.proofs.orbit_certificate import closed_near, proof_of
 from polhode.proofs.theorem import NotProved, Theorem
 from polhode.results import cells
 from polhode.results.result import Result
@@ -44,7 +44,6 @@ from polhode.scenes.vocabulary import REQUESTS, STATE
 # --- theorem --------------------------------------------------------------------------------------
 
 
-_FLOOR = Context(prec=2, rounding=ROUND_FLOOR)
 _CEILING = Context(prec=6, rounding=ROUND_CEILING)
 
 
@@ -205,49 +204,6 @@ class ProvedOrbit(Theorem, ByValue):
         )
 
 
-def of_proof(on: LevelBody, proof: OrbitProof, seconds: float) -> ProvedOrbit:
-    """What the checker proved, stated in its certificate; raises NotProved."""
-    zero, name = proof.zero, on.scene.name
-    tests = verify.STABILITY.items()
-    kind = next((word for word, test in tests if test(zero.residue) is True), None)
-    if kind is None:
-        line = f"the residue {zero.residue.str(6)} may be 0 or 1: a multiplier may be 1 or -1"
-        raise NotProved(f"{name}: {line}; try more digits")
-    within = Within(*map(_below, zero.alone))
-    if not min(within) > 0.0:
-        raise NotProved(f"{name}: the box is no larger than the error of its centre")
-    state = [ball_of(x) for x in zero.start]
-    period, residue = ball_of(zero.period), ball_of(zero.residue)
-    statement: JsonObject = {
-        "kind": kind,
-        "start": [list(x.decimals) for x in state],
-        "period": list(period.decimals),
-        "residue": list(residue.decimals),
-        "least": True,
-        "alone": [down(x) for x in within],
-    }
-    bits = int(str(proof.certificate["bits"]))
-    claim = verify.read_orbit(statement)
-    by_checker(verify.check_orbit, claim, zero, bits=bits + verify.COARSE)
-    return ProvedOrbit(
-        on.scene,
-        on.h,
-        on.f,
-        period,
-        tuple(state[:3]),
-        tuple(state[3:]),
-        residue,
-        kind,
-        within,
-        proof.digits,
-        bits,
-        proof.runs,
-        seconds,
-        json.dumps({**proof.certificate, "statement": statement}),
-        on.scene.provenance(),
-    )
-
-
 def _below(x: arb) -> float:
     """A double not above a positive number; 0 where that is none."""
     low = float(x.lower()) * (1.0 - 1e-9)
@@ -266,7 +222,7 @@ def as_arb(x: Ball) -> arb:
 
 def down(value: float) -> str:
     """A positive bound as a decimal of two digits that is not above it."""
-    return f"{float(_FLOOR.create_decimal(value)):.1e}"
+    return verify.decimal(Fraction(value), up=False, minus=False)
 
 
 def up(value: float) -> str:
@@ -348,9 +304,45 @@ def theorem_of(
     on: LevelBody, orbit: Closed, digits: int, progress: Message | None = None
 ) -> ProvedOrbit:
     """The theorem of an approximate orbit; raises NotProved."""
-    began = time.process_time()
-    proof = proof_of(on, orbit, digits, progress)
-    return of_proof(on, proof, time.process_time() - began)
+    began, name, tests = time.process_time(), on.scene.name, verify.STABILITY.items()
+    zero, guesses, proven_digits, runs = proof_of(on, orbit, digits, progress)
+    kind = next((word for word, test in tests if test(zero.residue) is True), None)
+    if kind is None:
+        line = f"the residue {zero.residue.str(6)} may be 0 or 1: a multiplier may be 1 or -1"
+        raise NotProved(f"{name}: {line}; try more digits")
+    within = Within(*map(_below, zero.alone))
+    if not min(within) > 0.0:
+        raise NotProved(f"{name}: the box is no larger than the error of its centre")
+    state = [ball_of(x) for x in zero.start]
+    period, residue = ball_of(zero.period), ball_of(zero.residue)
+    statement: JsonObject = {
+        "kind": kind,
+        "start": [list(x.decimals) for x in state],
+        "period": list(period.decimals),
+        "residue": list(residue.decimals),
+        "least": True,
+        "alone": [down(x) for x in within],
+    }
+    bits = int(str(guesses["bits"]))
+    claim = verify.read_orbit(statement)
+    by_checker(verify.check_orbit, claim, zero, bits=bits + verify.COARSE)
+    return ProvedOrbit(
+        on.scene,
+        on.h,
+        on.f,
+        period,
+        tuple(state[:3]),
+        tuple(state[3:]),
+        residue,
+        kind,
+        within,
+        proven_digits,
+        bits,
+        runs,
+        time.process_time() - began,
+        json.dumps({**guesses, "statement": statement}),
+        on.scene.provenance(),
+    )
 
 
 # --- prove orbits ---------------------------------------------------------------------------------

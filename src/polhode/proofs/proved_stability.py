@@ -200,16 +200,11 @@ def prove_stability(
     def prove(places: int) -> ProvedOrbit:
         return prove_orbit(start, orbit, places, **near)
 
-    return of_orbit(first, prove, progress)
-
-
-def of_orbit(orbit: ProvedOrbit, prove: Prover, progress: Message | None = None) -> ProvedStability:
-    """The theorem of a proved orbit; raises NotProved, BadInput."""
-    began, name = time.process_time(), orbit.scene.name
-    _refuse_unstable(orbit)
-    orbit, proof, runs = _proof_of(orbit, prove, progress)
+    began, name = time.process_time(), first.scene.name
+    _refuse_unstable(first)
+    proved, proof, runs = _proof_of(first, prove, progress)
     rotation, twist = ball_of(proof.twist.rotation), ball_of(proof.twist.twist)
-    parts: JsonObject = json.loads(orbit.certificate)
+    parts: JsonObject = json.loads(proved.certificate)
     claim = parts["statement"]
     assert isinstance(claim, dict)
     balls = {"rotation": [*rotation.decimals], "twist": [*twist.decimals]}
@@ -220,8 +215,8 @@ def of_orbit(orbit: ProvedOrbit, prove: Prover, progress: Message | None = None)
     except verify.NotProved:
         raise NotProved(f"{name}: the twist {proof.twist.twist.str(3)} may be 0") from None
     text = json.dumps(parts | proof.guide._asdict() | {"kind": "stability", "statement": statement})
-    seconds = orbit.seconds + time.process_time() - began
-    return ProvedStability(orbit, rotation, twist, proof.guide.jet_bits, runs, seconds, text)
+    seconds = proved.seconds + time.process_time() - began
+    return ProvedStability(proved, rotation, twist, proof.guide.jet_bits, runs, seconds, text)
 
 
 class _Proof(NamedTuple):

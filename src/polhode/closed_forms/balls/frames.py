@@ -24,7 +24,7 @@ from polhode.closed_forms.balls.core import Kept, Refused, TooFewBits, ball, enc
 from polhode.common.values import cached_property
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
-from polhode.numbers.vectors import Vector, dot
+from polhode.numbers.vectors import Vector, dot, quaternion_products
 from polhode.scenes.body import IDENTITY
 
 #: Rows of components in the scene's axes.
@@ -59,7 +59,7 @@ class MotionAxes:
         """Axis n is ``signs[n]`` times axis ``order[n]`` of these; it must be right-handed."""
         pairs = zip(order, signs, strict=True)
         rows = [[s * x for x in self._directions[i]] for i, s in pairs]
-        return MotionAxes(rows, [self._squares[i] for i in order], self._within)
+        return MotionAxes(rows, [self._squares[i] for i in order])
 
     @classmethod
     def equatorial(cls, order: Sequence[int], X: Exact, Y: Exact) -> MotionAxes:
@@ -75,9 +75,7 @@ class MotionAxes:
         return MotionAxes(self._directions, self._squares, within)
 
     def into(self, vector: Sequence[Exact]) -> Vector:
-        """A vector of the scene's axes in these, exactly."""
-        if self._within is not None:
-            vector = [dot(row, vector) for row in self._within]
+        """A vector of the principal axes in these, exactly."""
         a, b, c = (
             dot(row, vector) / length
             for row, length in zip(self._directions, self._lengths, strict=True)
@@ -133,17 +131,9 @@ def conjugate(a: Turn) -> Turn:
 
 def of_matrix(rows: Sequence[Sequence[arb]]) -> Turn:
     """The quaternion of a rotation matrix, of either sign (Shepperd 1978)."""
-    (a, b, c), (d, e, f), (g, h, i) = rows
-    squares = [1 + a + e + i, 1 + a - e - i, 1 - a + e - i, 1 - a - e + i]
-    best = max(range(4), key=lambda n: squares[n].mid())
-    square = squares[best]
-    parts = (
-        (square, h - f, c - g, d - b),
-        (h - f, square, b + d, c + g),
-        (c - g, b + d, square, f + h),
-        (d - b, c + g, f + h, square),
-    )[best]
-    w, x, y, z = (n / (2 * square.sqrt()) for n in parts)
+    products = quaternion_products([x for row in rows for x in row])
+    best = max(range(4), key=lambda n: products[n][n].mid())
+    w, x, y, z = (n / (2 * products[best][best].sqrt()) for n in products[best])
     return w, x, y, z
 
 

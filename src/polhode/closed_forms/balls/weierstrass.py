@@ -37,9 +37,6 @@ from polhode.numbers.exact import Exact, sign
 # Computational Algebraic Number Theory, 7.4).
 
 
-_I = acb(0, 1)
-
-
 class RealLattice:
     """The lattice of three roots at the precision in force, ``roots[0]`` real as said above.
 
@@ -47,7 +44,7 @@ class RealLattice:
     """
 
     def __init__(self, roots: Sequence[acb]) -> None:
-        self._roots = x0, x1, x2 = [*roots]
+        x0, x1, x2 = roots
         if x1.imag.is_zero():
             a, b, c = (z.real.sqrt() for z in (x0 - x2, x0 - x1, x1 - x2))
             self.period, across = arb.pi() / a.agm(b), arb.pi() / a.agm(c)
@@ -81,28 +78,8 @@ class RealLattice:
         return (v / self.period).elliptic_sigma(self._tau) * self.period
 
     def argument(self, x: arb) -> acb:
-        """A v with P(v) = x, which is real and no root: half a period and a real or imaginary part.
-
-        By Carlson's R_F of three numbers that are positive, or of one and a conjugate pair.
-        """
-        roots, above = self._roots, 0
-        real = [root.real for root in roots if root.imag.is_zero()]
-        for root in real:
-            if not (x < root or x > root):
-                raise TooFewBits
-            above += x < root
-        gaps = [x - root for root in roots]
-        if above in (0, len(real)):
-            start = acb(0)
-        else:
-            # P(v + half) = x_i + (x_i - x_j)(x_i - x_k)/(P(v) - x_i)
-            i, j, k = (0, 1, 2) if above == 1 else (2, 0, 1)
-            first, second, over = roots[i] - roots[j], roots[i] - roots[k], 1 / gaps[i]
-            gaps = [first * second * over, first * gaps[k] * over, second * gaps[j] * over]
-            start = self.halves[i]
-        if above % 2 == 0:
-            return start + acb.elliptic_rf(*gaps)
-        return start + _I * acb.elliptic_rf(*(-gap for gap in gaps))
+        """A v with P(v) = x."""
+        return (x * self.period * self.period * acb(1)).elliptic_inv_p(self._tau) * self.period
 
 
 class Shifted:

@@ -30,7 +30,7 @@ from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.theta_state import ThetaState, Values, dot
 from polhode.common.values import cached_property
 from polhode.numbers.exact import ZERO
-from polhode.numbers.vectors import quaternion_product
+from polhode.numbers.vectors import quaternion_product, vertical
 
 _HALVES = ((0, 0), (0, 1), (1, 0), (1, 1))
 _TIMES = (Fraction(0), Fraction(7, 10), Fraction(19, 10), Fraction(31, 10))  # |w| t, at most
@@ -124,9 +124,8 @@ class ThetaAttitude:
         """|q| = 1 and gamma against the state, which knows nothing of the attitude."""
         a, b, c, d = q
         size = self.motion.weight
-        vertical = (2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - b * b - c * c)
         norm = a * a + b * b + c * c + d * d
-        gamma = zip(vertical, state[3:], strict=True)
+        gamma = zip(vertical(q), state[3:], strict=True)
         if not (norm.overlaps(arb(1)) and all(x.overlaps(y / size) for x, y in gamma)):
             raise ArithmeticError("the attitude has not the gamma of the state: a fault")
 
