@@ -1,5 +1,6 @@
 """Goryachev and Chaplygin's case in balls: bounds by force, and the enclosed attitude."""
 
+import dataclasses
 import math
 from fractions import Fraction
 
@@ -11,7 +12,7 @@ from polhode import BadInput
 from polhode.closed_forms.balls import clocks
 from polhode.closed_forms.balls.core import TooFewBits
 from polhode.closed_forms.families import closed_form
-from polhode.judging import score, sources
+from polhode.judging import reference, score
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
@@ -110,7 +111,7 @@ def test_angles_at_the_start_and_past_a_pole():
     ("t", "why"), [(10**9, "300000 steps"), (10**3, "at most 1 s .* about [34]")]
 )
 def test_an_attitude_too_far_away_is_refused_before_it_is_begun(t, why, monkeypatch):
-    monkeypatch.setattr(sources, "_FORETOLD_SECONDS", 1)
+    monkeypatch.setattr(reference, "_FORETOLD_SECONDS", 1)
     truth = polhode.reference("goryachev-chaplygin/two-frequencies")
     assert len(truth.at([t], 20)[0]) == 6
     with pytest.raises(BadInput, match=f"{why}.*has the state alone, attitude is enclosed"):
@@ -119,15 +120,15 @@ def test_an_attitude_too_far_away_is_refused_before_it_is_begun(t, why, monkeypa
 
 def test_one_enclosure_goes_through_all_rows_of_a_table(monkeypatch):
     """Its forecast and its limit on the time are then those of the whole table."""
-    proofs, certified = [], sources.EnclosureSource
+    proofs, certified = [], reference.EnclosureReference
 
     def counted(*arguments, **options):
         proofs.append(arguments)
         return certified(*arguments, **options)
 
-    monkeypatch.setattr(sources, "EnclosureSource", counted)
+    monkeypatch.setattr(reference, "EnclosureReference", counted)
     monkeypatch.setattr(score, "_PIECE", 2)
-    truth, times = polhode.reference("goryachev-chaplygin/released"), [F(k, 9) for k in range(7)]
-    table = score.Answers(truth, times, True, None)
-    assert len(table.rows("attitude", 15)) == len(table.rows("at", 15).hi) == 7
+    scene = dataclasses.replace(polhode.load("goryachev-chaplygin/released"), outputs=("attitude",))
+    run = polhode.integrate(scene, at=[F(k, 9) for k in range(7)])
+    assert None not in polhode.compare(run).part_digits["attitude"]
     assert len(proofs) == 1
