@@ -357,11 +357,11 @@ class _Recomputed:
     @cached_property
     def dense(self) -> Interpolant:
         """The dense output of the run made once more."""
-        from polhode.runs.solve import made_again  # heyoka: a file is read without
+        from polhode.runs.solve import solve  # heyoka: a file is read without
         from polhode.taylor.motion import Motion
 
         run = self.run
-        again = made_again(run, run.scene)
+        again = solve(run.scene, run.number, run.options)
         size = len(run.times)
         if not same(list(again.states[:size]), list(run.states)):
             warnings.warn(
