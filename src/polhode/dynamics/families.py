@@ -9,7 +9,7 @@ from typing import NamedTuple, Unpack
 
 import numpy as np
 
-from polhode.common.arguments import cells, each, refuse_unknown, whole, with_options
+from polhode.common.arguments import cells, each, refuse_unknown, whole, with_options, with_progress
 from polhode.common.errors import BadInput, counted, nearest
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
@@ -165,6 +165,7 @@ class OrbitFamily(Result, ByValue):
 
 
 @with_options(NearOrbit)
+@with_progress
 def orbit_family(
     start: Orbit | Scene | str | Path,
     by: str,
@@ -392,6 +393,7 @@ class OrbitSearch(Result, ByValue):
         return completed(self.surface, self.closed[k], digits)
 
 
+@with_progress
 def orbit_search(
     scene: Scene | str | Path,
     grid: tuple[int, int] | None = None,

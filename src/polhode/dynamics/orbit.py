@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 
-from polhode.common.arguments import each, refuse_unknown, whole, with_options
+from polhode.common.arguments import each, refuse_unknown, whole, with_options, with_progress
 from polhode.common.errors import BadInput, counted
 from polhode.common.files import check_writable, write_whole
 from polhode.common.interrupts import Message
@@ -411,6 +411,7 @@ class NearOrbit(TypedDict, total=False):
 
 
 @with_options(NearOrbit)
+@with_progress
 def orbit(scene: Scene | str | Path, digits: int = DIGITS, **near: Unpack[NearOrbit]) -> Orbit:
     """Find a periodic orbit of omega and gamma near a scene's start, to the digits wanted.
 

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.arguments import steps, whole
+from polhode.common.arguments import steps, whole, with_progress
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import counted
-from polhode.common.interrupts import Progress, bar
+from polhode.common.interrupts import Progress
 from polhode.common.processes import run_jobs
 from polhode.dynamics.observables import Reduced, check, job_of, reductions_of, solve
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
@@ -114,6 +114,7 @@ class Reductions(SweepResult):
         ]
 
 
+@with_progress
 def reduce_many(
     scene: Scene | str | Path,
     vary: vary.Vary | None = None,
@@ -187,12 +188,7 @@ def reduce_many(
     >>> polhode.reduce_many("lagrange/nutation", starts=starts, keep="final")["final r"]
     array([2., 3., 4.])
     """
-    if isinstance(progress, bool):
-        asked_for = {key: value for key, value in locals().items() if key != "progress"}
-        if not progress:
-            return reduce_many(**asked_for)
-        with bar(library.load(scene).name) as tell:
-            return reduce_many(**asked_for, progress=tell)
+    assert not isinstance(progress, bool)  # it is a bar's
     scene = library.load(scene, takes=REQUESTS)
     if at is not None:
         scene = scene.at(at)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polhode.common.arguments import whole
+from polhode.common.arguments import whole, with_progress
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput, counted
 from polhode.common.interrupts import Progress
@@ -348,6 +348,7 @@ class Section(Result, ByValue):
         ]
 
 
+@with_progress
 def section(
     scene: Scene | str | Path,
     by: str | None = None,

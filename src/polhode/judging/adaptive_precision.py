@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal, NamedTuple, Never, TypedDict, Unpack, overload
 
-from polhode.common.arguments import refuse_unknown, whole
+from polhode.common.arguments import refuse_unknown, whole, with_progress
 from polhode.common.errors import BadInput
-from polhode.common.interrupts import Progress, bar
+from polhode.common.interrupts import Progress
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
 from polhode.numbers.number_types import (
@@ -96,6 +96,7 @@ def integrate(
     digits: int | None = None,
     **options: Unpack[_Options],
 ) -> Trajectory: ...
+@with_progress
 def integrate(
     scene: Scene | str | Path,
     number: str | NumberType | None = None,
@@ -181,13 +182,7 @@ def integrate(
     """
     if unknown:
         refuse_unknown("integrate", integrate, unknown, **_OF_THE_SCENE)
-    if isinstance(progress, bool):
-        listed = locals().items()
-        arguments = {k: value for k, value in listed if k not in ("progress", "unknown")}
-        if not progress:
-            return integrate(**arguments)
-        with bar(library.load(scene).name) as tell:
-            return integrate(**arguments, progress=tell)
+    assert not isinstance(progress, bool)  # it is a bar's
     scene = library.load(scene, takes=REQUESTS)
     if at is not None:
         scene = scene.at(at)

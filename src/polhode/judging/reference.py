@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from polhode.closed_forms.families import closed_form, misfit
-from polhode.common.arguments import each, whole
+from polhode.common.arguments import each, whole, with_progress
 from polhode.common.errors import BadInput, counted, nearest
 from polhode.common.interrupts import Progress
 from polhode.common.values import ByValue
@@ -244,6 +244,7 @@ class Reference(Storable):
         return _times(self.scene, times), digits
 
 
+@with_progress
 def reference(
     scene: Scene | str | Path,
     backend: str = "flint",

@@ -13,7 +13,7 @@ import numpy as np
 
 from polhode.certificates import verify
 from polhode.certificates.certificate_file import JsonObject, by_checker
-from polhode.common.arguments import whole
+from polhode.common.arguments import whole, with_progress
 from polhode.common.errors import counted
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
@@ -157,6 +157,7 @@ _ORBITS = 4  # unstable ones of a search that are tried
 _EACH = 4  # homoclinic orbits of one of them, at first
 
 
+@with_progress
 def prove_chaos(
     scene: Scene | str | Path,
     orbit: Orbit | Scene | str | Path | None = None,

@@ -566,6 +566,7 @@ def _rows(run: Trajectory, output: str, times: list[Fraction]) -> Sequence[Given
     from polhode.runs.methods import followed  # heyoka: a run in a file is looked at without
     from polhode.taylor.heyoka import OutOfRange
 
+    raw: Given
     if output != "states" and run.method == "refined":
         scene = _with_output(run, output, times)
         again = followed(scene, run.number, run.options, interruptible=False)
@@ -578,9 +579,10 @@ def _rows(run: Trajectory, output: str, times: list[Fraction]) -> Sequence[Given
         except OutOfRange as fault:
             expected = f"a time that {run.number.name} holds ({fault})"
             raise BadInput(run.scene.name, "t", shown(times[0]), expected) from None
-    rows: Sequence[GivenRow] = motion.read.states(raw)
+    states = motion.read.states(raw)
+    rows = cast("Sequence[GivenRow]", states)
     if output != "states":
-        rows = getattr(motion.read, output)(raw, rows)
+        rows = getattr(motion.read, output)(raw, states)
     if len(rows) < len(times):  # angles are singular where the state is not
         expected = f"a time at which there are {output}; {outcome.cause} at t = {shown(reached)}"
         raise BadInput(run.scene.name, "t", shown(times[len(rows)]), expected)
