@@ -37,7 +37,7 @@ from polhode.results.cells import EXACT, digits_word
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.options import Options
-from polhode.runs.solve import solve
+from polhode.runs.trajectory import solve
 from polhode.scenes import library, scene_file
 from polhode.scenes.scene import Literal, Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of

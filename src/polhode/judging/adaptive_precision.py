@@ -23,8 +23,7 @@ from polhode.numbers.number_types import (
     wider,
 )
 from polhode.runs.options import Options, checked_options, choose_number
-from polhode.runs.solve import solve
-from polhode.runs.trajectory import Trajectory
+from polhode.runs.trajectory import Trajectory, solve
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import REQUESTS

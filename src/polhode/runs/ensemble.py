@@ -41,7 +41,8 @@ from polhode.results.cells import DOUBLE, EXACT, lines
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.members import Block, ColumnVector, Members, paired
-from polhode.runs.trajectory import ERROR, Trajectory
+from polhode.runs.options import Options
+from polhode.runs.trajectory import ERROR, Trajectory, solve
 from polhode.scenes import vary
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
@@ -355,9 +356,6 @@ class Ensemble(SweepResult):
         when they are first asked for.  nan at times that a member did not reach.  Raises BadInput
         for a scene without gamma.
         """
-        from polhode.runs.options import Options
-        from polhode.runs.solve import solve
-
         if self.scene.gamma is None:
             raise BadInput(self.scene.name, "attitude", None, "a start with gamma")
         shape = (len(self), len(self.times), len(ATTITUDE))

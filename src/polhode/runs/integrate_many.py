@@ -38,7 +38,7 @@ from polhode.runs.options import (
     hindrance_to_refinement,
     rounded_tolerance,
 )
-from polhode.runs.solve import solve
+from polhode.runs.trajectory import solve
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import REQUESTS

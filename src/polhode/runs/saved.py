@@ -29,7 +29,7 @@ from polhode.numbers.number_types import (
 from polhode.results.reader import DAMAGED, content_of
 from polhode.results.result import Result
 from polhode.results.table import Content, Fact, Table, Value
-from polhode.runs.trajectory import Trajectory
+from polhode.runs.trajectory import Trajectory, solve
 from polhode.scenes import scene_file
 from polhode.scenes.scene import Scene, listed_times
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE
@@ -357,8 +357,7 @@ class _Recomputed:
     @cached_property
     def dense(self) -> Interpolant:
         """The dense output of the run made once more."""
-        from polhode.runs.solve import solve  # heyoka: a file is read without
-        from polhode.taylor.motion import Motion
+        from polhode.taylor.motion import Motion  # heyoka: a file is read without
 
         run = self.run
         again = solve(run.scene, run.number, run.options)

@@ -1,65 +1,94 @@
-"""Scene, number type and options to a trajectory."""
+"""The methods of integration in turn, until one serves: a scene's motion, followed to its end."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import partial
+import logging
+import time
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, NamedTuple
 
+from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
-from polhode.common.values import waiting
-from polhode.motion.outcomes import Events
-from polhode.numbers.number_types import NumberType, read_only
-from polhode.runs.methods import followed
-from polhode.runs.options import USUAL, Options
-from polhode.runs.trajectory import Trajectory
+from polhode.motion.outcomes import CannotSolve, Outcome
+from polhode.numbers.conversion import ExactNumbers
+from polhode.numbers.number_types import NumberType, Rows
+from polhode.runs.options import Options, cadence, hindrance_to_refinement, refinement_pays
 from polhode.scenes.scene import Scene
-from polhode.scenes.vocabulary import ATTITUDE
+from polhode.taylor.motion import Motion
+from polhode.taylor.system import System, system_of
+
+if TYPE_CHECKING:
+    from fractions import Fraction
+
+    from polhode.runs.refined_motion import RefinedMotion
 
 
-def solve(
+_LOG = logging.getLogger("polhode")
+
+
+class FollowedMotion(NamedTuple):
+    """A motion that was followed: its ``rows`` at the first of the ``times``, and how it ended.
+
+    ``times``: in the scene's unit.  ``seconds``: of building and of the run.  ``failed``: why
+    others did not serve, for the provenance.
+    """
+
+    motion: RefinedMotion | Motion
+    times: ExactNumbers[Fraction]
+    rows: Rows
+    outcome: Outcome
+    seconds: Mapping[str, float]
+    failed: Mapping[str, str]
+
+
+def followed(
     scene: Scene,
     number: NumberType,
-    options: Options = USUAL,
+    options: Options,
     progress: Progress | None = None,
     *,
     interruptible: bool = True,
-) -> Trajectory:
-    """Solve the Euler–Poisson equations (3.29) of a scene in one number type, once.
+) -> FollowedMotion:
+    """The motion of a scene in one number type, by the first method that serves.
 
-    Ctrl-C ends the run within a second, and the trajectory holds what was reached; of a run on the
-    way to something else, not ``interruptible``, it goes on as KeyboardInterrupt.  Raises BadInput
-    for what cannot be integrated.
+    ``interruptible``: see :func:`polhode.runs.trajectory.solve`.  Raises BadInput for what cannot
+    be integrated.
     """
-    motion, times, rows, outcome, seconds, failed = followed(
-        scene, number, options, progress, interruptible=interruptible
-    )
-    read = motion.read
-    states, attitude, angles = read.states(rows), None, None
-    if scene.modelled:
-        attitude, angles = read.attitude(rows, states), read.angles(rows, states)
-    return Trajectory(
-        scene=scene,
-        number=number,
-        times=times if len(rows) == len(times) else times[: len(rows)],
-        states=read_only(states, len(scene.columns)),
-        attitude=None if attitude is None else read_only(attitude, len(ATTITUDE)),
-        angles=None if angles is None else tuple(map(tuple, angles)),
-        events=Events(motion.events),
-        projection=motion.projection,
-        outcome=outcome,
-        steps=motion.steps,
-        reached=motion.reached,
-        tolerance=float(options.tolerance or 2.0 ** (1 - number.bits)),
-        digits=options.digits,
-        provenance=waiting(partial(_made_of, scene, seconds, {**failed, **motion.remarks})),
-        dense=motion,
-        method=motion.method,
-        errors=motion.errors,
-    )
+    system = system_of(scene, number, options.tolerance, options.inputs)
+    times = system.times(scene)
+    failed: dict[str, str] = {}
+    for motion in _motions(system, scene, options):
+        began = time.perf_counter()
+        try:
+            rows, outcome = motion.run(times.inside, progress)
+        except CannotSolve as fault:
+            _LOG.info("%s: not %s: %s", scene.name, motion.method, fault)
+            failed[f"not {motion.method}"] = str(fault)
+            continue
+        if outcome is Outcome.INTERRUPTED and not interruptible:
+            raise KeyboardInterrupt
+        seconds, building = time.perf_counter() - began, motion.build_seconds
+        if _LOG.isEnabledFor(logging.INFO):
+            _LOG.info(
+                "%s: %s (%d bits), %s after %d steps, %.3g s of which %.3g s compiling",
+                *(scene.name, number.name, number.bits, outcome.value, motion.steps),
+                *(seconds, building),
+            )
+        parts = {"build": building, "run": seconds - building}
+        return FollowedMotion(motion, times.outside, rows, outcome, parts, failed)
+    raise AssertionError("the last method serves")
 
 
-def _made_of(
-    scene: Scene, seconds: Mapping[str, float], more: Mapping[str, str]
-) -> Mapping[str, object]:
-    """A trajectory's provenance, made when it is wanted: it takes as long as a short run."""
-    return {**scene.provenance(), "seconds": seconds, **more}
+def _motions(system: System, scene: Scene, options: Options) -> Iterator[RefinedMotion | Motion]:
+    """Those to try, in order; raises BadInput where the method that was named does not serve."""
+    named, number = options.method == "refined", system.number
+    if named or (options.method == "auto" and number.bits > 64):
+        hindrance = hindrance_to_refinement(scene, number, options)
+        if hindrance is not None and named:
+            expected = f"{hindrance}, or the method taylor"
+            raise BadInput(scene.name, "method", options.method, expected)
+        if hindrance is None and (named or refinement_pays(scene, number)):
+            from polhode.runs.refined_motion import RefinedMotion
+
+            yield RefinedMotion(system, scene, options)
+    yield Motion(system, scene, cadence(scene, number, options), options.max_steps)

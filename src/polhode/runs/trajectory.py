@@ -7,11 +7,13 @@ from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from fractions import Fraction
+from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, SupportsFloat, cast, overload
 
 from polhode.common.arguments import numbers_given
 from polhode.common.errors import BadInput, counted, few, nearest, plain
-from polhode.common.values import ByValue, cached_property, may_wait
+from polhode.common.interrupts import Progress
+from polhode.common.values import ByValue, cached_property, may_wait, waiting
 from polhode.equations.columns import derived, derived_words
 from polhode.equations.form import equations
 from polhode.equations.integrals import Drift, drift
@@ -35,14 +37,15 @@ from polhode.numbers.number_types import (
     States,
     kind_of,
     part_of,
+    read_only,
 )
 from polhode.results.cells import DOUBLE
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
-from polhode.runs.options import Options, cadence
+from polhode.runs.options import USUAL, Options, cadence
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, time_column
-from polhode.scenes.vocabulary import COLUMNS, Several, Single
+from polhode.scenes.vocabulary import ATTITUDE, COLUMNS, Several, Single
 from polhode.taylor import defaults
 
 # --- error estimate -------------------------------------------------------------------------------
@@ -532,6 +535,60 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         return strings(self.states, self.number)
 
 
+# --- solve ----------------------------------------------------------------------------------------
+
+
+def solve(
+    scene: Scene,
+    number: NumberType,
+    options: Options = USUAL,
+    progress: Progress | None = None,
+    *,
+    interruptible: bool = True,
+) -> Trajectory:
+    """Solve the Euler–Poisson equations (3.29) of a scene in one number type, once.
+
+    Ctrl-C ends the run within a second, and the trajectory holds what was reached; of a run on the
+    way to something else, not ``interruptible``, it goes on as KeyboardInterrupt.  Raises BadInput
+    for what cannot be integrated.
+    """
+    from polhode.runs.solve import followed  # heyoka: a run in a file is looked at without
+
+    motion, times, rows, outcome, seconds, failed = followed(
+        scene, number, options, progress, interruptible=interruptible
+    )
+    read = motion.read
+    states, attitude, angles = read.states(rows), None, None
+    if scene.modelled:
+        attitude, angles = read.attitude(rows, states), read.angles(rows, states)
+    return Trajectory(
+        scene=scene,
+        number=number,
+        times=times if len(rows) == len(times) else times[: len(rows)],
+        states=read_only(states, len(scene.columns)),
+        attitude=None if attitude is None else read_only(attitude, len(ATTITUDE)),
+        angles=None if angles is None else tuple(map(tuple, angles)),
+        events=Events(motion.events),
+        projection=motion.projection,
+        outcome=outcome,
+        steps=motion.steps,
+        reached=motion.reached,
+        tolerance=float(options.tolerance or 2.0 ** (1 - number.bits)),
+        digits=options.digits,
+        provenance=waiting(partial(_made_of, scene, seconds, {**failed, **motion.remarks})),
+        dense=motion,
+        method=motion.method,
+        errors=motion.errors,
+    )
+
+
+def _made_of(
+    scene: Scene, seconds: Mapping[str, float], more: Mapping[str, str]
+) -> Mapping[str, object]:
+    """A trajectory's provenance, made when it is wanted: it takes as long as a short run."""
+    return {**scene.provenance(), "seconds": seconds, **more}
+
+
 # --- other times ----------------------------------------------------------------------------------
 #
 # State, attitude and angles of a run at any time: its own rows, or rows made when asked for.
@@ -563,7 +620,7 @@ def _at_times(run: Trajectory, output: str, t: AnyNumber | Iterable[AnyNumber]) 
 
 def _rows(run: Trajectory, output: str, times: list[Fraction]) -> Sequence[GivenRow]:
     """Rows at times of which none is one of the run's own, in the order of the motion."""
-    from polhode.runs.methods import followed  # heyoka: a run in a file is looked at without
+    from polhode.runs.solve import followed
     from polhode.taylor.heyoka import OutOfRange
 
     raw: Given
