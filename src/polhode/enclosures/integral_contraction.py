@@ -26,13 +26,7 @@ import numpy as np
 from flint import arb
 
 from polhode.enclosures.fixed_point_problem import UP, ExactMotion, Problem, upper
-from polhode.enclosures.polynomial import (
-    BallPolynomial,
-    Polynomial,
-    rate,
-    total,
-    variable,
-)
+from polhode.enclosures.polynomial import BallPolynomial, Polynomial, rate, total, variable
 from polhode.enclosures.step_bound import TINY, gamma
 from polhode.enclosures.zonotope import ProofState
 from polhode.numbers.flint_context import ctx

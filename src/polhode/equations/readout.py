@@ -10,11 +10,7 @@ from typing import Any, NamedTuple
 from polhode.common.values import cached_property
 from polhode.equations import kinematics
 from polhode.equations.form import Coefficients, FormValues, equations
-from polhode.equations.kinematics import (
-    AngleFunctions,
-    angles,
-    starting_attitude,
-)
+from polhode.equations.kinematics import AngleFunctions, angles, starting_attitude
 from polhode.motion.frame import Frame
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, narrowed, number_value, to_double

@@ -20,15 +20,7 @@ from polhode.numbers.conversion import exactly, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, Irrational
 from polhode.numbers.mpmath_context import mpmath, ordinary
-from polhode.numbers.number_types import (
-    DOUBLE,
-    EXTENDED,
-    MOST_ASKED,
-    QUAD,
-    NumberType,
-    Real,
-    Row,
-)
+from polhode.numbers.number_types import DOUBLE, EXTENDED, MOST_ASKED, QUAD, NumberType, Real, Row
 from polhode.scenes.body import kind_of_body
 from polhode.scenes.scene import Event, Scene
 

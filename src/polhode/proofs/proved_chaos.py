@@ -28,14 +28,7 @@ from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import AnyNumber
 from polhode.proofs import chaos_certificate, homoclinic
 from polhode.proofs.chaos_certificate import Guess
-from polhode.proofs.proved_orbit import (
-    ProvedOrbit,
-    as_arb,
-    closed_orbit,
-    down,
-    theorem_of,
-    up,
-)
+from polhode.proofs.proved_orbit import ProvedOrbit, as_arb, closed_orbit, down, theorem_of, up
 from polhode.proofs.theorem import NotProved, Theorem
 from polhode.results.table import Fact, Table
 from polhode.scenes import library
