@@ -115,12 +115,12 @@ def unit_rows(source: str, key: str, rows: npt.NDArray[Any], eps: Fraction) -> N
     if off.max(initial=0.0) <= most / 2:  # rounding here is less than that
         return
     for k in np.flatnonzero(~(off <= most / 2)).tolist():
-        if not of_unit_length(rows[k], eps):
+        if not is_unit(rows[k], eps):
             row = plain(rows[k].tolist())
             raise BadInput(source, f"{key}, row {k + 1}", row, "gamma of length 1, to 8 eps")
 
 
-def of_unit_length(vector: Iterable[Any], eps: Fraction) -> bool:
+def is_unit(vector: Iterable[Any], eps: Fraction) -> bool:
     """Whether the square of a length is 1 to 8 eps, exactly; of floats of any kind."""
     numbers = [*vector]
     if not all(x - x == 0 for x in numbers):  # not finite

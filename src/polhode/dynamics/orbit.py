@@ -18,21 +18,12 @@ from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
 from polhode.dynamics import newton_shooting as newton
 from polhode.dynamics.level_body import LevelBody, level_of
-from polhode.numbers import exact
+from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import TIME, exactly, reader, to_double, to_mpf
 from polhode.numbers.decimals import decimal_string, in_full, shown
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.mpmath_context import mpmath, ordinary
-from polhode.numbers.number_types import (
-    DOUBLE,
-    MAX_DIGITS,
-    AnyNumber,
-    Doubles,
-    NumberType,
-    Real,
-    bits_for,
-    double_array,
-)
+from polhode.numbers.number_types import DOUBLE, AnyNumber, Doubles, NumberType, Real, bits_for
 from polhode.results.cells import EXACT, digits_word
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
@@ -447,7 +438,7 @@ def orbit(scene: Scene | str | Path, digits: int = DIGITS, **near: Unpack[NearOr
     refuse_unknown("orbit", orbit, near)
     period, returns = near.get("period"), near.get("returns")
     scene = library.load(scene, takes=REQUESTS)
-    digit_count = whole(scene.name, "digits", digits, 1, MAX_DIGITS)
+    digit_count = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
     most = RETURNS if returns is None else whole(scene.name, "returns", returns, 1, MOST_RETURNS)
     if scene.gamma is not None:
         own = LevelBody.of(scene)
@@ -513,7 +504,7 @@ def primitive(on: LevelBody, orbit: newton.Closed) -> newton.Closed:
         while True:
             time = orbit.period / part
             try:
-                end = double_array(on.plain_flow.after(orbit.state, time).state)
+                end = np.asarray(on.plain_flow.after(orbit.state, time).state, dtype=np.float64)
                 if np.max(np.abs(end - orbit.state) / scale) > SAME:
                     break
                 orbit = newton.closed(on, orbit.state, time)

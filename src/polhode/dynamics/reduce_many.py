@@ -33,15 +33,8 @@ from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers import expression
 from polhode.numbers.conversion import number_value, to_double
 from polhode.numbers.expression import Algebra, ExpressionError, odd_part
-from polhode.numbers.number_types import (
-    DOUBLE,
-    AnyNumber,
-    Doubles,
-    NumberType,
-    Stack,
-    double_array,
-    kind_of,
-)
+from polhode.numbers.number_types import DOUBLE, AnyNumber, Doubles, NumberType, Stack, kind_of
+from polhode.results.cells import TEXT
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.ensemble import SweepResult
 from polhode.runs.integrate_many import FlatJob, Plan, Reader, planned, reader, varied_of
@@ -50,13 +43,7 @@ from polhode.runs.options import Options
 from polhode.runs.trajectory import solve as solve_one
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Event, Scene
-from polhode.scenes.scene_facts import (
-    provenance_fact,
-    scene_facts,
-    text_column,
-    unit_of,
-    varied_columns,
-)
+from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of, varied_columns
 from polhode.scenes.vocabulary import READY_MADE, REQUESTS, STATE
 from polhode.taylor import event_batches, variations
 from polhode.taylor.batches import BatchMotions
@@ -244,7 +231,7 @@ def _of_event(
     watched = Watched(plan.numbers.names, scene.columns, odd, 2.0**largest, turns is not None)
     job = SearchJob(
         *(watched, _DIRECTIONS[event.direction], 1, end, STRETCH),
-        *(double_array(motions.rows), double_array(motions.starts)),
+        *(_doubles(motions.rows), _doubles(motions.starts)),
         *(int(plan.numbers.exponents[group[0]]), turns),
         max_steps=plan.max_steps,
     )
@@ -275,8 +262,12 @@ def _tangents(plan: Plan, motions: BatchMotions, end: float) -> TangentJob:
     tangents[:, :columns] = lyapunov.TANGENT[:columns]
     tangents /= np.linalg.norm(tangents, axis=1)[:, None]
     return TangentJob(
-        plan.numbers.names, double_array(motions.rows), six, tangents, end, _LOOKS, None, (), 0.0
+        plan.numbers.names, _doubles(motions.rows), six, tangents, end, _LOOKS, None, (), 0.0
     )
+
+
+def _doubles(rows: Stack) -> Doubles:
+    return np.asarray(rows, dtype=np.float64)
 
 
 class Reduced(NamedTuple):
@@ -502,7 +493,7 @@ class Reductions(SweepResult):
             [
                 Column("member", member + 1),
                 *varied_columns(self.varied, member),
-                text_column("outcome", [OUTCOMES[k].value for k in self.endings.tolist()]),
+                Column("outcome", [OUTCOMES[k].value for k in self.endings.tolist()], type=TEXT),
                 Column("steps", self.counts),
                 *(Column(name, x, digits=digits) for name, x in self.numbers.items()),
             ]

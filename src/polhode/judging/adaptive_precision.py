@@ -13,15 +13,7 @@ from polhode.common.errors import BadInput
 from polhode.common.interrupts import Progress
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
-from polhode.numbers.number_types import (
-    DEFAULT_MP_DIGITS,
-    AnyNumber,
-    Doubles,
-    Extendeds,
-    NumberType,
-    Objects,
-    wider,
-)
+from polhode.numbers.number_types import AnyNumber, Doubles, Extendeds, NumberType, Objects, wider
 from polhode.runs.options import Options, checked_options, choose_number
 from polhode.runs.trajectory import Trajectory, solve
 from polhode.scenes import library
@@ -240,7 +232,7 @@ def needed(scene: Scene, digits: int) -> Need:
     lost = max(errors.lost)
     if lost > LED_FROM and lost <= most:
         lost = max(growth(scene, limit=most + 1, led=True).lost)
-    return Need(lost, max(most, DEFAULT_MP_DIGITS))
+    return Need(lost, max(most, number_types.DEFAULT_MP_DIGITS))
 
 
 def _affordable(steps: int) -> float:

@@ -55,7 +55,7 @@ def are_rounded(numbers: Iterable[object]) -> bool:
     )
 
 
-def is_unit_but_for_rounding(numbers: Sequence[object]) -> bool:
+def is_rounded_unit(numbers: Sequence[object]) -> bool:
     """Whether numbers are all doubles, of length 1 to 8 eps but not exactly."""
     exactly = [x for x in numbers if isinstance(x, (int, float, Fraction))]
     doubles = [Fraction(x) for x in exactly if _is_double(x)]

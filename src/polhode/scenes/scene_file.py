@@ -18,23 +18,15 @@ from polhode.common.errors import UNREADABLE, BadInput, nearest, plain
 from polhode.common.files import called, read_whole
 from polhode.common.values import waiting
 from polhode.numbers import expression
-from polhode.numbers.conversion import ExactNumbers, exact_number
+from polhode.numbers.conversion import ExactNumbers, exact_number, spaced
 from polhode.numbers.decimals import in_full, is_decimal
-from polhode.numbers.exact import Exact, Irrational, sign
+from polhode.numbers.exact import ZERO, Exact, Irrational, sign
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.vectors import Vector
 from polhode.scenes import vocabulary
 from polhode.scenes.body import Body
 from polhode.scenes.body_and_start import body_of, start_of
-from polhode.scenes.scene import (
-    Event,
-    Literal,
-    Published,
-    Scene,
-    SceneTables,
-    SectionPlan,
-    even_times,
-)
+from polhode.scenes.scene import Event, Literal, Published, Scene, SceneTables, SectionPlan
 from polhode.scenes.shapes import Part
 from polhode.scenes.vocabulary import (
     EXTREMA,
@@ -260,7 +252,7 @@ class _File(SceneTables):
         end = self.number("run.end", run["end"])
         if sign(end) == 0:
             raise self.bad("run.end", run["end"], "a time other than 0")
-        return even_times(end, self.whole("run", run, "samples", 2))
+        return spaced(ZERO, end, self.whole("run", run, "samples", 2))
 
     def event(self, where: str, table: Mapping[str, Any]) -> Event:
         """One of the tables [[events]]."""

@@ -19,15 +19,7 @@ from polhode.equations.section_functions import UNSURE, SectionZero, in_columns
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Number
-from polhode.numbers.number_types import (
-    DOUBLE,
-    Booleans,
-    Doubles,
-    Functions,
-    Indices,
-    Scalar,
-    double_array,
-)
+from polhode.numbers.number_types import DOUBLE, Booleans, Doubles, Functions, Indices, Scalar
 from polhode.taylor.batches import LANES, Ended, LaneQueue, until
 from polhode.taylor.defaults import first_step_offset
 from polhode.taylor.engine import DESK, CompiledBatch, Desk, Engine, Equations, integrator, lent
@@ -231,10 +223,8 @@ class Crossed(NamedTuple):
     @classmethod
     def of(cls, arrays: JobArrays) -> Crossed:
         """From its arrays by name."""
-        states, times, rests = (double_array(arrays[name]) for name in ("states", "times", "rests"))
-        counts, steps = (np.asarray(arrays[name], dtype=np.int64) for name in ("found", "steps"))
-        outcomes, drift = tuple(arrays["outcomes"].tolist()), float(arrays["drift"].item())
-        return cls(states, times, rests, counts, steps, outcomes, drift)
+        *numbers, outcomes, drift = arrays.values()
+        return cls._make([*numbers, tuple(outcomes.tolist()), drift.item()])
 
 
 def solve(job: SearchJob, stop: StopRequest | None = None) -> Crossed:
@@ -400,7 +390,7 @@ class _Search:
         sides = np.where(own, np.sign(slope) * self.way, np.sign(value))
         sides[starts.near & ~(own & starts.steep) | np.isnan(sides)] = 0.0
         self.side = np.where(new, sides, self.side)
-        return np.where(own, 2 * double_array(starts.reach) + ULPS * float(DOUBLE.eps), -1.0)
+        return np.where(own, 2 * starts.reach.astype(np.float64) + ULPS * float(DOUBLE.eps), -1.0)
 
     def _onwards(self, batch: Engine, which: Booleans, stop: StopRequest | None) -> Ended | None:
         """Some lanes brought to the stretch's end; None where stopped.  Raises Singular."""

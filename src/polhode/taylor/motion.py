@@ -17,14 +17,7 @@ from polhode.common.interrupts import Progress
 from polhode.common.values import Recent, cached_property
 from polhode.equations import kinematics, readout
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
-from polhode.numbers.conversion import (
-    ExactNumbers,
-    exactly,
-    joined,
-    number_value,
-    to_double,
-    to_extended,
-)
+from polhode.numbers.conversion import ExactNumbers, exactly, joined, number_value, to_extended
 from polhode.numbers.double_double import two_sum
 from polhode.numbers.exact import ZERO
 from polhode.numbers.expression import ExpressionError
@@ -603,9 +596,8 @@ def _ahead(times: Times, offset: Fraction, number: NumberType) -> Numbers:
     if not offset:
         ahead[1:] = grid
         return ahead
-    nearest = to_double if number.name == "double" else to_extended
-    high = nearest(offset)
-    low = nearest(offset - exactly(high))
+    high = number_value(offset, number)
+    low = number_value(offset - exactly(high), number)
     near, rest = two_sum(grid, -high)
     ahead[1:] = near + (rest - low)
     return ahead

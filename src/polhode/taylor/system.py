@@ -32,16 +32,7 @@ from polhode.numbers.number_types import (
 )
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
-from polhode.taylor.engine import (
-    CLOCK,
-    Cyclic,
-    Engine,
-    Equations,
-    EventWatcher,
-    built,
-    lent,
-    nearest,
-)
+from polhode.taylor.engine import Cyclic, Engine, Equations, EventWatcher, built, lent, nearest
 from polhode.taylor.heyoka import OutOfRange, array, scalars
 from polhode.taylor.projection import Target
 
@@ -219,9 +210,7 @@ class System:
 
         engine = lent(key, build, wait=False)
         if watcher is not None:
-            damping = array(scalars(watcher.damping, self.number), self.number)
-            factors = engine.parameters[CLOCK : engine.first]  # as many as the events need
-            factors[:] = damping[: len(factors)]
+            engine.damp(array(scalars(watcher.damping, self.number), self.number))
         engine.state[:] = start
         engine.begin(parameters)
         return engine
