@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 import polhode
 from polhode.cli import main
 from polhode.equations.columns import derived
-from polhode.numbers import row_formulas
+from polhode.numbers import number_types
 from polhode.numbers.conversion import to_extended, to_mpf
 from shared.closed_forms import number as number_at
 from shared.tools import DOUBLE, EXTENDED, QUAD, exactly, examples, mp, tiers
@@ -92,7 +92,7 @@ def test_the_body_hodograph_is_the_states_own_numbers(monkeypatch):
     assert space.dtype == np.float64
     wide = polhode.integrate(scene_of("kovalevskaya/generic", count=2), "extended")
     assert wide.hodographs.space.dtype == np.longdouble
-    monkeypatch.setattr(row_formulas, "extended_here", lambda: False)
+    monkeypatch.setattr(number_types, "extended_here", lambda: False)
     parts = run.states, run.attitude
     assert np.array_equal(derived("hodographs", run.scene, parts, run.number), space)
 

@@ -13,14 +13,7 @@ from weakref import finalize
 
 import numpy as np
 
-from polhode.common.arguments import (
-    is_unit,
-    not_taken,
-    numbers_given,
-    rows_of,
-    unit_rows,
-    whole,
-)
+from polhode.common.arguments import is_unit, not_taken, numbers_given, rows_of, unit_rows, whole
 from polhode.common.errors import BadInput, plain
 from polhode.common.values import cached_property, refuse_too_much
 from polhode.motion.outcomes import OUTCOMES, Outcome, code

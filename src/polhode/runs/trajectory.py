@@ -19,26 +19,11 @@ from polhode.equations.form import equations
 from polhode.equations.integrals import Drift, drift
 from polhode.equations.kinematics import Hodographs
 from polhode.motion.outcomes import NO_EVENTS, Events, Interpolant, Outcome, Projection
+from polhode.numbers import number_types
 from polhode.numbers.conversion import TIME, ExactNumbers, reader, to_double
 from polhode.numbers.decimals import in_full, shown, strings
 from polhode.numbers.exact import sign
-from polhode.numbers.number_types import (
-    AnyNumber,
-    DerivedRows,
-    Flat,
-    Given,
-    GivenRow,
-    NumberType,
-    Objects,
-    Real,
-    Reread,
-    Row,
-    Rows,
-    States,
-    kind_of,
-    part_of,
-    read_only,
-)
+from polhode.numbers.number_types import AnyNumber, Flat, Given, NumberType, Real, Row, Rows, States
 from polhode.results.cells import DOUBLE
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
@@ -215,7 +200,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         import numpy as np
 
         rows = _at_times(self, "states", t)
-        kind = kind_of(self.number)
+        kind = number_types.kind_of(self.number)
         states = np.array(rows, dtype=kind)
         if len(rows) == 0:
             states = states.reshape(0, len(self.columns))
@@ -252,13 +237,13 @@ class Trajectory(Result, ByValue, Generic[S_co]):
 
     __iter__ = None  # columns have names, and no order
 
-    def _column(self, rows: Given, place: int) -> Flat | Objects:
+    def _column(self, rows: Given, place: int) -> Flat | number_types.Objects:
         import numpy as np
 
         if isinstance(rows, np.ndarray):
-            cells: Flat | Objects = rows[:, place]
+            cells: Flat | number_types.Objects = rows[:, place]
             return cells
-        column = np.empty(len(rows), dtype=kind_of(self.number))
+        column = np.empty(len(rows), dtype=number_types.kind_of(self.number))
         for k, row in enumerate(rows):
             column[k] = math.nan if row[place] is None else row[place]
         column.flags.writeable = False
@@ -310,7 +295,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     def attitude_at(self, t: Iterable[AnyNumber]) -> list[Row]: ...
     @overload
     def attitude_at(self, t: SupportsFloat) -> Row: ...
-    def attitude_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
+    def attitude_at(self, t: AnyNumber | Iterable[AnyNumber]) -> number_types.Reread:
         """The quaternion q0 q1 q2 q3 at time t, or rows of it; made as states are."""
         return _at_times(self, "attitude", t)
 
@@ -320,7 +305,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     def angles_at(self, t: Iterable[AnyNumber]) -> list[list[Real | None]]: ...
     @overload
     def angles_at(self, t: SupportsFloat) -> list[Real | None]: ...
-    def angles_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
+    def angles_at(self, t: AnyNumber | Iterable[AnyNumber]) -> number_types.Reread:
         """psi, theta, phi at time t, or rows of them; made as states are."""
         return _at_times(self, "angles", t)
 
@@ -404,7 +389,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         return self._least_expected[1]
 
     @cached_property
-    def outputs(self) -> Mapping[str, DerivedRows]:
+    def outputs(self) -> Mapping[str, number_types.DerivedRows]:
         """Rows of all outputs besides the states, by the words of ``run.outputs``.
 
         Outputs that others need are included; that of hodographs is omega in space.
@@ -414,7 +399,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         >>> {word: len(rows) for word, rows in run.outputs.items()}
         {'attitude': 2, 'angles': 2}
         """
-        values: dict[str, DerivedRows | None] = {
+        values: dict[str, number_types.DerivedRows | None] = {
             word: getattr(self, word) for word, x in COLUMNS.items() if x.how == "integrated"
         }
         needs: dict[str, Given | None] = {"state": self.states, **values}
@@ -435,7 +420,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         space = self.outputs.get("hodographs")
         if space is None:
             return None
-        return Hodographs(part_of(self.states, slice(3)), space)
+        return Hodographs(number_types.part_of(self.states, slice(3)), space)
 
     @property
     def options(self) -> Options:
@@ -565,8 +550,8 @@ def solve(
         scene=scene,
         number=number,
         times=times if len(rows) == len(times) else times[: len(rows)],
-        states=read_only(states, len(scene.columns)),
-        attitude=None if attitude is None else read_only(attitude, len(ATTITUDE)),
+        states=number_types.read_only(states, len(scene.columns)),
+        attitude=None if attitude is None else number_types.read_only(attitude, len(ATTITUDE)),
         angles=None if angles is None else tuple(map(tuple, angles)),
         events=Events(motion.events),
         projection=motion.projection,
@@ -594,7 +579,9 @@ def _made_of(
 # State, attitude and angles of a run at any time: its own rows, or rows made when asked for.
 
 
-def _at_times(run: Trajectory, output: str, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
+def _at_times(
+    run: Trajectory, output: str, t: AnyNumber | Iterable[AnyNumber]
+) -> number_types.Reread:
     """States, attitude or angles at time t, or rows of them; raises BadInput beyond what was
     reached.
 
@@ -618,7 +605,7 @@ def _at_times(run: Trajectory, output: str, t: AnyNumber | Iterable[AnyNumber]) 
     return answers if several else answers[0]
 
 
-def _rows(run: Trajectory, output: str, times: list[Fraction]) -> Sequence[GivenRow]:
+def _rows(run: Trajectory, output: str, times: list[Fraction]) -> Sequence[number_types.GivenRow]:
     """Rows at times of which none is one of the run's own, in the order of the motion."""
     from polhode.runs.solve import followed
     from polhode.taylor.heyoka import OutOfRange
@@ -637,7 +624,7 @@ def _rows(run: Trajectory, output: str, times: list[Fraction]) -> Sequence[Given
             expected = f"a time that {run.number.name} holds ({fault})"
             raise BadInput(run.scene.name, "t", shown(times[0]), expected) from None
     states = motion.read.states(raw)
-    rows = cast("Sequence[GivenRow]", states)
+    rows = cast("Sequence[number_types.GivenRow]", states)
     if output != "states":
         rows = getattr(motion.read, output)(raw, states)
     if len(rows) < len(times):  # angles are singular where the state is not
