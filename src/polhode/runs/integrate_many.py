@@ -31,13 +31,7 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import AnyNumber, Indices, NumberType, Stack, flat, kind_of
 from polhode.runs.ensemble import Ensemble, no_states
 from polhode.runs.members import Members, SweepNumbers, fastest, inside, numbers_of
-from polhode.runs.options import (
-    Options,
-    check_method,
-    choose_number,
-    hindrance_to_refinement,
-    rounded_tolerance,
-)
+from polhode.runs.options import Options, check_method, choose_number, rounded_tolerance
 from polhode.runs.trajectory import solve
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
@@ -283,7 +277,7 @@ class WideJob(NamedTuple):
             if stop is not None and stop():
                 break
             options = self.options
-            if options.method == "refined" and hindrance_to_refinement(member, number, options):
+            if options.method == "refined" and options.hindrance(member, number):
                 options = options._replace(method="taylor")
             run = solve(member, number, options, heard)
             if run.outcome is Outcome.INTERRUPTED:

@@ -12,7 +12,7 @@ from polhode.common.interrupts import Progress
 from polhode.motion.outcomes import CannotSolve, Outcome
 from polhode.numbers.conversion import ExactNumbers
 from polhode.numbers.number_types import NumberType, Rows
-from polhode.runs.options import Options, cadence, hindrance_to_refinement, refinement_pays
+from polhode.runs.options import Options, cadence, refinement_pays
 from polhode.scenes.scene import Scene
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import System, system_of
@@ -83,7 +83,7 @@ def _motions(system: System, scene: Scene, options: Options) -> Iterator[Refined
     """Those to try, in order; raises BadInput where the method that was named does not serve."""
     named, number = options.method == "refined", system.number
     if named or (options.method == "auto" and number.bits > 64):
-        hindrance = hindrance_to_refinement(scene, number, options)
+        hindrance = options.hindrance(scene, number)
         if hindrance is not None and named:
             expected = f"{hindrance}, or the method taylor"
             raise BadInput(scene.name, "method", options.method, expected)
