@@ -240,13 +240,13 @@ def with_progress(function: Function) -> Function:
     and False is none: inside the function it is never a bool.
     """
     names, count = function.__code__.co_varnames, function.__code__.co_argcount
-    place = names.index("progress") if "progress" in names[:count] else count
+    places = [k for k, name in enumerate(names[:count]) if name == "progress"]
     takes_bool = "bool" in str(function.__annotations__.get("progress"))
     expected = "a function to call" + ", True for a bar, or False" * takes_bool
 
     @wraps(function)
     def checked(*values: Any, **named: Any) -> object:
-        progress = values[place] if len(values) > place else named.get("progress")
+        progress = next((values[k] for k in places if k < len(values)), named.get("progress"))
         if progress is None or callable(progress):
             return function(*values, **named)
         if not (takes_bool and isinstance(progress, bool)):
