@@ -143,6 +143,14 @@ CALLS = [
     # it was taken, and handed on to the search for the first orbit; others were told its names
     (lambda: polhode.orbit_family(FREE, "h", 1, digits=30), "orbit_family: digits = 30: expected"),
     (lambda: polhode.prove_stability(FREE, tol=1), "prove_stability: tol = 1: expected"),
+    # a TypeError once the work was under way; of some no call came
+    (lambda: polhode.certify(FREE, progress=3), "certify: progress = 3: expected a function"),
+    (lambda: polhode.integrate(FREE, progress="bar"), "True for a bar, or False"),
+    (lambda: polhode.verify("proof.json", 3), "verify: progress = 3: expected a function"),
+    (lambda: polhode.chaos_map(FREE, progress=True), "progress = True: expected a function"),
+    # columns beyond the shorter row were left out, and a true nan was Python's ValueError
+    (lambda: polhode.state_errors([ROW], [ROW[:3]], FREE), "row 1 = 6 numbers: expected 3"),
+    (lambda: polhode.state_errors([ROW], [[*ROW[:5], np.nan]], FREE), "true, row 1 = [0.3,"),
 ]
 
 
@@ -165,6 +173,16 @@ def test_a_wrong_kind_is_refused(function, values, more):
 @pytest.mark.parametrize(("call", "words"), CALLS)
 def test_it_is_refused_in_one_line_at_once(call, words):
     refused(call, words)
+
+
+@pytest.mark.parametrize("place", range(6))
+def test_a_state_that_is_not_known_has_no_error(place):
+    """It had that of its other numbers."""
+    states = np.array([ROW, ROW])
+    states[0, place] = np.nan
+    first, second = polhode.state_errors(states, [ROW, ROW], FREE)
+    assert np.isnan(first)
+    assert second == 0
 
 
 @pytest.mark.parametrize("digits", [0, -1, 1.5, True, "10", None, 10**6])

@@ -12,12 +12,7 @@ import polhode
 from polhode.closed_forms import hess
 from polhode.numbers.flint_context import ctx
 from shared import members
-from shared.closed_forms import (
-    gap,
-    motion_of_family,
-    number,
-    scene_of,
-)
+from shared.closed_forms import gap, motion_of_family, number, scene_of
 from shared.tools import exactly
 
 F = Fraction

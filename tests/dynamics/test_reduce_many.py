@@ -9,7 +9,6 @@ import pytest
 
 import polhode
 from polhode import Outcome
-from polhode.dynamics import observables as observable_jobs
 from polhode.dynamics import reduce_many as module
 from shared.motions import heavy, scene_of
 from shared.tools import tiers
@@ -62,7 +61,7 @@ def test_states_and_extremes_are_those_of_kept_states_to_the_bit(number, turned)
 @pytest.mark.slow
 def test_first_events_are_the_first_of_each_run(monkeypatch):
     """Times and states to a few eps (times of a double end at eps t; errors grow with t)."""
-    monkeypatch.setattr(observable_jobs, "STRETCH", 3.0)  # more than one stretch
+    monkeypatch.setattr(module, "STRETCH", 3.0)  # more than one stretch
     scene = replace(scene_of(TURNED.format(end="-11")), events=EVENTS)
     varied = {"start.omega[1]": [1, 20], "body.inertia[1][2]": ["0.5", 0]}
     keep = [f"first {event.name}" for event in EVENTS]

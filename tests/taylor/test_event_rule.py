@@ -10,7 +10,7 @@ import pytest
 
 import polhode
 from polhode import Event, Outcome
-from polhode.dynamics import observables
+from polhode.dynamics import reduce_many
 from polhode.taylor.event_watch import Callback, Probe, Watch
 from shared.tools import DOUBLE, EXTENDED, QUAD, change_policy, exactly, mp, of_table, tiers
 
@@ -366,8 +366,8 @@ def test_a_lost_zero_is_found_again(number, monkeypatch):
 
 @pytest.mark.slow
 def test_lanes_are_sure_behind_a_start_at_zero_and_of_contacts(monkeypatch):
-    alone, solve = [], observables.solve_one
-    monkeypatch.setattr(observables, "solve_one", lambda *a: (alone.append(1), solve(*a))[1])
+    alone, solve = [], reduce_many.solve_one
+    monkeypatch.setattr(reduce_many, "solve_one", lambda *a: (alone.append(1), solve(*a))[1])
     three = {"start.omega[1]": ["0.3"] * 3}
     polhode.reduce_many(top(Event("e", "q*(p-0.28)")), three, "first e")
     assert not alone

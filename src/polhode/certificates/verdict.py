@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from polhode.certificates import verify as checker
-from polhode.common.arguments import of_kind
+from polhode.common.arguments import of_kind, with_progress
 from polhode.common.errors import BadInput
 from polhode.common.files import read_stdin, read_whole
 from polhode.common.interrupts import Progress
@@ -73,6 +73,7 @@ def trusted_base() -> str:
     )
 
 
+@with_progress
 def verify(path: str | Path, progress: Progress | None = None) -> Verdict:
     """Check a certificate.
 

@@ -27,8 +27,7 @@ from polhode.results.cells import DOUBLE, TEXT
 from polhode.results.result import Result
 from polhode.results.table import Fact, Table, table_of_rows
 from polhode.runs.options import Options, choose_number
-from polhode.runs.solve import solve
-from polhode.runs.trajectory import Trajectory
+from polhode.runs.trajectory import Trajectory, solve
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import FORMS

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Set
 from fractions import Fraction
+from functools import wraps
 from operator import index
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from polhode.common.errors import BadInput, listed, plain
+from polhode.common.interrupts import bar
 
 if TYPE_CHECKING:
     import numpy as np
@@ -113,12 +115,12 @@ def unit_rows(source: str, key: str, rows: npt.NDArray[Any], eps: Fraction) -> N
     if off.max(initial=0.0) <= most / 2:  # rounding here is less than that
         return
     for k in np.flatnonzero(~(off <= most / 2)).tolist():
-        if not of_unit_length(rows[k], eps):
+        if not is_unit(rows[k], eps):
             row = plain(rows[k].tolist())
             raise BadInput(source, f"{key}, row {k + 1}", row, "gamma of length 1, to 8 eps")
 
 
-def of_unit_length(vector: Iterable[Any], eps: Fraction) -> bool:
+def is_unit(vector: Iterable[Any], eps: Fraction) -> bool:
     """Whether the square of a length is 1 to 8 eps, exactly; of floats of any kind."""
     numbers = [*vector]
     if not all(x - x == 0 for x in numbers):  # not finite
@@ -229,6 +231,33 @@ def with_options(options: type) -> Callable[[Function], Function]:
         return function
 
     return spelled_out
+
+
+def with_progress(function: Function) -> Function:
+    """Let a function refuse a ``progress`` that cannot be called; raises BadInput.
+
+    Where the annotation has ``bool``, True is a bar, called as the function's first argument is,
+    and False is none: inside the function it is never a bool.
+    """
+    names, count = function.__code__.co_varnames, function.__code__.co_argcount
+    places = [k for k, name in enumerate(names[:count]) if name == "progress"]
+    takes_bool = "bool" in str(function.__annotations__.get("progress"))
+    expected = "a function to call" + ", True for a bar, or False" * takes_bool
+
+    @wraps(function)
+    def checked(*values: Any, **named: Any) -> object:
+        progress = next((values[k] for k in places if k < len(values)), named.get("progress"))
+        if progress is None or callable(progress):
+            return function(*values, **named)
+        if not (takes_bool and isinstance(progress, bool)):
+            raise BadInput(function.__name__, "progress", plain(progress), expected)
+        first = values[0] if values else named.get("scene")
+        if not progress:
+            return function(*values, **{**named, "progress": None})
+        with bar(str(getattr(first, "name", first))) as tell:
+            return function(*values, **{**named, "progress": tell})
+
+    return cast("Function", checked)
 
 
 def of_kind(

@@ -41,38 +41,36 @@ PATIENCE = 10.0  # seconds to wait for the first byte of a pipe
 def read_whole(path: Path, most: int, expected: str, name: str | None = None) -> bytes:
     """The bytes of a file, a pipe or a device; raises BadInput for more than ``most`` of them.
 
-    ``what``: what was expected, such as "a readable scene file".  ``name``: what to call the file.
+    ``expected``: such as "a readable scene file".  ``name``: what to call the file.
     """
     name = name or str(path)
     try:
         with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 return _streamed(file.fileno(), most, name, expected)
-            data = file.read(most + 1)
+            return _no_more(file.read(most + 1), most, name)
     except (OSError, ValueError) as error:
         if isinstance(error, BadInput):
             raise
         reason = getattr(error, "strerror", None) or str(error)
         raise BadInput(name, "file", None, f"{expected} ({reason})") from None
-    if len(data) > most:
-        raise BadInput(name, "file", None, f"at most {most} bytes")
-    return data
 
 
 def read_stdin(most: int, expected: str) -> bytes:
     """What comes on the standard input until it ends, however slowly; raises BadInput for more than
-    ``most`` bytes.  ``what``: what was expected."""
-    parts: list[bytes] = []
-    size = 0
+    ``most`` bytes.  ``expected``: as of :func:`read_whole`."""
     try:
-        while size <= most and (part := os.read(0, 1 << 20)):
-            parts.append(part)
-            size += len(part)
+        with open(0, "rb", closefd=False) as file:
+            return _no_more(file.read(most + 1), most, STDIN)
     except OSError as error:
         raise BadInput(STDIN, "file", None, f"{expected} ({error.strerror})") from None
-    if size > most:
-        raise BadInput(STDIN, "file", None, f"at most {most} bytes")
-    return b"".join(parts)
+
+
+def _no_more(data: bytes, most: int, name: str) -> bytes:
+    """The same bytes; raises BadInput for more than so many."""
+    if len(data) > most:
+        raise BadInput(name, "file", None, f"at most {most} bytes")
+    return data
 
 
 def _streamed(handle: int, most: int, name: str, expected: str) -> bytes:

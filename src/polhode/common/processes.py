@@ -12,9 +12,10 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
 from contextlib import nullcontext, suppress
+from multiprocessing.connection import Connection, Pipe
 from multiprocessing.spawn import get_executable
 from queue import SimpleQueue
-from typing import IO, TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeVar, cast
 
 from polhode.common.checkpoint import JobArrays, JobCheckpoint
 from polhode.common.interrupts import Delay, Progress, StopRequest
@@ -308,11 +309,8 @@ def _collect(
 #
 # Those of :mod:`multiprocessing` first run the caller's main module again, for what it may
 # define: all of a script that has no guard, and what was read from stdin cannot be found at all.
-# Jobs here are polhode's own functions and values. A job goes as a pickle to a process's stdin,
-# and its answer comes back from what was its stdout.
-
-
-_HEAD = 8  # bytes that say how many follow
+# Jobs here are polhode's own functions and values. They go and their answers come back as pickles,
+# by a connection that the process is given.
 
 
 class WorkerDied(Exception):
@@ -324,23 +322,22 @@ class Process:
 
     def __init__(self) -> None:
         places = [x for x in sys.path if isinstance(x, str)]
-        code = f"import sys; sys.path[:] = {places!r}; import {__name__} as own; own.work()"
-        self._process = subprocess.Popen(
-            [get_executable(), "-P", "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-        )
+        self._connection, theirs = Pipe()
+        handle = theirs.fileno()
+        code = f"import sys; sys.path[:] = {places!r}; import {__name__} as own; own.work({handle})"
+        command = [get_executable(), "-P", "-c", code]
+        nothing = subprocess.DEVNULL
+        self._process = subprocess.Popen(command, stdin=nothing, stdout=nothing, pass_fds=[handle])
+        theirs.close()
 
     def do(self, solve: Callable[[J], T], job: J) -> T:
         """The result of a job, or the fault that it raised; raises WorkerDied."""
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
         request = pickle.dumps((solve, job))
         try:
-            _write(self._process.stdin, request)
-            reply = _read(self._process.stdout)
-        except (OSError, ValueError):  # gone, or ended by :meth:`end`
-            reply = None
-        if reply is None:
-            raise WorkerDied
+            self._connection.send_bytes(request)
+            reply = self._connection.recv_bytes()
+        except (OSError, EOFError):  # gone, or ended by :meth:`end`
+            raise WorkerDied from None
         fault, result = pickle.loads(reply)
         if fault is not None:
             raise fault
@@ -350,10 +347,6 @@ class Process:
     def end(self) -> None:
         """Whatever it does."""
         self._process.kill()
-        for pipe in (self._process.stdin, self._process.stdout):
-            assert pipe is not None
-            with suppress(OSError):  # by what was left to be written
-                pipe.close()
         self._process.wait()
 
 
@@ -392,26 +385,24 @@ class WorkerPool:
             process.end()
 
 
-def work() -> None:
-    """What such a process does: jobs, until nobody is there to ask."""
+def work(handle: int) -> None:
+    """What such a process does: jobs of a connection, until nobody is there to ask."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    questions, answers = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
-    os.dup2(os.open(os.devnull, os.O_RDWR), 0)
-    try:
-        os.dup2(2, 1)  # what a library may print is no answer
-    except OSError:  # no stderr
-        os.dup2(0, 1)
+    with suppress(OSError):  # no stderr
+        os.dup2(2, 1)  # what a library may print
+    connection = Connection(handle)
     jobs: SimpleQueue[bytes] = SimpleQueue()
 
     def listen() -> None:
-        while (job := _read(questions)) is not None:
-            jobs.put(job)
+        with suppress(OSError, EOFError):
+            while True:
+                jobs.put(connection.recv_bytes())
         os._exit(0)  # in the middle of a job too: nobody is there to whom its answer could go
 
     threading.Thread(target=listen, daemon=True).start()
     with suppress(OSError):
         while True:
-            _write(answers, _answer(jobs.get()))
+            connection.send_bytes(_answer(jobs.get()))
     os._exit(0)
 
 
@@ -426,17 +417,3 @@ def _answer(question: bytes) -> bytes:
         except Exception:
             packed = pickle.dumps((RuntimeError(repr(fault)), None))
         return packed
-
-
-def _write(pipe: IO[bytes], data: bytes) -> None:
-    pipe.write(len(data).to_bytes(_HEAD, "big"))
-    pipe.write(data)
-    pipe.flush()
-
-
-def _read(pipe: IO[bytes]) -> bytes | None:
-    """What was written; None where the writer has gone."""
-    head = pipe.read(_HEAD)
-    size = int.from_bytes(head, "big")
-    data = pipe.read(size) if len(head) == _HEAD else b""
-    return data if len(head) == _HEAD and len(data) == size else None

@@ -74,33 +74,6 @@ class Page:
         write_whole({Path(path): self.text})
 
 
-_SEVERAL = """\
-<!DOCTYPE html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{title}</title>
-<style>
-body {{ font: 1rem/1.5 system-ui, sans-serif; max-width: 72rem; margin: 0 auto; padding: 1rem }}
-@media (max-width: 47rem) {{ body {{ padding: 0 }} h1, h2, p {{ margin-inline: 1rem }} }}
-</style>
-<script>
-// each frame is as high as its page: one scrollbar for all
-document.addEventListener("load", ({{target}}) => {{
-  const page = target.contentDocument?.documentElement;
-  const fit = ([seen]) => {{ target.style.height = `${{Math.ceil(seen.contentRect.height)}}px`; }};
-  if (!page) return;
-  page.style.overflow = "hidden";
-  new ResizeObserver(fit).observe(page);
-}}, true);
-</script>
-{heading}
-{words}
-{frames}
-</html>
-"""
-
-
 def together(pages: Sequence[Page], title: str = "", text: str = "") -> Page:
     """Pages in frames one below the other, under a title and a text in paragraphs.
 
@@ -115,4 +88,5 @@ def together(pages: Sequence[Page], title: str = "", text: str = "") -> Page:
     name = title or ", ".join(page.name for page in pages)
     heading = f"<h1>{escape(title)}</h1>" * bool(title)
     parts = {"words": "\n".join(words), "frames": "\n".join(frames), "heading": heading}
-    return Page(name, _SEVERAL.format(title=escape(name), **parts))
+    template = Path(__file__).with_name("several_pages.html").read_text("utf-8")
+    return Page(name, template.format(title=escape(name), **parts))

@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.arguments import cells, each
+from polhode.common.arguments import cells, each, with_progress
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput, counted
 from polhode.common.interrupts import Progress
@@ -290,6 +290,7 @@ class ChaosMap(Result, ByValue):
         ]
 
 
+@with_progress
 def chaos_map(
     scene: Scene | str | Path,
     grid: tuple[int, int] | None = None,

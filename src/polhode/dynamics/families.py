@@ -9,7 +9,7 @@ from typing import NamedTuple, Unpack
 
 import numpy as np
 
-from polhode.common.arguments import cells, each, refuse_unknown, whole, with_options
+from polhode.common.arguments import cells, each, refuse_unknown, whole, with_options, with_progress
 from polhode.common.errors import BadInput, counted, nearest
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
@@ -33,18 +33,12 @@ from polhode.numbers.conversion import AREA, ENERGY, exactly, reader, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import DOUBLE, AnyNumber, Doubles
-from polhode.results.cells import INTEGER
+from polhode.results.cells import INTEGER, TEXT
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.scenes.scene_facts import (
-    provenance_fact,
-    row_columns,
-    scene_facts,
-    text_column,
-    unit_of,
-)
+from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
 from polhode.scenes.vocabulary import REQUESTS, STATE
 from polhode.taylor.variations import NotFollowed
 
@@ -82,7 +76,7 @@ def points_table(scene: Scene, points: Sequence[FamilyPoint]) -> Table:
             Column("f", [x.f for x in points], "vertical momentum"),
             Column("period", [x.period for x in points], "", unit_of(scene, "t"), digits=12),
             Column("residue", [x.residue for x in points], "Greene's"),
-            text_column("kind", [x.kind for x in points], "of its stability"),
+            Column("kind", [x.kind for x in points], "of its stability", type=TEXT),
             *row_columns(scene, STATE, states, DOUBLE, digits=6),
         ]
     )
@@ -138,7 +132,7 @@ class OrbitFamily(Result, ByValue):
         """What varies, why the family ends, and its bifurcations."""
         passed = points_table(self.scene, [x.point for x in self.bifurcations])
         bifurcations = [
-            text_column("what", [x.what for x in self.bifurcations]),
+            Column("what", [x.what for x in self.bifurcations], type=TEXT),
             Column("after", [x.after for x in self.bifurcations], "orbits before", type=INTEGER),
             *passed.columns[1:],
         ]
@@ -165,6 +159,7 @@ class OrbitFamily(Result, ByValue):
 
 
 @with_options(NearOrbit)
+@with_progress
 def orbit_family(
     start: Orbit | Scene | str | Path,
     by: str,
@@ -392,6 +387,7 @@ class OrbitSearch(Result, ByValue):
         return completed(self.surface, self.closed[k], digits)
 
 
+@with_progress
 def orbit_search(
     scene: Scene | str | Path,
     grid: tuple[int, int] | None = None,

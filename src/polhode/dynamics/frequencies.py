@@ -29,8 +29,7 @@ from polhode.numbers.vectors import quaternion_product
 from polhode.results.cells import INTEGER
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
-from polhode.runs.solve import solve
-from polhode.runs.trajectory import Trajectory
+from polhode.runs.trajectory import Trajectory, solve
 from polhode.scenes import library
 from polhode.scenes.scene import Scene, even_times
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column

@@ -24,15 +24,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import AREA, ENERGY, reader, to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.numbers.number_types import (
-    DOUBLE,
-    FLOATS,
-    AnyNumber,
-    Doubles,
-    GivenRow,
-    Scalar,
-    double_array,
-)
+from polhode.numbers.number_types import DOUBLE, FLOATS, AnyNumber, Doubles, GivenRow, Scalar
 from polhode.numbers.polynomials import fraction_near
 from polhode.numbers.vectors import dot
 from polhode.scenes.scene import Scene
@@ -167,7 +159,7 @@ class LevelBody(ByValue):
     @cached_property
     def axes(self) -> Doubles:
         """The principal axes along the scene's, a row each."""
-        return double_array(self.frame.matrix(DOUBLE))
+        return np.asarray(self.frame.matrix(DOUBLE), dtype=np.float64)
 
     @cached_property
     def weight(self) -> float:

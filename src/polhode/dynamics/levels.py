@@ -25,14 +25,7 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
 from polhode.numbers.number_types import AnyNumber, Doubles
-from polhode.numbers.polynomials import (
-    QPolynomial,
-    fraction_near,
-    middle,
-    nearest,
-    rational,
-    real_roots,
-)
+from polhode.numbers.polynomials import fraction_near, middle, nearest, rational, real_roots
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import body as classification
@@ -183,7 +176,7 @@ def _chaplygin(c: Fraction, torque: arb, h: Fraction) -> list[tuple[arb, str]]:
     return values
 
 
-def _value(polynomial: QPolynomial, at: arb) -> arb:
+def _value(polynomial: fmpq_poly, at: arb) -> arb:
     return arb_poly(polynomial)(at)
 
 

@@ -30,15 +30,7 @@ from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import decimal_string
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import (
-    DOUBLE,
-    EXACT,
-    EXTENDED,
-    QUAD,
-    Doubles,
-    NumberType,
-    double_array,
-)
+from polhode.numbers.number_types import DOUBLE, EXTENDED, QUAD, Doubles, NumberType, double_array
 from polhode.numbers.polynomials import rational
 from polhode.numbers.vectors import dot
 from polhode.taylor.variations import Flow, NotFollowed
@@ -303,7 +295,7 @@ class Chord(NamedTuple):
         values = integrals(moments, torque, state)
         anchor = [exact.nearest(x, bits) for x in self.anchor]
         numbers = {name: exact.nearest(x, bits) for name, x in on.coefficients.items()}
-        rates = principal.field(anchor, numbers, EXACT)
+        rates = principal.field(anchor, numbers, number_types.EXACT)
         length = Fraction(math.hypot(*map(float, rates)))
         displacements = zip(rates, state, anchor, strict=True)
         residual = [

@@ -11,33 +11,24 @@ from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 
-from polhode.common.arguments import each, refuse_unknown, whole, with_options
+from polhode.common.arguments import each, refuse_unknown, whole, with_options, with_progress
 from polhode.common.errors import BadInput, counted
 from polhode.common.files import check_writable, write_whole
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
 from polhode.dynamics import newton_shooting as newton
 from polhode.dynamics.level_body import LevelBody, level_of
-from polhode.numbers import exact
+from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import TIME, exactly, reader, to_double, to_mpf
 from polhode.numbers.decimals import decimal_string, in_full, shown
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.mpmath_context import mpmath, ordinary
-from polhode.numbers.number_types import (
-    DOUBLE,
-    MAX_DIGITS,
-    AnyNumber,
-    Doubles,
-    NumberType,
-    Real,
-    bits_for,
-    double_array,
-)
+from polhode.numbers.number_types import DOUBLE, AnyNumber, Doubles, NumberType, Real, bits_for
 from polhode.results.cells import EXACT, digits_word
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.options import Options
-from polhode.runs.solve import solve
+from polhode.runs.trajectory import solve
 from polhode.scenes import library, scene_file
 from polhode.scenes.scene import Literal, Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, unit_of
@@ -411,6 +402,7 @@ class NearOrbit(TypedDict, total=False):
 
 
 @with_options(NearOrbit)
+@with_progress
 def orbit(scene: Scene | str | Path, digits: int = DIGITS, **near: Unpack[NearOrbit]) -> Orbit:
     """Find a periodic orbit of omega and gamma near a scene's start, to the digits wanted.
 
@@ -446,7 +438,7 @@ def orbit(scene: Scene | str | Path, digits: int = DIGITS, **near: Unpack[NearOr
     refuse_unknown("orbit", orbit, near)
     period, returns = near.get("period"), near.get("returns")
     scene = library.load(scene, takes=REQUESTS)
-    digit_count = whole(scene.name, "digits", digits, 1, MAX_DIGITS)
+    digit_count = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
     most = RETURNS if returns is None else whole(scene.name, "returns", returns, 1, MOST_RETURNS)
     if scene.gamma is not None:
         own = LevelBody.of(scene)
@@ -512,7 +504,7 @@ def primitive(on: LevelBody, orbit: newton.Closed) -> newton.Closed:
         while True:
             time = orbit.period / part
             try:
-                end = double_array(on.plain_flow.after(orbit.state, time).state)
+                end = np.asarray(on.plain_flow.after(orbit.state, time).state, dtype=np.float64)
                 if np.max(np.abs(end - orbit.state) / scale) > SAME:
                     break
                 orbit = newton.closed(on, orbit.state, time)

@@ -1,37 +1,437 @@
-"""Sweeps of which some numbers a member are kept, and no state of all members at once."""
+"""Sweeps of which some numbers a member are kept, and no state of all members at once.
+
+They are asked for in words:
+
+final            the last state
+largest X        of an expression in the columns of a state, in t and theta over the output times,
+smallest X       and the first of those times at which it is reached
+first NAME       the first time after 0 of the scene's event NAME, and the state there
+lyapunov         the largest Lyapunov exponent to the last time, as polhode.lyapunov tells it
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.arguments import steps, whole
-from polhode.common.checkpoint import JobCheckpoint
-from polhode.common.errors import counted
-from polhode.common.interrupts import Progress, bar
+from polhode.common.arguments import each, of_kind, steps, whole, with_progress
+from polhode.common.checkpoint import JobArrays, JobCheckpoint
+from polhode.common.errors import BadInput, counted, nearest
+from polhode.common.interrupts import Progress, StopRequest
 from polhode.common.processes import run_jobs
-from polhode.dynamics.observables import Reduced, check, job_of, reductions_of, solve
+from polhode.dynamics import lyapunov
+from polhode.equations.section_functions import UNSURE, in_columns
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
-from polhode.numbers.number_types import AnyNumber, NumberType, Stack, kind_of
+from polhode.numbers import expression
+from polhode.numbers.conversion import number_value, to_double
+from polhode.numbers.expression import Algebra, ExpressionError, odd_part
+from polhode.numbers.number_types import DOUBLE, AnyNumber, Doubles, NumberType, Stack, kind_of
+from polhode.results.cells import TEXT
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.ensemble import SweepResult
-from polhode.runs.integrate_many import planned, varied_of
+from polhode.runs.integrate_many import FlatJob, Plan, Reader, planned, reader, varied_of
 from polhode.runs.members import Members
+from polhode.runs.options import Options
+from polhode.runs.trajectory import solve as solve_one
 from polhode.scenes import library, vary
-from polhode.scenes.scene import Scene
-from polhode.scenes.scene_facts import (
-    provenance_fact,
-    scene_facts,
-    text_column,
-    unit_of,
-    varied_columns,
-)
-from polhode.scenes.vocabulary import REQUESTS
+from polhode.scenes.scene import Event, Scene
+from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of, varied_columns
+from polhode.scenes.vocabulary import READY_MADE, REQUESTS, STATE
+from polhode.taylor import event_batches, variations
+from polhode.taylor.batches import BatchMotions
+from polhode.taylor.event_batches import SearchJob, Watched
+from polhode.taylor.event_functions import TIME, identically_zero, size_of, typed_constant
+from polhode.taylor.heyoka import EXPRESSIONS, hy
+from polhode.taylor.variations import TangentJob
+
+# --- words ----------------------------------------------------------------------------------------
+
+
+FINAL, LARGEST, SMALLEST, FIRST, LYAPUNOV = "final", "largest", "smallest", "first", "lyapunov"
+_EXPECTED = "final, largest X, smallest X, first EVENT or lyapunov"
+
+
+class Reduction(NamedTuple):
+    """What is asked for, and of what: an expression, or an event's name."""
+
+    kind: str
+    of: str = ""
+
+    @property
+    def text(self) -> str:
+        """As it was asked for."""
+        return f"{self.kind} {self.of}".strip()
+
+    def names(self, columns: Sequence[str]) -> tuple[str, ...]:
+        """Names of its numbers, of states with these columns."""
+        if self.kind == FINAL:
+            return tuple(f"final {name}" for name in columns)
+        if self.kind == FIRST:
+            return (f"t of {self.text}", *(f"{name} at {self.text}" for name in columns))
+        if self.kind == LYAPUNOV:
+            return LYAPUNOV, "lyapunov uncertainty", "lyapunov growth"
+        return self.text, f"t of {self.text}"
+
+
+def reductions_of(scene: Scene, keep: Any) -> tuple[Reduction, ...]:
+    """Reductions from their words, each once; raises BadInput."""
+    if isinstance(keep, str):
+        keep = (keep,)
+
+    texts = each(scene.name, "keep", keep, lambda text: text, _EXPECTED)
+    for text in texts:
+        of_kind(scene.name, "keep", text, str, _EXPECTED)
+    reductions = tuple(dict.fromkeys(_read(scene, text) for text in texts))
+    if not reductions:
+        raise BadInput(scene.name, "keep", None, _EXPECTED)
+    return reductions
+
+
+def event_of(scene: Scene, name: str) -> Event:
+    """An event by its name: the scene's, or one known by name; raises BadInput."""
+    events = {word: Event(word) for word in READY_MADE}
+    events |= {event.name: event for event in scene.events}
+    if name not in events:
+        raise BadInput(scene.name, f"keep: {FIRST}", name, f"an event: {nearest(name, [*events])}")
+    event = events[name]
+    if scene.gamma is None and event.expression is not None and not event.zero:
+        raise BadInput(scene.name, f"keep: {FIRST}", name, "an event of omega: there is no gamma")
+    if event.expression is None or not size_of(scene, event).entire:
+        expected = "an event with an expression, without roots and division by a variable"
+        raise BadInput(scene.name, f"keep: {FIRST}", name, expected)
+    if identically_zero(event.expression, (*scene.columns, "t")):
+        expected = f"an event that is not zero everywhere, as {event.expression} is"
+        raise BadInput(scene.name, f"keep: {FIRST}", name, expected)
+    return event
+
+
+def extremes(
+    which: Sequence[Reduction],
+    states: Stack,
+    times: Stack,
+    columns: Sequence[str],
+    kind: NumberType,
+) -> dict[str, Any]:
+    """What states (members, times, columns) tell: arrays by name, one number per member."""
+    numbers: dict[str, Any] = {}
+    with np.errstate(all="ignore"):
+        for reduction in which:
+            names = reduction.names(columns)
+            if reduction.kind == FINAL:
+                numbers |= zip(names, states[:, -1].T, strict=True)
+            else:
+                values = _values(reduction.of, states, times, columns, kind)
+                at = (np.argmax if reduction.kind == LARGEST else np.argmin)(values, axis=1)
+                best = np.take_along_axis(values, at[:, None], axis=1)[:, 0]
+                numbers |= zip(names, (best, times[at]), strict=True)
+    return numbers
+
+
+def _values(
+    text: str, states: Stack, times: Stack, columns: Sequence[str], kind: NumberType
+) -> Any:
+    """An expression at all times of all members."""
+    names: dict[str, Any] = {name: states[:, :, i] for i, name in enumerate(columns)}
+    if "gamma3" in names:
+        across = np.hypot(names["gamma1"], names["gamma2"])
+        names["theta"] = np.arctan2(across, names["gamma3"])
+    names["t"] = np.broadcast_to(times, states.shape[:2])
+    functions = {"sqrt": np.sqrt, "sin": np.sin, "cos": np.cos}
+    value = expression.evaluate(text, names, Algebra(lambda x: number_value(x, kind), functions))
+    return np.broadcast_to(value, states.shape[:2])
+
+
+def _read(scene: Scene, text: str) -> Reduction:
+    kind, _, of = text.strip().partition(" ")
+    of = " ".join(of.split())
+    if kind in (FINAL, LYAPUNOV) and not of:
+        return Reduction(kind)
+    if kind == FIRST and of:
+        event_of(scene, of)
+        return Reduction(kind, of)
+    if kind in (LARGEST, SMALLEST) and of:
+        sample = {name: np.full((1, 1), 0.5 + 0.1 * STATE.index(name)) for name in scene.columns}
+        states = np.stack(list(sample.values()), axis=2)
+        try:
+            _values(of, states, np.ones(1), scene.columns, DOUBLE)
+        except ExpressionError as fault:
+            raise BadInput(scene.name, f"keep: {kind}", of, f"an expression ({fault})") from None
+        return Reduction(kind, of)
+    raise BadInput(scene.name, "keep", text, _EXPECTED)
+
+
+# --- jobs -----------------------------------------------------------------------------------------
+#
+# The jobs of a sweep that keeps some numbers of each member: plain data, and how it is done.
+
+
+_DIRECTIONS = {"falling": -1, "any": 0, "rising": 1}
+STRETCH = 32.0  # of the motions' unit of time, a radian or two, between two looks at an event
+_LOOKS = lyapunov.BLOCKS * lyapunov.LOOKS
+
+
+def check(scene: Scene, plan: Plan, which: tuple[Reduction, ...]) -> None:
+    """Refuse what cannot be told in the plan's number type; raises BadInput."""
+    name = plan.number.name
+    if not plan.number.flat:
+        raise BadInput(scene.name, "number", name, "double or extended, where numbers are kept")
+    for reduction in which:
+        if reduction.kind in (FIRST, LYAPUNOV):
+            if name != "double":
+                raise BadInput(scene.name, "number", name, f"double, for {reduction.text}")
+            if plan.tolerance is not None:
+                raise BadInput(scene.name, "tol", None, f"none, for {reduction.text}")
+            if plan.times[-1] == 0:
+                raise BadInput(scene.name, "at", 0, f"a time other than 0, for {reduction.text}")
+        if reduction.kind == FIRST:
+            zero = event_of(scene, reduction.of).expression or ""
+            names, constant = scene.columns, typed_constant(plan.number)
+            try:  # its numbers, before anything is integrated
+                in_columns(zero, names, hy.make_vars(*names), TIME, constant, EXPRESSIONS)
+            except ExpressionError as fault:
+                expected = f"a type of wider range ({fault}), for {reduction.text}"
+                raise BadInput(scene.name, "number", name, expected) from None
+
+
+def job_of(
+    scene: Scene, plan: Plan, which: tuple[Reduction, ...], group: npt.NDArray[np.int64]
+) -> Job:
+    """The job of some members that have a unit of time in common."""
+    read, n = reader(plan, group), int(plan.numbers.exponents[group[0]])
+    motions, kinds = plan.numbers.motions(group), {reduction.kind for reduction in which}
+    states = FlatJob(plan.job(group), read) if kinds - {FIRST, LYAPUNOV} else None
+    end = float(plan.times[-1] / Fraction(2) ** n)
+    firsts = tuple(
+        (reduction, *_of_event(scene, plan, event_of(scene, reduction.of), group, end), read)
+        for reduction in which
+        if reduction.kind == FIRST
+    )
+    follow = any(reduction.kind == LYAPUNOV for reduction in which)
+    exponents = Exponents(_tangents(plan, motions, end), plan.members, group) if follow else None
+    return Job(which, scene.columns, states, firsts, exponents, n)
+
+
+def _of_event(
+    scene: Scene, plan: Plan, event: Event, group: npt.NDArray[np.int64], end: float
+) -> tuple[SearchJob, Singles]:
+    """The job of an event, and what it needs where lanes are not sure."""
+    assert event.expression is not None
+    odd = odd_part(event.expression)  # it crosses zero where the expression does
+    size, motions = size_of(scene, event._replace(zero=odd)), plan.numbers.motions(group)
+    largest = math.frexp(max(float(size.value), float(size.rate)) or 1.0)[1]
+    turns = _turns(plan, group)
+    watched = Watched(plan.numbers.names, scene.columns, odd, 2.0**largest, turns is not None)
+    job = SearchJob(
+        *(watched, _DIRECTIONS[event.direction], 1, end, STRETCH),
+        *(_doubles(motions.rows), _doubles(motions.starts)),
+        *(int(plan.numbers.exponents[group[0]]), turns),
+        max_steps=plan.max_steps,
+    )
+    stopping = event._replace(stop=True)
+    return job, Singles(
+        plan.members, stopping, (Fraction(0), plan.times[-1]), group, plan.max_steps
+    )
+
+
+def _turns(plan: Plan, group: npt.NDArray[np.int64]) -> Doubles | None:
+    """From principal axes to the scene's, one row per member; None where there is no turn."""
+
+    def row(scene: Scene) -> list[float]:
+        return [to_double(x) for axis in scene.body.axes.rows for x in axis]
+
+    if plan.members.axes_stay:
+        base = plan.members.scene
+        return None if base.body.axes.trivial else np.tile(row(base), (len(group), 1))
+    return np.array([row(plan.members[int(k)]) for k in group])
+
+
+def _tangents(plan: Plan, motions: BatchMotions, end: float) -> TangentJob:
+
+    six = np.zeros((motions.many, 6))
+    columns = motions.starts.shape[1]
+    six[:, :columns] = motions.starts
+    tangents = np.zeros_like(six)
+    tangents[:, :columns] = lyapunov.TANGENT[:columns]
+    tangents /= np.linalg.norm(tangents, axis=1)[:, None]
+    return TangentJob(
+        plan.numbers.names, _doubles(motions.rows), six, tangents, end, _LOOKS, None, (), 0.0
+    )
+
+
+def _doubles(rows: Stack) -> Doubles:
+    return np.asarray(rows, dtype=np.float64)
+
+
+class Reduced(NamedTuple):
+    """What a job's members were reduced to: arrays with one entry per member."""
+
+    endings: npt.NDArray[np.uint8]
+    counts: npt.NDArray[np.int64]
+    numbers: JobArrays
+
+    @classmethod
+    def of(cls, arrays: JobArrays) -> Reduced:
+        """From its arrays by name, those of the numbers by their own."""
+        endings = np.asarray(arrays.pop("endings"), dtype=np.uint8)
+        return cls(endings, np.asarray(arrays.pop("counts"), dtype=np.int64), arrays)
+
+
+class Job(NamedTuple):
+    """Members and all that is asked of them: plain data.
+
+    ``states``: for what states tell, if anything; ``firsts``: a job an event, and the members'
+    scenes by which those are done that lanes are not sure of.  ``time_exponent``: of two, that of
+    their unit of time.
+    """
+
+    which: tuple[Reduction, ...]
+    columns: tuple[str, ...]
+    states: FlatJob | None
+    firsts: tuple[tuple[Reduction, SearchJob, Singles, Reader], ...]
+    exponents: Exponents | None
+    time_exponent: int
+
+
+class Exponents(NamedTuple):
+    """Tangents to be followed, and the members that they belong to."""
+
+    job: TangentJob
+    members: Members
+    group: npt.NDArray[np.int64]
+
+
+class Singles(NamedTuple):
+    """Members one by one: their scenes with one event that ends the run."""
+
+    members: Members
+    event: Event
+    times: tuple[Fraction, ...]
+    group: npt.NDArray[np.int64]
+    max_steps: int
+
+    def scene(self, k: int) -> Scene:
+        """The scene of the group's member k."""
+        member = self.members[int(self.group[k])]
+        return replace(member, times=self.times, events=(self.event,), outputs=())
+
+
+def solve(job: Job, stop: StopRequest | None = None) -> Reduced:
+    """A job's members reduced; with ``stop`` the result may be unfinished, and is to be left."""
+    parts = list(_parts(job, stop))
+    endings, counts = parts[0].endings.copy(), parts[0].counts.copy()
+    reached = code(Outcome.REACHED_END)
+    numbers: JobArrays = {}
+    for part in parts[1:]:
+        endings = np.where(endings == reached, part.endings, endings)
+        counts = counts + part.counts
+    for part in parts:
+        numbers |= {n: np.where(endings == reached, x, np.nan) for n, x in part.numbers.items()}
+    return Reduced(endings, counts, numbers)
+
+
+def _parts(job: Job, stop: StopRequest | None) -> Iterator[Reduced]:
+    """What is told by states, by events and by tangents."""
+    if job.states is not None:
+        steps = job.states.steps
+        times = np.ldexp(steps.times, job.time_exponent)
+        solved = job.states.solved(stop)
+        of_states = [
+            reduction for reduction in job.which if reduction.kind not in (FIRST, LYAPUNOV)
+        ]
+        numbers = extremes(of_states, solved.states, times, job.columns, steps.number)
+        yield Reduced(solved.outcomes, solved.steps, numbers)
+    for reduction, first, singles, read in job.firsts:
+        yield _first(reduction, first, singles, read, stop)
+    if job.exponents is not None:
+        yield _exponents(job.exponents, job.time_exponent, stop)
+
+
+def _first(
+    reduction: Reduction,
+    job: SearchJob,
+    singles: Singles,
+    read: Reader,
+    stop: StopRequest | None,
+) -> Reduced:
+
+    crossings = event_batches.solve(job, stop)
+    times = np.ldexp(crossings.times[:, 0], job.exponent)
+    states = read.states(crossings.states)[:, 0]
+    ended, steps = np.array(crossings.outcomes), crossings.steps.copy()
+    not_run, reached = code(Outcome.NOT_RUN), code(Outcome.REACHED_END)
+    outcomes = np.where(ended == event_batches.STOPPED, not_run, reached).astype(np.uint8)
+
+    def heard(*_: object) -> None:
+        if stop is not None and stop():
+            raise KeyboardInterrupt  # the run's own way to be stopped
+
+    options = Options(max_steps=singles.max_steps, project=False)
+    for k in np.flatnonzero(ended == UNSURE).tolist():
+        if stop is not None and stop():
+            break
+        run = solve_one(singles.scene(k), DOUBLE, options, heard)
+        steps[k] = run.steps
+        met = run.events[0]
+        stopped = run.outcome is Outcome.STOPPED_AT_EVENT  # by the last: a contact stops nothing
+        times[k] = float(met.times[-1]) if stopped else np.nan
+        states[k] = met.states[-1] if stopped else np.nan
+        outcomes[k] = code(Outcome.REACHED_END if run.outcome.done else run.outcome)
+    names = reduction.names(job.watched.columns)
+    return Reduced(outcomes, steps, dict(zip(names, (times, *states.T), strict=True)))
+
+
+def _exponents(of: Exponents, time_exponent: int, stop: StopRequest | None) -> Reduced:
+    """As :func:`polhode.lyapunov` tells them: those of chaotic members with their neighbours'."""
+
+    job = of.job
+    tangents = variations.solve(job, stop)
+    fits = np.full((3, len(job.starts)), np.nan)
+    whole = tangents.last == job.looks
+    for k in np.flatnonzero(whole).tolist():
+        fits[:, k] = lyapunov.fitted(tangents.sizes[k].tolist(), abs(job.end))
+    chaotic = [
+        k
+        for k in np.flatnonzero(whole).tolist()
+        if lyapunov.is_chaotic(of.members[int(of.group[k])], fits[2, k], fits[0, k], fits[1, k])
+    ]
+    if chaotic:
+        fits[1, chaotic] = _scatter(job, np.array(chaotic), fits[0, chaotic], stop)
+    fits[:2] = np.ldexp(fits[:2], -time_exponent)
+    outcomes = np.where(whole, code(Outcome.REACHED_END), code(Outcome.NON_FINITE))
+    names = Reduction(LYAPUNOV).names(())
+    return Reduced(outcomes, np.zeros(len(whole), np.int64), dict(zip(names, fits, strict=True)))
+
+
+def _scatter(
+    job: TangentJob, which: npt.NDArray[np.int64], exponents: Doubles, stop: StopRequest | None
+) -> Doubles:
+    """The uncertainty of the exponents of some of a job's motions, from their neighbours."""
+
+    starts = np.concatenate([job.starts[which] * by for by in lyapunov.MOVED])
+    again = np.tile(which, len(lyapunov.MOVED))
+    moved = job._replace(
+        coefficients=job.coefficients[again], starts=starts, tangents=job.tangents[again]
+    )
+    tangents = variations.solve(moved, stop)
+    ends = [
+        lyapunov.fitted(sizes[: last + 1].tolist(), abs(job.end))[0]
+        for sizes, last in zip(tangents.sizes, tangents.last.tolist(), strict=True)
+    ]
+    rows = np.array(ends).reshape(len(lyapunov.MOVED), len(which)).T
+    together = np.column_stack([exponents, rows])
+    return np.array([lyapunov.scatter(row.tolist()) for row in together])
+
+
+# --- reduce many ----------------------------------------------------------------------------------
+
 
 MOST_AT_ONCE = 1 << 22  # numbers of states that one job may hold: 32 MB of doubles
 _JOBS = 256  # at most, but for that
@@ -93,7 +493,7 @@ class Reductions(SweepResult):
             [
                 Column("member", member + 1),
                 *varied_columns(self.varied, member),
-                text_column("outcome", [OUTCOMES[k].value for k in self.endings.tolist()]),
+                Column("outcome", [OUTCOMES[k].value for k in self.endings.tolist()], type=TEXT),
                 Column("steps", self.counts),
                 *(Column(name, x, digits=digits) for name, x in self.numbers.items()),
             ]
@@ -114,6 +514,7 @@ class Reductions(SweepResult):
         ]
 
 
+@with_progress
 def reduce_many(
     scene: Scene | str | Path,
     vary: vary.Vary | None = None,
@@ -187,12 +588,7 @@ def reduce_many(
     >>> polhode.reduce_many("lagrange/nutation", starts=starts, keep="final")["final r"]
     array([2., 3., 4.])
     """
-    if isinstance(progress, bool):
-        asked_for = {key: value for key, value in locals().items() if key != "progress"}
-        if not progress:
-            return reduce_many(**asked_for)
-        with bar(library.load(scene).name) as tell:
-            return reduce_many(**asked_for, progress=tell)
+    assert not isinstance(progress, bool)  # it is a bar's
     scene = library.load(scene, takes=REQUESTS)
     if at is not None:
         scene = scene.at(at)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from polhode.common.arguments import whole
+from polhode.common.arguments import whole, with_progress
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput, counted
 from polhode.common.interrupts import Progress
@@ -36,17 +36,12 @@ from polhode.numbers.conversion import to_extended
 from polhode.numbers.exact import Exact
 from polhode.numbers.expression import odd_part
 from polhode.numbers.number_types import DOUBLE, AnyNumber, AnyVector, Doubles, Integers
+from polhode.results.cells import TEXT
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
-from polhode.scenes.scene_facts import (
-    provenance_fact,
-    row_columns,
-    scene_facts,
-    text_column,
-    time_column,
-)
+from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, time_column
 from polhode.scenes.vocabulary import REQUESTS, STATE
 from polhode.taylor.system import refuse_other_rounding
 
@@ -330,7 +325,7 @@ class Section(Result, ByValue):
             Column("orbit", np.arange(1, len(self.counts) + 1)),
             *(Column(name, values[:, k]) for k, name in enumerate(starts)),
             Column("crossings", self.counts),
-            text_column("outcome", self.outcomes),
+            Column("outcome", self.outcomes, type=TEXT),
         ]
         if self.accuracy:
             meaning = "first crossing without a digit, 0 for none"
@@ -348,6 +343,7 @@ class Section(Result, ByValue):
         ]
 
 
+@with_progress
 def section(
     scene: Scene | str | Path,
     by: str | None = None,

@@ -13,7 +13,7 @@ from typing import Any, Unpack
 
 from flint import arb
 
-from polhode.common.arguments import each, refuse_unknown, with_options
+from polhode.common.arguments import each, refuse_unknown, with_options, with_progress
 from polhode.common.errors import BadInput
 from polhode.enclosures import approximation, attitude, fixed_point_problem
 from polhode.enclosures.fixed_point_problem import (
@@ -56,6 +56,7 @@ _DEARER = 1.4  # with events than without
 
 
 @with_options(ProofOptions)
+@with_progress
 def certify(
     scene: Scene | str | Path,
     at: Iterable[AnyNumber] | None = None,
@@ -283,6 +284,7 @@ def _at_rest(motion: ExactMotion) -> bool:
 
 
 @with_options(ProofOptions)
+@with_progress
 def certify_events(
     scene: Scene | str | Path,
     end: AnyNumber | None = None,

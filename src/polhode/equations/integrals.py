@@ -27,16 +27,7 @@ from polhode.motion.frame import Frame
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
 from polhode.numbers.exact import ZERO, Exact, sign
-from polhode.numbers.number_types import (
-    Extendeds,
-    Flat,
-    Objects,
-    Real,
-    Rows,
-    Scalar,
-    States,
-    combination,
-)
+from polhode.numbers.number_types import Flat, Real, Rows, Scalar, States, combination
 from polhode.numbers.vectors import Vector, dot
 from polhode.scenes import body as classification
 from polhode.scenes.scene import Scene
@@ -226,7 +217,7 @@ def drift(scene: Scene, states: Rows, bits: int) -> Drift:
 
 def departures(
     scene: Scene, states: States | Sequence[Sequence[Real]], bits: int = 53
-) -> dict[str, Extendeds | Objects]:
+) -> dict[str, States]:
     """Tell how far the first integrals depart from those of the start, along states of a motion.
 
     Parameters

@@ -10,37 +10,14 @@ from typing import Any, NamedTuple
 from polhode.common.values import cached_property
 from polhode.equations import kinematics
 from polhode.equations.form import Coefficients, FormValues, equations
-from polhode.equations.kinematics import (
-    AngleFunctions,
-    angles,
-    starting_attitude,
-)
+from polhode.equations.kinematics import AngleFunctions, angles, starting_attitude
 from polhode.motion.frame import Frame
-from polhode.numbers import exact
+from polhode.numbers import exact, number_types, vectors
 from polhode.numbers.conversion import exactly, narrowed, number_value, to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import (
-    EXTENDED,
-    Booleans,
-    Flat,
-    Functions,
-    Gapped,
-    Given,
-    NumberType,
-    Rows,
-    Scalar,
-    kind_of,
-)
+from polhode.numbers.number_types import Booleans, Flat, Functions, Given, NumberType, Rows, Scalar
 from polhode.numbers.row_formulas import RowMap
-from polhode.numbers.vectors import (
-    Vector,
-    dot,
-    is_zero,
-    parallel,
-    quaternion_product,
-    scaled,
-    upright,
-)
+from polhode.numbers.vectors import Vector, dot, is_zero, quaternion_product, scaled, upright
 from polhode.scenes.scene import Scene
 
 # --- equilibrium ----------------------------------------------------------------------------------
@@ -65,7 +42,7 @@ def at_rest(scene: Scene) -> Rest:
     w by itself may only where no torque acts on it: then it does not depend on gamma.
     """
     body, omega, gamma = scene.body, scene.omega, scene.gamma
-    along = gamma is None or parallel(gamma, omega)  # gamma' = gamma × w
+    along = gamma is None or vectors.parallel(gamma, omega)  # gamma' = gamma × w
     if not along and not body.torque_free:
         return Rest(False, False)
     still = is_zero(body.moment(omega, gamma))
@@ -179,7 +156,7 @@ class Readout:
     @cached_property
     def _turn(self) -> Flat:
         """The turn from the frame's axes to the scene's in extended."""
-        return self.frame.matrix(EXTENDED)
+        return self.frame.matrix(number_types.EXTENDED)
 
     def attitude(self, rows: Given, states: Rows) -> Rows | None:
         """q0 q1 q2 q3 beside states, if asked for or needed: of length one, and gamma's."""
@@ -192,7 +169,7 @@ class Readout:
             quaternions: Rows = self._narrowed(self._upright(columns, gamma))
             return quaternions
 
-    def angles(self, rows: Given, states: Rows) -> Gapped | None:
+    def angles(self, rows: Given, states: Rows) -> number_types.Gapped | None:
         """psi theta phi beside states, if asked for; psi and phi None at a pole.
 
         psi is the quaternion's, whose rate is finite at a pole, and phi gamma's; their half turns
@@ -211,7 +188,7 @@ class Readout:
                 turns[0] = self._psi(columns, gamma, turns[0])
             values = np.array(angles([*gamma], turns, self._functions))
             narrow = self._narrowed(values)
-        rows_of_angles: Gapped = narrow.tolist() if self.number.flat else narrow
+        rows_of_angles: number_types.Gapped = narrow.tolist() if self.number.flat else narrow
         for k in np.flatnonzero((gamma[0] == 0) & (gamma[1] == 0)).tolist():
             rows_of_angles[k][0] = rows_of_angles[k][2] = None
         return rows_of_angles
@@ -262,7 +239,7 @@ class Readout:
         """An array of the type, which numpy holds; not a number where there is none."""
         import numpy as np
 
-        array: Flat = np.asarray(rows, dtype=kind_of(self.number))
+        array: Flat = np.asarray(rows, dtype=number_types.kind_of(self.number))
         return array
 
     # -- columns ------------------------------------------------------------------------------

@@ -26,7 +26,7 @@ from polhode.results.cells import doubles
 from polhode.results.result import Storable
 from polhode.results.table import Table
 from polhode.runs.saved import Saved
-from polhode.runs.solve import solve
+from polhode.runs.trajectory import solve
 from polhode.scenes.scene import even_times
 from polhode.scenes.vocabulary import STATE
 

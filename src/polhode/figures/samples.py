@@ -20,8 +20,7 @@ from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import Doubles, Given, NumberType
 from polhode.runs.options import Options, choose_number
-from polhode.runs.solve import solve
-from polhode.runs.trajectory import Trajectory
+from polhode.runs.trajectory import Trajectory, solve
 from polhode.scenes import library
 from polhode.scenes.scene import Scene, even_times
 from polhode.scenes.vocabulary import ATTITUDE, COLUMNS, REQUESTS, STATE

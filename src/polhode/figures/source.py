@@ -30,7 +30,7 @@ from polhode.numbers.conversion import reader as read_times
 from polhode.numbers.decimals import brief
 from polhode.numbers.double_double import Pairs
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import AnyNumber, Extendeds, NumberType, Objects, Rows
+from polhode.numbers.number_types import AnyNumber, NumberType, Rows, States
 from polhode.results import reader
 from polhode.results.result import Storable
 from polhode.runs.options import choose_number
@@ -112,7 +112,7 @@ def _samples(
     return Samples(table.name, columns, scene, float(number.eps) if number else None)
 
 
-def _log10(values: Extendeds | Objects) -> Any:
+def _log10(values: States) -> Any:
     return np.array([exact.log10(abs(exactly(x))) if x else math.nan for x in values])
 
 

@@ -8,23 +8,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal, Never, TypedDict, Unpack, overload
 
-from polhode.common.arguments import refuse_unknown, whole
+from polhode.common.arguments import refuse_unknown, whole, with_progress
 from polhode.common.errors import BadInput
-from polhode.common.interrupts import Progress, bar
+from polhode.common.interrupts import Progress
 from polhode.motion.outcomes import Outcome
 from polhode.numbers import number_types
-from polhode.numbers.number_types import (
-    DEFAULT_MP_DIGITS,
-    AnyNumber,
-    Doubles,
-    Extendeds,
-    NumberType,
-    Objects,
-    wider,
-)
+from polhode.numbers.number_types import AnyNumber, Doubles, Extendeds, NumberType, Objects, wider
 from polhode.runs.options import Options, checked_options, choose_number
-from polhode.runs.solve import solve
-from polhode.runs.trajectory import Trajectory
+from polhode.runs.trajectory import Trajectory, solve
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import REQUESTS
@@ -96,6 +87,7 @@ def integrate(
     digits: int | None = None,
     **options: Unpack[_Options],
 ) -> Trajectory: ...
+@with_progress
 def integrate(
     scene: Scene | str | Path,
     number: str | NumberType | None = None,
@@ -181,13 +173,7 @@ def integrate(
     """
     if unknown:
         refuse_unknown("integrate", integrate, unknown, **_OF_THE_SCENE)
-    if isinstance(progress, bool):
-        listed = locals().items()
-        arguments = {k: value for k, value in listed if k not in ("progress", "unknown")}
-        if not progress:
-            return integrate(**arguments)
-        with bar(library.load(scene).name) as tell:
-            return integrate(**arguments, progress=tell)
+    assert not isinstance(progress, bool)  # it is a bar's
     scene = library.load(scene, takes=REQUESTS)
     if at is not None:
         scene = scene.at(at)
@@ -243,7 +229,7 @@ def needed(scene: Scene, digits: int) -> tuple[float, float]:
     lost = max(errors.lost)
     if lost > LED_FROM and lost <= most:
         lost = max(growth(scene, limit=most + 1, led=True).lost)
-    return lost, max(most, DEFAULT_MP_DIGITS)
+    return lost, max(most, number_types.DEFAULT_MP_DIGITS)
 
 
 def _affordable(steps: int) -> float:

@@ -80,7 +80,7 @@ def in_double(
     """
     if max((abs(to_double(t)) for t in times), default=0.0) * 10.0**scene.log10_rate > farthest:
         return {}
-    from polhode.runs.solve import solve
+    from polhode.runs.trajectory import solve
 
     plain = replace(scene, outputs=outputs, events=events)
     met: list[tuple[Fraction, Any]] = []

@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Never
 
-from polhode.common.arguments import each, of_kind, refuse_unknown
+from polhode.common.arguments import each, of_kind, refuse_unknown, with_progress
 from polhode.common.errors import BadInput, TooManySteps
 from polhode.common.interrupts import Progress
 from polhode.common.values import waiting
@@ -53,6 +53,7 @@ if TYPE_CHECKING:
 _MOTION = ("units", "body", "omega", "gamma")  # fields of a scene that tell its motion
 
 
+@with_progress
 def compare(
     what: Trajectory
     | TrajectoryTable

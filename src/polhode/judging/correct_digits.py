@@ -20,7 +20,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from polhode.common.errors import BadInput
+from polhode.common.errors import BadInput, plain
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.double_double import Pairs, binary_numbers
@@ -135,12 +135,13 @@ def state_errors(states: AnyStates, true: AnyStates, scene: Scene | str | Path) 
     -------
     ndarray of double, shape (N,)
         The larger of the error of omega over the largest size of omega of the true states, and that
-        of gamma.
+        of gamma; nan of a state with a nan.  What is None is not judged.
 
     Raises
     ------
     BadInput
-        A scene that there is not, or states of another shape than the true ones.
+        A scene that there is not, states of another shape than the true ones, or a true one that is
+        not finite.
 
     Examples
     --------
@@ -155,7 +156,14 @@ def state_errors(states: AnyStates, true: AnyStates, scene: Scene | str | Path) 
         raise BadInput(
             scene.name, "states", f"{len(states)} rows", f"{len(true)}, as the true ones"
         )
+    for k, (row, right) in enumerate(zip(states, true, strict=True), 1):
+        if len(row) != len(right):
+            expected = f"{len(right)}, as the true one"
+            raise BadInput(scene.name, f"states, row {k}", f"{len(row)} numbers", expected)
+        if not all(x is not None and x - x == 0 for x in right):
+            raise BadInput(scene.name, f"true, row {k}", plain([*right]), "finite numbers")
     errors: Doubles = 10.0 ** log10_errors(states, true, scene)
+    errors[[any(x is not None and x != x for x in row) for row in states]] = math.nan
     return errors
 
 

@@ -15,8 +15,7 @@ from polhode.judging.reference import ProofTooLong, reference
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import Given, wider
 from polhode.runs.options import Options
-from polhode.runs.solve import solve
-from polhode.runs.trajectory import Trajectory
+from polhode.runs.trajectory import Trajectory, solve
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar
 
 from polhode.closed_forms.families import ClosedForm, closed_form, misfit
 from polhode.closed_forms.kovalevskaya.place import DEGENERATE, ONE_FREQUENCY
-from polhode.common.arguments import each, whole
+from polhode.common.arguments import each, whole, with_progress
 from polhode.common.errors import BadInput, nearest
 from polhode.common.interrupts import Progress
 from polhode.equations.columns import derived
@@ -582,6 +582,7 @@ def _is_near(row: Sequence[Real | None], about: Sequence[float | None]) -> bool:
 # --- by scene -------------------------------------------------------------------------------------
 
 
+@with_progress
 def reference(
     scene: Scene | str | Path,
     backend: str = "flint",

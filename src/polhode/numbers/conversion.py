@@ -12,28 +12,10 @@ from typing import Any, TypeVar, cast, overload
 
 from polhode.common.errors import plain
 from polhode.common.values import cached_property
-from polhode.numbers import exact
+from polhode.numbers import exact, expression, number_types
 from polhode.numbers.exact import ZERO, Exact, Number, sign
-from polhode.numbers.expression import (
-    MAX_BITS,
-    MOST_BITS,
-    TOO_LARGE,
-    ExpressionError,
-    decimal,
-    number,
-    number_in_text,
-)
-from polhode.numbers.number_types import (
-    Doubles,
-    Flat,
-    Given,
-    Numbers,
-    NumberType,
-    Rows,
-    Scalar,
-    extended_here,
-    flat,
-)
+from polhode.numbers.expression import TOO_LARGE, ExpressionError, decimal, number, number_in_text
+from polhode.numbers.number_types import Doubles, Flat, Given, Numbers, NumberType, Rows, Scalar
 
 #: Rows of a run's numbers, or numbers in a row.
 SameRows = TypeVar("SameRows", Rows, Numbers)
@@ -85,7 +67,7 @@ def joined(parts: Sequence[SameRows], number_type: NumberType) -> SameRows:
 
     if len(parts) == 1:
         return parts[0]
-    return np.concatenate([flat(part) for part in parts])
+    return np.concatenate([number_types.flat(part) for part in parts])
 
 
 def to_double(x: Number) -> float:
@@ -167,7 +149,7 @@ def exact_number(value: object) -> Exact:
     x = derived_number(value)
     if isinstance(x, Fraction):
         top, bottom = x.as_integer_ratio()
-        if top.bit_length() - bottom.bit_length() > MAX_BITS:  # before its point, to one
+        if top.bit_length() - bottom.bit_length() > expression.MAX_BITS:  # before its point, to one
             raise ExpressionError(TOO_LARGE)
     return x
 
@@ -175,7 +157,7 @@ def exact_number(value: object) -> Exact:
 def derived_number(value: object) -> Exact:
     """The same of what may be computed from numbers given: a Fraction may be larger."""
     if isinstance(value, Fraction):
-        if max(value.numerator.bit_length(), value.denominator.bit_length()) > MOST_BITS:
+        if max(value.numerator.bit_length(), value.denominator.bit_length()) > expression.MOST_BITS:
             raise ExpressionError(TOO_LARGE)
         return value
     if getattr(value, "ndim", None) == 0 and not isinstance(value, (str, bytes)):
@@ -197,9 +179,12 @@ def _too_large(value: object) -> bool:
     """Whether a number has too many bits, found without making it exact."""
     if (raw := getattr(value, "_mpf_", None)) is not None:
         _, mantissa, exponent, bits = raw
-        return mantissa != 0 and not -MOST_BITS < exponent <= exponent + bits <= MAX_BITS
+        return (
+            mantissa != 0
+            and not -expression.MOST_BITS < exponent <= exponent + bits <= expression.MAX_BITS
+        )
     try:
-        return index(value).bit_length() > MAX_BITS  # type: ignore[arg-type]  # if it is whole
+        return index(value).bit_length() > expression.MAX_BITS  # type: ignore[arg-type]  # if it is whole
     except TypeError:
         return False  # numpy's, none of which is as large; or no number
 
@@ -415,7 +400,7 @@ class ExactNumbers(LazySequence[N]):
         step = ZERO if self.ends is None else self.ends[1] / max(1, self.size - 1)
         plain = isinstance(step, Fraction) and 2.0**-800 < abs(step) < 2.0**800
         plain = plain and self.ends is not None and self.ends[0] == 0
-        if self.size < _FEW or not plain or not extended_here():
+        if self.size < _FEW or not plain or not number_types.extended_here():
             return np.array([to_double(x) for x in self.exact])
         wide = np.arange(self.size) * to_extended(step)
         near: Doubles = wide.astype(np.float64)

@@ -10,20 +10,10 @@ from typing import NamedTuple, overload
 
 from polhode.common.arguments import whole
 from polhode.common.errors import BadInput
-from polhode.numbers import exact
+from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import exact_number, exactly, to_double
 from polhode.numbers.exact import Exact, Irrational, Number
-from polhode.numbers.number_types import (
-    LOG10_2,
-    MAX_DIGITS,
-    AnyNumber,
-    Given,
-    NumberType,
-    Real,
-    Rows,
-    Scalar,
-    bits_for,
-)
+from polhode.numbers.number_types import AnyNumber, Given, NumberType, Real, Rows, Scalar
 
 # --- decimals -------------------------------------------------------------------------------------
 #
@@ -88,13 +78,13 @@ def as_decimal(x: AnyNumber | Real, digits: int = 17) -> str:
     >>> polhode.as_decimal(0.1, 20), polhode.as_decimal("sqrt(2)", 30)
     ('0.10000000000000000555', '1.41421356237309504880168872421')
     """
-    count = whole("as_decimal", "digits", digits, 1, MAX_DIGITS)
+    count = whole("as_decimal", "digits", digits, 1, number_types.MAX_DIGITS)
     try:
         near = exact_number(x)
     except ValueError as fault:
         raise BadInput("as_decimal", "x", x, f"a number ({fault})") from None
     if isinstance(near, Irrational):
-        near = exact.nearest(near, bits_for(2 * count) + 64)
+        near = exact.nearest(near, number_types.bits_for(2 * count) + 64)
     return decimal_string(near, count)
 
 
@@ -111,7 +101,7 @@ def digits_of(numbers: Iterable[Fraction]) -> int:
     """The decimal digits that tell binary numbers of one type: the widest one's, or a double's."""
     odd = (x.numerator // (x.numerator & -x.numerator) for x in numbers if x)
     bits = max(53, *(abs(x).bit_length() for x in odd), 0)
-    return 1 + math.ceil(bits * LOG10_2)
+    return 1 + math.ceil(bits * number_types.LOG10_2)
 
 
 def brief(x: Number, digits: int = 6) -> str:

@@ -9,22 +9,10 @@ from typing import TypeAlias
 import numpy as np
 
 from polhode.common.values import cached_property
+from polhode.numbers import number_types
 from polhode.numbers.conversion import mpf_row, narrowed, to_extended, to_mpf
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import (
-    DerivedRows,
-    Doubles,
-    Flat,
-    Functions,
-    Given,
-    NumberType,
-    Scalar,
-    Stack,
-    extended_here,
-    kind_of,
-    of_extended,
-    of_mpmath,
-)
+from polhode.numbers.number_types import Doubles, Flat, Functions, Given, NumberType, Scalar, Stack
 
 #: What a row of numbers is made into: a function of the row, of coefficients by name and of the
 #: scalar's own functions, written once for any scalar.
@@ -54,7 +42,7 @@ class RowMap:
         self._formula, self._coefficients = formula, coefficients
         self._number, self._width = number_type, width
         self._bits = number_type.bits + GUARD_BITS
-        self._at_once = number_type.name == "double" and extended_here()
+        self._at_once = number_type.name == "double" and number_types.extended_here()
 
     @cached_property
     def _k(self) -> dict[str, Scalar]:
@@ -63,14 +51,14 @@ class RowMap:
             return {name: to_extended(x) for name, x in self._coefficients.items()}
         return {name: to_mpf(x, self._bits) for name, x in self._coefficients.items()}
 
-    def __call__(self, *parts: Given) -> DerivedRows:
+    def __call__(self, *parts: Given) -> number_types.DerivedRows:
         """A row of each row of the formula: those of parts of equal count, one after the other."""
         if self._at_once:
             return self._all_rows(parts)
         from polhode.numbers.mpmath_context import mpmath
 
         with mpmath.workprec(self._bits):
-            fn = of_mpmath()
+            fn = number_types.of_mpmath()
             rows = []
             for pieces in zip(*parts, strict=True):
                 row = self._values([*chain(*pieces)], fn)
@@ -78,7 +66,9 @@ class RowMap:
         if not self._number.flat or None in chain(*rows):
             return rows
 
-        array: Flat = np.array(rows, dtype=kind_of(self._number)).reshape(len(rows), self._width)
+        array: Flat = np.array(rows, dtype=number_types.kind_of(self._number)).reshape(
+            len(rows), self._width
+        )
         return array
 
     def of_stack(self, stack: Stack) -> Stack:
@@ -92,7 +82,7 @@ class RowMap:
             values[there] = [[np.nan if x is None else x for x in row] for row in member]
         return values
 
-    def _all_rows(self, parts: Sequence[Given]) -> DerivedRows:
+    def _all_rows(self, parts: Sequence[Given]) -> number_types.DerivedRows:
         """Of doubles: a formula of whole columns in extended."""
 
         count = len(parts[0])
@@ -104,7 +94,7 @@ class RowMap:
             for column in np.asarray(part, dtype=np.longdouble).reshape(count, -1).T
         ]
         with np.errstate(all="ignore"):
-            values = self._formula(columns, self._k, of_extended())
+            values = self._formula(columns, self._k, number_types.of_extended())
             doubles: Doubles = np.empty((count, len(values)))
             for i, column in enumerate(values):
                 doubles[:, i] = column

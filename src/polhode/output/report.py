@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from polhode.common.arguments import of_kind, whole
+from polhode.common.arguments import of_kind, whole, with_progress
 from polhode.common.errors import BadInput, aligned, counted
 from polhode.common.files import check_writable
 from polhode.common.interrupts import Message
@@ -110,6 +110,7 @@ class Report(Result, ByValue):
         return None
 
 
+@with_progress
 def report(
     *what: Scene | Trajectory | str | Path | Mapping[str, AnyVector] | pd.DataFrame | xr.Dataset,
     number: str | None = None,

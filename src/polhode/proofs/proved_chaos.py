@@ -14,7 +14,7 @@ import numpy as np
 
 from polhode.certificates import verify
 from polhode.certificates.certificate_file import JsonObject, by_checker
-from polhode.common.arguments import whole
+from polhode.common.arguments import whole, with_progress
 from polhode.common.errors import counted
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
@@ -29,14 +29,7 @@ from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import AnyNumber
 from polhode.proofs import chaos_certificate, homoclinic
 from polhode.proofs.chaos_certificate import Guess
-from polhode.proofs.proved_orbit import (
-    ProvedOrbit,
-    as_arb,
-    closed_orbit,
-    down,
-    theorem_of,
-    up,
-)
+from polhode.proofs.proved_orbit import ProvedOrbit, as_arb, closed_orbit, down, theorem_of, up
 from polhode.proofs.theorem import NotProved, Theorem
 from polhode.results.table import Fact, Table
 from polhode.scenes import library
@@ -158,6 +151,7 @@ _ORBITS = 4  # unstable ones of a search that are tried
 _EACH = 4  # homoclinic orbits of one of them, at first
 
 
+@with_progress
 def prove_chaos(
     scene: Scene | str | Path,
     orbit: Orbit | Scene | str | Path | None = None,

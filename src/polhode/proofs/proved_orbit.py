@@ -16,7 +16,7 @@ from flint import arb
 
 from polhode.certificates import verify
 from polhode.certificates.certificate_file import JsonObject, by_checker
-from polhode.common.arguments import refuse_unknown, whole, with_options
+from polhode.common.arguments import refuse_unknown, whole, with_options, with_progress
 from polhode.common.errors import BadInput, aligned
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
@@ -238,6 +238,7 @@ MOST_DIGITS = 200
 
 
 @with_options(NearOrbit)
+@with_progress
 def prove_orbit(
     scene: Scene | str | Path,
     orbit: Orbit | Scene | str | Path | None = None,
@@ -416,6 +417,7 @@ def _line(proof: ProvedOrbit | NotProved) -> str:
     return f"proved: {proof.kind}, least period {period} +- {radius}, residue {proof.residue}"
 
 
+@with_progress
 def prove_orbits(
     scene: Scene | str | Path,
     grid: tuple[int, int] | None = None,

@@ -13,7 +13,7 @@ from typing import NamedTuple, Unpack
 
 from polhode.certificates import verify
 from polhode.certificates.certificate_file import JsonObject, by_checker
-from polhode.common.arguments import refuse_unknown, with_options
+from polhode.common.arguments import refuse_unknown, with_options, with_progress
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
@@ -143,6 +143,7 @@ Prover = Callable[[int], ProvedOrbit]
 
 
 @with_options(NearOrbit)
+@with_progress
 def prove_stability(
     scene: Scene | str | Path | ProvedOrbit,
     orbit: Orbit | Scene | str | Path | None = None,

@@ -21,15 +21,9 @@ from polhode.equations.kinematics import starting_attitude
 from polhode.numbers.number_types import Booleans, Complexes, Doubles, GivenRow, Integers, Scalar
 from polhode.numbers.polynomials import fraction_near
 from polhode.numbers.vectors import quaternion_product
+from polhode.refined import compiled_field
 from polhode.refined.collocation_tables import Tables
-from polhode.refined.compiled_field import (
-    FIELD_SHIFT,
-    CannotRefine,
-    IntervalsTooLong,
-    Limbs,
-    LimbSums,
-    product,
-)
+from polhode.refined.compiled_field import FIELD_SHIFT, CannotRefine, Limbs, LimbSums, product
 from polhode.refined.deferred_correction import BlockConstants, iterated
 from polhode.scenes.scene import Scene
 
@@ -92,7 +86,7 @@ def turns(
         size = float(np.abs(r).max())
         if count and size * _ENDS < constants.target:
             if (tails > largest_tail).any():  # told by the last sweep, which no guess disturbs
-                raise IntervalsTooLong(tails > largest_tail)
+                raise compiled_field.IntervalsTooLong(tails > largest_tail)
             whole = ends.transpose(2, 0, 1).tolist()
             return BlockTurns([[limbs.integer(x) for x in row] for row in whole], t)
         rest = np.zeros_like(t)

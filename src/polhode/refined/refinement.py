@@ -18,19 +18,12 @@ import numpy as np
 
 from polhode.common.interrupts import Progress
 from polhode.numbers.number_types import Doubles, Integers
+from polhode.refined import double_run
 from polhode.refined.attitude import Following, RefinedAttitude, turns
 from polhode.refined.collocation_tables import tables
 from polhode.refined.compiled_field import CannotRefine, IntervalsTooLong, Limbs, TooFarOff, kernels
 from polhode.refined.deferred_correction import BlockConstants, Intervals, SolvedBlock, solve
-from polhode.refined.double_run import (
-    STEPS,
-    Base,
-    RationalSystem,
-    base,
-    on_grid,
-    rational_system,
-    with_rates,
-)
+from polhode.refined.double_run import STEPS, Base, RationalSystem, base, on_grid, with_rates
 from polhode.scenes.scene import Scene
 from polhode.taylor.heyoka import one_blas_thread, one_thread
 
@@ -341,7 +334,7 @@ def refine(
     for another form than the principal one.
     """
     backward = times[-1] < 0
-    exact = rational_system(scene, goal.limbs.finest + 64, backward)
+    exact = double_run.rational_system(scene, goal.limbs.finest + 64, backward)
     run = _Run(exact, [*map(abs, times)], goal, m, following, -1 if backward else 1)
     with one_thread(), one_blas_thread():
         stopped = run.to_the_end(progress, max_steps)

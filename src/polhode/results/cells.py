@@ -31,14 +31,7 @@ from typing import TYPE_CHECKING, Any
 from polhode.common.errors import aligned, printable
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, number_value
-from polhode.numbers.decimals import (
-    Ball,
-    decimal_string,
-    guaranteed,
-    in_full,
-    is_decimal,
-    strings,
-)
+from polhode.numbers.decimals import Ball, decimal_string, guaranteed, in_full, is_decimal, strings
 from polhode.numbers.exact import Irrational
 from polhode.numbers.number_types import DOUBLE as DOUBLE_TYPE
 from polhode.numbers.number_types import EXTENDED, Doubles, NumberType

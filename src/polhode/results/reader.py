@@ -19,16 +19,7 @@ import numpy as np
 
 from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import MOST_UNPACKED, check_writable, is_stream, read_npz, read_whole
-from polhode.results.cells import (
-    DOUBLE,
-    INTEGER,
-    OBJECT,
-    TEXT,
-    TRUTH,
-    of_json,
-    plain,
-    values_of,
-)
+from polhode.results.cells import DOUBLE, INTEGER, OBJECT, TEXT, TRUTH, of_json, plain, values_of
 from polhode.results.table import RESERVED, Column, Content, Fact, Table, Value
 from polhode.results.writer import ABOUT, ENDINGS, FORMAT, METADATA, beside, digest, needed
 

@@ -12,36 +12,20 @@ import numpy.typing as npt
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput, counted
 from polhode.common.values import ByValue, cached_property, may_wait
+from polhode.equations import integrals
 from polhode.equations.columns import derived_stack, of_state_alone
-from polhode.equations.integrals import (
-    Choices,
-    Drift,
-    FirstIntegrals,
-    coefficients,
-    first_integrals,
-    measures,
-)
 from polhode.motion.frame import Frame
 from polhode.motion.outcomes import OUTCOMES, Outcome
+from polhode.numbers import number_types
 from polhode.numbers.decimals import shown
 from polhode.numbers.double_double import Pairs, sqrt
-from polhode.numbers.number_types import (
-    Booleans,
-    Doubles,
-    Flat,
-    Indices,
-    NumberType,
-    Rows,
-    Stack,
-    flat,
-    kind_of,
-    read_only,
-)
+from polhode.numbers.number_types import Booleans, Doubles, Flat, Indices, NumberType, Rows, Stack
 from polhode.results.cells import DOUBLE, EXACT, lines
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
 from polhode.runs.members import Block, ColumnVector, Members, paired
-from polhode.runs.trajectory import ERROR, Trajectory
+from polhode.runs.options import Options
+from polhode.runs.trajectory import ERROR, Trajectory, solve
 from polhode.scenes import vary
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import (
@@ -97,12 +81,12 @@ class SweepResult(Result, ByValue):
 # hold far more than the states do.
 
 
-_IN_ARRAYS = Choices(np.sqrt, np.maximum, np.where)
+_IN_ARRAYS = integrals.Choices(np.sqrt, np.maximum, np.where)
 _NO_AREA = 2.0**-80  # of the terms of f, which may then be zero
 
 
 @np.errstate(all="ignore")
-def drifts(members: Members, states: Stack, drift_of: Callable[[int], Drift]) -> Doubles:
+def drifts(members: Members, states: Stack, drift_of: Callable[[int], integrals.Drift]) -> Doubles:
     """Largest drift of h, f, |gamma|² and the fourth of each member, shape (members, 4).
 
     nan where there is none, or the member has no state.  ``states``: (members, times, columns);
@@ -116,7 +100,7 @@ def drifts(members: Members, states: Stack, drift_of: Callable[[int], Drift]) ->
         for which in _alike(block, alone):
             at = block.first + which
             member = members[int(at[0])]
-            known = first_integrals(Frame.of(member).inside(member))
+            known = integrals.first_integrals(Frame.of(member).inside(member))
             rows = _block_drifts(known, block, which, states[at], there[at], members.gammas is None)
             drift[at, : rows.shape[1]] = rows
         for k in block.first + np.flatnonzero(alone):
@@ -159,7 +143,7 @@ def _alike(block: Block, alone: Booleans) -> list[Indices]:
 
 
 def _block_drifts(
-    known: FirstIntegrals,
+    known: integrals.FirstIntegrals,
     block: Block,
     which: Indices,
     states: Stack,
@@ -175,13 +159,15 @@ def _block_drifts(
     if not unit:
         length = sqrt(gamma[0] * gamma[0] + gamma[1] * gamma[1] + gamma[2] * gamma[2])
         gamma = [g / length for g in gamma]
-    k = coefficients(moments, torque, _largest(moments), known.onto[-1], known.order, sqrt)
+    k = integrals.coefficients(
+        moments, torque, _largest(moments), known.onto[-1], known.order, sqrt
+    )
     start = known.values([*omega, *gamma], k, Pairs(0.0))
     columns = [paired(states[:, :, i]) for i in range(states.shape[2])]
     values = known.values(columns, k, Pairs(0.0))
     high = {name: x.hi for name, x in k.items()}
     a, b, c = ([x.hi for x in vector] for vector in (moments, torque, omega))
-    scales = measures(known, high, a, b, c, _IN_ARRAYS)
+    scales = integrals.measures(known, high, a, b, c, _IN_ARRAYS)
     drift = [
         np.where(there, np.abs((value - target).hi) / measure, -np.inf).max(axis=1)
         for value, target, measure in zip(values, start, scales, strict=True)
@@ -213,7 +199,7 @@ def _largest(values: list[Pairs]) -> Pairs:
 def no_states(number: NumberType, shape: tuple[int, ...]) -> Stack:
     """States of this shape, none of them a number."""
     if number.flat:
-        return flat(np.full(shape, np.nan, kind_of(number)))
+        return number_types.flat(np.full(shape, np.nan, number_types.kind_of(number)))
     from polhode.numbers.mpmath_context import mpmath, ordinary
 
     return np.full(shape, ordinary(mpmath.nan), dtype=object)
@@ -313,7 +299,7 @@ class Ensemble(SweepResult):
             scene=member.at(self.scene.times),
             number=self.number,
             times=self.times[:count],
-            states=read_only(states, len(member.columns)),
+            states=number_types.read_only(states, len(member.columns)),
             outcome=self.outcome(index),
             steps=int(self.counts[index]),
             reached=self.arrived[index],
@@ -355,9 +341,6 @@ class Ensemble(SweepResult):
         when they are first asked for.  nan at times that a member did not reach.  Raises BadInput
         for a scene without gamma.
         """
-        from polhode.runs.options import Options
-        from polhode.runs.solve import solve
-
         if self.scene.gamma is None:
             raise BadInput(self.scene.name, "attitude", None, "a start with gamma")
         shape = (len(self), len(self.times), len(ATTITUDE))
@@ -448,7 +431,7 @@ class Ensemble(SweepResult):
         member = np.arange(len(self))
         drift = (
             Column(f"drift_{name}", self.drift[:, k], "largest departure of an integral, relative")
-            for k, name in enumerate(Drift._fields)
+            for k, name in enumerate(integrals.Drift._fields)
         )
         return Table(
             [

@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.arguments import rows_of, steps, unit_rows, whole
+from polhode.common.arguments import rows_of, steps, unit_rows, whole, with_progress
 from polhode.common.checkpoint import JobArrays, JobCheckpoint
 from polhode.common.errors import BadInput
-from polhode.common.interrupts import Delay, Progress, StopRequest, bar
+from polhode.common.interrupts import Delay, Progress, StopRequest
 from polhode.common.processes import run_jobs
 from polhode.common.values import cached_property, refuse_too_much, waiting
 from polhode.equations.readout import Readout
@@ -31,14 +31,8 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import AnyNumber, Indices, NumberType, Stack, flat, kind_of
 from polhode.runs.ensemble import Ensemble, no_states
 from polhode.runs.members import Members, SweepNumbers, fastest, inside, numbers_of
-from polhode.runs.options import (
-    Options,
-    check_method,
-    choose_number,
-    hindrance_to_refinement,
-    rounded_tolerance,
-)
-from polhode.runs.solve import solve
+from polhode.runs.options import Options, check_method, choose_number, rounded_tolerance
+from polhode.runs.trajectory import solve
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import REQUESTS
@@ -283,7 +277,7 @@ class WideJob(NamedTuple):
             if stop is not None and stop():
                 break
             options = self.options
-            if options.method == "refined" and hindrance_to_refinement(member, number, options):
+            if options.method == "refined" and options.hindrance(member, number):
                 options = options._replace(method="taylor")
             run = solve(member, number, options, heard)
             if run.outcome is Outcome.INTERRUPTED:
@@ -373,6 +367,7 @@ _STEPS_PER_RADIAN = 2.0  # about, at the fastest rate, in double
 _SHARE = 0.25  # of a scalar step that a lane's costs
 
 
+@with_progress
 def integrate_many(
     scene: Scene | str | Path,
     vary: vary.Vary | None = None,
@@ -472,12 +467,7 @@ def integrate_many(
     >>> polhode.integrate_many("lagrange/nutation", starts=starts, at=[1, 2]).states.shape
     (100, 2, 6)
     """
-    if isinstance(progress, bool):
-        arguments = {key: value for key, value in locals().items() if key != "progress"}
-        if not progress:
-            return integrate_many(**arguments)
-        with bar(library.load(scene).name) as tell:
-            return integrate_many(**arguments, progress=tell)
+    assert not isinstance(progress, bool)  # it is a bar's
     called_at = time.perf_counter()
     scene = library.load(scene, takes=REQUESTS)
     if at is not None:

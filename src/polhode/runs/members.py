@@ -26,15 +26,7 @@ from polhode.numbers.conversion import ExactNumbers, LazySequence, exactly, numb
 from polhode.numbers.decimals import shown
 from polhode.numbers.double_double import Pairs, of_fractions, of_quotients, pairs
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
-from polhode.numbers.number_types import (
-    Booleans,
-    Doubles,
-    Flat,
-    Indices,
-    NumberType,
-    Scalar,
-    kind_of,
-)
+from polhode.numbers.number_types import Booleans, Doubles, Flat, Indices, NumberType, kind_of
 from polhode.numbers.vectors import scaled
 from polhode.scenes import scene_file, vocabulary
 from polhode.scenes.body import Body, PrincipalAxes
@@ -349,7 +341,7 @@ def _leaves(data: dict[str, Any]) -> Iterator[tuple[str, Slot]]:
 
 #: A number that all members have in common (Exact), or one for each: Pairs, or the floats of an
 #: array.
-MemberColumn: TypeAlias = Scalar
+MemberColumn: TypeAlias = Any
 ColumnVector: TypeAlias = tuple[MemberColumn, MemberColumn, MemberColumn]
 
 _LEAST, _MOST = 2.0**-200, 2.0**200  # between these products and quotients are in doubles' range

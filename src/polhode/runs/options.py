@@ -35,6 +35,28 @@ class Options(NamedTuple):
     digits: int | None = None
     other: bool = False
 
+    def hindrance(self, scene: Scene, number: NumberType) -> str | None:
+        """What would have to be otherwise for such a run to be refined; None where nothing has."""
+        if number.bits <= 64:
+            return "quad or more digits"
+        from polhode.refined.refinement import MOST_DIGITS
+
+        if int(number.most_digits) > MOST_DIGITS:
+            return f"at most {MOST_DIGITS} digits"
+        if scene.form not in LINEAR:
+            return "one of the forms " + ", ".join(LINEAR)
+        if "angles" in scene.modelled and scene.starts_at_pole:
+            return "no angles of a motion that starts at a pole"
+        if scene.events:
+            return "no events"
+        if self.tolerance is not None or self.inputs is not None or self.project:
+            return "no tolerance, rounded inputs or projection of its own"
+        if scene.log10_angle > _MOST_LOG10_ANGLE:
+            return f"a motion of at most 10**{_MOST_LOG10_ANGLE} radians"
+        if readout.at_rest(scene).state:
+            return "a motion that does not stand still"
+        return None
+
 
 USUAL = Options()
 
@@ -130,29 +152,6 @@ _MOST_LOG10_ANGLE = 12  # beyond it no run ends
 #: loaded, from 80 on in a process that has to load it.
 _LEAST_ANGLE = 20.0
 _LEAST_ANGLE_MP = 120.0  # for more limbs than quad's, whose field takes seconds to compile once
-
-
-def hindrance_to_refinement(scene: Scene, number: NumberType, options: Options) -> str | None:
-    """What would have to be otherwise for such a run to be refined; None where nothing has."""
-    if number.bits <= 64:
-        return "quad or more digits"
-    from polhode.refined.refinement import MOST_DIGITS
-
-    if int(number.most_digits) > MOST_DIGITS:
-        return f"at most {MOST_DIGITS} digits"
-    if scene.form not in LINEAR:
-        return "one of the forms " + ", ".join(LINEAR)
-    if "angles" in scene.modelled and scene.starts_at_pole:
-        return "no angles of a motion that starts at a pole"
-    if scene.events:
-        return "no events"
-    if options.tolerance is not None or options.inputs is not None or options.project:
-        return "no tolerance, rounded inputs or projection of its own"
-    if scene.log10_angle > _MOST_LOG10_ANGLE:
-        return f"a motion of at most 10**{_MOST_LOG10_ANGLE} radians"
-    if readout.at_rest(scene).state:
-        return "a motion that does not stand still"
-    return None
 
 
 def refinement_pays(scene: Scene, number: NumberType) -> bool:

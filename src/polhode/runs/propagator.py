@@ -13,29 +13,13 @@ from weakref import finalize
 
 import numpy as np
 
-from polhode.common.arguments import (
-    not_taken,
-    numbers_given,
-    of_unit_length,
-    rows_of,
-    unit_rows,
-    whole,
-)
+from polhode.common.arguments import is_unit, not_taken, numbers_given, rows_of, unit_rows, whole
 from polhode.common.errors import BadInput, plain
 from polhode.common.values import cached_property, refuse_too_much
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import (
-    DOUBLE,
-    EXTENDED,
-    AnyNumber,
-    Doubles,
-    Extendeds,
-    Flat,
-    double_array,
-    flat,
-)
+from polhode.numbers.number_types import DOUBLE, EXTENDED, AnyNumber, Doubles, Extendeds, Flat, flat
 from polhode.runs.options import Options, cadence, checked_options, choose_number
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
@@ -136,7 +120,7 @@ class Propagator:
         if system.tolerance is not None and self.number == DOUBLE and every is None:
             loose = float(system.tolerance) if system.tolerance > DOUBLE.eps else 0.0
         self._long_steps = [
-            LongSteps(system, choice, double_array(self._state), back)
+            LongSteps(system, choice, np.asarray(self._state, np.float64), back)
             for choice in defaults.long_steps(loose)
         ]
         self._far = math.inf  # (radians)**2 from where on heyoka's own order is not the fastest
@@ -229,7 +213,7 @@ class Propagator:
                 numbers = start.tolist()
                 p, q, r, a, b, c = numbers if len(numbers) == 6 else (*numbers, 1.0, 0.0, 0.0)
                 off = not -self._slack <= a * a + b * b + c * c - 1.0 <= self._slack
-                if off and not of_unit_length((a, b, c), self.number.eps):
+                if off and not is_unit((a, b, c), self.number.eps):
                     raise self._bad("start", plain(start), "gamma of length 1, to 8 eps")
                 if self._long:
                     p, q, r = float(p), float(q), float(r)  # whose squares are inf, unsaid
@@ -468,7 +452,7 @@ def turned(rows: Flat, turn: Flat) -> Flat:
     """Rows in principal axes, each number rounded once."""
     wide = rows.astype(np.longdouble).reshape(-1, 3)
     principal_rows = (wide @ turn.T).reshape(rows.shape)
-    return double_array(principal_rows) if rows.dtype == np.float64 else principal_rows
+    return principal_rows.astype(np.float64) if rows.dtype == np.float64 else principal_rows
 
 
 def _doubles(values: Iterable[Exact]) -> Doubles:

@@ -17,16 +17,10 @@ from polhode.motion.outcomes import EventTimes, Outcome, Projection
 from polhode.numbers.conversion import exactly, number_value, to_double, to_mpf
 from polhode.numbers.exact import ZERO
 from polhode.numbers.number_types import Doubles, NumberType, Real, Row, Rows, Scalar
+from polhode.refined import refinement
 from polhode.refined.attitude import Following, RefinedAttitude
 from polhode.refined.compiled_field import CannotRefine, Stalled
-from polhode.refined.refinement import (
-    MOST_DIGITS,
-    STEPS_AN_INTERVAL,
-    Accuracy,
-    RefinedStates,
-    accuracy,
-    refine,
-)
+from polhode.refined.refinement import MOST_DIGITS, Accuracy, RefinedStates, accuracy, refine
 from polhode.runs.options import USUAL, Options
 from polhode.scenes.scene import Scene
 from polhode.taylor.system import System
@@ -123,7 +117,7 @@ class RefinedMotion:
             scene,
             times,
             accuracy(goal),
-            _OTHER_INTERVALS if self.options.other else STEPS_AN_INTERVAL,
+            _OTHER_INTERVALS if self.options.other else refinement.STEPS_AN_INTERVAL,
             progress=progress,
             max_steps=self.options.max_steps,
             following=following,

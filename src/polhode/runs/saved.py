@@ -15,21 +15,13 @@ from polhode.common.errors import BadInput, nearest
 from polhode.common.values import cached_property, same
 from polhode.equations.integrals import Drift
 from polhode.motion.outcomes import Events, EventTimes, Interpolant, Outcome, Projection, RowReader
+from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly, to_double
-from polhode.numbers.number_types import (
-    LEAST_MP_BITS,
-    MAX_DIGITS,
-    NAMES,
-    NumberType,
-    Row,
-    States,
-    named,
-    read_only,
-)
+from polhode.numbers.number_types import NumberType, Row, States, read_only
 from polhode.results.reader import DAMAGED, content_of
 from polhode.results.result import Result
 from polhode.results.table import Content, Fact, Table, Value
-from polhode.runs.trajectory import Trajectory
+from polhode.runs.trajectory import Trajectory, solve
 from polhode.scenes import scene_file
 from polhode.scenes.scene import Scene, listed_times
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE
@@ -199,7 +191,7 @@ def run_of(content: Content) -> Trajectory:
         raise ValueError("times: not those of the scene")
     angles = errors = attitude = projection = None
     digits, events = facts["digits"], Events(())
-    if digits is not None and not 0 < _whole(digits) <= MAX_DIGITS:
+    if digits is not None and not 0 < _whole(digits) <= number_types.MAX_DIGITS:
         raise ValueError("no digits of a run")
     if scene.events:
         events = _events(facts, scene, number)
@@ -243,10 +235,9 @@ def run_of(content: Content) -> Trajectory:
 
 def _number(facts: Mapping[str, Value]) -> NumberType:
     number_type = NumberType(_of(str, facts["number"]), _whole(facts["bits"]))
-    possible = number_type.name in NAMES and (
-        number_type.name != "mp" or number_type.bits >= LEAST_MP_BITS
-    )
-    if not possible or (number_type.name != "mp" and number_type != named(number_type.name)):
+    name = number_type.name
+    possible = name in number_types.NAMES and number_type == number_types.named(name)
+    if not (number_type.bits >= number_types.LEAST_MP_BITS if name == "mp" else possible):
         raise ValueError(f"number: {number_type.name} of {number_type.bits} bits")
     return number_type
 
@@ -357,11 +348,10 @@ class _Recomputed:
     @cached_property
     def dense(self) -> Interpolant:
         """The dense output of the run made once more."""
-        from polhode.runs.solve import made_again  # heyoka: a file is read without
-        from polhode.taylor.motion import Motion
+        from polhode.taylor.motion import Motion  # heyoka: a file is read without
 
         run = self.run
-        again = made_again(run, run.scene)
+        again = solve(run.scene, run.number, run.options)
         size = len(run.times)
         if not same(list(again.states[:size]), list(run.states)):
             warnings.warn(

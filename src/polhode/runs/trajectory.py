@@ -3,41 +3,34 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Generic, Literal, NamedTuple, SupportsFloat, cast, overload
+from functools import partial
+from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, SupportsFloat, cast, overload
 
-from polhode.common.errors import counted, few, nearest
-from polhode.common.values import ByValue, cached_property, may_wait
+from polhode.common.arguments import numbers_given
+from polhode.common.errors import BadInput, counted, few, nearest, plain
+from polhode.common.interrupts import Progress
+from polhode.common.values import ByValue, cached_property, may_wait, waiting
 from polhode.equations.columns import derived, derived_words
 from polhode.equations.form import equations
 from polhode.equations.integrals import Drift, drift
 from polhode.equations.kinematics import Hodographs
 from polhode.motion.outcomes import NO_EVENTS, Events, Interpolant, Outcome, Projection
-from polhode.numbers.conversion import ExactNumbers, to_double
+from polhode.numbers import number_types
+from polhode.numbers.conversion import TIME, ExactNumbers, reader, to_double
 from polhode.numbers.decimals import in_full, shown, strings
-from polhode.numbers.number_types import (
-    AnyNumber,
-    DerivedRows,
-    Flat,
-    Given,
-    NumberType,
-    Objects,
-    Real,
-    Reread,
-    Row,
-    Rows,
-    States,
-    kind_of,
-    part_of,
-)
+from polhode.numbers.exact import sign
+from polhode.numbers.number_types import AnyNumber, Flat, Given, NumberType, Real, Row, Rows, States
 from polhode.results.cells import DOUBLE
 from polhode.results.result import Result
 from polhode.results.table import Column, Fact, Table
+from polhode.runs.options import USUAL, Options, cadence
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, time_column
-from polhode.scenes.vocabulary import COLUMNS, Several, Single
+from polhode.scenes.vocabulary import ATTITUDE, COLUMNS, Several, Single
 from polhode.taylor import defaults
 
 # --- error estimate -------------------------------------------------------------------------------
@@ -206,10 +199,8 @@ class Trajectory(Result, ByValue, Generic[S_co]):
             raise ValueError("states at the output times only: nothing was integrated here")
         import numpy as np
 
-        from polhode.runs import solve
-
-        rows = solve.at_times(self, "states", t)
-        kind = kind_of(self.number)
+        rows = _at_times(self, "states", t)
+        kind = number_types.kind_of(self.number)
         states = np.array(rows, dtype=kind)
         if len(rows) == 0:
             states = states.reshape(0, len(self.columns))
@@ -246,13 +237,13 @@ class Trajectory(Result, ByValue, Generic[S_co]):
 
     __iter__ = None  # columns have names, and no order
 
-    def _column(self, rows: Given, place: int) -> Flat | Objects:
+    def _column(self, rows: Given, place: int) -> Flat | number_types.Objects:
         import numpy as np
 
         if isinstance(rows, np.ndarray):
-            cells: Flat | Objects = rows[:, place]
+            cells: Flat | number_types.Objects = rows[:, place]
             return cells
-        column = np.empty(len(rows), dtype=kind_of(self.number))
+        column = np.empty(len(rows), dtype=number_types.kind_of(self.number))
         for k, row in enumerate(rows):
             column[k] = math.nan if row[place] is None else row[place]
         column.flags.writeable = False
@@ -304,11 +295,9 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     def attitude_at(self, t: Iterable[AnyNumber]) -> list[Row]: ...
     @overload
     def attitude_at(self, t: SupportsFloat) -> Row: ...
-    def attitude_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
+    def attitude_at(self, t: AnyNumber | Iterable[AnyNumber]) -> number_types.Reread:
         """The quaternion q0 q1 q2 q3 at time t, or rows of it; made as states are."""
-        from polhode.runs import solve
-
-        return solve.at_times(self, "attitude", t)
+        return _at_times(self, "attitude", t)
 
     @overload
     def angles_at(self, t: str) -> list[Real | None]: ...  # type: ignore[overload-overlap]
@@ -316,11 +305,9 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     def angles_at(self, t: Iterable[AnyNumber]) -> list[list[Real | None]]: ...
     @overload
     def angles_at(self, t: SupportsFloat) -> list[Real | None]: ...
-    def angles_at(self, t: AnyNumber | Iterable[AnyNumber]) -> Reread:
+    def angles_at(self, t: AnyNumber | Iterable[AnyNumber]) -> number_types.Reread:
         """psi, theta, phi at time t, or rows of them; made as states are."""
-        from polhode.runs import solve
-
-        return solve.at_times(self, "angles", t)
+        return _at_times(self, "angles", t)
 
     @overload
     def plot(
@@ -402,7 +389,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         return self._least_expected[1]
 
     @cached_property
-    def outputs(self) -> Mapping[str, DerivedRows]:
+    def outputs(self) -> Mapping[str, number_types.DerivedRows]:
         """Rows of all outputs besides the states, by the words of ``run.outputs``.
 
         Outputs that others need are included; that of hodographs is omega in space.
@@ -412,7 +399,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         >>> {word: len(rows) for word, rows in run.outputs.items()}
         {'attitude': 2, 'angles': 2}
         """
-        values: dict[str, DerivedRows | None] = {
+        values: dict[str, number_types.DerivedRows | None] = {
             word: getattr(self, word) for word, x in COLUMNS.items() if x.how == "integrated"
         }
         needs: dict[str, Given | None] = {"state": self.states, **values}
@@ -433,7 +420,17 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         space = self.outputs.get("hodographs")
         if space is None:
             return None
-        return Hodographs(part_of(self.states, slice(3)), space)
+        return Hodographs(number_types.part_of(self.states, slice(3)), space)
+
+    @property
+    def options(self) -> Options:
+        """How it was made; of one that steps did not bring to the end, to end soon after it did."""
+        every = None if self.projection is None else self.projection.every
+        tolerance = None if self.at_full_tolerance else Fraction(self.tolerance)
+        most = None
+        if self.method == "taylor" and self.outcome in (Outcome.STEP_LIMIT, Outcome.INTERRUPTED):
+            most = self.steps + defaults.of(self.number).chunk  # the last may have gone uncounted
+        return Options(self.method, most, every or False, tolerance, None, self.digits)
 
     @property
     def cause(self) -> str:
@@ -521,3 +518,158 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     def state_strings(self) -> list[list[str]]:
         """The states as decimal strings that round-trip."""
         return strings(self.states, self.number)
+
+
+# --- solve ----------------------------------------------------------------------------------------
+
+
+def solve(
+    scene: Scene,
+    number: NumberType,
+    options: Options = USUAL,
+    progress: Progress | None = None,
+    *,
+    interruptible: bool = True,
+) -> Trajectory:
+    """Solve the Euler–Poisson equations (3.29) of a scene in one number type, once.
+
+    Ctrl-C ends the run within a second, and the trajectory holds what was reached; of a run on the
+    way to something else, not ``interruptible``, it goes on as KeyboardInterrupt.  Raises BadInput
+    for what cannot be integrated.
+    """
+    from polhode.runs.solve import followed  # heyoka: a run in a file is looked at without
+
+    motion, times, rows, outcome, seconds, failed = followed(
+        scene, number, options, progress, interruptible=interruptible
+    )
+    read = motion.read
+    states, attitude, angles = read.states(rows), None, None
+    if scene.modelled:
+        attitude, angles = read.attitude(rows, states), read.angles(rows, states)
+    return Trajectory(
+        scene=scene,
+        number=number,
+        times=times if len(rows) == len(times) else times[: len(rows)],
+        states=number_types.read_only(states, len(scene.columns)),
+        attitude=None if attitude is None else number_types.read_only(attitude, len(ATTITUDE)),
+        angles=None if angles is None else tuple(map(tuple, angles)),
+        events=Events(motion.events),
+        projection=motion.projection,
+        outcome=outcome,
+        steps=motion.steps,
+        reached=motion.reached,
+        tolerance=float(options.tolerance or 2.0 ** (1 - number.bits)),
+        digits=options.digits,
+        provenance=waiting(partial(_made_of, scene, seconds, {**failed, **motion.remarks})),
+        dense=motion,
+        method=motion.method,
+        errors=motion.errors,
+    )
+
+
+def _made_of(
+    scene: Scene, seconds: Mapping[str, float], more: Mapping[str, str]
+) -> Mapping[str, object]:
+    """A trajectory's provenance, made when it is wanted: it takes as long as a short run."""
+    return {**scene.provenance(), "seconds": seconds, **more}
+
+
+# --- other times ----------------------------------------------------------------------------------
+#
+# State, attitude and angles of a run at any time: its own rows, or rows made when asked for.
+
+
+def _at_times(
+    run: Trajectory, output: str, t: AnyNumber | Iterable[AnyNumber]
+) -> number_types.Reread:
+    """States, attitude or angles at time t, or rows of them; raises BadInput beyond what was
+    reached.
+
+    At a time of the run's outputs they are that row.  psi and phi count whole turns from the start
+    on, so they are integrated from there.
+    """
+    scene = run.scene
+    if output != "states" and scene.gamma is None:
+        raise BadInput(scene.name, "start.gamma", None, f"a unit vector, for {output}")
+    numbers, several = numbers_given(t)
+    times = [_time(run, x) for x in numbers]
+    own: Given | None = getattr(run, output)
+    rows: dict[Fraction, Any] = {}
+    if own is not None:
+        places = ((x, bisect_left(run.times, abs(x), key=abs)) for x in times)
+        rows |= {x: own[k] for x, k in places if k < len(run.times) and run.times[k] == x}
+    others = sorted({x for x in times if x not in rows}, key=abs)
+    if others:
+        rows |= zip(others, _rows(run, output, others), strict=True)
+    answers = [rows[x] for x in times]
+    return answers if several else answers[0]
+
+
+def _rows(run: Trajectory, output: str, times: list[Fraction]) -> Sequence[number_types.GivenRow]:
+    """Rows at times of which none is one of the run's own, in the order of the motion."""
+    from polhode.runs.solve import followed
+    from polhode.taylor.heyoka import OutOfRange
+
+    raw: Given
+    if output != "states" and run.method == "refined":
+        scene = _with_output(run, output, times)
+        again = followed(scene, run.number, run.options, interruptible=False)
+        motion: Interpolant = again.motion
+        raw, outcome, reached = again.rows, again.outcome, again.motion.reached
+    else:
+        motion = _motion(run, output)
+        try:
+            raw, outcome, reached = motion.at(times)
+        except OutOfRange as fault:
+            expected = f"a time that {run.number.name} holds ({fault})"
+            raise BadInput(run.scene.name, "t", shown(times[0]), expected) from None
+    states = motion.read.states(raw)
+    rows = cast("Sequence[number_types.GivenRow]", states)
+    if output != "states":
+        rows = getattr(motion.read, output)(raw, states)
+    if len(rows) < len(times):  # angles are singular where the state is not
+        expected = f"a time at which there are {output}; {outcome.cause} at t = {shown(reached)}"
+        raise BadInput(run.scene.name, "t", shown(times[len(rows)]), expected)
+    return rows
+
+
+def _motion(run: Trajectory, output: str) -> Interpolant:
+    """What tells rows of this kind: the run's own motion, or one with it to the same time."""
+    from polhode.taylor.motion import Motion
+    from polhode.taylor.system import system_of
+
+    if output == "states" or (run.dense is not None and output in run.scene.modelled):
+        if run.dense is None:
+            raise ValueError("states at the output times only: nothing was integrated here")
+        return run.dense
+    if output not in run.others:
+        scene, options = _with_output(run, output, run.times), run.options
+        system = system_of(scene, run.number, options.tolerance)
+        every = cadence(scene, run.number, options)
+        motion = Motion(system, scene, every, options.max_steps)
+        motion.reached = run.reached
+        run.others[output] = motion
+    return run.others[output]
+
+
+def _with_output(run: Trajectory, output: str, times: Sequence[Fraction]) -> Scene:
+    """The scene of a run with one output, without events."""
+    return replace(run.scene, outputs=(output,), events=(), times=tuple(times))
+
+
+def _time(run: Trajectory, t: object) -> Fraction:
+    """A time that was reached, exact, or to far more bits than a row has."""
+    try:
+        exact = reader(run.scene.units, TIME)(t)
+    except ValueError:
+        raise _beyond(run, plain(t)) from None
+    if sign(exact) * sign(run.reached) < 0 or sign(abs(exact) - abs(run.reached)) > 0:
+        raise _beyond(run, shown(exact))
+    if isinstance(exact, Fraction):
+        return exact
+    return NumberType("mp", 2 * run.number.bits + 128).rounded(exact)
+
+
+def _beyond(run: Trajectory, t: str) -> BadInput:
+    expected = f"a time from 0 to {shown(run.reached)}, what the run reached"
+    return BadInput(run.scene.name, "t", t, expected)

@@ -18,22 +18,12 @@ from typing import Any, NamedTuple
 from polhode.common.arguments import each, numbers_given, of_kind
 from polhode.common.errors import BadInput
 from polhode.common.values import cached_property
-from polhode.numbers import exact
+from polhode.numbers import exact, vectors
 from polhode.numbers.conversion import derived_number, exact_number
 from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import ONE, ZERO, Exact, Irrational, sign
 from polhode.numbers.number_types import AnyNumber, AnyVector
-from polhode.numbers.vectors import (
-    Matrix,
-    Vector,
-    apply,
-    cross,
-    dot,
-    inverse,
-    is_zero,
-    minus,
-    scaled,
-)
+from polhode.numbers.vectors import Matrix, Vector, apply, cross, dot, is_zero, minus, scaled
 from polhode.scenes.shapes import Part, carried, together
 
 #: What is forgiven, relative to the largest number.
@@ -55,7 +45,7 @@ def are_rounded(numbers: Iterable[object]) -> bool:
     )
 
 
-def is_unit_but_for_rounding(numbers: Sequence[object]) -> bool:
+def is_rounded_unit(numbers: Sequence[object]) -> bool:
     """Whether numbers are all doubles, of length 1 to 8 eps but not exactly."""
     exactly = [x for x in numbers if isinstance(x, (int, float, Fraction))]
     doubles = [Fraction(x) for x in exactly if _is_double(x)]
@@ -392,7 +382,7 @@ class Body:
 
     def omega(self, momentum: Vector) -> Vector:
         """w = I⁻¹ G in body axes."""
-        return apply(inverse(self.inertia), momentum)
+        return apply(vectors.inverse(self.inertia), momentum)
 
 
 def _free_body_of_same_path(moments: Vector) -> str:

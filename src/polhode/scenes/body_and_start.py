@@ -13,23 +13,8 @@ from polhode.numbers import exact
 from polhode.numbers.decimals import brief, shown
 from polhode.numbers.exact import ONE, ZERO, Exact, sign
 from polhode.numbers.expression import in_units
-from polhode.numbers.vectors import (
-    Vector,
-    cross,
-    dot,
-    is_zero,
-    quaternion_products,
-    rotation,
-    scaled,
-)
-from polhode.scenes.body import (
-    GRACE,
-    MATRIX,
-    Body,
-    UnphysicalBody,
-    diagonal,
-    is_unit_but_for_rounding,
-)
+from polhode.numbers.vectors import Vector, cross, dot, quaternion_products, rotation, scaled
+from polhode.scenes.body import GRACE, MATRIX, Body, UnphysicalBody, diagonal, is_rounded_unit
 from polhode.scenes.scene import SceneTables, is_text
 from polhode.scenes.shapes import Part
 from polhode.scenes.vocabulary import CENTRE, FIXED_POINT, SIGNS
@@ -85,7 +70,7 @@ def omega_on_level(
     along = body.axes.directions[2] if body.torque_free else body.centre
     inertial = body.momentum(gamma)
     v = cross(inertial, cross(gamma, along))
-    if is_zero(v):
+    if not any(map(sign, v)):
         where = "the third principal axis" if body.torque_free else "the centre of mass"
         expected = f"a gamma that is not along {where}: there h and f leave a circle of omega"
         shown_gamma = ", ".join(shown(x) for x in gamma)
@@ -372,7 +357,7 @@ def _square(
     if square != 1 and not normalise:
         over = square - 1
         amount = f"1 {'-' if sign(over) < 0 else '+'} {brief(abs(over), 2)}"
-        if not is_unit_but_for_rounding(values):
+        if not is_rounded_unit(values):
             expected = f"length exactly 1, or normalise = true: its square is {amount}"
             raise reading.bad(f"start.{key}", values, expected)
         reading.change = f"start.{key} brought to length 1 (its square was {amount}: rounding)"

@@ -27,16 +27,7 @@ from polhode.numbers.number_types import AnyNumber
 from polhode.numbers.vectors import Vector, dot, scaled
 from polhode.scenes import vocabulary
 from polhode.scenes.body import Body, exact_vector, kind_of_body
-from polhode.scenes.vocabulary import (
-    COLUMNS,
-    DIRECTIONS,
-    FORMS,
-    READY_MADE,
-    SECTION,
-    STATE,
-    UNITS,
-    check,
-)
+from polhode.scenes.vocabulary import COLUMNS, FORMS, READY_MADE, SECTION, STATE, UNITS, check
 
 # --- event ----------------------------------------------------------------------------------------
 #
@@ -99,8 +90,8 @@ def check_event(event: Event, scene: str, key: str) -> None:
     if not event.name.isprintable():  # it is the name of a row, a column and a key
         raise BadInput(scene, f"{key}.name", event.name, "text of one line that can be printed")
     of_kind(scene, f"{key}.stop", event.stop, bool, "True or False")
-    if event.direction not in DIRECTIONS:
-        expected = nearest(event.direction, [*DIRECTIONS])
+    if event.direction not in vocabulary.DIRECTIONS:
+        expected = nearest(event.direction, [*vocabulary.DIRECTIONS])
         raise BadInput(scene, f"{key}.direction", event.direction, expected)
     if event.expression is not None:
         names = (*STATE, "t")

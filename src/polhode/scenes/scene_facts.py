@@ -15,15 +15,7 @@ from polhode.results.table import Column, Fact, Value, Values
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_file import as_toml
 from polhode.scenes.vary import Variation
-from polhode.scenes.vocabulary import (
-    ANGLES,
-    ATTITUDE,
-    INTEGRALS,
-    MATRIX,
-    RODRIGUES,
-    SPACE,
-    STATE,
-)
+from polhode.scenes.vocabulary import ANGLES, ATTITUDE, INTEGRALS, MATRIX, RODRIGUES, SPACE, STATE
 
 if TYPE_CHECKING:
     from polhode.numbers.number_types import Stack

@@ -18,34 +18,17 @@ from polhode.common.errors import UNREADABLE, BadInput, nearest, plain
 from polhode.common.files import called, read_whole
 from polhode.common.values import waiting
 from polhode.numbers import expression
-from polhode.numbers.conversion import ExactNumbers, exact_number
+from polhode.numbers.conversion import ExactNumbers, exact_number, spaced
 from polhode.numbers.decimals import in_full, is_decimal
-from polhode.numbers.exact import Exact, Irrational, sign
+from polhode.numbers.exact import ZERO, Exact, Irrational, sign
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.vectors import Vector
 from polhode.scenes import vocabulary
 from polhode.scenes.body import Body
 from polhode.scenes.body_and_start import body_of, start_of
-from polhode.scenes.scene import (
-    Event,
-    Literal,
-    Published,
-    Scene,
-    SceneTables,
-    SectionPlan,
-    even_times,
-)
+from polhode.scenes.scene import Event, Literal, Published, Scene, SceneTables, SectionPlan
 from polhode.scenes.shapes import Part
-from polhode.scenes.vocabulary import (
-    EXTREMA,
-    FORMER_REFERENCES,
-    READY_MADE,
-    REFERENCES,
-    SECTION,
-    SECTIONS,
-    STATE,
-    column_names,
-)
+from polhode.scenes.vocabulary import EXTREMA, READY_MADE, REFERENCES, SECTION, SECTIONS, STATE
 
 MAX_FILE = 100_000  # bytes
 MAX_LINE = 10_000  # characters: a TOML key of thousands of parts costs quadratic time
@@ -222,7 +205,7 @@ class _File(SceneTables):
         judged = self.table("reference", required=False)
         kind = self.read("reference", judged, "kind")
         if kind not in REFERENCES and kind not in (more := vocabulary.added_names()):
-            expected = FORMER_REFERENCES.get(kind) or nearest(kind, [*REFERENCES, *more])
+            expected = vocabulary.FORMER_REFERENCES.get(kind) or nearest(kind, [*REFERENCES, *more])
             raise self.bad("reference.kind", kind, expected)
         values: dict[str, Any] = {
             **{"body": body, "omega": omega, "gamma": gamma, "psi": psi, "times": self.times(run)},
@@ -260,7 +243,7 @@ class _File(SceneTables):
         end = self.number("run.end", run["end"])
         if sign(end) == 0:
             raise self.bad("run.end", run["end"], "a time other than 0")
-        return even_times(end, self.whole("run", run, "samples", 2))
+        return spaced(ZERO, end, self.whole("run", run, "samples", 2))
 
     def event(self, where: str, table: Mapping[str, Any]) -> Event:
         """One of the tables [[events]]."""
@@ -277,7 +260,7 @@ class _File(SceneTables):
         t, quantity, value, cite = (
             self.read("published", table, key, where) for key in ("t", "quantity", "value", "cite")
         )
-        self.readable(f"{where}.quantity", quantity, (*STATE, *column_names()))
+        self.readable(f"{where}.quantity", quantity, (*STATE, *vocabulary.column_names()))
         try:
             expression.decimal(value)
         except ExpressionError as fault:

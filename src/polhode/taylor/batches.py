@@ -16,16 +16,7 @@ import numpy.typing as npt
 from polhode.common.interrupts import StopRequest
 from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.conversion import exactly
-from polhode.numbers.number_types import (
-    Array,
-    Booleans,
-    Doubles,
-    Flat,
-    Indices,
-    NumberType,
-    Stack,
-    kind_of,
-)
+from polhode.numbers.number_types import Array, Booleans, Doubles, Flat, Indices, NumberType, Stack
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import defaults
 from polhode.taylor.engine import CompiledBatch, Engine, Equations, lent
@@ -324,7 +315,7 @@ _HOPELESS = 10.0  # times the limit of steps: what would need so many is given u
 def solve(job: BatchJob, stop: StopRequest | None = None) -> Solved:
     """Integrate a job's motions; those that ``stop`` kept from being finished are NOT_RUN."""
     shape = job.motions.many, len(job.times), job.columns
-    results = Solved.undone(np.full(shape, np.nan, kind_of(job.number)))
+    results = Solved.undone(np.full(shape, np.nan, job.times.dtype))
     if job.sure and job.number.name == "double":
         steps = results.steps
         at_once(job, results.states, np.arange(shape[0]), stop, steps)

@@ -426,6 +426,11 @@ class Engine:
         if self.kept:
             self.tell_kept()
 
+    def damp(self, factors: Array) -> None:
+        """See its events smaller by these factors, as far as they need any."""
+        damping = self.parameters[CLOCK : self.first]
+        damping[:] = factors[: len(damping)]
+
     def tell_kept(self) -> None:
         """Give the rates the variables that the equations keep, from where they stand."""
         for parameter, column in self.kept:

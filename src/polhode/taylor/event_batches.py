@@ -19,40 +19,13 @@ from polhode.equations.section_functions import UNSURE, SectionZero, in_columns
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.exact import Number
-from polhode.numbers.number_types import (
-    DOUBLE,
-    Booleans,
-    Doubles,
-    Functions,
-    Indices,
-    Scalar,
-    double_array,
-)
+from polhode.numbers.number_types import DOUBLE, Booleans, Doubles, Functions, Indices, Scalar
+from polhode.taylor import event_decision, event_functions
 from polhode.taylor.batches import LANES, Ended, LaneQueue, until
 from polhode.taylor.defaults import first_step_offset
 from polhode.taylor.engine import DESK, CompiledBatch, Desk, Engine, Equations, integrator, lent
-from polhode.taylor.event_decision import (
-    ULPS,
-    Decision,
-    End,
-    Places,
-    at_the_end,
-    joined_places,
-    plain_lanes,
-    polished,
-)
-from polhode.taylor.event_functions import (
-    BAND,
-    TIME,
-    Formulas,
-    Jet,
-    Marks,
-    jet_of,
-    joined_marks,
-    marks_at,
-    rate,
-    typed_constant,
-)
+from polhode.taylor.event_decision import Decision, End, Places, at_the_end, plain_lanes, polished
+from polhode.taylor.event_functions import BAND, TIME, Formulas, Jet, Marks, jet_of, marks_at, rate
 from polhode.taylor.event_watch import Callback, Probe
 from polhode.taylor.heyoka import EXPRESSIONS, HeyokaIntegrator, compact_beyond, hy
 from polhode.taylor.projection import Level, Put
@@ -125,7 +98,7 @@ class Watched(NamedTuple):
 def built(watched: Watched, extrema: bool = False) -> CompiledBatch:
     """A batch that meets the zeros of an expression, and of its rate where it is asked to."""
     variables, section = hy.make_vars(*watched.columns), isinstance(watched.zero, SectionZero)
-    constant = _double if section else typed_constant(DOUBLE)
+    constant = _double if section else event_functions.typed_constant(DOUBLE)
     formulas, desk = watched.formulas, Desk()
     numbers = formulas.numbers(constant)
     value = formulas.value(variables, TIME, numbers, constant, EXPRESSIONS)
@@ -231,10 +204,8 @@ class Crossed(NamedTuple):
     @classmethod
     def of(cls, arrays: JobArrays) -> Crossed:
         """From its arrays by name."""
-        states, times, rests = (double_array(arrays[name]) for name in ("states", "times", "rests"))
-        counts, steps = (np.asarray(arrays[name], dtype=np.int64) for name in ("found", "steps"))
-        outcomes, drift = tuple(arrays["outcomes"].tolist()), float(arrays["drift"].item())
-        return cls(states, times, rests, counts, steps, outcomes, drift)
+        *numbers, outcomes, drift = arrays.values()
+        return cls._make([*numbers, tuple(outcomes.tolist()), drift.item()])
 
 
 def solve(job: SearchJob, stop: StopRequest | None = None) -> Crossed:
@@ -379,7 +350,9 @@ class _Search:
         self.state = batch.state.copy()
         every = np.arange(len(which))
         begun = self._marks(every, np.zeros(len(which)), starts)
-        known = joined_marks([begun, self._marks(every, batch.heyoka.time, self.state)])
+        known = event_functions.joined_marks(
+            [begun, self._marks(every, batch.heyoka.time, self.state)]
+        )
         zeros, extrema = self._met(0), self._met(1)
         lanes, jet = np.concatenate([zeros[0], extrema[0]]), batch.desk.jets[0]
         places, seen = polished(jet, [zeros[1], extrema[1]], known, self.way)
@@ -400,7 +373,9 @@ class _Search:
         sides = np.where(own, np.sign(slope) * self.way, np.sign(value))
         sides[starts.near & ~(own & starts.steep) | np.isnan(sides)] = 0.0
         self.side = np.where(new, sides, self.side)
-        return np.where(own, 2 * double_array(starts.reach) + ULPS * float(DOUBLE.eps), -1.0)
+        return np.where(
+            own, 2 * starts.reach.astype(np.float64) + event_decision.ULPS * float(DOUBLE.eps), -1.0
+        )
 
     def _onwards(self, batch: Engine, which: Booleans, stop: StopRequest | None) -> Ended | None:
         """Some lanes brought to the stretch's end; None where stopped.  Raises Singular."""
@@ -443,7 +418,7 @@ class _Search:
         if end.near and self.parts[lane] + 1 < self.last and np.isfinite(end.value):
             self.since[lane] = start, parts
             return sure
-        k, places = int(self.lanes.motion[lane]), joined_places(parts)
+        k, places = int(self.lanes.motion[lane]), event_decision.joined_places(parts)
         places = places.those(places.order)
         search = partial(self._found_again, k, places, start, end)
         decision = Decision(places, start, end, self.way, float(DOUBLE.eps), search)
@@ -502,7 +477,7 @@ class _Search:
         counts = np.zeros(n, dtype=int)
         if self.crossings:
             motions = np.concatenate([which for which, _ in self.crossings])
-            marks = joined_marks([marks for _, marks in self.crossings])
+            marks = event_functions.joined_marks([marks for _, marks in self.crossings])
             order = np.lexsort((np.abs(marks.since_start), motions))
             motions, marks = motions[order], marks.those(order)
             blocks = [slice(k, k + _BLOCK) for k in range(0, len(motions), _BLOCK)]

@@ -13,22 +13,12 @@ from polhode.equations import kinematics
 from polhode.equations.form import equations
 from polhode.equations.section_functions import in_columns
 from polhode.motion.frame import Frame
-from polhode.numbers import exact, expression
+from polhode.numbers import exact, expression, number_types
 from polhode.numbers.conversion import to_double, to_extended, to_mpf
 from polhode.numbers.double_double import two_sum
 from polhode.numbers.exact import ZERO, Number, sign
 from polhode.numbers.expression import Algebra, ExpressionError
-from polhode.numbers.number_types import (
-    DOUBLE,
-    EXTENDED,
-    Array,
-    Booleans,
-    Flat,
-    Functions,
-    Indices,
-    NumberType,
-    Scalar,
-)
+from polhode.numbers.number_types import DOUBLE, Array, Flat, Functions, Indices, NumberType, Scalar
 from polhode.numbers.vectors import dot
 from polhode.scenes.scene import Event, Scene
 from polhode.scenes.vocabulary import FLIP
@@ -37,12 +27,10 @@ from polhode.taylor.heyoka import (
     EXPRESSIONS,
     CompiledFunction,
     Expression,
-    HeyokaNumber,
     constant,
     hy,
     scalar,
     scalars,
-    type_options,
 )
 
 # --- roundoff -------------------------------------------------------------------------------------
@@ -312,7 +300,7 @@ class Marks(NamedTuple):
         times: Scalar = near + (beside + (self.parameters[1] + self.rest))
         return times
 
-    def those(self, which: Booleans | Indices | slice | list[int]) -> Marks:
+    def those(self, which: number_types.Booleans | Indices | slice | list[int]) -> Marks:
         """Some of them."""
         return Marks._make([array[..., which] for array in self])
 
@@ -373,7 +361,9 @@ class Jet(NamedTuple):
         """Value and derivatives, (4, n)."""
         return _of(self.evaluate, marks)
 
-    def value(self, state: Array, time: HeyokaNumber, parameters: Array) -> HeyokaNumber:
+    def value(
+        self, state: Array, time: heyoka.HeyokaNumber, parameters: Array
+    ) -> heyoka.HeyokaNumber:
         """The expression at one place, by heyoka's time."""
         compiled, options = self.evaluate, dict[str, Any]()
         if compiled.nparams:
@@ -427,13 +417,13 @@ def jet_of(
     like: Jet | None = None,
 ) -> Jet:
     """The jet of formulas in variables and the time; ``like``: one of the same motion."""
-    options, names = type_options(number), list(variables)
+    options, names = heyoka.type_options(number), list(variables)
     numbers = formulas.numbers(constant)
     value = formulas.value(names, TIME, numbers, constant, EXPRESSIONS)
     rates = formulas.field(names, numbers, EXPRESSIONS)
     values = derivatives([value], names, rates, 3)
     values = hy.subs(values, {TIME: hy.time + hy.par[1] + hy.par[0]})
-    kind, unit = DOUBLE if number == DOUBLE else EXTENDED, float(band)
+    kind, unit = DOUBLE if number == DOUBLE else number_types.EXTENDED, float(band)
 
     def rounded(x: Number) -> Expression:
         return hy.expression(to_double(x) if kind == DOUBLE else to_extended(x))
@@ -449,13 +439,13 @@ def jet_of(
     if like is None:
         motion = hy.cfunc(derivatives(rates, names, rates, 2), vars=names, **options)
         errors = rates_errors(lambda x: formulas.field(x, sizes, FUNCTIONS), names, unit)
-        state_errors = hy.cfunc(errors, vars=names, **type_options(kind))
+        state_errors = hy.cfunc(errors, vars=names, **heyoka.type_options(kind))
     else:
         motion, state_errors = like.motion, like.state_errors
     return Jet(
         hy.cfunc(values, vars=names, **options),
         motion,
-        hy.cfunc([error], vars=[*names, *beside], **type_options(kind)),
+        hy.cfunc([error], vars=[*names, *beside], **heyoka.type_options(kind)),
         state_errors,
         "t" in hy.get_variables([value]),
         number,

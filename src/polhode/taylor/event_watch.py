@@ -19,34 +19,10 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ZERO, Number, sign
 from polhode.numbers.number_types import Array, Booleans, Functions, NumberType, Scalar, read_only
 from polhode.scenes.scene import Event, Scene
+from polhode.taylor import event_decision, event_functions
 from polhode.taylor.engine import CLOCK, TINY, Desk, Engine
-from polhode.taylor.event_decision import (
-    Decision,
-    End,
-    Happenings,
-    Places,
-    at_the_end,
-    depths,
-    exact_times,
-    places,
-    polished,
-)
-from polhode.taylor.event_functions import (
-    BAND,
-    TIME,
-    Formulas,
-    Jet,
-    Marks,
-    jet_of,
-    joined_marks,
-    marks_at,
-    middle_axis,
-    rate,
-    sign_at_start,
-    size_of,
-    typed_constant,
-    value_of,
-)
+from polhode.taylor.event_decision import Decision, End, Happenings, Places, at_the_end, places
+from polhode.taylor.event_functions import BAND, TIME, Formulas, Jet, Marks, jet_of, marks_at, rate
 from polhode.taylor.heyoka import (
     EXPRESSIONS,
     Expression,
@@ -139,16 +115,16 @@ class Rules:
         form, events = equations(scene), scene.events
         self.still, self.width = still, len(form.variables)
         turn = [str(scalar(x, number)) for row in form.frame.axes.rows for x in row]
-        zeros = [event.expression or middle_axis(scene) for event in events]
+        zeros = [event.expression or event_functions.middle_axis(scene) for event in events]
         self.key = (*zeros,), form.frame.exponent, (*turn,)
-        self.start = [sign_at_start(scene, k) for k in range(len(scene.events))]
+        self.start = [event_functions.sign_at_start(scene, k) for k in range(len(scene.events))]
         eps = max(number.eps, tolerance or ZERO)
         self.band = BAND * eps / 2
         small = Fraction(1)
         if not still:
             small = Fraction(2) ** -(((1 / eps).numerator.bit_length() - 1) // 2)
         self.damping: list[Fraction] = []
-        sizes = [size_of(scene, event) for event in scene.events]
+        sizes = [event_functions.size_of(scene, event) for event in scene.events]
         self.asks = any(e.stop for e in scene.events) or not all(x.entire for x in sizes)
         for size in sizes:
             value, rate = exactly(size.value) or Fraction(1), exactly(size.rate) or Fraction(1)
@@ -337,7 +313,7 @@ class Record:
         if not marks:
             none = np.empty(0)
             return Marks(np.empty((2, 0)), none, none, np.empty((width, 0)))
-        marks[:] = [joined_marks(marks)]
+        marks[:] = [event_functions.joined_marks(marks)]
         return marks[0]
 
     def first(self, counts: Sequence[int], side: int) -> Record:
@@ -345,7 +321,9 @@ class Record:
         record = Record(side)
         for order, count in enumerate(counts):
             if count:
-                record.marks[order].append(joined_marks(self.marks[order]).those(slice(count)))
+                record.marks[order].append(
+                    event_functions.joined_marks(self.marks[order]).those(slice(count))
+                )
             record.counts[order] = count
         return record
 
@@ -408,7 +386,7 @@ class Watch:
         options = type_options(self.number)
         kind = {name: x for name, x in options.items() if name == "fp_type"}
         clock = {TIME: hy.time + hy.par[1] + hy.par[0]}
-        constant = typed_constant(self.number)
+        constant = event_functions.typed_constant(self.number)
         jets: dict[str | None, Jet] = {}
         for k, event in enumerate(self.scene.events):
             formulas, text = self._formulas(event, pattern), event.expression
@@ -436,7 +414,7 @@ class Watch:
             exact = {**form.coefficients, **form.frame.turn}
             return {**{name: constant(x) for name, x in exact.items()}, **pattern}
 
-        return Formulas(partial(value_of, scene, event), field, numbers)
+        return Formulas(partial(event_functions.value_of, scene, event), field, numbers)
 
     def sit_down(self, engine: Engine, numbers: Array, origin: Fraction) -> None:
         """Take over the desk of the engine that a run goes on with, from an exact time on.
@@ -566,7 +544,7 @@ class Watch:
             decision = self._decided(k, noted, start, end)
             happenings, complete = decision.happenings, decision.complete
         counted = np.flatnonzero(self._counted(k, happenings))
-        deep = depths(happenings, noted, start, end)[counted]
+        deep = event_decision.depths(happenings, noted, start, end)[counted]
         happenings = happenings.those(counted)
         where = happenings.located(noted)
         times = where.marks.since_start
@@ -579,7 +557,7 @@ class Watch:
         widths = where.width + happenings.spreads / 2 + sizes * float(self.number.eps / 2)
         return EventTimes(
             event.name,
-            waiting(partial(exact_times, times, read.frame, self.number)),
+            waiting(partial(event_decision.exact_times, times, read.frame, self.number)),
             read_only(read.states(rows), read.columns),
             tuple((happenings.signs * self.way).tolist()),
             tuple((widths * unit).astype(float).tolist()),
@@ -591,9 +569,9 @@ class Watch:
         """All that was noted of an event, polished; the start and an end."""
         assert self._first is not None
         self._settle()
-        record, span = self._of[k], joined_marks([self._first, last])
+        record, span = self._of[k], event_functions.joined_marks([self._first, last])
         met = record.joined(0, self.width), record.joined(1, self.width)
-        places, ends = polished(self.jets[k], met, span, self.way)
+        places, ends = event_decision.polished(self.jets[k], met, span, self.way)
         start, end = ends.those(slice(1)), ends.those(slice(1, 2))
         noted = places.those(places.order)
         side = 0 if start.own[0] else self.rules.start[k]

@@ -16,19 +16,10 @@ import numpy as np
 from polhode.common.errors import BadInput
 from polhode.common.interrupts import Lock, LockPlace
 from polhode.motion.outcomes import Outcome
-from polhode.numbers import exact
+from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import exactly, to_double, to_extended
 from polhode.numbers.exact import Number, sign
-from polhode.numbers.number_types import (
-    EXTENDED,
-    QUAD,
-    Array,
-    Functions,
-    Numbers,
-    NumberType,
-    Real,
-    extended_here,
-)
+from polhode.numbers.number_types import EXTENDED, QUAD, Array, Functions, Numbers, NumberType, Real
 from polhode.taylor import defaults
 
 # --- types ----------------------------------------------------------------------------------------
@@ -402,7 +393,7 @@ Conversions: TypeAlias = tuple[
 
 def wider(number: NumberType) -> NumberType:
     """The type in which corrections of a run in ``number`` are computed."""
-    if number.name == "double" and extended_here():
+    if number.name == "double" and number_types.extended_here():
         return EXTENDED
     if number.flat:
         return QUAD

@@ -17,42 +17,16 @@ from polhode.common.interrupts import Progress
 from polhode.common.values import Recent, cached_property
 from polhode.equations import kinematics, readout
 from polhode.motion.outcomes import EventTimes, Outcome, Projection
-from polhode.numbers.conversion import (
-    ExactNumbers,
-    exactly,
-    joined,
-    number_value,
-    to_double,
-    to_extended,
-)
+from polhode.numbers import number_types
+from polhode.numbers.conversion import ExactNumbers, exactly, joined, number_value, to_extended
 from polhode.numbers.double_double import two_sum
 from polhode.numbers.exact import ZERO
 from polhode.numbers.expression import ExpressionError
-from polhode.numbers.number_types import (
-    Array,
-    Flat,
-    Numbers,
-    NumberType,
-    Row,
-    Rows,
-    flat,
-    of_extended,
-    of_mpmath,
-)
+from polhode.numbers.number_types import Array, Flat, Numbers, NumberType, Row, Rows, flat
 from polhode.scenes.scene import Scene
-from polhode.taylor import defaults
+from polhode.taylor import defaults, heyoka
 from polhode.taylor.engine import TINY, Engine
-from polhode.taylor.heyoka import (
-    HeyokaNumber,
-    HeyokaOutcome,
-    OutOfRange,
-    array,
-    as_fraction,
-    as_mpf,
-    ending,
-    scalar,
-    scalars,
-)
+from polhode.taylor.heyoka import HeyokaNumber, OutOfRange, array, as_mpf, ending, scalar, scalars
 from polhode.taylor.projection import Corrector, Projector, UnitNorm
 from polhode.taylor.system import System, time_array
 
@@ -327,9 +301,9 @@ class Motion:
         high, low = self.heyoka.dtime
         if not high:
             return self.offset
-        inside = as_fraction(high, self.number)
+        inside = heyoka.as_fraction(high, self.number)
         if low:
-            inside += as_fraction(low, self.number)
+            inside += heyoka.as_fraction(low, self.number)
         return self.offset + inside if self.offset else inside
 
     def advance(
@@ -554,7 +528,7 @@ class Motion:
 
     def _anchoring(
         self, end: HeyokaNumber, max_steps: int, **options: Any
-    ) -> tuple[HeyokaOutcome, HeyokaNumber, HeyokaNumber, int]:
+    ) -> tuple[heyoka.HeyokaOutcome, HeyokaNumber, HeyokaNumber, int]:
         """heyoka's steps to a time, with an anchor before every so many of them."""
         ta, grown = self.heyoka, () if self._cyclic is None else self._cyclic.grown
         steps, ended = 0, Outcome.STEP_LIMIT
@@ -603,9 +577,8 @@ def _ahead(times: Times, offset: Fraction, number: NumberType) -> Numbers:
     if not offset:
         ahead[1:] = grid
         return ahead
-    nearest = to_double if number.name == "double" else to_extended
-    high = nearest(offset)
-    low = nearest(offset - exactly(high))
+    high = number_value(offset, number)
+    low = number_value(offset - exactly(high), number)
     near, rest = two_sum(grid, -high)
     ahead[1:] = near + (rest - low)
     return ahead
@@ -616,7 +589,7 @@ def _moved(row: Row, by: Fraction, system: System) -> Row:
     if system.number.flat:
         k = {name: to_extended(x) for name, x in system.coefficients.items()}
         wide = flat(row).astype(np.longdouble)
-        slopes = np.array(system.field([*wide], k, of_extended()), dtype=np.longdouble)
+        slopes = np.array(system.field([*wide], k, number_types.of_extended()), dtype=np.longdouble)
         moved: Flat = (wide + to_extended(by) * slopes).astype(flat(row).dtype)
         return moved
     from polhode.numbers.mpmath_context import mpmath, ordinary, own
@@ -624,7 +597,7 @@ def _moved(row: Row, by: Fraction, system: System) -> Row:
     with mpmath.workprec(system.number.bits):
         k = {name: own(number_value(x, system.number)) for name, x in system.coefficients.items()}
         zero, step = (own(number_value(x, system.number)) for x in (Fraction(0), by))
-        fn = of_mpmath()._replace(zero=zero)
+        fn = number_types.of_mpmath()._replace(zero=zero)
         state = [own(x) for x in row]
         rates = system.field(state, k, fn)
         return [ordinary(x + step * rate) for x, rate in zip(state, rates, strict=True)]

@@ -19,35 +19,15 @@ from polhode.equations.integrals import CHAPLYGIN, FirstIntegrals, exact_values,
 from polhode.equations.section_functions import SectionZero
 from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Projection
+from polhode.numbers import number_types
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ZERO, Exact, Number, sign
-from polhode.numbers.number_types import (
-    EXACT,
-    Array,
-    Complexes,
-    Doubles,
-    Flat,
-    Functions,
-    GivenRow,
-    Indices,
-    NumberType,
-    Scalar,
-)
+from polhode.numbers.number_types import Array, Doubles, Flat, GivenRow, Indices, NumberType, Scalar
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 from polhode.taylor import defaults, heyoka
 from polhode.taylor.engine import EventWatcher
-from polhode.taylor.heyoka import (
-    CompiledFunction,
-    Conversions,
-    Expression,
-    HeyokaNumber,
-    as_fraction,
-    conversions,
-    hy,
-    scalar,
-    wider,
-)
+from polhode.taylor.heyoka import CompiledFunction, Expression, HeyokaNumber, hy, scalar, wider
 
 # --- integral projection --------------------------------------------------------------------------
 #
@@ -90,9 +70,9 @@ class Target:
         return first_integrals(self.scene)
 
     @cached_property
-    def conversions(self) -> Conversions:
+    def conversions(self) -> heyoka.Conversions:
         """Ways between the number type and the wider one."""
-        return conversions(self.number, wider(self.number))
+        return heyoka.conversions(self.number, wider(self.number))
 
     @cached_property
     def step(self) -> CompiledFunction:
@@ -341,7 +321,7 @@ def staying_zero(body: Body, state: Sequence[Exact]) -> set[int]:
     k, others = dict(zip(names, numbers, strict=False)), numbers[len(names) :]
     while zeros:
         point = [ZERO if i in zeros else x for i, x in enumerate(others)]
-        rates = principal.field(point, k, EXACT)
+        rates = principal.field(point, k, number_types.EXACT)
         if not (leaving := {i for i in zeros if rates[i] != 0}):
             break
         zeros -= leaving
@@ -374,7 +354,7 @@ def constant_columns(scene: Scene) -> list[int]:
 # Columns of states put back on the first integrals of their level, in numpy.
 
 
-ARRAYS = Functions(0.0, np.sin, np.cos, np.sqrt)
+ARRAYS = number_types.Functions(0.0, np.sin, np.cos, np.sqrt)
 TINY = 1e-30  # of a complex step
 
 _NO_ROUNDING = 1e-8  # a step as large as that is none of rounding's, and is not made
@@ -443,7 +423,7 @@ class Put:
         residuals: Doubles = (self.targets - np.array(values)).astype(float)
         return residuals
 
-    def _gradients(self, moved: Complexes) -> list[Doubles]:
+    def _gradients(self, moved: number_types.Complexes) -> list[Doubles]:
         """Of the integrals, from complex steps along each component."""
         values = self.level.integrals.values(list(moved), self._plain, 0 * moved[0])
         return [np.imag(value) / TINY for value in values]
@@ -460,7 +440,7 @@ class Put:
         return self.level.integrals.values(list(state), self.level.coefficients, 0 * state[0])
 
 
-def _moved(state: Doubles) -> Complexes:
+def _moved(state: Doubles) -> number_types.Complexes:
     """Each column six times, a component of each beside itself by a complex step."""
     return state[:, None, :] + TINY * 1j * np.eye(6)[:, :, None]
 
@@ -495,7 +475,7 @@ class UnitNorm(Corrector):
         bits = self.number.bits + _GUARD_BITS
         places = range(*self.which.indices(len(state)))
         with mpmath.workprec(bits):
-            vector = [to_mpf(as_fraction(state[i], self.number), bits) for i in places]
+            vector = [to_mpf(heyoka.as_fraction(state[i], self.number), bits) for i in places]
             length = mpmath.sqrt(mpmath.fdot(vector, vector))
             for i, x in zip(places, vector, strict=True):
                 state[i] = scalar(exactly(x / length), self.number)

@@ -16,32 +16,13 @@ from polhode.equations import kinematics, readout
 from polhode.equations.form import Form, equations
 from polhode.equations.readout import Readout
 from polhode.motion.frame import Frame
+from polhode.numbers import number_types
 from polhode.numbers.conversion import ExactNumbers, number_value, rounds_to_nearest
 from polhode.numbers.exact import Exact
-from polhode.numbers.number_types import (
-    DOUBLE,
-    EXACT,
-    Array,
-    Flat,
-    Functions,
-    NumberType,
-    Row,
-    Rows,
-    Scalar,
-    flat,
-)
+from polhode.numbers.number_types import Array, Flat, Functions, NumberType, Row, Rows, Scalar, flat
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLE_VARIABLES, ATTITUDE
-from polhode.taylor.engine import (
-    CLOCK,
-    Cyclic,
-    Engine,
-    Equations,
-    EventWatcher,
-    built,
-    lent,
-    nearest,
-)
+from polhode.taylor.engine import Cyclic, Engine, Equations, EventWatcher, built, lent, nearest
 from polhode.taylor.heyoka import OutOfRange, array, scalars
 from polhode.taylor.projection import Target
 
@@ -72,7 +53,7 @@ class System:
     outputs: tuple[str, ...]
     coefficients: Mapping[str, Exact]
     start: tuple[Exact, ...]
-    number: NumberType = DOUBLE
+    number: NumberType = number_types.DOUBLE
     tolerance: Fraction | None = None
     inputs: NumberType | None = None
     still: bool = False
@@ -112,7 +93,7 @@ class System:
     @cached_property
     def singular(self) -> bool:
         """Whether the start is too near to the singular set of the form."""
-        away = self.form.distance(self.form.start, self.form.coefficients, EXACT)
+        away = self.form.distance(self.form.start, self.form.coefficients, number_types.EXACT)
         return away is not None and bool(away <= nearest(self.number))
 
     @cached_property
@@ -219,9 +200,7 @@ class System:
 
         engine = lent(key, build, wait=False)
         if watcher is not None:
-            damping = array(scalars(watcher.damping, self.number), self.number)
-            factors = engine.parameters[CLOCK : engine.first]  # as many as the events need
-            factors[:] = damping[: len(factors)]
+            engine.damp(array(scalars(watcher.damping, self.number), self.number))
         engine.state[:] = start
         engine.begin(parameters)
         return engine
@@ -230,7 +209,7 @@ class System:
 def system(
     scene: Scene,
     outputs: Sequence[str] = (),
-    number: NumberType = DOUBLE,
+    number: NumberType = number_types.DOUBLE,
     tolerance: Fraction | None = None,
     inputs: NumberType | None = None,
 ) -> System:

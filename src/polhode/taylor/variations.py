@@ -20,31 +20,13 @@ from polhode.motion.outcomes import Outcome
 from polhode.numbers import exact, number_types
 from polhode.numbers.conversion import ExactNumbers, doubles, to_double
 from polhode.numbers.exact import Exact, Number, sign
-from polhode.numbers.number_types import (
-    DOUBLE,
-    EXTENDED,
-    QUAD,
-    Array,
-    Doubles,
-    GivenRow,
-    NumberType,
-    Scalar,
-    extended_here,
-)
+from polhode.numbers.number_types import DOUBLE, EXTENDED, Doubles, GivenRow, NumberType, Scalar
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import STATE
 from polhode.taylor import defaults
 from polhode.taylor.batches import LANES, LaneQueue, until
 from polhode.taylor.engine import Engine, Equations, integrator, lent
-from polhode.taylor.heyoka import (
-    HeyokaNumber,
-    HeyokaOutput,
-    array,
-    as_fraction,
-    hy,
-    scalar,
-    scalars,
-)
+from polhode.taylor.heyoka import HeyokaNumber, HeyokaOutput, array, as_fraction, hy, scalars
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import System
 
@@ -166,7 +148,7 @@ class Flow:
     ) -> None:
         self.number, self.derivative = number, derivative
         self._names = tuple(coefficients)
-        self._pars: Array = array(scalars([*coefficients.values()], number), number)
+        self._pars = array(scalars([*coefficients.values()], number), number)
 
     def after(self, start: GivenRow, time: float | Fraction) -> Reached:
         """Where the flow leads from a start in a time, both rounded to the type.
@@ -209,7 +191,7 @@ class Flow:
         return ta
 
     def _number(self, x: Scalar) -> HeyokaNumber:
-        return float(x) if self.number.name == "double" else scalar(Fraction(x), self.number)
+        return float(x) if self.number.name == "double" else scalars([Fraction(x)], self.number)[0]
 
 
 # --- reference trajectory -------------------------------------------------------------------------
@@ -239,7 +221,11 @@ class Leader:
         """
         if self._number is None or not self.holds(log10_growth):
             self.release()
-            ready = [DOUBLE, *([EXTENDED] if number_types.extended_here() else []), QUAD]
+            ready = [
+                DOUBLE,
+                *([EXTENDED] if number_types.extended_here() else []),
+                number_types.QUAD,
+            ]
             enough = (kind for kind in ready if _is_enough(kind, log10_growth))
             wide = number_types.mp(2 * (log10_growth + _SPARE_DIGITS))
             self._number = next(enough, wide)
@@ -317,7 +303,7 @@ def path(
     ``constants``: the coefficients in the order of ``terms.NAMES``; ``wide``: in long double rather
     than in double, where the machine has it.
     """
-    number = EXTENDED if wide and extended_here() else DOUBLE
+    number = EXTENDED if wide and number_types.extended_here() else DOUBLE
     kind = np.longdouble if number == EXTENDED else np.float64
     ta = lent(("any body", number), lambda: _built(number))
     ta.state[:] = np.array(start, dtype=kind)

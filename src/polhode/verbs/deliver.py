@@ -11,19 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
 from polhode.common.files import check_writable, is_stdout, is_stream, write_stdout, write_whole
-from polhode.verbs import options, scene_options
+from polhode.verbs import options, scene_options, terminal
 from polhode.verbs.catalogue import VERBS, Verb
-from polhode.verbs.terminal import (
-    DONE,
-    FAILED,
-    INTERRUPTED,
-    NOT_REACHED,
-    NotEnough,
-    ProgressLine,
-    note,
-    refuse_two_on_stdout,
-    say,
-)
 
 if TYPE_CHECKING:
     from polhode.results.result import Result
@@ -84,31 +73,31 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
             box = load_box(source) if verb.is_box else StartBox(library.load(source))
             scene = scene_options.applied(namespace, box.scene, verb.scene)
             arguments[first] = StartBox(scene, box.radii) if verb.is_box else scene
-    with ProgressLine(verb.name) as line:
+    with terminal.ProgressLine(verb.name) as line:
         try:
             module = import_module(home)
             arguments |= places.extras(function, line)
             try:
                 several = arguments.pop(function.several, ())
                 result, missed = getattr(module, function.name)(*several, **arguments), ""
-            except NotEnough as fault:
+            except terminal.NotEnough as fault:
                 result, missed = fault.result, str(fault)
             written = places.write(result, vars(namespace), line)
             left_out = namespace.json or (verb.prints_rows and places.hold_rows)
             text = None if left_out else shown(result, arguments.get("details", False))
         except NotProved as why:
             line.clear()
-            note(f"polhode: not proved: {why}")
-            return NOT_REACHED
+            terminal.note(f"polhode: not proved: {why}")
+            return terminal.NOT_REACHED
     if namespace.json:
         write_stdout(result.to_json())
     elif text is not None:
-        (note if places.take_stdout else say)(text)
+        (terminal.note if places.take_stdout else terminal.say)(text)
     for sentence in notes.of(verb, result, written, namespace):
-        note(sentence)
+        terminal.note(sentence)
     if missed:
-        note(missed)
-        return NOT_REACHED
+        terminal.note(missed)
+        return terminal.NOT_REACHED
     return code_of(result)
 
 
@@ -144,7 +133,7 @@ class OutputFiles:
         """Refuse, before any work is done, what cannot or must not be written; raises BadInput."""
         streams = [path for path in self.paths if is_stdout(path)]
         for path in streams:
-            refuse_two_on_stdout(path, self.json)
+            terminal.refuse_two_on_stdout(path, self.json)
         if len({path.absolute() for path in self.paths}) < len(self.paths) or len(streams) > 1:
             raise BadInput(str(self.paths[-1]), "-o", None, "each file once")
         for path in self.paths:
@@ -178,7 +167,7 @@ class OutputFiles:
 
             catalogue.chosen(self.verb.kind, chosen["what"], self.verb.name)
 
-    def extras(self, function: options.Front, line: ProgressLine) -> dict[str, object]:
+    def extras(self, function: options.Front, line: terminal.ProgressLine) -> dict[str, object]:
         """What a function takes that no option says: how it shows progress, what it is for.
 
         Unfinished work is kept in ``parts`` beside the first file of data.
@@ -193,7 +182,7 @@ class OutputFiles:
         extras = {x.name: calls[x.annotation] for x in function.parameters if x.annotation in calls}
         names = {x.name for x in function.parameters}
         if extras.get("forecast") == line.say:  # which stays
-            extras["forecast"] = lambda text: note(f"{self.verb.name}: {text}")
+            extras["forecast"] = lambda text: terminal.note(f"{self.verb.name}: {text}")
         if "certificate" in names:
             extras["certificate"] = any(map(self._is_own, self.paths))
         data = [x for x in self.paths if not self._is_figure(x)]
@@ -206,7 +195,7 @@ class OutputFiles:
         return extras
 
     def write(
-        self, result: Result, values: Mapping[str, Any], line: ProgressLine
+        self, result: Result, values: Mapping[str, Any], line: terminal.ProgressLine
     ) -> Sequence[Path]:
         """Write all files or none, and tell them; none where what was interrupted is kept in parts,
         which go else.
@@ -237,7 +226,7 @@ class OutputFiles:
             checkpoint.remove()
         return [*own, *files]
 
-    def _save(self, result: Any, path: Path, line: ProgressLine) -> None:
+    def _save(self, result: Any, path: Path, line: terminal.ProgressLine) -> None:
         """Write a file of the kind's own: a scene, a certificate."""
         if self.verb.checks:
             result.save(path, line.foretelling(partial(_foretell, result.scene.name)))
@@ -255,7 +244,7 @@ class OutputFiles:
 
 def _foretell(name: str, seconds: float) -> None:
     if seconds > 10:
-        note(f"{name}: making the certificate will take about {seconds:.2g} s")
+        terminal.note(f"{name}: making the certificate will take about {seconds:.2g} s")
 
 
 def _drawn(result: Result, suffix: str, verb: Verb, values: Mapping[str, Any]) -> bytes:
@@ -266,7 +255,7 @@ def _drawn(result: Result, suffix: str, verb: Verb, values: Mapping[str, Any]) -
 
     drawing = drawing_of(result, values.get("what"), Request())
     for sentence in drawing.notes:
-        note(sentence)
+        terminal.note(sentence)
     chosen = {name: values.get(name) for name in _figure_options(verb) if name != "what"}
     return catalogue.drawn(drawing.subject, suffix, name_of(result), drawing.what, **chosen)
 
@@ -302,8 +291,8 @@ def code_of(result: Result) -> int:
     if interrupted(result):
         checkpoint = getattr(result, "kept", None)
         if checkpoint is not None and checkpoint.folder.exists():
-            note(f"polhode: the same command continues from {checkpoint.folder}")
-        return INTERRUPTED
+            terminal.note(f"polhode: the same command continues from {checkpoint.folder}")
+        return terminal.INTERRUPTED
     if getattr(result, "passed", None) is False:
-        return FAILED
-    return DONE if getattr(result, "complete", True) else NOT_REACHED
+        return terminal.FAILED
+    return terminal.DONE if getattr(result, "complete", True) else terminal.NOT_REACHED

@@ -9,16 +9,8 @@ from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
 from polhode.scenes import library
+from polhode.verbs import terminal
 from polhode.verbs.options import whole, word
-from polhode.verbs.terminal import (
-    DONE,
-    NOT_REACHED,
-    ProgressLine,
-    note,
-    print_json,
-    refuse_two_on_stdout,
-    say,
-)
 
 if TYPE_CHECKING:
     from polhode.figures.source import Drawing
@@ -108,12 +100,12 @@ def _written(options: Namespace, endings: tuple[str, ...]) -> int:
     path = Path(options.file)
     inputs = [library.path_of(name) for name in (*options.sources, options.scene) if name]
     check_writable(path, endings, inputs)
-    refuse_two_on_stdout(path, options.json)
+    terminal.refuse_two_on_stdout(path, options.json)
     suffix = path.suffix.lower() if path.suffix.lower() in endings else endings[0]  # a stream
     if suffix != PAGE:
         canvas.pyplot()
     request = Request(**{name: getattr(options, name) for name in vars(Request())})
-    with ProgressLine("plot") as progress:
+    with terminal.ProgressLine("plot") as progress:
         try:
             every = [
                 drawing_of(source, options.what, request, progress.show)
@@ -121,11 +113,11 @@ def _written(options: Namespace, endings: tuple[str, ...]) -> int:
             ]
         except Unreached as why:
             progress.clear()
-            note(f"polhode: {why}; nothing was written")
-            return NOT_REACHED
+            terminal.note(f"polhode: {why}; nothing was written")
+            return terminal.NOT_REACHED
         drawing = every[0]
         for line in (line for x in every for line in x.notes):
-            note(line)
+            terminal.note(line)
         answer = {"file": str(path), "what": drawing.what, "of": drawing.name} | _span(drawing)
         if suffix == PAGE:
             command = ("polhode", options.verb, *(called(Path(x)) for x in options.sources))
@@ -137,17 +129,17 @@ def _written(options: Namespace, endings: tuple[str, ...]) -> int:
                 answer["to"] = filmed.end
                 again = f"at t = {filmed.end:.6g} the motion is as at t = {filmed.begin:g}"
                 end = f"to {film.CLOSED:.0e}: the film ends there, and repeats"
-                note(f"{drawing.name}: {again}, {end}")
+                terminal.note(f"{drawing.name}: {again}, {end}")
         else:
             own = {name: getattr(options, name) for name in ("cmap", "f_range", "h_range")}
             own["title"] = options.title or ""
             data = catalogue.drawn(drawing.subject, suffix, drawing.name, drawing.what, **own)
     write_whole({path: data})
     if options.json:
-        print_json(answer | {"bytes": len(data)})
+        terminal.print_json(answer | {"bytes": len(data)})
     elif not is_stdout(path):
-        say(str(path))
-    return DONE
+        terminal.say(str(path))
+    return terminal.DONE
 
 
 def _page(every: Sequence[Drawing], command: str, options: Namespace) -> str:

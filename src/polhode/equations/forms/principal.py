@@ -10,16 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from polhode.equations import terms
 from polhode.equations.form import Coefficients, Form, FormValues, OmegaAndGamma
 from polhode.equations.forms.matrices import turning_rates
-from polhode.equations.terms import (
-    NAMES,
-    ROWS,
-    coefficients_of,
-    derivatives_of,
-    numbers_of,
-    product,
-)
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import Functions, Scalar, combination
 from polhode.scenes.body import Body
@@ -50,14 +43,15 @@ def for_scene(scene: Scene) -> Principal:
 
 #: Of each row of w the names of its coefficients, and the variables that they multiply.
 _ROWS = tuple(
-    tuple((NAMES[term.coefficient or 0], term.factors) for term in row) for row in ROWS[:3]
+    tuple((terms.NAMES[term.coefficient or 0], term.factors) for term in row)
+    for row in terms.ROWS[:3]
 )
 
 
 def coefficients(body: Body) -> dict[str, Exact]:
     """The exact coefficients that do not vanish."""
-    every = coefficients_of(numbers_of(body))
-    return {name: value for name, value in zip(NAMES, every, strict=True) if sign(value) != 0}
+    every = terms.coefficients_of(terms.numbers_of(body))
+    return {name: value for name, value in zip(terms.NAMES, every, strict=True) if sign(value) != 0}
 
 
 def sensitivities(body: Body) -> list[dict[str, Exact]]:
@@ -65,8 +59,8 @@ def sensitivities(body: Body) -> list[dict[str, Exact]]:
 
     Dictionaries like that of :func:`coefficients`; what vanishes is left out.
     """
-    numbers = numbers_of(body)
-    by_number = (derivatives_of(numbers, place) for place in range(len(numbers)))
+    numbers = terms.numbers_of(body)
+    by_number = (terms.derivatives_of(numbers, place) for place in range(len(numbers)))
     return [{name: x for name, x in by.items() if sign(x) != 0} for by in by_number]
 
 
@@ -74,7 +68,7 @@ def field(state: Sequence[Scalar], k: Mapping[str, Scalar], fn: Functions) -> li
     """The time derivatives of p q r [gamma1 gamma2 gamma3]."""
     whole = [*state, *[fn.zero] * (len(STATE) - len(state))]
     rates = [
-        combination(k, fn.zero, *((name, product(whole, factors)) for name, factors in row))
+        combination(k, fn.zero, *((name, terms.product(whole, factors)) for name, factors in row))
         for row in _ROWS
     ]
     if len(state) > 3:
