@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Mapping, Set
 from fractions import Fraction
 from functools import wraps
@@ -239,14 +240,14 @@ def with_progress(function: Function) -> Function:
     Where the annotation has ``bool``, True is a bar, called as the function's first argument is,
     and False is none: inside the function it is never a bool.
     """
-    names, count = function.__code__.co_varnames, function.__code__.co_argcount
-    places = [k for k, name in enumerate(names[:count]) if name == "progress"]
+    positional = function.__code__.co_varnames[: function.__code__.co_argcount]
+    place = positional.index("progress") if "progress" in positional else sys.maxsize
     takes_bool = "bool" in str(function.__annotations__.get("progress"))
     expected = "a function to call" + ", True for a bar, or False" * takes_bool
 
     @wraps(function)
     def checked(*values: Any, **named: Any) -> object:
-        progress = next((values[k] for k in places if k < len(values)), named.get("progress"))
+        progress = values[place] if place < len(values) else named.get("progress")
         if progress is None or callable(progress):
             return function(*values, **named)
         if not (takes_bool and isinstance(progress, bool)):
