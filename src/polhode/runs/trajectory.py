@@ -537,9 +537,9 @@ def solve(
     way to something else, not ``interruptible``, it goes on as KeyboardInterrupt.  Raises BadInput
     for what cannot be integrated.
     """
-    from polhode.runs.solve import followed  # heyoka: a run in a file is looked at without
+    from polhode.runs.methods import followed_motion  # heyoka: a run in a file is looked at without
 
-    motion, times, rows, outcome, seconds, failed = followed(
+    motion, times, rows, outcome, seconds, failed = followed_motion(
         scene, number, options, progress, interruptible=interruptible
     )
     read = motion.read
@@ -607,13 +607,13 @@ def _at_times(
 
 def _rows(run: Trajectory, output: str, times: list[Fraction]) -> Sequence[number_types.GivenRow]:
     """Rows at times of which none is one of the run's own, in the order of the motion."""
-    from polhode.runs.solve import followed
+    from polhode.runs.methods import followed_motion
     from polhode.taylor.heyoka import OutOfRange
 
     raw: Given
     if output != "states" and run.method == "refined":
         scene = _with_output(run, output, times)
-        again = followed(scene, run.number, run.options, interruptible=False)
+        again = followed_motion(scene, run.number, run.options, interruptible=False)
         motion: Interpolant = again.motion
         raw, outcome, reached = again.rows, again.outcome, again.motion.reached
     else:

@@ -41,7 +41,7 @@ class FollowedMotion(NamedTuple):
     failed: Mapping[str, str]
 
 
-def followed(
+def followed_motion(
     scene: Scene,
     number: NumberType,
     options: Options,
