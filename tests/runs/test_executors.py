@@ -96,6 +96,20 @@ def test_ctrl_c_of_a_terminal_does_not_reach_them(monkeypatch):
     assert signal.SIGINT not in before  # of this thread
 
 
+CLOSED = """\
+import os
+os.closerange(0, 2)
+from polhode.common.processes import Process
+os._exit(Process().do(abs, -7))
+"""
+
+
+def test_a_caller_whose_stdin_and_stdout_are_closed_has_processes():
+    """The way to a process then has their numbers, which once were its own: it died at once."""
+    ended = python("-c", CLOSED)
+    assert (ended.returncode, ended.stderr) == (7, "")
+
+
 ORPHANS = """\
 import time
 from polhode.common import processes

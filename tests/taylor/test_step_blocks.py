@@ -61,3 +61,7 @@ def test_a_lane_that_is_lost_leaves_the_others_alone():
     ta = hy.taylor_adaptive_batch([(x, x * x)], np.array([[-1.0, np.nan, 2.0]]))
     assert batches.until(ta, [10.0, 0.0, -3.0]).outcomes == [END, Outcome.NON_FINITE, END]
     assert np.array_equal(ta.state[0, [0, 2]], alone.state[0, [0, 2]])
+    ta, alone = (oscillators(rates) for rates in ([1.0, 1e300, 2.0], [1.0, 1.0, 2.0]))
+    assert batches.until(ta, [10.0, 20.0, -3.0]).outcomes == [END, Outcome.NON_FINITE, END]
+    alone.propagate_until([10.0, 10.0, -3.0])
+    assert np.array_equal(ta.state[:, [0, 2]], alone.state[:, [0, 2]])

@@ -310,7 +310,8 @@ def _collect(
 # Those of :mod:`multiprocessing` first run the caller's main module again, for what it may
 # define: all of a script that has no guard, and what was read from stdin cannot be found at all.
 # Jobs here are polhode's own functions and values. They go and their answers come back as pickles,
-# by a connection that the process is given.
+# by a connection that is given to the process as its stdin: no other handle is surely none of those
+# that it begins with.
 
 
 class WorkerDied(Exception):
@@ -323,11 +324,10 @@ class Process:
     def __init__(self) -> None:
         places = [x for x in sys.path if isinstance(x, str)]
         self._connection, theirs = Pipe()
-        handle = theirs.fileno()
-        code = f"import sys; sys.path[:] = {places!r}; import {__name__} as own; own.work({handle})"
-        command = [get_executable(), "-P", "-c", code]
-        nothing = subprocess.DEVNULL
-        self._process = subprocess.Popen(command, stdin=nothing, stdout=nothing, pass_fds=[handle])
+        code = f"import sys; sys.path[:] = {places!r}; import {__name__} as own; own.work()"
+        self._process = subprocess.Popen(
+            [get_executable(), "-P", "-c", code], stdin=theirs.fileno(), stdout=subprocess.DEVNULL
+        )
         theirs.close()
 
     def do(self, solve: Callable[[J], T], job: J) -> T:
@@ -385,12 +385,13 @@ class WorkerPool:
             process.end()
 
 
-def work(handle: int) -> None:
-    """What such a process does: jobs of a connection, until nobody is there to ask."""
+def work() -> None:
+    """What such a process does: jobs of its connection, until nobody is there to ask."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    connection = Connection(os.dup(0))
+    os.dup2(os.open(os.devnull, os.O_RDWR), 0)
     with suppress(OSError):  # no stderr
         os.dup2(2, 1)  # what a library may print
-    connection = Connection(handle)
     jobs: SimpleQueue[bytes] = SimpleQueue()
 
     def listen() -> None:

@@ -222,8 +222,8 @@ def until(
         results = ta.propagate_res
         taken = np.array([result[3] for result in results], dtype=np.int64)
         steps += taken
-        failed = np.array([ending(result[0]) is Outcome.NON_FINITE for result in results])
-        if failed.any():
+        failed = [ending(result[0]) is Outcome.NON_FINITE for result in results]
+        if (failed & ~lost).any():
             lost |= failed
             if lost.all():
                 break
