@@ -724,6 +724,17 @@ def test_a_rotation_that_the_first_row_tells_needs_no_more_digits_than_a_name():
     assert [round(digits, 1) for _, digits in reading.rows] == [2.4, 2.1]
 
 
+def test_a_rotation_of_a_motion_in_a_plane_is_told_of_the_scenes_own_angles():
+    """There x-y-x of the body from space, with another rotation, is as right, and stranger."""
+    case, times = "kovalevskaya/pendulum-equatorial", [Fraction(k, 8) for k in range(5)]
+    motion = motion_of(with_attitude(case, times))
+    r = files.matrix(files.turned_in_body(motion, np.random.default_rng(3)).turn)
+    psi, phi = np.arctan2(r[:, 0, 2], -r[:, 1, 2]), np.arctan2(r[:, 2, 0], r[:, 2, 1])
+    table = {"t": times, "psi": psi, "theta": np.arccos(r[:, 2, 2]), "phi": phi}
+    (reading,) = polhode.compare(table, case).readings
+    assert reading.convention.startswith("turns about z-x-z, a constant rotation of")
+
+
 @pytest.mark.slow
 def test_a_fast_top_is_told_the_unit_of_omega():
     """Its spin is hardly moved, so that what comes after the first row says little of the axes."""

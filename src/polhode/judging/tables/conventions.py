@@ -99,7 +99,11 @@ _HUGE = 1e300  # a size that no motion's number has, and that stays a double in 
 _DEGREE = math.pi / 180
 #: Units of angles by the degrees in them; 0 for radians.
 _UNITS = ((0, ""), (1, "degrees"), (6, "rpm"), (360, "revolutions"))
-_SEQUENCES = [s for s in itertools.product("xyz", repeat=3) if s[0] != s[1] != s[2]]
+#: The scene's own first: of a motion in a plane others say the same in stranger words.
+_SEQUENCES = sorted(
+    ("".join(s) for s in itertools.product("xyz", repeat=3) if s[0] != s[1] != s[2]),
+    key="zxz".__ne__,
+)
 SCALAR_FIRST = "q1 the scalar"  # which a scene's start that was typed scalar-last looks like, too
 _ORDERS = (((0, 1, 2, 3), ""), ((3, 0, 1, 2), "scalar-last"), ((1, 2, 3, 0), SCALAR_FIRST))
 
@@ -254,7 +258,7 @@ def _of_angles(values: Doubles, right: Right) -> Iterator[_Way]:
     forms: list[_Form] = []
     for sequence in _SEQUENCES:
         for factor, unit in ((1.0, ""), (_DEGREE, " in degrees")):
-            rotations = turns("".join(sequence), factor * values)
+            rotations = turns(sequence, factor * values)
             name = f"turns about {'-'.join(sequence)}{unit}"
             forms.append((name, rotations, None))
             forms.append((f"{name} body from space", rotations.transpose(0, 2, 1), None))
