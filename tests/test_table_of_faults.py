@@ -175,6 +175,13 @@ def test_it_is_refused_in_one_line_at_once(call, words):
     refused(call, words)
 
 
+def test_progress_may_be_false_at_every_door():
+    """It was none at some doors and refused at others."""
+    assert polhode.compare([ROW], FREE, at=[0], progress=False).has_digits
+    with pytest.raises(polhode.BadInput, match=r"proof\.json: file"):
+        polhode.verify("proof.json", False)
+
+
 @pytest.mark.parametrize("place", range(6))
 def test_a_state_that_is_not_known_has_no_error(place):
     """It had that of its other numbers."""

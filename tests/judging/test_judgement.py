@@ -174,8 +174,8 @@ def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
         polhode.conditioning(scene, end, "quad"),
     )
     narrow, alone = (score(tables.of_run(runs[1]), against, earlier=x) for x in (wide, None))
-    assert narrow.comparison.known is wide.comparison.known
-    assert alone.comparison.known is not wide.comparison.known
+    assert narrow.comparison.answers is wide.comparison.answers
+    assert alone.comparison.answers is not wide.comparison.answers
     assert narrow.worst == pytest.approx(alone.worst, abs=1e-8)
     bands = [limits.expectation(x, k).bands for x, k in ((narrow, conditions), (alone, None))]
     by_known, anew = ([band.shown(runs[1].number) for band in row] for row in bands)
@@ -185,7 +185,7 @@ def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
     later = polhode.integrate(scene, at=[1, 6])
     for run, truth in ((later, against), (runs[1], polhode.reference(scene, "certified"))):
         narrower = score(tables.of_run(run), truth, earlier=wide)
-        assert narrower.comparison.known is not wide.comparison.known
+        assert narrower.comparison.answers is not wide.comparison.answers
         assert 14 < narrower.worst <= 16
 
 

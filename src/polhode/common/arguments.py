@@ -237,8 +237,8 @@ def with_options(options: type) -> Callable[[Function], Function]:
 def with_progress(function: Function) -> Function:
     """Let a function refuse a ``progress`` that cannot be called; raises BadInput.
 
-    Where the annotation has ``bool``, True is a bar, called as the function's first argument is,
-    and False is none: inside the function it is never a bool.
+    False is none.  Where the annotation has ``bool``, True is a bar, called as the function's first
+    argument is: inside the function it is never a bool.
     """
     positional = function.__code__.co_varnames[: function.__code__.co_argcount]
     place = positional.index("progress") if "progress" in positional else sys.maxsize
@@ -250,11 +250,13 @@ def with_progress(function: Function) -> Function:
         progress = values[place] if place < len(values) else named.get("progress")
         if progress is None or callable(progress):
             return function(*values, **named)
-        if not (takes_bool and isinstance(progress, bool)):
+        if progress is False and place < len(values):
+            return function(*values[:place], None, *values[place + 1 :], **named)
+        if progress is False:
+            return function(*values, **{**named, "progress": None})
+        if not (takes_bool and progress is True):
             raise BadInput(function.__name__, "progress", plain(progress), expected)
         first = values[0] if values else named.get("scene")
-        if not progress:
-            return function(*values, **{**named, "progress": None})
         with bar(str(getattr(first, "name", first))) as tell:
             return function(*values, **{**named, "progress": tell})
 

@@ -530,14 +530,14 @@ class Conditioning(Result, ByValue):
         return "\n".join([*lines, *filter(None, (self.lost, self.note))])
 
     def _at_times(
-        self, number: NumberType, known: Iterable[T], none_left: T
+        self, number: NumberType, ends: Iterable[T], none_left: T
     ) -> tuple[T | None, ...]:
         """What is known at each time of the stretch that ends there; None where that is unknown.
 
-        ``known``: of the stretches that end at a time.  ``none_left``: what is told where it is
+        ``ends``: of the stretches that end at a time.  ``none_left``: what is told where it is
         known that no digits of the type are left.
         """
-        values, beyond = iter(known), none_left if number.bits <= self.number.bits else None
+        values, beyond = iter(ends), none_left if number.bits <= self.number.bits else None
         pairs = zip(self._places, self.along.outputs, strict=True)
         return tuple(
             next(values) if k is not None else beyond if self._gone(t) else None for k, t in pairs

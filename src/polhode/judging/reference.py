@@ -120,6 +120,11 @@ class Reference(Storable):
         return self.result().content()
 
     @property
+    def most_digits(self) -> int:
+        """How many digits may be asked for."""
+        return MOST_ASKED
+
+    @property
     def proven(self) -> bool | str:
         """Whether every digit given so far is proven: by a theorem, exact decisions and balls.
 
@@ -266,7 +271,7 @@ class Reference(Storable):
 
     def _question(self, times: Iterable[AnyNumber], digits: int) -> tuple[list[Exact], int]:
         """Times and digits of a question; raises BadInput."""
-        digits = whole(self.scene.name, "digits", digits, 1, MOST_ASKED)
+        digits = whole(self.scene.name, "digits", digits, 1, self.most_digits)
         return _times(self.scene, times), digits
 
     def tabulated(self, digits: int, outputs: Sequence[str] = ()) -> ReferenceTable:
@@ -326,6 +331,13 @@ class EnclosureReference(Reference):
     backend = "certified"
     is_closed_form = False
     encloses_attitude = True
+
+    @property
+    def most_digits(self) -> int:
+        """As many as may be proven."""
+        from polhode.enclosures.task import MOST_DIGITS  # a closed form needs no enclosure
+
+        return MOST_DIGITS
 
     def __init__(self, scene: Scene, limits: ProofLimits) -> None:
         super().__init__(scene, "certified", kind_of_body(scene.body))

@@ -190,7 +190,7 @@ class Comparison:
     judged by the rows that the widest of them needs.
 
     ``subject``: the table.  ``selected``: the rows that are judged, None for all of them;
-    ``judged``: the table of these.  ``progress``: told of the reference's rows.  ``known``: its
+    ``judged``: the table of these.  ``progress``: told of the reference's rows.  ``answers``: its
     answers, or why there is none, by the question and the digits asked for.
     """
 
@@ -199,7 +199,7 @@ class Comparison:
     judged: TrajectoryTable
     selected: RowSelection | None = None
     progress: Progress | None = None
-    known: dict[tuple[str, int], Answer | ValueError] = field(default_factory=dict)
+    answers: dict[tuple[str, int], Answer | ValueError] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -213,8 +213,8 @@ class Comparison:
         selected = selection(subject, reference)
         judged = subject if selected is None else subject.some(selected.rows)
         same = earlier and earlier.reference is reference and earlier.judged.times == judged.times
-        known = earlier.known if earlier and same else {}
-        return cls(subject, reference, judged, selected, progress, known)
+        answers = earlier.answers if earlier and same else {}
+        return cls(subject, reference, judged, selected, progress, answers)
 
     @property
     def digits_wanted(self) -> int:
@@ -226,9 +226,9 @@ class Comparison:
 
         One that was refused may not be for fewer digits.  Raises ValueError.
         """
-        known = self.known
-        answers = ((n, x) for (name, n), x in known.items() if name == question and n >= digits)
-        enough = [n for n, x in answers if n == digits or not isinstance(x, ValueError)]
+        answers = self.answers
+        earlier = ((n, x) for (name, n), x in answers.items() if name == question and n >= digits)
+        enough = [n for n, x in earlier if n == digits or not isinstance(x, ValueError)]
         digits = min(enough, default=digits)
         if not enough:
             # a closed form in balls finds states with attitudes, so both are asked for together
@@ -237,8 +237,8 @@ class Comparison:
             questions = ("attitude", "at") if turns else (question,)
             is_proof = not self.reference.is_closed_form or (is_enclosed and question != "at")
             answers_now = self._together(questions, digits, is_proof)
-            known |= {(name, digits): answer for name, answer in answers_now.items()}
-        answer = known[question, digits]
+            answers |= {(name, digits): answer for name, answer in answers_now.items()}
+        answer = answers[question, digits]
         if isinstance(answer, ValueError):
             raise answer
         return answer
@@ -518,7 +518,7 @@ def score(
         if (rows := tuple(sorted({k for name in names for k in missing.get(name, ())})))
     }
 
-    def placed(part: str, digits: RowDigits) -> RowDigits:
+    def at_rows(part: str, digits: RowDigits) -> RowDigits:
         """Digits at all rows, None in those that are not judged, and that lack a number of it."""
         lacking = {*gaps.get(part, ())}
         if selected is None and not lacking:
@@ -529,7 +529,7 @@ def score(
     halves: dict[str, RowDigits] = {}
     for name, half in (("omega", slice(0, 3)), ("gamma", slice(3, 6))):
         if errors is not None and {*PARTS[name]} & {*subject.state}:
-            halves[name] = placed(name, row_digits(errors[:, half], subject.held))
+            halves[name] = at_rows(name, row_digits(errors[:, half], subject.held))
     others: dict[str, RowDigits] = {}
     refusals: dict[str, str] = {}
     for name in ("angles", "attitude"):
@@ -543,7 +543,7 @@ def score(
         if isinstance(digits_or_refusal, str):
             refusals[name] = digits_or_refusal
         else:
-            others[name] = placed(name, digits_or_refusal)
+            others[name] = at_rows(name, digits_or_refusal)
     return Score(
         subject,
         reference,
@@ -567,5 +567,5 @@ def _part_or_refusal(comparison: Comparison, name: str) -> RowDigits | str:
         if isinstance(fault, NoAnswer) and truth.is_closed_form:
             with suppress(ValueError):
                 proven = reference(truth.scene, "certified")
-                return replace(comparison, reference=proven, known={}).part(name)
+                return replace(comparison, reference=proven, answers={}).part(name)
         return str(fault)

@@ -339,8 +339,8 @@ def _orders(files: Sequence[AccuracyLine]) -> Iterator[tuple[str, ReportRow]]:
         steps = [x.source.step for x in lines if x.judgement and x.source and x.source.step]
         if len(judgements) > 1:
             try:
-                known = steps if len(steps) == len(lines) else None
-                order = order_between(judgements, known, "after each name, FILE=h=0.01")
+                sizes = steps if len(steps) == len(lines) else None
+                order = order_between(judgements, sizes, "after each name, FILE=h=0.01")
                 row = ", ".join(order.names), order.order, order.least, order.most
                 yield str(order), row
             except BadInput as fault:

@@ -225,7 +225,7 @@ def _first_proof(
 
     ``each``: homoclinic orbits of one periodic orbit, ``most``: chains in all.
     """
-    began, name, tried, seen = time.process_time(), on.scene.name, 0, 0
+    began, name, tried, homoclinics = time.process_time(), on.scene.name, 0, 0
     say = progress or (lambda _: None)
     causes = ["none of the manifolds' points led to one"]
     for closed in orbits:
@@ -239,8 +239,8 @@ def _first_proof(
         connections = islice(homoclinic.search(level, at), each)
         chains = ((approximate, size) for approximate in connections for size in SIZES)
         for approximate, size in islice(chains, most - tried):
-            tried, seen = tried + 1, seen + (size == SIZES[0])
-            say(f"chain {tried} of sets along homoclinic orbit {seen}")
+            tried, homoclinics = tried + 1, homoclinics + (size == SIZES[0])
+            say(f"chain {tried} of sets along homoclinic orbit {homoclinics}")
             moved, rho = homoclinic.towards(at, approximate, size)
             connection = homoclinic.connection_near(level, at, moved)
             if connection is None:
@@ -251,10 +251,10 @@ def _first_proof(
                 return _proved(orbit, guess, rho, tried, began)
             except (verify.NotProved, verify.Damaged) as why:
                 causes.append(str(why))
-    if not seen:
+    if not homoclinics:
         raise NotProved(f"{name}: no transversal homoclinic orbit was found: {causes[-1]}")
     raise NotProved(
-        f"{name}: {tried} chains of sets along {seen} homoclinic orbits failed, the "
+        f"{name}: {tried} chains of sets along {homoclinics} homoclinic orbits failed, the "
         f"last one since {causes[-1]}; try more of them, or another orbit"
     )
 

@@ -26,7 +26,7 @@ from fractions import Fraction
 from functools import lru_cache
 from html import escape
 from types import NoneType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from polhode.common.errors import aligned, printable
 from polhode.numbers import exact
@@ -36,9 +36,6 @@ from polhode.numbers.exact import Irrational
 from polhode.numbers.number_types import DOUBLE as DOUBLE_TYPE
 from polhode.numbers.number_types import EXTENDED, Doubles, NumberType
 from polhode.results.table import Column, Fact, Table, Value, Values
-
-if TYPE_CHECKING:  # what shows texts alone, as the list of cases, starts without numpy
-    pass
 
 DOUBLE, INTEGER, TRUTH = "double", "integer", "truth"
 TEXT, EXACT, OBJECT = "text", "exact", "object"
@@ -95,7 +92,7 @@ def type_of(values: Values, word: str = "") -> str:
         return EXACT
     if _all(kinds, int, np.integer):
         there = [x for x in values if x is not None] if gaps else values
-        if np.abs(there).max(initial=0) >= _SAFE:
+        if max(int(np.max(there, initial=0)), -int(np.min(there, initial=0))) >= _SAFE:
             return EXACT
         return DOUBLE if gaps else INTEGER
     if _all(kinds, int, np.integer, float, np.float32, np.float16):

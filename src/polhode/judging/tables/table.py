@@ -63,10 +63,10 @@ class Change(NamedTuple):
             return numbers
         if None in cells:
             return [None] * len(cells)
-        turned = quaternion_product(quaternion_product(self.space, numbers), self.body)
+        rotation = quaternion_product(quaternion_product(self.space, numbers), self.body)
         square = sum(x * x for x in self.space) * sum(x * x for x in self.body)
         length = root(Fraction(square), _BITS)  # of small whole numbers
-        return [x / length for x in turned]
+        return [x / length for x in rotation]
 
 
 class TimeChange(NamedTuple):
