@@ -339,8 +339,9 @@ def test_a_film_ends_where_the_motion_is_back_at_its_start(tmp_path, capsys, sho
 @pytest.mark.slow
 def test_what_is_nearer_is_drawn_later(tmp_path, monkeypatch, short_films):
     """The faces of a sphere that are seen well, whose depths follow from where they are drawn."""
-    from matplotlib import collections
+    from matplotlib import collections, pyplot
 
+    assert pyplot  # whose own classes are made of what is replaced
     drawn, results = [], collections.PolyCollection
     monkeypatch.setattr(
         collections, "PolyCollection", lambda x, **how: drawn.append(x) or results(x, **how)
