@@ -58,7 +58,7 @@ def test_pairs_of_verbs_in_threads_answer_as_alone(pair, quick_changes):
 
 @pytest.mark.slow
 def test_all_verbs_in_threads_at_once_answer_as_alone(quick_changes):
-    answer_as_alone([*VERBS] * 3)
+    answer_as_alone([*VERBS] * 2)
 
 
 @pytest.mark.slow
@@ -107,7 +107,7 @@ LOST = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarni
 @pytest.mark.slow
 def test_the_next_answer_after_any_of_many_interrupts_is_the_same():
     """Verbs are interrupted in turn, at a moment within what each takes."""
-    names, count = [*VERBS], 16
+    names, count = [*VERBS], 10
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     before = heyoka.get_nthreads(), heyoka.llvm_state.get_diskcache_enabled()
     lasts = {}

@@ -91,18 +91,6 @@ def test_turns_are_those_along_samples(name):
         assert max(abs(psi - psi0 - more[0]), abs(phi - phi0 - more[1])) < 1e-11
 
 
-POLES = {
-    **{
-        name: MOTIONS[name]
-        for name in (
-            *(f"lagrange: {where}" for where in ("upper pole", "lower pole", "rotating")),
-            *("lagrange: from the upper pole", "lagrange: from the lower pole"),
-            *(f"pendulum: {how}" for how in ("rotation", "libration", "from a pole")),
-        )
-    },
-}
-
-
 @pytest.mark.parametrize(
     "name",
     tiers(
@@ -111,7 +99,7 @@ POLES = {
     ),
 )
 def test_past_a_pole_psi_and_phi_are_right_up_to_whole_turns(name):
-    motion = POLES[name]
+    motion = MOTIONS[name]
     for side in (1, -1):
         begin, end = motion.times(side * F(1, 7), side * 5)
         (psi, _, phi), (psi0, _, phi0) = motion.reference.angles([end, begin], 15)

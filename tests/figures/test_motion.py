@@ -24,6 +24,12 @@ pytest.importorskip("matplotlib")
 TOP = "lagrange/looping"
 
 
+@pytest.fixture
+def short_films(monkeypatch):
+    """Of a few pictures."""
+    monkeypatch.setattr(film, "FRAMES", 3)
+
+
 def page_parts(text):
     """The JSON of a page, its samples as an array."""
     data = json.loads(re.search(r'<script type="application/json"[^>]*>(.*?)</script>', text)[1])
@@ -240,14 +246,13 @@ def test_a_motion_backwards_in_time_is_shown_forwards():
 
 
 @pytest.mark.slow
-def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
+def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys, short_films):
     table, page = tmp_path / "x.csv", tmp_path / "x.html"
     times = ",".join(str(k / 20) for k in range(101))
     assert main(["run", TOP, "--at", times, "--outputs", "attitude", "-o", str(table)]) == 0
     table.with_name("x.csv.json").unlink()  # with which it would be known as polhode's own
     view = ["view", str(table), "-o", str(page)]
-    film = ["plot", str(table), "--what", "motion"]
-    film += ["-o", str(tmp_path / "x.gif")]
+    plot = ["plot", str(table), "--what", "motion", "-o", str(tmp_path / "x.gif")]
 
     def said(command, scene, code=0):
         capsys.readouterr()
@@ -259,13 +264,13 @@ def test_a_trajectory_file_of_another_program_is_shown(tmp_path, capsys):
     assert len(page_parts(text)[1]) == 101
     assert "as the file has them" in text
     assert "makes loops" in text
-    for command in (view, film):
+    for command in (view, plot):
         assert "is of another motion than the scene's" in said(command, "lagrange/nutation")
         assert "another motion" not in said(command, TOP)
     assert "the scene that the file belongs to" in said(view, None, 2)
     lines = table.read_text().splitlines()
     table.write_text("\n".join([lines[0], *lines[1::10]]))
-    for command in (view, film):
+    for command in (view, plot):
         apart = re.search(r"Two samples are up to \S+ radians apart.*", said(command, TOP))[0]
         assert apart in page.read_text(encoding="utf-8")
     table.write_text("\n".join(lines[:10] + lines[11:]))
@@ -305,21 +310,19 @@ def gif_pictures(path):
             yield np.array(results.convert("RGB")).astype(int)
 
 
-def test_a_film_shows_the_motion_to_its_end(tmp_path, monkeypatch):
-    monkeypatch.setattr(film, "FRAMES", 6)
+def test_a_film_shows_the_motion_to_its_end(tmp_path, short_films):
     path = tmp_path / "x.gif"
     assert main(["plot", TOP, "--what", "motion", "--end", "4", "-o", str(path)]) == 0
     shown = [*gif_pictures(path)]
-    assert [picture.shape for picture in shown] == 6 * [(360, 360, 3)]
+    assert [picture.shape for picture in shown] == 3 * [(360, 360, 3)]
     counts = [int(np.sum((p[..., 0] > 180) & (p[..., 2] < 90))) for p in shown]
     assert counts == sorted(counts)  # the path grows
     assert counts[-1] > 5 * counts[0]
 
 
 @pytest.mark.slow
-def test_a_film_ends_where_the_motion_is_back_at_its_start(tmp_path, monkeypatch, capsys):
+def test_a_film_ends_where_the_motion_is_back_at_its_start(tmp_path, capsys, short_films):
     """A pendulum's as many whole periods as there are."""
-    monkeypatch.setattr(film, "FRAMES", 6)
     path = tmp_path / "x.gif"
     name = "pendulum/librating"
     command = ["plot", name, "--what", "motion", "--end", "40", "-o", str(path)]
@@ -334,10 +337,11 @@ def test_a_film_ends_where_the_motion_is_back_at_its_start(tmp_path, monkeypatch
 
 
 @pytest.mark.slow
-def test_what_is_nearer_is_drawn_later(tmp_path, monkeypatch):
+def test_what_is_nearer_is_drawn_later(tmp_path, monkeypatch, short_films):
     """The faces of a sphere that are seen well, whose depths follow from where they are drawn."""
-    from matplotlib import collections
+    from matplotlib import collections, pyplot
 
+    assert pyplot  # whose own classes are made of what is replaced
     drawn, results = [], collections.PolyCollection
     monkeypatch.setattr(
         collections, "PolyCollection", lambda x, **how: drawn.append(x) or results(x, **how)
@@ -372,15 +376,13 @@ def test_a_browser_draws_it(tmp_path):
     page, shot = tmp_path / "x.html", tmp_path / "x.png"
     polhode.view(TOP).save(page)
     options = ["--virtual-time-budget=3000", f"--user-data-dir={tmp_path / 'profile'}"]
-    command = [browser, *SWITCHES, *options, "--window-size=400,1300"]
-    address = f"{page.as_uri()}#t=9&play=0"
-    subprocess.run([*command, f"--screenshot={shot}", address], capture_output=True, timeout=100)
+    options += ["--window-size=400,1300", f"--screenshot={shot}", "--dump-dom"]
+    command = [browser, *SWITCHES, *options, f"{page.as_uri()}#t=9&play=0"]
+    text = subprocess.run(command, capture_output=True, timeout=100).stdout.decode()
     r, g, b = np.moveaxis(np.array(Image.open(shot).convert("RGB")).astype(int), -1, 0)
     orange, blue = (r > 190) & (g < 130) & (b < 60), (b > 120) & (r < 60)
     assert orange.sum() > 1000
     assert blue.sum() > 3000
-    dom = subprocess.run([*command, "--dump-dom", address], capture_output=True, timeout=100)
-    text = dom.stdout.decode()
     assert "t = 9.000" in text
     assert '<p id="fault" hidden="">' in text
 

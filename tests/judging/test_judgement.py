@@ -385,8 +385,11 @@ def session(folder, *options, tests=_TESTS):
 
 
 @pytest.mark.slow
-def test_digits_stand_at_the_end_and_in_the_xml(tmp_path):
-    printed = session(tmp_path, "--junitxml=x.xml", "-W", "error", "-n", "1")
+@pytest.mark.parametrize("workers", ["0", "2"])
+def test_digits_stand_at_the_end_in_the_xml_and_on_a_page(tmp_path, workers):
+    """Each judgement once, and which failed."""
+    files = "--junitxml=x.xml", "--polhode-report=r.md"
+    printed = session(tmp_path, *files, "-W", "error", "-n", workers)
     assert "1 failed, 3 passed" in printed
     assert "6.00 correct digits at t = 1, where at least 9 are wanted" in printed
     end = printed.partition("= correct digits =")[2].splitlines()
@@ -404,6 +407,11 @@ def test_digits_stand_at_the_end_and_in_the_xml(tmp_path):
     assert written.pop("test_wrong") == ["6.0"]
     counts = {name: len(digits) for name, digits in written.items()}
     assert counts == {"test_right": 1, "test_two": 2, "test_that_asks_for_nothing": 0}
+    page = (tmp_path / "r.md").read_text().splitlines()
+    rows = sorted(line.split(" | ")[:3] for line in page if line.startswith("| test_mine"))
+    assert [row[0].partition("::")[2] for row in rows] == names
+    assert [row[1] for row in rows] == ["● passed"] * 3 + ["○ failed"]
+    assert rows[-1][2] == "6.00"
 
 
 def test_a_session_that_does_not_ask_imports_nothing_more():
@@ -438,18 +446,6 @@ def test_what_fails_shows_the_users_line_and_no_source_of_polhode(tmp_path):
         assert "polhode/" not in output
         assert output.count("test_mine.py:") == 1
     assert "return testing.order_of(None" in own  # a fault of the user's function is shown, too
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("workers", ["0", "2"])
-def test_a_page_has_each_judgement_once_and_says_which_failed(tmp_path, workers):
-    session(tmp_path, "--polhode-report=r.md", "-n", workers)
-    lines = (tmp_path / "r.md").read_text().splitlines()
-    rows = sorted(line.split(" | ")[:3] for line in lines if line.startswith("| test_mine"))
-    names = ["test_right", "test_two", "test_two", "test_wrong"]
-    assert [row[0].partition("::")[2] for row in rows] == names
-    assert [row[1] for row in rows] == ["● passed"] * 3 + ["○ failed"]
-    assert rows[-1][2] == "6.00"
 
 
 def test_a_page_that_cannot_be_written_is_refused_before_the_tests(tmp_path):

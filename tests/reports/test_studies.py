@@ -266,9 +266,9 @@ def test_nine_in_ten_runs_of_the_library_end_in_the_band():
 # -- made today ------------------------------------------------------------------------------------
 
 
-def rows_of(name: str, *texts: str) -> JsonObject:
+def rows_of(name: str, *texts: str, quick: bool = False) -> JsonObject:
     """Rows of a study, made again."""
-    rows: JsonObject = make.module(name).rows(False, print, Only(texts))
+    rows: JsonObject = make.module(name).rows(quick, print, Only(texts))
     return json.loads(json.dumps(rows))
 
 
@@ -280,7 +280,7 @@ def test_rows_made_today_agree_with_the_committed_ones():
     for run, then in zip(today["runs"], before["runs"], strict=True):
         assert abs(run["correct_digits"] - then["correct_digits"]) < 1
         assert (run["number"], run["outcome"]) == (then["number"], then["outcome"])
-    (motion,) = rows_of("events", "euler/largest-axis")["motions"]
+    (motion,) = rows_of("events", "euler/largest-axis", quick=True)["motions"]
     for run in (*motion["near"], *motion["far"]):
         assert run["found"] == run["true"] > 0
         assert run["ulps"] < 1e4
