@@ -93,9 +93,12 @@ def more(x):
 MOVED, NEARER = "is not shown to lie in its ball", "no other orbit is so near"
 #: A place of the certificate, what stands there then or is made of it, and what is said.
 FALSE = [
-    *(("statement start 0", off, MOVED), ("statement start 4", off, MOVED)),
-    *(("statement period", off, MOVED), ("statement residue", off, MOVED)),
-    *(("statement start 0", less_off, MOVED), ("statement residue", less_off, MOVED)),
+    ("statement start 0", off, MOVED),
+    ("statement start 4", off, MOVED),
+    ("statement period", off, MOVED),
+    ("statement residue", off, MOVED),
+    ("statement start 0", less_off, MOVED),
+    ("statement residue", less_off, MOVED),
     *((f"scene {key} 1", more, "refused") for key in ("moments", "centre", "level")),
     ("scene weight", more, "refused"),
     ("scene", {}, "expected the keys"),

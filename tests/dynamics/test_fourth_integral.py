@@ -168,7 +168,9 @@ def test_a_body_of_goryachev_and_chaplygin_has_its_integral_on_f_0_alone():
 @pytest.mark.parametrize(
     ("moments", "centre"),
     [
-        *(([3, 3, 1], [1, 0, 0]), ([4, 4, 1], [1, 0, "1/2"]), ([2, 2, 1], [1, 0, "1/2"])),
+        ([3, 3, 1], [1, 0, 0]),
+        ([4, 4, 1], [1, 0, "1/2"]),
+        ([2, 2, 1], [1, 0, "1/2"]),
         ([2, "3/2", 1], [1, 0, 0]),
     ],
 )

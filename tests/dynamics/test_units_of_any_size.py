@@ -84,7 +84,9 @@ def test_a_branch_is_a_branch_whatever_the_denominators(by):
     )
     diagram = polhode.levels(top)
     assert [(mark.kind, mark.family) for mark in diagram.marks] == [
-        *(("branch", "first"), ("branch", "first"), ("cusp", "second"))
+        ("branch", "first"),
+        ("branch", "first"),
+        ("cusp", "second"),
     ]
     assert [float(mark.parameter / by) for mark in diagram.marks[:2]] == [1.0, 2.0]
 

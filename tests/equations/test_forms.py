@@ -173,10 +173,14 @@ def swinging(form: str, _: F) -> Scene:
     tiers(
         [("double", "lagrangian", passing), ("quad", "routhian", passing)],
         [
-            *(("quad", "lagrangian", passing), ("double", "hamiltonian", passing)),
-            *(("quad", "hamiltonian", passing), ("double", "routhian", passing)),
-            *(("double", "omega-only", swinging), ("quad", "omega-only", swinging)),
-            *(("double", "momentum-only", swinging), ("quad", "momentum-only", swinging)),
+            ("quad", "lagrangian", passing),
+            ("double", "hamiltonian", passing),
+            ("quad", "hamiltonian", passing),
+            ("double", "routhian", passing),
+            ("double", "omega-only", swinging),
+            ("quad", "omega-only", swinging),
+            ("double", "momentum-only", swinging),
+            ("quad", "momentum-only", swinging),
         ],
     ),
 )

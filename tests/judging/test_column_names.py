@@ -81,8 +81,11 @@ def test_what_a_header_means(header, names):
     [
         *((name, 1.0) for name in ("wx", "wx (rad/s)")),
         *((name, 180 / np.pi) for name in ("wx [deg/s]", "p_dps")),
-        *(("gyro_x [mdps]", 180_000 / np.pi), ("gyro_x (mrad/s)", 1000.0)),
-        *(("wx [rpm]", 30 / np.pi), ("wx [rev/s]", 0.5 / np.pi), ("wx [Hz]", 0.5 / np.pi)),
+        ("gyro_x [mdps]", 180_000 / np.pi),
+        ("gyro_x (mrad/s)", 1000.0),
+        ("wx [rpm]", 30 / np.pi),
+        ("wx [rev/s]", 0.5 / np.pi),
+        ("wx [Hz]", 0.5 / np.pi),
     ],
 )
 def test_units_of_a_rate(header, size):

@@ -275,8 +275,10 @@ def mixed(case, *names):
     tiers(
         [("lagrange/looping", "y up"), ("euler/turned-axes", "scalar last")],
         [
-            *(("euler/turned-axes", "y up"), ("lagrange/looping", "body axes")),
-            *(("lagrange/looping", "exchanged"), ("euler/turned-axes", "early")),
+            ("euler/turned-axes", "y up"),
+            ("lagrange/looping", "body axes"),
+            ("lagrange/looping", "exchanged"),
+            ("euler/turned-axes", "early"),
         ],
     ),
 )

@@ -64,10 +64,18 @@ def test_ties_of_decimals_go_to_even(n: int, power: int, digits: int) -> None:
 @pytest.mark.parametrize(
     ("x", "digits", "text"),
     [
-        *((0, 5, "0"), (1, 3, "1.00"), ("-1/3", 3, "-0.333"), (999999, 3, "1.00e+06")),
-        *(("999.5", 3, "1.00e+03"), (123, 3, "123"), ("1e-5", 2, "0.000010")),
-        *(("1e-6", 2, "1.0e-06"), (7, 1, "7"), (99, 1, "1e+02")),
-        *(("1e4000", 2, "1.0e+4000"), ("1e-4000", 2, "1.0e-4000")),
+        (0, 5, "0"),
+        (1, 3, "1.00"),
+        ("-1/3", 3, "-0.333"),
+        (999999, 3, "1.00e+06"),
+        ("999.5", 3, "1.00e+03"),
+        (123, 3, "123"),
+        ("1e-5", 2, "0.000010"),
+        ("1e-6", 2, "1.0e-06"),
+        (7, 1, "7"),
+        (99, 1, "1e+02"),
+        ("1e4000", 2, "1.0e+4000"),
+        ("1e-4000", 2, "1.0e-4000"),
     ],
 )
 def test_a_decimal_is_positional_where_short(x: str | int, digits: int, text: str) -> None:
@@ -158,9 +166,18 @@ def test_a_run_begins_with_the_nearest_numbers_of_its_type(number, x, size) -> N
 @pytest.mark.parametrize(
     ("digits", "end", "name"),
     [
-        *((1, 1, "double"), (15, 1, "double"), (16, 1, "extended"), (18, 1, "extended")),
-        *((19, 1, "quad"), (33, 1, "quad"), (34, 1, "mp"), (50, 1, "mp")),
-        *((15, "5/4", "extended"), (12, 1000, "double"), (12, 1585, "extended"), (30, 1585, "mp")),
+        (1, 1, "double"),
+        (15, 1, "double"),
+        (16, 1, "extended"),
+        (18, 1, "extended"),
+        (19, 1, "quad"),
+        (33, 1, "quad"),
+        (34, 1, "mp"),
+        (50, 1, "mp"),
+        (15, "5/4", "extended"),
+        (12, 1000, "double"),
+        (12, 1585, "extended"),
+        (30, 1585, "mp"),
     ],
 )
 def test_the_ladder_of_digits(digits: int, end: int | str, name: str) -> None:

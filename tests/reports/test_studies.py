@@ -162,8 +162,14 @@ def rows_in(results: JsonObject) -> Iterator[tuple[JsonObject, str]]:
     tiers(
         [("speed", 0), ("long-run", 0), ("proofs", 1)],
         [
-            *(("accuracy", 0), ("proofs", 0), ("stability", 0), ("events", 0)),
-            *(("speed", 1), ("accuracy", 1), ("stability", 1), ("long-run", 1)),
+            ("accuracy", 0),
+            ("proofs", 0),
+            ("stability", 0),
+            ("events", 0),
+            ("speed", 1),
+            ("accuracy", 1),
+            ("stability", 1),
+            ("long-run", 1),
             ("events", 1),
         ],
     ),

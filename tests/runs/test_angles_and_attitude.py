@@ -150,7 +150,7 @@ def test_a_pole_on_the_way_is_passed_and_turns_alone_are_in_doubt():
     ("number", "up", "end"),
     tiers(
         [("double", 1, 3), ("double", 1, -3)],
-        [*(("extended", 1, 3), ("double", -1, 3), ("extended", 1, -3)), ("double", -1, -3)],
+        [("extended", 1, 3), ("double", -1, 3), ("extended", 1, -3), ("double", -1, -3)],
     ),
     ids=lambda x: getattr(x, "name", None),
 )

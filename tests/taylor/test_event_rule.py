@@ -75,8 +75,10 @@ def test_a_small_motion_has_the_zeros_of_a_large_one(kind, size, number):
     ("number", "below", "signs"),
     tiers(
         [
-            *((DOUBLE, "1e-4", (-1, 1, -1)), (DOUBLE, "1e-13", (-1, 1, -1))),
-            *((DOUBLE, "0", (0,)), (DOUBLE, "-1e-13", ())),
+            (DOUBLE, "1e-4", (-1, 1, -1)),
+            (DOUBLE, "1e-13", (-1, 1, -1)),
+            (DOUBLE, "0", (0,)),
+            (DOUBLE, "-1e-13", ()),
         ],
         [(EXTENDED, "1e-4", (-1, 1, -1)), (QUAD, "1e-20", (-1, 1, -1)), (EXTENDED, "-1e-60", (0,))],
     ),
@@ -310,7 +312,8 @@ _LOOP_TOPS = {
             (DOUBLE, 10, "lagrange", ("gamma3 - 0.7", "gamma1", "p**2 - 0.04")),
         ],
         [
-            *((EXTENDED, 10, "free", ("p", "q")), (DOUBLE, -10, "heavy", ("p", "q"))),
+            (EXTENDED, 10, "free", ("p", "q")),
+            (DOUBLE, -10, "heavy", ("p", "q")),
             (DOUBLE, 10, "turned", ("p", "q")),
             (DOUBLE, -10, "free", ("gamma3 - 0.7", "gamma1", "p**2 - 0.04")),
             (EXTENDED, 10, "lagrange", ("gamma3 - 0.7", "gamma1", "p**2 - 0.04")),
