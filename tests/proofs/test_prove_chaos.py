@@ -217,3 +217,17 @@ def test_an_elliptic_orbit_and_integrable_tops_are_refused(capsys):
     out, err = capsys.readouterr()
     assert out == ""
     assert "not proved: lagrange/backward" in err
+
+
+@pytest.mark.slow
+def test_no_other_orbit_is_looked_at_when_all_tries_are_used_up(monkeypatch):
+    """Each was proved once more, and its manifolds were announced."""
+
+    def refuse(*_):
+        raise verify.NotProved("refused")
+
+    monkeypatch.setattr(verify, "check_chaos", refuse)
+    messages = []
+    with pytest.raises(polhode.NotProved, match="1 chains of sets along 1 homoclinic"):
+        polhode.prove_chaos("general/asymmetric-chaotic", tries=1, progress=messages.append)
+    assert sum(text.startswith("manifolds") for text in messages) == 1

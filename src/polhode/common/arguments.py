@@ -246,21 +246,26 @@ def with_progress(function: Function) -> Function:
     expected = "a function to call" + ", True for a bar, or False" * takes_bool
 
     @wraps(function)
-    def checked(*values: Any, **named: Any) -> object:
-        progress = values[place] if place < len(values) else named.get("progress")
+    def answer(*values: Any, **named: Any) -> object:
+        by_place = place < len(values)
+        progress = values[place] if by_place else named.get("progress")
         if progress is None or callable(progress):
             return function(*values, **named)
-        if progress is False and place < len(values):
-            return function(*values[:place], None, *values[place + 1 :], **named)
+
+        def answer_with(tell: object) -> object:
+            if by_place:
+                return function(*values[:place], tell, *values[place + 1 :], **named)
+            return function(*values, **{**named, "progress": tell})
+
         if progress is False:
-            return function(*values, **{**named, "progress": None})
+            return answer_with(None)
         if not (takes_bool and progress is True):
             raise BadInput(function.__name__, "progress", plain(progress), expected)
         first = values[0] if values else named.get("scene")
         with bar(str(getattr(first, "name", first))) as tell:
-            return function(*values, **{**named, "progress": tell})
+            return answer_with(tell)
 
-    return cast("Function", checked)
+    return cast("Function", answer)
 
 
 def of_kind(

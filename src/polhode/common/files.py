@@ -48,7 +48,7 @@ def read_whole(path: Path, most: int, expected: str, name: str | None = None) ->
         with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 return _streamed(file.fileno(), most, name, expected)
-            return _no_more(file.read(most + 1), most, name)
+            return _bytes_within(file.read(most + 1), most, name)
     except (OSError, ValueError) as error:
         if isinstance(error, BadInput):
             raise
@@ -61,13 +61,13 @@ def read_stdin(most: int, expected: str) -> bytes:
     ``most`` bytes.  ``expected``: as of :func:`read_whole`."""
     try:
         with open(0, "rb", closefd=False) as file:
-            return _no_more(file.read(most + 1), most, STDIN)
+            return _bytes_within(file.read(most + 1), most, STDIN)
     except OSError as error:
         raise BadInput(STDIN, "file", None, f"{expected} ({error.strerror})") from None
 
 
-def _no_more(data: bytes, most: int, name: str) -> bytes:
-    """The same bytes; raises BadInput for more than so many."""
+def _bytes_within(data: bytes, most: int, name: str) -> bytes:
+    """The same bytes; raises BadInput where they are more than so many."""
     if len(data) > most:
         raise BadInput(name, "file", None, f"at most {most} bytes")
     return data

@@ -164,13 +164,15 @@ def compare(
     elif is_read:
         table, offered = as_meant(table_given, truth)
     try:
-        result = score(table, truth, progress)
+        result: Score | None = score(table, truth, progress)
     except TooManySteps as fault:
         expected = "; ".join([fault.expected, *clock_remark(table, scene)])
         raise TooManySteps(fault.source, "t", fault.value, expected) from None
     except NoAnswer:
         if not truth.is_closed_form:
             raise
+        result = None
+    if result is None:  # what the closed form cannot tell, a proof may
         truth = reference(scene, "certified", **limits._asdict())
         if is_read:
             table, offered = as_meant(table_given, truth)

@@ -327,7 +327,7 @@ class Judgement(Result, Score):
         if details:
             lines.append(self._head)
         if is_judged:
-            lines += [*self._digit_lines(None if details else self._worst.row), self.verdict]
+            lines += [*self._digit_lines(None if details else self.worst_row), self.verdict]
         else:
             lines.append(": ".join(filter(None, [NOTHING, self._without_numbers])))
         if details:

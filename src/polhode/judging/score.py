@@ -438,13 +438,18 @@ class Score(ByValue):
         return self.digits.index(self.state_worst)
 
     @property
+    def worst_row(self) -> int:
+        """The first row at which the digits are fewest; BadInput where none were judged."""
+        return self._worst.row
+
+    @property
     def worst(self) -> float:
         """The fewest correct digits of any part that was judged; BadInput where none was."""
         return self._worst.digits
 
     @property
     def worst_time(self) -> Fraction:
-        """The first time at which the digits are fewest; BadInput likewise."""
+        """The first time at which the digits are fewest; BadInput where none were judged."""
         return self.times[self._worst.row]
 
     @property

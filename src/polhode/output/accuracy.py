@@ -143,10 +143,11 @@ class AccuracyLine(NamedTuple):
         The last two of a table as measured, of a run as expected; beyond the end by the exponent of
         a motion on which nearby ones separate exponentially.  None: not by the end.
         """
-        judged = self.judgement
+        judgement = self.judgement
         cells: ReportRow = ("", None, None, None)
-        if judged is not None and self.fewest is not None:
-            cells = judged.limit, judged.worst, to_double(judged.worst_time), self.digits[-1]
+        if judgement is not None and self.fewest is not None:
+            worst_time = to_double(judgement.worst_time)
+            cells = judgement.limit, judgement.worst, worst_time, self.digits[-1]
         return (*cells, *self._reach(motion))
 
     def _reach(self, motion: Lyapunov) -> ReportRow:
@@ -382,8 +383,8 @@ def _costed(scene: Scene, against: Reference, number: str, tolerance: str | None
         began = time.process_time()
         row = call()
         seconds.append(time.process_time() - began)
-    judged = compare([row], against, number=number, at=[scene.end], as_it_stands=True)
-    return (number, float(tolerance or named(number).eps), judged.worst, min(seconds))
+    judgement = compare([row], against, number=number, at=[scene.end], as_it_stands=True)
+    return (number, float(tolerance or named(number).eps), judgement.worst, min(seconds))
 
 
 # --- words beside them ----------------------------------------------------------------------------

@@ -229,6 +229,8 @@ def _first_proof(
     say = progress or (lambda _: None)
     causes = ["none of the manifolds' points led to one"]
     for closed in orbits:
+        if tried == most:
+            break
         try:
             orbit = theorem_of(on, closed, _DIGITS)
             level, at = _saddle(orbit)
