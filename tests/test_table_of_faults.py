@@ -139,6 +139,10 @@ CALLS = [
     (lambda: polhode.compare("a.toml", "b.csv"), "polhode compare b.csv a.toml"),
     (lambda: polhode.compare("x.csv", FREE, at_least=9), "polhode.testing.assert_digits(run"),
     (lambda: polhode.compare([ROW], FREE, dtype="quad"), "dtype = quad: expected number, as it"),
+    # they were taken, and nothing came of them
+    (lambda: polhode.compare(polhode.integrate(FREE), number="quad"), "none beside a run, which"),
+    (lambda: polhode.compare({"t": [0], "p": [0]}, FREE, at=[0]), "none beside a table, which"),
+    (lambda: polhode.compare("x.csv", FREE, at=[0]), "at = [0]: expected none beside a table"),
     (lambda: polhode.top(moments=[1, 1, 1], omga=[1, 1, 1]), "(did you mean 'omega'?)"),
     # it was taken, and handed on to the search for the first orbit; others were told its names
     (lambda: polhode.orbit_family(FREE, "h", 1, digits=30), "orbit_family: digits = 30: expected"),

@@ -45,6 +45,9 @@ _MEANT = {
     "spectrum": "frequencies SCENE",
 }
 
+#: Where a mistake is that stands in no verb.
+_NO_VERB = "command line"
+
 #: What follows is a name, even if it looks like an option.
 _BEFORE = "it after the verb and its options; what follows it is a name"
 
@@ -66,17 +69,18 @@ class _Parser(ArgumentParser):
     def error(self, message: str) -> NoReturn:
         verb = self.prog.removeprefix("polhode").strip()
         command = f"polhode {verb}" if verb else "polhode"
+        source = command if verb else _NO_VERB
         if match := re.match(r"argument VERB: invalid choice: '(.*?)'", message):
             meant = _MEANT.get(match[1].lower())
-            raise BadInput(command, "VERB", match[1], meant or listed(match[1], [*catalogue.NAMES]))
+            raise BadInput(source, "VERB", match[1], meant or listed(match[1], [*catalogue.NAMES]))
         if match := re.match(
             r"argument ([\w-]+): invalid choice: '(.*?)' \(choose from (.*)\)", message
         ):
             words = [word.strip(" '") for word in match[3].split(",")]
-            raise BadInput(command, match[1], match[2], nearest(match[2], words))
+            raise BadInput(source, match[1], match[2], nearest(match[2], words))
         if match := re.match(r"argument ([^\s:]+): (.+), not '?(.*?)'?$", message):  # by a type
-            raise BadInput(command, match[1], match[3], match[2])
-        raise BadInput(command, "command", None, f"what {command} --help shows ({message})")
+            raise BadInput(source, match[1], match[3], match[2])
+        raise BadInput(source, "command", None, f"what {command} --help shows ({message})")
 
     def _print_message(self, message: str, file: object = None) -> None:
         """Help and version, as any other result: argparse would not say that they got lost."""
@@ -84,8 +88,9 @@ class _Parser(ArgumentParser):
 
     def refuse(self, rest: Sequence[str], arguments: Sequence[str]) -> NoReturn:
         """Refuse unknown arguments, and suggest the closest known option."""
+        source = _NO_VERB if self.prog == "polhode" else self.prog
         if "--" in arguments:
-            raise BadInput(self.prog, "argument", "--", _BEFORE)
+            raise BadInput(source, "argument", "--", _BEFORE)
         first = rest[0].partition("=")[0]
         options = self._option_string_actions
         long_options = [name for name in options if name.startswith("--")]
@@ -94,8 +99,8 @@ class _Parser(ArgumentParser):
             here = called_here(name, [option.lstrip("-") for option in options])
             dashes = "-" if here == "o" else "--"
             meant = None if here is None else f"{dashes}{here}, as it is called here"
-            raise BadInput(self.prog, "option", first, meant or nearest(first, long_options))
-        raise BadInput(self.prog, "argument", first, f"nothing more; see {self.prog} --help")
+            raise BadInput(source, "option", first, meant or nearest(first, long_options))
+        raise BadInput(source, "argument", first, f"nothing more; see {self.prog} --help")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -122,7 +127,7 @@ def _main(arguments: Sequence[str] | None) -> int:
                 terminal.say(WELCOME.rstrip())
                 return DONE
             if words[0] == "--":
-                raise BadInput("polhode", "argument", "--", _BEFORE)
+                raise BadInput(_NO_VERB, "argument", "--", _BEFORE)
             parser = _parser(words)
             options, rest = parser.parse_known_args(_joined(words, parser))
             if rest:
@@ -177,11 +182,11 @@ def _completion(words: Sequence[str]) -> str:
         import shtab
     except ImportError:
         expected = "shtab, which completion needs: pip install 'polhode[shell]'"
-        raise BadInput("polhode", "--print-completion", None, expected) from None
+        raise BadInput(_NO_VERB, "--print-completion", None, expected) from None
     shells = list(shtab.SUPPORTED_SHELLS)
     if len(words) != 1 or words[0] not in shells:
         shell = words[0] if words else None
-        raise BadInput("polhode", "--print-completion", shell, nearest(shell, shells))
+        raise BadInput(_NO_VERB, "--print-completion", shell, nearest(shell, shells))
     return str(shtab.complete(_parser((), whole=True), words[0])).rstrip()
 
 

@@ -65,7 +65,7 @@ REFUSED = {
     f"run {CASE} --dt 0.1": "option = --dt: expected --every, as it",
     f"run {CASE} --n-jobs 2": "option = --n-jobs: expected --help, --number",  # it has no workers
     f"sweep {CASE} --n-jobs 2 {VARY}": "expected --workers, as it",
-    "-- run top.toml": "argument = --: expected it after the verb and its options",
+    "-- run top.toml": "polhode: command line: argument = --: expected it after the verb and its o",
     "run -- --digits 20 top.toml": "argument = --: expected it after the verb and its options",
     "run top.toml -- --digits 20": "argument = --: expected it after the verb and its options",
     "--print-completion fish!": "expected bash, zsh",

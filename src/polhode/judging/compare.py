@@ -91,7 +91,7 @@ def compare(
         A reference, or the scene whose reference it is; of a run its own scene unless given.
     number : str or NumberType, optional
         The type to which a file's decimals, or the rows, were rounded.  Floats, of Python or of
-        arrays (single, double or long double), are recognised.
+        arrays (single, double or long double), are recognised.  A run has its own.
     digits : int, optional
         The digits of the type, if ``number`` is mp.
     at : iterable of numbers, optional
@@ -265,8 +265,13 @@ def _table(
     columns: Sequence[str] | None,
 ) -> TrajectoryTable:
     """What is judged, as a table; raises BadInput."""
+    is_table = isinstance(source, (str, Path)) or hasattr(source, "keys")
     if isinstance(source, Trajectory):
+        its_own = {"number": number, "digits": digits, "at": at, "columns": columns}
+        _refuse_given(its_own, "none beside a run, which has its own")
         return of_run(source)
+    if is_table:
+        _refuse_given({"at": at}, "none beside a table, which has its times in a column")
     if digits is not None and number is None:
         raise BadInput(scene.name, "digits", digits, "number given with it: mp")
     kind = None if number is None else choose_number(scene, number, digits)
@@ -277,6 +282,13 @@ def _table(
     if isinstance(source, TrajectoryTable):
         return source
     return table_of_rows(source, at, scene.columns if columns is None else columns, kind)
+
+
+def _refuse_given(options: Mapping[str, object], expected: str) -> None:
+    """Raise BadInput for the first option that was given: nothing would come of it."""
+    for option, value in options.items():
+        if value is not None:
+            raise BadInput("compare", option, value, expected)
 
 
 def _naming(columns: Sequence[str] | None, of_file: bool = True) -> Naming:
