@@ -147,8 +147,7 @@ SPARE = {"circle": (40, 0), "unit": (40, 0), "clock": (110, 120), "far clock": (
             *((kind, gap, True) for kind in PLACES for gap in (0, 1e-4)),
         ],
         [
-            *((kind, gap, real) for kind in RULES for gap in (1e-26, 1e-3) for real in (True,)),
-            *((kind, gap, False) for kind in RULES for gap in (0, 1e-8, 1e-26)),
+            *(("circle", 1e-26, True), ("unit", 1e-8, False)),
             *((kind, 1e-20, True) for kind in PLACES),
         ],
     ),

@@ -5,7 +5,6 @@ Its reference is asked as users ask it.
 """
 
 import functools
-import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ from typing import Any
 
 import mpmath
 from flint import arb
-from mpmath import mpc, mpf
+from mpmath import mpf
 
 import polhode
 from polhode.closed_forms.balls.core import TooFewBits, ball
@@ -247,21 +246,6 @@ def turn_between(q: Sequence[Any], start: Sequence[Any]) -> list[Any]:
         a * v - x * w + y * b + z * u,
         a * w + x * v - y * u + z * b,
     ]
-
-
-def growth(top: Any, begin: Fraction, end: Fraction, count: int = 400) -> tuple[mpf, mpf]:
-    """The growth of psi and phi by close samples of the attitude.
-
-    Of two neighbours whose argument turns by almost pi a zero lies between, and it turns up.
-    """
-    rows = top.attitude([begin + (end - begin) * F(k, count) for k in range(count + 1)], 15)
-    args = []
-    for i, j in ((0, 3), (1, 2)):
-        points = [mpc(row[i], row[j]) for row in rows]
-        more = [mpmath.arg(b / a) for a, b in itertools.pairwise(points)]
-        assert all(abs(x) < 0.6 or abs(x) > 2.5 for x in more), "samples too far apart"
-        args.append(sum(x + 2 * mpmath.pi * (x < -2.5) for x in more))
-    return args[0] + args[1], args[0] - args[1]
 
 
 # -- what is asked of every closed form in balls: few bits against many, a Taylor run
