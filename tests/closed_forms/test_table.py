@@ -247,7 +247,7 @@ def test_fewer_digits_are_those_of_more(motion):
     keep=lambda motion: has_attitude(motion) and motion.family not in DEAREST,
 )
 def test_attitude_at_any_time(motion):
-    """Digits as asked, of length 1, and it carries the vertical."""
+    """Digits as asked, of length 1, it carries the vertical, and a million periods are as many."""
     top, times = motion.reference, [-far(motion, 10**9)]
     few, many = top.attitude(times, 20), top.attitude(times, 35)
     with mpmath.workdps(60):
@@ -256,6 +256,14 @@ def test_attitude_at_any_time(motion):
             assert gap(row, finer) > mpf("1e-80") or is_still(motion)
             assert abs(mpmath.norm(mpmath.matrix(finer)) - 1) < mpf("1e-34")
             assert gap(vertical_of(finer), state[3:]) < mpf("4e-35")
+        if top.period is None or motion.family == "euler":  # whose vertical does not come back
+            return
+        turns = top.attitude([exactly(n * top.period) for n in (0, 1, 10**6)], 35)
+        (first, second, last), (third, fourth, end) = (
+            [mpc(row[i], row[j]) for row in turns] for i, j in ((0, 3), (1, 2))
+        )
+        about = second / first if abs(first) > abs(third) else fourth / third
+        assert max(abs(last - about**10**6 * first), abs(end - about**10**6 * third)) < mpf("1e-27")
 
 
 @rows("integrals", keep=lambda motion: motion.principal)
