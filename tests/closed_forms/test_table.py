@@ -235,7 +235,9 @@ def test_fewer_digits_are_those_of_more(motion):
     """The state at any time, 15, 50 and 200 digits."""
     top, times = motion.reference, [F(0), *motion.times(F(7, 3), -11)]
     times += [far(motion, 10**4), -far(motion, 10**12)]
-    for few, many in ((15, 33), (50, 90)) if motion.family in ("kovalevskaya", *SLOW) else ((15, 50), (200, 220)):
+    for few, many in (
+        ((15, 33), (50, 90)) if motion.family in ("kovalevskaya", *SLOW) else ((15, 50), (200, 220))
+    ):
         error = table_gap(top.at(times, few), top.at(times, many), motion.rate)
         assert error < mpf(10) ** -few
         assert error > mpf(10) ** (-2 * few - 40) or is_still(motion)
