@@ -17,7 +17,6 @@ import pytest
 from mpmath import mpc, mpf
 
 import polhode
-from polhode.numbers import exact
 from shared.closed_forms import (
     IDENTITY,
     Motion,
@@ -34,7 +33,7 @@ from shared.closed_forms import (
     vertical_of,
 )
 from shared.members import motion_table, rotation
-from shared.tools import exactly, tiers
+from shared.tools import exact_number, exactly, tiers
 
 F = Fraction
 MOTIONS: dict[str, list[Motion]] = {}
@@ -338,7 +337,7 @@ def test_a_period_brings_the_state_back_and_no_part_of_it_does(motion):
 PLACES = (
     ((1, 2, 0), (1, 1, 1), IDENTITY, F(1, 10**30), F(10**30)),
     ((1, 0, 2), (1, -1, 1), rotation(1, 2, 4, 2), F(1), F(1)),
-    ((2, 1, 0), (-1, -1, -1), rotation(exact.sqrt(F(2)), 1, 0, 1), F(10**20), F(1)),
+    ((2, 1, 0), (-1, -1, -1), rotation(exact_number("sqrt(2)"), 1, 0, 1), F(10**20), F(1)),
 )
 
 
@@ -379,7 +378,7 @@ def test_a_state_on_the_way_is_a_start_of_the_same_motion(motion):
     """From the state at t = 2, rounded to 70 digits and hence irrational, back by 2."""
     (row,) = motion.reference.at(motion.times(2), 80)
     values = list(map(exactly, row))
-    length = exact.sqrt(sum(x * x for x in values[3:]))
+    length = exact_number(f"sqrt({sum(x * x for x in values[3:])})")
     moments, torque, _, _ = motion.principal
     start = moments, torque, values[:3], [x / length for x in values[3:]]
     then = polhode.reference(scene_of(start, motion.family)).at(motion.times(-2), 60)

@@ -4,11 +4,16 @@ A motion is a scene: of the library, of ``tests/data/motions.toml``, or of :mod:
 Its reference is asked as users ask it.
 """
 
+import contextlib
 import functools
+import io
+import json
 import math
+import tempfile
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -16,6 +21,7 @@ from flint import arb
 from mpmath import mpf
 
 import polhode
+from polhode.cli import main
 from polhode.closed_forms.balls.core import TooFewBits, ball
 from polhode.closed_forms.balls.frames import MotionAxes, conjugate
 from polhode.closed_forms.families import FAMILIES, closed_form, form_of
@@ -125,6 +131,15 @@ def scene_of(
 def in_scene(v: Sequence[Any], axes: Any) -> list[Any]:
     """A vector in the scene's axes, whose components along ``axes`` are given."""
     return [sum(axes[i][j] * v[i] for i in range(3)) for j in range(3)]
+
+
+def near_families(scene: polhode.Scene) -> dict[str, str]:
+    """What ``show`` says a scene is near to: families, each with the condition that fails."""
+    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()) as text:
+        scene = replace(scene, reference="auto")
+        (file := Path(folder) / "scene.toml").write_text(polhode.as_toml(scene))
+        assert main(["show", str(file), "--json"]) == 0
+    return dict(line.split(": ", 1) for line in json.loads(text.getvalue()).get("near", []))
 
 
 def relabel(start: Sequence[Any], order: Sequence[int], signs: Sequence[int]) -> tuple[Any, ...]:
