@@ -53,13 +53,13 @@ def test_released(unit):
     size = unit * unit * exact_number("sqrt(2)")
     gamma = F(2, 7), F(3, 7), F(6, 7)
     start = members.BODY, (size * F(3, 5), size * F(4, 5), 0), (0, 0, 0), gamma
-    reference = polhode.reference(scene_of(start, NAME))
+    top = polhode.reference(scene_of(start, NAME))
     times = [F(10) / unit, F(-(10**12)) / unit]
-    rows, more = reference.at(times, 20), reference.at(times, 40)
+    rows, more = top.at(times, 20), top.at(times, 40)
     for row, right in zip(rows, more, strict=True):
         assert gap(row[:3], right[:3]) < 3e-20 * float(unit)
         assert gap(row[3:], right[3:]) < 1e-20
-    assert reference.period is not None
+    assert top.period is not None
 
 
 def test_the_attitude_is_enclosed_where_the_state_has_a_formula():
