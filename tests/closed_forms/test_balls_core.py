@@ -32,57 +32,53 @@ def test_digits_that_a_difference_loses_are_made_up_for():
     assert precisions[0] < 200 < precisions[-1] < 800
 
 
-def test_a_number_that_is_none_is_not_passed_over():
-    """The largest of [1, not a number] is 1: each number is asked, and each size."""
-    for numbers, sizes in (
-        ([arb(1), arb.nan()], ONE * 2),
-        ([arb(1)], [arb(0, 1)]),
-        ([arb(1)], [arb(0)]),
-        ([arb.pos_inf()], ONE),
-    ):
-        with pytest.raises(Refused, match="bits give 0 of 20 digits"):
-            until_sure(lambda numbers=numbers, sizes=sizes: (numbers, sizes), 20)
+def refused():
+    raise Refused("the place has no such number")
 
 
-def test_a_reason_given_inside_is_kept_and_at_once():
+#: The largest of [1, not a number] is 1: each number is asked, and each size.
+NOT_SURE = {
+    "a number that is none": (lambda: ([arb(1), arb.nan()], ONE * 2), "give 0 of 20 digits"),
+    "a size that may be 0": (lambda: ([arb(1)], [arb(0, 1)]), "give 0 of 20 digits"),
+    "a size of 0": (lambda: ([arb(1)], [arb(0)]), "give 0 of 20 digits"),
+    "an infinite number": (lambda: ([arb.pos_inf()], ONE), "give 0 of 20 digits"),
+    "some digits": (lambda: ([arb(1, "1e-4")], ONE), "give 3 of 20 digits"),
+    "a reason of its own": (refused, "the place has no such number"),
+}
+
+
+def test_what_is_not_sure_is_refused_and_a_fault_of_the_code_is_one():
+    for row, words in NOT_SURE.values():
+        with pytest.raises(Refused, match=words):
+            until_sure(row, 20)
+    for fault in (ValueError, ZeroDivisionError, OverflowError, TypeError):
+
+        def row(fault=fault):
+            raise fault
+
+        with pytest.raises(fault):
+            until_sure(row, 20)
+
+
+@pytest.mark.parametrize(
+    ("fault", "most", "precisions"),
+    [(TooFewBits, 1000, [106, 212, 424, 848, 1000]), (Refused, None, [106])],
+)
+def test_too_few_bits_are_doubled_up_to_the_cap_and_a_reason_is_told_at_once(
+    fault, most, precisions
+):
     calls = []
 
     def row():
         calls.append(ctx.prec)
-        raise Refused("the place has no such number")
-
-    with pytest.raises(Refused, match="the place has no such number"):
-        until_sure(row, 20)
-    assert len(calls) == 1
-
-
-@pytest.mark.parametrize("fault", [ValueError, ZeroDivisionError, OverflowError, TypeError])
-def test_a_fault_of_the_code_is_not_taken_for_too_few_bits(fault):
-    def row():
         raise fault
 
-    with pytest.raises(fault):
-        until_sure(row, 20)
+    with pytest.raises(Refused, match="1000 bits give 0 of 20 digits" if most else None):
+        until_sure(row, 20, most)
+    assert calls == precisions
 
 
-def test_too_few_bits_are_doubled_up_to_the_cap():
-    precisions = []
-
-    def row():
-        precisions.append(ctx.prec)
-        raise TooFewBits
-
-    with pytest.raises(Refused, match="1000 bits give 0 of 20 digits"):
-        until_sure(row, 20, 1000)
-    assert precisions == [106, 212, 424, 848, 1000]
-
-
-def test_the_digits_that_are_known_are_told():
-    with pytest.raises(Refused, match="3 of 20 digits"):
-        until_sure(lambda: ([arb(1, "1e-4")], ONE), 20)
-
-
-def test_rows_that_are_sure_are_not_made_again():
+def test_rows_that_are_sure_are_not_made_again_and_each_is_held_against_its_own_sizes():
     powers = []
 
     def row(t):
@@ -93,6 +89,11 @@ def test_rows_that_are_sure_are_not_made_again():
     rows = sure_rows(row, times, 20)
     assert len(rows) == len(times)
     assert len(powers) <= len(times) + 6
+    small = arb(10) ** -20
+    first, second = sure_rows(
+        lambda t: ([arb.pi()], [small if t > 0 else arb(1)]), [F(0), F(1)], 20
+    )
+    assert second[0].rad() < small * arb(10) ** -20 < first[0].rad() < arb(10) ** -20
 
 
 def test_numbers_come_out_rounded_and_of_noise_only_its_size():
@@ -105,10 +106,7 @@ def test_numbers_come_out_rounded_and_of_noise_only_its_size():
         assert core.number(arb(0), 20) == 0 == core.error_of(arb(0), 20)
         large = core.number(arb(10) ** 20 / 3, 20, absolute=True)
         assert abs(large - mpf(10) ** 20 / 3) < mpf(10) ** -20
-
-
-def test_an_irrational_number_that_is_0_by_the_rule_is_the_exact_0():
-    x = exact.sqrt(F(2)) * exact.sqrt(F(3)) - exact.sqrt(F(6))
+    x = exact.sqrt(F(2)) * exact.sqrt(F(3)) - exact.sqrt(F(6))  # 0 by the rule
     assert ball(x).is_zero()
     assert not core.enclosed(x).is_zero()
     assert core.enclosed(x).contains(0)
@@ -160,13 +158,3 @@ def test_functions_and_quotients_are_those_of_mpmath(k2, v):
             assert abs(mine - here_value / begin_value) < mpf("1e-38") * abs(
                 here_value / begin_value
             )
-
-
-def test_each_row_is_held_against_its_own_sizes():
-    small = arb(10) ** -20
-
-    def row(t):
-        return [arb.pi()], [small if t > 0 else arb(1)]
-
-    first, second = sure_rows(row, [F(0), F(1)], 20)
-    assert second[0].rad() < small * arb(10) ** -20 < first[0].rad() < arb(10) ** -20

@@ -11,14 +11,11 @@ import polhode
 from polhode import BadInput
 from polhode.closed_forms.balls import clocks
 from polhode.closed_forms.balls.core import TooFewBits
-from polhode.closed_forms.families import closed_form
 from polhode.judging import reference, score
-from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.mpmath_context import mpf
 from shared import members
-from shared.closed_forms import motion_of_family, row_at
-from shared.tools import tiers
+from shared.closed_forms import gap, motion_of_family, row_at, scene_of
+from shared.tools import exact_number, tiers
 
 F = Fraction
 NAME = "goryachev-chaplygin"
@@ -50,40 +47,23 @@ def test_what_a_short_way_leaves_out_is_in_the_radius(monkeypatch):
     assert arb("1e-36") < max(x.rad() for x in row) < arb("1e-3")
 
 
-#: Exact and awkward: at a turning point of u, with an irrational centre, in units of 1e30.
-CASES = {
-    "from rest": (F(0), F(0), F(0)),
-    "nearly from rest": (F(1, 10**30), F(0), F(-4 * 2, 6 * 10**30)),
-}
-
-
-@pytest.mark.parametrize(
-    ("unit", "name"),
-    tiers(
-        [(Fraction(1, 1), "from rest")],
-        [(Fraction(1, 1000000000000000000000000000000), "from rest")],
-    ),
-)
-def test_released(name, unit):
+@pytest.mark.parametrize("unit", tiers([F(1)], [F(1, 10**30)]))
+def test_released(unit):
     """gamma3 = 6/7; a centre at sqrt 2 from the fixed point, in any direction of the plane."""
-    omega = tuple(unit * x for x in CASES[name])
-    torque = unit * unit * exact.sqrt(F(2)) * F(3, 5), unit * unit * exact.sqrt(F(2)) * F(4, 5), 0
-    motion = motion_of((members.BODY, torque, omega, (F(2, 7), F(3, 7), F(6, 7))))
+    size = unit * unit * exact_number("sqrt(2)")
+    gamma = F(2, 7), F(3, 7), F(6, 7)
+    start = members.BODY, (size * F(3, 5), size * F(4, 5), 0), (0, 0, 0), gamma
+    top = polhode.reference(scene_of(start, NAME))
     times = [F(10) / unit, F(-(10**12)) / unit]
-    rows, more = motion.at(times, 20), motion.at(times, 40)
+    rows, more = top.at(times, 20), top.at(times, 40)
     for row, right in zip(rows, more, strict=True):
-        off = [abs(x - y) for x, y in zip(row, right, strict=True)]
-        assert max(off[:3]) < mpf("1e-20") * 3 * float(unit)
-        assert max(off[3:]) < mpf("1e-20")
-    assert (motion.period(20) is None) == name.startswith("nearly")
+        assert gap(row[:3], right[:3]) < 3e-20 * float(unit)
+        assert gap(row[3:], right[3:]) < 1e-20
+    assert top.period is not None
 
 
 def test_the_attitude_is_enclosed_where_the_state_has_a_formula():
     truth = polhode.reference("goryachev-chaplygin/two-frequencies")
-    motion = closed_form(truth.scene)[1]
-    for refused in (motion.attitude, motion.angles):
-        with pytest.raises(ValueError, match=r"reference\.kind = certified"):
-            refused([F(1)], 20)
     (q,), (row,) = truth.attitude([3], 20), truth.at([3], 20)
     a, b, c, d = q
     vertical = 2 * (b * d - a * c), 2 * (c * d + a * b), a * a - b * b - c * c + d * d

@@ -4,22 +4,26 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
+import mpmath
 import pytest
 from flint import acb, arb
 
+import polhode
 from polhode.closed_forms._one_orbit import orbits
 from polhode.closed_forms._one_orbit.orbits import zeros
 from polhode.closed_forms.balls import periodic_attitude
 from polhode.closed_forms.balls.core import Refused, TooFewBits, ball
 from polhode.closed_forms.balls.periodic_attitude import BallEquations, PeriodicAttitude, PowerSum
-from polhode.closed_forms.families import mpmath, orbit_family
+from polhode.closed_forms.families import mpmath as own_mpmath
+from polhode.closed_forms.families import orbit_family
 from polhode.numbers import exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf
 from shared import steady_precession
-from shared.closed_forms import form, motion_of_family, row_at
+from shared.closed_forms import form, gap, motion_of_family, number, row_at, scene_of
 from shared.members import start
 from shared.orbit_members import steklov_start
+from shared.tools import exact_number
 
 F = Fraction
 
@@ -34,9 +38,7 @@ def test_next_to_where_the_modulus_is_1():
         plain = steklov_start(F(2) - off, F(1), F(1) - off, F(13, 10), F(1, 3))
         motion = motion_of_family("steklov", plain)
         (few,), (many,) = motion.at([F(7)], 20), motion.at([F(7)], 50)
-        with mpmath.workdps(60):
-            speed = max(abs(x) for x in many[:3])
-            assert max(abs(x - y) for x, y in zip(few, many, strict=True)) < speed * mpf("1e-20")
+        assert gap(few, many) < max(abs(x) for x in many[:3]) * 1e-20
 
 
 @pytest.mark.slow
@@ -71,11 +73,7 @@ def test_how_far_a_state_moves_is_bounded_and_not_by_much():
                 halved += abs(x - y) > most / 2
         assert halved > 10
         assert equations.moves(orbit.state(now), arb(100)) is None
-
-
-def test_a_body_without_moment_is_the_free_one():
-    """w' = 0 where w is along an axis, and the vertical turns: a bound that starts from 0."""
-    with ctx.workprec(64):
+    with ctx.workprec(64):  # w' = 0 where w is along an axis, and the vertical turns
         still = [acb(x) for x in (1, 0, 0, 0, 0, 1)]
         moves = BallEquations([arb(3), arb(2), arb(1)], [arb(0)] * 3).moves(still, arb("0.01"))
         assert [bool(x == 0) for x in moves] == [True] * 4 + [False] * 2
@@ -155,7 +153,7 @@ class Rough(steady_precession.SteadyPrecession):
 
     def _orbit(self, bits):
         proper = super()._orbit(bits)
-        return replace(proper, s=proper.s * (1 + mpmath.ldexp(1, -bits // 2)))
+        return replace(proper, s=proper.s * (1 + own_mpmath.ldexp(1, -bits // 2)))
 
 
 STEADY = (
@@ -215,32 +213,27 @@ def test_irrational_bodies_tell_what_is_called_0(monkeypatch):
 @pytest.mark.parametrize("family", ["bobylev-steklov", "chaplygin"])
 def test_units_beyond_doubles_are_no_exception(family, unit):
     """They ended in the words of Python's OverflowError, at 20 000 bits or with a nan."""
-    moments, torque, omega, gamma = start(family, 1)[0]
-    plain, t = motion_of_family(family, (moments, torque, omega, gamma)), F(3, 2)
-    heavy = [x * unit for x in moments], [x / unit for x in torque]
-    motion = motion_of_family(family, (*heavy, [x / unit for x in omega], gamma))
-    (row,), (plain_row,) = motion.at([t * unit], 20), plain.at([t], 25)
+    plain = start(family, 1)[0]
+    there, here = (polhode.reference(scene_of(plain, family, unit=x)) for x in (1 / unit, 1))
+    t = F(3, 2)
+    (row,), (plain_row,) = there.at([t * unit], 20), here.at([t], 25)
     with mpmath.workdps(30):
-        row[:3] = [x * mpf(unit.numerator) / unit.denominator for x in row[:3]]
-        assert max(abs(x - y) for x, y in zip(row, plain_row, strict=True)) < mpf("1e-18")
+        row[:3] = [x * number(unit) for x in row[:3]]
+        assert gap(row, plain_row) < 1e-18
         if family == "bobylev-steklov":
-            (turn,), (q,) = motion.attitude([t * unit], 20), plain.attitude([t], 25)
-            assert max(abs(x - y) for x, y in zip(turn, q, strict=True)) < mpf("1e-19")
-            assert (
-                abs(motion.period(20) / unit.numerator * unit.denominator / plain.period(25) - 1)
-                < 1e-19
-            )
+            assert gap(there.attitude([t * unit], 20)[0], here.attitude([t], 25)[0]) < 1e-19
+            assert abs(there.period / number(unit) / here.period - 1) < 1e-19
 
 
 def test_irrational_data_tell_what_is_assumed():
     """sqrt 2 sqrt 3 = sqrt 6 is no theorem to 4096 bits: the proof names the number called 0."""
-    a = exact.sqrt(F(2)) * exact.sqrt(F(3))
+    a = exact_number("sqrt(2)*sqrt(3)")
     gamma = F(9, 25), F(12, 25), F(4, 5)
 
     def euler_top(moments):
         return form("euler", moments, (F(0),) * 3, (F(1), F(1), F(1)), gamma)
 
-    equal = euler_top((a, exact.sqrt(F(6)), F(2)))
+    equal = euler_top((a, exact_number("sqrt(6)"), F(2)))
     assert "prolate" in equal.regime or "oblate" in equal.regime
     assert len(equal.assumed) > 0
     plain = euler_top((a, F(5, 2), F(2)))

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import ast
-import io
 import re
-import tokenize
 from pathlib import Path
 
 import polhode
@@ -26,8 +24,8 @@ def words_of(path: Path) -> str:
         for node in ast.walk(ast.parse(text))
         if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
     ]
-    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
-    parts.append(" ".join(t.string.lstrip("#: ") for t in tokens if t.type == tokenize.COMMENT))
+    comments = (line.partition("#")[2] for line in text.split("\n"))
+    parts.append(" ".join(comment.lstrip(": ") for comment in comments))
     lines = (line for part in parts for line in part.split("\n") if ">>>" not in line)
     return " ".join(" ".join(lines).split())
 

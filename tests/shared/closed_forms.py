@@ -4,19 +4,24 @@ A motion is a scene: of the library, of ``tests/data/motions.toml``, or of :mod:
 Its reference is asked as users ask it.
 """
 
+import contextlib
 import functools
-import itertools
+import io
+import json
 import math
+import tempfile
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import mpmath
 from flint import arb
-from mpmath import mpc, mpf
+from mpmath import mpf
 
 import polhode
+from polhode.cli import main
 from polhode.closed_forms.balls.core import TooFewBits, ball
 from polhode.closed_forms.balls.frames import MotionAxes, conjugate
 from polhode.closed_forms.families import FAMILIES, closed_form, form_of
@@ -126,6 +131,15 @@ def scene_of(
 def in_scene(v: Sequence[Any], axes: Any) -> list[Any]:
     """A vector in the scene's axes, whose components along ``axes`` are given."""
     return [sum(axes[i][j] * v[i] for i in range(3)) for j in range(3)]
+
+
+def near_families(scene: polhode.Scene) -> dict[str, str]:
+    """What ``show`` says a scene is near to: families, each with the condition that fails."""
+    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()) as text:
+        scene = replace(scene, reference="auto")
+        (file := Path(folder) / "scene.toml").write_text(polhode.as_toml(scene))
+        assert main(["show", str(file), "--json"]) == 0
+    return dict(line.split(": ", 1) for line in json.loads(text.getvalue()).get("near", []))
 
 
 def relabel(start: Sequence[Any], order: Sequence[int], signs: Sequence[int]) -> tuple[Any, ...]:
@@ -247,21 +261,6 @@ def turn_between(q: Sequence[Any], start: Sequence[Any]) -> list[Any]:
         a * v - x * w + y * b + z * u,
         a * w + x * v - y * u + z * b,
     ]
-
-
-def growth(top: Any, begin: Fraction, end: Fraction, count: int = 400) -> tuple[mpf, mpf]:
-    """The growth of psi and phi by close samples of the attitude.
-
-    Of two neighbours whose argument turns by almost pi a zero lies between, and it turns up.
-    """
-    rows = top.attitude([begin + (end - begin) * F(k, count) for k in range(count + 1)], 15)
-    args = []
-    for i, j in ((0, 3), (1, 2)):
-        points = [mpc(row[i], row[j]) for row in rows]
-        more = [mpmath.arg(b / a) for a, b in itertools.pairwise(points)]
-        assert all(abs(x) < 0.6 or abs(x) > 2.5 for x in more), "samples too far apart"
-        args.append(sum(x + 2 * mpmath.pi * (x < -2.5) for x in more))
-    return args[0] + args[1], args[0] - args[1]
 
 
 # -- what is asked of every closed form in balls: few bits against many, a Taylor run
