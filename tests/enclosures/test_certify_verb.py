@@ -185,8 +185,6 @@ def test_a_closed_form_is_written_as_a_table(tmp_path, capsys) -> None:
         ("kovalevskaya/generic", 50, 15),
         ("general/asymmetric-regular", 20, 10),
         ("euler/rest", 1000, 10),
-        pytest.param("euler/sphere", 1000, 10, marks=pytest.mark.slow),
-        pytest.param("lagrange/nutation", 400, 10, marks=pytest.mark.slow),
         pytest.param("general/asymmetric-chaotic", 100, 15, marks=pytest.mark.slow),
     ],
 )

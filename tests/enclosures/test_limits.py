@@ -20,7 +20,7 @@ EVENTS = """
 name = "level"
 zero = "gamma3 - 9/10"
 """
-_LOOKS = 11  # at the clock, in which a proof comes past its first time and not to its second
+_LOOKS = 8  # at the clock, in which a proof comes past its first time and not to its second
 
 
 class _Clock:
@@ -58,14 +58,14 @@ def test_what_was_proven_until_an_interruption_is_kept() -> None:
 def test_what_was_proven_until_a_limit_on_the_time_is_kept(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    whole = polhode.certify(SCENE, at=[1, 300], digits=15)
+    whole = polhode.certify(SCENE, at=[1, 60], digits=15)
     _stand(monkeypatch, _LOOKS)
-    enclosure = polhode.certify(SCENE, at=[1, 300], digits=15, max_seconds=3)
+    enclosure = polhode.certify(SCENE, at=[1, 60], digits=15, max_seconds=3)
     assert enclosure.outcome is Outcome.TIME_LIMIT
     assert enclosure.times == (1,)
     assert enclosure.centres[0] == whole.centres[0]
     _stand(monkeypatch, _LOOKS)
-    words = ("certify", SCENE, "--digits", "15", "--at", "1,300", "--json")
+    words = ("certify", SCENE, "--digits", "15", "--at", "1,60", "--json")
     assert cli.main((*words, "--max-seconds", "3")) == 3
     out, err = capsys.readouterr()
     assert json.loads(out)["outcome"] == "time limit"
