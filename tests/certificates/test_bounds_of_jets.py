@@ -15,6 +15,7 @@ from flint import arb, arb_mat
 
 from polhode.certificates import verify
 from polhode.numbers.flint_context import ctx
+from shared.proofs import body_of
 
 RHO = 3  # bits
 
@@ -23,11 +24,6 @@ RHO = 3  # bits
 def precision():
     with ctx.workprec(64):
         yield
-
-
-def body_of(moments, torque=(0, 0, 0)):
-    rows = [[arb(x if i == j else 0) for j in range(3)] for i, x in enumerate(moments)]
-    return verify.Body(rows, [arb(x) for x in torque])
 
 
 def norm_of(moments, torque, state, weight_bits):

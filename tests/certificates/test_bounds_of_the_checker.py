@@ -19,6 +19,7 @@ from flint import arb, arb_mat, arb_poly, ctx, fmpq, fmpq_mat
 
 from polhode.certificates import verify
 from polhode.numbers.polynomials import middle as exactly
+from shared.proofs import body_of
 
 FEW = 10  # bits
 
@@ -88,11 +89,6 @@ def off_the_derivative(_: object) -> Iterator[Row]:
     """D along a motion that stays at r, beside V: D' = (a + 2 b r) D."""
     for a, r in ((0, 0.3), (1, 0.5)):
         yield math.exp(a + 2 * r) - 1, step_of(a, 1, 0).noise_of_derivative(arb(r)), 2
-
-
-def body_of(moments: Sequence[float], torque: Sequence[float] = (0, 0, 0)) -> verify.Body:
-    rows = [[arb(x if i == j else 0) for j in range(3)] for i, x in enumerate(moments)]
-    return verify.Body(rows, [arb(x) for x in torque])
 
 
 def test_what_may_be_0_is_no_0():

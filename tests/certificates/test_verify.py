@@ -20,6 +20,7 @@ from polhode import BadInput
 from polhode.certificates import verify
 from polhode.cli import main
 from polhode.numbers.vectors import quaternion_product
+from shared.proofs import body_of
 from shared.tools import CHECKER, altered, answer, of_table, python, tiers
 
 REGULAR = "general/asymmetric-regular"
@@ -275,17 +276,15 @@ def test_faulty_guesses_are_contained(fault, request, monkeypatch):
     assert 1e-7 < ratio < 1  # a bound that is far too wide would tell nothing
 
 
-def body_of(*moments):
-    with ctx.workprec(64):
-        inertia = [[arb(x if i == j else 0) for j in range(3)] for i, x in enumerate(moments)]
-        return verify.Body(inertia, [arb("0.25"), arb("-0.5"), arb("0.125")])
+PULL = (0.25, -0.5, 0.125)
 
 
 @pytest.mark.parametrize("moments", [(1, 1, 1), (3, 2, 2), (8, 7, 1), (1, 8, 2)])
 def test_the_quadratic_part_of_the_rates_is_bounded_sharply(moments):
     """By its values where every component is 1 or -1: half the sum of f there and opposite."""
-    body, largest = body_of(*moments), 0.0
+    largest = 0.0
     with ctx.workprec(64):
+        body = body_of(moments, PULL)
         for signs in itertools.product((1, -1), repeat=6):
             here, there = (verify.rates(body, [arb(side * x) for x in signs]) for side in (1, -1))
             both = [float(abs(x + y)) / 2 for x, y in zip(here, there, strict=True)]
@@ -301,7 +300,7 @@ def test_what_v_misses_is_bounded_beyond_its_last_coefficient_too(monkeypatch):
     )
     with ctx.workprec(64):
         start = [arb(x) for x in ("0.5", "-0.25", "1", "0", "0.75", "0.5")]
-        step = verify.Step(body_of(3, 2, 1), start, arb("0.125"), 64, verify.STATES)
+        step = verify.Step(body_of((3, 2, 1), PULL), start, arb("0.125"), 64, verify.STATES)
         (a,), v, norms = matrices, step.v, []
         for k in range(len(a) + len(v)):
             total = v[k + 1] * arb(-(k + 1)) if k + 1 < len(v) else arb_mat(6, 6)
@@ -356,60 +355,59 @@ def test_the_attitude_is_a_variable_of_the_rates():
 # -- what is no certificate -----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [
-        ("format", "another"),
-        ("kind", "orbit "),
-        ("scene", {"moments": ["2", "3/2", "1"]}),
-        ("time_bits", 10**9),
-        ("state_bits", "100"),
-        ("bits", 10**9),
-        ("bits", 10),
-        *(("grid", grid) for grid in ([0], [1, 2], [0, 5, 3], [0, 10**30])),
-        ("statement", [{"t": "1", "balls": []}]),
-        ("statement", [{"t": "nan", "balls": [["0", "1"]] * 6}]),
-        ("statement", [{"t": "1", "balls": [["0", "-1"]] * 6}]),
-        ("statement", [{"t": "1000", "balls": [["0", "1"]] * 6}]),
-    ],
-)
-def test_what_is_no_certificate_is_one_line(small, key, value, tmp_path, capsys):
-    path = tmp_path / "x.json"
-    path.write_text(json.dumps(small | {key: value}))
-    assert main(["verify", str(path)]) in (1, 2)
-    output = capsys.readouterr()
-    assert len((output.out + output.err).splitlines()) == 1
-    assert "proved: at" not in output.out
-
-
 def lopsided(scene):
     """A scene whose matrix of inertia has one product of inertia, not two."""
     rows = {"inertia": [["2", "1/10", "0"], ["0", "3/2", "0"], ["0", "0", "1"]]}
     return rows | {key: x for key, x in scene.items() if key != "moments"}
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (lambda x: x["scene"].pop("attitude"), "expected attitude"),
-        (lambda x: x["scene"]["attitude"].pop(), "a list of 4"),
-        (lambda x: x["scene"].update(damping="0"), "nothing else"),
-        (lambda x: x["statement"][0]["attitude"].pop(), "a list of 4"),
-        (lambda x: x["statement"][0].update(turn=[]), "nothing else"),
-        (lambda x: x["scene"].update(omega=[["1", "-1e-30"], 0, 0]), "not negative"),
-        (lambda x: x.update(grid=[t + 5 for t in x["grid"]]), "expected 0 and up to"),
-        (lambda x: x.update(scene=lopsided(x["scene"])), "a symmetric matrix"),
-        # work that would take hours
-        (
-            lambda x: x.update(bits=4000, grid=[*range(10_000)], centres=[x["centres"][0]] * 9_999),
-            "are too many",
-        ),
-    ],
-)
-def test_what_is_damaged_is_told(with_turns, change, said):
-    certificate = copy.deepcopy(with_turns)
-    change(certificate)
-    assert said in answer(certificate)
+def without(key):
+    """A list without its last value, or a table without a key."""
+    return lambda x: x[:-1] if isinstance(x, list) else {k: x[k] for k in x if k != key}
+
+
+def with_more(**more):
+    return lambda table: table | more
+
+
+#: A place, what stands there then or is made of it, and what is said.
+DAMAGED = [
+    ("format", "another", "expected the format"),
+    ("kind", "orbit ", "kind: expected"),
+    ("scene", {"moments": ["2", "3/2", "1"]}, "scene: expected"),
+    ("scene", without("attitude"), "expected attitude"),
+    ("scene", with_more(damping="0"), "nothing else"),
+    ("scene", with_more(omega=[["1", "-1e-30"], 0, 0]), "not negative"),
+    ("scene", lopsided, "a symmetric matrix"),
+    ("scene attitude", without(-1), "a list of 4"),
+    ("time_bits", 10**9, "time_bits"),
+    ("state_bits", "100", "state_bits"),
+    ("bits", 10**9, "bits"),
+    ("bits", 10, "bits"),
+    ("grid", [0], "grid"),
+    ("grid", [1, 2], "grid"),
+    ("grid", [0, 5, 3], "grid"),
+    ("grid", lambda grid: [t + 5 for t in grid], "expected 0 and up to"),
+    ("statement", [{"t": "1", "balls": []}], "statement[0]"),
+    ("statement", [{"t": "nan", "balls": [["0", "1"]] * 6}], "statement[0].t"),
+    ("statement 0 balls 0 1", "-1", "not negative"),
+    ("statement 0 t", "1000", "outside"),
+    ("statement 0 attitude", without(-1), "a list of 4"),
+    ("statement 0", with_more(turn=[]), "nothing else"),
+]
+
+
+@pytest.mark.parametrize(("place", "value", "said"), DAMAGED)
+def test_what_is_damaged_is_told(with_turns, place, value, said):
+    text = answer(altered(with_turns, place, value))
+    assert text.startswith("refused: ")
+    assert "\n" not in text
+    assert said in text
+
+
+def test_work_that_would_take_hours_is_refused(with_turns):
+    more = {"bits": 4000, "grid": [*range(10_000)], "centres": [with_turns["centres"][0]] * 9_999}
+    assert "are too many" in answer(with_turns | more)
 
 
 @pytest.mark.parametrize(

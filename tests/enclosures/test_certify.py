@@ -162,34 +162,29 @@ def test_the_integrals_used_are_those_that_hold_exactly(
     assert set(integral_contraction.first_integrals(fixed_point_problem.motion(scene))) == names
 
 
-@pytest.mark.parametrize(
-    ("centre", "radius", "text"),
-    [
-        (Fraction(1, 3), 1e-5, "0.3333"),
-        (Fraction(-1, 3), 1e-5, "-0.3333"),
-        (Fraction(1, 2), 1e-6, "0.50000"),
-        (Fraction(0), 1e-7, "0.000000"),
-        (Fraction(12345, 10), 0.01, "1234.5"),
-        (Fraction(2, 3), 0.6, ""),
-        (Fraction(9999999, 10**7), 1e-9, "0.99999990"),
-        (Fraction(1, 7), float("inf"), ""),
-        (Fraction(8079370361), 20.0, "8.079370e+09"),
-        (Fraction(-8079370361) * 10**60, 1e61, "-8.0793704e+69"),
-        (Fraction(96), 3.0, "1e+02"),
-        (Fraction(1, 3 * 10**40), 1e-45, "3.333e-41"),
-        (Fraction(0), 1e9, ""),
-        (Fraction(7, 10**6), 1e-9, "0.00000700"),
-    ],
-)
-def test_a_ball_prints_the_digits_that_all_its_numbers_round_to(
-    centre: Fraction, radius: float, text: str
-) -> None:
-    assert guaranteed(centre, radius) == text
+#: Middle and radius of a ball, and what is printed.
+PRINTED = [
+    (Fraction(1, 3), 1e-5, "0.3333"),
+    (Fraction(-1, 3), 1e-5, "-0.3333"),
+    (Fraction(1, 2), 1e-6, "0.50000"),
+    (Fraction(0), 1e-7, "0.000000"),
+    (Fraction(12345, 10), 0.01, "1234.5"),
+    (Fraction(2, 3), 0.6, ""),
+    (Fraction(9999999, 10**7), 1e-9, "0.99999990"),
+    (Fraction(1, 7), float("inf"), ""),
+    (Fraction(8079370361), 20.0, "8.079370e+09"),
+    (Fraction(-8079370361) * 10**60, 1e61, "-8.0793704e+69"),
+    (Fraction(96), 3.0, "1e+02"),
+    (Fraction(1, 3 * 10**40), 1e-45, "3.333e-41"),
+    (Fraction(0), 1e9, ""),
+    (Fraction(7, 10**6), 1e-9, "0.00000700"),
+]
 
 
-def test_printed_digits_are_those_of_every_number_in_the_ball() -> None:
+def test_a_ball_prints_the_digits_that_all_its_numbers_round_to() -> None:
+    assert [guaranteed(centre, radius) for centre, radius, _ in PRINTED] == [x[2] for x in PRINTED]
     rng = random.Random(5)
-    for _ in range(500):
+    for _ in range(200):
         size = Fraction(10) ** rng.choice([-60, 0, 0, 60])  # units of any size
         centre = size * Fraction(rng.randrange(-(10**12), 10**12), 10 ** rng.randrange(6, 14))
         radius = float(size) * 10.0 ** rng.uniform(-9, 1)
