@@ -19,7 +19,6 @@ import polhode
 from polhode import BadInput
 from polhode.certificates import verify
 from polhode.cli import main
-from polhode.numbers.vectors import quaternion_product
 from shared.proofs import body_of
 from shared.tools import CHECKER, altered, answer, of_table, python, tiers
 
@@ -338,18 +337,6 @@ def test_a_body_at_rest_without_weight_and_vertical_stays_where_it_is():
     certificate = guesses | {"format": "polhode certificate 1", "kind": "state", "bits": 64}
     certificate |= {"scene": scene | {"gamma": [0] * 3}}
     assert holds(certificate | {"statement": [claim]})
-
-
-def test_the_attitude_is_a_variable_of_the_rates():
-    """Q' = Q (0, w)/2: of every unit quaternion and every unit of w."""
-    with ctx.workprec(64):
-        body = verify.Body(
-            [[arb(int(i == j)) for j in range(3)] for i in range(3)], [arb(0)] * 3, True
-        )
-        for a, i in itertools.product(range(4), range(3)):
-            x = [arb(int(k in (i, 6 + a))) for k in range(10)]
-            right = quaternion_product([int(k == a) for k in range(4)], [0, *x[:3]])
-            assert verify.rates(body, x)[6:] == [y / 2 for y in right]
 
 
 # -- what is no certificate -----------------------------------------------------------------------
