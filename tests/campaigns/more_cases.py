@@ -113,6 +113,10 @@ CAMPAIGNS = {
         "[test_every_ball_holds_its_value(family, seed)"
         " for family, row in ROUGH.items() for seed in range(row[2])]",
     ),
+    "true returns": (
+        "proofs/test_prove_stability",
+        "[test_rotation_and_twist_are_those_of_true_returns(name) for name in KNOWN]",
+    ),
     "windows of events": (
         "taylor/test_event_windows",
         "[runs_meet_what_is_proven_of_very_many_expressions(part) for part in range(10)]",

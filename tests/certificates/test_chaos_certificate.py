@@ -143,7 +143,7 @@ def covers(
         return verify.covers(image, home, target, arb(1), "one over another")
 
 
-def test_an_affine_covering_is_one_either_way_round():
+def test_an_affine_covering_is_one_either_way_round_with_its_margins():
     for options in (
         {},
         {"stretch": -2.0},  # which exchanges the edges
@@ -152,9 +152,6 @@ def test_an_affine_covering_is_one_either_way_round():
         {"size": (1.4, 0.6), "middle": 0.5},
     ):
         covers(**options)
-
-
-def test_the_margins_of_a_covering():
     margins = covers(size=(1.4, 0.6), middle=0.5, stretch=-2.0, depth=0.0)
     assert float(margins.stretch) == pytest.approx(1.5 / 1.4)
     assert float(margins.height) == pytest.approx(0.5 / 0.6)

@@ -8,7 +8,6 @@ import copy
 import itertools
 import json
 import random
-import subprocess
 import sys
 from dataclasses import replace
 from fractions import Fraction
@@ -19,10 +18,9 @@ from flint import arb, arb_mat, arb_poly, ctx, fmpq
 import polhode
 from polhode import BadInput
 from polhode.certificates import verify
-from polhode.certificates.state_certificate import MAKING
 from polhode.cli import main
-from polhode.numbers.vectors import quaternion_product
-from shared.tools import altered, answer, of_table, tiers
+from shared.proofs import body_of
+from shared.tools import CHECKER, altered, answer, of_table, python, tiers
 
 REGULAR = "general/asymmetric-regular"
 PARTS = {"balls": slice(6), "attitude": slice(6, 10)}
@@ -34,7 +32,7 @@ def scene_of(name, with_attitude=True):
 
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
-    """The states of an asymmetric body to t = 3, 20 digits."""
+    """The states of an asymmetric body to t = 1, 20 digits."""
     return saved_certificate(tmp_path_factory, with_attitude=False)
 
 
@@ -46,7 +44,7 @@ def with_turns(tmp_path_factory):
 
 def saved_certificate(folders, with_attitude):
     path = folders.mktemp("certificates") / "proof.json"
-    polhode.certify(scene_of(REGULAR, with_attitude), at=[1, 3], digits=20).save(path)
+    polhode.certify(scene_of(REGULAR, with_attitude), at=["1/2", 1], digits=20).save(path)
     return json.loads(path.read_text())
 
 
@@ -55,19 +53,14 @@ def holds(certificate):
     return not answer(certificate).startswith("refused")
 
 
-def alone(*arguments, **options):
-    """The checker as a file of its own."""
-    return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, **options)
-
-
 @pytest.mark.parametrize(
     ("name", "at", "digits", "has_attitude"),
     tiers(
         [("lagrange/turned-axes", [1], 20, True)],
         [
-            ("general/asymmetric-chaotic", [1, 2], 40, True),
-            ("hard/very-fast-top", ["0.00003"], 16, True),
-            ("kovalevskaya/generic", [-1, -4], 30, True),
+            ("general/asymmetric-chaotic", [1], 40, True),
+            ("hard/very-fast-top", ["0.00001"], 16, True),
+            ("kovalevskaya/generic", [-1], 16, True),
             ("published/hairer-vilmart", [1], 20, True),  # from the pole
             ("steklov/upper", [0, 1], 16, True),  # irrational data, and a time 0
         ],
@@ -76,7 +69,7 @@ def alone(*arguments, **options):
 def test_what_is_certified_is_proved_by_the_file_alone(name, at, digits, has_attitude, tmp_path):
     path = tmp_path / "proof.json"
     polhode.certify(scene_of(name, has_attitude), at=at, digits=digits).save(path)
-    ran = alone("-I", verify.__file__, str(path))
+    ran = python("-I", str(CHECKER), str(path))
     assert ran.returncode == 0, ran.stderr
     assert ran.stdout == polhode.verify(path).text + "\n"
     assert ("its attitude" in ran.stdout) == has_attitude
@@ -97,7 +90,7 @@ def test_irrational_data_and_units_far_from_one(tmp_path):
 
 
 def test_it_is_the_attitude_of_a_run(with_turns):
-    run = polhode.integrate(scene_of(REGULAR), "quad", at=[1, 3])
+    run = polhode.integrate(scene_of(REGULAR), "quad", at=["1/2", 1])
     for row, claim in zip(run.attitude, with_turns["statement"], strict=True):
         for x, (middle, radius) in zip(row, claim["attitude"], strict=True):
             off = abs(Fraction(str(x)) - Fraction(middle))
@@ -109,8 +102,7 @@ def test_it_is_the_attitude_of_a_run(with_turns):
 
 def test_it_shares_no_code():
     """Nothing but the standard library and python-flint."""
-    with open(verify.__file__, encoding="utf-8") as file:
-        tree = ast.parse(file.read())
+    tree = ast.parse(CHECKER.read_text(encoding="utf-8"))
     names = [alias.name for x in ast.walk(tree) if isinstance(x, ast.Import) for alias in x.names]
     names += [x.module or "." for x in ast.walk(tree) if isinstance(x, ast.ImportFrom)]
     assert "flint" in names
@@ -119,15 +111,15 @@ def test_it_shares_no_code():
 
 def test_without_flint_it_says_so_and_proves_nothing(tmp_path):
     (tmp_path / "flint.py").write_text("raise ImportError\n")
-    ran = alone(verify.__file__, "x.cert", env={"PYTHONPATH": str(tmp_path)}, cwd=tmp_path)
+    ran = python(str(CHECKER), "x.cert", env={"PYTHONPATH": str(tmp_path)}, cwd=tmp_path)
     assert (ran.returncode, ran.stdout) == (2, "")
     assert ran.stderr == "python-flint is needed: pip install python-flint\n"
 
 
 @pytest.mark.slow
 def test_a_certificate_from_the_standard_input(small):
-    for command in ([verify.__file__, "-"], ["-m", "polhode", "verify", "-"]):
-        ran = alone(*command, input=json.dumps(small))
+    for command in ([str(CHECKER), "-"], ["-m", "polhode", "verify", "-"]):
+        ran = python(*command, input=json.dumps(small))
         assert ran.returncode == 0, ran.stderr
         assert "proved: at 2 times" in ran.stdout
 
@@ -202,24 +194,14 @@ def test_a_start_that_turns_the_vertical_elsewhere_is_told(with_turns):
 def test_guesses_prove_nothing_false(with_turns):
     """Whatever they are: the same true statement, or nothing."""
     chance = random.Random(5)
+    near, few, more = (copy.deepcopy(with_turns) for _ in range(3))
+    for row in near["centres"]:
+        row[chance.randrange(6)] += chance.randrange(-(2 ** chance.randrange(60)), 2**40)
+    k = chance.randrange(1, len(few["grid"]) - 1)
+    del few["grid"][k], few["centres"][k]
+    more["bits"] += 100
     proved = 0
-    for _ in range(3):
-        certificate = copy.deepcopy(with_turns)
-        part = chance.choice(["centre", "centres", "grid", "bits"])
-        if part == "centre":
-            row = chance.choice(certificate["centres"])
-            far = chance.choice([1, -(2**20), 2**60, 2 ** certificate["state_bits"]])
-            row[chance.randrange(6)] += far
-        elif part == "centres":
-            for row in certificate["centres"]:
-                row[chance.randrange(6)] += chance.randrange(-(2 ** chance.randrange(60)), 2**40)
-        elif part == "grid":
-            k = chance.randrange(1, len(certificate["grid"]) - 1)
-            del certificate["grid"][k], certificate["centres"][k]
-        else:
-            certificate["bits"] = chance.choice(
-                [64, certificate["bits"] - 30, certificate["bits"] + 100]
-            )
+    for certificate in (near, few, more):
         proved += holds(certificate)
         assert not holds(moved_off(certificate, -1, "balls", 0, 3))
         assert not holds(moved_off(certificate, -1, "attitude", 2, 3))
@@ -293,17 +275,15 @@ def test_faulty_guesses_are_contained(fault, request, monkeypatch):
     assert 1e-7 < ratio < 1  # a bound that is far too wide would tell nothing
 
 
-def body_of(*moments):
-    with ctx.workprec(64):
-        inertia = [[arb(x if i == j else 0) for j in range(3)] for i, x in enumerate(moments)]
-        return verify.Body(inertia, [arb("0.25"), arb("-0.5"), arb("0.125")])
+PULL = (0.25, -0.5, 0.125)
 
 
 @pytest.mark.parametrize("moments", [(1, 1, 1), (3, 2, 2), (8, 7, 1), (1, 8, 2)])
 def test_the_quadratic_part_of_the_rates_is_bounded_sharply(moments):
     """By its values where every component is 1 or -1: half the sum of f there and opposite."""
-    body, largest = body_of(*moments), 0.0
+    largest = 0.0
     with ctx.workprec(64):
+        body = body_of(moments, PULL)
         for signs in itertools.product((1, -1), repeat=6):
             here, there = (verify.rates(body, [arb(side * x) for x in signs]) for side in (1, -1))
             both = [float(abs(x + y)) / 2 for x, y in zip(here, there, strict=True)]
@@ -319,7 +299,7 @@ def test_what_v_misses_is_bounded_beyond_its_last_coefficient_too(monkeypatch):
     )
     with ctx.workprec(64):
         start = [arb(x) for x in ("0.5", "-0.25", "1", "0", "0.75", "0.5")]
-        step = verify.Step(body_of(3, 2, 1), start, arb("0.125"), 64, verify.STATES)
+        step = verify.Step(body_of((3, 2, 1), PULL), start, arb("0.125"), 64, verify.STATES)
         (a,), v, norms = matrices, step.v, []
         for k in range(len(a) + len(v)):
             total = v[k + 1] * arb(-(k + 1)) if k + 1 < len(v) else arb_mat(6, 6)
@@ -330,77 +310,36 @@ def test_what_v_misses_is_bounded_beyond_its_last_coefficient_too(monkeypatch):
     assert missed <= bound < 6 * missed
 
 
-def missed_of(*coefficients):
-    """V of A with these coefficients in its first entry, and the bound of what it misses."""
+@pytest.mark.parametrize(
+    ("coefficients", "terms", "missed", "slack"),
+    [
+        # V = 1 to the degree that is tried
+        ((0, 0, 1), 120, 1 / 3, 1.02),
+        # V = 1 + 10 tau + 50 tau^2: A V - V' is 10^6 tau^2 V
+        ((10, 0, 10**6), 3, 10**6 * (1 / 3 + 10 / 4 + 50 / 5), 6),
+    ],
+)
+def test_what_v_misses_is_bounded(coefficients, terms, missed, slack, monkeypatch):
+    """Of an A with these coefficients in its first entry, which begins late, or grows."""
+    monkeypatch.setattr(verify, "MOST_TERMS", terms)
     with ctx.workprec(64):
         a = verify.matrices_of({(0, 0): arb_poly([*coefficients])}, arb(1))
-        return verify.transition(a, [verify.row_sum(x.table()) for x in a], verify.SETS)
-
-
-def test_what_v_misses_is_bounded_where_a_begins_late():
-    """A = tau^2 in one entry: V = 1 to the degree that is tried, and misses int tau^2."""
-    v, missed = missed_of(0, 0, 1)
-    assert all(x == arb_mat(6, 6) for x in v[1:])
-    assert 1 / arb(3) <= missed * (1 + arb("1e-15"))
-    assert missed < arb("0.34")
-
-
-def test_what_v_misses_is_bounded_by_all_of_v_where_a_grows(monkeypatch):
-    """A = 10 + 10^6 tau^2 in one entry, V = 1 + 10 tau + 50 tau^2: A V - V' is 10^6 tau^2 V."""
-    monkeypatch.setattr(verify, "MOST_TERMS", 3)
-    truth = 10**6 * (1 / 3 + 10 / 4 + 50 / 5)
-    assert truth <= float(missed_of(10, 0, 10**6)[1]) < 6 * truth
+        v, bound = verify.transition(a, [verify.row_sum(x.table()) for x in a], verify.SETS)
+    assert (coefficients[0] == 0) == all(x == arb_mat(6, 6) for x in v[1:])
+    assert missed * (1 - 1e-15) <= float(bound) < slack * missed
 
 
 def test_a_body_at_rest_without_weight_and_vertical_stays_where_it_is():
     # f' is 0 along it: A has no coefficients
     scene = {"moments": [1, 2, 3], "centre": [0] * 3, "weight": 0, "omega": [0] * 3}
     claim = {"t": "1/2", "balls": [[0, "1e-9"]] * 6}
-    guesses = (10, [0, 512], 10, [[0] * 6], 64)
-    certificate = dict(zip(verify.Guesses._fields, guesses, strict=True))
-    certificate |= {"format": verify.FORMAT, "kind": "state", "scene": scene | {"gamma": [0] * 3}}
+    guesses = {"time_bits": 10, "grid": [0, 512], "state_bits": 10, "centres": [[0] * 6]}
+    certificate = guesses | {"format": "polhode certificate 1", "kind": "state", "bits": 64}
+    certificate |= {"scene": scene | {"gamma": [0] * 3}}
     assert holds(certificate | {"statement": [claim]})
 
 
-def test_the_attitude_is_a_variable_of_the_rates():
-    """Q' = Q (0, w)/2: of every unit quaternion and every unit of w."""
-    with ctx.workprec(64):
-        body = verify.Body(
-            [[arb(int(i == j)) for j in range(3)] for i in range(3)], [arb(0)] * 3, True
-        )
-        for a, i in itertools.product(range(4), range(3)):
-            x = [arb(int(k in (i, 6 + a))) for k in range(10)]
-            right = quaternion_product([int(k == a) for k in range(4)], [0, *x[:3]])
-            assert verify.rates(body, x)[6:] == [y / 2 for y in right]
-
-
 # -- what is no certificate -----------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [
-        ("format", "another"),
-        ("kind", "orbit "),
-        ("scene", {"moments": ["2", "3/2", "1"]}),
-        ("time_bits", 10**9),
-        ("state_bits", "100"),
-        ("bits", 10**9),
-        ("bits", 10),
-        *(("grid", grid) for grid in ([0], [1, 2], [0, 5, 3], [0, 10**30])),
-        ("statement", [{"t": "1", "balls": []}]),
-        ("statement", [{"t": "nan", "balls": [["0", "1"]] * 6}]),
-        ("statement", [{"t": "1", "balls": [["0", "-1"]] * 6}]),
-        ("statement", [{"t": "1000", "balls": [["0", "1"]] * 6}]),
-    ],
-)
-def test_what_is_no_certificate_is_one_line(small, key, value, tmp_path, capsys):
-    path = tmp_path / "x.json"
-    path.write_text(json.dumps(small | {key: value}))
-    assert main(["verify", str(path)]) in (1, 2)
-    output = capsys.readouterr()
-    assert len((output.out + output.err).splitlines()) == 1
-    assert "proved: at" not in output.out
 
 
 def lopsided(scene):
@@ -409,28 +348,53 @@ def lopsided(scene):
     return rows | {key: x for key, x in scene.items() if key != "moments"}
 
 
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (lambda x: x["scene"].pop("attitude"), "expected attitude"),
-        (lambda x: x["scene"]["attitude"].pop(), "a list of 4"),
-        (lambda x: x["scene"].update(damping="0"), "nothing else"),
-        (lambda x: x["statement"][0]["attitude"].pop(), "a list of 4"),
-        (lambda x: x["statement"][0].update(turn=[]), "nothing else"),
-        (lambda x: x["scene"].update(omega=[["1", "-1e-30"], 0, 0]), "not negative"),
-        (lambda x: x.update(grid=[t + 5 for t in x["grid"]]), "expected 0 and up to"),
-        (lambda x: x.update(scene=lopsided(x["scene"])), "a symmetric matrix"),
-        # work that would take hours
-        (
-            lambda x: x.update(bits=4000, grid=[*range(10_000)], centres=[x["centres"][0]] * 9_999),
-            "are too many",
-        ),
-    ],
-)
-def test_what_is_damaged_is_told(with_turns, change, said):
-    certificate = copy.deepcopy(with_turns)
-    change(certificate)
-    assert said in answer(certificate)
+def without(key):
+    """A list without its last value, or a table without a key."""
+    return lambda x: x[:-1] if isinstance(x, list) else {k: x[k] for k in x if k != key}
+
+
+def with_more(**more):
+    return lambda table: table | more
+
+
+#: A place, what stands there then or is made of it, and what is said.
+DAMAGED = [
+    ("format", "another", "expected the format"),
+    ("kind", "orbit ", "kind: expected"),
+    ("scene", {"moments": ["2", "3/2", "1"]}, "scene: expected"),
+    ("scene", without("attitude"), "expected attitude"),
+    ("scene", with_more(damping="0"), "nothing else"),
+    ("scene", with_more(omega=[["1", "-1e-30"], 0, 0]), "not negative"),
+    ("scene", lopsided, "a symmetric matrix"),
+    ("scene attitude", without(-1), "a list of 4"),
+    ("time_bits", 10**9, "time_bits"),
+    ("state_bits", "100", "state_bits"),
+    ("bits", 10**9, "bits"),
+    ("bits", 10, "bits"),
+    ("grid", [0], "grid"),
+    ("grid", [1, 2], "grid"),
+    ("grid", [0, 5, 3], "grid"),
+    ("grid", lambda grid: [t + 5 for t in grid], "expected 0 and up to"),
+    ("statement", [{"t": "1", "balls": []}], "statement[0]"),
+    ("statement", [{"t": "nan", "balls": [["0", "1"]] * 6}], "statement[0].t"),
+    ("statement 0 balls 0 1", "-1", "not negative"),
+    ("statement 0 t", "1000", "outside"),
+    ("statement 0 attitude", without(-1), "a list of 4"),
+    ("statement 0", with_more(turn=[]), "nothing else"),
+]
+
+
+@pytest.mark.parametrize(("place", "value", "said"), DAMAGED)
+def test_what_is_damaged_is_told(with_turns, place, value, said):
+    text = answer(altered(with_turns, place, value))
+    assert text.startswith("refused: ")
+    assert "\n" not in text
+    assert said in text
+
+
+def test_work_that_would_take_hours_is_refused(with_turns):
+    more = {"bits": 4000, "grid": [*range(10_000)], "centres": [with_turns["centres"][0]] * 9_999}
+    assert "are too many" in answer(with_turns | more)
 
 
 @pytest.mark.parametrize(
@@ -475,11 +439,11 @@ def test_numbers_longer_than_python_reads_are_read(small, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("digits", "outputs"), tiers([(16, [])], [(40, []), (20, ["--outputs", "attitude"])])
+    ("digits", "outputs"), tiers([(16, [])], [(20, ["--outputs", "attitude"])])
 )
 def test_the_command_line(digits, outputs, tmp_path, capsys):
     path = tmp_path / "proof.json"
-    command = ["certify", REGULAR, "--at", "2", "--digits", str(digits), *outputs]
+    command = ["certify", REGULAR, "--at", "1", "--digits", str(digits), *outputs]
     assert main([*command, "-o", str(path)]) == 0
     assert "digits_proven" in capsys.readouterr().out
     assert main(["verify", str(path), "--json"]) == 0
@@ -491,7 +455,7 @@ def test_the_command_line(digits, outputs, tmp_path, capsys):
     certificate["statement"][0]["balls"][0][0] = "0.5"
     path.write_text(json.dumps(certificate))
     assert main(["verify", str(path)]) == 1
-    assert "p at t = 2 is not shown to lie in its ball" in capsys.readouterr().out
+    assert "p at t = 1 is not shown to lie in its ball" in capsys.readouterr().out
 
 
 def test_a_certificate_on_stdout_is_alone(capsys):
@@ -506,13 +470,13 @@ def test_a_certificate_on_stdout_is_alone(capsys):
 def test_the_progress_of_a_certificate_is_that_of_guesses_and_check_together(tmp_path):
     """The check counted from 0 again: forecasts were too short during the one, too long after."""
     parts = []
-    enclosure = polhode.certify("lagrange/nutation", at=[5], digits=15)
+    enclosure = polhode.certify("lagrange/nutation", at=[2], digits=15)
     enclosure.save(tmp_path / "x.json", lambda fraction, steps: parts.append((fraction, steps)))
     fractions = [fraction for fraction, _ in parts]
     assert fractions == sorted(fractions)
     begin = [steps for _, steps in parts].index(0, 1)  # of the check
     assert fractions[0] == 0
-    assert fractions[begin - 1] < MAKING <= fractions[begin] < MAKING + 0.1
+    assert 0.05 < fractions[begin - 1] < fractions[begin] < 0.4
     assert 0.9 < fractions[-1] <= 1
 
 

@@ -21,25 +21,25 @@ from polhode.enclosures import (
     attitude,
     fixed_point_problem,
     integral_contraction,
-    step_bound,
     task,
 )
-from polhode.enclosures.fixed_point_problem import TooImprecise
 from polhode.enclosures.quaternion import TurnBounds, Turned
-from polhode.enclosures.result import EnclosedPart
 from polhode.enclosures.taylor_polynomials import Pieces
 from polhode.numbers import vectors
 from shared import enclosures as trials
 from shared.tools import exactly, of_table, tiers
 
 OUTPUTS = ("angles", "attitude")
+TRUTH = NumberType("mp", 160)  # far more than any proof here has
 
 
-def _ratios(enclosure: Any, attitudes: Any, angles: Any) -> list[float]:
-    """|truth - midpoint|/radius of every number that is known."""
+def _ratios(enclosure: Any, run: Any, first: int = 0) -> list[float]:
+    """|truth - midpoint|/radius of every number that is known, from a row on."""
     ratios = []
-    for part, rows in ((enclosure.attitude, attitudes), (enclosure.angles, angles)):
-        for centres, radii, true in zip(part.centres, part.radii, rows, strict=True):
+    for part, rows in ((enclosure.attitude, run.attitude), (enclosure.angles, run.angles)):
+        for centres, radii, true in zip(
+            part.centres[first:], part.radii[first:], rows, strict=True
+        ):
             for x, r, y in zip(centres, radii, true, strict=True):
                 if x is not None:
                     ratios.append(float(abs(x - exactly(y)) / Fraction(r)))
@@ -51,11 +51,11 @@ def _random(rng: random.Random, kind: str, digits: int, longest: int) -> list[fl
     times = [Fraction(rng.randrange(1, 1000), 1001) * longest, Fraction(longest)]
     enclosure = polhode.certify(scene, at=times, digits=digits)
     assert enclosure.complete
-    run = polhode.integrate(scene.at(times), NumberType("mp", 320), max_steps=10**6)
-    return _ratios(enclosure, run.attitude, run.angles)
+    run = polhode.integrate(scene.at(times), TRUTH, max_steps=10**6)
+    return _ratios(enclosure, run)
 
 
-@pytest.mark.parametrize("kinds", tiers([], [(("needle",),)]))
+@pytest.mark.parametrize("kinds", tiers([], [(("generic",),)]))
 def test_random_tops_have_their_attitude_and_angles_inside(kinds: Sequence[str]) -> None:
     rng = random.Random(31)
     ratios: list[float] = []
@@ -176,35 +176,34 @@ class _Hoarding:
         return self.kept[-1]
 
 
-@pytest.mark.parametrize("fault", [_overwriting, _of_zeroed, _Hoarding()])
-def test_a_turn_that_writes_into_what_it_is_given_or_has_returned_is_bounded(fault: Any) -> None:
-    assert _by_a_fault(fault) <= 1.0
-
-
-#: The turn that shows a term.
-TERMS: dict[str, Any] = {
-    "defect": lambda: _by_a_fault(_wrong_slope),
-    "v(0)": lambda: _by_a_fault(_wrong_start),
-    "w": _by_the_state,
-    "rounding": _by_rounding,
+#: The turn that shows a term, or a fault of what approximates; and how far it is off at least.
+TERMS: dict[str, tuple[Any, float]] = {
+    "defect": (lambda: _by_a_fault(_wrong_slope), 1e-3),
+    "v(0)": (lambda: _by_a_fault(_wrong_start), 1e-3),
+    "w": (_by_the_state, 1e-3),
+    "rounding": (_by_rounding, 1e-3),
+    "what it is given is overwritten": (lambda: _by_a_fault(_overwriting), 0.0),
+    "what it is given is 0": (lambda: _by_a_fault(_of_zeroed), 0.0),
+    "what it has returned is overwritten": (lambda: _by_a_fault(_Hoarding()), 0.0),
 }
 
 
 @pytest.mark.parametrize("term", TERMS)
 def test_one_term_alone_is_enough_and_not_slack(term: str) -> None:
-    assert 1e-3 <= TERMS[term]() <= 1.0
+    ratio, least = TERMS[term]
+    assert least <= ratio() <= 1.0
 
 
 @pytest.mark.slow
 def test_no_fault_in_the_approximated_turn_makes_a_wrong_attitude() -> None:
     rng = random.Random(33)
     scene = replace(trials.random_scene(rng, "generic"), outputs=OUTPUTS)
-    run = polhode.integrate(scene.at((2,)), NumberType("mp", 320), max_steps=10**6)
+    run = polhode.integrate(scene.at((2,)), TRUTH, max_steps=10**6)
     true = [exactly(x) for x in run.attitude[0]]
     motion = fixed_point_problem.motion(scene)
     times = fixed_point_problem.times(motion, [Fraction(2)])
     spoiled = 0
-    for _ in range(12):
+    for _ in range(8):
 
         def faulty(a: Any, defects: Any, start: Any) -> Any:
             table = approximation.forced(a, defects, start)
@@ -219,7 +218,7 @@ def test_no_fault_in_the_approximated_turn_makes_a_wrong_attitude() -> None:
         ratios = trials.ratios([pose.quaternion], [true])
         assert max(ratios) <= 1.0
         spoiled += float(pose.quaternion[0].rad()) > 2.0 ** (20 - problem.noise)
-    assert spoiled >= 3
+    assert spoiled >= 2
 
 
 # -- turns ------------------------------------------------------------------------------------
@@ -237,16 +236,17 @@ def _around(turns: float, size: float) -> Any:
 
 @pytest.mark.parametrize("mode", [0x400, 0x800, 0xC00])
 def test_a_proof_refuses_doubles_that_are_rounded_otherwise(mode: int) -> None:
+    proof: dict[str, Any] = {"scene": "euler/rest", "at": [1], "digits": 10}
+    polhode.certify(**proof)  # whose engine is compiled
     libm = ctypes.CDLL(None)
     if not hasattr(libm, "fesetround") or platform.machine() != "x86_64":
         pytest.skip("no rounding mode to set")
     libm.fesetround(mode)
     try:
-        with pytest.raises(TooImprecise, match="not rounded to the nearest"):
-            step_bound.check_arithmetic()
+        with pytest.raises(polhode.BadInput, match="not rounded to the nearest"):
+            polhode.certify(**proof)
     finally:
         libm.fesetround(0)
-    step_bound.check_arithmetic()
 
 
 def test_turns_are_counted_however_many_there_are_in_a_step() -> None:
@@ -276,9 +276,7 @@ def test_a_pole_is_passed_on_its_side(beside: float) -> None:
 HEAVY = ((2, Fraction(3, 2), 1), (0, 1, Fraction(1, 2)))
 RELEASED = {
     "from rest": (HEAVY, (0, 0, 0), 1, 1),
-    "with w across": (HEAVY, (Fraction(-1, 2), Fraction(1, 3), 2), 1, 1),
     "with w across, back": (HEAVY, (Fraction(-1, 2), Fraction(1, 3), 2), -1, -1),
-    "spinning, back": (HEAVY, (0, 0, 2), 1, -1),
     "from the lower pole": (((2, Fraction(3, 2), 1), (1, -1, Fraction(1, 2))), (0, 0, -1), -1, 1),
     "fast": (HEAVY, (0, 0, 20), 1, 1),
     "axes not principal": (((2, 3, 2), (0, 0, 1), Fraction(1, 2)), (0, 0, 2), 1, 1),
@@ -294,19 +292,14 @@ def test_a_release_at_a_pole_is_left_as_a_run_leaves_it(name: str) -> None:
         inertia[1][2] = inertia[2][1] = off[0]
     body = polhode.Body(inertia, centre, 1)
     scene = Scene(body, omega, (0, 0, up), psi=Fraction(4, 5), outputs=OUTPUTS)
-    times = [side * Fraction(t) for t in ("1/1000000", "1/4", "1")]
+    times = [side * Fraction(t) for t in ("1/1000000", "1/4")]
     enclosure = polhode.certify(scene, at=[0, *times], digits=15)
     assert enclosure.angles is not None
     assert enclosure.attitude is not None
     assert enclosure.angles.centres[0][0] is None is enclosure.angles.centres[0][2]
-    later = [
-        EnclosedPart(part.centres[1:], part.radii[1:])
-        for part in (enclosure.angles, enclosure.attitude)
-    ]
-    assert None not in [x for row in later[0].centres for x in row]
-    run = polhode.integrate(scene.at(times), NumberType("mp", 320))
-    apart = replace(enclosure, angles=later[0], attitude=later[1])
-    assert max(_ratios(apart, run.attitude, run.angles)) <= 1.0
+    assert None not in [x for row in enclosure.angles.centres[1:] for x in row]
+    run = polhode.integrate(scene.at(times), TRUTH)
+    assert max(_ratios(enclosure, run, first=1)) <= 1.0
 
 
 def test_a_body_that_stays_at_a_pole_has_theta_alone() -> None:

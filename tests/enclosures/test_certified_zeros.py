@@ -16,10 +16,9 @@ import polhode
 from polhode import Body, Event, Scene, certify_events
 from polhode.enclosures import fixed_point_problem, task, zeros, zonotope
 from polhode.enclosures.polynomial import Polynomial, constant, rate, variable
-from polhode.numbers.conversion import exact_number
 from shared import enclosures as trials
 from shared.motions import asymmetric
-from shared.tools import exactly, tiers
+from shared.tools import exact_number, exactly, tiers
 
 
 def top(third: str, *events: Event) -> Scene:
@@ -119,7 +118,7 @@ def test_a_zero_at_the_end_is_undecided_and_the_interval_holds_it(end: str) -> N
     (events,) = certify_events(replace(wheel(zero), times=(last,)))
     assert events.times == ()
     ((low, high),) = events.undecided
-    assert exact_number(low) <= last <= exact_number(high)
+    assert Fraction(low) <= last <= Fraction(high)
     assert high - low < 1e-9
 
 

@@ -14,12 +14,10 @@ import polhode
 from polhode import Body, Scene
 from polhode.enclosures import fixed_point_problem, integral_contraction, task
 from polhode.enclosures.fixed_point_problem import TooImprecise
-from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import guaranteed
-from polhode.numbers.exact import Irrational
 from shared import enclosures as trials
 from shared.motions import ASYMMETRIC, asymmetric
-from shared.tools import exactly, of_table
+from shared.tools import exact_number, exactly, of_table
 
 
 def top(body: Body = ASYMMETRIC, omega: Any = ("0.3", "0.2", 3), gamma: Any = None) -> Scene:
@@ -37,7 +35,7 @@ def _inside(enclosure: Any, rows: Any) -> bool:
 @pytest.mark.slow
 def test_the_digits_asked_for_are_proven_and_not_many_more() -> None:
     scene, digits = top(), 30
-    enclosure = polhode.certify(scene, at=[1, "1/3", 20], digits=digits)
+    enclosure = polhode.certify(scene, at=[1, "1/3", 8], digits=digits)
     assert enclosure.complete
     assert enclosure.proven == min(enclosure.digits)
     # at few digits the 60 bits of the first polynomials prove more than the noise level asks
@@ -53,7 +51,7 @@ def test_times_of_both_signs_in_any_order_some_twice_and_irrational() -> None:
     assert [exact_number(t) == s for t, s in zip(times, enclosure.times, strict=True)] == [True] * 7
     for n, t in enumerate(enclosure.times):
         true = scene.start if n == 2 else None
-        if not isinstance(t, Irrational):
+        if isinstance(t, Fraction):
             row = replace(
                 enclosure, centres=enclosure.centres[n : n + 1], radii=enclosure.radii[n : n + 1]
             )
@@ -136,7 +134,7 @@ def test_the_integrals_make_the_radii_smaller_and_keep_the_truth() -> None:
     scene = top()
     motion = fixed_point_problem.motion(scene)
     problem = fixed_point_problem.problem(motion, 90)
-    times = [fixed_point_problem.ball(Fraction(1200), 300)]  # t = 300
+    times = [fixed_point_problem.ball(Fraction(400), 300)]  # t = 100
     integrals = integral_contraction.prepared(motion, 400)
     with_them = task.run(problem, times, integrals).rows[0]
     without = task.run(problem, times).rows[0]
@@ -164,34 +162,29 @@ def test_the_integrals_used_are_those_that_hold_exactly(
     assert set(integral_contraction.first_integrals(fixed_point_problem.motion(scene))) == names
 
 
-@pytest.mark.parametrize(
-    ("centre", "radius", "text"),
-    [
-        (Fraction(1, 3), 1e-5, "0.3333"),
-        (Fraction(-1, 3), 1e-5, "-0.3333"),
-        (Fraction(1, 2), 1e-6, "0.50000"),
-        (Fraction(0), 1e-7, "0.000000"),
-        (Fraction(12345, 10), 0.01, "1234.5"),
-        (Fraction(2, 3), 0.6, ""),
-        (Fraction(9999999, 10**7), 1e-9, "0.99999990"),
-        (Fraction(1, 7), float("inf"), ""),
-        (Fraction(8079370361), 20.0, "8.079370e+09"),
-        (Fraction(-8079370361) * 10**60, 1e61, "-8.0793704e+69"),
-        (Fraction(96), 3.0, "1e+02"),
-        (Fraction(1, 3 * 10**40), 1e-45, "3.333e-41"),
-        (Fraction(0), 1e9, ""),
-        (Fraction(7, 10**6), 1e-9, "0.00000700"),
-    ],
-)
-def test_a_ball_prints_the_digits_that_all_its_numbers_round_to(
-    centre: Fraction, radius: float, text: str
-) -> None:
-    assert guaranteed(centre, radius) == text
+#: Middle and radius of a ball, and what is printed.
+PRINTED = [
+    (Fraction(1, 3), 1e-5, "0.3333"),
+    (Fraction(-1, 3), 1e-5, "-0.3333"),
+    (Fraction(1, 2), 1e-6, "0.50000"),
+    (Fraction(0), 1e-7, "0.000000"),
+    (Fraction(12345, 10), 0.01, "1234.5"),
+    (Fraction(2, 3), 0.6, ""),
+    (Fraction(9999999, 10**7), 1e-9, "0.99999990"),
+    (Fraction(1, 7), float("inf"), ""),
+    (Fraction(8079370361), 20.0, "8.079370e+09"),
+    (Fraction(-8079370361) * 10**60, 1e61, "-8.0793704e+69"),
+    (Fraction(96), 3.0, "1e+02"),
+    (Fraction(1, 3 * 10**40), 1e-45, "3.333e-41"),
+    (Fraction(0), 1e9, ""),
+    (Fraction(7, 10**6), 1e-9, "0.00000700"),
+]
 
 
-def test_printed_digits_are_those_of_every_number_in_the_ball() -> None:
+def test_a_ball_prints_the_digits_that_all_its_numbers_round_to() -> None:
+    assert [guaranteed(centre, radius) for centre, radius, _ in PRINTED] == [x[2] for x in PRINTED]
     rng = random.Random(5)
-    for _ in range(500):
+    for _ in range(200):
         size = Fraction(10) ** rng.choice([-60, 0, 0, 60])  # units of any size
         centre = size * Fraction(rng.randrange(-(10**12), 10**12), 10 ** rng.randrange(6, 14))
         radius = float(size) * 10.0 ** rng.uniform(-9, 1)
@@ -320,10 +313,10 @@ def test_a_constant_that_does_not_sharpen_is_refused() -> None:
 def test_first_tries_suffice() -> None:
     rng = random.Random(17)
     tries, spare = [], []
-    for n in range(11):
-        scene = trials.random_scene(rng, trials.KINDS[n % len(trials.KINDS)])
+    for kind in trials.KINDS:
+        scene = trials.random_scene(rng, kind)
         digits = rng.choice((12, 16, 24))
-        enclosure = polhode.certify(scene, at=[rng.choice((1, 5, 20))], digits=digits)
+        enclosure = polhode.certify(scene, at=[rng.choice((1, 5))], digits=digits)
         tries.append(enclosure.tries)
         spare.append(enclosure.proven - digits)
     assert sum(t == 1 for t in tries) >= 10

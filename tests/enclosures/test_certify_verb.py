@@ -14,7 +14,6 @@ import pytest
 import polhode
 from polhode import cli
 from polhode.enclosures.task import Task
-from polhode.numbers.decimals import rounded_up
 from polhode.scenes.library import StartBox
 from shared.tools import exactly
 
@@ -47,11 +46,15 @@ def test_json_has_balls_that_hold_the_truth(capsys: pytest.CaptureFixture[str]) 
     assert code == 0
     assert min(columns["digits_proven"]) >= answer["digits_proven"] >= 18
     exact = polhode.reference(CASE).at([-2, -7], digits=60)
+    proven = polhode.certify(CASE, at=[-2, -7], digits=18)
     for k, name in enumerate(polhode.load(CASE).columns):
         for n, row in enumerate(exact):
             middle, radius = Fraction(columns[name][n]), columns[f"{name}_radius"][n]
             assert abs(middle - exactly(row[k])) <= Fraction(radius)
             assert Fraction(radius) < Fraction(1, 10**17)
+            # both are decimals, the radius rounded up, and hold the whole ball all the same
+            off = abs(middle - proven.centres[n][k])
+            assert off + Fraction(proven.radii[n][k]) <= Fraction(radius)
 
 
 TOP = """schema = 1
@@ -124,11 +127,6 @@ def test_a_zero_at_the_start_is_no_event_and_where_a_proof_is_open_is_told(
         assert [round(float(t), 12) for t in events.times] == [1.644842945059]
 
 
-def test_a_radius_is_rounded_up_and_never_down() -> None:
-    for value in (1.0, 1.23456e-20, 9.99999e-7, 3.3333e-300):
-        assert float(rounded_up([value])[0]) >= value
-
-
 @pytest.mark.slow
 def test_a_proven_table_holds_what_is_printed_and_loads_again(tmp_path, capsys) -> None:
     scene = tmp_path / "scene.toml"
@@ -185,8 +183,6 @@ def test_a_closed_form_is_written_as_a_table(tmp_path, capsys) -> None:
         ("kovalevskaya/generic", 50, 15),
         ("general/asymmetric-regular", 20, 10),
         ("euler/rest", 1000, 10),
-        pytest.param("euler/sphere", 1000, 10, marks=pytest.mark.slow),
-        pytest.param("lagrange/nutation", 400, 10, marks=pytest.mark.slow),
         pytest.param("general/asymmetric-chaotic", 100, 15, marks=pytest.mark.slow),
     ],
 )

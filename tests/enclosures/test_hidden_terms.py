@@ -62,11 +62,6 @@ def _missed(numbers: dict[str, float]) -> float:
     return max(float(s / Fraction(claimed.s)), float(inside / Fraction(claimed.r)))
 
 
-@pytest.mark.parametrize("numbers", STEPS)
-def test_a_step_claims_what_the_theorem_says(numbers: dict[str, float]) -> None:
-    assert 0.1 < _missed(numbers) <= 1.0
-
-
 def _missed_by_a_box() -> float:
     """The s of the theorem with the r that its own s gives, over the one that is claimed."""
     numbers = {"delta": 1e-3, "sigma": 2e9, "rho": 1e-12, "growth": 20.0, "eps": 1e9}
@@ -80,7 +75,9 @@ def _missed_by_a_box() -> float:
     return float(s / Fraction(claimed.s))
 
 
-def test_a_box_has_the_s_of_its_own_r() -> None:
+def test_a_step_claims_what_the_theorem_says() -> None:
+    for numbers in STEPS:
+        assert 0.1 < _missed(numbers) <= 1.0, numbers
     assert 0.999 < _missed_by_a_box() <= 1.0
 
 
@@ -219,7 +216,7 @@ def _worst(windows: Any, rng: random.Random, each: int) -> dict[str, float]:
 
 
 @pytest.mark.parametrize(
-    ("kinds", "levels"), tiers([(trials.KINDS[:1], (60,))], [(trials.KINDS[:3], (60, 126))])
+    ("kinds", "levels"), tiers([(trials.KINDS[:1], (60,))], [(trials.KINDS[1:3], (126,))])
 )
 def test_no_number_of_a_step_is_below_its_exact_value(kinds: Any, levels: Any) -> None:
     rng = random.Random(1)

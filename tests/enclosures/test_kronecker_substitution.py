@@ -46,7 +46,7 @@ def test_a_polynomial_and_its_slope_are_their_values_at_a_power_of_two() -> None
         assert packs.slope(fmpz_poly(row)(at)) == fmpz_poly(row).derivative()(at)
 
 
-def test_unpacked_is_right_relatively() -> None:
+def test_unpacked_is_right_relatively_or_refused() -> None:
     rng, worst = random.Random(3), 0.0
     allowed = Fraction(step_bound.gamma(taylor_polynomials.UNPACKED))
     for _ in range(60):
@@ -62,9 +62,7 @@ def test_unpacked_is_right_relatively() -> None:
             assert abs(near - true) <= allowed * abs(true)
             worst = max(worst, float(abs(near / true - 1) / allowed) if x else 0.0)
     assert worst > 0.05
-
-
-def test_numbers_beyond_the_doubles_are_refused() -> None:
+    # numbers beyond the doubles
     value = fmpz_poly([1 << 100])(fmpz(1) << 128)
     with pytest.raises(TooImprecise):
         Packing(1, 2).doubles([value], np.array([1000]))

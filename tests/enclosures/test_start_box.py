@@ -7,32 +7,22 @@ import json
 import math
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
 import polhode
 from polhode import BadInput, Outcome
 from polhode.cli import main
-from polhode.scenes import scene_file
 from shared.tools import exactly, tiers
 
 RADII = Fraction(1, 10**8), Fraction(3, 10**9), Fraction(1, 10**8)
 SIDES = [*itertools.product((-1, 1), repeat=3), (Fraction(1, 3), Fraction(-2, 5), 0)]
-TILTED = """
-schema = 1
-[body]
-inertia = [[2, 0.1, 0.2], [0.1, 1.5, -0.3], [0.2, -0.3, 1]]
-centre = [0.1, 0.2, -0.3]
-weight = 1
-[start]
-omega = [0.4, "1/3", 1.5]
-angles = [0.2, 1, 0]
-[run]
-end = 5
-"""
+DATA = Path(__file__).parents[1] / "data" / "tilted.toml"
+TILTED = DATA.read_text(encoding="utf-8")
 FILE = TILTED.replace('"1/3"', '"1/3 \u00b1 1e-8"').replace("0.4,", '"0.4 +- 2e-9",')
 SCENES = {
-    "tilted": scene_file.parse(TILTED),
+    "tilted": polhode.load(DATA),
     **{
         name: polhode.load(name)
         for name in ("lagrange/nutation", "kovalevskaya/generic", "general/asymmetric-chaotic")
@@ -154,7 +144,7 @@ def test_intervals_in_a_file_are_the_radii(tmp_path, capsys):
     enclosure = polhode.certify(path, [1])
     radii = Fraction(2, 10**9), Fraction(1, 10**8), 0
     assert enclosure.omega_radius == radii
-    same = polhode.certify(scene_file.parse(TILTED), [1], omega_radius=radii)
+    same = polhode.certify(DATA, [1], omega_radius=radii)
     assert enclosure.centres == same.centres
     assert enclosure.radii == same.radii
     assert "(1/500000000, 1/100000000, 0) at most" in enclosure.statement[1]

@@ -7,7 +7,6 @@ from functools import cache
 from pathlib import Path
 
 import grimp
-import pytest
 
 import polhode
 from polhode.enclosures.statement import BESIDE, TRUSTED, trusted_lines
@@ -34,20 +33,14 @@ def is_beside(name: str) -> bool:
     return any(name == part or name.startswith(f"{part}/") for part in BESIDE)
 
 
-@pytest.mark.parametrize("name", TRUSTED)
-def test_a_trusted_file_imports_what_is_trusted_or_said_to_be_beside(name):
-    assert {x for x in imported(name) - {*TRUSTED} if not is_beside(x)} == set()
-
-
-def test_what_is_beside_is_imported_by_a_trusted_file_and_is_not_trusted():
+def test_a_trusted_file_imports_what_is_trusted_or_said_to_be_beside():
     names = {x for name in TRUSTED for x in imported(name)}
+    assert {x for x in names - {*TRUSTED} if not is_beside(x)} == set()
     for part, why in BESIDE.items():
         assert any(x == part or x.startswith(f"{part}/") for x in names), part
         assert why
     assert [name for name in TRUSTED if is_beside(name)] == []
-
-
-def test_the_room_of_proofs_is_trusted_but_for_what_approximates():
+    # the room of proofs is trusted but for what approximates
     files = {
         p.relative_to(TOP).with_suffix("").as_posix() for p in (TOP / "enclosures").rglob("*.py")
     }

@@ -190,8 +190,8 @@ def jumps() -> list[float]:
 def start_box() -> list[float]:
     """The start's radii: the truth at a corner of the box."""
     worst: list[float] = []
+    truth = trial(generic(), [Fraction(5)], 300)
     for signs in itertools.product((-1, 1), repeat=3):
-        truth = trial(generic(), [Fraction(5)], 300)
         problem = fixed_point_problem.problem(truth.motion, 96)
         ticks = (1 << 20) << (problem.fine - problem.noise)
         corner = [*signs, 1, -1, 1]
@@ -229,9 +229,9 @@ def one_step(problem: Problem, length: int, moved: Any) -> tuple[Any, Any]:
 def quadratic() -> list[float]:
     """h beta sigma**2: a polynomial wrong by 1e-6, whose correction is as large and linear."""
     worst = []
+    length = 1 << (CLOCK - 2)
+    truth = trial(generic(), [Fraction(1, 4)], 300)
     for signs in ((1, 1, 1, 1, 1, 1), (1, -1, 1, 1, 1, -1), (-1, 1, 1, -1, 1, 1)):
-        length = 1 << (CLOCK - 2)
-        truth = trial(generic(), [Fraction(1, 4)], 300)
         problem = fixed_point_problem.problem(truth.motion, 60)
         _, rows = one_step(problem, length, [s * 2.0**-20 for s in signs])
         worst.append(max(ratios(rows, truth.states)))

@@ -1,7 +1,7 @@
-"""Periodic orbits to forty digits in plain mpmath: Newton's method beside a proof.
+"""Periodic orbits to twenty-four digits in plain mpmath: Newton's method beside a proof.
 
 It imports nothing of polhode.  The derivative of the flow comes from central differences of
-``plain_taylor`` at a step of 1e-16, right to about thirty digits.
+``plain_taylor`` at a step of 1e-8, right to about sixteen digits.
 """
 
 from collections.abc import Sequence
@@ -12,15 +12,15 @@ from mpmath import MPContext
 
 from shared import plain_taylor
 
-DIGITS = 48
-STEP = Fraction(1, 10**16)
+DIGITS = 24
+STEP = Fraction(1, 10**8)
 CYCLE = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
 Vector = Sequence[Fraction]
 
 
 class Truth(NamedTuple):
-    """Start, period and residue, to about forty-five and thirty digits."""
+    """Start, period and residue, to about twenty-four and sixteen digits."""
 
     start: list[Fraction]
     period: Fraction
@@ -65,7 +65,7 @@ def corrected(
     period: Fraction,
     plane: tuple[Vector, Vector],
 ) -> Truth:
-    """One Newton step from an orbit known to thirty digits; its start is on a plane (a, point)."""
+    """One Newton step from an orbit known to twelve digits; its start is on a plane (a, point)."""
     mp = MPContext()
     mp.dps = DIGITS + 10
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from flint import ctx
+from flint import arb, ctx
 
 import polhode
 from polhode import ProvedOrbit, ProvedStability
@@ -38,6 +38,12 @@ HYPERBOLIC = (
     *(-0.304878314545795, -0.5252810140625632, -0.7944363219195862),
     4.265751022846151,
 )
+
+
+def body_of(moments: Sequence[float], torque: Sequence[float] = (0, 0, 0)) -> verify.Body:
+    """The checker's body of principal moments, at the precision that is set."""
+    rows = [[arb(x if i == j else 0) for j in range(3)] for i, x in enumerate(moments)]
+    return verify.Body(rows, [arb(x) for x in torque])
 
 
 def near(point: Sequence[float], rate: int = 1) -> polhode.Scene:

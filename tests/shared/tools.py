@@ -38,6 +38,9 @@ from polhode.taylor import defaults
 #: The names of the library's cases.
 case_names = library_names
 
+#: The checker of certificates, a file that runs alone.
+CHECKER = Path(polhode.__file__).parent / "certificates" / "verify.py"
+
 # -- number types, and exact values of numbers of any type, by code of the tests' own
 
 DOUBLE, EXTENDED, QUAD = (
