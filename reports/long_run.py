@@ -83,7 +83,7 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
 
 
 def ensembles(
-    decades: tuple[int, int], starts: int, say: kit.Say, only: kit.Only, alone: bool = False
+    decades: tuple[int, int], starts: int, say: kit.Say, only: kit.Only, alone: bool
 ) -> Iterator[dict[str, Any]]:
     """One row per top: medians over its starts at every half decade, and exponents."""
     times = half_decades(*decades)
