@@ -38,7 +38,7 @@ def test_a_run_that_is_short_is_made_again(monkeypatch):
     """Before: at a late time told to ask for more (extended), and then again: one run suffices."""
 
     def run():
-        first_run = polhode.integrate("euler/separatrix", digits=15, at=[180])
+        first_run = polhode.integrate("euler/separatrix", digits=15, at=[300])
         return first_run.outcome, first_run.correct_digits, first_run.checked_by
 
     outcome, digits, by = run()
