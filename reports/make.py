@@ -29,11 +29,11 @@ from kit import HERE, JsonObject, Only, PageTable, template, write_whole
 #: processors, whole and quick.
 STUDIES = {
     "speed": (2600, 90),
-    "accuracy": (170, 30),
-    "proofs": (170, 20),
-    "stability": (190, 30),
-    "long-run": (300, 30),
-    "events": (35, 10),
+    "accuracy": (170, 9),
+    "proofs": (170, 6),
+    "stability": (190, 6),
+    "long-run": (300, 6),
+    "events": (35, 6),
 }
 BENCHMARK = "benchmark"
 README = HERE.parent / "README.md"

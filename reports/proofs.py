@@ -43,17 +43,18 @@ CHAOS = [*TOPS][:5]
 ORBITS = [name for name in TOPS if name != "asymmetric, near upright"]
 DRAWN = "asymmetric, chaotic"  # the proof of chaos that has a figure
 GRID, CROSSINGS, DIGITS = (16, 16), 3, 20
-_QUICK_GRID = (6, 6)
+_QUICK_GRID, _QUICK_CROSSINGS = (4, 4), 1
 _QUICK = ("asymmetric, regular",)
 
 
 def rows(quick: bool, say: kit.Say, only: kit.Only) -> kit.JsonObject:
     """The study's rows."""
-    grid = _QUICK_GRID if quick else GRID
+    grid, crossings = (_QUICK_GRID, _QUICK_CROSSINGS) if quick else (GRID, CROSSINGS)
     chaos = [name for name in ([] if quick else CHAOS) if only(f"chaos: {name}")]
     orbits = [name for name in (_QUICK if quick else ORBITS) if only(f"orbits: {name}")]
-    parts: kit.Parts = {"chaos": (_chaos, chaos), "orbits": (partial(_orbits, grid=grid), orbits)}
-    searched = {"grid": list(grid), "crossings": CROSSINGS, "digits": DIGITS}
+    orbits_row = partial(_orbits, grid=grid, crossings=crossings)
+    parts: kit.Parts = {"chaos": (_chaos, chaos), "orbits": (orbits_row, orbits)}
+    searched = {"grid": list(grid), "crossings": crossings, "digits": DIGITS}
     return searched | kit.rows_by_part(parts, quick, say)
 
 
@@ -72,9 +73,9 @@ def scene_of(top_name: str) -> polhode.Scene:
     )
 
 
-def _orbits(name: str, grid: tuple[int, int]) -> kit.JsonObject:
+def _orbits(name: str, grid: tuple[int, int], crossings: int) -> kit.JsonObject:
     """All orbits of a search on the scene's own level."""
-    every = polhode.prove_orbits(scene_of(name), grid, CROSSINGS, digits=DIGITS)
+    every = polhode.prove_orbits(scene_of(name), grid, crossings, digits=DIGITS)
     search, rows = every.search, []
     for orbit, proof in zip(search.orbits, every.proofs, strict=True):
         row: kit.JsonObject = {"period": float(orbit.period), "residue": float(orbit.residue)}

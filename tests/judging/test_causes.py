@@ -14,10 +14,10 @@ import polhode
 from polhode import Body
 from polhode.cli import main
 from polhode.judging.tables.hypotheses import Evidence, Hypothesis, Trial, explains
-from shared.tables import STATE, euler, midpoint, of_run, rk4, text
-from shared.tools import of_table
+from shared.tables import STATE, euler, of_run, rk4, text
+from shared.tools import of_table, tiers
 
-TIMES = [Fraction(k, 4) for k in range(41)]
+TIMES = [Fraction(k, 4) for k in range(21)]
 
 
 def scene(name):
@@ -82,7 +82,7 @@ CHANGED = {
         r"rows that belong to t \+ ",
     ),
     "early rows": (  # a run does not change sides
-        "kovalevskaya/generic",
+        "lagrange/nutation",
         at(-1 / 64, lambda t: t - Fraction(1, 64), TIMES[1:]),
         "rows that belong to t - ",
     ),
@@ -140,7 +140,7 @@ def stepped(name, step, count):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("step", "count"), [(euler, 200), (midpoint, 20), (rk4, 4)])
+@pytest.mark.parametrize(("step", "count"), [(euler, 200), (rk4, 4)])
 def test_a_rough_method_is_explained_by_nothing(step, count):
     name = "lagrange/nutation"
     judged = polhode.compare(stepped(name, step, count), scene(name))
@@ -209,8 +209,10 @@ def constant(f, y):
     return np.concatenate([np.zeros(3), np.cross(y[3:], y[:3])])
 
 
-@pytest.mark.parametrize("parts", [STATE, STATE[:3]])
-@pytest.mark.parametrize("name", ["lagrange/nutation", "general/asymmetric-regular"])
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    tiers([("lagrange/nutation", STATE)], [("general/asymmetric-regular", STATE[:3])]),
+)
 def test_an_omega_that_stays_is_no_clock(name, parts):
     """It was a clock of 0 times the pace."""
     table = of_equations(name, constant)
@@ -222,9 +224,7 @@ def test_an_omega_that_stays_is_no_clock(name, parts):
     assert "explained by omega that stays as it is at t = 0, without the terms" in str(judgement)
 
 
-@pytest.mark.parametrize(
-    "pace", [Fraction(9, 10), Fraction(1, 8), Fraction(1, 12), Fraction(1, 50)]
-)
+@pytest.mark.parametrize("pace", [Fraction(1, 8), Fraction(1, 12)])
 def test_no_clock_is_slower_than_a_tenth(pace):
     own, times = scene("lagrange/nutation"), [Fraction(k, 40) for k in range(21)]
     slow = table(own, [pace * t for t in times], times)

@@ -218,10 +218,15 @@ def test_a_convention_is_named_and_applied_and_can_be_told(name):
     assert all(
         reading.as_it_stands < 1.1 and 14 < reading.digits <= 16 for reading in judgement.readings
     )
-    plain = polhode.compare(table, CASE, as_it_stands=True)
+    assert polhode.compare(table, CASE, read=words).part_digits == judgement.part_digits
+
+
+@pytest.mark.parametrize("name", ["scalar last", "exchanged"])
+def test_a_table_is_judged_as_it_stands_where_that_is_asked(name):
+    names, change, _ = READ[name]
+    plain = polhode.compare(some(change(whole()), names), CASE, as_it_stands=True)
     assert (plain.reading, plain.readings) == (None, ())
     assert plain.worst < 1.1
-    assert polhode.compare(table, CASE, read=words).part_digits == judgement.part_digits
 
 
 @pytest.mark.parametrize("name", REPORTED)
@@ -356,9 +361,7 @@ LIGHT = {"weight": "0.02", "omega": [1, "0.3", 2]}
 #: Scenes of which a table is the motion, changed so; and the words.
 OTHER_SCENES = {
     "lagrange": ("lagrange/nutation", other_body(SAME, -1), "a weight"),
-    "kovalevskaya": ("kovalevskaya/generic", other_body(SAME, -1), "a weight"),
     "chaotic": ("general/asymmetric-chaotic", other_body(SAME, -1), "a weight"),
-    "full, weight": (full(), other_body(SAME, -1), "a weight"),
     "light": (full(**LIGHT), other_body(SAME, -1), "a weight"),
     "products": (full(), other_body(ALL, 1), "products of inertia"),
     "free": (full(weight=0), other_body(ALL, 1), "products of inertia"),
@@ -377,7 +380,7 @@ def test_the_digits_under_a_reading_are_those_under_it(which):
     """They were those of the file as it stands, under the right words."""
     own, change, words = OTHER_SCENES[which]
     own = replace(polhode.load(own), outputs=("attitude",), events=())
-    run = polhode.integrate(change(own), at=[Fraction(k, 4) for k in range(25)])
+    run = polhode.integrate(change(own), at=[Fraction(k, 4) for k in range(13)])
     table = of_run(run) | dict(zip(ATTITUDE, np.array(run.attitude).T, strict=True))
     judgement = polhode.compare(some(table, OMEGA if which == "chaotic" else WHOLE), own)
     assert (judgement.worst < 3, judgement.reading) == (True, None)

@@ -374,6 +374,9 @@ def test_that_asks_for_nothing():
 """
 
 
+PLACES = "--junitxml=x.xml", "--polhode-report=r.md"
+
+
 def session(folder, *options, tests=_TESTS):
     """What pytest prints of the tests."""
     (folder / "test_mine.py").write_text(tests)
@@ -385,11 +388,9 @@ def session(folder, *options, tests=_TESTS):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("workers", ["0", "2"])
-def test_digits_stand_at_the_end_in_the_xml_and_on_a_page(tmp_path, workers):
-    """Each judgement once, and which failed."""
-    files = "--junitxml=x.xml", "--polhode-report=r.md"
-    printed = session(tmp_path, *files, "-W", "error", "-n", workers)
+def test_digits_stand_at_the_end_in_the_xml_and_on_a_page(tmp_path):
+    """Each judgement once, and which failed, of all workers."""
+    printed = session(tmp_path, *PLACES, "-W", "error", "-n", "2")
     assert "1 failed, 3 passed" in printed
     assert "6.00 correct digits at t = 1, where at least 9 are wanted" in printed
     end = printed.partition("= correct digits =")[2].splitlines()
@@ -439,8 +440,11 @@ def test_own_function(assert_digits):
 
 @pytest.mark.slow
 def test_what_fails_shows_the_users_line_and_no_source_of_polhode(tmp_path):
-    printed = session(tmp_path, "-p", "no:xdist", tests=_WRONG)
+    printed = session(tmp_path, *PLACES, "-p", "no:xdist", tests=_WRONG)
     assert "3 failed" in printed
+    assert "test_few: 0.20 correct digits of lagrange/nutation" in printed
+    assert 'name="correct_digits" value="0.2"' in (tmp_path / "x.xml").read_text()
+    assert "○ failed" in (tmp_path / "r.md").read_text()
     few, bad, own = printed.partition("FAILURES")[2].split("________ test_")[1:]
     for output in (few, bad):
         assert "polhode/" not in output

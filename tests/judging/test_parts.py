@@ -339,7 +339,9 @@ def sampled(columns):
     return {"t": true["t"], **dict(zip(STATE, states.T, strict=True))}
 
 
-@pytest.mark.parametrize("wrong", [growing, slow_sine, fast_sine, walk, offset, few, sampled])
+@pytest.mark.parametrize(
+    "wrong", tiers([growing, few], [slow_sine, fast_sine, walk, offset, sampled])
+)
 def test_what_is_no_white_noise_is_not_called_so(wrong):
     judgement = polhode.compare(wrong(table()), SCENE)
     assert judgement.limit.startswith("method") or judgement.limit == ""

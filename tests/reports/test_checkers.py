@@ -76,7 +76,7 @@ def test_a_run_in_double_has_the_digits_that_compare_tells(checkers, tmp_path):
     assert [x for _, x in own] == pytest.approx([*judgement.part_digits["attitude"]][1:], abs=0.02)
 
 
-@pytest.mark.parametrize("power", [3, 9, 15, 16, 22, 37, 49])
+@pytest.mark.parametrize("power", [3, 15, 16, 49])
 def test_errors_of_any_size_are_told(checkers, tmp_path, power):
     """In one number of the state and one of the attitude, or of both together."""
     generator = random.Random(power)

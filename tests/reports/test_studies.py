@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import json
 import re
 import shlex
 import signal
@@ -26,7 +25,7 @@ import polhode
 import stability
 from kit import TYPES, JsonObject, Only, table
 from polhode.judging.limits import selected
-from shared.reports import COMMITTED, committed
+from shared.reports import COMMITTED, committed, quick_results, quick_study
 from shared.tools import tiers
 
 CASES = polhode.cases().column("scene")
@@ -79,22 +78,22 @@ def test_the_table_in_readme_is_of_the_committed_rows():
 def test_what_is_stale_is_made_again_and_named_and_rows_of_another_version_too(
     tmp_path, monkeypatch, capsys
 ):
-    for name in ("events.json", "events.md"):
+    for name in ("stability.json", "stability.md"):
         (tmp_path / name).write_bytes((COMMITTED / name).read_bytes())
-    page = (tmp_path / "events.md").read_text()
-    (tmp_path / "events.md").write_text(page.replace("Events", "events", 1) + "more\n")
-    version = committed("events")["provenance"]["versions"]["polhode"]
+    page = (tmp_path / "stability.md").read_text()
+    (tmp_path / "stability.md").write_text(page.replace("# ", "## ", 1) + "more\n")
+    version = committed("stability")["provenance"]["versions"]["polhode"]
 
     def stale(now):
         monkeypatch.setattr(polhode, "__version__", now)
-        code = make.main(["events", "--stale", "-o", str(tmp_path)])
+        code = make.main(["stability", "--stale", "-o", str(tmp_path)])
         return code, sorted(capsys.readouterr().out.splitlines())
 
-    assert stale(version) == (1, [str(tmp_path / x) for x in ("events.md", "events.svg")])
-    assert (tmp_path / "events.md").read_text() == page
+    assert stale(version) == (1, [str(tmp_path / x) for x in ("stability.md", "stability.svg")])
+    assert (tmp_path / "stability.md").read_text() == page
     assert stale(version) == (0, [])
-    command = f"rows of polhode {version}, this is 9: python reports/make.py events"
-    assert stale("9") == (1, [f"{tmp_path / 'events.json'}: {command}"])
+    command = f"rows of polhode {version}, this is 9: python reports/make.py stability"
+    assert stale("9") == (1, [f"{tmp_path / 'stability.json'}: {command}"])
 
 
 @pytest.mark.parametrize("name", make.STUDIES)
@@ -186,26 +185,20 @@ def test_a_page_of_no_rows_and_of_one_row_of_each_kind_can_be_made(name, count):
         assert "\n\n\n" not in page  # where a table is left out
 
 
-def one_run_less(case: str) -> Any:
-    def change(results: JsonObject) -> None:
-        del next(row["runs"] for row in results["cases"] if row["case"] == case)[0]
-
-    return change
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "change"),
+    ("name", "part", "rows"),
     [
-        ("accuracy", one_run_less("kovalevskaya/generic")),
-        ("stability", one_run_less("hard/near-cusp")),
-        ("proofs", lambda results: results["orbits"][0]["orbits"].pop(0)),
+        ("accuracy", "cases", "runs"),
+        ("stability", "cases", "runs"),
+        ("proofs", "orbits", "orbits"),
     ],
 )
-def test_a_row_less_is_a_mark_less(name, change):
+def test_a_row_less_is_a_mark_less(name, part, rows):
     results, study = committed(name), make.module(name)
+    results["chaos"], results[part] = [], results[part][:2]
     before = study.svgs(results)[name].count("<use ")
-    change(results)
+    results[part][0][rows].pop(0)
     assert before - study.svgs(results)[name].count("<use ") == 1
 
 
@@ -272,21 +265,16 @@ def test_nine_in_ten_runs_of_the_library_end_in_the_band():
 # -- made today ------------------------------------------------------------------------------------
 
 
-def rows_of(name: str, *texts: str, quick: bool = False) -> JsonObject:
-    """Rows of a study, made again."""
-    rows: JsonObject = make.module(name).rows(quick, print, Only(texts))
-    return json.loads(json.dumps(rows))
-
-
 @pytest.mark.slow
 def test_rows_made_today_agree_with_the_committed_ones():
-    (today,) = rows_of("accuracy", "euler/smallest-axis")["cases"]
-    (before,) = (x for x in committed("accuracy")["cases"] if x["case"] == "euler/smallest-axis")
-    assert [run["outcome"] for run in today["runs"]] == ["reached end"] * 4
-    for run, then in zip(today["runs"], before["runs"], strict=True):
-        assert abs(run["correct_digits"] - then["correct_digits"]) < 1
-        assert (run["number"], run["outcome"]) == (then["number"], then["outcome"])
-    (motion,) = rows_of("events", "euler/largest-axis", quick=True)["motions"]
+    every = {case["case"]: case for case in committed("accuracy")["cases"]}
+    for today in quick_results("accuracy")["cases"]:
+        before = every[today["case"]]
+        assert [run["outcome"] for run in today["runs"]] == ["reached end"] * 4
+        for run, then in zip(today["runs"], before["runs"], strict=True):
+            assert abs(run["correct_digits"] - then["correct_digits"]) < 1
+            assert (run["number"], run["outcome"]) == (then["number"], then["outcome"])
+    (motion,) = quick_results("events")["motions"]
     for run in (*motion["near"], *motion["far"]):
         assert run["found"] == run["true"] > 0
         assert run["ulps"] < 1e4
@@ -294,15 +282,12 @@ def test_rows_made_today_agree_with_the_committed_ones():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in make.STUDIES if name != "speed"])
-def test_a_quick_study_is_made(name, tmp_path):
-    """From outside, as CONTRIBUTING tells; each wrote its page, which is of its rows."""
-    command = [sys.executable, make.__file__, name, "--quick", "-o", str(tmp_path)]
-    ended = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
-    assert ended.returncode == 0, ended.stderr
-    results = make.results_of(tmp_path, name)
+def test_a_quick_study_is_made(name):
+    """Each wrote its page, which is of its rows."""
+    files, results = quick_study(name), quick_results(name)
+    assert {*files} == {f"{name}.{ending}" for ending in ("json", "md", "svg")}
     assert results["quick"]
-    assert (tmp_path / f"{name}.md").read_text() == make.page(results)
-    assert (tmp_path / f"{name}.svg").exists()
+    assert files[f"{name}.md"] == make.page(results)
 
 
 @pytest.mark.slow

@@ -50,7 +50,9 @@ MAKERS: dict[str, Callable[[], Storable]] = {
     "Reference": lambda: polhode.reference(polhode.load("euler/largest-axis").at((1, 2))),
     "Certified": lambda: polhode.reference(polhode.load(GENERAL).at((1,))),
     "ReferenceTable": lambda: polhode.reference_table("euler/separatrix", at=[1], digits=40),
-    "Textbook": lambda: polhode.reference(polhode.load(TOP).at((1,)), backend="mpmath"),
+    "Textbook": lambda: polhode.reference(
+        polhode.load("euler/largest-axis").at((1,)), backend="mpmath"
+    ),
     "Conditioning": lambda: polhode.conditioning("euler/separatrix", [10, 120]),
     "Enclosure": lambda: polhode.certify(polhode.load(GENERAL).at([1]), digits=20),
     "CertifiedEvents": lambda: polhode.certify_events(watched(), end=2)[0],

@@ -93,16 +93,15 @@ def test_a_scene_and_a_table_may_come_through_pipes():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("encoding", ["ascii", "utf-8"])
-def test_a_title_takes_any_character_and_commands_no_terminal(encoding):
+def test_a_title_takes_any_character_and_commands_no_terminal():
     title = 'title = "Grüße \\u001b[31m\\u0007 τ"\n'
     Path("odd.toml").write_text(TOP.replace("[body]", title + "[body]"), encoding="utf-8")
-    environment = {**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
     process = ended("show", "odd.toml", env=environment, text=False)
     assert process.returncode == 0, process.stderr
     assert b"\x1b" not in process.stdout
     assert b"\x07" not in process.stdout
-    assert "Grüße ?[31m? τ" in process.stdout.decode() or b"Gr\\xfc\\xdfe ?[31m?" in process.stdout
+    assert b"Gr\\xfc\\xdfe ?[31m?" in process.stdout
 
 
 @pytest.mark.slow

@@ -63,13 +63,13 @@ def test_what_is_finished_at_ctrl_c_is_kept_and_the_same_command_goes_on(
     scene, tmp_path, capsys, monkeypatch
 ):
     """A sweep of seconds, interrupted: no file yet, its finished members in a folder."""
-    words = ["--at", "2000", "--vary", "start.omega[3]=0.5:1:400"]
+    words = ["--at", "2000", "--vary", "start.omega[3]=0.5:1:200"]
     with monkeypatch.context() as patch:
         sentences = press_ctrl_c(patch, 2)
         code, _, err = run(capsys, scene, *words, "-o", "x.npz")
     assert code == 130
     not_run, reached = map(int, re.search(r"; (\d+) not run, (\d+) reached end\n", err).groups())
-    assert not_run + reached == 400
+    assert not_run + reached == 200
     assert min(not_run, reached) > 0
     assert "polhode: the same command continues from x.npz.parts\n" in err
     assert all(re.fullmatch(TOLD, text) for text in sentences)
