@@ -243,20 +243,12 @@ def shades_at(axes, place):
     }
 
 
-def drawn(diagram):
-    plt = pytest.importorskip("matplotlib.pyplot")
-    from polhode.figures import levels as figure
-
-    picture = figure.draw(plt, diagram, f_range=F, h_range=H)
-    plt.close(picture)
-    return picture
-
-
 @pytest.mark.slow
 def test_the_figure_shows_the_regions_of_close_rotations():
     result = found_of(NEAR)
     assert all(column.regions for column in result.columns(*F, 41))
-    axes = drawn(result).axes[0]
+    pytest.importorskip("matplotlib")
+    axes = result.plot(f_range=F, h_range=H)
     assert {place: shades_at(axes, place) for place in PLACES} == PLACES
 
 
@@ -272,7 +264,7 @@ def test_an_undecided_column_is_hatched(monkeypatch):
 
     monkeypatch.setattr(exact_levels, "regions_between", partly)
     result = found_of(NEAR)
-    axes = drawn(result).axes[0]
+    axes = result.plot(f_range=F, h_range=H)
     assert [shades_at(axes, place) for place in PLACES] == [{"not decided"}] * 4
     assert shades_at(axes, (20.4, 250.0)) == {"RP³"}
     assert shades_at(axes, (21.6, 150.0)) == {"S²×S¹"}

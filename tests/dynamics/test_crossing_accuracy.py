@@ -62,14 +62,7 @@ def generic(*omega):
 
 @pytest.mark.parametrize(
     ("scene", "crossings"),
-    tiers(
-        [("goryachev-chaplygin/two-frequencies", 300)],
-        [
-            ("lagrange/nutation", 300),
-            ("kovalevskaya/generic", 300),
-            (generic("0.3", "0.2", "0.9"), 80),
-        ],
-    ),
+    tiers([(generic("0.3", "0.2", "0.9"), 80)], [("lagrange/nutation", 300)]),
     ids=str,
 )
 def test_true_digits_lie_in_a_band_about_those_told(scene, crossings):
@@ -83,18 +76,17 @@ def test_true_digits_lie_in_a_band_about_those_told(scene, crossings):
     assert -2.0 < more.mean() < 1.0
 
 
-@pytest.mark.parametrize("below", [1e-6, 1e-11])
-def test_a_crossing_that_grazes_the_section_has_fewer_digits(below):
-    """Just below a top of gamma3, beside quad: 13.2 and 11 are true, where 15.6 were told."""
+def test_a_crossing_that_grazes_the_section_has_fewer_digits():
+    """Just below a top of gamma3, beside quad: 11 are true, where 15.6 were told."""
     scene = polhode.load("general/asymmetric-regular")
-    level = Fraction(TOP) - Fraction(below).limit_denominator(10**12)
+    level = Fraction(TOP) - Fraction(1, 10**11)
     by = f"gamma3 - {level.numerator}/{level.denominator}"
     cut = polhode.section(scene, by=by, starts="scene", crossings=2)
     watched = replace(scene, events=(polhode.Event("level", by),)).at([Fraction(27, 20)])
     rows = polhode.integrate(watched, number="quad").events[0].states.astype(float)
     true = -np.log10(np.abs(rows[:2] - cut.states[0]).max(axis=1))
     assert np.abs(true - cut.digits[0]).max() < 1
-    assert cut.digits[0].max() < (14 if below > 1e-9 else 11.5)
+    assert cut.digits[0].max() < 11.5
 
 
 def test_no_digit_is_left_where_the_true_ones_end():
@@ -140,7 +132,8 @@ def test_the_verb_tells_them(capsys):
     digits = content["columns"]["digits_expected"]
     assert digits[first - 1] < 1 <= digits[first - 2]
     assert f"no digits are left from crossing {first} on in 1 of 1 orbits" in printed.err
-    assert main(["section", "lagrange/nutation", "--grid", "2x1", "--crossings", "3"]) == 0
+    regular = "general/asymmetric-regular"
+    assert main(["section", regular, "--grid", "2x1", "--crossings", "3"]) == 0
     printed = capsys.readouterr()
     names = ["orbit", "crossing", "t", "l", "L_over_G", "digits_expected"]
     assert printed.out.splitlines()[0].split() == names

@@ -104,7 +104,7 @@ def test_slow_lines_beside_a_constant_claim_no_digits_that_they_lack(tmp_path):
     """Within a few 2 pi/T of 0 a line, its mirror image and the constant hide each other."""
     rng, factors = np.random.default_rng(3), []
     for least, most in [(0.05, 1), (1, 2), (2, 6), (0.3, 1), (6, 12)]:
-        for _ in range(12):
+        for _ in range(5):
             n = int(rng.integers(600, 1000))
             bins = np.cumsum(rng.uniform(least, most, int(rng.integers(1, 4))))
             rates = bins * 2 * np.pi / (STEP * (n - 1))
@@ -151,7 +151,7 @@ def test_a_stamp_that_is_off_by_more_than_rounding_is_refused(off, tmp_path):
 LEVEL = """schema = 1
 [body]
 moments = [2, 1.5, 1]
-centre = [0.3, 0.2, 1]
+centre = [0.3, 0.2, 0.5]
 weight = 1
 [start]
 gamma = ["4/5", "3/5", 0]
@@ -166,7 +166,7 @@ def test_a_level_that_the_scene_says_is_not_rounded():
     here = polhode.levels(scene).here
     for closed_orbit in (
         polhode.orbit(scene, digits=18),
-        polhode.section(scene, starts="scene", crossings=2),
+        polhode.section(scene, starts="scene", crossings=2, accuracy=False),
         polhode.chaos_map(scene, grid=(2, 2), end=5),
     ):
         assert (
@@ -182,19 +182,20 @@ def test_a_theorem_is_of_the_level_that_the_scene_says():
     assert "on the level h = 2, f = 3/10 exactly one" in theorem
 
 
-@pytest.mark.parametrize("off", ["1e-22", "-1e-30", "1e-200"])
+@pytest.mark.parametrize("off", ["-1e-22", "1e-200"])
 def test_a_centre_barely_off_an_axis_needs_no_exact_levels(off):
     """They were out of reach, and sections, maps and orbits, of doubles alone, were refused."""
     body = {"moments": [2, "1.5", 1], "weight": 1}
     start = {"omega": ["0.3", "0.2", 1], "gamma": ["4/5", 0, "3/5"]}
     near, on = (polhode.top(**body, centre=[x, 0, 1], **start) for x in (off, 0))
-    for more in ({"starts": "scene"}, {"grid": (2, 2)}, {"starts": "scene", "by": "height"}):
-        first, second = (polhode.section(top, crossings=3, **more) for top in (near, on))
+    for more in ({"starts": "scene"}, {"grid": (2, 2)}):
+        options = {"crossings": 3, "accuracy": False} | more
+        first, second = (polhode.section(top, **options) for top in (near, on))
         assert np.abs(first.states - second.states).max() < 1e-12
     assert polhode.chaos_map(near, grid=(2, 2), end=5).fact("h") == near.integrals.energy
 
 
-@pytest.mark.parametrize("f", ["0", "1e-60", "31/25", "1.6", "3", "1e9"])
+@pytest.mark.parametrize("f", ["0", "1e-60", "1.6", "1e9"])
 @pytest.mark.parametrize(
     "case", ["general/asymmetric-chaotic", "euler/prolate", "lagrange/nutation"]
 )

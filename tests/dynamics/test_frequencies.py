@@ -10,7 +10,6 @@ import pytest
 import polhode
 from polhode.dynamics import naff
 from polhode.dynamics.naff import leak
-from polhode.taylor.motion import Motion
 from shared.tables import of_run, through
 from shared.tools import tiers
 
@@ -85,7 +84,7 @@ def test_ctrl_c_is_not_the_scene_s_fault(options, monkeypatch):
     def pressed(motion, times, most, rows, *_):
         return rows, polhode.Outcome.INTERRUPTED
 
-    monkeypatch.setattr(Motion, "advance", pressed)
+    monkeypatch.setattr("polhode.taylor.motion.Motion.advance", pressed)
     with pytest.raises(KeyboardInterrupt):
         ON_THE_WAY[options]()
 
@@ -205,11 +204,12 @@ def test_a_wrong_line_cannot_claim_digits(monkeypatch, by):
         assert np.min(np.abs(om - line.frequency)) <= line.error
 
 
-def test_a_stuck_refinement_cannot_claim_digits(monkeypatch):
+def test_a_stuck_refinement_cannot_claim_digits(monkeypatch, tmp_path):
     """The nearest point of the grid, which the second window does not share."""
-    monkeypatch.setattr(naff, "_refined", lambda weighted, time, start, cell, most: start)
+    stuck = "polhode.dynamics.naff._refined"
+    monkeypatch.setattr(stuck, lambda weighted, time, start, cell, most: start)
     signal, step, om = quasi_periodic(np.random.default_rng(4), 20)
-    result = naff.lines(signal, step, len(om))
+    result = lines_of(tmp_path, signal, step, len(om))
     assert any(np.min(np.abs(om - line.frequency)) > 1e-3 for line in result)
     assert all(np.min(np.abs(om - line.frequency)) <= line.error for line in result)
 

@@ -179,10 +179,11 @@ def test_in_turned_axes_and_in_other_units():
 
 def test_a_type_that_is_too_narrow_is_left_for_a_wider_one(monkeypatch):
     """The error of the decimals decides, not what was foreseen."""
-    monkeypatch.setattr(newton_shooting, "type_for", lambda digits, least=0: EXTENDED)
+    narrow = "polhode.dynamics.newton_shooting.type_for"
+    monkeypatch.setattr(narrow, lambda digits, least=0: EXTENDED)
     closed_orbit = polhode.orbit(perturbed(1e-3, 0), digits=22)
     assert 1e-26 < closed_orbit.error < 1e-22
-    monkeypatch.setattr(newton_shooting, "MOST_TYPES", 1)
+    monkeypatch.setattr("polhode.dynamics.newton_shooting.MOST_TYPES", 1)
     with pytest.raises(polhode.BadInput, match="not below 1e-22"):
         polhode.orbit(perturbed(1e-3, 0), digits=22)
 

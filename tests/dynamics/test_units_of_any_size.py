@@ -27,10 +27,11 @@ def scene(inertia=1, rate=1):
     )
 
 
-@pytest.mark.parametrize(("inertia", "rate"), tiers([(BIG, 1), (1, BIG)], [UNITS[1]]))
+@pytest.mark.parametrize(("inertia", "rate"), [(BIG, 1), (1, BIG)])
 def test_a_section_is_to_the_bit_that_in_other_units(inertia, rate):
-    plain = polhode.section(scene(), grid=(2, 2), crossings=2)
-    cut = polhode.section(scene(inertia, rate), grid=(2, 2), crossings=2)
+    options = {"grid": (2, 2), "crossings": 2, "accuracy": False}
+    plain = polhode.section(scene(), **options)
+    cut = polhode.section(scene(inertia, rate), **options)
     assert len(plain.counts) > 1
     for name in ("l", "L_over_G", "counts", "starts"):
         assert np.array_equal(getattr(cut, name), getattr(plain, name))

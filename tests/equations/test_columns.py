@@ -15,7 +15,6 @@ import pytest
 import polhode
 from polhode.cli import main
 from polhode.equations import columns
-from polhode.figures import samples
 from polhode.numbers.row_formulas import RowMap
 from polhode.scenes.scene_facts import row_columns
 from polhode.scenes.vocabulary import COLUMNS, ColumnWord, column_names
@@ -82,25 +81,25 @@ def test_a_run_has_the_speed_wherever_it_goes(number, scene, tmp_path, capsys):
     """JSON, CSV and the JSON beside it: the same strings; trajectory, file, frames, notebook."""
     kind, path, at = NUMBERS[number], tmp_path / "x.csv", ["0", "1", "5"]
     command = ["run", TOP, "--number", number, "--at", ",".join(at), "--outputs", "speed"]
-    columns = document(capsys, *command, "--json")["columns"]
-    errors = ["error"] * ("error" in columns)  # of a refined run
-    assert [*columns] == ["t", *STATE, "speed", *errors]
-    states = zip(*(columns[name] for name in STATE), strict=True)
-    for state, text in zip(states, columns["speed"], strict=True):
+    table = document(capsys, *command, "--json")["columns"]
+    errors = ["error"] * ("error" in table)  # of a refined run
+    assert [*table] == ["t", *STATE, "speed", *errors]
+    states = zip(*(table[name] for name in STATE), strict=True)
+    for state, text in zip(states, table["speed"], strict=True):
         assert_rounded(read(str(text), kind), [read(str(x), kind) for x in state], kind)
         if number != "double":
             assert len(text.replace(".", "")) == kind.printed_digits
     assert main([*command, "-o", str(path)]) == 0
     header, *lines = csv.reader(path.read_text().splitlines())
-    assert header == [*columns]
+    assert header == [*table]
     for k, name in enumerate(header):
-        assert [line[k] for line in lines] == [*map(str, columns[name])]
+        assert [line[k] for line in lines] == [*map(str, table[name])]
     told_beside = json.loads(Path(f"{path}.json").read_text())
     assert ("columns" in told_beside, told_beside["number"]) == (False, number)
 
     run = polhode.integrate(scene, number, at=at)
     speeds = [value for (value,) in run.outputs["speed"]]
-    assert [exactly(x) for x in speeds] == [read(str(text), kind) for text in columns["speed"]]
+    assert [exactly(x) for x in speeds] == [read(str(text), kind) for text in table["speed"]]
     assert isinstance(run.outputs["speed"], np.ndarray) == kind.flat
     assert not kind.flat or run.outputs["speed"].dtype == run.states.dtype
     assert run.hodographs is None
@@ -112,7 +111,6 @@ def test_a_run_has_the_speed_wherever_it_goes(number, scene, tmp_path, capsys):
     assert list(frame.columns) == [*STATE, "speed", *errors] == list(dataset.data_vars)
     assert list(frame["speed"]) == speeds == list(dataset["speed"].values)
     assert "<th>speed</th>" in run._repr_html_()
-    assert samples.of_run(run).columns["speed"].tolist() == [float(x) for x in speeds]
 
 
 @pytest.mark.parametrize(("name", "digits"), [(TOP, 12), ("euler/turned-axes", 40)])
@@ -175,7 +173,7 @@ def test_a_sweep_gives_the_speed_of_each_member(number, scene, tmp_path, capsys)
 
 
 def test_the_word_is_known_by_name(capsys):
-    """The guide's table, and a typo of the word; names are unique, and derived words have files."""
+    """The guide's table, and a typo of the word."""
     assert main(["guide", "outputs"]) == 0
     assert "| `speed` | `speed` | the length of omega |" in capsys.readouterr().out
     for verb in ("run", "reference"):
@@ -184,10 +182,6 @@ def test_the_word_is_known_by_name(capsys):
         assert "did you mean 'speed'?" in err
     with pytest.raises(polhode.BadInput, match="did you mean 'speed'"):
         polhode.reference(TOP).column("sped", [1])
-    names = ["t", *STATE, *column_names()]
-    assert len({*names}) == len(names)
-    assert not {*COLUMNS} & {"scene", "number", "bits", "columns", "times", "states", "events"}
-    assert {*columns.FORMULAS} == {*columns.derived_words()}
 
 
 def divided(x, k, fn):
@@ -210,8 +204,12 @@ def test_a_row_without_a_finite_real_value_is_a_gap(number):
     assert isinstance(flat, np.ndarray) == kind.flat
 
 
-def test_every_column_has_a_meaning():
-    """It stands in ``about`` of every file, beside the unit."""
+def test_every_column_has_a_meaning_and_a_name_of_its_own():
+    """The meaning stands in ``about`` of every file, beside the unit; derived words have files."""
+    every = ["t", *STATE, *column_names()]
+    assert len({*every}) == len(every)
+    assert not {*COLUMNS} & {"scene", "number", "bits", "columns", "times", "states", "events"}
+    assert {*columns.FORMULAS} == {*columns.derived_words()}
     names = [name for name in column_names() if name != "speed"]  # which is added here
-    columns = row_columns(None, names, [[0.0] * len(names)], DOUBLE)
-    assert [column.name for column in columns if not column.meaning] == []
+    rows = row_columns(None, names, [[0.0] * len(names)], DOUBLE)
+    assert [column.name for column in rows if not column.meaning] == []

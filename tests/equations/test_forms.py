@@ -279,7 +279,7 @@ def test_a_wrong_equation_in_one_form_fails_the_cross_checks(monkeypatch):
 @pytest.mark.slow
 def test_every_cross_check_passes(monkeypatch, capsys):
     """Of one scene, a free body in turned axes; ``polhode check --forms`` takes three."""
-    monkeypatch.setattr(check_report, "SCENES", ("euler/turned-axes",))
+    monkeypatch.setattr("polhode.checks.check_report.SCENES", ("euler/turned-axes",))
     assert cli.main(["check", "--forms", "--json"]) == 0
     answer = json.loads(capsys.readouterr().out)
     assert answer["columns"]["scene"] == []

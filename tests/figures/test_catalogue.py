@@ -13,7 +13,6 @@ import polhode
 import speed
 from kit import COLOURS, LOOKS, plain
 from polhode.cli import main
-from polhode.dynamics.frequencies import Frequencies
 from polhode.figures import catalogue
 from polhode.results.reader import KINDS
 from polhode.scenes.vocabulary import Several, Single
@@ -90,7 +89,6 @@ def test_a_file_is_drawn_as_the_result_was(tmp_path, name):
 def test_the_file_of_frequencies_has_the_lines_without_a_spectrum(tmp_path):
     analysis = result_of_kind("Frequencies")
     analysis.save(tmp_path / "x.json")
-    assert isinstance(analysis, Frequencies)
     panels = [analysis.plot(), polhode.plot(tmp_path / "x.json")]
     own, read = ({x.get_gid(): x.get_xydata() for x in axes.lines} for axes in panels)
     assert {*own} - {*read} == {"spectrum gamma3"}

@@ -66,20 +66,20 @@ def counted(monkeypatch):
     return late
 
 
-QUICK = [(1e-4, "asymmetric"), (1e-8, "flat"), (1e-11, "free")]
-OTHERS = [(tol, name) for name in BODIES for tol in (1e-4, 1e-8, 1e-11)]
-
-
-@pytest.mark.parametrize(("tol", "name"), tiers(QUICK, [x for x in OTHERS if x not in QUICK]))
-def test_rows_are_as_accurate_as_the_tolerance_asks(name, tol, counted):
+@pytest.mark.parametrize(
+    ("tol", "name"),
+    tiers(
+        [(1e-8, "asymmetric"), (1e-4, "free")],
+        [(1e-4, "slender"), (1e-11, "flat"), (1e-8, "sphere"), (1e-8, "in other units")],
+    ),
+)
+def test_rows_are_as_accurate_as_the_tolerance_asks(name, tol):
     """No row is off by more than the tolerance for each step; and they are no better than eps."""
     go = of(name, tol)
     rows, unit = starts(go, MANY)
     t = 2.0 * unit * (-1 if tol == 1e-8 else 1)
     found = go(rows, t=t)
     assert go.outcome.done
-    assert counted[0][0] > MANY * 0.9
-    assert counted[0][1] < 0.2 * MANY  # else the steps are chosen too long
     which = members(MANY, 3)
     off = errors(found[which], rows_in_quad(go.scene, rows[which], t), rows[which], unit)
     allowed = 4 * tol + 200 * EPS
@@ -94,8 +94,7 @@ def test_rows_are_as_accurate_as_the_tolerance_asks(name, tol, counted):
     assert tol < 1e-10 or everywhere.max() > tol * 1e-5  # steps of such a tolerance are not finer
 
 
-@pytest.mark.parametrize("tol", [1e-3, 1e-9])
-@pytest.mark.parametrize("name", ["asymmetric", "free", "turned"])
+@pytest.mark.parametrize(("tol", "name"), [(1e-8, "turned"), (1e-4, "free")])
 def test_no_bit_depends_on_what_is_beside_a_row(name, tol, monkeypatch):
     go = of(name, tol)
     rows, unit = starts(go, MANY + 5)
@@ -121,7 +120,7 @@ def test_no_bit_depends_on_what_is_beside_a_row(name, tol, monkeypatch):
 
 def test_a_motion_along_a_separatrix_and_one_beside_it():
     """From the upper rest, by less and less: rates stay small for long and grow at last."""
-    go = of("asymmetric", 1e-9)
+    go = of("asymmetric", 1e-8)
     gamma = np.array([0.25, 0.125, 0.5]) / np.sqrt(21 / 64)
     for _ in range(2):
         gamma /= np.sqrt(gamma @ gamma)
@@ -130,13 +129,13 @@ def test_a_motion_along_a_separatrix_and_one_beside_it():
     rows[:, 0] = np.ldexp(1.0, -4 - np.arange(MANY) % 48)
     which = np.array([0, 1, 10, 30, 47])
     off = np.abs(go(rows, t=4.0)[which] - rows_in_quad(go.scene, rows[which], 4.0)).max(axis=1)
-    assert off.max() < 40 * 1e-9
+    assert off.max() < 40 * 1e-8
     assert np.array_equal(go(rows[::-1], t=4.0)[::-1], go(rows, t=4.0))
 
 
 def test_whose_steps_were_too_long_is_made_again(monkeypatch, counted):
     """With steps far too long the estimate sees it, and the states are those of batches."""
-    go = of("asymmetric", 1e-7)
+    go = of("asymmetric", 1e-8)
     rows, _ = starts(go, MANY, spread=0.3)
     exact = of("asymmetric", None)(rows, t=2.0)
     monkeypatch.setattr(defaults, "ARRAYS", defaults.ARRAYS._replace(reach=20.0))
@@ -144,7 +143,7 @@ def test_whose_steps_were_too_long_is_made_again(monkeypatch, counted):
     assert counted[0][1] > 0.9 * MANY
     assert len(counted) == 2  # what is left goes in batches
     slow = np.arange(MANY) > 3
-    assert np.abs(found - exact)[slow].max() < 2e-6
+    assert np.abs(found - exact)[slow].max() < 2e-7
     monkeypatch.setattr(defaults, "ARRAYS", defaults.ARRAYS._replace(share=1e9))
     assert np.abs(go(rows, t=2.0) - exact)[slow].max() > 1e-3  # what the estimate keeps away
 
@@ -163,4 +162,7 @@ def test_what_the_step_is_not_for_goes_as_before(counted):
     loose(rows, t=20.0)
     assert 0 < counted[0][0] < MANY
     assert np.array_equal(loose(rows, t=0.0), rows)
+    counted.clear()
     assert np.isfinite(loose(rows, t=-1.0)).all()
+    assert counted[0][0] > MANY * 0.9
+    assert counted[0][1] < 0.2 * MANY  # else the steps are chosen too long

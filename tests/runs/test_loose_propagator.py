@@ -9,23 +9,24 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode.taylor import defaults
 from shared.motions import TURNED
 
 EPS = 2.0**-52
+CENTRE = [0.25, 0.125, 0.5]
+#: Most have the same coefficients that are zero, none, and share compiled code.
 MOTIONS = {
-    "chaotic": {"moments": [3, 2, 1], "centre": [0.25, 0.125, 0.5], "weight": 4},
-    "fast": {"moments": [3, 2, 1], "centre": [1, 0, 2], "weight": 1, "omega": [0, 3, 100]},
+    "chaotic": {"moments": [3, 2, 1], "centre": CENTRE, "weight": 4},
+    "fast": {"moments": [3, 2, 1], "centre": CENTRE, "weight": 4, "omega": [0, 3, 100]},
     "slow unit": {
-        **{"moments": [3, 2, 1.5], "centre": [0.25, 0.5, 0], "weight": Fraction(1, 2**40)},
+        **{"moments": [3, 2, 1.5], "centre": CENTRE, "weight": Fraction(1, 2**40)},
         "omega": [Fraction(1, 2**20), 0, Fraction(1, 2**19)],
     },
-    "slender": {"moments": [1, 1.0078125, 0.015625], "centre": [0, 0.125, 1], "weight": 0.25},
+    "slender": {"moments": [1, 1.0078125, 0.015625], "centre": CENTRE, "weight": 0.25},
     "separatrix": {"moments": [3, 2, 1], "weight": 0, "omega": [0, 1, Fraction(1, 2**20)]},
     "symmetric": {"moments": [2, 2, 1], "centre": [0, 0, 1], "weight": 1},
     "no gamma": {"moments": [3, 2, 1], "weight": 0, "gamma": None},
-    "turned": {"inertia": TURNED, **{"centre": [0.25, 0.125, 0.5], "weight": 4}},
-    "unit": {"moments": [3, 2, 1], "centre": [0.5, 0, 1], "weight": 2**20, "omega": [1e3, 0, 2e3]},
+    "turned": {"inertia": TURNED, "centre": CENTRE, "weight": 4},
+    "unit": {"moments": [3, 2, 1], "centre": CENTRE, "weight": 2**20, "omega": [1e3, 0, 2e3]},
 }
 
 
@@ -93,7 +94,7 @@ def rows_of_random_times_are_within_the_tolerance(count):
 @pytest.mark.parametrize("fast", [10, 1000])
 def test_of_a_start_faster_than_the_scene_gamma_is_off_by_that_many_tolerances(fast):
     """The unit of time is the scene's, and heyoka's error that of the largest variable."""
-    tol, moments = 1e-6, [1.5, 1.5 + 2**-10, 1]
+    tol, moments = 1e-7, [1.5, 1.5 + 2**-10, 1]
     body = {"moments": moments, "centre": [0.25, 0.125, 0.5], "weight": 1, "end": 1}
     go = polhode.propagator(polhode.top(**body, omega=[0, 0, 1], gamma=["3/5", 0, "4/5"]), tol=tol)
     start = np.array([1e-3 * fast, 0, fast, 0.6, 0, 0.8])
@@ -106,12 +107,12 @@ def test_of_a_start_faster_than_the_scene_gamma_is_off_by_that_many_tolerances(f
     assert np.abs(polhode.propagator(own, tol=tol)(start, t=t) - true)[3:].max() < tol
 
 
-@pytest.mark.parametrize("tol", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("tol", [1e-3, 1e-9])
 def test_heyoka_decides_how_long_a_step_may_be(tol, monkeypatch):
     """However much longer steps are tried."""
-    monkeypatch.setattr(defaults, "LONG_REACH", 40.0)
-    monkeypatch.setattr(defaults, "LONG_TRIED", 40.0)
-    for name in ("chaotic", "symmetric", "turned", "unit"):
+    monkeypatch.setattr("polhode.taylor.defaults.LONG_REACH", 40.0)
+    monkeypatch.setattr("polhode.taylor.defaults.LONG_TRIED", 40.0)
+    for name in ("chaotic", "symmetric", "unit"):
         scene = top(name)
         go = polhode.propagator(scene, tol=tol)
         for radians in (1.0, 3.0, 8.0):
@@ -122,15 +123,15 @@ def test_heyoka_decides_how_long_a_step_may_be(tol, monkeypatch):
 
 def test_few_outputs_take_few_steps_and_a_long_way_fewer_than_a_run():
     scene = top("chaotic")
-    go = polhode.propagator(scene, tol=1e-6)
-    run = polhode.integrate(scene.at([0.5, 12]), tol=1e-6)
+    go = polhode.propagator(scene, tol=1e-7)
+    run = polhode.integrate(scene.at([0.5, 12]), tol=1e-7)
     rows = go(t=np.linspace(0, 0.5, 101))
-    assert go.steps <= 2 < polhode.integrate(scene.at([0.5]), tol=1e-6).steps
-    assert np.abs(rows[-1] - run.states[0]).max() < 1e-6
-    go, run = polhode.propagator(scene, tol=1e-5), polhode.integrate(scene.at([12]), tol=1e-5)
+    assert go.steps <= 2 < polhode.integrate(scene.at([0.5]), tol=1e-7).steps
+    assert np.abs(rows[-1] - run.states[0]).max() < 1e-7
+    go, run = polhode.propagator(scene, tol=1e-4), polhode.integrate(scene.at([12]), tol=1e-4)
     state = go(t=12.0)
     assert go.steps < 0.8 * run.steps
-    assert np.abs(state - run.states[0]).max() < 1e-4  # a chaotic motion
+    assert np.abs(state - run.states[0]).max() < 1e-3  # a chaotic motion
     assert go.outcome.done
 
 
@@ -140,7 +141,7 @@ def test_steps_of_a_higher_order_lose_no_digits():
     for name in MOTIONS:
         scene = top(name)
         end = [30 / fastest(scene)]
-        for tol in (1e-3, 1e-5):
+        for tol in (1e-3, 1e-4):
             run = polhode.integrate(scene.at([Fraction(end[0])]), tol=tol, project=False)
             higher = errors(scene, polhode.propagator(scene, tol=tol), end)
             ratios.append(higher / errors(scene, lambda t, run=run: run.states, end))
@@ -150,13 +151,13 @@ def test_steps_of_a_higher_order_lose_no_digits():
 def test_rows_differ_by_which_others_are_asked_for_within_the_tolerance():
     times = np.linspace(0, 2, 101)
     for name in ("chaotic", "separatrix"):
-        go = polhode.propagator(top(name), tol=1e-6)
+        go = polhode.propagator(top(name), tol=1e-7)
         rows = go(t=times)
         for part in (times[:51], times[50:], times[::25], np.linspace(0, 2, 2001)):
             shared, mine = np.nonzero(np.isclose(times[:, None], part, rtol=1e-14, atol=0))
             assert len(shared) > 2
-            assert np.abs(go(t=part)[mine] - rows[shared]).max() < 1e-6
-        assert np.abs(go(t=2.0) - rows[-1]).max() < 1e-6
+            assert np.abs(go(t=part)[mine] - rows[shared]).max() < 1e-7
+        assert np.abs(go(t=2.0) - rows[-1]).max() < 1e-7
         assert go(t=times).tolist() == rows.tolist()  # the same question, the same bits
 
 
@@ -175,13 +176,13 @@ def test_at_time_0_it_stands_at_its_start(name):
 def test_projected_or_extended_it_goes_as_a_run_does():
     scene = top("chaotic").at([0.5, 1, 30])
     for number, project in (("double", True), ("extended", False)):
-        go = polhode.propagator(scene, number=number, project=project, tol=1e-6)
-        run = polhode.integrate(scene, number, tol=1e-6, project=project)
+        go = polhode.propagator(scene, number=number, project=project, tol=1e-7)
+        run = polhode.integrate(scene, number, tol=1e-7, project=project)
         assert go(t=[0.5, 1, 30]).tolist() == run.states.tolist()
 
 
 def test_after_a_motion_that_overflows_the_next_one_is_right():
-    go, times = polhode.propagator(top("chaotic"), tol=1e-6), np.linspace(0, 0.5, 101)
+    go, times = polhode.propagator(top("chaotic"), tol=1e-7), np.linspace(0, 0.5, 101)
     right, far = go(t=times).tolist(), go(t=30.0).tolist()
     for size in (1e100, 1e150, 1e155):  # whose powers are no doubles, of the last squares neither
         start = np.array([size, size, 0, 0, 0, 1])
@@ -215,7 +216,7 @@ def test_another_process_and_other_kinds_of_numbers_have_the_same_bits():
     """Both went heyoka's own way, and of a chaotic motion to t = 30 nothing was the same."""
     for name in ("chaotic", "slow unit", "turned"):
         scene = top(name)
-        go = polhode.propagator(scene, tol=1e-6)
+        go = polhode.propagator(scene, tol=1e-7)
         elsewhere = pickle.loads(pickle.dumps(go))
         end = 30 / fastest(scene)
         for times in (np.linspace(0, end / 30, 101), np.linspace(0, end, 7)):
@@ -232,6 +233,6 @@ def test_another_process_and_other_kinds_of_numbers_have_the_same_bits():
 
 def test_a_motion_at_rest_and_outputs_that_hardly_move():
     still = polhode.top(moments=[3, 2, 1], weight=0, omega=[0, 0, 0], gamma=[0, 0, 1], end=1)
-    go = polhode.propagator(still, tol=1e-6)
+    go = polhode.propagator(still, tol=1e-7)
     for times in (np.linspace(0, 1e-300, 101), np.linspace(0, 1, 101), np.linspace(0, 1e100, 101)):
         assert go(t=times).tolist() == [[0, 0, 0, 0, 0, 1]] * 101

@@ -310,7 +310,7 @@ def test_attitude_and_angles_of_refined_runs_are_those_of_the_closed_form(name, 
 
 
 def test_turns_are_counted_over_several_runs_in_double(monkeypatch):
-    monkeypatch.setattr(refinement, "STEPS", 40)
+    monkeypatch.setattr("polhode.refined.refinement.STEPS", 40)
     run = turning("euler/turned-axes", [10, 30, 60])
     assert 0 < max(apart(run.angles, polhode.reference(run.scene).angles(run.times, 45))) < 1e-32
     assert abs(run.angles[-1][0]) > 10

@@ -13,7 +13,6 @@ import polhode
 from polhode.equations import integrals
 from polhode.numbers.conversion import to_mpf
 from polhode.runs import integrate_many as sweep_plan
-from polhode.runs import members
 from polhode.scenes.vary import grid as members_of_grid
 from shared.motions import TURNED, free_file, heavy, heavy_file, scene_of
 from shared.tools import exactly, tiers
@@ -218,7 +217,7 @@ def test_members_are_the_same_in_however_many_blocks_they_are_read(monkeypatch, 
     """One in a later block is put in by its scene, after others of the same body and none."""
     given = {"start.omega[1]": ["1/3", 8], key: [1, 3, 5, "sqrt(2)", 7]}
     whole = polhode.integrate_many(heavy("9"), given, at=[1])
-    monkeypatch.setattr(members, "BLOCK", 2)
+    monkeypatch.setattr("polhode.runs.members.BLOCK", 2)
     parts = polhode.integrate_many(heavy("9"), given, at=[1])
     assert parts.states.tobytes() == whole.states.tobytes()
     assert parts.steps == whole.steps

