@@ -13,7 +13,7 @@ from functools import cache, lru_cache
 # Where a result comes from: versions, machine, the exact input.
 
 
-__version__ = "0.4.0.dev0"
+__version__ = "0.4.0"
 
 
 @cache
