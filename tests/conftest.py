@@ -6,8 +6,9 @@ import os
 import re
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from pathlib import Path
+from typing import Any
 
 import mpmath
 import pytest
@@ -55,19 +56,40 @@ def handlers_of_signals() -> Iterator[None]:
 
 
 @pytest.fixture(autouse=True, scope="session")
-def little_optimised() -> Iterator[None]:
-    """Code in the wider types is compiled unoptimised: the same bits, sooner.
+def options_of_doubles() -> Iterator[Callable[..., dict[str, Any]]]:
+    """Code is compiled unoptimised, in a sixth of the time; these are a user's options of double.
 
-    An x87 or library operation has no faster form.  Doubles are left alone: theirs are contracted.
-    Quad is never optimised, by polhode's own choice.
+    In the wider types the bits are the same: an x87 or library operation has no faster form, and
+    quad is never optimised, by polhode's own choice.  Doubles are as right, but their last bits are
+    others, as most products and sums are rounded apart: see ``compiled_as_for_users``.
     """
     from polhode.taylor import heyoka
 
+    doubles = heyoka._TYPES["double"]
     with pytest.MonkeyPatch.context() as patch:
-        for name in ("extended", "mp"):
+        for name in ("double", "extended", "mp"):
             options = heyoka._TYPES[name]
             patch.setitem(heyoka._TYPES, name, lambda n, o=options: o(n) | {"opt_level": 0})
-        yield
+        yield doubles
+
+
+@pytest.fixture(scope="session")
+def engines_for_users() -> dict[Hashable, list[Any]]:
+    """The idle engines of the tests whose doubles are compiled as for users."""
+    return {}
+
+
+@pytest.fixture
+def compiled_as_for_users(
+    monkeypatch: pytest.MonkeyPatch,
+    options_of_doubles: Callable[..., dict[str, Any]],
+    engines_for_users: dict[Hashable, list[Any]],
+) -> None:
+    """Doubles have a user's bits in this test: it prints digits, or asks other processes."""
+    from polhode.taylor import engine, heyoka
+
+    monkeypatch.setitem(heyoka._TYPES, "double", options_of_doubles)
+    monkeypatch.setattr(engine, "IDLE", engines_for_users)
 
 
 @pytest.fixture

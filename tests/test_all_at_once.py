@@ -13,6 +13,7 @@ from itertools import cycle
 import heyoka
 import pytest
 
+from polhode import BadInput
 from polhode.common import interrupts
 from shared.results import MAKERS
 
@@ -83,8 +84,11 @@ def free(lock: interrupts.Lock) -> bool:
         return pool.submit(tried).result()
 
 
-def interrupted(name: str, after: float) -> KeyboardInterrupt | None:
-    """Ask, and press Ctrl-C so many seconds later; what was heard, which keeps its frames alive."""
+def interrupted(name: str, after: float) -> BaseException | None:
+    """Ask, and press Ctrl-C so many seconds later; what was heard, which keeps its frames alive.
+
+    A run that it ended before its first row is no traceback of Ctrl-C, and cannot be judged.
+    """
     came = None
     timer = threading.Timer(after, lambda: os.kill(os.getpid(), signal.SIGINT))
     try:
@@ -95,6 +99,10 @@ def interrupted(name: str, after: float) -> KeyboardInterrupt | None:
             timer.cancel()
             timer.join()
     except KeyboardInterrupt as fault:
+        came = fault
+    except BadInput as fault:
+        if "the run was interrupted" not in str(fault):
+            raise
         came = fault
     return came
 

@@ -122,6 +122,7 @@ def test_a_case_passes_and_an_unknown_number_type_is_refused(refusal, capsys):
     assert "double" in refusal("check", "euler/sphere", "--number", "dobule")
 
 
+@pytest.mark.usefixtures("compiled_as_for_users")
 @pytest.mark.slow
 def test_cases_shared_by_processes_give_the_same_reports(monkeypatch):
     names = ["euler/rest", "euler/sphere", "staude/stable"]

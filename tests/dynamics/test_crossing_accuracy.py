@@ -60,6 +60,7 @@ def generic(*omega):
     return replace(GENERIC, omega=tuple(Fraction(x) for x in omega))
 
 
+@pytest.mark.usefixtures("compiled_as_for_users")
 @pytest.mark.parametrize(
     ("scene", "crossings"),
     tiers([(generic("0.3", "0.2", "0.9"), 80)], [("lagrange/nutation", 300)]),

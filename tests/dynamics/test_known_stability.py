@@ -114,6 +114,7 @@ def test_a_regular_motion_is_called_so_in_the_default_time():
 # -- Chaotic, unstable and regular ones, that are followed
 
 
+@pytest.mark.usefixtures("compiled_as_for_users")
 @pytest.mark.slow
 def test_a_chaotic_motion_is_told_from_a_regular_one():
     """Spin 1.1: 3e9 at t = 200 and 1e50 at 1000 are exponents of 0.109 and 0.115."""
@@ -204,6 +205,7 @@ def test_at_a_fixed_point_they_are_the_rates_of_both_planes(case, end, off):
     assert spectrum == pytest.approx(rates, abs=off)
 
 
+@pytest.mark.usefixtures("compiled_as_for_users")
 @pytest.mark.parametrize(
     ("end", "pair", "zero"), tiers([(1000, 0.01, 0.02)], [(-1000, 0.01, 0.02)])
 )

@@ -254,6 +254,7 @@ def test_no_crossing_is_missed():
 # -- the same everywhere ---------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("compiled_as_for_users")
 @pytest.mark.parametrize("case", tiers(["general/asymmetric-chaotic"], ["kovalevskaya/generic"]))
 def test_a_lane_does_not_depend_on_its_neighbours(case):
     """The Kovalevskaya top's orbits have each their own K^2, also one that takes a lane over."""

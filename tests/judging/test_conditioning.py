@@ -238,6 +238,7 @@ def test_the_worst_of_many_times_may_lie_lower_than_each(times, digits):
         assert limits.limit(worst, 15.95, band, None, "of it", times) == name
 
 
+@pytest.mark.usefixtures("compiled_as_for_users")
 def test_the_worst_of_many_times_is_no_method_for_being_chosen():
     """The first command of README: 301 times of a run in double, and no fault of its steps."""
     judged = polhode.compare(polhode.integrate("published/nasa-brick"))

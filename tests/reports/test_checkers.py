@@ -63,6 +63,7 @@ with open(FOLDER / f"{TOP}.csv", newline="") as file:
     HEADER, *ROWS = csv.reader(file)
 
 
+@pytest.mark.usefixtures("compiled_as_for_users")
 def test_a_run_in_double_has_the_digits_that_compare_tells(checkers, tmp_path):
     path = tmp_path / "x.csv"
     at = ",".join(row[0] for row in ROWS)

@@ -42,6 +42,7 @@ CIRCLING = polhode.top(
 )
 
 
+@pytest.mark.usefixtures("compiled_as_for_users")
 @pytest.mark.parametrize(
     ("number", "case"),
     tiers(

@@ -98,6 +98,7 @@ def test_a_long_way_in_stretches_is_that_in_one(way, monkeypatch):
     assert many.reached == (Fraction(times[-1]),) * 9
 
 
+@pytest.mark.usefixtures("compiled_as_for_users")
 @pytest.mark.parametrize(
     "name", tiers(["plain", "slow", "turned", "free"], ["fast", "symmetric", "sphere"])
 )

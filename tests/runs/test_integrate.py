@@ -35,6 +35,7 @@ def test_chunks_take_the_same_steps_bit_for_bit(number, monkeypatch):
     assert np.abs(cut.states - whole.states).max() <= 4 * float(whole.number.eps)
 
 
+@pytest.mark.usefixtures("compiled_as_for_users")
 def test_the_states_are_those_of_the_bare_integrator_bit_for_bit():
     """The same equations in bare heyoka, coefficients as parameters, give the same doubles."""
     p, q, r, g1, g2, g3 = hy.make_vars("p", "q", "r", "g1", "g2", "g3")

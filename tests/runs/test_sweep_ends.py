@@ -106,6 +106,7 @@ class Deadly(Executor):
         return self.pool.submit(die_once, self.mark, fn, *args, **kwargs)
 
 
+@pytest.mark.usefixtures("compiled_as_for_users")
 @pytest.mark.slow
 def test_a_process_pool_gives_the_same_bits_though_a_worker_dies(tmp_path):
     here = polhode.integrate_many(heavy(), GIVEN)
@@ -125,6 +126,7 @@ def test_a_process_pool_gives_the_same_bits_though_a_worker_dies(tmp_path):
     assert np.abs(wide[0].states - alone.states).max() < 16 * float(wide.number.eps)
 
 
+@pytest.mark.usefixtures("compiled_as_for_users")
 @pytest.mark.slow
 def test_a_dask_cluster_gives_the_same_bits_though_a_worker_dies(tmp_path):
     distributed = pytest.importorskip("dask.distributed")
