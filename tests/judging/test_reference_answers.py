@@ -17,6 +17,7 @@ from flint import acb
 import polhode
 from polhode.cli import main
 from polhode.closed_forms.kovalevskaya.theta_attitude import EigenspaceChoice, Moment
+from polhode.judging.auxiliary_runs import turning_run
 from polhode.judging.reference import _TURNING as TURNING
 from polhode.motion.outcomes import EventTimes
 from shared import plain_taylor
@@ -289,6 +290,17 @@ def test_a_run_that_leaves_the_motion_tells_no_turns(monkeypatch):
     assert None not in exact.angles([5], 20)[0]
     with pytest.raises(polhode.BadInput, match="went round to t = 90 is not known"):
         exact.angles([5, 90], 20)
+
+
+def test_a_run_whose_angles_are_others_tells_no_turns(monkeypatch):
+    exact = polhode.reference("lagrange/nutation")
+    p, q, r = exact.scene.omega
+    other = replace(exact.scene, omega=(p, q, r + Fraction(1, 10)))
+    monkeypatch.setattr(
+        "polhode.judging.reference.turning_run", lambda scene, *args: turning_run(other, *args)
+    )
+    with pytest.raises(polhode.BadInput, match="went round to t = 1 is not known"):
+        exact.angles([1], 20)
 
 
 # -- The sign of the quaternion at t = 0: its first component that is not 0 is positive
