@@ -7,6 +7,7 @@ import signal
 import sys
 import warnings
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -203,6 +204,23 @@ def interrupted(folder: Path, number: str = "double", **other: Any) -> polhode.E
 
     options = {"progress": progress, "executor": First(2), "workers": None}
     return swept(folder, number, **options, **other)
+
+
+def test_the_parts_of_a_scene_are_no_parts_of_a_changed_one(tmp_path, parts_at_once):
+    """It has the text of the first still, and was given the first one's numbers."""
+    first = polhode.load("lagrange/nutation")
+    changed = [
+        replace(first, omega=(0, 0, 9)),
+        replace(first, events=(polhode.Event("x", "p"),)),
+        replace(first, source="", omega=("sqrt(2)", 0, 9)),
+    ]
+    for scene in (first, *changed):
+        options = {"vary": {"body.weight": [1, 2]}, "at": [1]}
+        polhode.integrate_many(scene, parts=tmp_path / "parts", **options)
+        for other in (x for x in (first, *changed) if x is not scene):
+            with pytest.raises(polhode.BadInput, match="parts"):
+                polhode.integrate_many(other, parts=tmp_path / "parts", **options)
+        shutil.rmtree(tmp_path / "parts")
 
 
 @pytest.mark.parametrize("number", tiers(["double"], ["extended", "quad"]))

@@ -8,7 +8,7 @@ import pytest
 from test_bad_scenes import BASE, base
 
 import polhode
-from polhode.scenes import library
+from polhode.scenes import library, scene_file
 from shared.motions import scene_of
 from shared.tools import case_names, number
 
@@ -166,3 +166,14 @@ def test_a_top_stands_for_its_cases_unless_a_file_has_its_name(tmp_path, monkeyp
     assert library.matching(["griol"]) == ["griol"]
     (tmp_path / "grioli").write_text("schema = 1\n")
     assert library.matching(["grioli"]) == ["grioli"]
+
+
+def test_a_changed_scene_has_a_fingerprint_of_its_own():
+    """Where it is from a file, written from numbers, or read again."""
+    written = polhode.top(moments=[2, 2, 1], omega=[0, 0, 3], gamma=[0, 0, 1])
+    for scene in (polhode.load("lagrange/nutation"), written, scene_file.parse(written.source)):
+        changed = replace(scene, omega=(1, 2, 9))
+        cases = [x.provenance()["case"] for x in (scene, scene.at([1]), changed)]
+        assert cases[0] == cases[1] != cases[2]
+        assert "omega = [1, 2, 9]" in polhode.view(changed).text
+        assert "omega = [1, 2, 9]" not in polhode.view(scene).text

@@ -609,7 +609,7 @@ def reduce_many(
     size = len(plan.members) * len(plan.times) * len(scene.columns)
     groups = list(plan.groups(LANES, max(_JOBS, -(-size // MOST_AT_ONCE))))
     jobs = [job_of(scene, plan, which, group) for group in groups]
-    key = scene.text, scene.times, which, varied, plan.number, tol, plan.max_steps
+    key = scene.text, scene.events, scene.times, which, varied, plan.number, tol, plan.max_steps
     checkpoint = JobCheckpoint.at(parts, "sweep", *key)
     finished = run_jobs(
         solve,

@@ -32,6 +32,7 @@ from polhode.numbers.number_types import AnyNumber, Doubles
 from polhode.numbers.vectors import dot
 from polhode.scenes.body import CHAPLYGIN, LAGRANGE, SPHERE, Body, kind_of_body
 from polhode.scenes.scene import Scene
+from polhode.scenes.scene_facts import page_text
 
 _PARTS = Path(__file__).parent / "page"
 TURN_SECONDS = 2.5  # that a turn at the fastest rate takes on the screen
@@ -84,7 +85,7 @@ def page(shown: ShownMotion, title: str, regime: str, words: str, origin: str, c
             rolling_caption=_POINSOT if data["poinsot"] else _CONES,
             first=f"spin: ω along {_spun(data)}",
             second="ω across it" if data["start"]["free"] else "tilt from the vertical",
-            scene=escape(printable(scene.source.strip().expandtabs(4)) or repr(scene)),
+            scene=escape(printable(page_text(scene).strip().expandtabs(4))),
             origin=(
                 f"{escape(' '.join(filter(None, (origin, shown.coarse()))))} "
                 f"Made by <code>{escape(printable(command))}</code>, "

@@ -29,7 +29,7 @@ from polhode.results.cells import DOUBLE, TEXT, header_and_rows
 from polhode.results.table import Table, table_of_rows
 from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
-from polhode.scenes.scene_facts import scene_facts
+from polhode.scenes.scene_facts import page_text
 
 TITLE = "Accuracy report"
 ENDINGS = (".html", ".md")
@@ -234,7 +234,7 @@ def page(path: Path, sections: Sequence[SceneSection]) -> Mapping[Path, str | by
                 to.grid(*(_side_by_side(rows) if name == "digits" else _thinned(name, rows)))
         to.heading(3, "Scene")
         to.words(f"Fingerprint {scene.provenance()['case']}.")
-        to.words((scene.source or str(scene_facts(scene)[1].value)).strip() + "\n")
+        to.words(page_text(scene).strip() + "\n")
     packages = ", ".join(f"{name} {version}" for name, version in versions().items())
     to.heading(2, "Provenance")
     to.words(f"{packages}; {cpu()}. Seconds are processor seconds on this machine.")

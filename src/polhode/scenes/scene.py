@@ -12,6 +12,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field
 from fractions import Fraction
+from itertools import chain
 from typing import Any, NamedTuple, TypeGuard
 
 from polhode.common.arguments import each, numbers_given, of_kind
@@ -21,7 +22,7 @@ from polhode.common.values import cached_property, may_wait
 from polhode.numbers import exact, expression
 from polhode.numbers.conversion import TIME, ExactNumbers, derived_number, reader
 from polhode.numbers.decimals import shown
-from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.exact import ZERO, Exact, Irrational, sign
 from polhode.numbers.expression import ExpressionError
 from polhode.numbers.number_types import AnyNumber
 from polhode.numbers.vectors import Vector, dot, scaled
@@ -369,6 +370,9 @@ class _Identity:
 #: What a scene keeps that is the same at other times, and what is not.
 _OF_ANY_TIMES = ("identity", "log10_rate", "time_unit", "modelled")
 _OF_TIMES = ("text",)
+#: The fields by which a scene's text tells its motion, and the bits that tell irrational numbers.
+_MOTION = ("body", "omega", "gamma", "psi")
+_BITS = 4096
 
 
 @may_wait("source")
@@ -536,10 +540,17 @@ class Scene:
 
     @cached_property
     def text(self) -> str:
-        """The text that identifies the scene: its file's, or its exact numbers."""
-        body = self.body
-        parts = (body.inertia, body.centre, body.weight, self.omega, self.gamma, self.psi)
-        return self.source or repr((parts, self.times))
+        """The text that identifies the scene: its file's, or its exact numbers.
+
+        Of a scene that was changed since its text was read or written, it is the numbers.
+        """
+        source, values = self.source, getattr(self.source, "values", {})
+        if source and all((getattr(self, x),) == (values[x],) for x in _MOTION if x in values):
+            return source
+        body, gamma = self.body, self.gamma or ()
+        numbers = (*chain(*body.inertia), *body.centre, body.weight, *self.omega, *gamma, self.psi)
+        digits = [exact.rounded(x, _BITS) if isinstance(x, Irrational) else x for x in numbers]
+        return repr((digits, self.times))
 
     @property
     def notes(self) -> tuple[str, ...]:

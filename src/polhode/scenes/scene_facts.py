@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.conversion import ExactNumbers
 from polhode.numbers.exact import Irrational
@@ -58,6 +59,19 @@ def scene_facts(
         Fact("scene", name or scene.name, "the scene's name"),
         Fact("scene_text", text, "the scene as the text of a file"),
     ]
+
+
+def page_text(scene: Scene) -> str:
+    """The scene's text for a page: its file's where that still tells the motion, else a new one.
+
+    Numbers that no text holds are told in short.
+    """
+    if scene.source and scene.text == scene.source:
+        return scene.source
+    try:
+        return str(scene_facts(scene)[1].value)
+    except BadInput:
+        return repr(scene)
 
 
 def provenance_fact(provenance: Mapping[str, object]) -> Fact:

@@ -86,7 +86,7 @@ def source_text(scene: Scene) -> SceneText | None:
     A text that was given to the scene, or written from numbers, is read when this is first asked.
     """
     text = scene.source
-    if text and not isinstance(text, SceneText):
+    if text and not hasattr(text, "tables"):
         text = parse(text, scene.name).source
         vars(scene)["_source"] = text  # threads that ask at once may each read it
     return text if isinstance(text, SceneText) else None
@@ -219,10 +219,21 @@ class _File(SceneTables):
             for key in held_keys(section, Scene):
                 values[key] = self.read(section, table, key)
         values["units"] = values["units"] or ("SI" if self.in_si else "")
-        source = SceneText(text) if isinstance(text, str) else waiting(text)
-        if isinstance(source, SceneText):
-            source.tables, source.values = data, values
-        return Scene(**values, name=self.name, source=source, change=self.change, doubt=self.doubt)
+
+        def source() -> SceneText:
+            scene_text = SceneText(text if isinstance(text, str) else text())
+            scene_text.values = values
+            if isinstance(text, str):  # the tables of another are read when they are asked for
+                scene_text.tables = data
+            return scene_text
+
+        return Scene(
+            **values,
+            name=self.name,
+            source=source() if isinstance(text, str) else waiting(source),
+            change=self.change,
+            doubt=self.doubt,
+        )
 
     # -- sections -----------------------------------------------------------------------------
 
