@@ -206,21 +206,24 @@ def interrupted(folder: Path, number: str = "double", **other: Any) -> polhode.E
     return swept(folder, number, **options, **other)
 
 
-def test_the_parts_of_a_scene_are_no_parts_of_a_changed_one(tmp_path, parts_at_once):
+@pytest.mark.parametrize("keep", [None, "first x"])
+def test_the_parts_of_a_scene_are_no_parts_of_a_changed_one(tmp_path, parts_at_once, keep):
     """It has the text of the first still, and was given the first one's numbers."""
     first = polhode.load("lagrange/nutation")
-    changed = [
-        replace(first, omega=(0, 0, 9)),
-        replace(first, events=(polhode.Event("x", "p"),)),
-        replace(first, source="", omega=("sqrt(2)", 0, 9)),
-    ]
-    for scene in (first, *changed):
-        options = {"vary": {"body.weight": [1, 2]}, "at": [1]}
-        polhode.integrate_many(scene, parts=tmp_path / "parts", **options)
-        for other in (x for x in (first, *changed) if x is not scene):
-            with pytest.raises(polhode.BadInput, match="parts"):
-                polhode.integrate_many(other, parts=tmp_path / "parts", **options)
-        shutil.rmtree(tmp_path / "parts")
+    changed = [replace(first, omega=(0, 0, 9)), replace(first, source="", omega=("sqrt(2)", 0, 9))]
+    scenes, folder, vary = [first, *changed], tmp_path / "parts", {"body.weight": [1, 2]}
+    if keep is not None:
+        scenes = [replace(x, events=(polhode.Event("x", zero),)) for x in scenes for zero in "pq"]
+
+    def swept_parts(scene: polhode.Scene) -> object:
+        if keep is None:
+            return polhode.integrate_many(scene, vary, at=[1], parts=folder)
+        return polhode.reduce_many(scene, vary, keep, at=[1], parts=folder)
+
+    swept_parts(scenes[0])
+    for other in scenes[1:]:
+        with pytest.raises(polhode.BadInput, match="parts"):
+            swept_parts(other)
 
 
 @pytest.mark.parametrize("number", tiers(["double"], ["extended", "quad"]))

@@ -490,7 +490,7 @@ def integrate_many(
         workers = workers or 1
     checkpoint = None
     if parts is not None:  # writing a scene as text takes longer than a small sweep
-        key = scene.text, scene.events, plan.times, method, varied, plan.number, plan.tolerance
+        key = scene.text, plan.times, method, varied, plan.number, plan.tolerance
         checkpoint = JobCheckpoint(parts, "sweep", *key, plan.max_steps, *groups)
     jobs: list[Any] = [
         FlatJob(plan.job(group), reader(plan, group))
