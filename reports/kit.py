@@ -462,7 +462,7 @@ def plain(axes: Axes) -> None:
     for axis in (axes.xaxis, axes.yaxis):
         if axis.get_scale() == "log":
             axis.set_major_formatter(LogFormatter())
-            axis.set_minor_formatter(LogFormatter(minor_thresholds=(2, 0.9)))
+            axis.set_minor_formatter(LogFormatter())
 
 
 def drawn(
