@@ -2,6 +2,7 @@
 
 import sys
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import get_args
 
@@ -218,7 +219,7 @@ def test_what_a_verb_cannot_draw_is_one_line(tmp_path, monkeypatch, chaos, refus
 
 @pytest.mark.parametrize(
     ("low", "high", "least"),
-    [(1e-120, 1e5, 4), (1e-9, 1e-3, 4), (0.5, 2e4, 4), (0.9, 25, 4), (2e-4, 4e-3, 3)],
+    [(1e-120, 1e5, 4), (1e-9, 1e-3, 4), (0.5, 2e4, 4), (0.9, 25, 2), (2e-4, 4e-3, 2)],
 )
 def test_a_logarithmic_axis_has_labels_each_of_its_value(low, high, least):
     with polhode.paper() as plt:
@@ -233,6 +234,20 @@ def test_a_logarithmic_axis_has_labels_each_of_its_value(low, high, least):
     assert least <= len(within) <= 9
     for text, at in within.items():
         assert float(text.replace("\N{MINUS SIGN}", "-")) == pytest.approx(at, rel=1e-12)
+
+
+def test_labels_of_a_narrow_panel_stand_apart():
+    with polhode.paper() as plt:
+        figure, axes = plt.subplots(figsize=(2.2, 2))
+        axes.set(xscale="log", xlim=(1.4e-3, 0.7))
+        plain(axes)
+        figure.canvas.draw()
+        labels = [*axes.get_xticklabels(), *axes.get_xticklabels(minor=True)]
+        boxes = [t.get_window_extent() for t in labels if t.get_text()]
+        plt.close(figure)
+    shown = sorted((x.x0, x.x1) for x in boxes if axes.bbox.x0 <= x.x0 <= axes.bbox.x1)
+    assert len(shown) >= 2
+    assert all(first[1] < second[0] for first, second in pairwise(shown))
 
 
 def test_methods_of_a_figure_look_different_and_no_other_program_like_a_number_type():
