@@ -3,6 +3,7 @@
 Rooms test the kinds of these faults with many values; here is what was reported.
 """
 
+import math
 import re
 import time
 import warnings
@@ -50,6 +51,22 @@ def test_an_event_that_stays_finite_is_followed_past_what_looks_like_a_pole():
 
 FREE = scene_of(free_file("at = [0, 1]"), "top.toml")
 ROW = [0.3, -0.4, 1.1, 0.6, 0, 0.8]
+
+
+#: A top at rest whose pendulum swings in 1e341 of its units of time; and its own weight, varied.
+SLOW = polhode.top(
+    moments=[1, 2, "1.5"],
+    centre=["0.1", 0, "0.3"],
+    weight="1e-680",
+    omega=[0, 0, 0],
+    gamma=["0.6", 0, "0.8"],
+)
+WEIGHTS = {"body.weight": ["1e-680"]}
+
+
+def sweep_of(number: polhode.NumberType) -> polhode.Ensemble:
+    """One member, of which 30 digits are wanted."""
+    return polhode.integrate_many(FREE, {"start.omega[3]": [1]}, number=number, digits=30)
 
 
 def tiny() -> polhode.Scene:
@@ -155,6 +172,15 @@ CALLS = [
     # columns beyond the shorter row were left out, and a true nan was Python's ValueError
     (lambda: polhode.state_errors([ROW], [ROW[:3]], FREE), "row 1 = 6 numbers: expected 3"),
     (lambda: polhode.state_errors([ROW], [[*ROW[:5], np.nan]], FREE), "true, row 1 = [0.3,"),
+    # an OverflowError
+    (lambda: polhode.integrate(FREE, "quad", at=["1e400", "1e400+1"]), "run.at[2] = 1.0"),
+    (lambda: polhode.integrate_many(SLOW, WEIGHTS, at=["1e341"]), "10**341 is outside the range"),
+    # of a type's own bits alone its files are read; nothing checks the digits of a sweep
+    (lambda: polhode.integrate(FREE, polhode.NumberType("double", 24)), "double of 24 bits"),
+    (lambda: polhode.integrate(FREE, polhode.NumberType("quad", 112)), "expected 113 bits, or"),
+    (lambda: polhode.integrate(FREE, polhode.NumberType("mp", 0)), "bits = 0: expected a whole"),
+    (lambda: sweep_of(polhode.NumberType("double", 53)), "fewer in double; quad holds them"),
+    (lambda: sweep_of(polhode.NumberType("mp", 70)), "expected fewer in 70 bits; 1"),
 ]
 
 
@@ -236,6 +262,26 @@ def test_a_sweep_over_numbers_beyond_doubles_has_members():
     varied = {"body.weight": ["1e400", "2e400"]}
     many = polhode.integrate_many("lagrange/nutation", varied, at=[1], max_steps=50)
     assert [outcome.value for outcome in many.outcomes] == ["step limit"] * 2
+
+
+@pytest.mark.parametrize("end", [10, -10])
+def test_times_beyond_doubles_are_those_of_a_slow_top(end):
+    """Of its events and sweeps there were none, for an OverflowError; t was inf, back, too."""
+    unit, level = 10**340, (polhode.Event("level", "gamma3"),)
+    slow = replace(SLOW, events=level)
+    run = polhode.integrate(slow, "extended", at=[end * unit])
+    plain = replace(slow, body=SLOW.body.replaced(weight=1))
+    same = polhode.integrate(plain, "extended", at=[end])
+    assert run.t.tolist() == [math.copysign(math.inf, end)]
+    assert abs(run.states - same.states)[:, 3:].max() < 1e-16
+    times, others = run.events[0].times, same.events[0].times
+    assert len(times) == len(others) > 0
+    assert max(abs(float(t / unit - x)) for t, x in zip(times, others, strict=True)) < 1e-16
+    assert {*run.events[0].t.tolist()} == {*run.t.tolist()}
+    (member,) = many = polhode.integrate_many(SLOW, WEIGHTS, number="extended", at=run.times)
+    assert many.complete
+    assert many.t.tolist() == run.t.tolist()
+    assert abs(member.states - run.states).max() < 1e-16
 
 
 # -- verdicts --------------------------------------------------------------------------------------

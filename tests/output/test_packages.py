@@ -238,9 +238,10 @@ def test_cases_are_those_that_load():
         polhode.cases("chaos")
 
 
-def test_a_printed_figure_is_the_same_each_time_and_leaves_the_style_as_it_was():
+def test_a_printed_figure_is_the_same_each_time_and_leaves_matplotlib_as_it_was():
     plt = pytest.importorskip("matplotlib.pyplot")
-    before = plt.rcParams["font.size"]
+    plt.switch_backend("agg")
+    before = plt.rcParams.copy()
 
     def svg() -> str:
         with polhode.paper() as paper:
@@ -253,4 +254,5 @@ def test_a_printed_figure_is_the_same_each_time_and_leaves_the_style_as_it_was()
 
     assert svg() == svg()
     assert ">text</text>" in svg()
-    assert plt.rcParams["font.size"] == before
+    assert plt.rcParams == before
+    assert plt.get_backend() == "agg"

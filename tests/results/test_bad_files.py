@@ -80,7 +80,7 @@ CHANGES: dict[str, Callable[[Document], Any]] = {
     "an underscore": column("e", ["1_0", None, None, None]),
     "not a number": column("wide", ["nan", None, None, None]),
     "many bits": typed("wide", "1000000000 bits"),
-    "few bits": typed("wide", "53 bits"),
+    "no bits": typed("wide", "0 bits"),
     "more bits than may be": typed("wide", f"{(1 << 16) + 1} bits"),
     "no digits": typed("root", "0 digits"),
     "no word": typed("x", "float"),

@@ -182,6 +182,19 @@ RUNS: dict[str, dict[str, Any]] = {
     "a scene of no file": {"scene": polhode.top(moments=[1, 2, 2.5], omega=[1, 0.1, 0], end=1)},
     "projected": {"scene": "kovalevskaya/generic", "at": [1000]},
     "refined": {"scene": "lagrange/nutation", "number": "quad", "method": "refined", "at": [30]},
+    "rounded inputs": {
+        "scene": "lagrange/nutation",
+        "number": "quad",
+        "inputs": polhode.NumberType("double", 53),
+        "at": [1],
+    },
+    "few bits": {"scene": SCENE, "number": polhode.NumberType("mp", 50), "at": [1, "4/3"]},
+    "as many bits as a double": {
+        "scene": SCENE,
+        "number": polhode.NumberType("mp", 53),
+        "at": [1, "4/3"],
+    },
+    "as many bits as extended": {"scene": SCENE, "number": "mp", "digits": 5, "at": [1, "4/3"]},
 }
 
 

@@ -165,6 +165,15 @@ def test_angles_of_a_start_at_a_pole_begin_at_their_one_sided_limits(number, up,
     assert abs(float(psi + up * phi) - float(top.psi)) < 0.1
 
 
+def test_a_refined_run_from_a_pole_on_tells_its_angles():
+    """They were refused, for a method that nobody had named."""
+    top = scene("lagrange/from-the-pole", [1], ())
+    run = polhode.integrate(top, "quad", method="refined")
+    steps = polhode.integrate(replace(top, outputs=("angles",)), "quad")
+    assert (run.method, steps.method) == ("refined", "taylor")
+    assert error([run.angles_at("1/2")], [steps.angles_at("1/2")]) < 1e-31
+
+
 def test_a_body_that_stays_at_the_pole_has_no_psi_and_phi():
     top = scene("euler/largest-axis", [0, 1, 2], omega=(0, 0, Fraction(2)), gamma=(0, 0, 1))
     run = polhode.integrate(top)

@@ -354,6 +354,14 @@ def test_integers_beyond_2_53_are_no_other_times(number, several):
         go(t=[True, 2])
 
 
+@pytest.mark.parametrize("number", ["double", "extended"])
+def test_times_may_be_an_iterator(number):
+    """With an array of starts it was read twice, and empty the second time."""
+    go = polhode.propagator(scene(), number=number)
+    starts = [[*START[:3], 0, 0, 1]] * 2
+    assert go(starts, t=iter([1.0, 2.0])).tolist() == go(starts, t=[1.0, 2.0]).tolist()
+
+
 def test_a_million_outputs_are_those_of_few():
     go = polhode.propagator(scene(**CASES["fast"][0]))  # its unit is not the scene's
     times = np.linspace(0, 2.0**-10, 1_000_001)

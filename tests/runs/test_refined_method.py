@@ -2,6 +2,7 @@
 
 import json
 import math
+import pickle
 from dataclasses import replace
 from fractions import Fraction
 
@@ -180,6 +181,15 @@ def test_a_limit_on_the_steps():
     assert (run.outcome, run.steps, run.times) == (Outcome.STEP_LIMIT, 200, (10,))
 
 
+@pytest.mark.parametrize(("power", "is_told"), [(340, True), (345, False)])
+def test_errors_of_a_fast_body_are_told_where_doubles_hold_them(power, is_told):
+    """An OverflowError came after the whole refinement."""
+    omega = [f"1e{power}", f"2e{power - 1}", f"3e{power - 1}"]
+    run = refined(polhode.top(moments=[1, 2, "2.5"], omega=omega), [f"1e{1 - power}"])
+    ((true,),) = [errors(run)] if is_told else [[math.inf]]
+    assert true <= run.errors[0] < 1e6 * true if is_told else run.errors == (None,)
+
+
 def test_digits_asked_for_are_digits_had():
     """A motion that multiplies errors: with quad's own accuracy 28 digits would be lacking."""
     run, plain = refined(UNSTABLE, [70], digits=31), refined(UNSTABLE, [70])
@@ -244,7 +254,9 @@ def test_linear_forms_are_refined_in_principal_axes(form):
     assert run.provenance["refined in"] == "principal axes, the same states"
     assert max(errors(run)) < 2e-33
     assert np.array_equal(run.states, plain.states)
-    assert np.array_equal(run("7/3"), plain("7/3"))
+    there = run("7/3")
+    assert np.array_equal(there, plain("7/3"))
+    assert np.array_equal(pickle.loads(pickle.dumps(run))("7/3"), there)
 
 
 def test_the_command_line_tells_method_and_errors(capsys):

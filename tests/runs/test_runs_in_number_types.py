@@ -13,7 +13,7 @@ import pytest
 
 import polhode
 from shared.motions import heavy
-from shared.tools import exactly, tiers
+from shared.tools import DOUBLE, change_policy, exactly, tiers
 
 NAME, TIMES = "lagrange/nutation", [0, 1, 2, 5]
 
@@ -130,7 +130,7 @@ def test_nothing_is_written_into(run, tmp_path):
     drift, psi = run.drift, run["psi"].tolist()
     event = run.events["nutation"]
     events = (event, pickle.loads(pickle.dumps(event)), event.until(event.times[0]))
-    arrays = (run.states, run.attitude, run.omega, run["p"], run["theta"])
+    arrays = (run.states, run.attitude, run.omega, run["p"], run["theta"], run["omega_x"])
     for rows in (*arrays, *(e.states for e in events)):
         with pytest.raises(ValueError, match="read-only"):
             rows[0] = 0
@@ -159,6 +159,30 @@ def test_a_loaded_run_that_ended_early_is_not_made_to_its_end(number, end, tmp_p
     for t in (2, run.reached):
         assert list(again(t)) == list(run(t))
     assert time.process_time() - began < 10
+
+
+def test_more_steps_than_are_usual_are_allowed_again(monkeypatch, tmp_path):
+    """What was asked of a run afterwards ended at the type's own limit."""
+    change_policy(monkeypatch, max_steps=100)
+    run = polhode.integrate(replace(polhode.load(NAME), outputs=()), at=[100], max_steps=10**4)
+    run.save(tmp_path / "x.npz")
+    assert run.steps > 100
+    assert polhode.load_run(tmp_path / "x.npz")(99).tolist() == run(99).tolist()
+    top = replace(run.scene, outputs=("angles", "attitude"))
+    beside = polhode.integrate(top, at=[99], max_steps=10**4)
+    assert worst([run.attitude_at(99)], beside.attitude) < 1e-12
+    assert worst([run.angles_at(99)], beside.angles) < 1e-11
+
+
+def test_rounded_inputs_are_those_of_an_attitude_asked_for_later():
+    """It was that of the exact scene, 1e-16 away."""
+    top = replace(polhode.load(NAME), outputs=())
+    late, early = (
+        polhode.integrate(replace(top, outputs=x), "quad", inputs=DOUBLE, at=[1])
+        for x in ((), ("attitude",))
+    )
+    assert late.inputs == DOUBLE
+    assert worst([late.attitude_at("1/2")], [early.attitude_at("1/2")]) < 1e-32
 
 
 def test_runs_with_no_rows_and_rows_with_no_numbers():

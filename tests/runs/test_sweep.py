@@ -1,6 +1,7 @@
 """Many tops at once: every member is its own run, whatever is varied and however it is planned."""
 
 import ctypes
+import pickle
 import platform
 import time
 from dataclasses import replace
@@ -365,6 +366,17 @@ def test_what_cannot_be_varied_is_refused_in_one_line(scene, given, message):
     with pytest.raises(polhode.BadInput, match=message) as fault:
         polhode.integrate_many(scene, given)
     assert "\n" not in str(fault.value)
+
+
+def test_nothing_is_written_into_a_sweep():
+    """Members, tables and files told what was."""
+    scene = replace(polhode.load("lagrange/nutation"), outputs=("integrals",))
+    many = polhode.integrate_many(scene, {"start.omega[3]": [4, 5]}, at=[1])
+    for each in (many, pickle.loads(pickle.dumps(many))):
+        arrays = (each.states, each.endings, each.counts, each.arrived, each.drift)
+        for array in (*arrays, each.outputs["integrals"], each.attitude):
+            with pytest.raises(ValueError, match="read-only"):
+                array[0] = 0
 
 
 def test_a_long_sweep_is_printed_by_its_ends():

@@ -107,6 +107,10 @@ class Readout:
         self._first = len(self.form.variables)  # column of the quaternion, before psi and phi
         self._copied = self.form.plain and self.frame.axes.trivial
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """What it is made of: the rest is made again."""
+        return Readout, (self.scene, self.number, self.frame)
+
     def states(self, rows: Given) -> Rows:
         """p q r [gamma1 gamma2 gamma3] in scene axes: an ndarray, or rows of mpf above extended."""
         if len(rows) == 0:

@@ -124,7 +124,7 @@ def as_svg(figure: Any, title: str | None = None) -> str:
     if title is not None:
         metadata["Title"] = printable(title)  # matplotlib refuses a title of None
     figure.savefig(out, format="svg", metadata=metadata)
-    pyplot().close(figure)
+    pyplot(own=False).close(figure)
     return "\n".join(line.rstrip() for line in out.getvalue().splitlines()) + "\n"
 
 
@@ -157,9 +157,14 @@ def paper() -> Iterator[ModuleType]:
     >>> out.getvalue()[:5]
     '<?xml'
     """
-    plt = pyplot()
-    with plt.style.context(STYLE):
-        yield plt
+    plt = pyplot(own=False)
+    backend = plt.rcParams.copy()["backend"]  # the user's, which may not be chosen yet
+    try:
+        with plt.style.context(STYLE):
+            yield pyplot()
+    finally:
+        with suppress(ImportError):  # one that cannot be had here was none before
+            plt.switch_backend(backend)
 
 
 #: Colours of Okabe and Ito's set, told apart by every eye; the same hue, lighter, for what is

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol, SupportsIndex, overload
 
 from polhode.common.errors import counted, nearest
 from polhode.common.values import ByValue, may_wait
+from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import decimal_string, digits_of, in_full
 from polhode.numbers.number_types import (
     DOUBLE,
@@ -211,7 +212,7 @@ class EventTimes(Result, ByValue):
         """The times as doubles, the nearest ones."""
         import numpy as np
 
-        return np.array([float(t) for t in self.times])
+        return np.array([to_double(t) for t in self.times])
 
     def time_strings(self) -> list[str]:
         """The times, every digit."""

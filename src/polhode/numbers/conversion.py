@@ -71,7 +71,7 @@ def joined(parts: Sequence[SameRows], number_type: NumberType) -> SameRows:
 
 
 def to_double(x: Number) -> float:
-    """The nearest double; infinite beyond its range."""
+    """The nearest double; infinite, of its sign, beyond its range."""
     try:
         if isinstance(x, Fraction):  # at half the time that float takes
             over, under = x.as_integer_ratio()
@@ -80,7 +80,7 @@ def to_double(x: Number) -> float:
             return float(x)
         return math.ldexp(*exact.rounded(x, 53))
     except OverflowError:
-        return math.inf
+        return math.copysign(math.inf, sign(x))
 
 
 def doubles(rows: Given) -> Doubles:

@@ -104,6 +104,11 @@ def named(name: str, mp_digits: float = DEFAULT_MP_DIGITS) -> NumberType:
     return fixed[name] if name in fixed else mp(mp_digits)
 
 
+def is_possible(number_type: NumberType) -> bool:
+    """Whether a type has the bits of its name; mp has any."""
+    return number_type.name == "mp" or number_type == named(number_type.name)
+
+
 def for_digits(digits: int, log10_angle: float, lost: float = 0.0) -> NumberType:
     """The cheapest type for so many correct digits after a turn through 10**log10_angle radians.
 

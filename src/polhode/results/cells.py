@@ -9,7 +9,7 @@ truth      bool; no gaps                             true, false
 text       str                                       itself
 exact      Fraction                                  every decimal digit, else ``7/3``
 N digits   Fraction, rounded to N decimal digits     those
-N bits     binary numbers wider than a double        1 + ceil(N log10 2) digits
+N bits     binary numbers that are no doubles        1 + ceil(N log10 2) digits
 ========== ========================================= ================================
 
 Where there is no number the text is empty.  And tables for people: numbers rounded as their columns
@@ -51,7 +51,7 @@ _INFINITE = ("inf", "-inf")
 
 def bits_word(number_type: NumberType) -> str:
     """The word for numbers of a type."""
-    return DOUBLE if number_type.bits == 53 else f"{number_type.bits} bits"
+    return DOUBLE if number_type == DOUBLE_TYPE else f"{number_type.bits} bits"
 
 
 def digits_word(digits: int) -> str:
@@ -243,7 +243,7 @@ def _digits(kind: str) -> int:
 @lru_cache
 def _number(kind: str) -> NumberType:
     match = re.fullmatch(r"([1-9]\d{0,5}) bits", kind)
-    if match is None or not 53 < int(match[1]) <= MOST_BITS:
+    if match is None or int(match[1]) > MOST_BITS:
         raise ValueError(f"type {kind[:40]!r}")
     bits = int(match[1])
     return EXTENDED if bits == EXTENDED.bits else NumberType("mp", bits)

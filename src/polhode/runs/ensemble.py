@@ -17,6 +17,7 @@ from polhode.equations.columns import derived_stack, of_state_alone
 from polhode.motion.frame import Frame
 from polhode.motion.outcomes import OUTCOMES, Outcome
 from polhode.numbers import number_types
+from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import shown
 from polhode.numbers.double_double import Pairs, sqrt
 from polhode.numbers.number_types import Booleans, Doubles, Flat, Indices, NumberType, Rows, Stack
@@ -245,6 +246,14 @@ class Ensemble(SweepResult):
     provenance: Mapping[str, object] = field(default_factory=dict, compare=False)
     kept: JobCheckpoint | None = field(default=None, compare=False)
 
+    def __post_init__(self) -> None:
+        for array in (self.states, self.endings, self.counts, self.arrived):
+            array.flags.writeable = False
+
+    def __setstate__(self, state: Mapping[str, object]) -> None:
+        super().__setstate__(state)
+        self.__post_init__()
+
     def __len__(self) -> int:
         return len(self.members)
 
@@ -313,7 +322,7 @@ class Ensemble(SweepResult):
     @property
     def t(self) -> npt.NDArray[np.float64]:
         """The times as doubles, the nearest ones."""
-        return np.array([float(t) for t in self.times])
+        return np.array([to_double(t) for t in self.times])
 
     def _errors(self, index: int) -> tuple[float | None, ...] | None:
         return self.estimates.get(index % len(self))
@@ -331,7 +340,12 @@ class Ensemble(SweepResult):
         reach.
         """
         words = [word for word in of_state_alone() if word in self.scene.outputs]
-        return {word: derived_stack(word, self.members, self.states, self.number) for word in words}
+        stacks = {
+            word: derived_stack(word, self.members, self.states, self.number) for word in words
+        }
+        for stack in stacks.values():
+            stack.flags.writeable = False
+        return stacks
 
     @cached_property
     def attitude(self) -> Stack:
@@ -355,6 +369,7 @@ class Ensemble(SweepResult):
                 options = Options("taylor", None, False, tolerance)
                 run = solve(scene, self.number, options, interruptible=False)
                 quaternions[k, : len(run.times)] = run.attitude
+        quaternions.flags.writeable = False
         return quaternions
 
     @cached_property
@@ -388,8 +403,9 @@ class Ensemble(SweepResult):
         From the member's exact scene, see :class:`polhode.equations.integrals.Drift`; nan where
         unknown.
         """
-
-        return drifts(self.members, self.states, lambda k: self[k].drift)
+        drift = drifts(self.members, self.states, lambda k: self[k].drift)
+        drift.flags.writeable = False
+        return drift
 
     def table(self) -> Table:
         """One row per member and time that it reached: what is varied, t, the state, outputs."""

@@ -25,7 +25,7 @@ from polhode.common.values import cached_property, refuse_too_much, waiting
 from polhode.equations.readout import Readout
 from polhode.motion.frame import Frame
 from polhode.motion.outcomes import OUTCOMES, Outcome, code
-from polhode.numbers.conversion import number_value
+from polhode.numbers.conversion import number_value, to_double
 from polhode.numbers.decimals import strings
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import AnyNumber, Indices, NumberType, Stack, flat, kind_of
@@ -155,7 +155,12 @@ def planned(
     _ = members.tables  # a key that is none is refused before anything else
     chosen = choose_number(scene, number, None)
     if digits is not None and count:
-        chosen = choose_number(fastest(members).at(scene.times), number, digits)
+        member = fastest(members).at(scene.times)
+        chosen = choose_number(member, number, digits)
+        needed = choose_number(member, chosen.name, digits)  # nobody checks the digits of a sweep
+        if chosen.bits < needed.bits:
+            expected = f"fewer in {chosen.bits} bits; {needed.bits} hold them"
+            raise BadInput(scene.name, "digits", digits, expected)
     if members.arrays:
         _check_arrays(members, chosen)
     times = tuple(rounded_times(scene, chosen))
@@ -546,7 +551,7 @@ def _most_jobs(plan: Plan, here: bool) -> int:
     least, most = _JOBS
     if not plan.number.flat:
         return most
-    radians = float(plan.numbers.rates.sum()) * abs(float(plan.times[-1]))
+    radians = float(plan.numbers.rates.sum()) * abs(to_double(plan.times[-1]))
     share = _SHARE if plan.number.name == "double" else 1.0
     seconds = share * defaults.seconds(plan.number, _STEPS_PER_RADIAN * radians)
     if here:

@@ -582,7 +582,12 @@ class SweepNumbers:
         return BatchMotions(own, self.starts.take(members, axis=0))
 
     def check(self, times: Sequence[Fraction]) -> None:
-        """Refuse times, away from 0, that the type cannot hold in a member's unit."""
+        """Refuse times, away from 0, that the type cannot hold in a member's unit.
+
+        Nor in the scene's, in which jobs have them: numbers that would be infinite.
+        """
+        if abs(times[-1]) > 1:
+            _refuse_out_of_range(self.members.scene, self.number, times[-1:])
         exponents = self.exponents
         ends = times[0] or times[:2][-1], times[-1]  # the least and the largest that are not 0
         extremes = np.array([[exponents.min(initial=0)], [exponents.max(initial=0)]])

@@ -102,6 +102,10 @@ def choose_number(
     if digits is not None:
         digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
     if isinstance(number, NumberType):
+        whole(scene.name, "bits", number.bits, 2)
+        if not number_types.is_possible(number):
+            own = f"{number_types.named(number.name).bits} bits, or a NumberType of mp"
+            raise BadInput(scene.name, "number", f"{number.name} of {number.bits} bits", own)
         return number
     if digits is None:
         return DOUBLE if number is None else number_types.named(number)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import isfinite
 from pathlib import Path
@@ -288,6 +288,8 @@ class Propagator:
             unit_rows(name, "start", rows[:, 3:], self.number.eps)
         if workers is not None:
             workers = whole(name, "workers", workers, 1)
+        if isinstance(t, Iterator):  # it is looked at more than once
+            t = [*t]
         times, several = self._times(t)
         amount = f"{len(rows)} starts at {len(times)} times"
         refuse_too_much(name, "start", amount, rows.size * len(times), _BYTES, _SPLIT)

@@ -195,10 +195,12 @@ def _errors(
 ) -> tuple[float | None, ...]:
     """The estimate of each row outside its frame, rounded to its type."""
     widening = 1.0 if frame.axes.trivial else math.sqrt(3.0)  # of a vector's largest component
-    scale, half_eps = 2.0**-frame.exponent, float(number.eps) / 2
+    half_eps = float(number.eps) / 2
     errors: list[float | None] = []
     for row, (omega, gamma) in zip(rows, estimates.tolist(), strict=True):
         w, g = (float(max(map(abs, part))) for part in (row[:3], row[3:]))
-        error = widening * max(scale * (omega + half_eps * w), gamma + half_eps * g)
+        with np.errstate(over="ignore"):
+            of_omega = float(np.ldexp(omega + half_eps * w, -frame.exponent))
+        error = widening * max(of_omega, gamma + half_eps * g)
         errors.append(error if math.isfinite(error) else None)
     return tuple(errors)

@@ -16,7 +16,7 @@ from polhode.common.values import cached_property, same
 from polhode.equations.integrals import Drift
 from polhode.motion.outcomes import Events, EventTimes, Interpolant, Outcome, Projection, RowReader
 from polhode.numbers import number_types
-from polhode.numbers.conversion import exactly, to_double
+from polhode.numbers.conversion import exactly, number_value, to_double
 from polhode.numbers.number_types import NumberType, Row, States, read_only
 from polhode.results.reader import DAMAGED, content_of
 from polhode.results.result import Result
@@ -181,15 +181,15 @@ def load_run(path: str | Path) -> Trajectory:
 def run_of(content: Content) -> Trajectory:
     """The run of a content; raises ValueError and the like for one that is none."""
     facts = {x.name: x.value for x in content.facts}
-    columns = {x.name: x.values for x in content.table.columns}
-    number = _number(facts)
+    number = _number(facts["number"], facts["bits"])
+    columns = _columns(content.table, number)
     times = tuple(map(exactly, columns["t"]))
     scene, outcome = _scene(facts, times), Outcome(facts["outcome"])
     outputs = scene.output_times.rounded(number)
     count = len(times)
     if outputs[:count] != times or (outcome is Outcome.REACHED_END and count < len(outputs)):
         raise ValueError("times: not those of the scene")
-    angles = errors = attitude = projection = None
+    angles = errors = attitude = projection = inputs = None
     digits, events = facts["digits"], Events(())
     if digits is not None and not 0 < _whole(digits) <= number_types.MAX_DIGITS:
         raise ValueError("no digits of a run")
@@ -197,6 +197,8 @@ def run_of(content: Content) -> Trajectory:
         events = _events(facts, scene, number)
     if facts.get("projection") is not None:
         projection = _projection(facts["projection"])
+    if facts.get("inputs") is not None:
+        inputs = NumberType(_of(str, facts["inputs"]["name"]), _bits(facts["inputs"]["bits"]))
     if "psi" in columns:
         rows = zip(*(columns[name] for name in ANGLES), strict=True)
         angles = tuple(tuple(map(_number_or_none, row)) for row in rows)
@@ -223,6 +225,7 @@ def run_of(content: Content) -> Trajectory:
         errors=errors,
         correct_digits=_of(_GAP, facts["correct_digits"]),
         checked_by=_of(str, facts["checked_by"]),
+        inputs=inputs,
     )
     if not 0 <= run.tolerance < math.inf or run.method not in ("taylor", "refined"):
         raise ValueError("no tolerance or method of a run")
@@ -233,13 +236,32 @@ def run_of(content: Content) -> Trajectory:
     return run
 
 
-def _number(facts: Mapping[str, Value]) -> NumberType:
-    number_type = NumberType(_of(str, facts["number"]), _whole(facts["bits"]))
-    name = number_type.name
-    possible = name in number_types.NAMES and number_type == number_types.named(name)
-    if not (number_type.bits >= number_types.LEAST_MP_BITS if name == "mp" else possible):
-        raise ValueError(f"number: {number_type.name} of {number_type.bits} bits")
+def _number(name: Value, bits: Value) -> NumberType:
+    number_type = NumberType(_of(str, name), _bits(bits))
+    if name not in number_types.NAMES or not number_types.is_possible(number_type):
+        raise ValueError(f"number: {name} of {bits} bits")
     return number_type
+
+
+def _bits(value: Value) -> int:
+    if not _whole(value):
+        raise ValueError("no bits")
+    return int(value)
+
+
+def _columns(table: Table, number_type: NumberType) -> dict[str, Any]:
+    """Columns by name; those of an mp of 64 bits are read as numbers of extended, and are its."""
+    import numpy as np
+
+    columns = {x.name: x.values for x in table.columns}
+    if number_type.name == "mp":
+        for name, values in columns.items():
+            if isinstance(values, np.ndarray) and values.dtype == np.longdouble:
+                numbers = [
+                    None if x != x else number_value(exactly(x), number_type) for x in values
+                ]
+                columns[name] = np.array(numbers, dtype=np.object_)
+    return columns
 
 
 def _scene(facts: Mapping[str, Value], times: tuple[Fraction, ...]) -> Scene:
@@ -275,7 +297,7 @@ def _rows(columns: Mapping[str, Any], names: Sequence[str], number_type: NumberT
 
 
 def _events(facts: Mapping[str, Value], scene: Scene, number_type: NumberType) -> Events:
-    columns = {x.name: x.values for x in facts["events"].columns}
+    columns = _columns(facts["events"], number_type)
     names = columns["event"]
     if not {*names} <= {event.name for event in scene.events}:
         raise ValueError("events: not those of the scene")

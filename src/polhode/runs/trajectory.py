@@ -156,7 +156,8 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     "refined"; the ``errors`` of a refined run are estimates, one for each state, of the largest
     error over its columns: None if the motion multiplies errors too much for an estimate.
     ``digits``: those asked for; ``correct_digits``: how many were found correct, by what
-    ``checked_by`` says.
+    ``checked_by`` says.  ``inputs``: the narrower type that start and coefficients were rounded to
+    first, if any.
     """
 
     scene: Scene
@@ -178,6 +179,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     errors: tuple[float | None, ...] | None = None
     correct_digits: float | None = None
     checked_by: str = ""
+    inputs: NumberType | None = None
 
     def __setstate__(self, state: Mapping[str, object]) -> None:
         super().__setstate__(state)
@@ -287,7 +289,7 @@ class Trajectory(Result, ByValue, Generic[S_co]):
 
         if isinstance(self.times, ExactNumbers):
             return self.times.doubles()
-        return np.array([float(t) for t in self.times])
+        return np.array([to_double(t) for t in self.times])
 
     @overload
     def attitude_at(self, t: str) -> Row: ...  # type: ignore[overload-overlap]
@@ -406,7 +408,9 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         for word in derived_words():
             parts = [part for need in COLUMNS[word].needs if (part := needs[need]) is not None]
             if word in self.scene.outputs and len(parts) == len(COLUMNS[word].needs):
-                values[word] = derived(word, self.scene, parts, self.number)
+                values[word] = column = derived(word, self.scene, parts, self.number)
+                if not isinstance(column, list):
+                    column.flags.writeable = False
         return {word: rows for word in COLUMNS if (rows := values.get(word)) is not None}
 
     @cached_property
@@ -424,13 +428,17 @@ class Trajectory(Result, ByValue, Generic[S_co]):
 
     @property
     def options(self) -> Options:
-        """How it was made; of one that steps did not bring to the end, to end soon after it did."""
+        """How it was made; of one that steps did not bring to the end, to end soon after it did.
+
+        And of one of more steps than are usual.
+        """
         every = None if self.projection is None else self.projection.every
         tolerance = None if self.at_full_tolerance else Fraction(self.tolerance)
-        most = None
-        if self.method == "taylor" and self.outcome in (Outcome.STEP_LIMIT, Outcome.INTERRUPTED):
-            most = self.steps + defaults.of(self.number).chunk  # the last may have gone uncounted
-        return Options(self.method, most, every or False, tolerance, None, self.digits)
+        choices, most = defaults.of(self.number), None
+        early = self.outcome in (Outcome.STEP_LIMIT, Outcome.INTERRUPTED)
+        if self.method == "taylor" and (early or self.steps > choices.max_steps):
+            most = self.steps + choices.chunk  # the last may have gone uncounted
+        return Options(self.method, most, every or False, tolerance, self.inputs, self.digits)
 
     @property
     def cause(self) -> str:
@@ -503,6 +511,8 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         ]
         for name, value in self.drift._asdict().items():
             facts.append(Fact(f"drift_{name}", value, "largest departure of an integral, relative"))
+        if self.inputs is not None:
+            facts.append(Fact("inputs", asdict(self.inputs), "what was rounded to it at the start"))
         if self.projection is not None:
             facts.append(Fact("projection", asdict(self.projection), "onto the first integrals"))
         if self.scene.events:
@@ -564,6 +574,7 @@ def solve(
         dense=motion,
         method=motion.method,
         errors=motion.errors,
+        inputs=options.inputs,
     )
 
 
@@ -611,8 +622,11 @@ def _rows(run: Trajectory, output: str, times: list[Fraction]) -> Sequence[numbe
     from polhode.taylor.heyoka import OutOfRange
 
     raw: Given
-    if output != "states" and run.method == "refined":
+    scene, refined = run.scene, output != "states" and run.method == "refined"
+    if refined:
         scene = _with_output(run, output, times)
+        refined = run.options.hindrance(scene, run.number) is None  # no angles from a pole on
+    if refined:
         again = followed_motion(scene, run.number, run.options, interruptible=False)
         motion: Interpolant = again.motion
         raw, outcome, reached = again.rows, again.outcome, again.motion.reached
@@ -644,7 +658,7 @@ def _motion(run: Trajectory, output: str) -> Interpolant:
         return run.dense
     if output not in run.others:
         scene, options = _with_output(run, output, run.times), run.options
-        system = system_of(scene, run.number, options.tolerance)
+        system = system_of(scene, run.number, options.tolerance, options.inputs)
         every = cadence(scene, run.number, options)
         motion = Motion(system, scene, every, options.max_steps)
         motion.reached = run.reached

@@ -10,7 +10,7 @@ from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.conversion import ExactNumbers
 from polhode.numbers.exact import Irrational
-from polhode.numbers.number_types import Doubles, Given, Indices, NumberType
+from polhode.numbers.number_types import DOUBLE, Doubles, Given, Indices, NumberType
 from polhode.results.cells import EXACT, TEXT, bits_word
 from polhode.results.table import Column, Fact, Value, Values
 from polhode.scenes.scene import Scene
@@ -102,10 +102,10 @@ def time_column(
     ``digits``: on a terminal; unless given those that decimals of the type keep.
     """
     values: Values = times
-    if number_type.bits == 53 and not hasattr(times, "dtype"):
+    if number_type == DOUBLE and not hasattr(times, "dtype"):
         numbers = times if isinstance(times, ExactNumbers) else ExactNumbers(tuple(times))
         values = numbers.doubles()
-    kind = bits_word(number_type) if number_type.bits == 53 else EXACT
+    kind = bits_word(number_type) if number_type == DOUBLE else EXACT
     shown = number_type.printed_digits - 2 if digits is None else digits
     return Column("t", values, "time", unit_of(scene, "t"), kind, shown)
 

@@ -18,6 +18,7 @@ from polhode.equations.terms import NAMES
 from polhode.motion.frame import Frame
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import ExactNumbers, to_double
+from polhode.numbers.decimals import brief
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, Doubles, double_array
 from polhode.scenes.scene import Scene
@@ -137,7 +138,8 @@ def passage(scene: Scene, max_steps: int = 400_000, until: float = math.inf) -> 
             if steps + step_count > max_steps or not np.isfinite(carried).all():
                 more = steps + step_count > max_steps
                 why = f"more than {max_steps} steps" if more else "not finite in double"
-                note = f"not followed beyond t = {time * float(frame.unit):.3g}: {why}"
+                last = brief(frame.time_outside(Fraction(time)), 3)
+                note = f"not followed beyond t = {last}: {why}"
                 break
             time, state, steps = t, reached, steps + step_count
             stretches.append(Stretch(t, reached, step_count, carried, driven))

@@ -534,7 +534,7 @@ class Watch:
         return tuple(self._event(k, last, read) for k in range(len(self.scene.events)))
 
     def _event(self, k: int, last: Marks, read: Readout) -> EventTimes:
-        event, unit = self.scene.events[k], float(read.frame.unit)
+        event = self.scene.events[k]
         noted, start, end = self._polished(k, last)
         if self._stop is not None:
             noted = noted.those(noted.ahead <= end.place.ahead)
@@ -555,12 +555,14 @@ class Watch:
             sizes = np.array([abs(float(t)) for t in times.tolist()])
             rows = [as_mpf(row, self.number) for row in rows.tolist()]
         widths = where.width + happenings.spreads / 2 + sizes * float(self.number.eps / 2)
+        with np.errstate(over="ignore"):  # of times that no double holds
+            widths = np.ldexp(widths.astype(float), read.frame.exponent)
         return EventTimes(
             event.name,
             waiting(partial(event_decision.exact_times, times, read.frame, self.number)),
             read_only(read.states(rows), read.columns),
             tuple((happenings.signs * self.way).tolist()),
-            tuple((widths * unit).astype(float).tolist()),
+            tuple(widths.tolist()),
             tuple((deep * float(self.rules.band)).astype(float).tolist()),
             complete,
         )

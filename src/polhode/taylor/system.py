@@ -18,6 +18,7 @@ from polhode.equations.readout import Readout
 from polhode.motion.frame import Frame
 from polhode.numbers import number_types
 from polhode.numbers.conversion import ExactNumbers, number_value, rounds_to_nearest
+from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import Array, Flat, Functions, NumberType, Row, Rows, Scalar, flat
 from polhode.scenes.scene import Scene
@@ -262,7 +263,7 @@ def rounded_times(scene: Scene, number: NumberType) -> ExactNumbers[Fraction]:
     k = times.misplaced()
     if k is not None:
         expected = f"times that differ when rounded to {number.name}"
-        raise BadInput(scene.name, f"run.at[{k + 1}]", str(float(times[k])), expected)
+        raise BadInput(scene.name, f"run.at[{k + 1}]", shown(times[k]), expected)
     return times
 
 
