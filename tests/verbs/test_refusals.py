@@ -241,6 +241,7 @@ REFUSED = {
     "view huge.toml -o x.html": OUT_OF_REACH,
     f"plot '' {ANGLES}": " = : expected a name\n",
     "plot table.csv --what omega --columns '' -o y.svg": "table.csv: header = : expected a header",
+    "plot table.csv --what omega --columns P=p -o y.svg": "table.csv: --columns = P: expected a na",
     "check ''": " = : expected a name\n",
     f"section {GENERAL} --starts ''": " = : expected a name\n",
     # -- files are named as they were given, their folder too

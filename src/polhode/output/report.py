@@ -15,6 +15,7 @@ from polhode.common.interrupts import Message
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue, cached_property
 from polhode.judging.reference import reference
+from polhode.judging.tables.column_aliases import AbsentColumn
 from polhode.judging.tables.table_file import is_table
 from polhode.numbers.number_types import MAX_DIGITS, AnyNumber, AnyVector
 from polhode.output import accuracy, report_page
@@ -179,10 +180,14 @@ def report(
             choose_number(scene, number, digits)
         elif digits is not None:
             whole(scene.name, "digits", digits, 1, MAX_DIGITS)
-    files = []
+    files, absent = [], list[AbsentColumn]()
     for scene, tables_given in groups:  # what cannot be read is refused before the work
         say(f"{scene.name}: {counted(len(tables_given), 'table')}")
-        files.append([accuracy.of_table(x, scene, request) for x in tables_given])
+        files.append([accuracy.of_table(x, scene, request, absent) for x in tables_given])
+    count_named = sum(not isinstance(x.table, Trajectory) for _, own in groups for x in own)
+    for fault in absent:  # of names that no table has
+        if sum(x.value == fault.value for x in absent) == count_named:
+            raise fault
     if forecast is not None:
         forecast(_foretold(groups))
     pairs = zip(groups, files, strict=True)
