@@ -219,6 +219,7 @@ def pages(report, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("pages")
     report.save(folder / "r.html")
     report.save(folder / "r.md")
+    report.save(folder / "r.md")  # its own kind is replaced
     return folder
 
 

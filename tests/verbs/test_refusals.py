@@ -43,8 +43,14 @@ FILES = {
     "orbit.json": '{\n "format": "polhode result 2"\n}',
     "table.npz": "t,p\n0,1\n",
     "angles.csv": "t,psi\n0,1\n",
+    "mine.md": "# Mine\n",
 }
-LINKS = {"link.csv": "top.toml", "link.svg": "table.csv", "x.csv": "nowhere/y.csv"}
+LINKS = {
+    "link.csv": "top.toml",
+    "link.svg": "table.csv",
+    "x.csv": "nowhere/y.csv",
+    "same.npz": "y.npz",
+}
 
 #: Commands, and a part of what is said of them.  {folder}: where they run.
 REFUSED = {
@@ -214,6 +220,7 @@ REFUSED = {
     # -- where to write: never over what is read, and of the right kind
     "run scene.csv.json -o scene.csv": OTHER_FILE,
     "run top.toml -o x.npz -o x.npz": "x.npz: -o: expected each file once",
+    "run top.toml -o y.npz -o same.npz": "same.npz: -o: expected each file once",  # a link to it
     "run top.toml -o link.csv": OTHER_FILE,
     f"sweep scene.csv.json {VARY} -o scene.csv": OTHER_FILE,
     "plot table.csv --what error --scene top.toml -o link.svg": OTHER_FILE,
@@ -222,6 +229,8 @@ REFUSED = {
     f"run {CASE} -o .": "not a folder",
     f"run {CASE} -o": "expected",
     f"run {CASE} -o angles.csv": "expected another name: polhode did not write it",
+    "orbit grioli/precession -o top.toml": "top.toml: file: expected another name: polhode did not",
+    f"report {CASE} -o mine.md": "mine.md: file: expected another name: polhode did not write it",
     f"run {CASE} -o y.toml": "expected a name that ends in .csv",
     f"run {CASE} -o y.csv.gz": "expected a name that ends in .csv",
     f"run {CASE} -o - --json": "the results as JSON go to stdout",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.arguments import of_kind, whole, with_progress
 from polhode.common.errors import BadInput, aligned, counted
-from polhode.common.files import check_writable
+from polhode.common.files import check_writable, refuse_foreign
 from polhode.common.interrupts import Message
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue, cached_property
@@ -107,6 +107,7 @@ class Report(Result, ByValue):
         if Path(path).suffix.lower() in writer.ENDINGS:
             return super().save(path)
         check_writable(Path(path), (*report_page.ENDINGS, *writer.ENDINGS))
+        refuse_foreign(Path(path))
         report_page.write(report_page.page(Path(path), self.sections))
         return None
 
