@@ -204,6 +204,7 @@ REFUSED = {
     f"sweep heavy.toml {VARY} --tol 0.5": "expected between eps",
     f"sweep heavy.toml {VARY} --workers 0": "--workers = 0: expected 1 or more",
     f"sweep heavy.toml {VARY} --keep final --digits 20": "--digits = 20: expected --number instead",
+    f"sweep heavy.toml {VARY} --keep final --method auto": "--method = auto: expected none with",
     f"sweep heavy.toml {VARY} --keep largest": "final, largest X, smallest X, first EVENT or lyap",
     f"sweep heavy.toml {VARY} --keep final --number quad": "double or extended, where numbers are",
     # -- new scenes
@@ -240,6 +241,11 @@ REFUSED = {
     f"view {CASE} -o x.svg": f"ends in .html, or polhode plot {CASE} --what W -o x.svg",
     f"view {CASE} -o x.txt": "-o: expected a name that ends in .html\n",
     f"plot {CASE} --what angles -o x.gif": ".svg, .png, .pdf; --what motion makes a film",
+    # -- a film has no options of other figures
+    f"plot {CASE} --what motion --title Mine -o x.gif": "--title = Mine: expected none, for a film",
+    f"plot {CASE} --cmap viridis -o x.gif": "--cmap = viridis: expected none, for a film",
+    f"plot {CASE} --f-range 0:1 -o x.gif": "--f-range = 0:1: expected none, for a film",
+    f"plot {CASE} --h-range 0:1 -o x.gif": "--h-range = 0:1: expected none, for a film",
     # -- names that are none: they were the current folder, and "Is a directory"
     "run ''": " = : expected a name\n",
     "run top.toml -o ''": "-o = : expected a name\n",
