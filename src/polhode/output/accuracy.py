@@ -195,7 +195,7 @@ def section(
     for name, options in request.runs.items():
         say(f"{scene.name}: {name}")
         try:
-            lines.append(_judged(name, integrate(scene, **options), request, options))
+            lines.append(_judged(name, _run(scene, options), request, options))
         except BadInput as fault:
             faults.append(fault)
             lines.append(AccuracyLine(name, None, str(fault)))
@@ -346,12 +346,12 @@ def _orders(files: Sequence[AccuracyLine]) -> Iterator[tuple[str, ReportRow]]:
         return re.sub(r"[\d.]+", "", line.name)
 
     for _, group in groupby(sorted(files, key=method), method):
-        lines = [*group]
+        lines = [x for x in group if x.source and isinstance(x.source.table, str)]
         judgements = [x.judgement for x in lines if x.judgement is not None]
         steps = [x.source.step for x in lines if x.judgement and x.source and x.source.step]
         if len(judgements) > 1:
             try:
-                sizes = steps if len(steps) == len(lines) else None
+                sizes = steps if len(steps) == len(judgements) else None
                 order = order_between(judgements, sizes, "after each name, FILE=h=0.01")
                 row = ", ".join(order.names), order.order, order.least, order.most
                 yield str(order), row

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -175,6 +176,7 @@ def report(
     """
     request = ReportRequest(number, digits, max_seconds, columns, read)
     say = progress or (lambda text: None)
+    at = [*at] if isinstance(at, Iterator) else at  # each scene reads them
     groups = [(x if at is None else x.at(at), tables) for x, tables in _grouped(what)]
     for scene, _ in groups:
         if number is not None:
@@ -205,7 +207,9 @@ def _grouped(sources: Sequence[Any]) -> list[tuple[Scene, list[GivenTable]]]:
             continue
         if not groups:
             groups.append((_own_scene(table), []))
-        groups[-1][1].append(table)
+        there = {x.name for x in groups[-1][1]}
+        labels = chain([table.name], (f"{table.name} ({k})" for k in count(2)))
+        groups[-1][1].append(table._replace(name=next(x for x in labels if x not in there)))
     names = [scene.name for scene, _ in groups]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None or not names:
