@@ -199,6 +199,18 @@ def test_it_is_refused_in_one_line_at_once(call, words):
     refused(call, words)
 
 
+def test_what_is_changed_of_a_provenance_is_that_of_no_other_result():
+    """All results of a process had the versions of one dictionary."""
+    from polhode.output.about import about
+
+    for versions_of in (
+        lambda: polhode.integrate(FREE, at=[0]).provenance["versions"],
+        lambda: about().installation["versions"],
+    ):
+        versions_of()["numpy"] = "of somebody else"
+        assert versions_of()["numpy"] == np.__version__
+
+
 def test_progress_may_be_false_at_every_door():
     """It was none at some doors and refused at others."""
     assert polhode.compare([ROW], FREE, at=[0], progress=False).has_digits

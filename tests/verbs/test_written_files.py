@@ -373,6 +373,17 @@ def test_a_callers_handlers_of_signals_are_put_back(capsys):
     assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
 
 
+def test_a_callers_alarm_is_put_back(capsys):
+    """The time limit of what show tells of frequencies switched it off."""
+    signal.setitimer(signal.ITIMER_REAL, 100, 50)
+    try:
+        ran(capsys, "show", "lagrange/nutation")
+    finally:
+        rest, interval = signal.setitimer(signal.ITIMER_REAL, 0)
+    assert 50 < rest < 100
+    assert interval == 50
+
+
 # -- Several files of one command, several motions on one page -------------------------------------
 
 
