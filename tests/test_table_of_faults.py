@@ -16,6 +16,7 @@ import pytest
 
 import polhode
 from polhode.numbers.mpmath_context import mpmath
+from polhode.testing import assert_digits
 from shared import tables
 from shared.motions import free_file, scene_of
 
@@ -74,6 +75,12 @@ def tiny() -> polhode.Scene:
     small = "1e-300"
     part = polhode.Part("cylinder", mass=small, radius=small, height=small)
     return polhode.top(parts=[part], angles=[0, "1/3", 0], rates=[0, 0, small], g=small, end=small)
+
+
+#: What judges by proofs, which have limits of their own.
+PROVEN = polhode.reference(FREE, "certified")
+#: Columns of its start; of the third no name is known.
+COLUMNS = {"t": [0.0], "p": [0.3], "foo": [7.0]}
 
 
 class Nothing:
@@ -160,6 +167,8 @@ CALLS = [
     (lambda: polhode.compare(polhode.integrate(FREE), number="quad"), "none beside a run, which"),
     (lambda: polhode.compare({"t": [0], "p": [0]}, FREE, at=[0]), "none beside a table, which"),
     (lambda: polhode.compare("x.csv", FREE, at=[0]), "at = [0]: expected none beside a table"),
+    (lambda: polhode.compare([ROW], PROVEN, at=[0], max_seconds=1), "none beside a certified ref"),
+    (lambda: polhode.compare([ROW], PROVEN, at=[0], forecast=print), "none beside a certified ref"),
     (lambda: polhode.top(moments=[1, 1, 1], omga=[1, 1, 1]), "(did you mean 'omega'?)"),
     # it was taken, and handed on to the search for the first orbit; others were told its names
     (lambda: polhode.orbit_family(FREE, "h", 1, digits=30), "orbit_family: digits = 30: expected"),
@@ -181,6 +190,17 @@ CALLS = [
     (lambda: polhode.integrate(FREE, polhode.NumberType("mp", 0)), "bits = 0: expected a whole"),
     (lambda: sweep_of(polhode.NumberType("double", 53)), "fewer in double; quad holds them"),
     (lambda: sweep_of(polhode.NumberType("mp", 70)), "expected fewer in 70 bits; 1"),
+    # a column p was dropped for one that is not there, and the last one of a name was taken
+    (lambda: polhode.compare(COLUMNS, FREE, columns=["P=p"]), "--columns = P: expected a name of"),
+    (lambda: polhode.report(FREE, COLUMNS, COLUMNS, columns=["P=p"]), "of its header: t, p, foo"),
+    (lambda: polhode.compare(COLUMNS, FREE, columns=["foo=q,foo=r"]), "foo=r: expected each name"),
+    # a number was a TypeError, a text was taken as the times that its letters are
+    (lambda: assert_digits(lambda t: ROW, FREE, 9, at=1.0), "at = 1.0: expected a list of times"),
+    (lambda: assert_digits(lambda t: ROW, FREE, 9, at="12"), "at = 12: expected a list of times"),
+    (lambda: assert_digits(lambda t: ROW, FREE, 9, at=["x"]), "at[1] = x: expected a number ("),
+    (lambda: polhode.compare([ROW, ROW], FREE, at="12"), "at = 12: expected a list of times"),
+    (lambda: polhode.reference(FREE).column("angles", 1), "t = 1: expected a list of times"),
+    (lambda: polhode.reference(FREE).column("hodographs", "12"), "t = 12: expected a list of t"),
 ]
 
 
@@ -203,6 +223,18 @@ def test_a_wrong_kind_is_refused(function, values, more):
 @pytest.mark.parametrize(("call", "words"), CALLS)
 def test_it_is_refused_in_one_line_at_once(call, words):
     refused(call, words)
+
+
+def test_what_is_changed_of_a_provenance_is_that_of_no_other_result():
+    """All results of a process had the versions of one dictionary."""
+    from polhode.output.about import about
+
+    for versions_of in (
+        lambda: polhode.integrate(FREE, at=[0]).provenance["versions"],
+        lambda: about().installation["versions"],
+    ):
+        versions_of()["numpy"] = "of somebody else"
+        assert versions_of()["numpy"] == np.__version__
 
 
 def test_progress_may_be_false_at_every_door():

@@ -77,11 +77,12 @@ def pytest_configure(config: pytest.Config) -> None:
     place = config.getoption(_OPTION)
     if place is not None:
         from polhode.common.errors import BadInput
-        from polhode.common.files import check_writable
+        from polhode.common.files import check_writable, refuse_foreign
         from polhode.output.report_page import ENDINGS
 
         try:
             check_writable(Path(place), ENDINGS)
+            refuse_foreign(Path(place))
         except BadInput as fault:
             raise pytest.UsageError(f"{_OPTION}: {fault}") from None
     is_worker = hasattr(config, "workerinput")  # of pytest-xdist

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from polhode.common.arguments import of_kind
+from polhode.common.arguments import each, of_kind
 from polhode.common.errors import BadInput
 from polhode.judging.compare import compare, refuse_incomplete
 from polhode.judging.convergence_order import ObservedOrder, observed_order
@@ -99,10 +99,11 @@ def assert_digits(
         raise BadInput("assert_digits", "at_least", at_least, "a number of digits")
     scene = library.load(scene, takes=REQUESTS)
     if callable(mine) and not isinstance(mine, Trajectory):
-        times = scene.times if at is None else tuple(at)
-        if not times:
+        times = scene.times if at is None else at
+        moments = each("assert_digits", "at", times, exact_number, "a list of times")
+        if not moments:
             raise BadInput(scene.name, "at", None, "times at which the function is called")
-        held = [to_double(exact_number(t)) for t in times]
+        held = [*map(to_double, moments)]
         mine, at = [mine(t) for t in held], held
     try:
         judgement = compare(

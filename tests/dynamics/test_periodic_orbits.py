@@ -199,7 +199,8 @@ def test_a_start_on_the_orbit_is_returned_as_it_is_and_the_period_is_the_shortes
 def test_the_scene_that_is_written_is_the_orbit(tmp_path, capsys):
     path = tmp_path / "orbit.toml"
     command = ["orbit", "grioli/precession", "--digits", "30"]
-    assert main([*command, "-o", str(path)]) == main(command) == 0
+    command += ["-o", str(path)]
+    assert main(command) == main(command) == 0  # its own kind is replaced
     output = capsys.readouterr()
     assert "period      6.283185307179586476925286766559\n" in output.out
     assert "the motion in space closes after 1 period" in output.out

@@ -121,6 +121,16 @@ def test_a_proof_to_more_digits_is_not_made_again(word: str) -> None:
     assert ask([2], 20) != rows
 
 
+def test_the_agreement_of_a_judgement_is_that_of_its_own_questions() -> None:
+    """Of a table of attitudes it was that of states which the reference was asked for before."""
+    scene = replace(polhode.load("general/asymmetric-regular"), outputs=("attitude",))
+    run = polhode.integrate(scene, at=[1])
+    table = {"t": run.t, **{name: run.column(name) for name in ("q0", "q1", "q2", "q3")}}
+    proven = polhode.reference(scene, "certified")
+    proven.at([1], 5)
+    assert polhode.compare(table, proven).agreement == polhode.compare(table, scene).agreement > 15
+
+
 @pytest.mark.parametrize(("name", "backend"), [("Certified", "certified"), ("Textbook", "mpmath")])
 def test_a_deprecated_name_makes_the_same_reference(name: str, backend: str) -> None:
     scene = polhode.load("euler/largest-axis")

@@ -178,6 +178,43 @@ def test_columns_and_runs_are_tables_too():
     assert rows(report, "runs")[0]["digits"] > 17
 
 
+def test_tables_of_one_name_are_told_apart_and_are_no_files_of_one_method():
+    """The second's digits stood for both, and of tables 2 and 3 an order was told.
+
+    One of them alone has the column that is named; the second scene found no times left.
+    """
+    run = polhode.integrate(TOP, at=[1, 2])
+    columns = {x: run[x] for x in ("p", "q", "r")}
+    of_clock = {"clock": run.t, **columns}
+    report = polhode.report(
+        *(TOP, of_clock, {"t": run.t, **columns}, run, run, "euler/rest"),
+        columns=["clock=t"],
+        at=iter([1, 2]),
+        number="double",
+    )
+    names = ["table 2", "table 3", f"run of {TOP}", f"run of {TOP} (2)"]
+    assert [x["file"] for x in rows(report, "files")] == names
+    assert report.sections[0].words["orders"] == []
+    assert report.sections[1].scene.times == (1, 2)
+
+
+@pytest.mark.slow
+def test_steps_are_told_of_the_files_that_were_judged(tmp_path):
+    """Those of all were forgotten where no proof reached the times of one."""
+    case, files = "general/asymmetric-regular", []
+    f = polhode.field(case)
+    for steps in (64, 128):
+        y, h = f.start, 1 / steps
+        for _ in range(steps):
+            y = y + h * f(0, y + h / 2 * f(0, y))
+        path = table(tmp_path / f"mid{steps}.csv", np.array([0, 1]), np.array([f.start, y]))
+        files.append(f"{path}=h={h}")
+    far = table(tmp_path / "mid1.csv", np.array([0, 2000]), np.array([f.start, f.start]))
+    report = polhode.report(case, *files, f"{far}=h=1", at=[1], number="double")
+    (order,) = rows(report, "orders")
+    assert 1.9 < order["order"] < 2.1
+
+
 @pytest.mark.slow
 def test_a_proof_that_would_take_too_long_is_not_begun_and_the_page_says_how_far_it_goes():
     scene = polhode.load("general/asymmetric-chaotic").at([1, *range(10, 210, 10)])
@@ -219,6 +256,7 @@ def pages(report, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("pages")
     report.save(folder / "r.html")
     report.save(folder / "r.md")
+    report.save(folder / "r.md")  # its own kind is replaced
     return folder
 
 
@@ -284,6 +322,18 @@ def test_the_verb_prints_the_first_table_and_writes_all(files, tmp_path, capsys,
     answer = json.loads(Path("r.json").read_text())
     assert answer["result"] == "Report"
     assert answer["runs"]["digits"] == [pytest.approx(15, abs=1)]
+
+
+def test_ctrl_c_ends_a_report_in_python(monkeypatch):
+    """The run that it cut was judged, and the report went on."""
+    own = polhode.output.accuracy.integrate
+
+    def integrate(*scene, **how):
+        return replace(own(*scene, **how), outcome=polhode.Outcome.INTERRUPTED)
+
+    monkeypatch.setattr("polhode.output.accuracy.integrate", integrate)
+    with pytest.raises(KeyboardInterrupt):
+        polhode.report("euler/rest", at=[1], number="double")
 
 
 def test_an_interruption_leaves_nothing(tmp_path, monkeypatch, capsys):

@@ -43,8 +43,14 @@ FILES = {
     "orbit.json": '{\n "format": "polhode result 2"\n}',
     "table.npz": "t,p\n0,1\n",
     "angles.csv": "t,psi\n0,1\n",
+    "mine.md": "# Mine\n",
 }
-LINKS = {"link.csv": "top.toml", "link.svg": "table.csv", "x.csv": "nowhere/y.csv"}
+LINKS = {
+    "link.csv": "top.toml",
+    "link.svg": "table.csv",
+    "x.csv": "nowhere/y.csv",
+    "same.npz": "y.npz",
+}
 
 #: Commands, and a part of what is said of them.  {folder}: where they run.
 REFUSED = {
@@ -198,6 +204,7 @@ REFUSED = {
     f"sweep heavy.toml {VARY} --tol 0.5": "expected between eps",
     f"sweep heavy.toml {VARY} --workers 0": "--workers = 0: expected 1 or more",
     f"sweep heavy.toml {VARY} --keep final --digits 20": "--digits = 20: expected --number instead",
+    f"sweep heavy.toml {VARY} --keep final --method auto": "--method = auto: expected none with",
     f"sweep heavy.toml {VARY} --keep largest": "final, largest X, smallest X, first EVENT or lyap",
     f"sweep heavy.toml {VARY} --keep final --number quad": "double or extended, where numbers are",
     # -- new scenes
@@ -214,6 +221,7 @@ REFUSED = {
     # -- where to write: never over what is read, and of the right kind
     "run scene.csv.json -o scene.csv": OTHER_FILE,
     "run top.toml -o x.npz -o x.npz": "x.npz: -o: expected each file once",
+    "run top.toml -o y.npz -o same.npz": "same.npz: -o: expected each file once",  # a link to it
     "run top.toml -o link.csv": OTHER_FILE,
     f"sweep scene.csv.json {VARY} -o scene.csv": OTHER_FILE,
     "plot table.csv --what error --scene top.toml -o link.svg": OTHER_FILE,
@@ -222,6 +230,8 @@ REFUSED = {
     f"run {CASE} -o .": "not a folder",
     f"run {CASE} -o": "expected",
     f"run {CASE} -o angles.csv": "expected another name: polhode did not write it",
+    "orbit grioli/precession -o top.toml": "top.toml: file: expected another name: polhode did not",
+    f"report {CASE} -o mine.md": "mine.md: file: expected another name: polhode did not write it",
     f"run {CASE} -o y.toml": "expected a name that ends in .csv",
     f"run {CASE} -o y.csv.gz": "expected a name that ends in .csv",
     f"run {CASE} -o - --json": "the results as JSON go to stdout",
@@ -231,6 +241,11 @@ REFUSED = {
     f"view {CASE} -o x.svg": f"ends in .html, or polhode plot {CASE} --what W -o x.svg",
     f"view {CASE} -o x.txt": "-o: expected a name that ends in .html\n",
     f"plot {CASE} --what angles -o x.gif": ".svg, .png, .pdf; --what motion makes a film",
+    # -- a film has no options of other figures
+    f"plot {CASE} --what motion --title Mine -o x.gif": "--title = Mine: expected none, for a film",
+    f"plot {CASE} --cmap viridis -o x.gif": "--cmap = viridis: expected none, for a film",
+    f"plot {CASE} --f-range 0:1 -o x.gif": "--f-range = 0:1: expected none, for a film",
+    f"plot {CASE} --h-range 0:1 -o x.gif": "--h-range = 0:1: expected none, for a film",
     # -- names that are none: they were the current folder, and "Is a directory"
     "run ''": " = : expected a name\n",
     "run top.toml -o ''": "-o = : expected a name\n",
@@ -241,6 +256,7 @@ REFUSED = {
     "view huge.toml -o x.html": OUT_OF_REACH,
     f"plot '' {ANGLES}": " = : expected a name\n",
     "plot table.csv --what omega --columns '' -o y.svg": "table.csv: header = : expected a header",
+    "plot table.csv --what omega --columns P=p -o y.svg": "table.csv: --columns = P: expected a na",
     "check ''": " = : expected a name\n",
     f"section {GENERAL} --starts ''": " = : expected a name\n",
     # -- files are named as they were given, their folder too

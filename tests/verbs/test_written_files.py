@@ -1,5 +1,6 @@
 """What verbs write, what they read again, and what stays as it was."""
 
+import io
 import json
 import math
 import os
@@ -241,6 +242,41 @@ def test_a_pipe_from_which_nothing_comes_is_refused(capsys, monkeypatch, words, 
         os.close(handle)
 
 
+def test_a_scene_from_a_pipe_is_read_once(capsys, monkeypatch):
+    """Its rows were printed, and a note asked the pipe for the scene again."""
+    monkeypatch.setattr(files, "PATIENCE", 1.0)
+    os.mkfifo("pipe")
+    writer = threading.Thread(target=Path("pipe").write_text, args=(WATCHED,))
+    writer.start()
+    words = "reference pipe --at 1 --digits 20 --backend mpmath"
+    assert "without angles, attitude: mpmath has" in ran(capsys, *words.split())[1]
+    writer.join(10)
+
+
+def test_bytes_go_to_a_stream_of_text_as_text(capsys, monkeypatch):
+    """It was an AttributeError, as of a stdout that is closed: neither has what takes bytes."""
+    words = ["reference", "euler/flat", "--at", "1", "-o", "-"]
+    table, _ = ran(capsys, *words)
+    text = io.StringIO()
+    with monkeypatch.context() as patch:
+        patch.setattr(sys, "stdout", text)
+        assert cli.main(words) == 0
+        assert text.getvalue() == table != ""
+        with pytest.raises(BadInput, match="a standard output that takes bytes"):
+            files.write_stdout(b"\xff")
+    monkeypatch.setattr(sys, "stdout", None)
+    assert cli.main(words) == 2
+    said = "polhode: cannot write to standard output: Bad file descriptor\n"
+    assert capsys.readouterr().err.endswith(said)
+
+
+def test_two_names_of_one_place_leave_nothing_hidden(folder):
+    Path("s").mkdir()
+    files.write_whole({Path("x.txt"): "first", Path("s/../x.txt"): "second"})
+    assert left() == {"s", "x.txt"}
+    assert Path("x.txt").read_text() == "second"
+
+
 def test_a_fault_of_the_system_is_not_blamed_on_stdout(capsys, monkeypatch):
     from polhode.scenes import library
 
@@ -335,6 +371,17 @@ def test_a_callers_handlers_of_signals_are_put_back(capsys):
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
     ran(capsys, "about")
     assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
+
+
+def test_a_callers_alarm_is_put_back(capsys):
+    """The time limit of what show tells of frequencies switched it off."""
+    signal.setitimer(signal.ITIMER_REAL, 100, 50)
+    try:
+        ran(capsys, "show", "lagrange/nutation")
+    finally:
+        rest, interval = signal.setitimer(signal.ITIMER_REAL, 0)
+    assert 50 < rest < 100
+    assert interval == 50
 
 
 # -- Several files of one command, several motions on one page -------------------------------------

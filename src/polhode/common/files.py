@@ -36,6 +36,11 @@ MOST_ARRAYS = 10_000
 SMALL, RATIO = 1 << 28, 200  # bytes that any NPZ file may unpack to; and per byte of a larger one
 FEW_TEXTS, TEXTS = 100_000, 20  # elements of text, each of which is read; and per byte of a file
 PATIENCE = 10.0  # seconds to wait for the first byte of a pipe
+#: How files begin that polhode writes and that are no results: reports, starts of orbits.
+_BEGINNINGS = {
+    ".md": b"# Accuracy report\n",
+    ".toml": b'schema = 1\ntitle = "A periodic orbit near ',
+}
 
 
 def read_whole(path: Path, most: int, expected: str, name: str | None = None) -> bytes:
@@ -111,7 +116,7 @@ def write_whole(texts: Mapping[Path, str | bytes]) -> None:
 
 
 def _write_whole(texts: Mapping[Path, str | bytes]) -> None:
-    staged: dict[Path, str] = {}
+    staged: dict[str, Path] = {}  # places by their temporaries: two names may be of one place
     path = Path()
     try:
         for path, text in texts.items():
@@ -120,21 +125,20 @@ def _write_whole(texts: Mapping[Path, str | bytes]) -> None:
             place = path.resolve()
             temporary = f"{place.parent}/.{place.name}.{secrets.token_hex(4)}"
             with open(temporary, "xb", opener=_with_mode_of(place)) as out:
-                staged[place] = temporary
+                staged[temporary] = place
                 out.write(_bytes(text))
                 out.flush()
                 os.fsync(out.fileno())
         for path, text in texts.items():
             if is_stream(path):
                 _stream(path, text)
-        for place in list(staged):
-            path = place
-            os.replace(staged[place], place)
-            del staged[place]
+        for temporary, path in list(staged.items()):
+            os.replace(temporary, path)
+            del staged[temporary]
     except OSError as error:
         raise BadInput(str(path), "file", None, f"a place to write to ({error.strerror})") from None
     finally:
-        for temporary in staged.values():
+        for temporary in staged:
             Path(temporary).unlink(missing_ok=True)
 
 
@@ -229,6 +233,23 @@ def check_writable(
             raise BadInput(str(path), "-o", None, "another file than the one that is read")
 
 
+def refuse_foreign(path: Path) -> None:
+    """Raise BadInput where a report or an orbit's scene would replace a text that is none.
+
+    An empty file is nothing.
+    """
+    beginning = _BEGINNINGS.get(path.suffix.lower())
+    if beginning is None or not path.is_file():
+        return
+    try:
+        with path.open("rb") as file:
+            there = file.read(len(beginning))
+    except OSError as fault:
+        raise BadInput(str(path), "file", None, f"another name ({fault.strerror})") from None
+    if there not in (b"", beginning):
+        raise BadInput(str(path), "file", None, "another name: polhode did not write it")
+
+
 def make_folder(folder: Path) -> None:
     """A folder to write to, made where it is not there; raises BadInput."""
     try:
@@ -264,7 +285,17 @@ def is_stdout(path: Path) -> bool:
 
 
 def write_stdout(text: str | bytes) -> None:
-    """Write to standard output; raises StdoutFault where it takes no more."""
+    """Write to standard output; raises StdoutFault where it takes no more.
+
+    A stream of text in its place, such as a StringIO, takes bytes that are text; others raise
+    BadInput.
+    """
+    if isinstance(text, bytes) and not hasattr(sys.stdout, "buffer"):
+        try:
+            text = text.decode()
+        except UnicodeDecodeError:
+            expected = "a standard output that takes bytes (text alone can be written here)"
+            raise BadInput(str(STDOUT), "-o", None, expected) from None
     try:
         if isinstance(text, str):
             sys.stdout.write(text)

@@ -138,7 +138,8 @@ NONE = Deadline()
 def within(seconds: float) -> Iterator[None]:
     """Raise TooLong inside the block once so many seconds have passed.
 
-    In the main thread of systems with interval timers; elsewhere nothing is limited.
+    In the main thread of systems with interval timers; elsewhere nothing is limited.  An alarm that
+    was set before rings when it was to ring, or after the block.
     """
     main = threading.current_thread() is threading.main_thread()
     if not main or not hasattr(signal, "setitimer"):
@@ -148,13 +149,17 @@ def within(seconds: float) -> Iterator[None]:
     def ring(*_: object) -> None:
         raise TooLong
 
-    before = signal.signal(signal.SIGALRM, ring)
+    left, interval = signal.setitimer(signal.ITIMER_REAL, 0)
+    before, began = signal.signal(signal.SIGALRM, ring), time.monotonic()
     signal.setitimer(signal.ITIMER_REAL, seconds)
     try:
         yield
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+        if left:
+            soon = max(1e-6, left - time.monotonic() + began)
+            signal.setitimer(signal.ITIMER_REAL, soon, interval)
 
 
 # --- locks ----------------------------------------------------------------------------------------

@@ -66,7 +66,7 @@ def digest(text: str) -> str:
 
 def provenance(source: str) -> dict[str, object]:
     """Versions, processor and the fingerprint of the scene's text."""
-    return {"versions": versions(), "cpu": cpu(), "case": digest(source)}
+    return {"versions": dict(versions()), "cpu": cpu(), "case": digest(source)}
 
 
 # --- citation -------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ import numpy as np
 
 from polhode.common.arguments import each, refuse_unknown, whole, with_options, with_progress
 from polhode.common.errors import BadInput, counted
-from polhode.common.files import check_writable, write_whole
+from polhode.common.files import check_writable, refuse_foreign, write_whole
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
 from polhode.dynamics import newton_shooting as newton
@@ -361,6 +361,7 @@ class Orbit(Result, ByValue):
             super().save(path)
             return
         check_writable(Path(path), [".toml"])
+        refuse_foreign(Path(path))
         write_whole({Path(path): as_toml(self.scene)})
 
     def __str__(self) -> str:

@@ -110,9 +110,10 @@ def compare(
         Readings to apply to a table, whatever digits they give, in the words of a judgement's
         ``reading``: "omega degrees; attitude scalar-last".
     max_seconds : float, optional
-        A limit on proofs, if there is no closed form.
+        A limit on proofs, if there is no closed form; none beside a certified reference, which has
+        its own.
     forecast : callable, optional
-        Called before each proof with a rough estimate of its seconds.
+        Called before each proof with a rough estimate of its seconds; none beside such a one.
     details : bool
         Also find what no limit needs: the digits to expect where a table has the last digits of its
         type, and the root mean square and bias of what is left of it.
@@ -252,6 +253,9 @@ def _truth(
             expected = f"the scene after the table: polhode compare {against} {source}"
         raise BadInput("compare", "SCENE", str(against), expected)
     if isinstance(against, Reference):
+        if not against.is_closed_form:  # beside a closed form they limit the proof in its place
+            of_proofs = {"forecast": limits.forecast, "max_seconds": limits.max_seconds}
+            _refuse_given(of_proofs, "none beside a certified reference, which has its own")
         return against
     return reference(against, **limits._asdict())
 

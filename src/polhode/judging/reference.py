@@ -44,7 +44,7 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS, REQUESTS
 
 if TYPE_CHECKING:
-    from polhode.enclosures.result import Enclosure
+    from polhode.enclosures.result import EnclosedPart, Enclosure
     from polhode.numbers.double_double import Pairs
 
 BACKENDS = ("flint", "mpmath", "certified")
@@ -162,7 +162,7 @@ class Reference(Storable):
         """
         if word not in COLUMNS:
             raise BadInput(self.scene.name, "outputs", word, nearest(word, [*COLUMNS]))
-        times = list(times)
+        times = _times(self.scene, times)
         if COLUMNS[word].how == "integrated":
             return self._rows(word, times, digits)
         parts = [
@@ -177,6 +177,14 @@ class Reference(Storable):
         times = _times(self.scene, times)
         space = self.column("hodographs", times, digits)
         return Hodographs([row[:3] for row in self.at(times, digits)], space)
+
+    def agreement_of(self, word: str, times: Sequence[Exact], digits: int) -> float:
+        """The accuracy in digits of rows that were asked for: inf of a closed form.
+
+        Of an enclosure the digits proven, at the worst time.
+        """
+        del word, times, digits
+        return self.agreement
 
     def pairs(self, word: str, times: Sequence[Exact], digits: int) -> Pairs | None:
         """Many rows of ``word``, "at" or "attitude", each number the sum of two doubles.
@@ -357,13 +365,17 @@ class EnclosureReference(Reference):
         if word == "at":
             self.agreement, self._has_states = enclosure.proven, True
             return [[*row] for row in enclosure.midpoints]
-        part = enclosure.attitude if word == "attitude" else enclosure.angles
-        assert part is not None
+        part = _part_of(enclosure, word)
         if not self._has_states:
             self.agreement = min(part.digits)
         if word == "angles":
             self._refuse_lost(enclosure)
         return part.midpoints(enclosure.noise + 128)
+
+    def agreement_of(self, word: str, times: Sequence[Exact], digits: int) -> float:
+        """The digits proven of rows that were asked for, at their worst time."""
+        enclosure = self._enclosure(() if word == "at" else (word,), times, digits)
+        return enclosure.proven if word == "at" else min(_part_of(enclosure, word).digits)
 
     def _enclosure(
         self, outputs: tuple[str, ...], times: Sequence[Exact], digits: int
@@ -401,6 +413,13 @@ class EnclosureReference(Reference):
         since = ", ".join(f"{t:.6g}" for t in enclosure.lost)
         expected = f"a motion that keeps away from the poles: psi and phi are lost at t = {since}"
         raise NoAnswer(self.scene.name, "angles", None, expected)
+
+
+def _part_of(enclosure: Enclosure, word: str) -> EnclosedPart:
+    """The attitude or the angles, which were asked for."""
+    part = enclosure.attitude if word == "attitude" else enclosure.angles
+    assert part is not None
+    return part
 
 
 # --- textbook -------------------------------------------------------------------------------------

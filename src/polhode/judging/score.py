@@ -191,7 +191,8 @@ class Comparison:
 
     ``subject``: the table.  ``selected``: the rows that are judged, None for all of them;
     ``judged``: the table of these.  ``progress``: told of the reference's rows.  ``answers``: its
-    answers, or why there is none, by the question and the digits asked for.
+    answers, or why there is none, by the question and the digits asked for.  ``digits_asked``: of
+    the answer that each question had here last.
     """
 
     subject: TrajectoryTable
@@ -200,6 +201,7 @@ class Comparison:
     selected: RowSelection | None = None
     progress: Progress | None = None
     answers: dict[tuple[str, int], Answer | ValueError] = field(default_factory=dict)
+    digits_asked: dict[str, int] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -241,7 +243,16 @@ class Comparison:
         answer = answers[question, digits]
         if isinstance(answer, ValueError):
             raise answer
+        self.digits_asked[question] = digits
         return answer
+
+    @property
+    def agreement(self) -> float:
+        """The accuracy in digits of these answers: of the states, else of the attitude."""
+        for question in ("at", "attitude"):
+            if (digits := self.digits_asked.get(question)) is not None:
+                return self.reference.agreement_of(question, self.judged.times, digits)
+        return math.inf if self.reference.is_closed_form else math.nan
 
     def _together(
         self, questions: Sequence[str], digits: int, is_proof: bool
@@ -558,7 +569,7 @@ def score(
         missing,
         gaps,
         selected,
-        reference.agreement,
+        comparison.agreement,
         comparison,
     )
 

@@ -65,7 +65,7 @@ def about(cite: bool = False) -> About:
         return About({"bibtex": provenance.bibtex()}, is_citation=True)
     return About(
         {
-            "versions": versions(),
+            "versions": dict(versions()),
             "cpu": cpu(),
             "cases": len(library.names()),
             "cache": _cache(),

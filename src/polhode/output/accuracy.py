@@ -21,6 +21,7 @@ from polhode.judging.conditioning import conditioning
 from polhode.judging.convergence_order import order_between
 from polhode.judging.judgement import Judgement
 from polhode.judging.reference import ProofTooLong, Reference, reference
+from polhode.judging.tables.column_aliases import AbsentColumn
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import brief
@@ -194,7 +195,7 @@ def section(
     for name, options in request.runs.items():
         say(f"{scene.name}: {name}")
         try:
-            lines.append(_judged(name, integrate(scene, **options), request, options))
+            lines.append(_judged(name, _run(scene, options), request, options))
         except BadInput as fault:
             faults.append(fault)
             lines.append(AccuracyLine(name, None, str(fault)))
@@ -271,8 +272,13 @@ def _judged(
     return AccuracyLine(name, None, why or "no output time was reached", run)
 
 
-def of_table(source: GivenTable, scene: Scene, request: ReportRequest) -> AccuracyLine:
-    """A table held against a scene; raises BadInput for one that cannot be read."""
+def of_table(
+    source: GivenTable, scene: Scene, request: ReportRequest, absent: list[AbsentColumn]
+) -> AccuracyLine:
+    """A table held against a scene; raises BadInput for one that cannot be read.
+
+    ``absent``: what is said of columns that it has not, for another may have them.
+    """
     how: dict[str, Any] = {"columns": request.columns, "read": request.read}
     if isinstance(source.table, Trajectory):
         how = {}
@@ -280,6 +286,11 @@ def of_table(source: GivenTable, scene: Scene, request: ReportRequest) -> Accura
         judgement = compare(source.table, scene, **how, **request.limits(scene))
     except ProofTooLong:
         return AccuracyLine(source.name, None, f"not judged: {NO_PROOF}", source=source)
+    except AbsentColumn as fault:
+        absent.append(fault)
+        items = ",".join(request.columns or ()).split(",")
+        rest = [x for x in items if x.partition("=")[0].strip() != fault.value]
+        return of_table(source, scene, replace(request, columns=rest or None), absent)
     return AccuracyLine(source.name, judgement, source=source)
 
 
@@ -335,12 +346,12 @@ def _orders(files: Sequence[AccuracyLine]) -> Iterator[tuple[str, ReportRow]]:
         return re.sub(r"[\d.]+", "", line.name)
 
     for _, group in groupby(sorted(files, key=method), method):
-        lines = [*group]
+        lines = [x for x in group if x.source and isinstance(x.source.table, str)]
         judgements = [x.judgement for x in lines if x.judgement is not None]
         steps = [x.source.step for x in lines if x.judgement and x.source and x.source.step]
         if len(judgements) > 1:
             try:
-                sizes = steps if len(steps) == len(lines) else None
+                sizes = steps if len(steps) == len(judgements) else None
                 order = order_between(judgements, sizes, "after each name, FILE=h=0.01")
                 row = ", ".join(order.names), order.order, order.least, order.most
                 yield str(order), row

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.arguments import of_kind, whole, with_progress
 from polhode.common.errors import BadInput, aligned, counted
-from polhode.common.files import check_writable
+from polhode.common.files import check_writable, refuse_foreign
 from polhode.common.interrupts import Message
 from polhode.common.provenance import provenance
 from polhode.common.values import ByValue, cached_property
 from polhode.judging.reference import reference
+from polhode.judging.tables.column_aliases import AbsentColumn
 from polhode.judging.tables.table_file import is_table
 from polhode.numbers.number_types import MAX_DIGITS, AnyNumber, AnyVector
 from polhode.output import accuracy, report_page
@@ -106,6 +108,7 @@ class Report(Result, ByValue):
         if Path(path).suffix.lower() in writer.ENDINGS:
             return super().save(path)
         check_writable(Path(path), (*report_page.ENDINGS, *writer.ENDINGS))
+        refuse_foreign(Path(path))
         report_page.write(report_page.page(Path(path), self.sections))
         return None
 
@@ -173,16 +176,21 @@ def report(
     """
     request = ReportRequest(number, digits, max_seconds, columns, read)
     say = progress or (lambda text: None)
+    at = [*at] if isinstance(at, Iterator) else at  # each scene reads them
     groups = [(x if at is None else x.at(at), tables) for x, tables in _grouped(what)]
     for scene, _ in groups:
         if number is not None:
             choose_number(scene, number, digits)
         elif digits is not None:
             whole(scene.name, "digits", digits, 1, MAX_DIGITS)
-    files = []
+    files, absent = [], list[AbsentColumn]()
     for scene, tables_given in groups:  # what cannot be read is refused before the work
         say(f"{scene.name}: {counted(len(tables_given), 'table')}")
-        files.append([accuracy.of_table(x, scene, request) for x in tables_given])
+        files.append([accuracy.of_table(x, scene, request, absent) for x in tables_given])
+    count_named = sum(not isinstance(x.table, Trajectory) for _, own in groups for x in own)
+    for fault in absent:  # of names that no table has
+        if sum(x.value == fault.value for x in absent) == count_named:
+            raise fault
     if forecast is not None:
         forecast(_foretold(groups))
     pairs = zip(groups, files, strict=True)
@@ -199,7 +207,9 @@ def _grouped(sources: Sequence[Any]) -> list[tuple[Scene, list[GivenTable]]]:
             continue
         if not groups:
             groups.append((_own_scene(table), []))
-        groups[-1][1].append(table)
+        there = {x.name for x in groups[-1][1]}
+        labels = chain([table.name], (f"{table.name} ({k})" for k in count(2)))
+        groups[-1][1].append(table._replace(name=next(x for x in labels if x not in there)))
     names = [scene.name for scene, _ in groups]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None or not names:

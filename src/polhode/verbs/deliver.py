@@ -10,7 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import BadInput
-from polhode.common.files import check_writable, is_stdout, is_stream, write_stdout, write_whole
+from polhode.common.files import (
+    check_writable,
+    is_stdout,
+    is_stream,
+    refuse_foreign,
+    write_stdout,
+    write_whole,
+)
 from polhode.verbs import options, scene_options, terminal
 from polhode.verbs.catalogue import VERBS, Verb
 
@@ -72,6 +79,7 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
         else:
             box = load_box(source) if verb.is_box else StartBox(library.load(source))
             scene = scene_options.applied(namespace, box.scene, verb.scene)
+            namespace.scene = scene  # for notes: a pipe is read once
             arguments[first] = StartBox(scene, box.radii) if verb.is_box else scene
     with terminal.ProgressLine(verb.name) as line:
         try:
@@ -134,8 +142,6 @@ class OutputFiles:
         streams = [path for path in self.paths if is_stdout(path)]
         for path in streams:
             terminal.refuse_two_on_stdout(path, self.json)
-        if len({path.absolute() for path in self.paths}) < len(self.paths) or len(streams) > 1:
-            raise BadInput(str(self.paths[-1]), "-o", None, "each file once")
         for path in self.paths:
             check_writable(path, _endings(self.verb), self.inputs)
             if self._is_figure(path):
@@ -143,6 +149,7 @@ class OutputFiles:
 
                 canvas.pyplot()
             elif self._is_own(path):
+                refuse_foreign(path)
                 if ".json" in self.verb.own:
                     from polhode.certificates import certificate_file
                     from polhode.results.reader import refuse_facts
@@ -153,6 +160,9 @@ class OutputFiles:
                 from polhode.results.reader import check_place
 
                 check_place(path, self.verb.kind, self.inputs)
+        places = {path.absolute() if is_stream(path) else path.resolve() for path in self.paths}
+        if len(places) < len(self.paths) or len(streams) > 1:
+            raise BadInput(str(self.paths[-1]), "-o", None, "each file once")
 
     def check_figure(self, values: Mapping[str, Any]) -> None:
         """Refuse options of a figure where none is written, and figures that there are not."""

@@ -249,6 +249,8 @@ def sweep(
         return integrate_many(scene, vary, digits=digits, method=method or "auto", **how)
     if digits is not None:
         raise BadInput(scene.name, "--digits", digits, "--number instead, with --keep")
+    if method is not None:
+        raise BadInput(scene.name, "--method", method, "none with --keep: Taylor steps alone")
     return reduce_many(scene, vary, keep, **how)
 
 

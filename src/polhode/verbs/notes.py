@@ -13,7 +13,6 @@ from polhode.common.errors import counted
 from polhode.common.files import is_stdout
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.decimals import brief, guaranteed
-from polhode.scenes import library
 
 if TYPE_CHECKING:
     from polhode.dynamics.chaos_map import ChaosMap
@@ -198,7 +197,7 @@ def orbit(result: Orbit, namespace: Namespace) -> Iterator[str]:
 def reference(result: AnyResult, namespace: Namespace) -> Iterator[str]:
     """What is left out, and whether the digits are proven."""
     if vars(namespace).get("backend") == "mpmath" and vars(namespace).get("outputs") is None:
-        without = ", ".join(library.load(namespace.scene).outputs)
+        without = ", ".join(namespace.scene.outputs)
         if without:
             yield f"{result.scene.name}: without {without}: mpmath has states alone"
     if not result.proven:

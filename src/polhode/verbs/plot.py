@@ -62,6 +62,9 @@ def plot(options: Namespace) -> int:
     if options.what is None and suffix == FILM:
         options.what = "motion"
     if options.what == "motion":
+        for option in ("title", "cmap", "f-range", "h-range"):
+            if (value := getattr(options, option.replace("-", "_"))) is not None:
+                raise BadInput("plot motion", f"--{option}", value, "none, for a film")
         return _written(options, (FILM,))
     if suffix == FILM:
         expected = f"a name that ends in {', '.join(PRINTED)}; --what motion makes a film"

@@ -35,10 +35,15 @@ class NotEnough(Exception):
 class _ClosedStdout(io.TextIOBase):
     """A stdout that the caller closed: the first result that goes there is refused."""
 
-    def write(self, text: str) -> int:
+    def write(self, text: str | bytes) -> int:
         if text:
             raise OSError(errno.EBADF, os.strerror(errno.EBADF))
         return 0
+
+    @property
+    def buffer(self) -> _ClosedStdout:
+        """What takes bytes."""
+        return self
 
 
 class _Nowhere(io.TextIOBase):

@@ -247,6 +247,10 @@ def are_attitude(headers: Sequence[str]) -> list[bool]:
     return [column.name in forms for column in columns(headers)]
 
 
+class AbsentColumn(BadInput):
+    """That a table has no column of a name that was told: ``value``."""
+
+
 class NamedColumn(NamedTuple):
     """The column that a header names, None where it is unknown.
 
@@ -434,9 +438,16 @@ class Naming:
 
     def columns(self, header: Sequence[str]) -> list[NamedColumn]:
         """What the names of a header mean; a column that was told is no other one of the header."""
-        names = {column.name for column in self.meant.values()}
+        names = {column.name for name, column in self.meant.items() if name in header}
         others = [UNKNOWN if column.name in names else column for column in columns(header)]
         return [self.meant.get(name, column) for name, column in zip(header, others, strict=True)]
+
+    def refuse_absent(self, source: str, header: Sequence[str]) -> None:
+        """Raise AbsentColumn for a name that is none of a header."""
+        for name in self.meant:
+            if name not in header:
+                expected = f"a name of its header: {nearest(name, [*header])}"
+                raise AbsentColumn(source, "--columns", name, expected)
 
     def stamp(self, header: Sequence[str]) -> tuple[int, int] | None:
         """The places of a time's whole seconds and of its nanoseconds, as ROS writes them, where no
@@ -477,5 +488,7 @@ def naming(text: str) -> Naming:
             factor = sign * (expression.decimal(by) if by else Fraction(1))
         except ExpressionError as fault:
             raise BadInput("compare", "--columns", item, f"NAME=COLUMN*NUMBER ({fault})") from None
+        if name in meant:
+            raise BadInput("compare", "--columns", item, f"each name once ({name!r} is there)")
         meant[name] = NamedColumn(ours, factor)
     return Naming((), meant)

@@ -226,7 +226,8 @@ def table_of_rows(
 
     Floats, of Python or of an array, say so themselves; other numbers without ``number`` are exact.
     """
-    at = at if at is None or hasattr(at, "dtype") or not isinstance(at, Iterable) else list(at)
+    if isinstance(at, Iterable) and not (hasattr(at, "dtype") or isinstance(at, (str, bytes))):
+        at = list(at)  # an iterator is read once
     times = each("compare", "at", () if at is None else at, _exactly, "a list of times")
     try:
         rows = [list(row) for row in states]
@@ -265,7 +266,7 @@ def table_of_columns(
         if not hasattr(data, "columns"):
             expected = "columns by name, t among them: a DataFrame, not one Series"
             raise BadInput(source, "columns", type(data).__name__, expected)
-        if names.columns([str(data.index.name)])[0].name == "t":
+        if names.columns([*map(str, data.columns), str(data.index.name)])[-1].name == "t":
             data = data.reset_index()
         arrays = {str(name): data[name].to_numpy() for name in data.columns}
     else:
@@ -277,6 +278,7 @@ def table_of_columns(
     if clock is None:
         expected = f"a column t among them, or {NAMING} that names it"
         raise BadInput(source, "columns", ",".join(header), expected)
+    names.refuse_absent(source, [*arrays])
     refuse_names(source, "columns", header, named)
     if number is None:
         both = zip(named, columns, strict=True)
@@ -525,6 +527,7 @@ def read_csv(path: Path, number: NumberType | None, names: Naming) -> Trajectory
         raise BadInput(str(path), "file", None, "a header line that names the columns")
     if names.stamp(header) is None and all(x.name != "t" for x in names.columns(header)):
         raise BadInput(str(path), "header", ",".join(header), _ACCEPTED)
+    names.refuse_absent(str(path), header)
     for line, row in sheet.rows:
         if len(row) != count:
             expected = f"{count} values"
