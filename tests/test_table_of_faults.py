@@ -143,6 +143,8 @@ CALLS = [
     (lambda: polhode.Body.of_moments([1, 1]), "moments"),
     (lambda: polhode.integrate(FREE, at=[0]).save(b"run.npz"), "expected"),
     (lambda: polhode.view(FREE).save(2), "expected"),
+    (lambda: polhode.certify(FREE, at=[1]).save(5), "path = 5: expected the path of a file"),
+    (lambda: polhode.prove_orbits(FREE, digits=201), "digits = 201: expected a whole number, 1 to"),
     (lambda: polhode.load(""), "'': SCENE: expected a path"),
     (lambda: polhode.top(moments=[1, 1, 1], omega=[0, 0, Decimal("1e999999")]), "exponent"),
     (lambda: polhode.integrate("euler/sphere", at=[Decimal("1e999999")]), "exponent"),

@@ -133,7 +133,8 @@ def test_a_bound_is_told_on_its_right_side(small):
     assert "passes within 1.1e-07, in each component" in text
     assert "least period lies within 3.4e-01 of" in text
     assert "a residue within 1.0e+01 of" in text
-    assert "within 1.0e-300 (omega) and 9.9e-40 (gamma) of that point" in text
+    assert "no other orbit of the level passes within 1.0e-300 (omega) and 9.9e-40" in text
+    assert "(gamma) of the point where this one does and has" in text
     assert "a period within 1.0e-50 of this one" in text
 
 

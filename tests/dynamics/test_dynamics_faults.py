@@ -61,6 +61,17 @@ def test_so_many_lines_of_a_real_signal_are_so_many_frequencies(count, sign, tmp
         assert abs(line.amplitude - np.exp(1j * k) / 2) < 1e-6
 
 
+def test_the_last_time_is_told_and_not_the_length(tmp_path):
+    """It was the length."""
+    t = 5 + STEP * np.arange(100)
+    file = sampled(tmp_path / "x.csv", {"t": t, "r": np.cos(t)})
+    run = polhode.integrate("euler/attitude", at=[5 + Fraction(k, 10) for k in range(100)])
+    for source in (file, run):
+        analysis = polhode.frequencies(source, of=["r"])
+        assert analysis.end == pytest.approx(14.9, rel=1e-15)
+        assert "to t = 14.9" in repr(analysis)
+
+
 def test_one_line_of_a_pure_cosine_is_its_frequency(tmp_path):
     t = STEP * np.arange(1000)
     for rate in np.random.default_rng(5).uniform(0.3, 15, 8):

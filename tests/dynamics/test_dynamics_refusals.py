@@ -186,6 +186,8 @@ DOORS = {
         (GENERIC, {"h": -1}, "the least energy at f"),
         (GENERIC, {"by": "p"}, "momentum or height, for a map"),
         (GENERIC, {"tol": 1e-20}, "a tolerance from"),
+        (GENERIC, {"tol": "loose"}, "tol[1] = loose: expected a number"),
+        (GENERIC, {"workers": 0}, "workers = 0: expected a whole number, 1 or more"),
         (GENERIC, {"vary": {"start.omga[1]": [1]}}, "a number of the scene"),
         (
             GENERIC,
@@ -213,6 +215,7 @@ DOORS = {
             "other kind",
         ),
         (GENERIC, {"crossings": 0.5}, "crossings = 0.5: expected a whole number"),
+        (GENERIC, {"workers": 0}, "workers = 0: expected a whole number, 1 or more"),
         (
             "staude/unstable",
             {"starts": "scene"},
@@ -223,7 +226,8 @@ DOORS = {
         ("staude/stable", {}, "start: expected a motion: this is a permanent rotation"),
         ("hess/general", {}, "multiplies errors by"),  # too unstable for double
         (GRIOLI, {"h": -5}, "h = -5: expected above -0.8"),
-        (GRIOLI, {"digits": 0}, "digits = 0: expected a whole number, 1 to 4000"),
+        (GRIOLI, {"digits": 0}, "digits = 0: expected a whole number, 1 to 300"),
+        (GRIOLI, {"digits": 301}, "digits = 301: expected a whole number, 1 to 300"),
         (GRIOLI, {"period": -1}, "period = -1: expected a time above 0"),
         (GRIOLI, {"period": 3}, "start: expected a start nearer to a periodic orbit"),
         (GRIOLI, {"returns": 0}, "returns = 0: expected a whole number, 1 to 1000"),

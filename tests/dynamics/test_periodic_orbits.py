@@ -193,6 +193,8 @@ def test_a_start_on_the_orbit_is_returned_as_it_is_and_the_period_is_the_shortes
     assert float(closed_orbit.period) == pytest.approx(2 * np.pi, rel=1e-15)
     assert closed_orbit.scene.omega == GRIOLI.omega
     assert closed_orbit.scene.gamma[1] == 0
+    with pytest.raises(polhode.BadInput, match="save: path = 5: expected the path of a file"):
+        closed_orbit.save(5)
 
 
 @pytest.mark.slow
@@ -367,6 +369,8 @@ def test_a_search_finds_orbits_that_close(monkeypatch):
     assert len(pairs) == len(search.orbits)  # of this body no two are alike
     kinds = {point.kind for point in search.orbits}
     assert kinds == {"elliptic", "hyperbolic"}  # islands have both (Poincare, Birkhoff)
+    with pytest.raises(polhode.BadInput, match=r"digits = 20\.5: .*, 1 to 300"):
+        search.orbit(0, digits=20.5)
 
 
 def test_a_family_that_cannot_be_followed_ends_with_code_3(monkeypatch, capsys):

@@ -107,6 +107,16 @@ def test_exponents_are_those_of_lyapunov():
         assert found["lyapunov growth"][k] == pytest.approx(one.growth, abs=1e-8)
 
 
+@pytest.mark.parametrize(("case", "end"), [("euler/separatrix", 200), ("staude/unstable", 200)])
+def test_exponents_of_known_motions_are_those_of_lyapunov(case, end):
+    """They were of the neighbour that doubles follow, once the motion itself is lost."""
+    scene = polhode.load(case).at([end])
+    found = polhode.reduce_many(scene, {"start.psi": [0]}, "lyapunov")
+    one = polhode.lyapunov(scene, end)
+    numbers = (one.exponent, one.uncertainty, one.growth)
+    assert tuple(found[name][0] for name in found.names) == numbers
+
+
 def exponents_of_chaotic_members_scatter_as_their_uncertainties_say():
     """By blocks of one motion's time alone they were two thirds of it, and most of them less."""
     scene = polhode.load("general/asymmetric-chaotic").at([2000])

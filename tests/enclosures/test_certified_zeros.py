@@ -310,6 +310,28 @@ def test_backward_events_rise_as_time_grows() -> None:
     assert {event.slope for event in events.times} == {1}
 
 
+@pytest.mark.parametrize("direction", ["any", "rising", "falling"])
+@pytest.mark.parametrize("end", [40, -40])
+def test_events_of_each_direction_are_those_of_the_run(direction: str, end: int) -> None:
+    """Backward, flips that rise and flips that fall were exchanged."""
+    body = Body.of_moments((1, 3, 2))
+    events = (Event("flip", "", direction), Event("e", "q - 1/4", direction))
+    scene = Scene(body, ("1/100", "1/50", 1), (0, 0, 1), times=(end,), events=events)
+    of_run = polhode.integrate(scene).events
+    for mine, theirs in zip(certify_events(scene), of_run, strict=True):
+        assert mine.proven
+        assert [event.slope for event in mine.times] == [*theirs.signs] != []
+        for event, time in zip(mine.times, theirs.times, strict=True):
+            assert abs(event.time - exactly(time)) < Fraction(1, 10**9)
+
+
+def test_a_flip_needs_a_middle_axis() -> None:
+    """It was proved of the axis that came second in a sorted list."""
+    scene = replace(polhode.load("euler/prolate"), events=(Event("flip"),))
+    with pytest.raises(polhode.BadInput, match=r"events.name = flip: .* three different moments"):
+        certify_events(scene, end=30)
+
+
 @pytest.mark.parametrize("rounds", tiers([], [3]))
 def test_random_events_are_heyokas(rounds: int) -> None:
     """Each zero found is one of heyoka's in a random scene, and none is missing."""

@@ -73,7 +73,7 @@ WORKS = {
     "orbit-search": "orbits C --grid 12x12 --pick 1",
     "prove": "prove orbits C --grid 12x12",
     "prove-digits": "prove orbit grioli/precession --digits 200",
-    "orbit-digits": "orbit grioli/precession --digits 400",
+    "orbit-digits": "orbit grioli/precession --digits 300",
     "orbit-period": "orbit R --period 1e9",
     "orbit-family": "family grioli/precession --by h --to 50 -o x.npz",
     "order": "order given.csv given.csv given.toml --steps 2,1",

@@ -187,6 +187,13 @@ def test_a_refused_proof_leaves_nothing(tmp_path, capsys):
     assert "not isolated" in err
 
 
+def test_a_file_whose_kind_is_no_text_is_not_replaced(tmp_path, refusal):
+    """It was a traceback."""
+    (tmp_path / "x.json").write_text('{"kind": []}')
+    err = refusal("prove", "orbit", "grioli/precession", "-o", "x.json")
+    assert "a new file, or a certificate's" in err
+
+
 @pytest.mark.slow
 def test_a_search_is_proved_orbit_by_orbit():
     case = "general/asymmetric-regular"

@@ -153,6 +153,18 @@ def test_an_orbit_that_is_known_too_badly_is_proved_anew():
     assert agrees(proved.twist, KNOWN["regular"][1], 8)
 
 
+def test_a_theorem_stays_where_its_orbit_is_not_proved_to_more_digits(monkeypatch):
+    def refuse(*_, **__):
+        raise polhode.NotProved("to so many digits")
+
+    rough = polhode.prove_orbit(NAME, stable_start(), digits=12)
+    monkeypatch.setattr(module, "prove_orbit", refuse)
+    proved = polhode.prove_stability(rough)
+    assert proved.orbit is rough
+    assert agrees(proved.twist, KNOWN["regular"][1], 1)
+    assert not agrees(proved.twist, KNOWN["regular"][1], 8)
+
+
 # -- refusals -------------------------------------------------------------------------------------
 
 
@@ -235,9 +247,11 @@ def test_jets_that_would_take_hours_are_none(monkeypatch):
     assert refusal(orbit()).endswith("bits are too many; try a shorter orbit")
 
 
-def test_an_orbit_that_is_proved_comes_alone():
+@pytest.mark.parametrize("option", [{"h": 3}, {"digits": 60}])
+def test_an_orbit_that_is_proved_comes_alone(option):
+    """Of digits nothing came."""
     with pytest.raises(BadInput, match="nothing else with an orbit that is proved"):
-        polhode.prove_stability(orbit(), h=3)
+        polhode.prove_stability(orbit(), **option)
 
 
 def test_a_certificate_is_what_the_checker_reads(tmp_path):
@@ -245,6 +259,8 @@ def test_a_certificate_is_what_the_checker_reads(tmp_path):
     assert certificate["kind"] == "stability"
     assert (certificate["jet_bits"], certificate["weight_bits"]) == (96, 10)
     assert {"rotation", "twist"} < {*certificate["statement"]}
+    with pytest.raises(BadInput, match="save: path = 5: expected the path of a file"):
+        stability().save(5)
     stability().save(tmp_path / "x.csv")
     again = polhode.load_result(tmp_path / "x.csv")
     assert again.to_json() == stability().to_json()

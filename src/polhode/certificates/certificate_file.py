@@ -54,7 +54,8 @@ def refuse_another(path: str | Path) -> None:
         there = json.loads(place.read_text(encoding="utf-8"))
     except (OSError, *UNREADABLE):
         there = None
-    if not isinstance(there, dict) or there.get("kind") not in verify.KINDS:
+    kinds = [*verify.KINDS]  # in which a list, too, can be looked for
+    if not isinstance(there, dict) or there.get("kind") not in kinds:
         expected = "a new file, or a certificate's (there is another, perhaps that of a table)"
         raise BadInput(str(place), "file", None, expected)
 

@@ -930,8 +930,9 @@ def orbit(certificate: object, tell: Tell | None = None) -> list[str]:
 class Zero(NamedTuple):
     """The zero of F: state, period and residue as balls, in the scene's units.
 
-    ``alone``: how far in omega, gamma and period no other orbit passes; ``repeated``: why the
-    period may not be the least one, empty where it is; ``run``: what proved it.
+    ``alone``: how far from it in omega, gamma and period no other orbit of the level passes;
+    ``repeated``: why the period may not be the least one, empty where it is; ``run``: what proved
+    it.
     """
 
     start: list[arb]
@@ -1172,8 +1173,8 @@ def _orbit_lines(claim: Orbit, scene: Scene) -> list[str]:
         f"{word} lies within {rounded_up(claim.period[1])} of {about(claim.period)}; it is "
         f"{claim.kind} on its level, with a residue within {rounded_up(claim.residue[1])} of "
         f"{about(claim.residue)}",
-        f"no other orbit passes within {omega} (omega) and {gamma} (gamma) of that point and has a "
-        f"period within {period} of this one",
+        f"no other orbit of the level passes within {omega} (omega) and {gamma} (gamma) of the "
+        f"point where this one does and has a period within {period} of this one",
     ]
 
 

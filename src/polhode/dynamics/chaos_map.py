@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from polhode.common.arguments import cells, each, with_progress
+from polhode.common.arguments import cells, each, whole, with_progress
 from polhode.common.checkpoint import JobCheckpoint
 from polhode.common.errors import BadInput, counted
 from polhode.common.interrupts import Progress
@@ -40,7 +40,7 @@ from polhode.equations.section_functions import HEIGHT, MOMENTUM
 from polhode.equations.terms import NAMES
 from polhode.judging.tables.table_file import read_starts
 from polhode.motion.frame import Frame
-from polhode.numbers.conversion import TIME, reader, to_double
+from polhode.numbers.conversion import TIME, exact_number, reader, to_double
 from polhode.numbers.exact import ZERO, Exact
 from polhode.numbers.number_types import AnyNumber, Doubles, Integers
 from polhode.results.result import Result
@@ -369,6 +369,8 @@ def chaos_map(
     from polhode.taylor import variations
 
     scene = library.load(scene, takes=REQUESTS)
+    if workers is not None:
+        workers = whole(scene.name, "workers", workers, 1)
     frame = Frame.of(scene)
     unit, default = float(frame.unit), frame.time_outside(Fraction(END))
     last_time = default if end is None else end
@@ -376,8 +378,11 @@ def chaos_map(
     length = to_double(last) / unit
     if not 0 < length < MOST:
         raise BadInput(scene.name, "end", to_double(last), f"a time above 0, below {MOST * unit:g}")
-    if tol is not None and not 2.0**-52 <= tol <= 1e-3:
-        raise BadInput(scene.name, "tol", tol, "a tolerance from 2.2e-16 to 1e-3")
+    if tol is not None:
+        (tolerance,) = each(scene.name, "tol", (tol,), exact_number, "a number")
+        tol = to_double(tolerance)
+        if not 2.0**-52 <= tol <= 1e-3:
+            raise BadInput(scene.name, "tol", tol, "a tolerance from 2.2e-16 to 1e-3")
     looks = LEAST_LOOKS * max(1, int(np.ceil(length / LOOK / LEAST_LOOKS)))
 
     def forecast(many: int, more_than: str = "") -> None:

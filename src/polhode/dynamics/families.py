@@ -153,7 +153,7 @@ class OrbitFamily(Result, ByValue):
         return not self.interrupted and not self.ended.startswith(LOST)
 
     def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
-        """The k-th point's orbit to ``digits`` digits, on exactly the level of its doubles."""
+        """The k-th point's orbit on exactly the level of its doubles, to 300 digits at most."""
         value = exactly(getattr(self.points[k], self.by))
         return completed(self.surface.at(self.by, value), self.members[k].orbit, digits)
 
@@ -383,7 +383,7 @@ class OrbitSearch(Result, ByValue):
         ]
 
     def orbit(self, k: int, digits: int = DIGITS) -> Orbit:
-        """The k-th orbit to ``digits`` digits."""
+        """The k-th orbit to ``digits`` digits, at most 300."""
         return completed(self.surface, self.closed[k], digits)
 
 

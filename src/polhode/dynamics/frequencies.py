@@ -122,7 +122,7 @@ class Frequencies(Result, ByValue):
         )
 
     def facts(self) -> list[Fact]:
-        """Of what motion, how long it was followed, and which frequencies are known."""
+        """Of what motion, to which time, and which frequencies are known."""
         columns = [
             text_column("name", [*self.known]),
             Column("frequency", [*self.known.values()]),
@@ -260,7 +260,8 @@ def _of_run(run: Trajectory, names: tuple[str, ...], count: int) -> Frequencies:
     for name, x in closed.frequencies.items():
         rates |= {f"{name}/2": float(x) / 2} if name in half else {name: float(x)}
     signals = {name: _signal(scene.name, name, columns, scene) for name in names}
-    result = _lines_of(scene.name, signals, step, count, rates, scene.provenance())
+    last, origin = to_double(run.times[-1]), scene.provenance()
+    result = _lines_of(scene.name, signals, step, last, count, rates, origin)
     result = replace(result, rates_of=closed.rates_of)
     listed = scene.output_times.floats is not None  # which a text would hold one by one
     return result if listed else replace(result, scene=scene)
@@ -286,7 +287,8 @@ def _of_table(table: TrajectoryTable, of: Sequence[str] | None, count: int) -> F
         )
         raise BadInput(table.name, key, None, f"{expected} (row {row + 1} has none)")
     signals = {name: _signal(table.name, name, columns, None) for name in names}
-    return _lines_of(table.name, signals, step, count, {}, provenance(table.name))
+    last, origin = to_double(table.times[-1]), provenance(table.name)
+    return _lines_of(table.name, signals, step, last, count, {}, origin)
 
 
 def _columns(name: str) -> tuple[str, ...]:
@@ -331,6 +333,7 @@ def _lines_of(
     name: str,
     signals: Mapping[str, Any],
     step: Spacing,
+    last: float,
     count: int,
     rates: dict[str, float],
     origin: Mapping[str, Any],
@@ -354,7 +357,7 @@ def _lines_of(
     n = len(next(iter(signals.values())))
     return Frequencies(
         name,
-        step.step * (n - 1),
+        last,
         n,
         lines,
         rates,

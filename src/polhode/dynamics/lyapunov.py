@@ -167,7 +167,7 @@ MOVED = tuple(1 + APART * k for k in range(1, NEIGHBOURS + 1))  # times the star
 CLOSE = 8.0  # units of time at most between two looks at all tangents together
 TANGENT = 0.6, -0.5, 0.4, 0.3, 0.2, -0.3  # along no axis
 _POWER = "nearby motions separate no faster than a power of t"
-_DOUBLES_TRUE = 12 * math.log(10)  # ln of the growth up to which a double follows the motion
+DOUBLES_TRUE = 12 * math.log(10)  # ln of the growth up to which a double follows the motion
 
 
 @dataclass(frozen=True, repr=False)
@@ -317,7 +317,7 @@ def lyapunov(
     for size in followed(start, last):
         sizes.append(size)
         looks = len(sizes) - 1
-        if closed and not still and looks < BLOCKS * LOOKS and size - sizes[0] > _DOUBLES_TRUE:
+        if closed and not still and looks < BLOCKS * LOOKS and size - sizes[0] > DOUBLES_TRUE:
             # as far as it is this motion
             return lyapunov(scene, last * looks / (BLOCKS * LOOKS) * unit, max_steps, spectrum)
     reached = abs(last) * (len(sizes) - 1) / (BLOCKS * LOOKS)

@@ -188,7 +188,7 @@ def _refuse_still(on: LevelBody, state: Doubles) -> None:
 
 # --- more digits ----------------------------------------------------------------------------------
 #
-# A closed orbit in double carried on to any number of digits.
+# A closed orbit in double carried on to many digits.
 #
 # The chord method: the ten residuals in a type wide enough, by the six equations alone, and
 # corrections by the inverse that is known in double. A correction gains about ten digits. How far

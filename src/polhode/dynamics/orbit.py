@@ -1,4 +1,4 @@
-"""Periodic orbits of omega and gamma to any number of digits, and what tells their stability."""
+"""Periodic orbits of omega and gamma to many digits, and what tells their stability."""
 
 from __future__ import annotations
 
@@ -11,14 +11,21 @@ from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 
-from polhode.common.arguments import each, refuse_unknown, whole, with_options, with_progress
+from polhode.common.arguments import (
+    each,
+    of_kind,
+    refuse_unknown,
+    whole,
+    with_options,
+    with_progress,
+)
 from polhode.common.errors import BadInput, counted
 from polhode.common.files import check_writable, refuse_foreign, write_whole
 from polhode.common.interrupts import Message
 from polhode.common.values import ByValue
 from polhode.dynamics import newton_shooting as newton
 from polhode.dynamics.level_body import LevelBody, level_of
-from polhode.numbers import exact, number_types
+from polhode.numbers import exact
 from polhode.numbers.conversion import TIME, exactly, reader, to_double, to_mpf
 from polhode.numbers.decimals import decimal_string, in_full, shown
 from polhode.numbers.exact import ZERO, Exact, sign
@@ -157,7 +164,7 @@ def report(orbit: Orbit) -> str:
 
 
 def _advance(orbit: Orbit) -> str:
-    error = orbit.psi_error  # 0 beyond the range of doubles
+    error = orbit.psi_error  # 0 where the decimals are the orbit's own
     digits = math.floor(-math.log10(error)) if error else orbit.digits - 2
     places = min(orbit.digits, digits)
     if orbit.psi is None or places < 1:
@@ -210,6 +217,7 @@ def _sure_digits(x: Fraction, error: float, most: int) -> str:
 
 
 DIGITS = 15
+MOST_DIGITS = 300  # whose errors doubles hold
 RETURNS = 10
 MOST_RETURNS = 1000
 FARTHER = 3.0  # times a guess: the longest period that it may lead to
@@ -357,6 +365,7 @@ class Orbit(Result, ByValue):
         BadInput
             A place that cannot be written to.
         """
+        of_kind("save", "path", path, (str, Path), "the path of a file")
         if Path(path).suffix.lower() not in (".toml", ""):  # "-" is stdout
             super().save(path)
             return
@@ -414,7 +423,7 @@ def orbit(scene: Scene | str | Path, digits: int = DIGITS, **near: Unpack[NearOr
     scene : Scene, str or Path
         A scene, a path, or the name of a case.
     digits : int
-        The correct digits of start and period (15).
+        The correct digits of start and period (15, at most 300).
 
     Returns
     -------
@@ -439,7 +448,7 @@ def orbit(scene: Scene | str | Path, digits: int = DIGITS, **near: Unpack[NearOr
     refuse_unknown("orbit", orbit, near)
     period, returns = near.get("period"), near.get("returns")
     scene = library.load(scene, takes=REQUESTS)
-    digit_count = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
+    digit_count = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
     most = RETURNS if returns is None else whole(scene.name, "returns", returns, 1, MOST_RETURNS)
     if scene.gamma is not None:
         own = LevelBody.of(scene)
@@ -527,6 +536,7 @@ def completed(
     unless given.
     """
     name = on.scene.name
+    digits = whole(name, "digits", digits, 1, MOST_DIGITS)
     near = orbit.state if guess is None else np.array([to_double(x) for x in guess])
     try:
         fine = newton.refined(on, orbit, digits, guess, progress)

@@ -389,8 +389,11 @@ def _first(
 
 
 def _exponents(of: Exponents, time_exponent: int, stop: StopRequest | None) -> Reduced:
-    """As :func:`polhode.lyapunov` tells them: those of chaotic members with their neighbours'."""
+    """As :func:`polhode.lyapunov` tells them.
 
+    Those of chaotic members with their neighbours'; of known motions that doubles cannot follow by
+    that function itself.
+    """
     job = of.job
     tangents = variations.solve(job, stop)
     fits = np.full((3, len(job.starts)), np.nan)
@@ -405,6 +408,15 @@ def _exponents(of: Exponents, time_exponent: int, stop: StopRequest | None) -> R
     if chaotic:
         fits[1, chaotic] = _scatter(job, np.array(chaotic), fits[0, chaotic], stop)
     fits[:2] = np.ldexp(fits[:2], -time_exponent)
+    grown = tangents.sizes.max(axis=1) - tangents.sizes[:, 0] > lyapunov.DOUBLES_TRUE
+    end = Fraction(job.end) * Fraction(2) ** time_exponent
+    for k in np.flatnonzero(whole & grown).tolist():
+        if stop is not None and stop():
+            break
+        member = of.members[int(of.group[k])]
+        if k not in chaotic and lyapunov.is_known(member):
+            known = lyapunov.lyapunov(member, end)
+            fits[:, k] = known.exponent, known.uncertainty, known.growth
     outcomes = np.where(whole, code(Outcome.REACHED_END), code(Outcome.NON_FINITE))
     names = Reduction(LYAPUNOV).names(())
     return Reduced(outcomes, np.zeros(len(whole), np.int64), dict(zip(names, fits, strict=True)))

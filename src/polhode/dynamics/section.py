@@ -418,6 +418,8 @@ def section(
 
     scene = library.load(scene, takes=REQUESTS)
     refuse_other_rounding(scene)
+    if workers is not None:
+        workers = whole(scene.name, "workers", workers, 1)
     plan, cut = scene.section, cut_of(scene, by, extremum, h, f)
     count = plan.crossings if crossings is None else crossings
     count = whole(scene.name, "crossings", count, 1, MOST_CROSSINGS)

@@ -43,7 +43,7 @@ from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import AnyNumber, Functions
 from polhode.numbers.polynomials import middle
 from polhode.scenes import library
-from polhode.scenes.scene import Event, Scene
+from polhode.scenes.scene import Event, Scene, middle_axis
 from polhode.scenes.vocabulary import COLUMNS, STATE
 
 _MOST_TRIES, _TRIES_OF_EVENTS = 6, 4
@@ -433,14 +433,16 @@ def _time(time: arb, by: Fraction, slope: int, row: Sequence[arb], bits: int) ->
 
 
 def of_event(motion: ExactMotion, n: int, event: Event) -> Polynomial:
-    """What vanishes, as a polynomial in the proof's variables; raises BadInput."""
+    """What vanishes, of the scene's own sign, as a polynomial in the proof's variables.
+
+    Raises BadInput.
+    """
     scene = motion.scene
-    text = event.expression
+    text, unit = event.expression, 1 / motion.unit_outside
     key = f"events[{n + 1}].zero"
     if text is None:  # w along the middle principal axis
-        return variable(sorted(range(3), key=lambda i: motion.moments[i])[1])
+        return variable(middle_axis(scene)) * unit
     rows = scene.body.axes.rows
-    unit = 1 / motion.unit_outside
     columns = {}
     for k, name in enumerate(STATE):
         part, i = divmod(k, 3)

@@ -10,6 +10,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
+from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, counted
 from polhode.common.interrupts import Progress
 from polhode.common.values import ByValue, cached_property
@@ -319,6 +320,7 @@ class Enclosure(Result, ByValue):
             What has no certificate: irrational times or times of both signs, a scene without
             gamma.
         """
+        of_kind("save", "path", path, (str, Path), "the path of a file")
         if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
             super().save(path)
             return

@@ -461,11 +461,13 @@ def prove_orbits(
     >>> found.column("proven"), found.proofs[0].kind
     ([True], 'elliptic')
     """
-    search = orbit_search(library.load(scene, takes=REQUESTS), grid, crossings, h, f, progress)
+    scene = library.load(scene, takes=REQUESTS)
+    digit_count = whole(scene.name, "digits", digits, 1, MOST_DIGITS)
+    search = orbit_search(scene, grid, crossings, h, f, progress)
     proofs: list[ProvedOrbit | NotProved] = []
     for orbit in search.closed:
         try:
-            proofs.append(theorem_of(search.surface, orbit, digits))
+            proofs.append(theorem_of(search.surface, orbit, digit_count))
         except NotProved as why:
             proofs.append(why)
     return ProvedOrbits(search, tuple(proofs))

@@ -147,7 +147,7 @@ Prover = Callable[[int], ProvedOrbit]
 def prove_stability(
     scene: Scene | str | Path | ProvedOrbit,
     orbit: Orbit | Scene | str | Path | None = None,
-    digits: int = DIGITS,
+    digits: int | None = None,
     **near: Unpack[NearOrbit],
 ) -> ProvedStability:
     """Prove that a periodic orbit is stable for all time, by Moser's theorem.
@@ -156,11 +156,11 @@ def prove_stability(
     ----------
     scene : Scene, str, Path or ProvedOrbit
         A scene, a path, or the name of a case: its body, and the level unless that is given.  Or an
-        orbit that :func:`polhode.prove_orbit` proved.
+        orbit that :func:`polhode.prove_orbit` proved, with nothing beside it.
     orbit : Orbit, Scene, str or Path, optional
         A guess: an orbit of the scene's body, as :func:`polhode.orbit` gives it, or a scene that
         ends after one period.  Without one, an orbit near the scene's start is searched for.
-    digits : int
+    digits : int, optional
         The digits wanted of start and period (30, at most 200).
 
     Returns
@@ -191,12 +191,14 @@ def prove_stability(
     start: Scene | str | Path
     if isinstance(scene, ProvedOrbit):
         first, start = scene, scene.scene
-        if orbit is not None or any(x is not None for x in near.values() if x is not progress):
+        options = (orbit, digits, *(x for x in near.values() if x is not progress))
+        if any(x is not None for x in options):
             expected = "nothing else with an orbit that is proved"
             raise BadInput(first.scene.name, "scene", None, expected)
         orbit, near = first.near, NearOrbit(h=first.h, f=first.f)
     else:
-        first, start = prove_orbit(scene, orbit, digits, **near), scene
+        first = prove_orbit(scene, orbit, DIGITS if digits is None else digits, **near)
+        start = scene
 
     def prove(places: int) -> ProvedOrbit:
         return prove_orbit(start, orbit, places, **near)
@@ -273,7 +275,12 @@ def _proof_of(
             break
         digits = math.ceil(orbit.digits + missing) + _MORE
         if BITS_A_DIGIT * orbit.digits < guide.jet_bits and digits <= MOST_DIGITS:
-            orbit = prove(digits)
+            try:
+                orbit = prove(digits)
+            except NotProved:
+                if best is None:
+                    raise
+                break
             zero = by_checker(verify.zero_near, json.loads(orbit.certificate))
         else:
             bits = guide.jet_bits + math.ceil(BITS_A_DIGIT * missing) + _SPARE

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from polhode.common.arguments import of_kind
 from polhode.results.result import Result
 
 
@@ -37,6 +38,7 @@ class Theorem(Result):
         BadInput
             A file that cannot be written.
         """
+        of_kind("save", "path", path, (str, Path), "the path of a file")
         if Path(path).suffix.lower() not in (".json", ""):  # "-" is stdout
             super().save(path)
             return

@@ -104,6 +104,16 @@ def check_event(event: Event, scene: str, key: str) -> None:
             raise BadInput(scene, f"{key}.{word}", event.expression, expected) from None
 
 
+def middle_axis(scene: Scene) -> int:
+    """The principal axis of the moment between the other two; raises BadInput."""
+    moments = scene.body.moments
+    order = sorted(range(3), key=lambda i: moments[i])
+    if moments[order[0]] == moments[order[1]] or moments[order[1]] == moments[order[2]]:
+        expected = "a body with three different moments"
+        raise BadInput(scene.name, "events.name", vocabulary.FLIP, expected)
+    return order[1]
+
+
 # --- output times ---------------------------------------------------------------------------------
 #
 # Output times, exact: evenly spaced, or listed.

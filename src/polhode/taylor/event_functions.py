@@ -20,8 +20,7 @@ from polhode.numbers.exact import ZERO, Number, sign
 from polhode.numbers.expression import Algebra, ExpressionError
 from polhode.numbers.number_types import DOUBLE, Array, Flat, Functions, Indices, NumberType, Scalar
 from polhode.numbers.vectors import dot
-from polhode.scenes.scene import Event, Scene
-from polhode.scenes.vocabulary import FLIP
+from polhode.scenes.scene import Event, Scene, middle_axis
 from polhode.taylor import heyoka
 from polhode.taylor.heyoka import (
     EXPRESSIONS,
@@ -245,15 +244,6 @@ def sign_at_start(scene: Scene, k: int) -> int:
     if sign(value) == 0 and identically_zero(event.expression, names):
         raise bad("an expression that is not zero everywhere")
     return sign(value)
-
-
-def middle_axis(scene: Scene) -> int:
-    """The principal axis of the moment between the other two."""
-    moments = scene.body.moments
-    order = sorted(range(3), key=lambda i: moments[i])
-    if moments[order[0]] == moments[order[1]] or moments[order[1]] == moments[order[2]]:
-        raise BadInput(scene.name, "events.name", FLIP, "a body with three different moments")
-    return order[1]
 
 
 def size_of(scene: Scene, event: Event) -> Size:

@@ -18,7 +18,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ZERO, Number, sign
 from polhode.numbers.number_types import Array, Booleans, Functions, NumberType, Scalar, read_only
-from polhode.scenes.scene import Event, Scene
+from polhode.scenes.scene import Event, Scene, middle_axis
 from polhode.taylor import event_decision, event_functions
 from polhode.taylor.engine import CLOCK, TINY, Desk, Engine
 from polhode.taylor.event_decision import Decision, End, Happenings, Places, at_the_end, places
@@ -115,7 +115,7 @@ class Rules:
         form, events = equations(scene), scene.events
         self.still, self.width = still, len(form.variables)
         turn = [str(scalar(x, number)) for row in form.frame.axes.rows for x in row]
-        zeros = [event.expression or event_functions.middle_axis(scene) for event in events]
+        zeros = [event.expression or middle_axis(scene) for event in events]
         self.key = (*zeros,), form.frame.exponent, (*turn,)
         self.start = [event_functions.sign_at_start(scene, k) for k in range(len(scene.events))]
         eps = max(number.eps, tolerance or ZERO)

@@ -182,7 +182,7 @@ ROWS = (
     ),
     Verb(
         *("orbit", "polhode.dynamics.orbit", "orbit", "Orbit"),
-        "the periodic orbit near a start to any number of digits, and its stability",
+        "the periodic orbit near a start to up to 300 digits, and its stability",
         "grioli/precession --digits 20",
         notes="orbit",
         own=(".toml",),

@@ -349,7 +349,7 @@ def orbits(
         The number of one orbit of the list, which is then computed as polhode orbit does; -o x.toml
         its start as a scene.
     digits : int, optional
-        With --pick, the correct digits of start and period (15).
+        With --pick, the correct digits of start and period (15, at most 300).
     progress : callable, optional
         Called with a line of text now and then.
     """
