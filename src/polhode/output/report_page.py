@@ -138,7 +138,7 @@ class ReportPage:
         self.svgs: dict[str, str] = {}
         self.draws = False
         with suppress(BadInput):
-            canvas.pyplot()
+            canvas.pyplot(own=False)
             self.draws = True
 
     def heading(self, level: int, text: str, anchor: str = "") -> None:
