@@ -111,7 +111,7 @@ def _run(scene: polhode.Scene, reference: polhode.Reference, name: str) -> dict[
             },
             "projection": projection(run),
             "refined": _refined(run, judged) if name == "quad" else None,
-            "reference_digits": None if reference.is_closed_form else round(reference.agreement, 1),
+            "reference_digits": None if reference.is_closed_form else round(judged.agreement, 1),
         }
     return row
 

@@ -44,7 +44,7 @@ from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS, REQUESTS
 
 if TYPE_CHECKING:
-    from polhode.enclosures.result import EnclosedPart, Enclosure
+    from polhode.enclosures.result import Enclosure
     from polhode.numbers.double_double import Pairs
 
 BACKENDS = ("flint", "mpmath", "certified")
@@ -73,7 +73,7 @@ class Reference(Storable):
     a closed form alone can tell, an enclosure tells None.
 
     ``agreement``: the accuracy in digits: inf of a closed form; of an enclosure the digits proven
-    for the last request of states, at its worst time, nan before the first.  ``backend``: its word
+    for the last request, at its worst time, nan before the first.  ``backend``: its word
     in :func:`polhode.reference`.  ``encloses_attitude``: whether attitude and angles are proven by
     an enclosure.  ``is_dear``: whether of a table of very many rows only some are judged.
 
@@ -177,14 +177,6 @@ class Reference(Storable):
         times = _times(self.scene, times)
         space = self.column("hodographs", times, digits)
         return Hodographs([row[:3] for row in self.at(times, digits)], space)
-
-    def agreement_of(self, word: str, times: Sequence[Exact], digits: int) -> float:
-        """The accuracy in digits of rows that were asked for: inf of a closed form.
-
-        Of an enclosure the digits proven, at the worst time.
-        """
-        del word, times, digits
-        return self.agreement
 
     def pairs(self, word: str, times: Sequence[Exact], digits: int) -> Pairs | None:
         """Many rows of ``word``, "at" or "attitude", each number the sum of two doubles.
@@ -332,8 +324,7 @@ class ProofLimits(NamedTuple):
 class EnclosureReference(Reference):
     """Balls that contain the exact motion of any scene, and their midpoints.
 
-    ``agreement`` holds the digits proven for the last request of states, at its worst time; if
-    states were never asked for, of the last attitude or angles.
+    ``agreement`` holds the digits proven for the last request, at its worst time.
     """
 
     backend = "certified"
@@ -350,7 +341,7 @@ class EnclosureReference(Reference):
     def __init__(self, scene: Scene, limits: ProofLimits) -> None:
         super().__init__(scene, "certified", kind_of_body(scene.body))
         self._limits, self._began = limits, time.monotonic()
-        self.agreement, self._has_states = math.nan, False
+        self.agreement = math.nan
         self._proofs: list[tuple[tuple[str, ...], list[Exact], Enclosure]] = []
 
     def result(self) -> Enclosure:
@@ -363,19 +354,14 @@ class EnclosureReference(Reference):
             raise BadInput(self.scene.name, "start.gamma", None, "a unit vector, for an attitude")
         enclosure = self._enclosure(() if word == "at" else (word,), times, digits)
         if word == "at":
-            self.agreement, self._has_states = enclosure.proven, True
+            self.agreement = enclosure.proven
             return [[*row] for row in enclosure.midpoints]
-        part = _part_of(enclosure, word)
-        if not self._has_states:
-            self.agreement = min(part.digits)
+        part = enclosure.attitude if word == "attitude" else enclosure.angles
+        assert part is not None
+        self.agreement = min(part.digits)
         if word == "angles":
             self._refuse_lost(enclosure)
         return part.midpoints(enclosure.noise + 128)
-
-    def agreement_of(self, word: str, times: Sequence[Exact], digits: int) -> float:
-        """The digits proven of rows that were asked for, at their worst time."""
-        enclosure = self._enclosure(() if word == "at" else (word,), times, digits)
-        return enclosure.proven if word == "at" else min(_part_of(enclosure, word).digits)
 
     def _enclosure(
         self, outputs: tuple[str, ...], times: Sequence[Exact], digits: int
@@ -413,13 +399,6 @@ class EnclosureReference(Reference):
         since = ", ".join(f"{t:.6g}" for t in enclosure.lost)
         expected = f"a motion that keeps away from the poles: psi and phi are lost at t = {since}"
         raise NoAnswer(self.scene.name, "angles", None, expected)
-
-
-def _part_of(enclosure: Enclosure, word: str) -> EnclosedPart:
-    """The attitude or the angles, which were asked for."""
-    part = enclosure.attitude if word == "attitude" else enclosure.angles
-    assert part is not None
-    return part
 
 
 # --- textbook -------------------------------------------------------------------------------------

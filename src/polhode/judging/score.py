@@ -191,8 +191,8 @@ class Comparison:
 
     ``subject``: the table.  ``selected``: the rows that are judged, None for all of them;
     ``judged``: the table of these.  ``progress``: told of the reference's rows.  ``answers``: its
-    answers, or why there is none, by the question and the digits asked for.  ``digits_asked``: of
-    the answer that each question had here last.
+    answers, or why there is none, by the question and the digits asked for.  ``agreements``: the
+    accuracy in digits of the last answer to each question.
     """
 
     subject: TrajectoryTable
@@ -201,7 +201,7 @@ class Comparison:
     selected: RowSelection | None = None
     progress: Progress | None = None
     answers: dict[tuple[str, int], Answer | ValueError] = field(default_factory=dict)
-    digits_asked: dict[str, int] = field(default_factory=dict)
+    agreements: dict[str, float] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -215,8 +215,10 @@ class Comparison:
         selected = selection(subject, reference)
         judged = subject if selected is None else subject.some(selected.rows)
         same = earlier and earlier.reference is reference and earlier.judged.times == judged.times
-        answers = earlier.answers if earlier and same else {}
-        return cls(subject, reference, judged, selected, progress, answers)
+        answers, agreements = (
+            (earlier.answers, earlier.agreements) if earlier and same else ({}, {})
+        )
+        return cls(subject, reference, judged, selected, progress, answers, agreements)
 
     @property
     def digits_wanted(self) -> int:
@@ -243,16 +245,13 @@ class Comparison:
         answer = answers[question, digits]
         if isinstance(answer, ValueError):
             raise answer
-        self.digits_asked[question] = digits
         return answer
 
     @property
     def agreement(self) -> float:
         """The accuracy in digits of these answers: of the states, else of the attitude."""
-        for question in ("at", "attitude"):
-            if (digits := self.digits_asked.get(question)) is not None:
-                return self.reference.agreement_of(question, self.judged.times, digits)
-        return math.inf if self.reference.is_closed_form else math.nan
+        whole = math.inf if self.reference.is_closed_form else math.nan
+        return self.agreements.get("at", self.agreements.get("attitude", whole))
 
     def _together(
         self, questions: Sequence[str], digits: int, is_proof: bool
@@ -274,6 +273,7 @@ class Comparison:
                         pairs = self.reference.pairs(name, piece, digits) if in_pairs else None
                         ask = getattr(self.reference, name)
                         pieces[name].append(ask(piece, digits) if pairs is None else pairs)
+                        self.agreements[name] = self.reference.agreement
                 except ValueError as fault:  # BadInput is one
                     faults[name] = fault
             if self.progress is not None and size < count:

@@ -381,8 +381,27 @@ class _Identity:
 _OF_ANY_TIMES = ("identity", "log10_rate", "time_unit", "modelled")
 _OF_TIMES = ("text",)
 #: The fields by which a scene's text tells its motion, and the bits that tell irrational numbers.
-_MOTION = ("body", "omega", "gamma", "psi")
+MOTION_FIELDS = ("body", "omega", "gamma", "psi")
 _BITS = 4096
+
+
+class SceneText(str):
+    """The text of a scene file, and what the reader had of it.
+
+    ``tables``: those of TOML, not to be written to.  ``values``: what became of them, by the
+    scene's fields.  A scene that was changed since has the text still, and other values.
+    """
+
+    tables: dict[str, Any]
+    values: dict[str, Any]
+
+    def tells(self, scene: Scene, *fields: str) -> bool:
+        """Whether these fields of a scene, by default all, are still what the text says."""
+        names = fields or tuple(self.values)
+        return all(
+            (getattr(scene, name),) == (self.values[name],)  # of the same object without a look
+            for name in names
+        )
 
 
 @may_wait("source")
@@ -554,8 +573,9 @@ class Scene:
 
         Of a scene that was changed since its text was read or written, it is the numbers.
         """
-        source, values = self.source, getattr(self.source, "values", {})
-        if source and all((getattr(self, x),) == (values[x],) for x in _MOTION if x in values):
+        source = self.source
+        is_old = isinstance(source, SceneText) and not source.tells(self, *MOTION_FIELDS)
+        if source and not is_old:
             return source
         body, gamma = self.body, self.gamma or ()
         numbers = (*chain(*body.inertia), *body.centre, body.weight, *self.omega, *gamma, self.psi)

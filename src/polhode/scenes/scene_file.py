@@ -26,7 +26,16 @@ from polhode.numbers.vectors import Vector
 from polhode.scenes import vocabulary
 from polhode.scenes.body import Body
 from polhode.scenes.body_and_start import body_of, start_of
-from polhode.scenes.scene import Event, Literal, Published, Scene, SceneTables, SectionPlan
+from polhode.scenes.scene import (
+    MOTION_FIELDS,
+    Event,
+    Literal,
+    Published,
+    Scene,
+    SceneTables,
+    SceneText,
+    SectionPlan,
+)
 from polhode.scenes.shapes import Part
 from polhode.scenes.vocabulary import EXTREMA, READY_MADE, REFERENCES, SECTION, SECTIONS, STATE
 
@@ -38,25 +47,6 @@ _JSON = "a result, as for polhode plot FILE, or a proof, as for polhode verify F
 _NUMBER = r"\d[\d.]*(?:e[+-]?\d+)?"
 _BEGINNING = rf"{_NUMBER}\s*(?:[*/+^-]|[^\W\d_])|\.\d|\d+\.(?!\d)|\(|(?:pi|sqrt|sin|cos)\b"
 _BARE = re.compile(rf"(?:^|[=\[,])\s*([+-]?(?:{_BEGINNING})[^=,\]}}#\"']*)(?=[=,\]}}#]|$)")
-
-
-class SceneText(str):
-    """The text of a scene file, and what the reader had of it.
-
-    ``tables``: those of TOML, not to be written to.  ``values``: what became of them, by the
-    scene's fields.  A scene that was changed since has the text still, and other values.
-    """
-
-    tables: dict[str, Any]
-    values: dict[str, Any]
-
-    def tells(self, scene: Scene, *fields: str) -> bool:
-        """Whether these fields of a scene, by default all, are still what the text says."""
-        names = fields or tuple(self.values)
-        return all(
-            (getattr(scene, name),) == (self.values[name],)  # of the same object without a look
-            for name in names
-        )
 
 
 def read(path: Path, name: str | None = None) -> Scene:
@@ -95,7 +85,7 @@ def source_text(scene: Scene) -> SceneText | None:
 def tables_of(scene: Scene) -> dict[str, Any]:
     """The tables of body and start: those of the scene's file, if they still say what it is."""
     text = source_text(scene)
-    if text is not None and text.tells(scene, "body", "omega", "gamma", "psi"):
+    if text is not None and text.tells(scene, *MOTION_FIELDS):
         return {"body": dict(text.tables["body"]), "start": dict(text.tables["start"])}
     body, start = _values(scene.body, "body"), _values(scene, "start")
     if scene.gamma is None:
