@@ -163,9 +163,11 @@ def test_intervals_that_are_none_are_refused(tmp_path, written):
     assert fault.value.key == "start.omega"
 
 
+@pytest.mark.parametrize("mark", ["\u00b1", "+-", "+/-"])
 @pytest.mark.parametrize("verb", ["run", "check", "levels", "frequencies", "reference"])
-def test_what_takes_one_motion_refuses_intervals(tmp_path, refusal, verb):
-    (tmp_path / "box.toml").write_text(FILE, encoding="utf-8")
+def test_what_takes_one_motion_refuses_intervals(tmp_path, refusal, verb, mark):
+    text = TILTED.replace('"1/3"', f'"1/3 {mark} 1e-8"')
+    (tmp_path / "box.toml").write_text(text, encoding="utf-8")
     line = refusal(verb, "box.toml")
     assert "start.omega" in line
     assert "polhode certify" in line

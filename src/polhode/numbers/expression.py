@@ -79,9 +79,16 @@ def number(text: str) -> Exact:
         return Fraction(Decimal(text))
     if _RATIO.fullmatch(text):
         return Fraction(text)
+    _refuse_interval(text)
     value = evaluate(text, {})
     assert isinstance(value, (Fraction, Irrational))
     return value
+
+
+def _refuse_interval(text: str) -> None:
+    """A middle and a radius are no number, also not a difference as Python reads them."""
+    if "+-" in text:
+        raise ExpressionError("'+-' stands before the radius of an interval")
 
 
 def decimal(text: str) -> Fraction:
@@ -484,6 +491,7 @@ _ALGEBRA = Algebra(Quantity, _FUNCTIONS, tuple(UNITS))
 
 def quantity(text: str) -> Exact | Quantity:
     """The exact value of an expression, a Quantity where units are in it."""
+    _refuse_interval(text)
     value = evaluate(text, _NAMED, _ALGEBRA)
     assert isinstance(value, (Quantity, *_EXACT))
     return value
