@@ -103,6 +103,13 @@ def test_a_level_is_crossed_twice_below_an_extremum_and_touched_at_it(below, sig
         assert event.grazing == tuple(sign == 0 for sign in event.signs)
 
 
+def test_a_kink_is_a_contact_although_its_rate_is_no_number_there():
+    for zero in ("sqrt((t - 1/2)**2)", "sqrt((t - 1/2)**4)"):
+        _, event = events_of(zero)
+        assert event.signs == (0,)
+        assert event.times[0] == 0.5
+
+
 @pytest.mark.parametrize(
     ("number", "name", "zero", "ends"),
     tiers(

@@ -275,7 +275,7 @@ def plain_lanes(
     """
     sides: Flat = np.sign(np.where(places.root, places.values[1] * sense, places.values[0]))
     before = np.where(np.diff(lanes, prepend=-1) != 0, first[lanes], np.roll(sides, 1))
-    after = first.copy()
+    after: Flat = first.astype(float)  # a side may be none: nan
     after[lanes] = sides
     plain: Booleans = (first != 0) & (after == last)
     zero = places.steep & places.near & (sides == -before)
