@@ -51,6 +51,7 @@ from polhode.scenes import library, vary
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, text_column, unit_of
 from polhode.scenes.vocabulary import REQUESTS
+from polhode.taylor import variations
 
 # --- map motions ----------------------------------------------------------------------------------
 #
@@ -238,6 +239,7 @@ class ChaosMap(Result, ByValue):
 
     def table(self) -> Table:
         """One row per motion: where it starts, its verdict, and what that rests on."""
+        time = unit_of(self.scene, "t")
         return Table(
             [
                 Column("motion", np.arange(1, len(self.verdict) + 1)),
@@ -247,8 +249,8 @@ class ChaosMap(Result, ByValue):
                 Column("fli", self.fli, "largest logarithm of the tangent", digits=4),
                 Column("megno", self.megno, "mean exponential growth of nearby orbits", digits=4),
                 Column("growth", self.growth, "of the logarithm, in the second half", digits=4),
-                Column("exponent", self.exponent, "of Lyapunov", self._per_time, digits=4),
-                Column("until", self.until, "how far it was followed", unit_of(self.scene, "t")),
+                Column("exponent", self.exponent, "of Lyapunov", f"1/{time}", digits=4),
+                Column("until", self.until, "how far it was followed", time),
             ]
         )
 
@@ -268,10 +270,6 @@ class ChaosMap(Result, ByValue):
             f"{self.counts['undecided']} undecided: t = {self.end:g} is too short, none is called "
             f"regular before t = {least}; an end of {least} or more can decide"
         )
-
-    @property
-    def _per_time(self) -> str:
-        return f"1/{unit_of(self.scene, 't')}"
 
     def facts(self) -> list[Fact]:
         """The level or the family, the grid, and how many motions have each verdict."""
@@ -366,8 +364,6 @@ def chaos_map(
     >>> found.exponent.shape
     (2,)
     """
-    from polhode.taylor import variations
-
     scene = library.load(scene, takes=REQUESTS)
     if workers is not None:
         workers = whole(scene.name, "workers", workers, 1)

@@ -116,53 +116,44 @@ class RationalBody:
         return sum((t * t for t in self.torque), Fraction(0))
 
 
-class Reach(NamedTuple):
-    """The sizes of f whose exact roots are computed within seconds: f = 0, and from least to most.
+def reach(body: RationalBody) -> tuple[float, float]:
+    """The sizes of f whose exact roots are computed within seconds, but for f = 0: least and most.
+
+    The most is below the least of a body whose own numbers lie too far apart.
 
     Roots of the polynomials of permanent rotations crowd around the moments, the nearer the farther
     apart the numbers are, and FLINT's isolation of them can neither be interrupted nor does it end
     in time.  How many bits it needs is told beforehand, by twice the bits of the body's own gaps
     and those of f over the root of the largest moment times |Mg r0|.
     """
-
-    least: float
-    most: float
-
-    @classmethod
-    def of(cls, body: RationalBody) -> Reach:
-        """A body's; an empty one, most < least, of a body whose own numbers lie too far apart."""
-        square = body.heavy
-        if square == 0:
-            return cls(0.0, math.inf)
-        moments, largest = body.moments, max(body.moments)
-        gaps = [log2(abs(a - b) / largest) for a in moments for b in moments if a != b]
-        gaps += [log2(a / largest) for a in moments]
-        gaps += [log2(t * t / square) / 2 for t in body.torque if t != 0]
-        spare = MOST_SPREAD + 2 * min(gaps)
-        unit = (log2(largest) + log2(square) / 2) / 2
-        poles = {a for a, t in zip(moments, body.torque, strict=True) if t != 0}
-        if len(poles) == 1:  # little crowds; but most f are those of balls of BITS bits
-            return cls(_power(unit - 2 * MOST_SPREAD), _power(unit + MOST_SPREAD))
-        return cls(_power(unit - spare), _power(unit + spare))
-
-    def __contains__(self, f: object) -> bool:
-        """Whether f, exact, is within reach."""
-        return isinstance(f, Fraction) and (f == 0 or self.least <= abs(f) <= self.most)
+    square = body.heavy
+    if square == 0:
+        return 0.0, math.inf
+    moments, largest = body.moments, max(body.moments)
+    gaps = [log2(abs(a - b) / largest) for a in moments for b in moments if a != b]
+    gaps += [log2(a / largest) for a in moments]
+    gaps += [log2(t * t / square) / 2 for t in body.torque if t != 0]
+    spare = MOST_SPREAD + 2 * min(gaps)
+    unit = (log2(largest) + log2(square) / 2) / 2
+    poles = {a for a, t in zip(moments, body.torque, strict=True) if t != 0}
+    if len(poles) == 1:  # little crowds; but most f are those of balls of BITS bits
+        return _power(unit - 2 * MOST_SPREAD), _power(unit + MOST_SPREAD)
+    return _power(unit - spare), _power(unit + spare)
 
 
 def refuse_far(name: str, key: str, body: RationalBody, f: Fraction) -> None:
     """Raise BadInput for an f that exact arithmetic does not reach within seconds."""
-    reach = Reach.of(body)
-    if f in reach:
+    least, most = reach(body)
+    if f == 0 or least <= abs(f) <= most:
         return
-    if reach.most < reach.least:
+    if most < least:
         expected = (
             "moments, gaps between them and components of Mg r0 within "
             f"{2 ** (MOST_SPREAD / 2):.0e} of each other, for exact levels"
         )
         raise BadInput(name, "body", None, expected)
-    low = f"0, or from {reach.least:.3g}" if reach.least else "0"
-    expected = f"of a size within the reach of exact levels: {low} to {reach.most:.3g}"
+    low = f"0, or from {least:.3g}" if least else "0"
+    expected = f"of a size within the reach of exact levels: {low} to {most:.3g}"
     raise BadInput(name, key, shown(f), expected)
 
 
@@ -301,8 +292,8 @@ class RotationFamily:
 
     def meets(self, f: Fraction) -> Iterator[arb]:
         """The x at which f > 0 is the area, in balls of the precision in force."""
-        q, n, f4 = self._square, self._inertia, rational(f) ** 4
-        for root in real_roots(f4 * self.k * self.k * q * q * q - n**4):
+        above, below = self._area
+        for root in real_roots(rational(f) ** 4 * below - above):
             if self.axis is None or (root.ball > 0 and root.ball**2 > rational(self.start)):
                 yield root.ball
 
@@ -353,15 +344,11 @@ class RotationFamily:
         return float(heavy.sqrt()) or 1.0
 
     @cached_property
-    def _square(self) -> QPolynomial:
-        square: QPolynomial = dot(self.g, self.g)
-        return square
-
-    @cached_property
-    def _inertia(self) -> QPolynomial:
-        moments = self.body.numbers[0]
-        inertia: QPolynomial = dot(self.g, [a * y for a, y in zip(moments, self.g, strict=True)])
-        return inertia
+    def _area(self) -> tuple[QPolynomial, QPolynomial]:
+        """Numerator and denominator of f^4 = (g.I g)^4/(k^2 |g|^6)."""
+        moments, square = self.body.numbers[0], dot(self.g, self.g)
+        inertia = dot(self.g, [a * y for a, y in zip(moments, self.g, strict=True)])
+        return inertia**4, self.k * self.k * square * square * square
 
     @cached_property
     def _spectrum(self) -> tuple[QPolynomial, QPolynomial]:

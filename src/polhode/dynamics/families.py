@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple, Unpack
@@ -22,9 +23,8 @@ from polhode.dynamics.orbit import (
     Orbit,
     completed,
     kind_of,
-    moved_from,
     orbit,
-    primitive,
+    orbit_near,
 )
 from polhode.dynamics.section import section
 from polhode.dynamics.starts import MAXIMA, MOST_STARTS, Cut, cut_of, starts_of
@@ -120,8 +120,7 @@ class OrbitFamily(Result, ByValue):
     provenance: Mapping[str, object] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        n = len(self.points)
-        orbits = counted(n, "orbit")
+        orbits = counted(len(self.points), "orbit")
         return f"<OrbitFamily of {self.scene.name}: {orbits} along {self.by}, {self.ended}>"
 
     def table(self) -> Table:
@@ -289,8 +288,7 @@ def _exactly_there(
     """The member with just this value: along the arc it is met to a few digits less."""
     level = on.at(by, value)
     try:
-        orbit = newton.closed(level, last.orbit.state, last.orbit.period)
-        return arc.member(orbit, last.tangent)
+        return arc.member(newton.closed(level, last.orbit.state, last.orbit.period), last.tangent)
     except newton.NotClosed:
         return last
 
@@ -441,9 +439,10 @@ def orbit_search(
     try:
         for guess in _guesses(cut, across, most):
             tried += 1
-            orbit = _closed(on, guess)
-            if orbit is not None and not any(_same(on, orbit, earlier) for earlier in orbits):
-                orbits.append(orbit)
+            with suppress(newton.NotClosed):
+                orbit = orbit_near(on, guess.state, guess.time, ASTRAY * guess.distance)
+                if not any(_same(on, orbit, earlier) for earlier in orbits):
+                    orbits.append(orbit)
             if progress is not None:
                 progress(f"{tried} guesses, {len(orbits)} orbits")
     except KeyboardInterrupt:
@@ -478,17 +477,6 @@ def _least_around(cells: Doubles) -> Doubles:
     parts = [wide[i : i + first, j : j + second] for i in range(3) for j in range(3)]
     least: Doubles = np.min(parts, axis=0)
     return least
-
-
-def _closed(on: LevelBody, guess: OrbitGuess) -> newton.Closed | None:
-    """The orbit near a guess, with its shortest period; None where there is none."""
-    try:
-        orbit = newton.closed(on, guess.state, guess.time)
-    except newton.NotClosed:
-        return None
-    if moved_from(on, orbit, guess.state) > ASTRAY * guess.distance:
-        return None
-    return primitive(on, orbit)
 
 
 def _same(on: LevelBody, first: newton.Closed, second: newton.Closed) -> bool:

@@ -225,8 +225,7 @@ def frequencies(
         expected = f"a time up to {MOST_SAMPLES / PER_LINE / speed:.6g}: more samples take too long"
         raise BadInput(scene.name, "end", to_double(last), expected)
     bare = replace(scene, outputs=outputs, events=(), published=(), source=scene.source)
-    times = even_times(last, max(64, samples))
-    run = solve(bare.at(times), DOUBLE, interruptible=False)
+    run = solve(bare.at(even_times(last, max(64, samples))), DOUBLE, interruptible=False)
     if not run.outcome.done:
         expected = f"a time that is reached: {run.outcome.cause}"
         raise BadInput(scene.name, "end", to_double(last), expected)
@@ -344,7 +343,8 @@ def _lines_of(
         bin_width = 2 * math.pi / abs(step.step * (len(samples) - 1))
         parts = []
         for line in naff.lines(samples, step.step, count):
-            line = line._replace(error=line.error + abs(line.frequency * step.relative_error))
+            stretched = abs(line.frequency * (step.error / step.step))
+            line = line._replace(error=line.error + stretched)
             sharp = line.error < _SHARP * bin_width
             combination = combined(line.frequency, line.error, rates) if sharp else {}
             zero = abs(line.frequency) < 10 * line.error
@@ -407,11 +407,6 @@ class Spacing(NamedTuple):
 
     step: float
     error: float
-
-    @property
-    def relative_error(self) -> float:
-        """Of the step, and of a frequency that is told by it."""
-        return abs(self.error / self.step)
 
 
 def spacing(name: str, times: Sequence[Fraction], errors: Sequence[float] = ()) -> Spacing:

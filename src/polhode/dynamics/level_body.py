@@ -86,8 +86,8 @@ class LevelBody(ByValue):
 
         1 unless the scene's is far from the body's: products of several doubles stay in range.
         """
-        mantissa, exponent = exact.rounded(max(self.scene.body.moments), 8)
-        return Fraction(2) ** -(64 * round((exponent + mantissa.bit_length()) / 64))
+        exponent = exact.exponent_above(max(self.scene.body.moments))
+        return Fraction(2) ** -(64 * round(exponent / 64))
 
     @cached_property
     def units(self) -> tuple[Fraction, Fraction]:
@@ -379,8 +379,7 @@ def simplest(x: Exact) -> Exact:
 
 def _reduced_energy(moments: Doubles, square: float, torque: Doubles, gamma: Doubles) -> Doubles:
     """W at points of the sphere, a row each; ``square``: f^2."""
-    energy: Doubles = square / (2 * (gamma * gamma @ moments)) + gamma @ torque
-    return energy
+    return square / (2 * (gamma * gamma @ moments)) + gamma @ torque
 
 
 def _descent(

@@ -9,6 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 from flint import arb, arb_poly, fmpq_poly
 
 from polhode.common.arguments import each
@@ -316,8 +317,6 @@ class Levels(Result, ByValue):
 
     def table(self) -> Table:
         """One row per point of the branches of permanent rotations."""
-        import numpy as np
-
         sizes = [len(curve.points) for curve in self.curves]
         each = np.repeat(np.arange(len(sizes)), sizes)
         points = np.concatenate([np.empty((0, 2)), *(curve.points for curve in self.curves)])

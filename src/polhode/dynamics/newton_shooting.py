@@ -132,7 +132,8 @@ def closed(
     conditions = at_level(on, state) if conditions is None else conditions
     last, guess, miss = np.inf, period, np.inf
     for count in range(MOST_CORRECTIONS):
-        _refuse_still(on, state)
+        if on.is_still(state, STILL):
+            raise NotClosed("it led to a permanent rotation")
         try:
             reached = on.flow.after(state, period)
         except NotFollowed as fault:
@@ -179,11 +180,6 @@ def _damped(
             pass
         part /= 2
     return state + part * step[:6], period + part * step[6]
-
-
-def _refuse_still(on: LevelBody, state: Doubles) -> None:
-    if on.is_still(state, STILL):
-        raise NotClosed("it led to a permanent rotation")
 
 
 # --- more digits ----------------------------------------------------------------------------------
@@ -436,11 +432,6 @@ class Member(NamedTuple):
     value: float
     slope: float
 
-    @property
-    def residue(self) -> float:
-        """Greene's residue."""
-        return self.orbit.residue
-
 
 class Passed(NamedTuple):
     """A member of its own between two steps: a bifurcation, or where the parameter has a value."""
@@ -562,8 +553,8 @@ def _passed(
     """The special members of a step, each with its place along the step."""
     special = []
     marks: list[tuple[str, Callable[[Member], float]]] = [
-        ("", lambda member: member.residue),
-        (DOUBLING, lambda member: member.residue - 1),
+        ("", lambda member: member.orbit.residue),
+        (DOUBLING, lambda member: member.orbit.residue - 1),
         *((TARGET, lambda member, end=end: member.value - end) for end in ends),
     ]
     for kind, off in marks:

@@ -70,8 +70,7 @@ def advance(scene: Scene, number: NumberType) -> Advance:
             return Advance(ordinary(to_mpf(last - first, number.bits)), True)
         except ValueError:  # no number: the third axis is vertical
             pass
-    alone = replace(period, outputs=("attitude",))
-    run = solve(alone, number, options, interruptible=False)
+    run = solve(replace(period, outputs=("attitude",)), number, options, interruptible=False)
     if not run.outcome.done or run.attitude is None:
         return Advance(None, False)
     with mpmath.workprec(number.bits):
@@ -100,16 +99,11 @@ class Return(NamedTuple):
     distance: float
 
 
-class Returns(NamedTuple):
-    """Near returns by rising time; ``nearest``: the least distance of all over the largest."""
+def near_returns(on: LevelBody, start: Doubles, most: int) -> list[Return]:
+    """When a motion in double comes near its start: as many times, or until it has gone too far.
 
-    returns: tuple[Return, ...]
-    nearest: float
-    followed: float
-
-
-def near_returns(on: LevelBody, start: Doubles, most: int) -> Returns:
-    """Follow a motion in double until it has come near its start so many times, or too far."""
+    Raises BadInput where it never does.
+    """
     scale = on.scale(start)
     dt = STEP / float(scale[0])
     times: Doubles = np.linspace(0.0, LOOKS * dt, LOOKS + 1).astype(np.float64)
@@ -132,35 +126,22 @@ def near_returns(on: LevelBody, start: Doubles, most: int) -> Returns:
                 if least < NEAR * largest:
                     returns.append(Return(elapsed + float(times[k - 1]) + shift * dt, least))
                     if len(returns) == most:
-                        return Returns(tuple(returns), nearest, elapsed + float(times[k]))
+                        return returns
             largest = max(largest, after**0.5)
             before, here = here, after
         state, elapsed = rows[-1], elapsed + float(times[-1])
-    return Returns(tuple(returns), nearest, elapsed)
+    if not returns:
+        expected = (
+            f"a start near which the motion returns: up to t = {elapsed * float(on.unit):.3g} it "
+            f"stays {nearest:.2g} of its size away"
+        )
+        raise BadInput(on.scene.name, "start", None, expected)
+    return returns
 
 
 # --- report ---------------------------------------------------------------------------------------
 #
 # A periodic orbit for people: of each number the digits that are known.
-
-
-def report(orbit: Orbit) -> str:
-    """Start, period and stability, a line each."""
-    more = orbit.digits + 2
-    gamma = orbit.scene.gamma or ()
-    residue = _sure_digits(exactly(orbit.residue), orbit.residue_error, orbit.digits)
-    lines = [
-        f"period      {_decimal(orbit.period, more)}",
-        f"omega       {', '.join(_decimal(x, more) for x in orbit.scene.omega)}",
-        f"gamma       {', '.join(_to_places(x, more) for x in gamma)}",
-        f"level       h = {shown(orbit.h)}, f = {shown(orbit.f)}",
-        f"residue     {residue}, {orbit.kind}",
-    ]
-    for real, imaginary in _multipliers(orbit):
-        sign = "-" if imaginary.startswith("-") else "+"
-        side = f" {sign} {imaginary.lstrip('-')} i" if imaginary != "0" else ""
-        lines.append(f"multiplier  {real}{side}")
-    return "\n".join([*lines, f"psi         {_advance(orbit)}"])
 
 
 def _advance(orbit: Orbit) -> str:
@@ -374,8 +355,21 @@ class Orbit(Result, ByValue):
         write_whole({Path(path): as_toml(self.scene)})
 
     def __str__(self) -> str:
-
-        return report(self)
+        """Start, period and stability, a line each; of each number the digits that are known."""
+        more = self.digits + 2
+        residue = _sure_digits(exactly(self.residue), self.residue_error, self.digits)
+        lines = [
+            f"period      {_decimal(self.period, more)}",
+            f"omega       {', '.join(_decimal(x, more) for x in self.scene.omega)}",
+            f"gamma       {', '.join(_to_places(x, more) for x in self.scene.gamma or ())}",
+            f"level       h = {shown(self.h)}, f = {shown(self.f)}",
+            f"residue     {residue}, {self.kind}",
+        ]
+        for real, imaginary in _multipliers(self):
+            side = "-" if imaginary.startswith("-") else "+"
+            beside = f" {side} {imaginary.lstrip('-')} i" if imaginary != "0" else ""
+            lines.append(f"multiplier  {real}{beside}")
+        return "\n".join([*lines, f"psi         {_advance(self)}"])
 
     def __repr__(self) -> str:
         period, residue = to_double(self.period), float(self.residue)
@@ -457,7 +451,7 @@ def orbit(scene: Scene | str | Path, digits: int = DIGITS, **near: Unpack[NearOr
     on = level_of(scene, near.get("h"), near.get("f"))
     start = on.start
     if period is None:
-        guesses = _guesses(on, start, most)
+        guesses = near_returns(on, start, most)
     else:
         (duration,) = each(scene.name, "period", (period,), reader(scene.units, TIME), "a time")
         if sign(duration) <= 0:
@@ -473,33 +467,29 @@ def orbit(scene: Scene | str | Path, digits: int = DIGITS, **near: Unpack[NearOr
     return completed(on, first, digit_count, on.exact_start, near.get("progress"))
 
 
-def _guesses(on: LevelBody, start: Doubles, most: int) -> list[Return]:
-    returns = near_returns(on, start, most)
-    if not returns.returns:
-        end = returns.followed * float(on.unit)
-        expected = (
-            f"a start near which the motion returns: up to t = {end:.3g} it stays "
-            f"{returns.nearest:.2g} of its size away"
-        )
-        raise BadInput(on.scene.name, "start", None, expected)
-    return [*returns.returns]
-
-
 def _first(on: LevelBody, start: Doubles, guesses: list[Return]) -> newton.Closed:
     """The orbit of the first guess that leads to one near the start; raises BadInput."""
     off = float(np.linalg.norm(on.integrals(start) - on.relative[2]))
     why = ""
     for guess in guesses:
         try:
-            orbit = newton.closed(on, start, guess.time)
-            moved = moved_from(on, orbit, start)
-            if moved <= ASTRAY * (guess.distance + off) + SAME:
-                return primitive(on, orbit)
-            why = f"it led {moved:.2g} away from the start"
+            return orbit_near(on, start, guess.time, ASTRAY * (guess.distance + off) + SAME)
         except newton.NotClosed as fault:
             why = str(fault)
     expected = f"a start nearer to a periodic orbit: Newton's method found none ({why})"
     raise BadInput(on.scene.name, "start", None, expected)
+
+
+def orbit_near(on: LevelBody, start: Doubles, time: float, most: float) -> newton.Closed:
+    """The orbit, with its shortest period, to which a start and a guess of the period lead.
+
+    Raises NotClosed, also for one that lies farther than ``most`` from the start.
+    """
+    orbit = newton.closed(on, start, time)
+    moved = moved_from(on, orbit, start)
+    if not moved <= most:
+        raise newton.NotClosed(f"it led {moved:.2g} away from the start")
+    return primitive(on, orbit)
 
 
 def moved_from(on: LevelBody, orbit: newton.Closed, start: Doubles) -> float:

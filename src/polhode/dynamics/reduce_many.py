@@ -44,7 +44,7 @@ from polhode.runs.trajectory import solve as solve_one
 from polhode.scenes import library, vary
 from polhode.scenes.scene import Event, Scene
 from polhode.scenes.scene_facts import provenance_fact, scene_facts, unit_of, varied_columns
-from polhode.scenes.vocabulary import READY_MADE, REQUESTS, STATE
+from polhode.scenes.vocabulary import DIRECTIONS, READY_MADE, REQUESTS, STATE
 from polhode.taylor import event_batches, variations
 from polhode.taylor.batches import BatchMotions
 from polhode.taylor.event_batches import SearchJob, Watched
@@ -173,7 +173,6 @@ def _read(scene: Scene, text: str) -> Reduction:
 # The jobs of a sweep that keeps some numbers of each member: plain data, and how it is done.
 
 
-_DIRECTIONS = {"falling": -1, "any": 0, "rising": 1}
 STRETCH = 32.0  # of the motions' unit of time, a radian or two, between two looks at an event
 _LOOKS = lyapunov.BLOCKS * lyapunov.LOOKS
 
@@ -230,7 +229,7 @@ def _of_event(
     turns = _turns(plan, group)
     watched = Watched(plan.numbers.names, scene.columns, odd, 2.0**largest, turns is not None)
     job = SearchJob(
-        *(watched, _DIRECTIONS[event.direction], 1, end, STRETCH),
+        *(watched, DIRECTIONS[event.direction], 1, end, STRETCH),
         *(_doubles(motions.rows), _doubles(motions.starts)),
         *(int(plan.numbers.exponents[group[0]]), turns),
         max_steps=plan.max_steps,

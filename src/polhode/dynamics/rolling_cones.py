@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
@@ -12,13 +12,10 @@ from polhode.numbers.conversion import mpf_row, to_mpf
 from polhode.numbers.mpmath_context import mpmath
 from polhode.numbers.row_formulas import GUARD_BITS
 from polhode.numbers.vectors import cross, dot, minus
+from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.body import Body
 from polhode.scenes.vocabulary import REQUESTS
-
-if TYPE_CHECKING:
-    from polhode.runs.trajectory import Trajectory
-
 
 HALF_WINDOW = 12  # samples to either side from which the tangent of a curve is taken
 
@@ -86,8 +83,6 @@ def rolling(run: Trajectory) -> Rolling:
     >>> 1e-33 < polhode.rolling(run).tangent < 1e-30
     True
     """
-    from polhode.runs.trajectory import Trajectory
-
     of_kind("rolling", "run", run, Trajectory, "a Trajectory")
     library.load(run.scene, takes=REQUESTS)
     curves, width = run.hodographs, 2 * HALF_WINDOW + 1

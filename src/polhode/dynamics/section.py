@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -43,12 +42,10 @@ from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_facts import provenance_fact, row_columns, scene_facts, time_column
 from polhode.scenes.vocabulary import REQUESTS, STATE
+from polhode.taylor import event_batches, variations
+from polhode.taylor.event_batches import SearchJob, Singular, Watched
+from polhode.taylor.projection import ARRAYS, TINY, Level
 from polhode.taylor.system import refuse_other_rounding
-
-if TYPE_CHECKING:
-    from polhode.taylor.event_batches import SearchJob
-    from polhode.taylor.projection import Level
-
 
 # --- jobs -----------------------------------------------------------------------------------------
 #
@@ -68,8 +65,6 @@ def jobs_of(
 
     What is a step, and what rounding adds up to in it, is measured by the unit of time.
     """
-    from polhode.taylor.event_batches import SearchJob, Watched
-
     constants = tuple(on.numbers.values())
     watched = Watched((*on.numbers,), STATE, zero, constants=constants)
     own = np.tile(constants, (len(states), 1))
@@ -88,8 +83,6 @@ def jobs_of(
 
 def integrals_of(on: LevelBody) -> Level:
     """The integrals that orbits are put back to: those of a scene on the level."""
-    from polhode.taylor.projection import Level
-
     conserved = first_integrals(on.inside)
     if CHAPLYGIN in conserved.onto and on.f != 0:
         conserved = FirstIntegrals(conserved.onto[:-1], conserved.order, conserved.coefficients)
@@ -147,8 +140,6 @@ def digits(on: LevelBody, starts: Doubles, times: Doubles, slants: Doubles) -> D
     ``starts`` (n, 6); ``times`` (n, m): of the crossings, nan past an orbit's last one.  ``slants``
     (n, m): see :func:`slant`.
     """
-    from polhode.taylor import variations
-
     digits_left: Doubles = np.full(times.shape, np.nan)
     is_crossing = np.isfinite(times)
     grazing = np.log(np.maximum(slants / STRAIGHT, 1.0))
@@ -173,8 +164,7 @@ def digits(on: LevelBody, starts: Doubles, times: Doubles, slants: Doubles) -> D
                 names, coefficients, starts[group], first, end, looks, None, early, LOST
             )
         )
-    sizes = [len(group) for group in groups]
-    finished = run_jobs(variations.solve, jobs, sizes)
+    finished = run_jobs(variations.solve, jobs, [len(group) for group in groups])
     if finished.interrupted:
         raise KeyboardInterrupt
     for group, span, result in zip(groups, spans, finished.done, strict=True):
@@ -190,8 +180,6 @@ def digits(on: LevelBody, starts: Doubles, times: Doubles, slants: Doubles) -> D
 
 def slant(on: LevelBody, zero: SectionZero, states: Doubles) -> Doubles:
     """|x'| |grad z|/|z'| of states (n, m, 6), w measured by its bound."""
-    from polhode.taylor.projection import ARRAYS, TINY
-
     scales = np.array([on.fastest or 1.0] * 3 + [1.0] * 3)
     x = np.moveaxis(states, -1, 0)
     steps = TINY * 1j * np.diag(scales)[:, :, None, None]
@@ -290,8 +278,7 @@ class Section(Result, ByValue):
         0: of none, or of a section that was interrupted, whose digits are not known.
         """
         gone = self.digits < 1
-        first: Integers = np.where(gone.any(axis=1), gone.argmax(axis=1) + 1, 0)
-        return first
+        return np.where(gone.any(axis=1), gone.argmax(axis=1) + 1, 0)
 
     @property
     def complete(self) -> bool:
@@ -414,8 +401,6 @@ def section(
     >>> found.states.shape
     (4, 5, 6)
     """
-    from polhode.taylor import event_batches
-
     scene = library.load(scene, takes=REQUESTS)
     refuse_other_rounding(scene)
     if workers is not None:
@@ -491,8 +476,6 @@ def section(
 
 def _refuse_constant(cut: Cut, zero: SectionZero, states: Doubles) -> None:
     """Raise BadInput for an expression that has no value at a start, or no rate at any of them."""
-    from polhode.taylor.projection import ARRAYS
-
     if cut.by in (MOMENTUM, HEIGHT):
         return
     moved = states.T + 1e-3 * np.random.default_rng(0).normal(size=states.T.shape)
@@ -515,8 +498,6 @@ def _refuse_constant(cut: Cut, zero: SectionZero, states: Doubles) -> None:
 @contextmanager
 def _refused(cut: Cut, checkpoint: JobCheckpoint | None) -> Iterator[None]:
     """Leave nothing behind where the section's function is refused, on the way too."""
-    from polhode.taylor.event_batches import Singular
-
     try:
         try:
             yield
@@ -540,8 +521,6 @@ def _not_finite(cut: Cut, start: Sequence[float], time: float) -> BadInput:
 
 
 def _refuse_never_zero(cut: Cut, zero: SectionZero) -> None:
-    from polhode.taylor.projection import ARRAYS
-
     grid = cell_centres(60, 60)
     states = [momentum_states(cut.on, *grid, kind).states for kind in (True, False)]
     values = np.real(zero.value(list(np.concatenate(states).T), ARRAYS))

@@ -155,8 +155,7 @@ def height_bend(on: LevelBody, states: Doubles) -> Doubles:
     w, g = states[:, :3], states[:, 3:]
     turning = (np.cross(g, on.torque) - np.cross(w, w * on.moments)) / on.moments
     second = np.cross(np.cross(g, w), w) + np.cross(g, turning)
-    bend: Doubles = second @ (on.torque if on.weight else on.arm_axes[2])
-    return bend
+    return second @ (on.torque if on.weight else on.arm_axes[2])
 
 
 def coordinates(on: LevelBody, states: Doubles) -> tuple[Doubles, Doubles]:
@@ -187,9 +186,8 @@ def unit_vectors(on: LevelBody, azimuth: Doubles, u: Doubles) -> Doubles:
     """The unit vectors of azimuths about e3, from e2 towards e1, and cosines to it."""
     e1, e2, e3 = on.arm_axes
     across = np.sqrt(1 - u * u)
-    vectors: Doubles = (across * np.sin(azimuth))[:, None] * e1
-    vectors = vectors + (across * np.cos(azimuth))[:, None] * e2
-    vectors = vectors + u[:, None] * e3
+    first, second = across * np.sin(azimuth), across * np.cos(azimuth)
+    vectors: Doubles = first[:, None] * e1 + second[:, None] * e2 + u[:, None] * e3
     return vectors
 
 

@@ -7,19 +7,17 @@ is derived stands in :data:`FORMULAS`.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 from polhode.equations.integrals import AREA, ENERGY, along
 from polhode.equations.kinematics import turned
 from polhode.motion.frame import Frame
+from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DerivedRows, Functions, Given, NumberType, Scalar, Stack
 from polhode.numbers.row_formulas import RowFormula, RowMap
 from polhode.numbers.vectors import rotation
+from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import COLUMNS, STATE
-
-if TYPE_CHECKING:
-    from polhode.numbers.exact import Exact
-    from polhode.scenes.scene import Scene
 
 
 class DerivedColumn(NamedTuple):

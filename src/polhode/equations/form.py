@@ -15,7 +15,7 @@ from dataclasses import KW_ONLY, dataclass
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -23,15 +23,12 @@ import numpy.typing as npt
 from polhode.common.values import Recent
 from polhode.motion.frame import NO_CHANGE, Frame
 from polhode.numbers.conversion import to_double
+from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import Doubles, Functions, Scalar
 from polhode.numbers.vectors import cross, inverse
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import REQUESTS
-
-if TYPE_CHECKING:
-    from polhode.numbers.exact import Exact
-
 
 #: The variables at one moment, or columns of them; the coefficients by name; omega and gamma.
 FormValues: TypeAlias = Sequence[Scalar]

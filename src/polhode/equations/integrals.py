@@ -21,19 +21,19 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
 
 from polhode.motion.frame import Frame
 from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_extended, to_mpf
+from polhode.numbers.double_double import Pairs, of_exact
 from polhode.numbers.exact import ZERO, Exact, sign
 from polhode.numbers.number_types import Flat, Real, Rows, Scalar, States, combination
 from polhode.numbers.vectors import Vector, dot
 from polhode.scenes import body as classification
 from polhode.scenes.scene import Scene
-
-if TYPE_CHECKING:
-    from polhode.numbers.double_double import Pairs
 
 GUARD_BITS = 64
 NEAR_REST = 10  # where |G(0)| is so many times less than the pendulum's momentum
@@ -208,8 +208,6 @@ def drift(scene: Scene, states: Rows, bits: int) -> Drift:
     ``states``: rows p q r [gamma1 gamma2 gamma3] in body axes, an ndarray of doubles or rows of mpf
     with ``bits`` significant bits.
     """
-    import numpy as np
-
     departures_found = departures(scene, states, bits).values()
     with np.errstate(over="ignore"):  # told as inf
         return _named(scene, [float(np.max(np.abs(d.astype(float)))) for d in departures_found])
@@ -249,8 +247,6 @@ def departures(
     >>> sorted(found), float(abs(found["h"]).max()) < 1e-14
     (['f', 'h', 'spin', '|gamma|^2'], True)
     """
-    import numpy as np
-
     names = first_integrals(Frame.of(scene).inside(scene)).onto
     if isinstance(states, np.ndarray) and states.dtype == np.float64:
         columns = list(states.astype(np.longdouble).T)
@@ -271,10 +267,6 @@ def drift_of_columns(scene: Scene, columns: Sequence[Pairs]) -> Drift | None:
 
     None where a number on the way is beyond their range.
     """
-    import numpy as np
-
-    from polhode.numbers.double_double import of_exact
-
     with np.errstate(all="ignore"):
         try:
             departures = _departures(scene, [columns], of_exact)[0]

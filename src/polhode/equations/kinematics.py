@@ -18,7 +18,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exactly, to_mpf
 from polhode.numbers.exact import ONE, Exact, sign
 from polhode.numbers.number_types import DerivedRows, GivenRow, Rows, Scalar, combination
-from polhode.numbers.vectors import Triple, Vector, apply, cross, dot, inverse
+from polhode.numbers.vectors import Triple, Vector, cross, dot
 from polhode.scenes.scene import Scene
 
 
@@ -63,8 +63,12 @@ def in_scene_axes(vector: Sequence[Scalar], k: Mapping[str, Scalar], zero: Scala
 
 def attitude_rates(quaternion: Sequence[Scalar], omega: Sequence[Scalar]) -> list[Scalar]:
     """The quaternion's time derivative; omega along the axes whose attitude it is."""
-    q0, q1, q2, q3 = quaternion
-    p, q, r = (x / 2 for x in omega)
+    return quaternion_spin(quaternion, [x / 2 for x in omega])
+
+
+def quaternion_spin(quaternion: GivenRow, omega: GivenRow) -> list[Scalar]:
+    """q ⊗ (0, w)."""
+    (q0, q1, q2, q3), (p, q, r) = quaternion, omega
     return [
         -(q1 * p) - q2 * q - q3 * r,
         q0 * p + q2 * r - q3 * q,
@@ -197,33 +201,19 @@ def turned(quaternion: GivenRow, vector: GivenRow) -> list[Scalar]:
 # from there on: a run passes it at a distance of rounding, on either side, proofs lose the angles.
 
 
-class PoleDeparture(NamedTuple):
-    """gamma leaves the pole with its derivative of that order, gamma x vector, which is not 0.
-
-    ``vector``: w for order 1, w' for order 2.
-    """
-
-    order: int
-    vector: Vector
-
-
-def departure(scene: Scene) -> PoleDeparture | None:
+def departure(scene: Scene) -> tuple[int, Vector] | None:
     """How a start at a pole leaves it; None where the third axis stays vertical for ever.
 
+    The order of the derivative with which gamma leaves it, gamma x a vector, and that vector: w for
+    order 1, w' for order 2.
     gamma' = gamma x w, and gamma'' = gamma x w' where w is along the third axis.  Where both vanish
     all derivatives do: I w' is then across gamma and w' along it, so that w'.I w' = 0 and w' = 0.
     """
-    for order, vector in ((1, scene.omega), (2, _slope(scene))):
+    slope = scene.body.omega(scene.body.moment(scene.omega, scene.gamma))
+    for order, vector in ((1, scene.omega), (2, slope)):
         if not sign(vector[0]) == 0 == sign(vector[1]):
-            return PoleDeparture(order, vector)
+            return order, vector
     return None
-
-
-def _slope(scene: Scene) -> Vector:
-    """w' at the start."""
-    assert scene.gamma is not None
-    moment = scene.body.moment(scene.omega, scene.gamma)
-    return apply(inverse(scene.body.inertia), moment)
 
 
 def phi_leaving_the_pole(scene: Scene, sense: int) -> float:

@@ -7,6 +7,8 @@ from contextlib import AbstractContextManager, nullcontext
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from polhode.common.values import cached_property
 from polhode.equations import kinematics
 from polhode.equations.form import Coefficients, FormValues, equations
@@ -116,8 +118,6 @@ class Readout:
         if len(rows) == 0:
             return self._array([]).reshape(0, self.columns) if self.number.flat else []
         if self.number.flat:
-            import numpy as np
-
             variables = self._array(rows)[:, : self._first]
             if self._copied:
                 states = variables[:, : self.columns].copy()
@@ -183,8 +183,6 @@ class Readout:
             return None
         if len(rows) == 0:
             return []
-        import numpy as np
-
         columns, gamma = self._columns(rows, self._first), self._columns(states, 3)
         turns = [*columns[4:]] or [0 * gamma[0], 0 * gamma[0]]  # that of a pole
         with self._wider(turns[0]):
@@ -199,15 +197,11 @@ class Readout:
 
     def _upright(self, columns: Any, gamma: Any) -> Any:
         """The quaternion beside gamma, a column each; the start's as it is."""
-        import numpy as np
-
         nearest = upright([*columns[:4]], [*gamma], self._functions.sqrt)
         return np.where(self._begin(columns), columns[:4], np.array(nearest))
 
     def _psi(self, columns: Any, gamma: Any, integrated: Any) -> Any:
         """psi of the quaternion beside an integrated one."""
-        import numpy as np
-
         fn, q = self._functions, self._upright(columns, gamma)
         psi = fn.atan2(q[3], q[0]) + fn.atan2(q[2], q[1])
         high: Scalar = 0
@@ -219,8 +213,6 @@ class Readout:
 
     def _begin(self, columns: Any) -> Booleans:
         """Which rows have the quaternion of the start."""
-        import numpy as np
-
         first = np.array(self._first_attitude)[:, None]
         begins: Booleans = (columns[:4] == first).all(axis=0)
         return begins
@@ -241,17 +233,12 @@ class Readout:
 
     def _array(self, rows: Given) -> Flat:
         """An array of the type, which numpy holds; not a number where there is none."""
-        import numpy as np
-
-        array: Flat = np.asarray(rows, dtype=number_types.kind_of(self.number))
-        return array
+        return np.asarray(rows, dtype=number_types.kind_of(self.number))
 
     # -- columns ------------------------------------------------------------------------------
 
     def _columns(self, rows: Given, first: int) -> Any:
         """An array with a row for each column from one on, to be computed with."""
-        import numpy as np
-
         if self.number.flat:
             return self._array(rows)[:, first:].T.astype(np.longdouble)
         from polhode.numbers.mpmath_context import own
@@ -280,8 +267,6 @@ class Readout:
     @property
     def _functions(self) -> AngleFunctions:
         """Of such columns, in the precision in force."""
-        import numpy as np
-
         if self.number.flat:
             pi = 4 * np.arctan(np.longdouble(1))
             return AngleFunctions(np.hypot, np.arctan2, np.sqrt, np.rint, pi)

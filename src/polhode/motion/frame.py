@@ -82,8 +82,7 @@ class Frame(NamedTuple):
         """The non-zero entries of the turn to the scene's axes by name; none where it is none."""
         if self.axes.trivial:
             return {}
-        rows = self.axes.rows
-        named = {f"turn{i}{j}": rows[i][j] for i in range(3) for j in range(3)}
+        named = {f"turn{i}{j}": self.axes.rows[i][j] for i in range(3) for j in range(3)}
         return {name: x for name, x in named.items() if sign(x) != 0}
 
     def matrix(self, number_type: NumberType) -> Flat:
@@ -94,8 +93,7 @@ class Frame(NamedTuple):
         import numpy as np
 
         nearest = to_double if number_type.name == "double" else to_extended
-        matrix: Flat = np.array([[nearest(x) for x in row] for row in self.axes.rows])
-        return matrix
+        return np.array([[nearest(x) for x in row] for row in self.axes.rows])
 
     def inside(self, scene: Scene) -> Scene:
         """The same motion as a scene in this frame, exactly: no outputs, events or times."""

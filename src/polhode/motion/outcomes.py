@@ -198,14 +198,8 @@ class EventTimes(Result, ByValue):
         count = bisect_right(self.times, abs(last), key=abs)
         if count == len(self.times):
             return self
-        return replace(
-            self,
-            times=self.times[:count],
-            states=self.states[:count],
-            signs=self.signs[:count],
-            uncertainty=self.uncertainty[:count],
-            depths=self.depths[:count],
-        )
+        columns = "times", "states", "signs", "uncertainty", "depths"
+        return replace(self, **{name: getattr(self, name)[:count] for name in columns})
 
     @property
     def t(self) -> npt.NDArray[np.float64]:

@@ -307,6 +307,12 @@ def log10(x: Number) -> float:
     return math.log10(abs(mantissa)) + exponent * math.log10(2) if mantissa else -math.inf
 
 
+def exponent_above(x: Number) -> int:
+    """The exponent of two just above |x|, rounded to eight bits."""
+    mantissa, exponent = rounded(x, 8)
+    return exponent + mantissa.bit_length()
+
+
 def magnitude(x: Irrational) -> int:
     """The exponent of two just above |x|, or 0 where 128 bits do not tell x from zero."""
     ball = x.enclosure(_LADDER[0])

@@ -17,13 +17,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from polhode.equations.kinematics import starting_attitude
+from polhode.equations import kinematics
 from polhode.numbers.number_types import Booleans, Complexes, Doubles, GivenRow, Integers, Scalar
 from polhode.numbers.polynomials import fraction_near
 from polhode.numbers.vectors import quaternion_product
 from polhode.refined import compiled_field
 from polhode.refined.collocation_tables import Tables
-from polhode.refined.compiled_field import FIELD_SHIFT, CannotRefine, Limbs, LimbSums, product
+from polhode.refined.compiled_field import CannotRefine, Limbs, LimbSums, over_intervals, product
 from polhode.refined.deferred_correction import BlockConstants, iterated
 from polhode.scenes.scene import Scene
 
@@ -127,20 +127,12 @@ def _field(kind: Limbs, t: Doubles, omega: Doubles, lengths: Doubles) -> Doubles
         product(q[0], w[1]) + product(q[3], w[0]) + product(minus[0], w[2]),
         product(q[0], w[2]) + product(q[1], w[1]) + product(minus[1], w[0]),
     ]
-    length = list(lengths)
-    shifted = kind.shifted(FIELD_SHIFT)
-    return np.array([product(length, rate.limbs(kind)).limbs(shifted) for rate in rates])
+    return np.array(over_intervals(rates, list(lengths), kind))
 
 
 def spun(q: Doubles, omega: Doubles) -> Doubles:
     """q ⊗ (0, w)."""
-    p, y, r = omega
-    spin = np.empty_like(q)
-    spin[0] = -(q[1] * p) - q[2] * y - q[3] * r
-    spin[1] = q[0] * p + q[2] * r - q[3] * y
-    spin[2] = q[0] * y + q[3] * p - q[1] * r
-    spin[3] = q[0] * r + q[1] * y - q[2] * p
-    return spin
+    return np.array(kinematics.quaternion_spin(q, omega))
 
 
 def times(a: GivenRow, b: GivenRow) -> Scalar:
@@ -225,7 +217,8 @@ class Following:
 def frame(scene: Scene, bits: int) -> list[list[Fraction]]:
     """The matrix that takes Q in principal axes to the attitude of the scene's."""
     assert scene.gamma is not None
-    start = [fraction_near(x, bits)[0] for x in starting_attitude(scene.gamma, scene.psi)]
+    attitude = kinematics.starting_attitude(scene.gamma, scene.psi)
+    start = [fraction_near(x, bits)[0] for x in attitude]
     rows = [[fraction_near(x, bits)[0] for x in row] for row in scene.body.axes.rows]
     columns = [times(start, [Fraction(1), *[Fraction(0)] * 3])]
     columns += [times(start, [Fraction(0), *row]) for row in rows]

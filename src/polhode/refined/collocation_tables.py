@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from math import cos, pi
 from typing import Any
 
 import numpy as np
+from flint import arb
 
+from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Doubles
+from polhode.numbers.polynomials import middle
 from polhode.refined.compiled_field import FIELD_SHIFT, CannotRefine, Limbs
 
 # --- gauss legendre -------------------------------------------------------------------------------
@@ -49,9 +51,9 @@ def gauss(count: int, bits: int) -> Gauss:
     """The table of ``count`` nodes, every entry right to its last bits."""
     fine = bits + _GUARD
     unit = 1 << fine
-    upper = [_node(count, k, fine) for k in range((count + 1) // 2)]  # from 1 down to 0
-    middle = [0] if count % 2 else []
-    nodes = [-x for x in upper[: count // 2]] + middle + upper[: count // 2][::-1]
+    with ctx.workprec(fine + _GUARD):  # the zeros from 1 down to 0
+        upper = [int(middle(arb.legendre_p_root(count, k)) * unit) for k in range(count // 2)]
+    nodes = [-x for x in upper] + [0] * (count % 2) + upper[::-1]
     legendre = [_exact_legendre(x, count, fine) for x in nodes]
     weights = []
     for x, p in zip(nodes, legendre, strict=True):
@@ -87,22 +89,6 @@ def _exact_legendre(x: int, count: int, bits: int) -> list[int]:
         above = ((2 * k + 1) * x * values[k] >> bits) - k * values[k - 1]
         values.append(above // (k + 1))
     return values
-
-
-def _node(count: int, k: int, bits: int) -> int:
-    """The k-th zero of P_count from above, by Newton's method from its asymptotic value."""
-    x = int(cos(pi * (k + 0.75) / (count + 0.5)) * 2**53) << bits >> 53
-    unit = 1 << bits
-    for _ in range(bits.bit_length() + 2):
-        p = _exact_legendre(x, count, bits)
-        slope = (count * ((x * p[count] >> bits) - p[count - 1]) << bits) // (
-            (x * x >> bits) - unit
-        )
-        step = (p[count] << bits) // slope
-        x -= step
-        if abs(step) < 1 << (bits // 2 - 8):  # the next one would be below the last bit
-            break
-    return x
 
 
 # --- collocation tables ---------------------------------------------------------------------------
@@ -190,10 +176,10 @@ def tables(limbs: Limbs, count: int) -> Tables:
     )
     suffix = np.cumsum(split[:, :, ::-1], axis=2)  # smallest first
     tail = np.concatenate([suffix[:, :, i] for i in range(limbs.count)], axis=1)
-    double = np.array([[float(x * unit) for x in row] for row in table.integrals])
+    double = _doubles(table.integrals, float(unit))
     coarse, fine, thinned = _middle(table, gauss(count // 2, bits))
     return Tables(
-        (np.array([float(x * unit) for x in table.nodes]) + 1) / 2,
+        (_doubles(table.nodes, float(unit)) + 1) / 2,
         double[-1].copy(),
         double[:-1].copy(),
         levels,
@@ -229,7 +215,7 @@ def _middle(table: Gauss, coarse: Gauss) -> tuple[Doubles, Doubles, Doubles]:
 
     def integrals(points: Doubles, p: Doubles) -> Doubles:
         d = p[:, 2 : n + 1] - p[:, : n - 1]  # D_k, k = 1 ... n - 1
-        zero = _at_zero(n)
+        zero: Doubles = _legendre(np.zeros(1), n + 1)[0]  # P_0(0) ... P_n(0)
         d = d - (zero[2 : n + 1] - zero[: n - 1])
         return (points[:, None] + d @ coarse_p[:, 1:n].T) * (bc / 2)
 
@@ -242,9 +228,8 @@ def _middle(table: Gauss, coarse: Gauss) -> tuple[Doubles, Doubles, Doubles]:
 
 
 def _doubles(values: Any, scale: float) -> Doubles:
-    if isinstance(values[0], tuple):
-        return np.array([[float(x) * scale for x in row] for row in values])
-    return np.array([float(x) * scale for x in values])
+    doubles: Doubles = np.array(values, dtype=np.float64) * scale
+    return doubles
 
 
 def _legendre(x: Doubles, count: int) -> Doubles:
@@ -253,9 +238,3 @@ def _legendre(x: Doubles, count: int) -> Doubles:
     for k in range(1, count - 1):
         polynomials.append(((2 * k + 1) * x * polynomials[k] - k * polynomials[k - 1]) / (k + 1))
     return np.stack(polynomials[:count], axis=1)
-
-
-def _at_zero(count: int) -> Doubles:
-    """P_0(0) ... P_count(0)."""
-    values: Doubles = _legendre(np.zeros(1), count + 1)[0]
-    return values

@@ -195,11 +195,7 @@ def _sum(x: Sequence[Any], y: Sequence[Any], total: int) -> Any:
     """The sum of x_i y_j, i + j = total, counted from 1."""
     count = len(x)
     indices = range(max(1, total - count), min(count, total - 1) + 1)
-    terms = [x[i - 1] * y[total - i - 1] for i in indices]
-    total_sum = terms[0]
-    for term in terms[1:]:
-        total_sum = total_sum + term
-    return total_sum
+    return _added([x[i - 1] * y[total - i - 1] for i in indices])
 
 
 def _nearest(top: int, bottom: int) -> int:
@@ -256,9 +252,8 @@ def kernels(limbs: Limbs) -> Kernels:
 
 def _field(kind: Limbs) -> Any:
     n = kind.count
-    names = [f"x{v}{i}" for v in range(VARIABLES) for i in range(n)]
-    x = hy.make_vars(*names)
-    limbs = _grouped(x, n)
+    x = hy.make_vars(*(f"x{v}{i}" for v in range(VARIABLES) for i in range(n)))
+    limbs = [x[i : i + n] for i in range(0, len(x), n)]
     k = [[hy.par[c * n + i] for i in range(n)] for c in range(COEFFICIENTS + 1)]
     length = k.pop()
     rates = []
@@ -267,7 +262,7 @@ def _field(kind: Limbs) -> Any:
         for term, value in zip(row[1:], others, strict=True):
             first = first + value if term.sign > 0 else first - value
         rates.append(first)
-    rows = [_times(rate, length, kind) for rate in rates]
+    rows = over_intervals(rates, length, kind)
     return hy.cfunc([e for row in rows for e in row], x, compact_mode=n >= _COMPACT_FROM)
 
 
@@ -279,12 +274,10 @@ def _value(term: Term, limbs: list[list[Any]], k: list[list[Any]], kind: Limbs) 
     return product(k[term.coefficient], product(x, y[0]).limbs(kind) if y else x)
 
 
-def _times(rate: LimbSums, length: list[Any], kind: Limbs) -> list[Any]:
-    return product(length, rate.limbs(kind)).limbs(kind.shifted(FIELD_SHIFT))
-
-
-def _grouped(x: list[Any], n: int) -> list[list[Any]]:
-    return [x[i : i + n] for i in range(0, len(x), n)]
+def over_intervals(rates: list[LimbSums], length: list[Any], kind: Limbs) -> list[list[Any]]:
+    """Rates times the length H of the interval, in limbs."""
+    shifted = kind.shifted(FIELD_SHIFT)
+    return [product(length, rate.limbs(kind)).limbs(shifted) for rate in rates]
 
 
 def _names(letter: str, count: int) -> list[str]:
@@ -350,7 +343,4 @@ def _with_one(y: list[Any]) -> list[list[Any]]:
 
 
 def _added(terms: list[Any]) -> Any:
-    total = terms[0]
-    for term in terms[1:]:
-        total = total + term
-    return total
+    return sum(terms[1:], terms[0])  # from no 0, which an expression would keep

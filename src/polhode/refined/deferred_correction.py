@@ -215,8 +215,7 @@ class _Sweep:
         guess = work.guess
         _, self.nodes, self.count = guess.shape
         size = self.nodes * self.count
-        limbs = constants.limbs
-        self.stages = np.ascontiguousarray(limbs.split_doubles(guess).swapaxes(0, 1))
+        self.stages = np.ascontiguousarray(constants.limbs.split_doubles(guess).swapaxes(0, 1))
         # the kernels' inputs are filled in place: x, and after it what they act on
         self._push = np.empty((3 * VARIABLES, size))
         self._push[:VARIABLES] = guess.reshape(VARIABLES, size)

@@ -57,10 +57,7 @@ class RationalSystem:
     def unit(self, fastest: float) -> int:
         """The least unit in which the coefficients and the fastest |w| are below 1."""
         needed = max(self.rate(), _SLACK * fastest)
-        unit = _LEAST
-        while unit < 1000 and 2.0**unit <= needed:
-            unit += 1
-        return unit if needed else 0
+        return max(_LEAST, min(1000, math.frexp(needed)[1])) if needed else 0
 
 
 def with_rates(state: Sequence[Fraction], exponent: int) -> tuple[Fraction, ...]:

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from polhode.common.interrupts import Progress
+from polhode.motion.outcomes import Outcome
 from polhode.numbers.number_types import Doubles, Integers
 from polhode.refined import double_run
 from polhode.refined.attitude import Following, RefinedAttitude, turns
@@ -289,8 +290,6 @@ def accuracy(digits: int) -> Accuracy:
 
 QUAD = accuracy(34)
 
-INTERRUPTED, STEP_LIMIT = "interrupted", "step limit"
-
 
 @dataclass(frozen=True)
 class RefinedStates:
@@ -309,7 +308,7 @@ class RefinedStates:
     steps: int
     intervals: int
     reached: Fraction
-    stopped: str | None
+    stopped: Outcome | None
     attitudes: list[RefinedAttitude] | None
 
     def exactly(self, i: int) -> list[Fraction]:
@@ -382,20 +381,19 @@ class _Run:
         self._edges_passed = 0
         self._nodes = goal.nodes(m)
 
-    def to_the_end(self, progress: Progress | None, max_steps: int | None) -> str | None:
+    def to_the_end(self, progress: Progress | None, max_steps: int | None) -> Outcome | None:
         """Base after base, until every output is there; else why not."""
         try:
             while len(self.states) < len(self.times):
                 if max_steps is not None and self.steps >= max_steps:
-                    return STEP_LIMIT
+                    return Outcome.STEP_LIMIT
                 most = min(STEPS, STEPS if max_steps is None else max_steps - self.steps)
-                end = self.times[-1]
-                now = base(self.system, self._state, self.origin, end, self.m, most)
+                now = base(self.system, self._state, self.origin, self.times[-1], self.m, most)
                 self.steps += now.steps
                 self._constants = self._constants_in(now.unit)
                 self._through(now, progress)
         except KeyboardInterrupt:
-            return INTERRUPTED
+            return Outcome.INTERRUPTED
         return None
 
     def _constants_in(self, unit: int) -> BlockConstants:
@@ -438,7 +436,8 @@ class _Run:
                 clocks = clocks[len(block.clocks) :]
                 at += block.chain
                 state = limbs.renormalised(solved.states[:, :, block.chain])
-                self._advance(now, float(edges[at]), state)
+                self._state = with_rates([limbs.value(x) for x in state], now.unit)
+                self.origin = now.time(float(edges[at]))
                 self._width = min(2 * self._width, WIDTH)
                 if progress is not None:
                     end = self.times[-1]  # 0 where the start alone is asked for
@@ -449,12 +448,6 @@ class _Run:
             redos += 1
             if redos > _REDOS:
                 raise CannotRefine("a block cannot be refined")
-
-    def _advance(self, now: Base, clock: float, state: Doubles) -> None:
-        """Go on from an exact state at a time of the base's clock."""
-        limbs = self.wanted.limbs
-        self._state = with_rates([limbs.value(x) for x in state], now.unit)
-        self.origin = now.time(clock)
 
     def _turn(self, work: Intervals, solved: SolvedBlock) -> None:
         """The attitude over a block, where it is asked for."""

@@ -285,8 +285,7 @@ class Ensemble(SweepResult):
             *row_columns(scene, scene.columns, self.states[member, place], self.number),
         ]
         for word, rows in self.outputs.items():
-            names = COLUMNS[word].names
-            columns += row_columns(scene, names, rows[member, place], self.number)
+            columns += row_columns(scene, COLUMNS[word].names, rows[member, place], self.number)
         text = lines(Table(columns))
         if between:
             text.insert(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Iterator, Mapping
+from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
 
 from polhode.common.errors import BadInput
@@ -18,8 +19,6 @@ from polhode.taylor.motion import Motion
 from polhode.taylor.system import System, system_of
 
 if TYPE_CHECKING:
-    from fractions import Fraction
-
     from polhode.runs.refined_motion import RefinedMotion
 
 

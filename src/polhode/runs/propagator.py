@@ -8,10 +8,11 @@ from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from threading import get_ident
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 from weakref import finalize
 
 import numpy as np
+import numpy.typing as npt
 
 from polhode.common.arguments import is_unit, not_taken, numbers_given, rows_of, unit_rows, whole
 from polhode.common.errors import BadInput, plain
@@ -31,9 +32,6 @@ from polhode.taylor.long_steps import LongSteps, TimeGrid
 from polhode.taylor.motion import Motion
 from polhode.taylor.projection import Projector, StartTarget
 from polhode.taylor.system import System, system_of, time_array
-
-if TYPE_CHECKING:
-    import numpy.typing as npt
 
 _REACHED_END = Outcome.REACHED_END
 _REACHED = code(_REACHED_END)
@@ -297,8 +295,7 @@ class Propagator:
             inside = rows if self._plain else self._inside(rows)
             motions = BatchMotions(self._job.motions.coefficients, inside)
             job = self._job._replace(max_steps=self._most, times=times, motions=motions)
-            fastest = lanes.rates(inside, self._bound)
-            inner, ended = lanes.states(job, fastest, workers)
+            inner, ended = lanes.states(job, lanes.rates(inside, self._bound), workers)
             states = self._read(inner)
         else:
             states = np.empty((len(rows), len(times), width), self._kind)
@@ -429,12 +426,10 @@ class Propagator:
             raise self._bad("start", plain(start), "finite numbers")
         self._state[...] = self._first if start is None else self._inside(start)
         self._engine.begin()
-        scene = self.scene.at(numbers)
-        times = self._system.times(scene).inside
+        times = self._system.times(self.scene.at(numbers)).inside
         corrector = None
         if self._every is not None:
-            onto = StartTarget(self._system.target, self._state.copy())
-            corrector = Projector(onto, self._every)
+            corrector = Projector(StartTarget(self._system.target, self._state.copy()), self._every)
         motion = Motion(self._system)
         motion.begin(self._system, corrector=corrector, engine=self._engine)
         rows = self._state[None].copy()[: times[0] == 0]
@@ -471,8 +466,7 @@ def _plain_numbers(values: object, kind: np.dtype[Any]) -> Flat | None:
         return None
     if not kinds <= _FLOATS and not -_WHOLE <= min(values) <= max(values) <= _WHOLE:
         return None
-    row: Flat = np.array(values, kind)
-    return row
+    return np.array(values, kind)
 
 
 def _rows_given(start: npt.ArrayLike) -> bool:
@@ -540,7 +534,6 @@ def propagator(
         raise BadInput(scene.name, "project", None, "True, False or a number of steps")
     options = checked_options(scene, kind, Options(project=project), tol)
     try:
-        system = system_of(scene, kind, options.tolerance)
-        return Propagator(system, cadence(scene, kind, options))
+        return Propagator(system_of(scene, kind, options.tolerance), cadence(scene, kind, options))
     except OutOfRange as fault:
         raise fault.refusal(scene.name, kind) from None

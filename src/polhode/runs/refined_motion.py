@@ -77,7 +77,7 @@ class RefinedMotion:
             if not 0 < lacking <= MOST_DIGITS - goal or refinement.stopped:
                 break
             goal += lacking
-        outcome = Outcome(refinement.stopped) if refinement.stopped else Outcome.REACHED_END
+        outcome = refinement.stopped or Outcome.REACHED_END
         self._accuracy, self.steps = accuracy(goal), refinement.steps
         self.reached = self.read.frame.time_outside(refinement.reached)
         rows = [refinement.exactly(i) for i in range(len(refinement.states))]
@@ -96,8 +96,7 @@ class RefinedMotion:
 
         None of the attitude and the angles.  Raises CannotRefine.
         """
-        inside = [*map(self.read.frame.time, times)]
-        again = refine(self.scene, inside, self._accuracy)
+        again = refine(self.scene, [*map(self.read.frame.time, times)], self._accuracy)
         if again.stopped:
             raise KeyboardInterrupt
         width = self.read.columns
@@ -111,8 +110,7 @@ class RefinedMotion:
         scene = self.scene
         following = None
         if scene.modelled:
-            finest = accuracy(goal).limbs.finest
-            following = Following(scene, finest, "angles" in scene.modelled)
+            following = Following(scene, accuracy(goal).limbs.finest, "angles" in scene.modelled)
         return refine(
             scene,
             times,

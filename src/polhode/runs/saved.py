@@ -10,6 +10,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput, nearest
 from polhode.common.values import cached_property, same
@@ -251,8 +253,6 @@ def _bits(value: Value) -> int:
 
 def _columns(table: Table, number_type: NumberType) -> dict[str, Any]:
     """Columns by name; those of an mp of 64 bits are read as numbers of extended, and are its."""
-    import numpy as np
-
     columns = {x.name: x.values for x in table.columns}
     if number_type.name == "mp":
         for name, values in columns.items():
@@ -266,8 +266,6 @@ def _columns(table: Table, number_type: NumberType) -> dict[str, Any]:
 
 def _scene(facts: Mapping[str, Value], times: tuple[Fraction, ...]) -> Scene:
     """The scene of its text; times that this leaves out are those of an array, in the column t."""
-    import numpy as np
-
     text, source = _of(str, facts["scene_text"]), facts["scene_source"]
     scene = scene_file.parse(text, _of(str, facts["scene"]))
     if not len(scene.times) and times:
@@ -277,8 +275,6 @@ def _scene(facts: Mapping[str, Value], times: tuple[Fraction, ...]) -> Scene:
 
 
 def _rows(columns: Mapping[str, Any], names: Sequence[str], number_type: NumberType) -> States:
-    import numpy as np
-
     first = columns[names[0]]
     rows: Any = np.empty((len(first), len(names)), dtype=first.dtype)
     for k, name in enumerate(names):

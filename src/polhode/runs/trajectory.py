@@ -10,6 +10,8 @@ from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, SupportsFloat, cast, overload
 
+import numpy as np
+
 from polhode.common.arguments import numbers_given
 from polhode.common.errors import BadInput, counted, few, nearest, plain
 from polhode.common.interrupts import Progress
@@ -113,7 +115,6 @@ def by_errors(
 
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
     from matplotlib.axes import Axes
     from typing_extensions import TypeVar  # whose variables have defaults
@@ -199,11 +200,8 @@ class Trajectory(Result, ByValue, Generic[S_co]):
         """
         if self.dense is None:
             raise ValueError("states at the output times only: nothing was integrated here")
-        import numpy as np
-
         rows = _at_times(self, "states", t)
-        kind = number_types.kind_of(self.number)
-        states = np.array(rows, dtype=kind)
+        states = np.array(rows, dtype=number_types.kind_of(self.number))
         if len(rows) == 0:
             states = states.reshape(0, len(self.columns))
         return cast("S_co", states)
@@ -240,11 +238,8 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     __iter__ = None  # columns have names, and no order
 
     def _column(self, rows: Given, place: int) -> Flat | number_types.Objects:
-        import numpy as np
-
         if isinstance(rows, np.ndarray):
-            cells: Flat | number_types.Objects = rows[:, place]
-            return cells
+            return rows[:, place]
         column = np.empty(len(rows), dtype=number_types.kind_of(self.number))
         for k, row in enumerate(rows):
             column[k] = math.nan if row[place] is None else row[place]
@@ -285,8 +280,6 @@ class Trajectory(Result, ByValue, Generic[S_co]):
     @property
     def t(self) -> npt.NDArray[np.float64]:
         """The times as doubles, the nearest ones."""
-        import numpy as np
-
         if isinstance(self.times, ExactNumbers):
             return self.times.doubles()
         return np.array([to_double(t) for t in self.times])
@@ -659,8 +652,7 @@ def _motion(run: Trajectory, output: str) -> Interpolant:
     if output not in run.others:
         scene, options = _with_output(run, output, run.times), run.options
         system = system_of(scene, run.number, options.tolerance, options.inputs)
-        every = cadence(scene, run.number, options)
-        motion = Motion(system, scene, every, options.max_steps)
+        motion = Motion(system, scene, cadence(scene, run.number, options), options.max_steps)
         motion.reached = run.reached
         run.others[output] = motion
     return run.others[output]

@@ -75,8 +75,7 @@ def symmetric(matrix: Matrix, rounded: bool) -> tuple[Matrix, str]:
     if not rounded or gap > GRACE * max(abs(x) for row in matrix for x in row):
         i, j = place
         pair = f"[{i + 1}][{j + 1}] and [{j + 1}][{i + 1}]"
-        expected = f"a symmetric matrix: {pair} differ by {brief(gap, 3)}; {PRODUCTS}"
-        raise UnphysicalBody(expected)
+        raise UnphysicalBody(f"a symmetric matrix: {pair} differ by {brief(gap, 3)}; {PRODUCTS}")
     a, b, c = ((*((matrix[i][j] + matrix[j][i]) / 2 for j in range(3)),) for i in range(3))
     change = f"inertia made symmetric (elements differed by {brief(gap, 2)} at most: rounding)"
     return (a, b, c), change  # type: ignore[return-value]  # of three elements each

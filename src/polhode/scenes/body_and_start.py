@@ -376,8 +376,7 @@ def _of_angles(reading: SceneTables, table: Mapping[str, Any]) -> Orientation:
         sine, cosine = exact.sin(theta), exact.cos(theta)
         s, c = exact.sin(phi), exact.cos(phi)
     except ValueError as fault:
-        expected = f"smaller angles ({fault})"
-        raise reading.bad("start.angles", table["angles"], expected) from None
+        raise reading.bad("start.angles", table["angles"], f"smaller angles ({fault})") from None
     if sign(sine) == 0:  # a pole: only psi ± phi has a meaning, and phi is counted as 0
         psi, phi = psi + phi * (1 if sign(cosine) > 0 else -1), ZERO
         s, c = ZERO, ONE

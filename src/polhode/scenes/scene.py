@@ -81,7 +81,7 @@ class Event(NamedTuple):
 
     def counts(self, slope: int) -> bool:
         """Whether a zero of that slope is one asked for; a grazing contact (0) always is."""
-        return slope == 0 or self.direction in ("any", "rising" if slope > 0 else "falling")
+        return slope * vocabulary.DIRECTIONS[self.direction] >= 0
 
 
 def check_event(event: Event, scene: str, key: str) -> None:
@@ -681,8 +681,7 @@ class Scene:
         fourth = max(square * square, self.body.pendulum_rate_fourth)
         if sign(fourth) == 0:
             return 0
-        mantissa, exponent = exact.rounded(fourth, 8)
-        return -((exponent + mantissa.bit_length() - 1) // 4)
+        return -((exact.exponent_above(fourth) - 1) // 4)
 
     @cached_property
     def modelled(self) -> tuple[str, ...]:

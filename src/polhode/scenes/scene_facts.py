@@ -4,22 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 from polhode.common.errors import BadInput
 from polhode.numbers import exact
 from polhode.numbers.conversion import ExactNumbers
 from polhode.numbers.exact import Irrational
-from polhode.numbers.number_types import DOUBLE, Doubles, Given, Indices, NumberType
+from polhode.numbers.number_types import DOUBLE, Doubles, Given, Indices, NumberType, Stack
 from polhode.results.cells import EXACT, TEXT, bits_word
 from polhode.results.table import Column, Fact, Value, Values
 from polhode.scenes.scene import Scene
 from polhode.scenes.scene_file import as_toml
 from polhode.scenes.vary import Variation
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, INTEGRALS, MATRIX, RODRIGUES, SPACE, STATE
-
-if TYPE_CHECKING:
-    from polhode.numbers.number_types import Stack
 
 RATES, GAMMA = STATE[:3], STATE[3:]
 _AXES = ("first", "second", "third")

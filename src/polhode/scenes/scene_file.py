@@ -192,8 +192,7 @@ class _File(SceneTables):
         omega, gamma, psi = start_of(self, self.table("start"), body)
         run = self.table("run", required=False)
         plan = self.table("section", required=False)
-        judged = self.table("reference", required=False)
-        kind = self.read("reference", judged, "kind")
+        kind = self.read("reference", self.table("reference", required=False), "kind")
         if kind not in REFERENCES and kind not in (more := vocabulary.added_names()):
             expected = vocabulary.FORMER_REFERENCES.get(kind) or nearest(kind, [*REFERENCES, *more])
             raise self.bad("reference.kind", kind, expected)
@@ -401,8 +400,7 @@ def owned(value: Any, name: str, key: str = "") -> Any:
         return value
     if isinstance(value, str):
         if len(value) > MAX_LINE or _SURROGATE.search(value):
-            expected = f"a text of at most {MAX_LINE} whole characters"
-            raise BadInput(name, key, value, expected)
+            raise BadInput(name, key, value, f"a text of at most {MAX_LINE} whole characters")
         return str(value)
     if isinstance(value, Mapping):
         each = ((word, x) for word, x in value.items() if x is not None)

@@ -6,19 +6,16 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from polhode.common.arguments import each, numbers_given, of_kind, rows_of
 from polhode.common.errors import BadInput, plain, say_doubt
 from polhode.numbers.conversion import ExactNumbers, LazySequence, in_text, reader, spaced
 from polhode.numbers.exact import ZERO, Exact, pi
 from polhode.numbers.expression import ExpressionError
+from polhode.numbers.number_types import Flat
 from polhode.scenes.body_and_start import THETA, doubtful_theta
 from polhode.scenes.vocabulary import unit
-
-if TYPE_CHECKING:
-    from polhode.numbers.number_types import Flat
-
 
 # --- array columns --------------------------------------------------------------------------------
 #
@@ -87,8 +84,7 @@ def _standing(values: object) -> Flat:
     """An array of numbers as one of rows with a number each."""
     import numpy as np
 
-    column: Flat = np.asanyarray(values)[:, None]
-    return column
+    return np.asanyarray(values)[:, None]
 
 
 def _ask(arrays: Mapping[str, Any], name: str) -> None:
@@ -159,23 +155,18 @@ class Variation(NamedTuple):
     rows: MemberRows
 
 
-def option(text: str, name: str, units: str = "") -> tuple[str, Sequence[Exact]]:
-    """Key and values of ``KEY=FROM:TO:N`` or ``KEY=a,b,c``; raises BadInput.
+def options(texts: Sequence[str], name: str, units: str = "") -> dict[str, Sequence[Exact]]:
+    """What all ``--vary``, ``KEY=FROM:TO:N`` or ``KEY=a,b,c``, say together; raises BadInput.
 
     Here and below ``units`` are those of the scene.
     """
-    key, equals, listed = text.partition("=")
-    if not equals:
-        raise BadInput(name, "--vary", text, "KEY=FROM:TO:N or KEY=a,b,c")
-    key = key.strip()
-    return key, numbers(listed, key, name, units, unit(key))
-
-
-def options(texts: Sequence[str], name: str, units: str = "") -> dict[str, Sequence[Exact]]:
-    """What all ``--vary`` say together; raises BadInput."""
     varied: dict[str, Sequence[Exact]] = {}
     for text in texts:
-        key, values = option(text, name, units)
+        key, equals, listed = text.partition("=")
+        if not equals:
+            raise BadInput(name, "--vary", text, "KEY=FROM:TO:N or KEY=a,b,c")
+        key = key.strip()
+        values = numbers(listed, key, name, units, unit(key))
         if key in varied:
             raise BadInput(name, "--vary", text, f"{key} once")
         varied[key] = values

@@ -138,8 +138,8 @@ SECTIONS, EXTREMA = ("momentum", "height"), ("max", "min")
 
 READY_MADE = {"nutation": "p*gamma2 - q*gamma1", "equator": "gamma3", FLIP: None}
 
-#: In which direction an event's expression passes zero, as t grows.
-DIRECTIONS = ("rising", "falling", "any")
+#: In which direction an event's expression passes zero, as t grows, and the sign of its rate.
+DIRECTIONS = {"rising": 1, "falling": -1, "any": 0}
 
 #: What moments of inertia may be about.
 FIXED_POINT, CENTRE = "fixed point", "centre"

@@ -34,10 +34,10 @@ class LaneQueue:
     over.
     """
 
-    def __init__(self, many: int, places: int) -> None:
-        self.motion = np.minimum(np.arange(places), many - 1)
-        self.busy = np.arange(places) < many
-        self._many, self._ahead = many, min(places, many)
+    def __init__(self, many: int) -> None:
+        self.motion = np.minimum(np.arange(LANES), many - 1)
+        self.busy = np.arange(LANES) < many
+        self._many, self._ahead = many, min(LANES, many)
 
     def follow(
         self,
@@ -291,8 +291,7 @@ def numbers_in_lanes(
 
 def out_of_lanes(states: Doubles) -> Doubles:
     """Back from (batches, times, columns, LANES) to (rows, times, columns)."""
-    rows: Doubles = states.transpose(0, 3, 1, 2).reshape(-1, *states.shape[1:3])
-    return rows
+    return states.transpose(0, 3, 1, 2).reshape(-1, *states.shape[1:3])
 
 
 # --- batch integrator -----------------------------------------------------------------------------

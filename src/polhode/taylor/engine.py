@@ -312,8 +312,7 @@ def _tangents(
         along = [_product(row, u) for row in jacobian]
         drive = j - (of.tangents - of.driven)
         if drive >= 0:
-            numbers = of.coefficients((1 + drive) * len(of.pattern))
-            driven = rates_at(x, numbers)
+            driven = rates_at(x, of.coefficients((1 + drive) * len(of.pattern)))
             for i in range(len("pqr")):  # gamma' has no coefficients
                 along[i] = along[i] + driven[i]
         pairs += list(zip(u, along, strict=True))

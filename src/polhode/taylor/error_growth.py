@@ -169,8 +169,7 @@ class _Tangents:
         self._sizes, self._units = sizes, units
         self._used = np.flatnonzero(units)
         count = len(self._used)
-        equations = Equations(STATE, NAMES, tangents=6 + count, driven=count, lanes=LANES)
-        self._ready = lent(equations)
+        self._ready = lent(Equations(STATE, NAMES, tangents=6 + count, driven=count, lanes=LANES))
         columns = np.hstack([np.diag(sizes), np.zeros((6, count))])
         self._start = np.repeat(columns.T.ravel()[:, None], LANES, axis=1)
         numbers = [to_double(plain.coefficients.get(name, 0)) for name in NAMES]
@@ -304,15 +303,12 @@ class Growth(NamedTuple):
 
     def reaches(self, lost: float) -> float | None:
         """The first time at which so many digits are lost; None where they never are."""
-        time = self._reaches(lost)
-        return None if time is None else to_double(Fraction(time) * Fraction(2) ** self.unit)
-
-    def _reaches(self, lost: float) -> float | None:
         before, height = 0.0, 0.0
         for t, here in zip(self.times, self.lost, strict=True):
             if here >= lost:
                 part = (lost - height) / (here - height) if here > height else 1.0
-                return before + min(1.0, max(0.0, part)) * (t - before)
+                time = before + min(1.0, max(0.0, part)) * (t - before)
+                return to_double(Fraction(time) * Fraction(2) ** self.unit)
             before, height = t, here
         return None
 

@@ -255,7 +255,7 @@ class _Search:
         self.length = job.stretch if stretches == math.inf else job.end / stretches
         self.way = 1 if self.length > 0 else -1
         self.last = stretches
-        self.lanes = LaneQueue(n, LANES)
+        self.lanes = LaneQueue(n)
         self.parameters = np.zeros((DESK + len(self.numbers), LANES))
         self.state = job.starts[self.lanes.motion].T.copy()
         self.put = None if job.level is None else Put(job.level, self.state)
@@ -447,8 +447,7 @@ class _Search:
         job = self.job
         assert self.batch.desk is not None
         jet: Jet = self.batch.desk.jets[0]._replace(timed=False)
-        equations = Equations(job.watched.columns, job.watched.names)
-        ta = lent(equations)
+        ta = lent(Equations(job.watched.columns, job.watched.names))
         ta.state[:] = job.starts[k]
         ta.begin(job.coefficients[k])
         probe, span = Probe(jet, ta.heyoka, len(job.watched.columns)), (start.place, end.place)

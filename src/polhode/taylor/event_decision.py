@@ -63,8 +63,7 @@ class Places(NamedTuple):
     @property
     def order(self) -> Indices:
         """Their order in time."""
-        order: Indices = np.argsort(self.ahead, kind="stable")
-        return order
+        return np.argsort(self.ahead, kind="stable")
 
 
 def polished(jet: Jet, met: Sequence[Marks], ends: Marks, sense: int) -> tuple[Places, Places]:
@@ -125,8 +124,7 @@ def _half_width(values: Flat, height: Flat) -> Flat:
     _, rate, bend, third = np.abs(values)
     near: Flat = np.fmin(height / rate, np.sqrt(2 * height / bend))
     far: Flat = np.cbrt(6 * height / third)
-    least: Flat = np.fmin(near, far)
-    return least
+    return np.fmin(near, far)
 
 
 def _sought(jet: Jet, marks: Marks, error: Flat) -> Flat:

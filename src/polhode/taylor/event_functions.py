@@ -287,8 +287,7 @@ class Marks(NamedTuple):
     def since_start(self) -> Scalar:
         """The times, rounded to the type."""
         near, beside = two_sum(self.parameters[0], self.time)
-        times: Scalar = near + (beside + (self.parameters[1] + self.rest))
-        return times
+        return near + (beside + (self.parameters[1] + self.rest))
 
     def those(self, which: number_types.Booleans | Indices | slice | list[int]) -> Marks:
         """Some of them."""
@@ -394,8 +393,7 @@ def _of(compiled: CompiledFunction, marks: Marks) -> Scalar:
         options["pars"] = np.ascontiguousarray(marks.parameters[: compiled.nparams])
     if compiled.is_time_dependent:
         options["time"] = marks.time + marks.rest
-    values: Scalar = compiled(np.ascontiguousarray(marks.columns), **options)
-    return values
+    return compiled(np.ascontiguousarray(marks.columns), **options)
 
 
 def jet_of(
@@ -446,8 +444,7 @@ def jet_of(
 def plain(values: Scalar, number: NumberType) -> Flat:
     """Numbers of a run's type as numpy's own: doubles of doubles, else longdoubles."""
     if number.flat:
-        array: Flat = np.asarray(values)
-        return array
+        return np.asarray(values)
     several = np.array([np.longdouble(str(x)) for x in values.ravel().tolist()], np.longdouble)
     return several.reshape(values.shape)
 

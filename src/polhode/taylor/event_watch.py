@@ -19,6 +19,7 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.exact import ZERO, Number, sign
 from polhode.numbers.number_types import Array, Booleans, Functions, NumberType, Scalar, read_only
 from polhode.scenes.scene import Event, Scene, middle_axis
+from polhode.scenes.vocabulary import DIRECTIONS
 from polhode.taylor import event_decision, event_functions
 from polhode.taylor.engine import CLOCK, TINY, Desk, Engine
 from polhode.taylor.event_decision import Decision, End, Happenings, Places, at_the_end, places
@@ -128,12 +129,7 @@ class Rules:
         self.asks = any(e.stop for e in scene.events) or not all(x.entire for x in sizes)
         for size in sizes:
             value, rate = exactly(size.value) or Fraction(1), exactly(size.rate) or Fraction(1)
-            self.damping.append(small * Fraction(2) ** -_exponent(max(value, rate)))
-
-
-def _exponent(x: Fraction) -> int:
-    mantissa, exponent = exact.rounded(x, 8)
-    return exponent + mantissa.bit_length()
+            self.damping.append(small * Fraction(2) ** -exact.exponent_above(max(value, rate)))
 
 
 # --- probe ----------------------------------------------------------------------------------------
@@ -258,7 +254,6 @@ def stays(jet: Jet, heyoka: HeyokaIntegrator, parameters: Array, width: int) -> 
 
 
 _ROOM = 64  # for the first notes
-_SIDES = {"falling": -1, "any": 0, "rising": 1}
 
 
 class Notes:
@@ -489,9 +484,8 @@ class Watch:
 
     def _counted(self, k: int, happenings: Happenings) -> Booleans:
         """Which are of the direction that an event asks for."""
-        wanted = _SIDES[self.scene.events[k].direction] * self.way
-        counted: Booleans = happenings.signs * wanted >= 0  # a contact always
-        return counted
+        wanted = DIRECTIONS[self.scene.events[k].direction] * self.way
+        return happenings.signs * wanted >= 0  # a contact always
 
     # -- corrections of the state, and steps that are taken back --------------------------------
 

@@ -111,20 +111,17 @@ class System:
     def equations(self) -> Equations:
         """What compiled code is found by."""
         plain = self.scene.form == "principal"  # what is left of it is among the columns
+        rounded = ((name, self.number.rounded(x)) for name, x in self.coefficients.items())
         return Equations(
             self.names,
             tuple(self.coefficients) if plain else (),
             self.number,
             self.tolerance,
             self.scene.form,
-            () if plain else tuple(self._rounded.items()),
+            () if plain else tuple(rounded),
             self.still,
             len(ANGLE_VARIABLES) if "angles" in self.outputs else 0,
         )
-
-    @property
-    def _rounded(self) -> dict[str, Fraction]:
-        return {name: self.number.rounded(x) for name, x in self.coefficients.items()}
 
     @cached_property
     def state(self) -> Array:
@@ -242,8 +239,7 @@ def system_of(
 
     Raises BadInput where a library has left this thread another rounding mode than to nearest.
     """
-    if not rounds_to_nearest():
-        refuse_other_rounding(scene)
+    refuse_other_rounding(scene)
     key = (number, tolerance, inputs)
     return _systems.get(scene.identity, key, lambda: system(scene.apart(), scene.modelled, *key))
 

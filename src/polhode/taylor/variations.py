@@ -52,8 +52,7 @@ class Variations:
     def __init__(
         self, coefficients: Mapping[str, Number], start: Doubles, tangents: Doubles
     ) -> None:
-        equations = Equations(STATE, NAMES, tangents=tangents.shape[1])
-        self._ready = lent(equations)
+        self._ready = lent(Equations(STATE, NAMES, tangents=tangents.shape[1]))
         numbers = np.array([to_double(coefficients.get(name, 0)) for name in NAMES])
         self.exponent = self.steps = 0
         self._ready.state[:] = np.concatenate([start, tangents.T.ravel()])
@@ -390,9 +389,8 @@ def solve(job: TangentJob, stop: StopRequest | None = None) -> TangentSizes:
     sizes[:, 0] = 0.0
     last = np.zeros(n, dtype=int)
     tolerance = None if job.tolerance is None else Fraction(job.tolerance)
-    equations = Equations(STATE, job.names, tolerance=tolerance, lanes=LANES, tangents=1)
-    ta = lent(equations)
-    lanes = LaneQueue(n, LANES)
+    ta = lent(Equations(STATE, job.names, tolerance=tolerance, lanes=LANES, tangents=1))
+    lanes = LaneQueue(n)
 
     def begin(lane: int) -> None:
         k = lanes.motion[lane]
@@ -406,8 +404,7 @@ def solve(job: TangentJob, stop: StopRequest | None = None) -> TangentSizes:
         length, over = np.sqrt((ta.state[6:] ** 2).sum(axis=0)), []
         for lane in np.flatnonzero(lanes.busy).tolist():
             k = int(lanes.motion[lane])
-            finite = bool(np.isfinite(ta.state[:, lane]).all()) and length[lane] > 0
-            if finite:
+            if np.isfinite(ta.state[:, lane]).all() and length[lane] > 0:
                 ta.state[6:, lane] /= length[lane]
                 last[k] += 1
                 look = last[k]

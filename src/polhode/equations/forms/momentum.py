@@ -14,7 +14,6 @@ from polhode.equations.form import Coefficients, Form, FormValues, OmegaAndGamma
 from polhode.equations.forms import matrices
 from polhode.equations.forms.matrices import GAMMA, OMEGA
 from polhode.numbers import exact
-from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import Functions, Scalar
 from polhode.numbers.vectors import inverse, scaled
 from polhode.scenes.body import OWN_AXES, PrincipalAxes
@@ -50,7 +49,8 @@ def axes(_: Scene) -> PrincipalAxes:
 def for_scene(scene: Scene) -> Momentum:
     """The equations of a scene."""
     body = scene.body
-    unit = _unit(sum((body.inertia[i][i] for i in (1, 2)), body.inertia[0][0]))
+    size = body.inertia[0][0] + body.inertia[1][1] + body.inertia[2][2]
+    unit = Fraction(2) ** (exact.exponent_above(size) - 1)
     gyration = [scaled(unit, row) for row in inverse(body.inertia)]
     a, b, c = gyration
     k = matrices.named(MOMENTUM, matrices.product_names(MOMENTUM), matrices.turning((a, b, c)))
@@ -60,9 +60,3 @@ def for_scene(scene: Scene) -> Momentum:
     momentum = scaled(1 / unit, body.momentum(scene.omega))
     names = (*MOMENTUM, *scene.columns[3:])
     return Momentum(scene, names, k, (*momentum, *scene.start[3:]))
-
-
-def _unit(size: Exact) -> Fraction:
-    """The power of two just below."""
-    mantissa, exponent = exact.rounded(size, 8)
-    return Fraction(2) ** (exponent + mantissa.bit_length() - 1)

@@ -57,8 +57,7 @@ def own_units(scene: Scene, form: str) -> OwnUnits:
     if scene.gamma is None:
         raise BadInput(scene.name, "form", form, f"{PRINCIPAL} for a scene without start.gamma")
     body = scene.body
-    mantissa, exponent = exact.rounded(max(body.moments), 8)
-    mass = Fraction(2) ** (exponent + mantissa.bit_length() - 1)
+    mass = Fraction(2) ** (exact.exponent_above(max(body.moments)) - 1)
     a, b, c = (moment / mass for moment in body.moments)
     return OwnUnits((a, b, c), scaled(1 / mass, body.torque), scene.omega, scene.gamma, mass)
 
