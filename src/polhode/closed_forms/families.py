@@ -26,7 +26,9 @@ from polhode.closed_forms._one_orbit import (
     staude,
     steklov,
 )
-from polhode.closed_forms._one_orbit.orbits import NormalOrbit, OrbitMotion, orbit_family
+from polhode.closed_forms._one_orbit.orbits import NormalOrbit as NormalOrbit
+from polhode.closed_forms._one_orbit.orbits import OrbitMotion as OrbitMotion
+from polhode.closed_forms._one_orbit.orbits import orbit_family as orbit_family
 from polhode.closed_forms.balls.core import (
     SPARE,
     Kept,
@@ -48,23 +50,24 @@ from polhode.closed_forms.balls.frames import (
     start_attitude,
 )
 from polhode.closed_forms.kovalevskaya import motion as kovalevskaya
+from polhode.closed_forms.membership import Condition as Condition
 from polhode.closed_forms.membership import (
-    Condition,
     Family,
     Misfit,
-    NormalScene,
     Placement,
     PrincipalScene,
-    equal,
     in_principal_axes,
-    positive,
 )
+from polhode.closed_forms.membership import NormalScene as NormalScene
+from polhode.closed_forms.membership import equal as equal
+from polhode.closed_forms.membership import positive as positive
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
-from polhode.numbers.conversion import to_mpf as number
+from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import EQUAL_BITS, ONE, Exact, Irrational, noted, sign
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.mpmath_context import mpf, mpmath
+from polhode.numbers.mpmath_context import mpf
+from polhode.numbers.mpmath_context import mpmath as mpmath
 from polhode.numbers.vectors import Vector, quaternion_product
 from polhode.scenes import vocabulary
 from polhode.scenes.scene import Scene
@@ -72,27 +75,7 @@ from polhode.scenes.scene import Scene
 if TYPE_CHECKING:
     from polhode.numbers.double_double import Pairs
 
-__all__ = [
-    "FAMILIES",
-    "ClosedForm",
-    "Condition",
-    "Family",
-    "Misfit",
-    "NormalOrbit",
-    "NormalScene",
-    "OrbitMotion",
-    "PrincipalScene",
-    "closed_form",
-    "closed_forms",
-    "equal",
-    "misfit",
-    "mpmath",
-    "near",
-    "number",
-    "orbit_family",
-    "positive",
-    "register_family",
-]
+number = to_mpf  # of a family of one's own, as what is imported here and not used
 
 #: In the order in which a scene is tried; the first that fits is its reference.  Kovalevskaya's top
 #: is the last of those that may fit its body: it has no formula for a pendulum's motions, permanent

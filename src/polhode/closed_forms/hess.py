@@ -17,8 +17,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
 from functools import partial
-from operator import mul
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from flint import acb, acb_mat, acb_poly, arb
 
@@ -30,6 +29,7 @@ from polhode.closed_forms.balls.core import (
     either_root,
     enclosed,
     nearest_integer,
+    of_product,
 )
 from polhode.closed_forms.balls.frames import Latest, MotionAxes, SolvedMotion, Turn
 from polhode.closed_forms.lagrange import Constants, Nutating, Steady, constants
@@ -260,14 +260,14 @@ class PeriodMap:
         for k in range(self._terms - 1):
             share = self._half / (k + 1)
             x, y = p[::-1], q[::-1]
-            term = share * self._pull * _I * _product(V, w[::-1])
-            V.append(share * self._pull * -_I * _product(U, conjugate[::-1]))
+            term = share * self._pull * _I * of_product(V, w[::-1])
+            V.append(share * self._pull * -_I * of_product(U, conjugate[::-1]))
             U.append(term)
             p.append(share * self._P * g2[k])
             q.append(-share * self._P * g1[k])
-            lift = share * (_product(g1, y) - _product(g2, x))
-            g1.append(-share * _product(u, y))
-            g2.append(share * _product(u, x))
+            lift = share * (of_product(g1, y) - of_product(g2, x))
+            g1.append(-share * of_product(u, y))
+            g2.append(share * of_product(u, x))
             u.append(lift)
             w.append(acb(p[-1], q[-1]))
             conjugate.append(acb(p[-1], -q[-1]))
@@ -288,11 +288,6 @@ def tail(a12: arb, x: arb, n: int) -> acb:
     for k in range(n):
         term *= x * (a12 + k) / (k + 1)
     return around(term / (1 - ratio))
-
-
-def _product(a: Sequence[Any], back: Sequence[Any]) -> Any:
-    """A coefficient of a product, the second factor in reverse order."""
-    return sum(map(mul, a, back))
 
 
 def _inverse(m: acb_mat) -> acb_mat:

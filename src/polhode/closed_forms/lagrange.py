@@ -509,8 +509,8 @@ class Nutating(LagrangeMotion):
         a, r, ratio = ball(c.a), ball(c.r), ball(c.ratio)
         self.rate = (a * g.u31).sqrt() / 2
         self.speed = (r * r + a * g.b[0]).sqrt()
-        sn0 = (-1 if sign(c.rate) < 0 else 1) * (g.start[0] / g.u21).sqrt()
-        self._v0 = self.elliptic.argument(sn0, g.start[1] / g.u21, g.start[2] / g.u31)
+        squares = g.start[0] / g.u21, g.start[1] / g.u21, g.start[2] / g.u31
+        self._v0 = self.elliptic.argument(squares, -1 if sign(c.rate) < 0 else 1)
 
         def sides(x: Distances) -> Distances:
             """sn^2, cn^2, dn^2 to the modulus k' of the shift of a point in [u2, u3]."""
@@ -525,8 +525,7 @@ class Nutating(LagrangeMotion):
         def part(
             s: int, squares: Distances, half: bool, even: arb, passes: bool = False
         ) -> Quotient:
-            sn2, cn2, dn2 = squares
-            shift = s * self.elliptic.argument(sn2.sqrt(), cn2, dn2)
+            shift = s * self.elliptic.argument(squares)
             return Quotient(self.elliptic, self.rate, shift, half, even, passes)
 
         low = g.u31 / three, alpha / three, two / three

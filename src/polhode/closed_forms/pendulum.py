@@ -184,8 +184,7 @@ class Swing(SolvedMotion):
         self.speed = 2 * self.rate * self._k
         if not self.elliptic.limit:
             self.period = (4 if self.librates else 2) * self.elliptic.K / self.rate
-        sn2, cn2, dn2 = (ball(x) for x in numbers.phase)
-        self._v0 = self.elliptic.argument(numbers.side * sn2.sqrt(), cn2, dn2)
+        self._v0 = self.elliptic.argument(map(ball, numbers.phase), numbers.side)
         cos2, sin2 = numbers.half
         self._begin = root(cos2), numbers.side * root(sin2)
         self._place = Latest(self._place_at)

@@ -158,11 +158,10 @@ def certify(
 def _enclosure(job: Task, noise: int) -> Enclosure:
     """The enclosure at one noise level, as far as it came; raises TooImprecise."""
     scene, times, bits = job.box.scene, job.times, noise + 100
-    attitudes = bool({"angles", "attitude"} & {*scene.modelled})
     solution, angles = approximation.forced, "angles" in scene.modelled
 
     def watch(side: Side, problem: Problem, at: Sequence[Any]) -> list[attitude.AttitudeWatch]:
-        if not attitudes:
+        if not scene.modelled:
             return []
         return [attitude.AttitudeWatch(side.motion, problem, at, solution, angles, job.deadline)]
 

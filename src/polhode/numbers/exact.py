@@ -51,7 +51,7 @@ class Irrational:
         self.square = square
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _irrational, (self._rule, self._parts, self.square)  # balls cannot be pickled
+        return partial(Irrational, self._rule, *self._parts, square=self.square), ()  # no balls
 
     def enclosure(self, prec: int) -> arb:
         """A ball around the value, every step carried to ``prec`` bits."""
@@ -78,7 +78,10 @@ class Irrational:
             if lacking:
                 pending.extend(lacking)
                 continue
-            node._known[prec] = node._rule(*(_ball_of(part, prec) for part in node._parts))
+            balls = (
+                x._known[prec] if isinstance(x, Irrational) else as_ball(x) for x in node._parts
+            )
+            node._known[prec] = node._rule(*balls)
             pending.pop()
         return self._known[prec]
 
@@ -153,8 +156,7 @@ class Irrational:
         return sign(self - other) >= 0
 
     def __float__(self) -> float:
-        mantissa, exponent = rounded(self, 53)
-        return math.ldexp(mantissa, exponent)
+        return math.ldexp(*rounded(self, 53))
 
     def __repr__(self) -> str:
         return "Irrational({} * 2**{}...)".format(*rounded(self, 53))
@@ -357,19 +359,6 @@ def _rounded_binary(mantissa: int, exponent: int, bits: int) -> tuple[int, int]:
     """mantissa·2**exponent to so many bits."""
     nearest, by = _rounded_ratio(mantissa, 1, bits)
     return (nearest, by + exponent) if nearest else (0, 0)
-
-
-def _irrational(
-    rule: Callable[..., arb], parts: tuple[Exact, ...], square: Exact | None
-) -> Irrational:
-    """What was pickled."""
-    return Irrational(rule, *parts, square=square)
-
-
-def _ball_of(part: Exact, prec: int) -> arb:
-    if isinstance(part, Irrational):
-        return part._known[prec]
-    return as_ball(part)
 
 
 # --- ball rules -----------------------------------------------------------------------------------

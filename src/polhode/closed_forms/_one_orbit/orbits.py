@@ -232,8 +232,8 @@ class EllipticTime(NamedTuple):
 
     def phase(self, functions: Jacobi) -> arb:
         """v at t = 0, in (-2K, 2K]."""
-        (sine, cosine), (sn2, cn2, dn2) = self.sides, self.squares
-        v = functions.argument(sine * root(sn2), ball(cn2), ball(dn2))
+        sine, cosine = self.sides
+        v = functions.argument(map(ball, self.squares), sine)
         if cosine >= 0:
             return v
         return (2 if sine >= 0 else -2) * functions.K - v

@@ -18,12 +18,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from typing import Generic, TypeAlias, TypeVar
+from operator import mul
+from typing import Any, Generic, TypeAlias, TypeVar
 
-from flint import acb, arb, fmpq
+from flint import acb, arb
 from mpmath import libmp
 
-from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.exact import ZERO, Exact, Irrational, as_ball, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.polynomials import middle
@@ -51,14 +52,12 @@ class Refused(ValueError):
 
 def ball(x: Exact | int) -> arb:
     """An exact number at the precision in force; the exact 0 where it is 0, by the rule."""
-    if isinstance(x, (int, Fraction)):
-        return arb(fmpq(x.numerator, x.denominator))
-    return x.enclosure(ctx.prec) if sign(x) else arb(0)
+    return arb(0) if isinstance(x, Irrational) and sign(x) == 0 else enclosed(x)
 
 
 def enclosed(x: Exact | int) -> arb:
     """The same without the question whether it is 0: for factors of sums, which need no answer."""
-    return ball(x) if isinstance(x, (int, Fraction)) else x.enclosure(ctx.prec)
+    return x.enclosure(ctx.prec) if isinstance(x, Irrational) else as_ball(x)
 
 
 def root(x: Exact | int) -> arb:
@@ -74,6 +73,22 @@ def either_root(z: acb) -> acb:
 def square(x: arb) -> arb:
     """x^2; ``x ** 2`` is not a number where a ball has its middle at 0."""
     return x * x
+
+
+def powers_of(w: acb, count: int) -> list[acb]:
+    """w^k for k below ``count``, which is positive.
+
+    As products of halves: a chain of single factors would widen a ball by up to sqrt 2 each.
+    """
+    powers = [acb(1), w]
+    for k in range(2, count):
+        powers.append(powers[k // 2] * powers[k - k // 2])
+    return powers[:count]
+
+
+def of_product(a: Sequence[Any], back: Sequence[Any]) -> Any:
+    """A coefficient of a product of two series, the second factor in reverse order."""
+    return sum(map(mul, a, back), _ZERO)
 
 
 def around(radius: arb) -> acb:

@@ -41,7 +41,7 @@ period.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from flint import acb, arb, arb_poly, fmpz_poly
 
@@ -167,9 +167,13 @@ class Jacobi:
         return ThetaSeries(self._s) if self._s > LEAST else None
 
     @staticmethod
-    def argument(sn: arb, cn2: arb, dn2: arb) -> arb:
-        """v in [-K, K], or to the modulus k' in [-K', K'], from sn v, cn^2 v and dn^2 v."""
-        return sn * carlson_rf(cn2, dn2)
+    def argument(squares: Iterable[arb], side: int = 1) -> arb:
+        """v in [-K, K], or to the modulus k' in [-K', K'], from the squares of sn v, cn v and dn v.
+
+        ``side``: the sign of sn v.
+        """
+        sn2, cn2, dn2 = squares
+        return side * sn2.sqrt() * carlson_rf(cn2, dn2)
 
     def at(self, v: arb) -> ReducedArgument:
         """The functions at a phase."""
@@ -281,6 +285,6 @@ class ReducedArgument:
         return [th.real for th in acb.modular_theta(acb(self.z), self._jacobi.tau)]
 
 
-def carlson_rf(x: arb, y: arb, z: arb | int = 1) -> arb:
-    """Carlson's R_F of numbers that are not negative."""
-    return acb.elliptic_rf(acb(x), acb(y), acb(z)).real
+def carlson_rf(x: arb, y: arb) -> arb:
+    """Carlson's R_F of 1 and two numbers that are not negative."""
+    return acb.elliptic_rf(acb(x), acb(y), acb(1)).real

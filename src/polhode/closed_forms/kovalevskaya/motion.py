@@ -13,12 +13,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
-from operator import mul
 from typing import NamedTuple, TypeAlias
 
 from flint import acb, arb, arb_poly
 
-from polhode.closed_forms.balls.core import TooFewBits, around, ball, nearest_integer, root
+from polhode.closed_forms.balls.core import (
+    TooFewBits,
+    around,
+    ball,
+    nearest_integer,
+    of_product,
+    root,
+)
 from polhode.closed_forms.balls.frames import SolvedMotion
 from polhode.closed_forms.balls.periodic_attitude import PeriodicMotion, PeriodicOrbit
 from polhode.closed_forms.balls.weierstrass import (
@@ -392,12 +398,12 @@ def _after(row: Sequence[arb], t: arb) -> list[arb]:
         p, q, r = (x[::-1] for x in series[:3])
         G1, G2, G3 = series[3:]
         rates = (
-            _product(series[1], r) / 2,
-            (G3[k] - _product(series[0], r)) / 2,
+            of_product(series[1], r) / 2,
+            (G3[k] - of_product(series[0], r)) / 2,
             -G2[k],
-            _product(G2, r) - _product(G3, q),
-            _product(G3, p) - _product(G1, r),
-            _product(G1, q) - _product(G2, p),
+            of_product(G2, r) - of_product(G3, q),
+            of_product(G3, p) - of_product(G1, r),
+            of_product(G1, q) - of_product(G2, p),
         )
         for terms, rate in zip(series, rates, strict=True):
             terms.append(rate / (k + 1))
@@ -406,11 +412,6 @@ def _after(row: Sequence[arb], t: arb) -> list[arb]:
         arb_poly(terms)(t) + around(share * most).real
         for terms, most in zip(series, moved, strict=True)
     ]
-
-
-def _product(a: Sequence[arb], back: Sequence[arb]) -> arb:
-    """A coefficient of a product, the second factor in reverse order."""
-    return sum(map(mul, a, back), arb(0))
 
 
 def _sum(row: Sequence[acb], values: Sequence[acb]) -> acb:
