@@ -181,7 +181,6 @@ def place(scene: PrincipalScene) -> Placement | None:
         return Placement(
             regime=kind,
             solve=partial(_permanent_rotation, omega, gamma),
-            frame=MotionAxes(),
             rates_of={"precession": "of the body about omega"},
         )
     a, b, c = (moments[i] for i in order)

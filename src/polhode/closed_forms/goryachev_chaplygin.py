@@ -555,14 +555,9 @@ class Separated:
     ) -> tuple[arb, arb]:
         """Balls around the phases at a time, from a place near them."""
         boxes = [x + arb(0, (3 * step).abs_upper()) for x, step in zip(place, steps, strict=True)]
-        slopes = [
-            variable.clock.slope(box)
-            for variable, box in zip((self._u, self._v), boxes, strict=True)
-        ]
-        wide = [
-            ClockPoint(point.S, point.U, f, z) for point, (f, z) in zip(points, slopes, strict=True)
-        ]
-        moved = _step(wide[0], wide[1], *misses)
+        slopes = self._u.clock.slope(boxes[0]), self._v.clock.slope(boxes[1])
+        u, v = (point._replace(f=f, z=z) for point, (f, z) in zip(points, slopes, strict=True))
+        moved = _step(u, v, *misses)
         phases = [x - step for x, step in zip(place, moved, strict=True)]
         for box, x in zip(boxes, phases, strict=True):
             if not (x.is_finite() and box.contains_interior(x)):

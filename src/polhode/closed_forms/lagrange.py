@@ -537,15 +537,12 @@ class Nutating(LagrangeMotion):
         begin = self.elliptic.at(self._v0)
         for z, value, slope in zip(self._parts, start, _slopes(c, start), strict=True):
             z.begin(begin, value, slope)
+        jumps = arb(0)  # at a pole, which are not counted
         if not self.elliptic.limit:
             self.nutation = 2 * self.elliptic.K / self.rate
-        alpha, beta = (
-            z.turn - arb.pi() * self.rate / (2 * self.elliptic.K)
-            if z.passes and not self.elliptic.limit
-            else z.turn
-            for z in self._parts[:2]
-        )
-        self.means = alpha, beta  # jumps at a pole are not counted
+            jumps = arb.pi() * self.rate / (2 * self.elliptic.K)
+        alpha, beta = (z.turn - jumps if z.passes else z.turn for z in self._parts[:2])
+        self.means = alpha, beta
 
     def parameters(self, t: arb) -> Parameters:
         """al, bt and xi at a time."""

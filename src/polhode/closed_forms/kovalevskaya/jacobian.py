@@ -167,10 +167,7 @@ class Jacobian:
         return A0 - over * first, A1 - over * (a * first + step * second)
 
     def _from_infinity(self, s: acb, w: acb) -> Pair:
-        factors = []
-        for a in self.points:
-            gap = s - a
-            factors.append(Linear(s / gap, acb(1), -a / gap))
+        factors = [Linear(s / (s - a), acb(1), -a / (s - a)) for a in self.points]
         first, second = unit(factors)
         over = -2 * s / w
         return over * second, over * s * first

@@ -168,18 +168,12 @@ class ThetaState(SolvedMotion):
         values = self.values_at(self.z0)
         for signs in product((1, -1), repeat=3):
             C = [s * x / d for s, x, d in zip(signs, c, slopes, strict=True)]
-            mixed = [C[j] * C[l] * k for (j, l), k in zip(PAIRS, K, strict=True)]
+            mixed = [(j, l, C[j] * C[l] * k) for (j, l), k in zip(PAIRS, K, strict=True)]
             choice = Quotients(
                 over=[x * y for x, y in zip(g, C, strict=True)],
                 p=[x * y for x, y in zip(f, C, strict=True)],
-                r=[
-                    -2 * _I * (f[j] * g[l] - f[l] * g[j]) * k
-                    for (j, l), k in zip(PAIRS, mixed, strict=True)
-                ],
-                G3=[
-                    _I * (e[j] - e[l]) * g[j] * g[l] * k
-                    for (j, l), k in zip(PAIRS, mixed, strict=True)
-                ],
+                r=[-2 * _I * (f[j] * g[l] - f[l] * g[j]) * k for j, l, k in mixed],
+                G3=[_I * (e[j] - e[l]) * g[j] * g[l] * k for j, l, k in mixed],
             )
             if not choice.misses(first, values):
                 choices.append(choice)
