@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from flint import arb
 
@@ -103,16 +103,6 @@ _SPARE = 5  # digits of frequencies, of which one may be much smaller than anoth
 # --- closed form ----------------------------------------------------------------------------------
 #
 # What every closed form is asked, and what all answer in the same way: rows of balls.
-
-
-class _Constants(NamedTuple):
-    """What rows are made with: omega and gamma at t = 0, the sizes of a row's numbers, as many as
-    it may have, the unit of rates, and the length of the family's vertical."""
-
-    start: list[arb]
-    sizes: Sequence[arb]
-    unit: arb
-    length: arb
 
 
 class ClosedForm:
@@ -334,14 +324,18 @@ class ClosedForm:
         cap = self.place.cap
         return None if cap is None else cap[0] * digits + cap[1]
 
-    def _constants_now(self) -> _Constants:
-        """Those at the precision in force."""
+    def _constants_now(self) -> tuple[list[arb], Sequence[arb], arb, arb]:
+        """What rows are made with at the precision in force.
+
+        omega and gamma at t = 0, the sizes of a row's numbers, as many as it may have, the unit of
+        rates, and the length of the family's vertical.
+        """
         unit = ball(self.place.unit)
         start = [ball(x) for x in self._omega]
         if self._known_gamma is not None:
             start += [ball(x) for x in self._known_gamma]
         sizes = [self._motion().speed * abs(unit)] * 3 + [arb(1)] * 7
-        return _Constants(start, sizes, unit, enclosed(self.place.vertical))
+        return start, sizes, unit, enclosed(self.place.vertical)
 
     def _numbers(
         self, digits: int, numbers: Callable[[SolvedMotion], Mapping[str, arb | None]]

@@ -191,18 +191,12 @@ def sqrt(x: Exact) -> Exact:
 
 def sin(x: Exact) -> Exact:
     """The sine of an angle in radians; raises ValueError for one too large to be reduced."""
-    _check_angle(x)
-    if isinstance(x, Fraction) and x == 0:
-        return ZERO
-    return Irrational(methodcaller("sin"), x)
+    return _of_angle("sin", x, ZERO)
 
 
 def cos(x: Exact) -> Exact:
     """The cosine of an angle in radians; raises ValueError for one too large to be reduced."""
-    _check_angle(x)
-    if isinstance(x, Fraction) and x == 0:
-        return ONE
-    return Irrational(methodcaller("cos"), x)
+    return _of_angle("cos", x, ONE)
 
 
 def arctan2(y: Exact, x: Exact) -> Exact:
@@ -332,9 +326,10 @@ def binary(mantissa: int, exponent: int) -> Fraction:
     return Fraction(mantissa, 1 << -exponent)
 
 
-def _check_angle(x: Exact) -> None:
+def _of_angle(function: str, x: Exact, at_zero: Fraction) -> Exact:
     if not -_LARGEST_ANGLE <= x <= _LARGEST_ANGLE:
         raise ValueError("sine or cosine of an angle too large to be reduced")
+    return at_zero if isinstance(x, Fraction) and x == 0 else Irrational(methodcaller(function), x)
 
 
 def _rounded_ratio(over: int, bottom: int, bits: int) -> tuple[int, int]:
@@ -429,9 +424,7 @@ def ball_middle(ball: arb) -> tuple[int, int]:
 
 def ball_ends(ball: arb) -> tuple[tuple[int, int], tuple[int, int]]:
     """(m, e) with m·2**e the lower and the upper end of a ball, exactly."""
-    (middle, p), (radius, q) = (
-        (int(m), int(e)) for m, e in (ball.mid().man_exp(), ball.rad().man_exp())
-    )
+    middle, p, radius, q = map(int, (*ball.mid().man_exp(), *ball.rad().man_exp()))
     least = min(p, q)
     middle, radius = middle << (p - least), radius << (q - least)
     return (middle - radius, least), (middle + radius, least)

@@ -377,12 +377,11 @@ class Clock(Panels):
         return self.S[n + 1] - s, self.U[n + 1] - u
 
     @cached_property
-    def _doubles(self) -> tuple[list[float], list[float], list[float], list[float]]:
+    def _doubles(self) -> list[list[float]]:
         """S, U, f and z at the panels' ends."""
         slopes = [self.slope(x) for x in (*self._starts, self.end)]
         rows = self.S, self.U, [f for f, _ in slopes], [z for _, z in slopes]
-        row1, row2, row3, row4 = ([float(x.mid()) for x in row] for row in rows)
-        return row1, row2, row3, row4
+        return [[float(x.mid()) for x in row] for row in rows]
 
     def _between(self, rest: float) -> tuple[float, float, arb]:
         """U, z and the phase at an S from 0 to that of ``end``, by Hermite's cubics in S."""

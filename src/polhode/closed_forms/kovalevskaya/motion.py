@@ -66,6 +66,7 @@ from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpc
 from polhode.numbers.number_types import Scalar
+from polhode.numbers.vectors import dot
 from polhode.scenes.body import KOVALEVSKAYA, classical_top
 
 #: p, q, r, G1, G2, G3 of a complex time.
@@ -374,7 +375,7 @@ class DegenerateMotion(SolvedMotion):
             slopes.append((N1 - T1 * x) / (2 * P[j]) * over)
         lifts = [-x * g for x, g in zip(e, self._g, strict=True)]
         (D, D1), (p, p1), (pi, pi1) = (
-            (_sum(row, values), _sum(row, slopes)) for row in (self._g, self._f, lifts)
+            (dot(row, values), dot(row, slopes)) for row in (self._g, self._f, lifts)
         )
         r, G3 = (k * _I * (x1 * D - x * D1) / D for k, x, x1 in ((-2, p, p1), (-1, pi, pi1)))
         p, q = p / D, _I / D
@@ -412,11 +413,6 @@ def _after(row: Sequence[arb], t: arb) -> list[arb]:
         arb_poly(terms)(t) + around(share * most).real
         for terms, most in zip(series, moved, strict=True)
     ]
-
-
-def _sum(row: Sequence[acb], values: Sequence[acb]) -> acb:
-    a, b, c = (x * y for x, y in zip(row, values, strict=True))
-    return a + b + c
 
 
 # --- placing --------------------------------------------------------------------------------------
