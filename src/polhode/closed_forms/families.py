@@ -75,7 +75,8 @@ from polhode.scenes.scene import Scene
 if TYPE_CHECKING:
     from polhode.numbers.double_double import Pairs
 
-number = to_mpf  # of a family of one's own, as what is imported here and not used
+#: A family of one's own takes this from here, and the names that are imported as themselves.
+number = to_mpf
 
 #: In the order in which a scene is tried; the first that fits is its reference.  Kovalevskaya's top
 #: is the last of those that may fit its body: it has no formula for a pendulum's motions, permanent

@@ -13,10 +13,9 @@ With radii of the start, the set at t = 0 holds every start of the box: a proof 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
 from typing import Any
 
 from flint import arb
@@ -100,7 +99,7 @@ class Problem:
 class ExactMotion:
     """The exact motion of a scene in principal axes and its proof's unit of time, forward.
 
-    ``frame``: these axes and that unit, ``inside``: the scene in them, forward or not;
+    ``frame``: these axes and that unit; ``inside``: the scene in them, in its own sense of time;
     ``backward``: t and w changed sign.
     ``constants``: the coefficients, exact, in the order of ``terms.NAMES``; ``start``: the six,
     exact, gamma zero where there is none.
@@ -132,10 +131,6 @@ class ExactMotion:
             return balls
         with ctx.workprec(bits):
             return [x + arb(0, 1) * ball(r, bits) for x, r in zip(balls, self.radii, strict=True)]
-
-    def balls(self, bits: int) -> list[arb]:
-        """The constants, each of radius below 2**-bits; raises TooImprecise."""
-        return [sharp(partial(ball, x), bits) for x in self.constants]
 
     @property
     def field(self) -> list[Polynomial]:
@@ -176,7 +171,7 @@ def problem(of: ExactMotion, noise: int, constant_bits: int | None = None) -> Pr
     if not LEAST_NOISE <= noise <= MOST_NOISE:
         raise TooImprecise(f"a noise level of 2**-{noise} is outside {LEAST_NOISE} to {MOST_NOISE}")
     fine = max(noise + 12, LEAST_FINE)
-    balls = of.balls(fine + _SHARPER)
+    balls = [sharp(x, fine + _SHARPER) for x in of.constants]
     with ctx.workprec(4 * fine + 200):
         whole = _whole(of, balls, noise, constant_bits)
         factors = tuple(float(x.mid()) for x in balls)
@@ -230,14 +225,14 @@ def upper(x: Any) -> float:
     return UP * float(size) + (0.0 if size.is_zero() else 1e-300)
 
 
-def sharp(formula: Callable[[int], Any], bits: int) -> Any:
-    """The first ball of radius below 2**-bits that ``formula``, of a working precision, gives.
+def sharp(x: Exact, bits: int) -> arb:
+    """The first ball around a number of radius below 2**-bits, as its precision is raised.
 
     Raises TooImprecise where none is found.
     """
     working = bits + 64
     while working <= _MOST_BITS:
-        value = formula(working)
+        value: arb = ball(x, working)
         with ctx.workprec(64):
             if value.rad() < arb((1, -bits)):
                 return value
