@@ -23,9 +23,9 @@ from flint import acb, acb_mat, acb_poly, arb
 
 from polhode.closed_forms import pendulum
 from polhode.closed_forms.balls.core import (
-    TooFewBits,
     around,
     ball,
+    certainly,
     either_root,
     enclosed,
     nearest_integer,
@@ -179,8 +179,7 @@ class Expansion(NamedTuple):
 
     def at(self, x: arb) -> acb_mat:
         """M at a time from the centre, in units of half a step."""
-        if not abs(x) < _BEYOND:
-            raise TooFewBits
+        certainly(abs(x) < _BEYOND)
         U, V = self.U(x) + self.tail, self.V(x) + self.tail
         return acb_mat([[U, V.conjugate()], [V, U.conjugate()]]) * self.before
 
@@ -282,8 +281,7 @@ def largest(sphere: Nutating, a: arb) -> arb:
 def tail(a12: arb, x: arb, n: int) -> acb:
     """A ball that holds what the terms of U, or of V, from the n-th on add up to."""
     ratio = x * ((a12 + n) / (n + 1)).max(arb(1))
-    if not ratio < 1:
-        raise TooFewBits
+    certainly(ratio < 1)
     term = arb(1)
     for k in range(n):
         term *= x * (a12 + k) / (k + 1)
@@ -370,8 +368,7 @@ class HessMotion(SolvedMotion):
         """y/|y|."""
         y = self.spin.at(t)
         size = abs(y)
-        if not size > 0:
-            raise TooFewBits
+        certainly(size > 0)
         return y / size
 
     def rates(self) -> Mapping[str, arb]:
@@ -404,8 +401,7 @@ class HessMotion(SolvedMotion):
 
 def _tends(spin: PeriodMap) -> bool:
     """Whether |tr N| > 2."""
-    if not (spin.trace > 2 or spin.trace < 2):
-        raise TooFewBits
+    certainly(spin.trace > 2 or spin.trace < 2)
     return bool(spin.trace > 2)
 
 

@@ -12,7 +12,7 @@ from flint import acb, acb_poly, arb
 from mpmath import libmp
 
 from polhode.closed_forms.balls.clocks import Factors, Oscillating
-from polhode.closed_forms.balls.core import TooFewBits, around, ball, root, square
+from polhode.closed_forms.balls.core import TooFewBits, around, ball, certainly, root, square
 from polhode.closed_forms.balls.frames import MotionAxes, SolvedMotion
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.balls.periodic_attitude import (
@@ -361,8 +361,7 @@ def _ends(
             else:
                 # The motion is on the side on which the polynomial is positive.
                 slope = acb_poly([ball(x) for x in polynomials[which]]).derivative()(acb(z0)).real
-                if slope.contains(0):
-                    raise TooFewBits
+                certainly(not slope.contains(0))
                 (below if slope > 0 else above).append(end._replace(place=z0))
     return _last(below, 1), _last(above, -1)
 

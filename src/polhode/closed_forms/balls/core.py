@@ -46,6 +46,12 @@ class TooFewBits(ArithmeticError):
     """The balls are too wide to decide: the same is to be done with more bits."""
 
 
+def certainly(true: object) -> None:
+    """Raise TooFewBits unless a comparison of balls is certain."""
+    if not true:
+        raise TooFewBits
+
+
 class Refused(ValueError):
     """No precision answers this question; the message says why."""
 
@@ -102,8 +108,7 @@ def nearest_integer(x: arb) -> int:
     n = (x.mid() + _HALF).floor().unique_fmpz()
     if n is not None:
         return int(n)
-    if not x.is_finite():
-        raise TooFewBits
+    certainly(x.is_finite())
     return math.floor(middle(x) + Fraction(1, 2))  # the sum was rounded to both sides of an integer
 
 

@@ -45,7 +45,7 @@ from collections.abc import Iterable, Sequence
 
 from flint import acb, arb, arb_poly, fmpz_poly
 
-from polhode.closed_forms.balls.core import TooFewBits, nearest_integer
+from polhode.closed_forms.balls.core import certainly, nearest_integer
 from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
 
@@ -103,8 +103,7 @@ class ThetaSeries:
         """
         least, most = self._s.lower(), y.abs_upper()
         reach, width = float(most), float(least)
-        if not (math.isfinite(reach) and width > 0):
-            raise TooFewBits
+        certainly(math.isfinite(reach) and width > 0)
         count = 1 + math.ceil(reach / width + math.sqrt(ctx.prec * math.log(2) / (math.pi * width)))
 
         def weight(n: int, s: arb, y: arb) -> arb:
@@ -112,8 +111,7 @@ class ThetaSeries:
             return 2 * (arb.pi() * m * (2 * y - s * m)).exp()
 
         first, second = ((2 * n + 1) * weight(n, least, most) for n in (count, count + 1))
-        if not 2 * second < first:  # the ratios fall from one to the next
-            raise TooFewBits
+        certainly(2 * second < first)  # the ratios fall from one to the next
         weights = [weight(n, self._s, y) for n in range(count)]
         if not odd:
             weights[0] = arb(1)

@@ -31,7 +31,7 @@ from typing import Any, NamedTuple
 
 from flint import acb, acb_mat, arb
 
-from polhode.closed_forms.balls.core import Refused, TooFewBits, around, nearest_integer, powers_of
+from polhode.closed_forms.balls.core import Refused, around, certainly, nearest_integer, powers_of
 from polhode.closed_forms.balls.frames import SolvedMotion, Turn, conjugate, of_matrix
 from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
@@ -245,8 +245,7 @@ class PeriodicAttitude:
                 wide = sum((x.abs_upper() for x in last), small)
                 return sums, around(4 * wide * self._cycle).real
             n *= 2
-            if n > _MOST_SAMPLES:
-                raise TooFewBits
+            certainly(n <= _MOST_SAMPLES)
 
     def _fourier(self, n: int) -> list[acb]:
         """The sums below n of 2n samples of F."""
@@ -382,6 +381,5 @@ class PeriodicAttitude:
 def _alike(q: Turn, near: Turn) -> Turn:
     """q or -q, whichever is proven nearer."""
     along = q[0] * near[0] + dot(q[1:], near[1:])
-    if not abs(along) > arb(0.7):
-        raise TooFewBits
+    certainly(abs(along) > arb(0.7))
     return q if along > 0 else (-q[0], -q[1], -q[2], -q[3])

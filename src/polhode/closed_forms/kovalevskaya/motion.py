@@ -21,6 +21,7 @@ from polhode.closed_forms.balls.core import (
     TooFewBits,
     around,
     ball,
+    certainly,
     nearest_integer,
     of_product,
     root,
@@ -281,8 +282,7 @@ class DegenerateMotion(SolvedMotion):
         self._base = (_STEP / self.speed.max(ball(start.a2).root(4))).mid()
         state = self._state(_after(row, self._base))
         y = self._node.line(state).y
-        if not (y > 0 or y < 0):
-            raise TooFewBits
+        certainly(y > 0 or y < 0)
         self._begin(state, 1 if y > 0 else -1)
 
     def _state(self, row: Sequence[arb]) -> SeparationState:
@@ -335,13 +335,11 @@ class DegenerateMotion(SolvedMotion):
         lattice, x = self._lattice, (self._shift - third) / 2
         if side == 0:
             halves = [h for h in lattice.halves if lattice.P(h).overlaps(acb(x))]
-            if len(halves) != 1:
-                raise TooFewBits
+            certainly(len(halves) == 1)
             return halves[0]
         v = lattice.argument(x)
         y = self._ordinate(v).real
-        if not (y > 0 or y < 0):
-            raise TooFewBits
+        certainly(y > 0 or y < 0)
         return v if (y > 0) == (side > 0) else -v
 
     def at(self, t: arb) -> list[arb]:

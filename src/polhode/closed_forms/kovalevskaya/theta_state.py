@@ -29,7 +29,7 @@ from typing import NamedTuple, TypeAlias
 from flint import acb, arb
 
 from polhode.closed_forms.balls.clocks import Pair
-from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
+from polhode.closed_forms.balls.core import ball, certainly, either_root
 from polhode.closed_forms.balls.frames import Latest, SolvedMotion
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.jacobian import Jacobian, rates
@@ -78,8 +78,7 @@ class Quotients(NamedTuple):
         (p, q, r, _, G2, G3), ((D, *row), D1, r1) = start, self.products(values)
         rests = [D * x - y for x, y in zip((p, q, r, G3), row, strict=True)]
         rests.append(D * G2 + r1 - r * D1)
-        if not all(x.is_finite() for x in rests):
-            raise TooFewBits
+        certainly(all(x.is_finite() for x in rests))
         return any(not x.contains(0) for x in rests)
 
 
@@ -179,8 +178,7 @@ class ThetaState(SolvedMotion):
                 choices.append(choice)
         if not choices:
             raise ArithmeticError("no choice of signs has the start: a fault")
-        if len(choices) > _MOST_CHOICES:
-            raise TooFewBits
+        certainly(len(choices) <= _MOST_CHOICES)
         return choices
 
     def _constants(self) -> tuple[list[acb], list[acb]]:
