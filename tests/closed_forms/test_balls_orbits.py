@@ -62,7 +62,7 @@ def test_how_far_a_state_moves_is_bounded_and_not_by_much():
     motion = of("goryachev", 2)
     with ctx.workprec(100):
         orbit = motion._motion().orbit
-        equations = motion._motion()._equations()
+        equations = motion._motion().equations()
         now, reach = acb(arb("0.3"), arb("0.1")), arb("1e-4")
         moves = equations.moves(orbit.state(now), reach)
         halved = 0

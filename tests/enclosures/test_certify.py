@@ -15,6 +15,7 @@ from polhode import Body, Scene
 from polhode.enclosures import fixed_point_problem, integral_contraction, task
 from polhode.enclosures.fixed_point_problem import TooImprecise
 from polhode.numbers.decimals import guaranteed
+from polhode.numbers.exact import Irrational
 from shared import enclosures as trials
 from shared.motions import ASYMMETRIC, asymmetric
 from shared.tools import exact_number, exactly, of_table
@@ -306,7 +307,7 @@ def test_a_constant_that_does_not_sharpen_is_refused() -> None:
     from flint import arb
 
     with pytest.raises(TooImprecise, match="not known sharply"):
-        fixed_point_problem.sharp(lambda bits: arb(1, 1e-9), 80)
+        fixed_point_problem.sharp(Irrational(lambda: arb(1, 1e-9)), 80)
 
 
 @pytest.mark.slow

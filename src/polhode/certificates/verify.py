@@ -235,6 +235,14 @@ def certainly(true: object, line: str) -> None:
         raise NotProved(line)
 
 
+def inverse(matrix: arb_mat, line: str) -> arb_mat:
+    """The inverse of a matrix; refuse one that may have none."""
+    try:
+        return matrix.inv()
+    except ZeroDivisionError:
+        raise NotProved(line) from None
+
+
 def largest(numbers: Iterable[arb]) -> arb:
     """An upper bound of the moduli of several numbers."""
     bound = arb(0)
@@ -1035,10 +1043,7 @@ def _closed(
     df, reached = derivative_of_f(run, end, r, w, a)
     f = [row[0] - y for row, y in zip(end, x, strict=True)] + [arb(0)]
     f += [y - c for y, c in zip(integrals(run, x), values, strict=True)]
-    try:
-        c = df.mid().inv().mid()
-    except ZeroDivisionError:
-        raise NotProved("the ten equations are singular") from None
+    c = inverse(df.mid(), "the ten equations are singular").mid()
     radii = [r] * 6 + [4 * r] * 4
     moved = krawczyk(c, df, f, radii)
     for name, y, radius in zip(UNKNOWN, moved, radii, strict=True):
@@ -1460,10 +1465,7 @@ def _chart_at(
         pair: arb_mat([*(unit[n] for n in pair), *fixed]) for pair in combinations(range(6), 2)
     }
     places = max(frames, key=lambda pair: abs(float(frames[pair].det().mid())))
-    try:
-        inverse = frames[places].inv().table()
-    except ZeroDivisionError:
-        raise NotProved("the plane of the start may touch the motion") from None
+    rows = inverse(frames[places], "the plane of the start may touch the motion").table()
     zero, unity = arb(0), arb(1)
     u = [jet(zero)] * 6
     for _ in range(DEGREE):  # each time right to one degree more
@@ -1471,7 +1473,7 @@ def _chart_at(
         pairs = (momentum, u[:3]), (momentum, u[3:]), (u[3:], u[3:])
         curved = [_dot(*pair) * -unity for pair in pairs]
         values = [jet(zero, unity), jet(zero, zero, unity), jet(zero), *curved]
-        u = [_dot(values, row) for row in inverse]
+        u = [_dot(values, row) for row in rows]
     return places, [row.at(x) for row, x in zip(u, x0, strict=True)]
 
 
@@ -1877,25 +1879,20 @@ def _disk(
     value = [h - v for h, v in zip(integrals(run, c), values, strict=True)]
     value = [x + z for x, z in zip([*value, arb(0)], rise, strict=True)]
     radii = [upper(chart.eta)] * 4
-    passed, inverse = False, None
+    passed, at_middle = False, None
     for _ in range(4):
         points = _moved(_moved(c, along), k * arb_mat([[arb(0, r)] for r in radii]))
         left = arb_mat([*gradients(run, points), chart.plane])
         by_n = left * k
-        try:
-            inverse = by_n.mid().inv().mid() if inverse is None else inverse
-        except ZeroDivisionError:
-            raise NotProved("a plane may touch the level") from None
-        depth = krawczyk(inverse, by_n, value, radii)
+        if at_middle is None:
+            at_middle = inverse(by_n.mid(), "a plane may touch the level").mid()
+        depth = krawczyk(at_middle, by_n, value, radii)
         if not passed:
             for x, r in zip(depth, radii, strict=True):
                 certainly(upper(x) < r, "a set is no graph over its rectangle")
             passed = True
         radii = [upper(x) + arb(2) ** -900 for x in depth]
-    try:
-        slope_of_n = -(by_n.inv() * left * e)
-    except ZeroDivisionError:
-        raise NotProved("a set's slope has no bound") from None
+    slope_of_n = -(inverse(by_n, "a set's slope has no bound") * left * e)
     speed = _product(chart.plane, rates(run.body, points))
     certainly(abs(speed) > 0, "a set's plane may touch the motion")
     return depth, slope_of_n
@@ -1988,10 +1985,7 @@ def _crossing(body: Body, a: Sequence[arb], box: Sequence[arb], far: arb) -> tup
 def _frame(chart: Chart) -> arb_mat:
     """The inverse of [E | K]; raises NotProved."""
     rows = zip(chart.wide.table(), chart.deep.table(), strict=True)
-    try:
-        return arb_mat([[*x, *y] for x, y in rows]).inv()
-    except ZeroDivisionError:
-        raise NotProved("a chart is singular") from None
+    return inverse(arb_mat([[*x, *y] for x, y in rows]), "a chart is singular")
 
 
 def covers(image: Image, source: Rectangle, target: Rectangle, eta: arb, where: str) -> Margins:
@@ -2011,13 +2005,8 @@ def covers(image: Image, source: Rectangle, target: Rectangle, eta: arb, where: 
         left, right = right, left
     certainly(left < target.middle - target.width, f"{where}: the image ends in the set")
     certainly(right > target.middle + target.width, f"{where}: the image ends in the set")
-    (a, b), (c, d) = (
-        [
-            image.slope[i, j] * by / (target.width, target.height)[i]
-            for j, by in enumerate((source.width, source.height))
-        ]
-        for i in range(2)
-    )
+    by, over = (source.width, source.height), (target.width, target.height)
+    (a, b), (c, d) = ([image.slope[i, j] * by[j] / over[i] for j in (0, 1)] for i in (0, 1))
     xx, xy, yy = a * a - c * c - 1, a * b - c * d, b * b - d * d + 1
     determinant = xx * yy - xy * xy
     certainly(xx > 0, f"{where}: the cone condition")

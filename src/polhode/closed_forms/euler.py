@@ -181,7 +181,6 @@ def place(scene: PrincipalScene) -> Placement | None:
         return Placement(
             regime=kind,
             solve=partial(_permanent_rotation, omega, gamma),
-            frame=MotionAxes(),
             rates_of={"precession": "of the body about omega"},
         )
     a, b, c = (moments[i] for i in order)
@@ -228,10 +227,8 @@ class Polhode(SolvedMotion):
         amplitudes = [s * root(x) for s, x in zip(n.signs, n.squares, strict=True)]
         self.speed = root(n.squares[0] + n.squares[1] + n.squares[2])
         self._forward = self._s1 * s2 < 0  # the sense of chi
-        sn2, cn2, dn2 = (ball(x) for x in n.phase)
-        self._v0 = self.elliptic.argument(n.side * sn2.sqrt(), cn2, dn2)
-        sn2, cn2, dn2 = (ball(x) for x in n.shift)
-        shift = self.elliptic.argument(sn2.sqrt(), cn2, dn2)
+        self._v0 = self.elliptic.argument(map(ball, n.phase), n.side)
+        shift = self.elliptic.argument(map(ball, n.shift))
         self._shift = Shift(self.elliptic, shift, half=False)
         turning = self._sense * self._shift.rate * self.rate
         #: The mean rate of the third axis about G.

@@ -26,7 +26,7 @@ from typing import NamedTuple, TypeAlias
 from flint import arb
 
 from polhode.closed_forms.balls.clocks import ClockPoint, Factors, Oscillating, Standing, Tending
-from polhode.closed_forms.balls.core import TooFewBits, ball, root, square
+from polhode.closed_forms.balls.core import TooFewBits, ball, certainly, root, square
 from polhode.closed_forms.balls.frames import MotionAxes, SolvedMotion
 from polhode.closed_forms.balls.jacobi import Jacobi, carlson_rf
 from polhode.closed_forms.membership import (
@@ -538,8 +538,7 @@ class Separated:
                 for clock, z, place, step in ((u_clock, x, first, dx), (v_clock, y, second, dy))
             )
             size = max(size, other_size)
-            if not size.is_finite():
-                raise TooFewBits
+            certainly(size.is_finite())
             if not rough and size < small:
                 return self._proven((x, y), (first, second), (dx, dy), (miss, late))
             rough = rough and size > _ROUGH
@@ -555,18 +554,12 @@ class Separated:
     ) -> tuple[arb, arb]:
         """Balls around the phases at a time, from a place near them."""
         boxes = [x + arb(0, (3 * step).abs_upper()) for x, step in zip(place, steps, strict=True)]
-        slopes = [
-            variable.clock.slope(box)
-            for variable, box in zip((self._u, self._v), boxes, strict=True)
-        ]
-        wide = [
-            ClockPoint(point.S, point.U, f, z) for point, (f, z) in zip(points, slopes, strict=True)
-        ]
-        moved = _step(wide[0], wide[1], *misses)
+        slopes = self._u.clock.slope(boxes[0]), self._v.clock.slope(boxes[1])
+        u, v = (point._replace(f=f, z=z) for point, (f, z) in zip(points, slopes, strict=True))
+        moved = _step(u, v, *misses)
         phases = [x - step for x, step in zip(place, moved, strict=True)]
         for box, x in zip(boxes, phases, strict=True):
-            if not (x.is_finite() and box.contains_interior(x)):
-                raise TooFewBits
+            certainly(x.is_finite() and box.contains_interior(x))
         return phases[0], phases[1]
 
     def _guess(self, c: arb, now: arb) -> tuple[arb, arb]:
@@ -669,8 +662,7 @@ class GoryachevMotion(SolvedMotion):
         self._side = 1
         right, row = [ball(x) for x in (*start.omega, *start.gamma)], self.at(arb(0))
         lead = max((0, 1, 5), key=lambda i: abs(right[i].mid()))
-        if not abs(row[lead]) > 0:
-            raise TooFewBits
+        certainly(abs(row[lead]) > 0)
         self._side = 1 if (row[lead] > 0) == (right[lead] > 0) else -1
         self.speed = root(start.H + 2 * start.a)  # w^2 <= H - 2a gamma1
         self.period = self.path.period

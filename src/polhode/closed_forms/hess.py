@@ -17,19 +17,19 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
 from functools import partial
-from operator import mul
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from flint import acb, acb_mat, acb_poly, arb
 
 from polhode.closed_forms import pendulum
 from polhode.closed_forms.balls.core import (
-    TooFewBits,
     around,
     ball,
+    certainly,
     either_root,
     enclosed,
     nearest_integer,
+    of_product,
 )
 from polhode.closed_forms.balls.frames import Latest, MotionAxes, SolvedMotion, Turn
 from polhode.closed_forms.lagrange import Constants, Nutating, Steady, constants
@@ -179,8 +179,7 @@ class Expansion(NamedTuple):
 
     def at(self, x: arb) -> acb_mat:
         """M at a time from the centre, in units of half a step."""
-        if not abs(x) < _BEYOND:
-            raise TooFewBits
+        certainly(abs(x) < _BEYOND)
         U, V = self.U(x) + self.tail, self.V(x) + self.tail
         return acb_mat([[U, V.conjugate()], [V, U.conjugate()]]) * self.before
 
@@ -260,14 +259,14 @@ class PeriodMap:
         for k in range(self._terms - 1):
             share = self._half / (k + 1)
             x, y = p[::-1], q[::-1]
-            term = share * self._pull * _I * _product(V, w[::-1])
-            V.append(share * self._pull * -_I * _product(U, conjugate[::-1]))
+            term = share * self._pull * _I * of_product(V, w[::-1])
+            V.append(share * self._pull * -_I * of_product(U, conjugate[::-1]))
             U.append(term)
             p.append(share * self._P * g2[k])
             q.append(-share * self._P * g1[k])
-            lift = share * (_product(g1, y) - _product(g2, x))
-            g1.append(-share * _product(u, y))
-            g2.append(share * _product(u, x))
+            lift = share * (of_product(g1, y) - of_product(g2, x))
+            g1.append(-share * of_product(u, y))
+            g2.append(share * of_product(u, x))
             u.append(lift)
             w.append(acb(p[-1], q[-1]))
             conjugate.append(acb(p[-1], -q[-1]))
@@ -282,17 +281,11 @@ def largest(sphere: Nutating, a: arb) -> arb:
 def tail(a12: arb, x: arb, n: int) -> acb:
     """A ball that holds what the terms of U, or of V, from the n-th on add up to."""
     ratio = x * ((a12 + n) / (n + 1)).max(arb(1))
-    if not ratio < 1:
-        raise TooFewBits
+    certainly(ratio < 1)
     term = arb(1)
     for k in range(n):
         term *= x * (a12 + k) / (k + 1)
     return around(term / (1 - ratio))
-
-
-def _product(a: Sequence[Any], back: Sequence[Any]) -> Any:
-    """A coefficient of a product, the second factor in reverse order."""
-    return sum(map(mul, a, back))
 
 
 def _inverse(m: acb_mat) -> acb_mat:
@@ -375,8 +368,7 @@ class HessMotion(SolvedMotion):
         """y/|y|."""
         y = self.spin.at(t)
         size = abs(y)
-        if not size > 0:
-            raise TooFewBits
+        certainly(size > 0)
         return y / size
 
     def rates(self) -> Mapping[str, arb]:
@@ -409,8 +401,7 @@ class HessMotion(SolvedMotion):
 
 def _tends(spin: PeriodMap) -> bool:
     """Whether |tr N| > 2."""
-    if not (spin.trace > 2 or spin.trace < 2):
-        raise TooFewBits
+    certainly(spin.trace > 2 or spin.trace < 2)
     return bool(spin.trace > 2)
 
 

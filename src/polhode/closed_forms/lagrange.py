@@ -509,8 +509,8 @@ class Nutating(LagrangeMotion):
         a, r, ratio = ball(c.a), ball(c.r), ball(c.ratio)
         self.rate = (a * g.u31).sqrt() / 2
         self.speed = (r * r + a * g.b[0]).sqrt()
-        sn0 = (-1 if sign(c.rate) < 0 else 1) * (g.start[0] / g.u21).sqrt()
-        self._v0 = self.elliptic.argument(sn0, g.start[1] / g.u21, g.start[2] / g.u31)
+        squares = g.start[0] / g.u21, g.start[1] / g.u21, g.start[2] / g.u31
+        self._v0 = self.elliptic.argument(squares, -1 if sign(c.rate) < 0 else 1)
 
         def sides(x: Distances) -> Distances:
             """sn^2, cn^2, dn^2 to the modulus k' of the shift of a point in [u2, u3]."""
@@ -525,8 +525,7 @@ class Nutating(LagrangeMotion):
         def part(
             s: int, squares: Distances, half: bool, even: arb, passes: bool = False
         ) -> Quotient:
-            sn2, cn2, dn2 = squares
-            shift = s * self.elliptic.argument(sn2.sqrt(), cn2, dn2)
+            shift = s * self.elliptic.argument(squares)
             return Quotient(self.elliptic, self.rate, shift, half, even, passes)
 
         low = g.u31 / three, alpha / three, two / three
@@ -538,15 +537,12 @@ class Nutating(LagrangeMotion):
         begin = self.elliptic.at(self._v0)
         for z, value, slope in zip(self._parts, start, _slopes(c, start), strict=True):
             z.begin(begin, value, slope)
+        jumps = arb(0)  # at a pole, which are not counted
         if not self.elliptic.limit:
             self.nutation = 2 * self.elliptic.K / self.rate
-        alpha, beta = (
-            z.turn - arb.pi() * self.rate / (2 * self.elliptic.K)
-            if z.passes and not self.elliptic.limit
-            else z.turn
-            for z in self._parts[:2]
-        )
-        self.means = alpha, beta  # jumps at a pole are not counted
+            jumps = arb.pi() * self.rate / (2 * self.elliptic.K)
+        alpha, beta = (z.turn - jumps if z.passes else z.turn for z in self._parts[:2])
+        self.means = alpha, beta
 
     def parameters(self, t: arb) -> Parameters:
         """al, bt and xi at a time."""

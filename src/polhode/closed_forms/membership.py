@@ -127,8 +127,8 @@ class Placement:
 
     regime: StrEnum | str
     solve: Callable[[], SolvedMotion]
-    #: The family's axes within the principal ones.
-    frame: MotionAxes
+    #: The family's axes within the principal ones, which they are unless given.
+    frame: MotionAxes = field(default_factory=MotionAxes)
     #: So many of the family's units of rates make one of the scene's; negative: time runs back.
     unit: Fraction = Fraction(1)
     #: The length of the family's vertical, negative in axes that are the opposites of the frame's.

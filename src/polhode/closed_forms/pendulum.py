@@ -33,7 +33,6 @@ from flint import arb
 from polhode.closed_forms.balls.core import ball, root
 from polhode.closed_forms.balls.frames import (
     Latest,
-    MotionAxes,
     PermanentRotation,
     SolvedMotion,
     Turn,
@@ -140,14 +139,11 @@ def place(scene: PrincipalScene) -> Placement | None:
     if is_zero(n):
         kind = Regime.UPRIGHT if sign(dot(torque, gamma)) > 0 else Regime.HANGING
         rest = partial(PermanentRotation, omega, arb(0), gamma, stays=True)
-        return Placement(regime=kind, solve=rest, frame=MotionAxes())
+        return Placement(regime=kind, solve=rest)
     swing = numbers(moments, torque, omega, gamma)
     kind = Regime.ROTATING if sign(swing.kc2) else Regime.SEPARATRIX
-    return Placement(
-        regime=Regime.LIBRATING if swing.librates else kind,
-        solve=partial(Swing, swing, n, gamma),
-        frame=MotionAxes(),
-    )
+    kind = Regime.LIBRATING if swing.librates else kind
+    return Placement(regime=kind, solve=partial(Swing, swing, n, gamma))
 
 
 def conditions(scene: NormalScene) -> Iterator[Condition]:
@@ -184,8 +180,7 @@ class Swing(SolvedMotion):
         self.speed = 2 * self.rate * self._k
         if not self.elliptic.limit:
             self.period = (4 if self.librates else 2) * self.elliptic.K / self.rate
-        sn2, cn2, dn2 = (ball(x) for x in numbers.phase)
-        self._v0 = self.elliptic.argument(numbers.side * sn2.sqrt(), cn2, dn2)
+        self._v0 = self.elliptic.argument(map(ball, numbers.phase), numbers.side)
         cos2, sin2 = numbers.half
         self._begin = root(cos2), numbers.side * root(sin2)
         self._place = Latest(self._place_at)

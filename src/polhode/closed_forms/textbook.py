@@ -10,6 +10,7 @@ from polhode.closed_forms.membership import PrincipalScene, in_principal_axes
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import Exact
 from polhode.numbers.mpmath_context import mpc, mpf, mpmath
+from polhode.numbers.vectors import cross
 from polhode.scenes.body import IDENTITY
 from polhode.scenes.scene import Scene
 
@@ -580,18 +581,14 @@ def _axes(family: str, moments: Any, torque: Any, omega: Any) -> Any:
     if family == "kovalevskaya":
         first, third = torque, unit[order[0]]
     elif family == "lagrange":
-        first, third = _cross(unit[min(range(3), key=lambda k: abs(torque[k]))], torque), torque
+        side = unit[min(range(3), key=lambda k: abs(torque[k]))]
+        first, third = mpmath.matrix(cross(side, torque)), torque
     else:
         middle = moments[order[1]]
         excess = sum(a * (a - middle) * x * x for a, x in zip(moments, omega, strict=True))
         first, third = unit[order[0 if excess >= 0 else 2]], unit[order[2 if excess >= 0 else 0]]
     first, third = first / mpmath.norm(first), third / mpmath.norm(third)
-    return mpmath.matrix([[*first], [*_cross(third, first)], [*third]])
-
-
-def _cross(a: Any, b: Any) -> Any:
-    """The vector product."""
-    return mpmath.matrix([a[k - 2] * b[k - 1] - a[k - 1] * b[k - 2] for k in range(3)])
+    return mpmath.matrix([[*first], [*cross(third, first)], [*third]])
 
 
 def _agree(rows: list[list[mpf]], others: list[list[mpf]], goal: mpf) -> bool:

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -117,7 +116,7 @@ class AttitudeWatch:
             raise ValueError("a scene without gamma has no attitude")
         bits = problem.fine + 64
         start = starting_attitude(scene.gamma, scene.psi)
-        self._start = [sharp(partial(ball, x), bits) for x in start]
+        self._start = [sharp(x, bits) for x in start]
         axes = scene.body.axes
         self._axes = None if axes.trivial else [[ball(x, bits) for x in row] for row in axes.rows]
         self._turn = np.array([[float(x) for x in row] for row in axes.rows])

@@ -158,11 +158,10 @@ def certify(
 def _enclosure(job: Task, noise: int) -> Enclosure:
     """The enclosure at one noise level, as far as it came; raises TooImprecise."""
     scene, times, bits = job.box.scene, job.times, noise + 100
-    attitudes = bool({"angles", "attitude"} & {*scene.modelled})
     solution, angles = approximation.forced, "angles" in scene.modelled
 
     def watch(side: Side, problem: Problem, at: Sequence[Any]) -> list[attitude.AttitudeWatch]:
-        if not attitudes:
+        if not scene.modelled:
             return []
         return [attitude.AttitudeWatch(side.motion, problem, at, solution, angles, job.deadline)]
 
@@ -259,12 +258,8 @@ def _digits(scene: Scene, sides: Sequence[Side], centres: Any, radii: Any) -> tu
     if _at_rest(sides[0].motion):
         rate = scene.pendulum_rate_squared
         sure = float(exact.sqrt(rate)) if sign(rate) else 1.0
-    digits = []
-    for row in radii:
-        worst = max(row[:3]) / sure if sure > 0.0 else math.inf
-        worst = max([worst, *row[3:]])
-        digits.append(digits_of(worst))
-    return tuple(digits)
+    of_omega = (max(row[:3]) / sure if sure > 0.0 else math.inf for row in radii)
+    return tuple(digits_of(max([x, *row[3:]])) for x, row in zip(of_omega, radii, strict=True))
 
 
 def _at_rest(motion: ExactMotion) -> bool:

@@ -13,20 +13,17 @@ With radii of the start, the set at t = 0 holds every start of the box: a proof 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
 from typing import Any
 
 from flint import arb
 
 from polhode.enclosures.polynomial import Polynomial, ball, total, variable
 from polhode.equations.terms import (
-    MOMENTS,
     PRODUCTS,
     ROWS,
-    TORQUE,
     coefficients_of,
     numbers_of,
     product,
@@ -38,6 +35,7 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.polynomials import middle
 from polhode.numbers.vectors import Vector, dot
+from polhode.scenes.body import Body
 from polhode.scenes.scene import Scene
 
 CLOCK = 14  # times of the grid are integers times 2**-CLOCK
@@ -101,19 +99,19 @@ class Problem:
 class ExactMotion:
     """The exact motion of a scene in principal axes and its proof's unit of time, forward.
 
+    ``frame``: these axes and that unit; ``inside``: the scene in them, in its own sense of time;
+    ``backward``: t and w changed sign.
     ``constants``: the coefficients, exact, in the order of ``terms.NAMES``; ``start``: the six,
     exact, gamma zero where there is none.
-    ``frame``: these axes and that unit; ``backward``: t and w changed sign.
     ``radii``: of the start, six numbers from 0 on, empty where it is one point.
     """
 
     scene: Scene
     frame: Frame
+    inside: Scene
     backward: bool
     constants: tuple[Exact, ...]
     start: tuple[Exact, ...]
-    moments: tuple[Exact, ...]
-    torque: tuple[Exact, ...]
     radii: tuple[Exact, ...] = ()
 
     @property
@@ -134,10 +132,6 @@ class ExactMotion:
         with ctx.workprec(bits):
             return [x + arb(0, 1) * ball(r, bits) for x, r in zip(balls, self.radii, strict=True)]
 
-    def balls(self, bits: int) -> list[arb]:
-        """The constants, each of radius below 2**-bits; raises TooImprecise."""
-        return [sharp(partial(ball, x), bits) for x in self.constants]
-
     @property
     def field(self) -> list[Polynomial]:
         """The right-hand sides as polynomials."""
@@ -156,23 +150,15 @@ def motion(scene: Scene, backward: bool = False, radii: Vector | None = None) ->
     """
     frame = Frame.of(scene).slower(-1)  # in whose unit rates are at most about 1
     inside, unit, rows = frame.inside(scene), frame.unit, frame.axes.rows
-    numbers = numbers_of(inside.body)
+    constants = tuple(coefficients_of(numbers_of(inside.body)))
     omega = [-w for w in inside.omega] if backward else [*inside.omega]
     gamma = [exact.ZERO] * 3 if inside.gamma is None else [*inside.gamma]
     box: list[Exact] = []
     if radii is not None:
         around = [[unit * r * abs(x) for x, r in zip(row, radii, strict=True)] for row in rows]
         box = [*(a + b + c for a, b, c in around), *[exact.ZERO] * 3]
-    return ExactMotion(
-        scene,
-        frame,
-        backward,
-        tuple(coefficients_of(numbers)),
-        (*omega, *gamma),
-        tuple(numbers[MOMENTS]),
-        tuple(numbers[TORQUE]),
-        tuple(box),
-    )
+    start = (*omega, *gamma)
+    return ExactMotion(scene, frame, inside, backward, constants, start, tuple(box))
 
 
 def problem(of: ExactMotion, noise: int, constant_bits: int | None = None) -> Problem:
@@ -185,41 +171,24 @@ def problem(of: ExactMotion, noise: int, constant_bits: int | None = None) -> Pr
     if not LEAST_NOISE <= noise <= MOST_NOISE:
         raise TooImprecise(f"a noise level of 2**-{noise} is outside {LEAST_NOISE} to {MOST_NOISE}")
     fine = max(noise + 12, LEAST_FINE)
-    balls = of.balls(fine + _SHARPER)
+    balls = [sharp(x, fine + _SHARPER) for x in of.constants]
     with ctx.workprec(4 * fine + 200):
-        constants, denominators, slack = _whole(of, balls, noise, constant_bits)
-        factors, factor_slack = [], []
-        for constant in balls:
-            factor = float(constant.mid())
-            factors.append(factor)
-            factor_slack.append(upper(constant - arb(factor)))
-        start, spread = [], []
-        for constant in of.starts(2 * fine + 100):
-            near, radius = _nearest(constant, fine)
-            start.append(near)
-            spread.append(upper(radius * arb((1, noise))))
+        whole = _whole(of, balls, noise, constant_bits)
+        factors = tuple(float(x.mid()) for x in balls)
+        slack = tuple(upper(x - arb(factor)) for x, factor in zip(balls, factors, strict=True))
+        start, radii = zip(*(_nearest(x, fine) for x in of.starts(2 * fine + 100)), strict=True)
+        spread = tuple(upper(radius * arb((1, noise))) for radius in radii)
     if of.radii and not max(spread) < _WIDEST:
         raise TooImprecise("the start's intervals are too wide")
-    return Problem(
-        noise,
-        fine,
-        constants,
-        denominators,
-        slack,
-        tuple(factors),
-        tuple(factor_slack),
-        tuple(start),
-        tuple(spread),
-        _weights(of),
-        bool(of.radii),
-    )
+    weights = _weights(of.inside.body)
+    return Problem(noise, fine, *whole, factors, slack, start, spread, weights, bool(of.radii))
 
 
-def _weights(of: ExactMotion) -> tuple[float, ...]:
+def _weights(body: Body) -> tuple[float, ...]:
     """c m_i**(1/2), and 1 for gamma; doubles near them, m_i parts of the largest moment."""
-    largest = max(of.moments)
-    moments = [max(to_double(m / largest), _LEAST_WEIGHT) for m in of.moments]
-    pull = math.hypot(*(to_double(k / largest) for k in of.torque))
+    largest = max(body.moments)
+    moments = [max(to_double(m / largest), _LEAST_WEIGHT) for m in body.moments]
+    pull = math.hypot(*(to_double(k / largest) for k in body.torque))
     c = 1.0 / math.sqrt(max(pull, _SLOW))
     return (*(c * math.sqrt(m) for m in moments), 1.0, 1.0, 1.0)
 
@@ -256,14 +225,14 @@ def upper(x: Any) -> float:
     return UP * float(size) + (0.0 if size.is_zero() else 1e-300)
 
 
-def sharp(formula: Callable[[int], Any], bits: int) -> Any:
-    """The first ball of radius below 2**-bits that ``formula``, of a working precision, gives.
+def sharp(x: Exact, bits: int) -> arb:
+    """The first ball around a number of radius below 2**-bits, as its precision is raised.
 
     Raises TooImprecise where none is found.
     """
     working = bits + 64
     while working <= _MOST_BITS:
-        value = formula(working)
+        value: arb = ball(x, working)
         with ctx.workprec(64):
             if value.rad() < arb((1, -bits)):
                 return value

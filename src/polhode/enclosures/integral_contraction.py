@@ -59,10 +59,9 @@ class Integral(NamedTuple):
 def first_integrals(motion: ExactMotion) -> dict[str, Polynomial]:
     """The first integrals that the motion is proven to have, by name."""
     x, nothing = [variable(i) for i in range(6)], Polynomial({})
-    inside = motion.frame.inside(motion.scene)
-    formulas = integrals_of(inside)
+    formulas = integrals_of(motion.inside)
     k = {name: constant(value) for name, value in formulas.coefficients.items()}
-    state = x[:3] if inside.gamma is None else x
+    state = x[:3] if motion.inside.gamma is None else x
     named = dict(zip(formulas.onto, formulas.values(state, k, nothing), strict=True))
     proven = {name: named[name] for name in (ENERGY, AREA, LENGTH) if name in named}
     if all(row.rational for row in motion.field):
@@ -84,16 +83,9 @@ def prepared(motion: ExactMotion, bits: int) -> list[Integral]:
         for name, h in first_integrals(motion).items():
             gradient = [h.derivative(i) for i in range(6)]
             second = [row.derivative(i) for row in gradient for i in range(6)]
-            whole = h.balls(bits)
-            integrals.append(
-                Integral(
-                    name,
-                    whole.at(start),
-                    whole,
-                    tuple(p.balls(bits) for p in gradient),
-                    tuple(p.balls(bits) for p in second if p.terms),
-                )
-            )
+            whole, slopes = h.balls(bits), tuple(p.balls(bits) for p in gradient)
+            bends = tuple(p.balls(bits) for p in second if p.terms)
+            integrals.append(Integral(name, whole.at(start), whole, slopes, bends))
     return integrals
 
 

@@ -139,16 +139,21 @@ class EnclosedPart(NamedTuple):
     radii: tuple[tuple[float, ...], ...]
 
     @property
+    def balls(self) -> list[list[Ball | None]]:
+        """Midpoints with their radii."""
+        return [
+            [None if x is None else Ball(x, r) for x, r in zip(*pair, strict=True)]
+            for pair in zip(*self, strict=True)
+        ]
+
+    @property
     def digits(self) -> tuple[float, ...]:
         """Proven digits at each time: -log10 of the largest radius, rounded down to a hundredth."""
         return tuple(digits_of(max(row)) for row in self.radii)
 
     def strings(self) -> list[list[str | None]]:
         """Decimals of which every digit is proven."""
-        return [
-            [None if x is None else guaranteed(x, r) for x, r in zip(row, radii, strict=True)]
-            for row, radii in zip(self.centres, self.radii, strict=True)
-        ]
+        return [[None if x is None else guaranteed(*x) for x in row] for row in self.balls]
 
     def midpoints(self, bits: int) -> list[list[Real | None]]:
         """The midpoints as mpf."""
@@ -158,10 +163,7 @@ class EnclosedPart(NamedTuple):
 
     def decimals(self) -> list[list[tuple[str, str]]]:
         """Balls as decimals, of what is known at every time: see :meth:`Enclosure.decimals`."""
-        return [
-            [decimal_ball(x, r) for x, r in zip(row, radii, strict=True) if x is not None]
-            for row, radii in zip(self.centres, self.radii, strict=True)
-        ]
+        return [[decimal_ball(*x) for x in row if x is not None] for row in self.balls]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -267,11 +269,7 @@ class Enclosure(Result, ByValue):
         return Table([*columns, Column("digits_proven", list(self.digits), digits=4)])
 
     def _balls(self, names: Sequence[str], part: EnclosedPart) -> list[Column]:
-        rows = [
-            [None if x is None else Ball(x, r) for x, r in zip(*pair, strict=True)]
-            for pair in zip(*part, strict=True)
-        ]
-        columns = row_columns(self.scene, names, rows, DOUBLE)
+        columns = row_columns(self.scene, names, part.balls, DOUBLE)
         return [column._replace(type=EXACT) for column in columns]
 
     def facts(self) -> list[Fact]:

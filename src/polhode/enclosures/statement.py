@@ -38,38 +38,26 @@ TIMES = "which of the times are the same, or 0"
 START = "whether the start is at a pole, and the signs of the attitude there"
 
 _TOP = Path(__file__).parents[1]
-_APPROXIMATE = "approximation"
 
+#: By room the files of polhode in which a mistake could make a wrong ball, of this room all but
+#: what approximates.
+_BY_ROOM = {
+    "enclosures": [file.stem for file in sorted(Path(__file__).parent.glob("*.py"))],
+    "numbers": [
+        *("exact", "expression", "conversion", "decimals", "flint_context"),
+        *("number_types", "row_formulas", "mpmath_context", "vectors", "polynomials"),
+    ],
+    "scenes": ["body", "body_and_start", "scene", "scene_file", "library", "shapes", "vocabulary"],
+    "equations": ["kinematics", "columns", "integrals", "terms", "forms/matrices"],
+    "motion": ["frame"],
+}
 
-def _room(folder: str) -> list[str]:
-    """The files of a folder and of those in it, by their paths, what approximates left out."""
-    paths = sorted((_TOP / folder).rglob("*.py"))
-    names = [path.relative_to(_TOP).with_suffix("").as_posix() for path in paths]
-    return [name for name in names if _APPROXIMATE not in name.split("/")]
-
-
-#: The files of polhode in which a mistake could make a wrong ball: all that is trusted.  What else
-#: they import is in :data:`BESIDE`.
-TRUSTED = (
-    *_room("enclosures"),
-    *(
-        f"numbers/{name}"
-        for name in (
-            *("exact", "expression", "conversion", "decimals", "flint_context"),
-            *("number_types", "row_formulas", "mpmath_context"),
-            *("vectors", "polynomials"),
-        )
-    ),
-    *(
-        f"scenes/{name}"
-        for name in (
-            *("body", "body_and_start", "scene", "scene_file", "library"),
-            *("shapes", "vocabulary"),
-        )
-    ),
-    *(f"equations/{name}" for name in ("kinematics", "columns", "integrals", "terms")),
-    "equations/forms/matrices",
-    "motion/frame",
+#: These files: all that is trusted.  What else they import is in :data:`BESIDE`.
+TRUSTED = tuple(
+    f"{room}/{name}"
+    for room, names in _BY_ROOM.items()
+    for name in names
+    if name != "approximation"
 )
 
 #: What trusted files import and rest nothing on, and why: folders and files.
@@ -169,7 +157,7 @@ def assumed(scene: Scene, times: Sequence[Exact]) -> tuple[str, ...]:
         AXES: partial(principal, scene.body.inertia, scene.body.centre),
         TIMES: partial(_compare, times),
     }
-    if scene.gamma is not None and {"angles", "attitude"} & {*scene.modelled}:
+    if scene.gamma is not None and scene.modelled:
         decisions[LENGTH] = partial(sign, dot(scene.gamma, scene.gamma) - 1)
         decisions[START] = partial(_start, scene)
     assumptions = []

@@ -301,9 +301,8 @@ class Task:
     def foretell(self, dearer: float = 1.0) -> None:
         """Tell about how many seconds a proof takes, where that is asked."""
         if (forecast := self.how.get("forecast")) is not None:
-            attitudes = bool({"angles", "attitude"} & {*self.box.scene.modelled})
-            noise = self.noise
-            forecast(dearer * sum(row.seconds(noise, attitudes) for row in self.forecasts))
+            noise, outputs = self.noise, bool(self.box.scene.modelled)
+            forecast(dearer * sum(row.seconds(noise, outputs) for row in self.forecasts))
 
     def raised(self, noise: int, why: TooImprecise, tries: int) -> int | None:
         """The noise level after so many tries, the last one refused; None if more are of no use."""

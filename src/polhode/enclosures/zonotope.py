@@ -28,6 +28,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -196,13 +197,8 @@ def _centre(bounds: Bounds) -> tuple[tuple[int, ...], Any]:
 
 def inside(times: Sequence[Any], end: int) -> list[Any]:
     """Those of the times that come before the end of a window."""
-    earlier = []
     with ctx.workprec(TIME_BITS):
-        for t in times:
-            if not t * arb((1, CLOCK)) <= end:
-                break
-            earlier.append(t)
-    return earlier
+        return [*takewhile(lambda t: t * arb((1, CLOCK)) <= end, times)]
 
 
 def places(times: Sequence[int], times_asked: Sequence[Any]) -> dict[int, list[Any]]:

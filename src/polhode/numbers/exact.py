@@ -51,7 +51,7 @@ class Irrational:
         self.square = square
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _irrational, (self._rule, self._parts, self.square)  # balls cannot be pickled
+        return partial(Irrational, self._rule, *self._parts, square=self.square), ()  # no balls
 
     def enclosure(self, prec: int) -> arb:
         """A ball around the value, every step carried to ``prec`` bits."""
@@ -78,7 +78,10 @@ class Irrational:
             if lacking:
                 pending.extend(lacking)
                 continue
-            node._known[prec] = node._rule(*(_ball_of(part, prec) for part in node._parts))
+            balls = (
+                x._known[prec] if isinstance(x, Irrational) else as_ball(x) for x in node._parts
+            )
+            node._known[prec] = node._rule(*balls)
             pending.pop()
         return self._known[prec]
 
@@ -153,8 +156,7 @@ class Irrational:
         return sign(self - other) >= 0
 
     def __float__(self) -> float:
-        mantissa, exponent = rounded(self, 53)
-        return math.ldexp(mantissa, exponent)
+        return math.ldexp(*rounded(self, 53))
 
     def __repr__(self) -> str:
         return "Irrational({} * 2**{}...)".format(*rounded(self, 53))
@@ -189,18 +191,12 @@ def sqrt(x: Exact) -> Exact:
 
 def sin(x: Exact) -> Exact:
     """The sine of an angle in radians; raises ValueError for one too large to be reduced."""
-    _check_angle(x)
-    if isinstance(x, Fraction) and x == 0:
-        return ZERO
-    return Irrational(methodcaller("sin"), x)
+    return _of_angle("sin", x, ZERO)
 
 
 def cos(x: Exact) -> Exact:
     """The cosine of an angle in radians; raises ValueError for one too large to be reduced."""
-    _check_angle(x)
-    if isinstance(x, Fraction) and x == 0:
-        return ONE
-    return Irrational(methodcaller("cos"), x)
+    return _of_angle("cos", x, ONE)
 
 
 def arctan2(y: Exact, x: Exact) -> Exact:
@@ -336,9 +332,10 @@ def binary(mantissa: int, exponent: int) -> Fraction:
     return Fraction(mantissa, 1 << -exponent)
 
 
-def _check_angle(x: Exact) -> None:
+def _of_angle(function: str, x: Exact, at_zero: Fraction) -> Exact:
     if not -_LARGEST_ANGLE <= x <= _LARGEST_ANGLE:
         raise ValueError("sine or cosine of an angle too large to be reduced")
+    return at_zero if isinstance(x, Fraction) and x == 0 else Irrational(methodcaller(function), x)
 
 
 def _rounded_ratio(over: int, bottom: int, bits: int) -> tuple[int, int]:
@@ -363,19 +360,6 @@ def _rounded_binary(mantissa: int, exponent: int, bits: int) -> tuple[int, int]:
     """mantissa·2**exponent to so many bits."""
     nearest, by = _rounded_ratio(mantissa, 1, bits)
     return (nearest, by + exponent) if nearest else (0, 0)
-
-
-def _irrational(
-    rule: Callable[..., arb], parts: tuple[Exact, ...], square: Exact | None
-) -> Irrational:
-    """What was pickled."""
-    return Irrational(rule, *parts, square=square)
-
-
-def _ball_of(part: Exact, prec: int) -> arb:
-    if isinstance(part, Irrational):
-        return part._known[prec]
-    return as_ball(part)
 
 
 # --- ball rules -----------------------------------------------------------------------------------
@@ -446,9 +430,7 @@ def ball_middle(ball: arb) -> tuple[int, int]:
 
 def ball_ends(ball: arb) -> tuple[tuple[int, int], tuple[int, int]]:
     """(m, e) with m·2**e the lower and the upper end of a ball, exactly."""
-    (middle, p), (radius, q) = (
-        (int(m), int(e)) for m, e in (ball.mid().man_exp(), ball.rad().man_exp())
-    )
+    middle, p, radius, q = map(int, (*ball.mid().man_exp(), *ball.rad().man_exp()))
     least = min(p, q)
     middle, radius = middle << (p - least), radius << (q - least)
     return (middle - radius, least), (middle + radius, least)

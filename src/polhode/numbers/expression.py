@@ -134,9 +134,7 @@ def evaluate(text: str, names: Mapping[str, Scalar], algebra: Algebra | None = N
         return value
     except ZeroDivisionError:
         raise ExpressionError("division by zero") from None
-    except ExpressionError:
-        raise
-    except (ValueError, OverflowError) as error:
+    except (ValueError, OverflowError) as error:  # its own, too
         raise ExpressionError(str(error)) from None
 
 

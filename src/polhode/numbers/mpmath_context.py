@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Generator, Mapping
 from threading import get_ident
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import mpmath as shared
 from mpmath import libmp
@@ -177,8 +177,7 @@ def ordinary(value: T) -> T:
         copy = type(copy)(map(ordinary, copy))
     elif isinstance(value, Mapping):
         copy = {name: ordinary(x) for name, x in value.items()}
-    same: T = copy
-    return same
+    return cast("T", copy)
 
 
 def own(value: T) -> T:
@@ -190,5 +189,4 @@ def own(value: T) -> T:
         copy = type(copy)(map(own, copy))
     elif getattr(getattr(value, "dtype", None), "kind", "") == "O":  # an array of mpf
         copy = own(copy.tolist())
-    same: T = copy
-    return same
+    return cast("T", copy)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, SupportsFloat, TypeAlias, TypeGuard
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, SupportsFloat, TypeAlias, cast
 
 from polhode.common.values import cached_property
 from polhode.numbers import exact
@@ -100,8 +100,7 @@ def mp(digits: float = DEFAULT_MP_DIGITS) -> NumberType:
 
 def named(name: str, mp_digits: float = DEFAULT_MP_DIGITS) -> NumberType:
     """The type of that name; ``mp`` holds ``mp_digits``."""
-    fixed = {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD}
-    return fixed[name] if name in fixed else mp(mp_digits)
+    return {"double": DOUBLE, "extended": EXTENDED, "quad": QUAD}.get(name) or mp(mp_digits)
 
 
 def is_possible(number_type: NumberType) -> bool:
@@ -127,11 +126,7 @@ def for_digits(digits: int, log10_angle: float, lost: float = 0.0) -> NumberType
 
 def wider(number_type: NumberType) -> NumberType:
     """The next wider type, which sees what rounding in this one does."""
-    nexts = {
-        "double": EXTENDED if extended_here() else QUAD,
-        "extended": QUAD,
-        "quad": NumberType("mp", QUAD.bits + 40),
-    }
+    nexts = {"double": EXTENDED if extended_here() else QUAD, "extended": QUAD}
     return nexts.get(number_type.name) or NumberType("mp", number_type.bits + 40)
 
 
@@ -286,15 +281,11 @@ DerivedRows: TypeAlias = "Flat | Gapped"
 Reread: TypeAlias = "Row | list[Row] | list[Real | None] | Gapped"
 
 
-def is_flat(rows: Rows | Numbers) -> TypeGuard[Flat]:
-    """Whether rows, or numbers in a row, are of a type that numpy holds."""
-    return not isinstance(rows, list) and rows.dtype.kind == "f"
-
-
 def flat(rows: Rows | Numbers) -> Flat:
     """Rows of a type that numpy holds, as the array that they are."""
-    assert is_flat(rows)
-    return rows
+    assert not isinstance(rows, list)
+    assert rows.dtype.kind == "f"
+    return cast("Flat", rows)
 
 
 def read_only(rows: Rows, width: int) -> States:

@@ -8,8 +8,9 @@ from typing import Any, NamedTuple, TypeAlias
 from flint import arb, fmpq, fmpq_poly
 
 from polhode.numbers import exact
+from polhode.numbers.conversion import to_mpf
 from polhode.numbers.exact import Number
-from polhode.numbers.mpmath_context import mpf, mpmath, ordinary
+from polhode.numbers.mpmath_context import mpf, ordinary
 
 #: flint.fmpq_poly: coefficients ascending.
 QPolynomial: TypeAlias = fmpq_poly
@@ -52,9 +53,7 @@ def middle(ball: arb) -> Fraction:
 
 def nearest(ball: arb, bits: int) -> mpf:
     """The middle of a ball rounded to so many bits, as a plain mpf."""
-    mantissa, exponent = exact.rounded(middle(ball), bits)
-    with mpmath.workprec(bits):
-        return ordinary(mpmath.ldexp(mpmath.mpf(mantissa), exponent))
+    return ordinary(to_mpf(middle(ball), bits))
 
 
 def fraction_near(x: Number, bits: int) -> tuple[Fraction, bool]:

@@ -98,20 +98,16 @@ class ProvedStability(Theorem, ByValue):
 
     def __str__(self) -> str:
         """The numbers, a line each, and the theorem."""
-        orbit = self.orbit
+        # the proven digits, or the ball where not even one is known
+        orbit, twist = self.orbit, str(self.twist) or " +- ".join(self.twist.decimals)
         lines = [
             f"period      {orbit.period}",
             f"level       {orbit.level}",
             f"residue     {orbit.residue}, {orbit.kind}",
             f"rotation    {self.rotation} of a turn in a period",
-            f"twist       {self.digits_of_twist} (radians per unit of action)",
+            f"twist       {twist} (radians per unit of action)",
         ]
         return "\n".join([*lines, self.theorem])
-
-    @property
-    def digits_of_twist(self) -> str:
-        """The proven digits, or the ball where not even one is known."""
-        return str(self.twist) or " +- ".join(self.twist.decimals)
 
     @property
     def theorem(self) -> str:

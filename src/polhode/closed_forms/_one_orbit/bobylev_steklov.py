@@ -117,10 +117,7 @@ class BobylevSteklov(OrbitCase):
         if sign(torque[i]) and sign(torque[j]):
             frame = MotionAxes.equatorial((i, j, k), torque[i], torque[j])
             permuted = moments[i], moments[j], moments[k]
-            yield (
-                frame,
-                PrincipalScene(permuted, frame.into(torque), frame.into(omega), frame.into(gamma)),
-            )
+            yield frame, PrincipalScene(permuted, *map(frame.into, (torque, omega, gamma)))
 
     def _regime(self) -> Regime:
         return _BY_SIGN[sign(1 - self._level * self._level)]

@@ -64,20 +64,25 @@ def coefficients(scene: NormalScene) -> ChaplyginCoefficients:
     )
 
 
-def state_of(
+def gamma_of(
     moments: Sequence[Scalar],
     c: Scalar,
     numbers: Sequence[Scalar],
-    z: Scalar,
-    Y: Scalar,
-    Z: Scalar,
+    omega: Sequence[Scalar],
+) -> Sequence[Scalar]:
+    """gamma1, gamma2, gamma3 for any scalars; ``numbers``: b2, c2, B1 Z and C1 Y."""
+    (A, B, C), (b2, c2, B1Z, C1Y), (p, q, r) = moments, numbers, omega
+    two = (A - B) * p * q - C * (B - C) * (c2 * p * q + C1Y / 3) / A
+    three = (A - C) * p * r + B * (B - C) * (b2 * p * r + B1Z / 3) / A
+    return -(A * p * p + B * q * q + C * r * r) / (2 * c), two / c, three / c
+
+
+def state_of(
+    moments: Sequence[Scalar], c: Scalar, numbers: Sequence[Scalar], z: Scalar, Y: Scalar, Z: Scalar
 ) -> Sequence[Scalar]:
     """p, q, r, gamma1, gamma2, gamma3 for any scalars; ``numbers``: b2, c2, B1 and C1."""
-    (A, B, C), (b2, c2, B1, C1) = moments, numbers
-    p, q, r = z * z * z, z * Y, z * Z
-    two = (A - B) * p * q - C * (B - C) * (c2 * p * q + C1 * Y / 3) / A
-    three = (A - C) * p * r + B * (B - C) * (b2 * p * r + B1 * Z / 3) / A
-    return p, q, r, -(A * p * p + B * q * q + C * r * r) / (2 * c), two / c, three / c
+    (b2, c2, B1, C1), omega = numbers, (z * z * z, z * Y, z * Z)
+    return *omega, *gamma_of(moments, c, (b2, c2, B1 * Z, C1 * Y), omega)
 
 
 def conditions(scene: NormalScene) -> Iterator[Condition]:
@@ -103,15 +108,9 @@ def conditions(scene: NormalScene) -> Iterator[Condition]:
     if sign(p) == 0:
         yield from _at_rest(scene, x)
         return
-    # C1 Y and B1 Z, Y = q/p^(1/3), Z = r/p^(1/3), without roots: B1 p^(2/3) = q^2 - b2 p^2.
-    first, second = x.ratio * q * rest / p, r * rest / p
-    yield from scene.matching(
-        (
-            -(A * p * p + B * q * q + C * r * r) / (2 * c),
-            ((A - B) * p * q - C * (B - C) * (x.c2 * p * q + first / 3) / A) / c,
-            ((A - C) * p * r + B * (B - C) * (x.b2 * p * r + second / 3) / A) / c,
-        ),
-    )
+    # B1 Z and C1 Y, Y = q/p^(1/3), Z = r/p^(1/3), without roots: B1 p^(2/3) = q^2 - b2 p^2.
+    numbers = x.b2, x.c2, r * rest / p, x.ratio * q * rest / p
+    yield from scene.matching(gamma_of(scene.moments, c, numbers, scene.omega))
 
 
 def _at_rest(scene: NormalScene, x: ChaplyginCoefficients) -> Iterator[Condition]:

@@ -12,7 +12,7 @@ from flint import acb, acb_poly, arb
 from mpmath import libmp
 
 from polhode.closed_forms.balls.clocks import Factors, Oscillating
-from polhode.closed_forms.balls.core import TooFewBits, around, ball, root, square
+from polhode.closed_forms.balls.core import TooFewBits, around, ball, certainly, root, square
 from polhode.closed_forms.balls.frames import MotionAxes, SolvedMotion
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.closed_forms.balls.periodic_attitude import (
@@ -232,8 +232,8 @@ class EllipticTime(NamedTuple):
 
     def phase(self, functions: Jacobi) -> arb:
         """v at t = 0, in (-2K, 2K]."""
-        (sine, cosine), (sn2, cn2, dn2) = self.sides, self.squares
-        v = functions.argument(sine * root(sn2), ball(cn2), ball(dn2))
+        sine, cosine = self.sides
+        v = functions.argument(map(ball, self.squares), sine)
         if cosine >= 0:
             return v
         return (2 if sine >= 0 else -2) * functions.K - v
@@ -361,8 +361,7 @@ def _ends(
             else:
                 # The motion is on the side on which the polynomial is positive.
                 slope = acb_poly([ball(x) for x in polynomials[which]]).derivative()(acb(z0)).real
-                if slope.contains(0):
-                    raise TooFewBits
+                certainly(not slope.contains(0))
                 (below if slope > 0 else above).append(end._replace(place=z0))
     return _last(below, 1), _last(above, -1)
 

@@ -21,7 +21,7 @@ from typing import NamedTuple, TypeAlias
 
 from flint import acb, arb
 
-from polhode.closed_forms.balls.core import TooFewBits, around, nearest_integer, square
+from polhode.closed_forms.balls.core import TooFewBits, around, certainly, nearest_integer, square
 from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.number_types import Scalar
@@ -91,21 +91,18 @@ class Panels(ABC):
             last = not half < left.mid()
             while not self._clear(start + half, half):
                 half, last = (half * _SHRINK).mid(), False
-                if not half > least:
-                    raise TooFewBits
+                certainly(half > least)
             end = self.end if last else (start + 2 * half).mid()
             self._bound(start, end)
             if last:
                 return
-            if len(self._starts) == _MOST_PANELS:
-                raise TooFewBits
+            certainly(len(self._starts) < _MOST_PANELS)
             start = end
 
     def _clear(self, x: arb, half: arb) -> bool:
         """Whether a panel is short enough, by middles."""
         moduli = self.integrand.moduli(self.variable(x))
-        if not all(size.is_finite() for size, _ in moduli):
-            raise TooFewBits
+        certainly(all(size.is_finite() for size, _ in moduli))
         reach = self.reach(x, _DISC * half).mid()
         return all((reach * slope).mid() < _SHARE * size.mid() for size, slope in moduli)
 
@@ -116,8 +113,7 @@ class Panels(ABC):
         bound = arb(1)
         for size, slope in self.integrand.moduli(z):
             room = size - slope * reach
-            if not room > 0:
-                raise TooFewBits
+            certainly(room > 0)
             bound /= room.sqrt()
         self._starts.append(start)
         self._most.append((bound, bound * (abs(z) + reach)))
@@ -377,12 +373,11 @@ class Clock(Panels):
         return self.S[n + 1] - s, self.U[n + 1] - u
 
     @cached_property
-    def _doubles(self) -> tuple[list[float], list[float], list[float], list[float]]:
+    def _doubles(self) -> list[list[float]]:
         """S, U, f and z at the panels' ends."""
         slopes = [self.slope(x) for x in (*self._starts, self.end)]
         rows = self.S, self.U, [f for f, _ in slopes], [z for _, z in slopes]
-        row1, row2, row3, row4 = ([float(x.mid()) for x in row] for row in rows)
-        return row1, row2, row3, row4
+        return [[float(x.mid()) for x in row] for row in rows]
 
     def _between(self, rest: float) -> tuple[float, float, arb]:
         """U, z and the phase at an S from 0 to that of ``end``, by Hermite's cubics in S."""

@@ -18,12 +18,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from typing import Generic, TypeAlias, TypeVar
+from operator import mul
+from typing import Any, Generic, TypeAlias, TypeVar
 
-from flint import acb, arb, fmpq
+from flint import acb, arb
 from mpmath import libmp
 
-from polhode.numbers.exact import ZERO, Exact, sign
+from polhode.numbers.exact import ZERO, Exact, Irrational, as_ball, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.polynomials import middle
@@ -45,20 +46,24 @@ class TooFewBits(ArithmeticError):
     """The balls are too wide to decide: the same is to be done with more bits."""
 
 
+def certainly(true: object) -> None:
+    """Raise TooFewBits unless a comparison of balls is certain."""
+    if not true:
+        raise TooFewBits
+
+
 class Refused(ValueError):
     """No precision answers this question; the message says why."""
 
 
 def ball(x: Exact | int) -> arb:
     """An exact number at the precision in force; the exact 0 where it is 0, by the rule."""
-    if isinstance(x, (int, Fraction)):
-        return arb(fmpq(x.numerator, x.denominator))
-    return x.enclosure(ctx.prec) if sign(x) else arb(0)
+    return arb(0) if isinstance(x, Irrational) and sign(x) == 0 else enclosed(x)
 
 
 def enclosed(x: Exact | int) -> arb:
     """The same without the question whether it is 0: for factors of sums, which need no answer."""
-    return ball(x) if isinstance(x, (int, Fraction)) else x.enclosure(ctx.prec)
+    return x.enclosure(ctx.prec) if isinstance(x, Irrational) else as_ball(x)
 
 
 def root(x: Exact | int) -> arb:
@@ -76,6 +81,22 @@ def square(x: arb) -> arb:
     return x * x
 
 
+def powers_of(w: acb, count: int) -> list[acb]:
+    """w^k for k below ``count``, which is positive.
+
+    As products of halves: a chain of single factors would widen a ball by up to sqrt 2 each.
+    """
+    powers = [acb(1), w]
+    for k in range(2, count):
+        powers.append(powers[k // 2] * powers[k - k // 2])
+    return powers[:count]
+
+
+def of_product(a: Sequence[Any], back: Sequence[Any]) -> Any:
+    """A coefficient of a product of two series, the second factor in reverse order."""
+    return sum(map(mul, a, back), _ZERO)
+
+
 def around(radius: arb) -> acb:
     """A ball around 0 that holds all complex numbers of at most this modulus."""
     r = radius.abs_upper()
@@ -87,8 +108,7 @@ def nearest_integer(x: arb) -> int:
     n = (x.mid() + _HALF).floor().unique_fmpz()
     if n is not None:
         return int(n)
-    if not x.is_finite():
-        raise TooFewBits
+    certainly(x.is_finite())
     return math.floor(middle(x) + Fraction(1, 2))  # the sum was rounded to both sides of an integer
 
 

@@ -20,7 +20,7 @@ from typing import Generic, TypeAlias, TypeVar
 
 from flint import acb, arb
 
-from polhode.closed_forms.balls.core import Kept, Refused, TooFewBits, ball, enclosed
+from polhode.closed_forms.balls.core import Kept, Refused, ball, certainly, enclosed
 from polhode.common.values import cached_property
 from polhode.numbers import exact
 from polhode.numbers.exact import ONE, ZERO, Exact, sign, sqrt
@@ -244,8 +244,7 @@ def nutation(turn: Turn) -> arb:
 
 
 def _argument(z: acb, near: float | None) -> arb:
-    if z.contains(0):
-        raise TooFewBits
+    certainly(not z.contains(0))
     middle = acb(z.real.mid(), z.imag.mid()).arg().mid() if near is None else arb(near)
     return middle + (z * (-_I * middle).exp()).arg()  # no cut is near
 

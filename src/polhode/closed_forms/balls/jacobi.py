@@ -41,11 +41,11 @@ period.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from flint import acb, arb, arb_poly, fmpz_poly
 
-from polhode.closed_forms.balls.core import TooFewBits, nearest_integer
+from polhode.closed_forms.balls.core import certainly, nearest_integer
 from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
 
@@ -103,8 +103,7 @@ class ThetaSeries:
         """
         least, most = self._s.lower(), y.abs_upper()
         reach, width = float(most), float(least)
-        if not (math.isfinite(reach) and width > 0):
-            raise TooFewBits
+        certainly(math.isfinite(reach) and width > 0)
         count = 1 + math.ceil(reach / width + math.sqrt(ctx.prec * math.log(2) / (math.pi * width)))
 
         def weight(n: int, s: arb, y: arb) -> arb:
@@ -112,8 +111,7 @@ class ThetaSeries:
             return 2 * (arb.pi() * m * (2 * y - s * m)).exp()
 
         first, second = ((2 * n + 1) * weight(n, least, most) for n in (count, count + 1))
-        if not 2 * second < first:  # the ratios fall from one to the next
-            raise TooFewBits
+        certainly(2 * second < first)  # the ratios fall from one to the next
         weights = [weight(n, self._s, y) for n in range(count)]
         if not odd:
             weights[0] = arb(1)
@@ -167,9 +165,13 @@ class Jacobi:
         return ThetaSeries(self._s) if self._s > LEAST else None
 
     @staticmethod
-    def argument(sn: arb, cn2: arb, dn2: arb) -> arb:
-        """v in [-K, K], or to the modulus k' in [-K', K'], from sn v, cn^2 v and dn^2 v."""
-        return sn * carlson_rf(cn2, dn2)
+    def argument(squares: Iterable[arb], side: int = 1) -> arb:
+        """v in [-K, K], or to the modulus k' in [-K', K'], from the squares of sn v, cn v and dn v.
+
+        ``side``: the sign of sn v.
+        """
+        sn2, cn2, dn2 = squares
+        return side * sn2.sqrt() * carlson_rf(cn2, dn2)
 
     def at(self, v: arb) -> ReducedArgument:
         """The functions at a phase."""
@@ -281,6 +283,6 @@ class ReducedArgument:
         return [th.real for th in acb.modular_theta(acb(self.z), self._jacobi.tau)]
 
 
-def carlson_rf(x: arb, y: arb, z: arb | int = 1) -> arb:
-    """Carlson's R_F of numbers that are not negative."""
-    return acb.elliptic_rf(acb(x), acb(y), acb(z)).real
+def carlson_rf(x: arb, y: arb) -> arb:
+    """Carlson's R_F of 1 and two numbers that are not negative."""
+    return acb.elliptic_rf(acb(x), acb(y), acb(1)).real

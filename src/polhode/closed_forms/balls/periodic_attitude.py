@@ -31,7 +31,7 @@ from typing import Any, NamedTuple
 
 from flint import acb, acb_mat, arb
 
-from polhode.closed_forms.balls.core import Refused, TooFewBits, around, nearest_integer
+from polhode.closed_forms.balls.core import Refused, around, certainly, nearest_integer, powers_of
 from polhode.closed_forms.balls.frames import SolvedMotion, Turn, conjugate, of_matrix
 from polhode.common.values import cached_property
 from polhode.numbers.flint_context import ctx
@@ -43,8 +43,7 @@ from polhode.numbers.vectors import cross, dot, quaternion_product
 # A polynomial at places on the unit circle, in balls: the sums of Fourier series.
 #
 # In n = m l terms: the m l products of coefficients with powers below m by one product of matrices,
-# and l more with powers of w^m.  Powers are products of halves: a chain of single factors would
-# widen the balls by sqrt 2 each.
+# and l more with powers of w^m.
 
 
 class PowerSum:
@@ -59,20 +58,12 @@ class PowerSum:
 
     def at(self, w: acb) -> acb:
         """The value at w, |w| = 1."""
-        powers = _powers(w, self._width + 1)
+        powers = powers_of(w, self._width + 1)
         column = self._matrix * acb_mat(self._width, 1, powers[:-1])
         total = acb(0)
-        for row, power in enumerate(_powers(powers[-1], self._height)):
+        for row, power in enumerate(powers_of(powers[-1], self._height)):
             total += column[row, 0] * power
         return total
-
-
-def _powers(w: acb, count: int) -> list[acb]:
-    """w^k for k below ``count``, which is positive."""
-    powers = [acb(1), w]
-    for k in range(2, count):
-        powers.append(powers[k // 2] * powers[k - k // 2])
-    return powers[:count]
 
 
 # --- periodic attitude ----------------------------------------------------------------------------
@@ -177,7 +168,7 @@ class PeriodicMotion(SolvedMotion):
         size: arb = _ONE,
     ) -> None:
         self.orbit, self.speed, self.period = orbit, speed, orbit.period
-        self._equations, self._strips, self._size = equations, strips, size
+        self.equations, self.strips, self.size = equations, strips, size
 
     def at(self, t: arb) -> Sequence[arb]:
         """Those of the orbit."""
@@ -189,34 +180,26 @@ class PeriodicMotion(SolvedMotion):
 
     @cached_property
     def _attitude(self) -> PeriodicAttitude:
-        equations = self._equations()
-        return PeriodicAttitude(self.orbit, self._size, self.speed, equations, self._strips)
+        return PeriodicAttitude(self)
 
 
 class PeriodicAttitude:
-    """The turn since t = 0, at the precision in force; arguments as of :class:`PeriodicMotion`."""
+    """The turn since t = 0 of a motion, at the precision in force."""
 
-    def __init__(
-        self,
-        orbit: PeriodicOrbit,
-        size: arb,
-        speed: arb,
-        equations: BallEquations | None,
-        strips: list[Strip],
-    ) -> None:
-        assert orbit.period is not None
-        self._orbit, self._size, self._equations = orbit, size, equations
-        self._speed = speed
-        self._period, self._cycle = orbit.period, orbit.cycle
+    def __init__(self, motion: PeriodicMotion) -> None:
+        assert motion.period is not None
+        self._orbit, self._size, self._speed = motion.orbit, motion.size, motion.speed
+        self._equations, strips = motion.equations(), motion.strips
+        self._period, self._cycle = motion.period, motion.orbit.cycle
         self._axis = strips[0].axis if strips else self._never_vertical()
         self._square = sum(x * x for x in self._axis)
         if not strips:  # it need not be found again at another precision
-            strips.append(Strip(self._axis, *self._found_strip(speed)))
+            strips.append(Strip(self._axis, *self._found_strip()))
         self.strip = strips[0]
-        sums, self._error = self._proven_sums() if equations else self._settled_sums()
+        sums, self._error = self._proven_sums() if self._equations else self._settled_sums()
         terms = [acb(0), *(x / k for k, x in enumerate(sums[1:], 1))]
         self._mean, self._waves = sums[0].real, PowerSum(terms)
-        steps = max(8, math.ceil(float((self._period * speed).abs_upper())))
+        steps = max(8, math.ceil(float((self._period * self._speed).abs_upper())))
         with ctx.workprec(_SIGN_BITS):
             self._table = self._signed(steps)
 
@@ -262,8 +245,7 @@ class PeriodicAttitude:
                 wide = sum((x.abs_upper() for x in last), small)
                 return sums, around(4 * wide * self._cycle).real
             n *= 2
-            if n > _MOST_SAMPLES:
-                raise TooFewBits
+            certainly(n <= _MOST_SAMPLES)
 
     def _fourier(self, n: int) -> list[acb]:
         """The sums below n of 2n samples of F."""
@@ -298,7 +280,7 @@ class PeriodicAttitude:
         a, b, c = max(_AXES, key=tilt)
         return a, b, c
 
-    def _found_strip(self, speed: arb) -> tuple[float, float]:
+    def _found_strip(self) -> tuple[float, float]:
         """eta and M."""
         if self._equations is None:
             return 0.0, 0.0
@@ -306,7 +288,7 @@ class PeriodicAttitude:
             length = float(self._cycle.abs_upper()) * (1 + 1e-9)
             places = [self._cycle * k / _LOOKS for k in range(_LOOKS)]
             peaks = [abs(self._rate(self._at(s), acb(s))).abs_upper() for s in places]
-            mean = (speed * self._period / self._cycle).abs_upper()
+            mean = (self._speed * self._period / self._cycle).abs_upper()
             limit = _MOST_RISE * max(*(float(x) for x in peaks), float(mean))
             eta = min(_MOST_ETA, _SHARE * self._seeming_eta())
             while eta > _LEAST_ETA:
@@ -399,6 +381,5 @@ class PeriodicAttitude:
 def _alike(q: Turn, near: Turn) -> Turn:
     """q or -q, whichever is proven nearer."""
     along = q[0] * near[0] + dot(q[1:], near[1:])
-    if not abs(along) > arb(0.7):
-        raise TooFewBits
+    certainly(abs(along) > arb(0.7))
     return q if along > 0 else (-q[0], -q[1], -q[2], -q[3])

@@ -27,7 +27,7 @@ from typing import NamedTuple, TypeAlias
 from flint import acb, acb_mat, arb
 
 from polhode.closed_forms.balls.clocks import Pair
-from polhode.closed_forms.balls.core import TooFewBits, around, nearest_integer
+from polhode.closed_forms.balls.core import TooFewBits, around, nearest_integer, powers_of
 from polhode.numbers.flint_context import ctx
 
 #: a1, a2, b1, b2.
@@ -235,16 +235,9 @@ def _top(halves: tuple[list[int], list[int]]) -> int:
 
 
 def _powers(base: acb, most: int) -> dict[int, acb]:
-    """base^n for |n| <= most.
-
-    As products of halves: a chain of single factors would widen a ball by up to sqrt 2 each.
-    """
-    powers = {0: acb(1), 1: base, -1: 1 / base}
-    for n in range(2, most + 1):
-        half = n // 2
-        powers[n] = powers[half] * powers[n - half]
-        powers[-n] = powers[-half] * powers[half - n]
-    return powers
+    """base^n for |n| <= most."""
+    up, down = powers_of(base, most + 1), powers_of(1 / base, most + 1)
+    return {-n: x for n, x in enumerate(down)} | dict(enumerate(up))
 
 
 def _mixed(even: acb_mat, odd: acb_mat, b: tuple[int, int], i: int, j: int) -> acb:

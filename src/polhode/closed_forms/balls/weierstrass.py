@@ -21,7 +21,7 @@ from typing import NamedTuple, TypeAlias
 
 from flint import acb, arb
 
-from polhode.closed_forms.balls.core import TooFewBits, ball, nearest_integer
+from polhode.closed_forms.balls.core import ball, certainly, nearest_integer
 from polhode.closed_forms.balls.jacobi import Jacobi
 from polhode.numbers.exact import Exact, sign
 
@@ -61,8 +61,7 @@ class RealLattice:
             self.halves = first, both, second
             return
         height = self.P(second).imag * x1.imag
-        if not (height > 0 or height < 0):
-            raise TooFewBits
+        certainly(height > 0 or height < 0)
         self.halves = (first, second, both) if height > 0 else (first, both, second)
 
     def P(self, v: acb) -> acb:  # noqa: N802
@@ -188,8 +187,7 @@ class Weierstrass:
     def _one_real_root(self, g3: Exact, disc: arb) -> None:
         side = 1 if sign(g3) > 0 else -1
         cube = side * ball(g3) / 8 + (disc / 1728).sqrt()
-        if not cube > 0:
-            raise TooFewBits
+        certainly(cube > 0)
         u = side * cube.root(3)
         real = u + self.g2 / (12 * u)
         size = (3 * real * real - self.g2 / 4).sqrt()

@@ -18,7 +18,7 @@ from typing import TypeAlias
 from flint import acb, arb
 
 from polhode.closed_forms.balls.clocks import Linear, Pair, circle, unit
-from polhode.closed_forms.balls.core import TooFewBits
+from polhode.closed_forms.balls.core import TooFewBits, certainly
 from polhode.closed_forms.balls.theta2 import (
     CHARACTERISTICS,
     Characteristic,
@@ -74,14 +74,12 @@ def _flat_periods(first: Columns, second: Columns) -> tuple[complex, complex, co
     """tau in doubles."""
     (a, c), (b, d) = ((complex(x), complex(y)) for x, y in first)
     det = a * d - b * c
-    if not det or det != det:
-        raise TooFewBits
+    certainly(det == det != 0)
     (t11, t21), (t12, t22) = (
         ((d * x - b * y) / det, (a * y - c * x) / det)
         for x, y in ((complex(u), complex(v)) for u, v in second)
     )
-    if not t11.imag:
-        raise TooFewBits
+    certainly(t11.imag != 0)
     return t11, (t12 + t21) / 2, t22
 
 
@@ -167,10 +165,7 @@ class Jacobian:
         return A0 - over * first, A1 - over * (a * first + step * second)
 
     def _from_infinity(self, s: acb, w: acb) -> Pair:
-        factors = []
-        for a in self.points:
-            gap = s - a
-            factors.append(Linear(s / gap, acb(1), -a / gap))
+        factors = [Linear(s / (s - a), acb(1), -a / (s - a)) for a in self.points]
         first, second = unit(factors)
         over = -2 * s / w
         return over * second, over * s * first
@@ -178,8 +173,7 @@ class Jacobian:
     def _period_matrix(self, second: Columns) -> tuple[acb, acb, acb]:
         (t11, t21), (t12, t22) = (self.reduced(column) for column in second)
         if not t12.overlaps(t21):
-            if not (t12.is_finite() and t21.is_finite()):
-                raise TooFewBits
+            certainly(t12.is_finite() and t21.is_finite())
             raise ArithmeticError("the period matrix is not symmetric: its basis is none")
         return t11, (t12 + t21) / 2, t22
 
@@ -188,8 +182,7 @@ class Jacobian:
         x, y = self.lattice.coordinates(z)
         numbers = [v.unique_fmpz() for v in (*y, *x)]
         whole = [int(n) % 2 for n in numbers if n is not None]
-        if len(whole) < 4:
-            raise TooFewBits
+        certainly(len(whole) == 4)
         a1, a2, b1, b2 = whole
         return a1, a2, b1, b2
 
@@ -222,8 +215,7 @@ def rates(points: Sequence[acb]) -> tuple[arb, arb]:
     """
     line = [x.real for x in points if x.imag.is_zero()]
     line = [line[i] for i in ascending(line, range(len(line)))]
-    if not all(x < y for x, y in pairwise(line)):
-        raise TooFewBits
+    certainly(all(x < y for x, y in pairwise(line)))
     a, c = _unbounded(line[0], points)
     rest = [x for x in points if not x.overlaps(acb(line[-2])) and not x.overlaps(acb(line[-1]))]
     b, d = (2 * x.real for x in segment(acb(line[-2]), acb(line[-1]), rest, []))

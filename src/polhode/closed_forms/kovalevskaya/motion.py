@@ -13,12 +13,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
-from operator import mul
 from typing import NamedTuple, TypeAlias
 
 from flint import acb, arb, arb_poly
 
-from polhode.closed_forms.balls.core import TooFewBits, around, ball, nearest_integer, root
+from polhode.closed_forms.balls.core import (
+    TooFewBits,
+    around,
+    ball,
+    certainly,
+    nearest_integer,
+    of_product,
+    root,
+)
 from polhode.closed_forms.balls.frames import SolvedMotion
 from polhode.closed_forms.balls.periodic_attitude import PeriodicMotion, PeriodicOrbit
 from polhode.closed_forms.balls.weierstrass import (
@@ -60,6 +67,7 @@ from polhode.numbers.exact import ZERO, sign
 from polhode.numbers.flint_context import ctx
 from polhode.numbers.mpmath_context import mpc
 from polhode.numbers.number_types import Scalar
+from polhode.numbers.vectors import dot
 from polhode.scenes.body import KOVALEVSKAYA, classical_top
 
 #: p, q, r, G1, G2, G3 of a complex time.
@@ -274,8 +282,7 @@ class DegenerateMotion(SolvedMotion):
         self._base = (_STEP / self.speed.max(ball(start.a2).root(4))).mid()
         state = self._state(_after(row, self._base))
         y = self._node.line(state).y
-        if not (y > 0 or y < 0):
-            raise TooFewBits
+        certainly(y > 0 or y < 0)
         self._begin(state, 1 if y > 0 else -1)
 
     def _state(self, row: Sequence[arb]) -> SeparationState:
@@ -328,13 +335,11 @@ class DegenerateMotion(SolvedMotion):
         lattice, x = self._lattice, (self._shift - third) / 2
         if side == 0:
             halves = [h for h in lattice.halves if lattice.P(h).overlaps(acb(x))]
-            if len(halves) != 1:
-                raise TooFewBits
+            certainly(len(halves) == 1)
             return halves[0]
         v = lattice.argument(x)
         y = self._ordinate(v).real
-        if not (y > 0 or y < 0):
-            raise TooFewBits
+        certainly(y > 0 or y < 0)
         return v if (y > 0) == (side > 0) else -v
 
     def at(self, t: arb) -> list[arb]:
@@ -368,7 +373,7 @@ class DegenerateMotion(SolvedMotion):
             slopes.append((N1 - T1 * x) / (2 * P[j]) * over)
         lifts = [-x * g for x, g in zip(e, self._g, strict=True)]
         (D, D1), (p, p1), (pi, pi1) = (
-            (_sum(row, values), _sum(row, slopes)) for row in (self._g, self._f, lifts)
+            (dot(row, values), dot(row, slopes)) for row in (self._g, self._f, lifts)
         )
         r, G3 = (k * _I * (x1 * D - x * D1) / D for k, x, x1 in ((-2, p, p1), (-1, pi, pi1)))
         p, q = p / D, _I / D
@@ -392,12 +397,12 @@ def _after(row: Sequence[arb], t: arb) -> list[arb]:
         p, q, r = (x[::-1] for x in series[:3])
         G1, G2, G3 = series[3:]
         rates = (
-            _product(series[1], r) / 2,
-            (G3[k] - _product(series[0], r)) / 2,
+            of_product(series[1], r) / 2,
+            (G3[k] - of_product(series[0], r)) / 2,
             -G2[k],
-            _product(G2, r) - _product(G3, q),
-            _product(G3, p) - _product(G1, r),
-            _product(G1, q) - _product(G2, p),
+            of_product(G2, r) - of_product(G3, q),
+            of_product(G3, p) - of_product(G1, r),
+            of_product(G1, q) - of_product(G2, p),
         )
         for terms, rate in zip(series, rates, strict=True):
             terms.append(rate / (k + 1))
@@ -406,16 +411,6 @@ def _after(row: Sequence[arb], t: arb) -> list[arb]:
         arb_poly(terms)(t) + around(share * most).real
         for terms, most in zip(series, moved, strict=True)
     ]
-
-
-def _product(a: Sequence[arb], back: Sequence[arb]) -> arb:
-    """A coefficient of a product, the second factor in reverse order."""
-    return sum(map(mul, a, back), arb(0))
-
-
-def _sum(row: Sequence[acb], values: Sequence[acb]) -> acb:
-    a, b, c = (x * y for x, y in zip(row, values, strict=True))
-    return a + b + c
 
 
 # --- placing --------------------------------------------------------------------------------------

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 from flint import acb, arb
 
-from polhode.closed_forms.balls.core import TooFewBits, ball, either_root, root
+from polhode.closed_forms.balls.core import TooFewBits, ball, certainly, either_root, root
 from polhode.closed_forms.balls.frames import MotionAxes
 from polhode.closed_forms.balls.periodic_attitude import BallEquations, Strip
 from polhode.closed_forms.balls.weierstrass import Quartic
@@ -225,8 +225,7 @@ def branch_points(start: KovalevskayaStart) -> list[acb]:
         # The larger of Cardano's two cube roots, which is no difference.
         side = 1 if q.mid() > 0 else -1
         cube = side * q / 2 + (ball(-disc) / 108).sqrt()
-        if not cube > 0:
-            raise TooFewBits
+        certainly(cube > 0)
         u = -side * cube.root(3)
         v = -p / (3 * u)
         pair = acb(-(u + v) / 2 - shift, abs(u - v) * arb(3).sqrt() / 2)
@@ -289,8 +288,7 @@ def numbered(points: Sequence[acb]) -> list[int]:
     along = [(turn * x).real for x in points]
     # By balls, not by doubles: gaps of 1e-26 are told apart.
     order = ascending(along, range(len(points)))
-    if not all((turn * (points[j] - points[i])).real > 0 for i, j in pairwise(order)):
-        raise TooFewBits
+    certainly(all((turn * (points[j] - points[i])).real > 0 for i, j in pairwise(order)))
     return order
 
 

@@ -24,7 +24,7 @@ from typing import NamedTuple, TypeAlias
 from flint import acb, acb_mat, arb
 
 from polhode.closed_forms.balls.clocks import Pair
-from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
+from polhode.closed_forms.balls.core import TooFewBits, ball, certainly, either_root
 from polhode.closed_forms.balls.frames import Turn, conjugate, halves, quaternion
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.theta_state import ThetaState, Values, dot
@@ -91,8 +91,7 @@ class ThetaAttitude:
     """
 
     def __init__(self, motion: ThetaState) -> None:
-        if len(motion.choices) > 1:
-            raise TooFewBits
+        certainly(len(motion.choices) == 1)
         self.motion, start = motion, motion.start
         a, b, c = (x / start.weight for x in start.G)
         self._first = quaternion(*halves((a, b, c), ZERO))  # one that has the right gamma
@@ -115,8 +114,7 @@ class ThetaAttitude:
         for turn in turns[1:]:
             a, b, c, d = (x.union(y) for x, y in zip(q, turn, strict=True))
             q = a, b, c, d
-        if not all(x.is_finite() for x in q):
-            raise TooFewBits
+        certainly(all(x.is_finite() for x in q))
         self._check(q, state)
         return quaternion_product(conjugate(self._first), q)
 
@@ -174,8 +172,7 @@ class ThetaAttitude:
                 choices.append(choice)
         if not choices:
             raise ArithmeticError("no choice of the attitude's constants fits: a fault")
-        if len(choices) > 2:
-            raise TooFewBits
+        certainly(len(choices) <= 2)
         return choices
 
     def _misses(self, choice: EigenspaceChoice, moment: Moment) -> bool:
@@ -183,8 +180,7 @@ class ThetaAttitude:
         height = moment.state[5] / self.motion.weight
         for value, side in zip(choice.at(moment), (-1, 1), strict=True):
             square = value.real * value.real + value.imag * value.imag
-            if not square.is_finite():
-                raise TooFewBits
+            certainly(square.is_finite())
             if not square.overlaps((1 + side * height) / 2):
                 return True
         return False
@@ -210,8 +206,7 @@ class ThetaAttitude:
             right.append([over * begin[j] * dot(bottoms[j], now.below, 0)])
         equations = [self._equations(spaces, bottoms, moment) for moment in moments]
         best = max(([*rows, *pair] for pair in equations), key=_share)
-        if not _share(best) > 0:
-            raise TooFewBits
+        certainly(_share(best) > 0)
         try:
             A = acb_mat(best).solve(acb_mat([*right, [acb(0)], [acb(0)]]))
         except ZeroDivisionError:

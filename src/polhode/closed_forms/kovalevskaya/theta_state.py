@@ -29,7 +29,7 @@ from typing import NamedTuple, TypeAlias
 from flint import acb, arb
 
 from polhode.closed_forms.balls.clocks import Pair
-from polhode.closed_forms.balls.core import TooFewBits, ball, either_root
+from polhode.closed_forms.balls.core import ball, certainly, either_root
 from polhode.closed_forms.balls.frames import Latest, SolvedMotion
 from polhode.closed_forms.balls.theta2 import Theta2, added
 from polhode.closed_forms.kovalevskaya.jacobian import Jacobian, rates
@@ -78,8 +78,7 @@ class Quotients(NamedTuple):
         (p, q, r, _, G2, G3), ((D, *row), D1, r1) = start, self.products(values)
         rests = [D * x - y for x, y in zip((p, q, r, G3), row, strict=True)]
         rests.append(D * G2 + r1 - r * D1)
-        if not all(x.is_finite() for x in rests):
-            raise TooFewBits
+        certainly(all(x.is_finite() for x in rests))
         return any(not x.contains(0) for x in rests)
 
 
@@ -168,25 +167,18 @@ class ThetaState(SolvedMotion):
         values = self.values_at(self.z0)
         for signs in product((1, -1), repeat=3):
             C = [s * x / d for s, x, d in zip(signs, c, slopes, strict=True)]
-            mixed = [C[j] * C[l] * k for (j, l), k in zip(PAIRS, K, strict=True)]
+            mixed = [(j, l, C[j] * C[l] * k) for (j, l), k in zip(PAIRS, K, strict=True)]
             choice = Quotients(
                 over=[x * y for x, y in zip(g, C, strict=True)],
                 p=[x * y for x, y in zip(f, C, strict=True)],
-                r=[
-                    -2 * _I * (f[j] * g[l] - f[l] * g[j]) * k
-                    for (j, l), k in zip(PAIRS, mixed, strict=True)
-                ],
-                G3=[
-                    _I * (e[j] - e[l]) * g[j] * g[l] * k
-                    for (j, l), k in zip(PAIRS, mixed, strict=True)
-                ],
+                r=[-2 * _I * (f[j] * g[l] - f[l] * g[j]) * k for j, l, k in mixed],
+                G3=[_I * (e[j] - e[l]) * g[j] * g[l] * k for j, l, k in mixed],
             )
             if not choice.misses(first, values):
                 choices.append(choice)
         if not choices:
             raise ArithmeticError("no choice of signs has the start: a fault")
-        if len(choices) > _MOST_CHOICES:
-            raise TooFewBits
+        certainly(len(choices) <= _MOST_CHOICES)
         return choices
 
     def _constants(self) -> tuple[list[acb], list[acb]]:
