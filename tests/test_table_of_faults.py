@@ -10,12 +10,12 @@ import warnings
 from dataclasses import replace
 from decimal import Decimal
 
+import mpmath
 import numpy as np
 import pandas as pd
 import pytest
 
 import polhode
-from polhode.numbers.mpmath_context import mpmath
 from polhode.testing import assert_digits
 from shared import tables
 from shared.motions import free_file, scene_of

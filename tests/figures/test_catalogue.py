@@ -2,6 +2,7 @@
 
 import sys
 from dataclasses import replace
+from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 from typing import get_args
@@ -76,14 +77,22 @@ def test_a_figure_of_a_file_that_lacks_its_columns_is_refused(tmp_path, word):
 FILED = ["Certified", "Enclosure", "Judgement", "Reductions", "ChaosMap", "ProvedOrbit"]
 
 
+def svg_of(result, word):
+    with plt.rc_context({"svg.hashsalt": "x"}):
+        figure = np.ravel(polhode.plot(result, word))[0].figure
+        figure.savefig(out := BytesIO(), format="svg", metadata={"Date": None})
+    plt.close(figure)
+    return out.getvalue()
+
+
 @pytest.mark.parametrize("name", tiers(["Reference"], FILED))
 def test_a_file_is_drawn_as_the_result_was(tmp_path, name):
     result = result_of_kind(name)
     result.save(tmp_path / "x.csv")
     again = polhode.load_result(tmp_path / "x.csv")
-    for word in catalogue.words(again.result):
-        svg = catalogue.drawn(result, ".svg", "x", word)
-        assert svg == catalogue.drawn(again, ".svg", "x", word)
+    for word in ("fli", "megno", "exponent", "verdict") if name == "ChaosMap" else (None,):
+        svg, again_svg = (svg_of(x, word) for x in (result, again))
+        assert svg == again_svg
         assert len(svg) > 5000
 
 

@@ -326,8 +326,8 @@ def run():
 
 
 def test_a_function_of_t_is_asked_at_the_times(run):
-    score = polhode.testing.assert_digits(lambda t: run(t), SCENE, at_least=12, at=[1, "0.25"])
-    assert [float(t) for t in score.times] == [1, 0.25]
+    judged = polhode.testing.assert_digits(lambda t: run(t), SCENE, at_least=12, at=[1, "0.25"])
+    assert [float(t) for t in judged.times] == [1, 0.25]
 
 
 def test_the_error_tells_the_first_wrong_time_and_the_judgement(run):
@@ -347,8 +347,8 @@ def test_another_convention_is_wrong_unless_it_is_allowed(run):
     columns |= {"p": columns["q"], "q": columns["p"]}
     with pytest.raises(AssertionError, match="correct digits at t = "):
         polhode.testing.assert_digits(columns, SCENE, at_least=9)
-    score = polhode.testing.assert_digits(columns, SCENE, at_least=9, as_it_stands=False)
-    assert score.reading == "omega p q r = q p r"
+    judged = polhode.testing.assert_digits(columns, SCENE, at_least=9, as_it_stands=False)
+    assert judged.reading == "omega p q r = q p r"
 
 
 # -- The fixture of pytest, in a session of its own

@@ -15,7 +15,6 @@ import polhode
 from polhode import cli
 from polhode.closed_forms.families import ClosedForm
 from polhode.judging.limits import SIGNIFICANCE, are_white
-from polhode.judging.reference import Reference
 from shared import drifting_files as files
 from shared.tables import ATTITUDE, STATE, of_run, right, text
 from shared.tools import exactly, judged, tiers
@@ -114,7 +113,7 @@ def test_a_run_through_poles_has_its_angles():
 
 def test_near_a_pole_the_attitude_has_the_digits_that_psi_and_phi_lose(monkeypatch):
     """By a reference that is off by as much as the digits that it is asked for allow."""
-    answer = Reference.attitude
+    answer = polhode.Reference.attitude
 
     def rough(self, times, digits):
         return [[a, b + mpmath.mpf(10) ** -digits, *c] for a, b, *c in answer(self, times, digits)]
@@ -122,7 +121,7 @@ def test_near_a_pole_the_attitude_has_the_digits_that_psi_and_phi_lose(monkeypat
     body = {"moments": [1, 1, 2], "centre": [0, 0, 1], "weight": 1}
     top = polhode.top(**body, angles=["1/3", "1e-13", "1/5"], rates=["1/7", 0, 2], end=1)
     rows = [[float(x) for x in row] for row in polhode.reference(top).angles([1], 40)]
-    monkeypatch.setattr(Reference, "attitude", rough)
+    monkeypatch.setattr(polhode.Reference, "attitude", rough)
     judgement = polhode.compare(rows, top, at=[1], columns=("psi", "theta", "phi"))
     assert judgement.parts["angles"] > 14.5
 

@@ -15,7 +15,6 @@ import polhode
 from polhode import BadInput
 from polhode.cli import main
 from polhode.common.interrupts import heard
-from polhode.output.report_page import page
 from shared.tools import tiers
 
 TOP = "lagrange/nutation"
@@ -286,22 +285,30 @@ def test_markdown_has_the_same_words_and_its_figures_beside_it(pages, report):
         assert f"{line['digits']:.2f}" in html
 
 
-def test_without_matplotlib_a_page_has_no_figures_and_says_what_to_install(report, monkeypatch):
+def saved_text(report: polhode.Report, path: Path) -> str:
+    report.save(path)
+    return path.read_text(encoding="utf-8")
+
+
+def test_without_matplotlib_a_page_has_no_figures_and_says_what_to_install(
+    report, monkeypatch, tmp_path
+):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    (text,) = page(Path("x.md"), report.sections).values()
+    text = saved_text(report, tmp_path / "x.md")
     assert "pip install 'polhode[figures]'" in text
     assert "![" not in text
 
 
-def test_thirty_scenes_have_a_row_and_a_section_each(report, monkeypatch):
+def test_thirty_scenes_have_a_row_and_a_section_each(report, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     (only,) = report.sections
     names = [f"top {k}|<i>" for k in range(30)]
-    many = [replace(only, scene=replace(only.scene, name=name)) for name in names]
-    (text,) = page(Path("x.html"), many).values()
+    sections = [replace(only, scene=replace(only.scene, name=name)) for name in names]
+    many = replace(report, sections=sections)
+    text = saved_text(many, tmp_path / "x.html")
     assert len(re.findall(r'<h2 id="scene-', text)) == 30 == text.count('<a href="#scene-')
     assert "<i>" not in text
-    (text,) = page(Path("x.md"), many).values()
+    text = saved_text(many, tmp_path / "x.md")
     first = text[: text.index("Verdict and limit are")].strip().splitlines()[2:]
     assert len(first) == 32
     assert {len(re.findall(r"(?<!\\)\|", line)) for line in first} == {8}  # of seven columns
@@ -326,6 +333,7 @@ def test_the_verb_prints_the_first_table_and_writes_all(files, tmp_path, capsys,
 
 def test_ctrl_c_ends_a_report_in_python(monkeypatch):
     """The run that it cut was judged, and the report went on."""
+    monkeypatch.setattr(heard, "came", False)
     own = polhode.output.accuracy.integrate
 
     def integrate(*scene, **how):
@@ -338,7 +346,6 @@ def test_ctrl_c_ends_a_report_in_python(monkeypatch):
 
 def test_an_interruption_leaves_nothing(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(heard, "came", False)
     own = polhode.output.accuracy.integrate
 
     def integrate(*scene, **how):
