@@ -276,11 +276,11 @@ def test_a_difference_is_exact(own, true, log):
 
 @pytest.mark.parametrize(("turns", "off"), [(0, 1e-9), (1, 1e-9), (-3, -1e-9), (10**6, 1e-12)])
 def test_whole_turns_are_taken_away(turns, off):
-    angle = Fraction(5, 2)
+    (row,) = polhode.reference(SCENE).angles([1], 50)
     with mpmath.workprec(200):
-        own = mpmath.mpf(angle.numerator) / angle.denominator + 2 * mpmath.pi * turns + off
-    logs = log10_differences([[own]], [[angle]], turning=(0,), bits=150)
-    assert logs[0, 0] == pytest.approx(math.log10(abs(off)), abs=1e-6)
+        angles = [[row[0] + 2 * mpmath.pi * turns + off, *row[1:]]]
+    judged = polhode.compare(angles, SCENE, at=[1], columns=("psi", "theta", "phi"))
+    assert judged.worst == pytest.approx(-math.log10(abs(off)), abs=1e-6)
 
 
 def test_of_w_relative_to_its_largest_modulus_and_of_gamma_as_they_are():

@@ -13,9 +13,9 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.closed_forms.families import ClosedForm
 from polhode.judging.limits import SIGNIFICANCE, are_white
 from shared import drifting_files as files
+from shared.steady_precession import silent_scene
 from shared.tables import ATTITUDE, STATE, of_run, right, text
 from shared.tools import exactly, judged, tiers
 
@@ -156,15 +156,9 @@ def test_no_more_digits_are_told_than_the_type_has(compared):
         assert float(digits) <= 15.95
 
 
-def test_a_closed_form_that_has_no_answer_gives_way_to_an_enclosure(monkeypatch):
-    """A closed form that refuses stands in for motions whose phases are not found."""
-
-    def refused(self, times, digits, *, attitude):
-        raise ValueError("a question that it answers")
-
-    scene = polhode.load("euler/attitude").at([1, 2])
-    run = polhode.integrate(replace(scene, outputs=("attitude",)))
-    monkeypatch.setattr(ClosedForm, "pairs", refused)
+def test_a_closed_form_that_has_no_answer_gives_way_to_an_enclosure():
+    run = polhode.integrate(silent_scene(outputs=("attitude",)), at=[1, 2])
+    assert polhode.reference(run.scene).kind == "silent-precession"
     judgement = polhode.compare(run)
     assert judgement.worst > 14
     assert judgement.parts["attitude"] > 14
