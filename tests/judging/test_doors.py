@@ -354,13 +354,7 @@ def test_a_run_without_rows_is_refused_with_what_ended_it():
 # -- cells that are no numbers ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "cell",
-    [
-        *("nan", "NaN", "-nan", "NA", "null", "", "-nan(ind)", "-1.#IND", "#N/A"),
-        *("np.float64(nan)", "missing"),
-    ],
-)
+@pytest.mark.parametrize("cell", ["nan", "NaN", "-nan", "NA", "null", ""])
 def test_a_cell_that_is_no_number_is_not_judged_whatever_the_door(tmp_path, cell):
     columns = of_run(polhode.integrate(CASE, at=[0, 1, 2]))
     columns["q"][1] = np.nan
