@@ -123,6 +123,29 @@ def test_cases_are_run_in_mp_as_users_have_it_and_else_by_heyokas_own_steps(answ
     assert answer("euler/largest-axis", "--number", "quad,mp")["passed"]
 
 
+@pytest.mark.slow
+def test_what_the_widest_type_asked_of_the_reference_judges_the_narrower_ones(answer, monkeypatch):
+    questions = []
+    for name in ("at", "pairs"):
+        ask = getattr(polhode.Reference, name)
+
+        def counted(self, *question, ask=ask, **how):
+            questions.append(question)
+            return ask(self, *question, **how)
+
+        monkeypatch.setattr(polhode.Reference, name, counted)
+
+    def checked(numbers):
+        questions.clear()
+        columns = answer("kovalevskaya/generic", "--number", numbers, "--details")["columns"]
+        return len(questions), columns["correct_digits"], columns["limit"]
+
+    (count, digits, limits), wide, narrow = map(checked, ("quad,double", "quad", "double"))
+    assert count == wide[0] > 0 < narrow[0]
+    assert digits == pytest.approx(wide[1] + narrow[1], abs=1e-8)
+    assert limits == wide[2] + narrow[2]
+
+
 def test_a_case_passes_and_an_unknown_number_type_is_refused(refusal, capsys):
     assert cli.main(["check", "euler/sphere"]) == 0
     assert capsys.readouterr().out.endswith("1 passed, 0 failed\n")

@@ -18,10 +18,9 @@ import polhode
 from polhode import Body, Outcome, Scene, Trajectory
 from polhode.judging import limits
 from polhode.judging.correct_digits import log10_differences
-from polhode.judging.score import Comparison, score
+from polhode.judging.score import Comparison
 from polhode.judging.tables import explanations
 from polhode.judging.tables import hypotheses as motions
-from polhode.judging.tables import table as tables
 from shared.tables import of_run
 from shared.tools import DOUBLE, exactly
 
@@ -162,31 +161,6 @@ def test_the_attitude_of_a_run_is_judged_with_either_sign_of_the_quaternion(time
     half = run.attitude.copy()
     half[len(half) // 2 :] *= -1
     assert polhode.compare(replace(run, attitude=half)).parts == judgement.parts
-
-
-def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
-    """The same rows of the reference, to the digits that the widest type needs; of no other one."""
-    scene, end = polhode.load("kovalevskaya/generic"), [1, 5]
-    runs = [polhode.integrate(scene, number, at=end) for number in ("quad", "double")]
-    against = polhode.reference(scene)
-    wide, conditions = (
-        score(tables.of_run(runs[0]), against),
-        polhode.conditioning(scene, end, "quad"),
-    )
-    narrow, alone = (score(tables.of_run(runs[1]), against, earlier=x) for x in (wide, None))
-    assert narrow.comparison.answers is wide.comparison.answers
-    assert alone.comparison.answers is not wide.comparison.answers
-    assert narrow.worst == pytest.approx(alone.worst, abs=1e-8)
-    bands = [limits.expectation(x, k).bands for x, k in ((narrow, conditions), (alone, None))]
-    by_known, anew = ([band.shown(runs[1].number) for band in row] for row in bands)
-    assert by_known == anew
-    again = score(tables.of_run(runs[0]), against, earlier=alone)  # which has too few digits for it
-    assert again.worst == pytest.approx(wide.worst, abs=1e-8)
-    later = polhode.integrate(scene, at=[1, 6])
-    for run, truth in ((later, against), (runs[1], polhode.reference(scene, "certified"))):
-        narrower = score(tables.of_run(run), truth, earlier=wide)
-        assert narrower.comparison.answers is not wide.comparison.answers
-        assert 14 < narrower.worst <= 16
 
 
 # -- a judgement is whole --------------------------------------------------------------------------
