@@ -1,7 +1,5 @@
 """Certificates of stability: what is proved stays so, nothing false is, each fault is noticed."""
 
-from __future__ import annotations
-
 import cmath
 import json
 import random

@@ -1,7 +1,5 @@
 """The regression itself: it passes, and it fails when anything is corrupted."""
 
-from __future__ import annotations
-
 import json
 import pickle
 from dataclasses import replace

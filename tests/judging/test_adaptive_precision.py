@@ -1,7 +1,5 @@
 """Digits asked for are digits had; what a plain run is expected to have is told."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """What is no table that can be judged: one line with the place, exit code 2, and nothing more."""
 
-from __future__ import annotations
-
 import io
 import json
 import math

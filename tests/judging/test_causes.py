@@ -1,7 +1,5 @@
 """A number that explains a table: found where one was changed, and nowhere else."""
 
-from __future__ import annotations
-
 import json
 import re
 from dataclasses import replace

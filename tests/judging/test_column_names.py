@@ -1,7 +1,5 @@
 """Names, units and forms of columns as other programs write them."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Kappa against differences of perturbed motions; Lyapunov exponents; what they say of digits."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Right tables in other conventions: each is named, applied, can be told; wrong ones have none."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections import Counter

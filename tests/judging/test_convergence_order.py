@@ -1,7 +1,5 @@
 """The observed order of integrators whose order is known, and of broken ones."""
 
-from __future__ import annotations
-
 import json
 import math
 from fractions import Fraction

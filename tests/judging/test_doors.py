@@ -1,7 +1,5 @@
 """One table through every door, in every layout and type of numbers: the same verdict."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Correct digits, drift, references: definitions checked by hand-made errors."""
 
-from __future__ import annotations
-
 import math
 import pickle
 import subprocess

@@ -1,7 +1,5 @@
 """Many rows get the digits that a few of them get; of very many, where each is dear, some do."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Each judged part has its digits at each time; the headline is the worst of all."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """What a reference answers: proven, periodic, whole turns, and alone where no form is known."""
 
-from __future__ import annotations
-
 import ast
 import json
 import pickle
