@@ -77,11 +77,7 @@ def test_every_case_with_a_closed_form_has_its_line_of_the_table():
 
 
 @pytest.mark.parametrize(
-    ("case", "which"),
-    tiers(
-        [("euler/largest-axis", "p.qr")],
-        [("lagrange/nutation", "q.rp")],
-    ),
+    ("case", "which"), tiers([("euler/largest-axis", "p.qr")], [("lagrange/nutation", "q.rp")])
 )
 def test_a_corrupted_equation_of_motion_fails(case, which, monkeypatch, answer):
     """By 1e-20 of itself, which is below what a double or an extended can show."""

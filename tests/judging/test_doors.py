@@ -238,10 +238,7 @@ AS_TYPES = {
     "single": (lambda: rows().astype(np.float32), "single"),
     "single and double": (lambda: [[np.float32(x[0]), *x[1:]] for x in rows().tolist()], "double"),
     "fractions": (lambda: [[Fraction(x) for x in row] for row in rows().tolist()], "mp"),
-    "a fraction among floats": (
-        lambda: [[Fraction(x[0]), *x[1:]] for x in rows().tolist()],
-        "mp",
-    ),
+    "a fraction among floats": (lambda: [[Fraction(x[0]), *x[1:]] for x in rows().tolist()], "mp"),
     "texts": (lambda: [[repr(x) for x in row] for row in rows().tolist()], "mp"),
     "half": (lambda: rows().astype(np.float16), "mp"),
 }

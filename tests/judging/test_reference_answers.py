@@ -252,10 +252,7 @@ def past_the_pole(miss: str) -> polhode.Reference:
     )
 
 
-@pytest.mark.parametrize(
-    "miss",
-    tiers(["1e-12"], ["1e-16", "-1e-25"]),
-)
+@pytest.mark.parametrize("miss", tiers(["1e-12"], ["1e-16", "-1e-25"]))
 def test_the_side_on_which_a_pole_is_passed_is_that_of_the_motion(miss):
     """Nearer than rounding takes a run in double: a branch by it alone is off by a turn."""
     far = past_the_pole("-1e-6" if miss.startswith("-") else "1e-6")

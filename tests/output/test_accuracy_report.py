@@ -90,8 +90,7 @@ def test_every_number_is_found_again_by_compare(report, files):
 
 
 @pytest.mark.parametrize(
-    ("end", "runs"),
-    tiers([(2, ["double"])], [(200, ["double, not projected", "double"])]),
+    ("end", "runs"), tiers([(2, ["double"])], [(200, ["double, not projected", "double"])])
 )
 def test_the_drift_of_a_run_that_is_not_projected_stands_beside_one_that_was_corrected(end, runs):
     """It stood there a second time, to the digit, where a run was too short for a correction."""
