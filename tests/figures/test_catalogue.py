@@ -16,11 +16,10 @@ import speed
 from kit import COLOURS, LOOKS, plain
 from polhode.cli import main
 from polhode.figures import catalogue
-from polhode.results.reader import KINDS
 from polhode.scenes.vocabulary import Several, Single
 from programs import PROGRAMS, RUN
-from shared.results import result_of_kind
-from shared.tools import tiers
+from shared.results import MAKERS, result_of_kind
+from shared.tools import of_table, tiers
 from speed import lines, work_precision
 
 plt = pytest.importorskip("matplotlib.pyplot")
@@ -42,10 +41,18 @@ def chaos():
     return polhode.chaos_map("general/asymmetric-chaotic", (4, 4), end=60)
 
 
-def test_every_kind_has_figures_or_is_known_to_have_none():
-    drawn = set(catalogue.FIGURES)
-    assert drawn | WITHOUT == set(KINDS)
-    assert not drawn & WITHOUT
+#: But of the proof of minutes, which is made up here, and whose guess is none.
+DRAWN = [name for name in MAKERS if name != "ProvedChaos"]
+
+
+@pytest.mark.parametrize("name", of_table(DRAWN, "About", "Conditioning", "EventTimes"))
+def test_every_kind_has_figures_or_is_known_to_have_none(name):
+    result = result_of_kind(name)
+    if name.partition(" ")[0] not in WITHOUT:
+        assert np.ravel(result.plot())[0].figure
+        return
+    with pytest.raises(polhode.BadInput, match=r"result = .*: expected one that has a figure"):
+        result.plot()
 
 
 def test_every_figure_of_a_motion_is_named_wherever_figures_are(capsys):
@@ -192,13 +199,6 @@ def test_levels_show_the_range_that_is_asked_for():
     diagram = polhode.levels("general/asymmetric-chaotic")
     axes = diagram.plot(f_range=(0, "1/2"), h_range="1:2")
     assert (axes.get_xlim(), axes.get_ylim()) == ((0, 0.5), (1, 2))
-
-
-def test_kinds_without_a_figure_say_so():
-    with pytest.raises(
-        polhode.BadInput, match="result = Conditioning: expected one that has a figure"
-    ):
-        result_of_kind("Conditioning").plot()
 
 
 @pytest.mark.parametrize(
