@@ -7,6 +7,7 @@ import shutil
 import sys
 import tomllib
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
@@ -14,9 +15,7 @@ import pytest
 import polhode
 from polhode import cli
 from polhode.cli import main
-from polhode.output.cases import entry_of
 from polhode.scenes import library
-from shared.tools import case_names
 
 TOP = Path(__file__).parents[2]
 
@@ -99,9 +98,14 @@ def test_a_shell_completes_verbs_and_options(capsys, monkeypatch):
 
 @pytest.mark.slow
 def test_the_catalogue_is_of_the_files_as_they_are():
-    again = {name: entry_of(name) for name in case_names()}
+    again = {}
+    for name in polhode.cases().column("scene"):
+        scene, text = polhode.load(name), (TOP / f"cases/{name}.toml").read_bytes()
+        reference, fingerprint = polhode.reference(scene), sha256(text).hexdigest()[:16]
+        names = reference.regime, reference.kind
+        again[name] = [fingerprint, scene.title, [*scene.tags], *names]
     maker = "python tests/measure/catalogue.py"
-    assert library.written(again) == (library.folder() / library.FILE).read_text("utf-8"), maker
+    assert json.loads((TOP / "cases/catalogue.json").read_text("utf-8")) == again, maker
 
 
 @pytest.fixture
