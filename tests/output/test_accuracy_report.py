@@ -332,7 +332,6 @@ def test_the_verb_prints_the_first_table_and_writes_all(files, tmp_path, capsys,
 
 def test_ctrl_c_ends_a_report_in_python(monkeypatch):
     """The run that it cut was judged, and the report went on."""
-    monkeypatch.setattr(heard, "came", False)
     own = polhode.output.accuracy.integrate
 
     def integrate(*scene, **how):
@@ -345,6 +344,7 @@ def test_ctrl_c_ends_a_report_in_python(monkeypatch):
 
 def test_an_interruption_leaves_nothing(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(heard, "came", False)
     own = polhode.output.accuracy.integrate
 
     def integrate(*scene, **how):
