@@ -36,7 +36,7 @@ def answer(capsys):
     return of_words
 
 
-def written(path, name, **changes):
+def case_file(path, name, **changes):
     """The file of a case with changes."""
     path.write_text(polhode.as_toml(replace(polhode.load(name), **changes)))
     return path
@@ -123,18 +123,18 @@ def test_what_the_widest_type_asked_of_the_reference_judges_the_narrower_ones(an
     for name in ("at", "pairs"):
         ask = getattr(polhode.Reference, name)
 
-        def counted(self, *question, ask=ask, **how):
+        def ask_and_count(self, *question, ask=ask, **how):
             questions.append(question)
             return ask(self, *question, **how)
 
-        monkeypatch.setattr(polhode.Reference, name, counted)
+        monkeypatch.setattr(polhode.Reference, name, ask_and_count)
 
-    def checked(numbers):
+    def verdicts_of(numbers):
         questions.clear()
         columns = answer("kovalevskaya/generic", "--number", numbers, "--details")["columns"]
         return len(questions), columns["correct_digits"], columns["limit"]
 
-    (count, digits, limits), wide, narrow = map(checked, ("quad,double", "quad", "double"))
+    (count, digits, limits), wide, narrow = map(verdicts_of, ("quad,double", "quad", "double"))
     assert count == wide[0] > 0 < narrow[0]
     assert digits == pytest.approx(wide[1] + narrow[1], abs=1e-8)
     assert limits == wide[2] + narrow[2]
@@ -177,7 +177,7 @@ def test_digits_above_the_band_fail_too(tmp_path, capsys):
 
 def test_a_run_that_does_not_reach_its_end_fails(tmp_path, answer):
     times, expect = (Fraction(10) ** 30,), {"double": (1.0, 9.0)}
-    path = written(tmp_path / "far.toml", "euler/largest-axis", times=times, expect=expect)
+    path = case_file(tmp_path / "far.toml", "euler/largest-axis", times=times, expect=expect)
     assert answer(path, code=1)["columns"]["verdict"] == ["step limit"]
 
 
@@ -215,7 +215,7 @@ def test_a_printed_figure_stands_or_says_how_many_digits_are_right(tmp_path, ans
     """
     figures = tuple(Published(Fraction(20), x[2], x[0], "by hand", x[1]) for x in FIGURES)
     changes = {"times": (Fraction(1),), "published": figures, "expect": {}}
-    path = written(tmp_path / "x.toml", "published/orekit", **changes)
+    path = case_file(tmp_path / "x.toml", "published/orekit", **changes)
     table = answer(path, "--number", "double", code=1)["published"]
     rows = zip(FIGURES, table["passed"], table["verdict"], strict=True)
     for (value, _, _, passed, words), mark, verdict in rows:
@@ -228,7 +228,7 @@ def test_the_library_says_how_many_digits_of_its_figures_are_right(tmp_path, ans
     names = [name for name in polhode.cases().column("scene") if name.startswith("published/")]
     scenes = [polhode.load(name) for name in names]
     changes = {"times": (Fraction(1, 1000),), "outputs": (), "events": (), "expect": {}}
-    paths = [written(tmp_path / f"{k}.toml", x, **changes) for k, x in enumerate(names)]
+    paths = [case_file(tmp_path / f"{k}.toml", x, **changes) for k, x in enumerate(names)]
     table = answer(*paths, "--number", "double")["published"]
     figures = [figure for scene in scenes for figure in scene.published]
     for figure, verdict, passed in zip(figures, table["verdict"], table["passed"], strict=True):

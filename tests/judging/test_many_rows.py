@@ -134,13 +134,13 @@ def test_an_attitude_that_is_refused_leaves_the_states(monkeypatch):
     """They are asked for together, piece by piece."""
     pairs = polhode.Reference.pairs
 
-    def of_states(self, word, times, digits):
+    def pairs_of_states(self, word, times, digits):
         if word == "attitude":
             raise ValueError("not here")
         return pairs(self, word, times, digits)
 
     table = right("euler/attitude", [Fraction(k, 4) for k in range(9)], "at", "attitude")
-    monkeypatch.setattr(polhode.Reference, "pairs", of_states)
+    monkeypatch.setattr(polhode.Reference, "pairs", pairs_of_states)
     judgement = polhode.compare(table, "euler/attitude")
     assert judgement.reference.kind == "euler"
     assert judgement.state_worst > 15
@@ -151,7 +151,7 @@ def test_a_table_in_another_convention_asks_for_each_row_once(monkeypatch):
     """What it means is told by a few rows; all rows were judged before it was read, and after."""
     questions, pairs = [], polhode.Reference.pairs
 
-    def counted(self, word, times, digits):
+    def ask_and_count(self, word, times, digits):
         questions.extend(times)
         return pairs(self, word, times, digits)
 
@@ -159,7 +159,7 @@ def test_a_table_in_another_convention_asks_for_each_row_once(monkeypatch):
     table = right("euler/attitude", [Fraction(k, 20) for k in range(count)])
     for name in STATE[:3]:
         table[name] = np.degrees(table[name])
-    monkeypatch.setattr(polhode.Reference, "pairs", counted)
+    monkeypatch.setattr(polhode.Reference, "pairs", ask_and_count)
     judgement = polhode.compare(table, "euler/attitude")
     assert (judgement.reading, judgement.rows_judged) == ("omega degrees", count)
     assert judgement.worst > 14
