@@ -13,7 +13,6 @@ import pytest
 
 import polhode
 from campaigns import more_cases
-from polhode.scenes.vocabulary import REFERENCES
 from shared.tools import python
 
 TOP = Path(__file__).parents[1]
@@ -42,7 +41,7 @@ def test_the_table_of_rooms_is_that_of_the_folders():
     """It named a room that was gone, and files that were elsewhere."""
     source, text = TOP / "src/polhode", (TOP / "src/polhode/README.md").read_text()
     rooms = dict(re.findall(r"^\| `(\w+/\w+)/` \| (.*) \|$", text, re.M))
-    families = {name.replace("-", "_") for name in REFERENCES}
+    families = {name.replace("-", "_") for name in polhode.cases().column("reference")}
     inner_rooms = {}
     for path in source.glob("*/*/__init__.py"):
         room, inner = path.parts[-3:-1]

@@ -4,8 +4,6 @@ Each holds as it stands, and not without one of its terms; ``test_stability_cert
 an ordinary orbit notices.
 """
 
-from __future__ import annotations
-
 import random
 from types import SimpleNamespace
 

@@ -4,8 +4,6 @@ Each holds as it stands, and not without one of its terms; those of rounding sho
 ``tests/measure/checker.json`` has the terms, one by one.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """Certificates of chaos: the one that ships is proved, and no false one is."""
 
-from __future__ import annotations
-
 import copy
 import json
 import re

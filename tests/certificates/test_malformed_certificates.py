@@ -1,7 +1,5 @@
 """A wrong value at any place of a certificate is one line that names the place, and exit code 2."""
 
-from __future__ import annotations
-
 import json
 import sys
 from dataclasses import replace

@@ -9,8 +9,6 @@ An image is a function of a transit, a set and two charts: those that a change l
 remembered, so that a certificate costs its changed images and not all of them.
 """
 
-from __future__ import annotations
-
 import copy
 import json
 import random

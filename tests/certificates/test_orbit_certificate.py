@@ -1,7 +1,5 @@
 """Certificates of periodic orbits: what is proved stays so, and nothing false is."""
 
-from __future__ import annotations
-
 import copy
 import json
 import pathlib

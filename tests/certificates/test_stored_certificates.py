@@ -1,7 +1,5 @@
 """The certificates that ship, and those of what the reports call proven, are proved."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from fractions import Fraction

@@ -1,8 +1,6 @@
 """Certificates of states and attitudes: what is true is proved by code of its own, what is false
 never."""
 
-from __future__ import annotations
-
 import ast
 import copy
 import itertools

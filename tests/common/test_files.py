@@ -1,7 +1,5 @@
 """Whole files: what they may be read by, whatever other threads write meanwhile."""
 
-from __future__ import annotations
-
 import os
 import stat
 import sys

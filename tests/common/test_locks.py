@@ -1,7 +1,5 @@
 """One order of all locks: a thread that takes them in another one is told, alone or not."""
 
-from __future__ import annotations
-
 import contextlib
 import gc
 import json

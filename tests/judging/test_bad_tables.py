@@ -1,7 +1,5 @@
 """What is no table that can be judged: one line with the place, exit code 2, and nothing more."""
 
-from __future__ import annotations
-
 import io
 import json
 import math
@@ -14,7 +12,6 @@ import pytest
 
 import polhode
 from polhode import BadInput, cli
-from polhode.judging.tables import table_file
 from shared.tables import ANGLES, ATTITUDE, STATE, right, text, through
 
 CASE = "lagrange/nutation"
@@ -22,9 +19,9 @@ TIMES = [k / 2 for k in range(9)]
 ZEROS = np.zeros(3)
 
 
-def csv(content):
+def csv(content, name="x.csv"):
     def written(folder):
-        path = folder / "x.csv"
+        path = folder / name
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
         return path
 
@@ -55,13 +52,24 @@ def header(names):
     return csv(f"{names}\n{','.join('1' for _ in names.split(','))}\n")
 
 
+def array_header(shape):
+    file = io.BytesIO()
+    about = {"descr": "<f8", "fortran_order": False, "shape": shape}
+    np.lib.format.write_array_header_1_0(file, about)
+    return file.getvalue()
+
+
+#: What NumPy did not write.
+NO_ARRAYS = [
+    *(b"", b"t,p,q,r", b"PK", b"\x93NUMPY\x01\x00", b"PK\x03\x04 and no more"),
+    *(array_header((10**15,)), array_header((10**30, 7))),
+]
 HEADED, NUMBERS = "a header with a column t (or time, timestamp)", "rows of finite numbers"
+CUT_OFF = polhode.cases("chaotic").to_json()[:-20]
 PQR = {"columns": ["p", "q", "r"]}
 
 #: What is given, with which options, and words of the line.
 BAD = [
-    (header("t,note"), {}, "header"),
-    (header("t"), {}, "header"),
     (header("t,omega_x,omega_y,omega_z"), {}, "header"),
     (header("t,foo,bar"), {}, "columns besides t that can be judged; --columns"),
     (header("clock,p,q"), {}, f"{HEADED}; --columns t,p,q,..."),
@@ -80,7 +88,6 @@ BAD = [
     (csv("t,p\n"), {}, "at least one line of numbers"),
     (csv("t,p\n0,1,2\n"), {}, "x.csv:2: line = 0,1,2: expected 2 values"),
     (csv("t,p\n,1\n"), {}, "x.csv:2: t"),
-    (csv("t,p\n0,1/3\n"), {}, "x.csv:2: p = 1/3"),
     (csv("x" * 3_000_000), {}, "x.csv"),
     (csv("t,p\n" + "1," * 300_000 + "\n"), {}, "expected 2 values"),
     (csv("t,p\n0,'" + '"' * 999 + "\n"), {}, "x.csv"),
@@ -88,15 +95,21 @@ BAD = [
     (csv('t,p,note\n0,1,"a\nb"\n1,x,2\n'), {}, "x.csv:4: p = x"),
     (csv("0,1\n1,x\n"), {"columns": ["t", "p"]}, "x.csv:2: p = x"),
     (csv("0,1\n1,2\n"), {}, HEADED),
-    (csv("t,p\n0,1\n1,inf\n"), {}, "p = inf: expected a finite"),
-    (csv("t,p\n0,1\n1,0x1\n"), {}, "p = 0x1: expected a finite"),
     (csv("t,p\n0,1\n1,1e5000\n"), {}, "p = 1e5000: expected"),
     *((commas(cell), {}, "expected a finite decimal number") for cell in ("0.5", "1.000,5")),
     *((commas(cell), {}, "expected a finite decimal number") for cell in ("1,000,5", "x,5")),
     (npz(t=np.array([0, 1], dtype=object), p=np.zeros(2)), {}, "arrays of numbers that NumPy"),
+    *(
+        (csv(content, f"x{ending}"), {}, f"x{ending}: file: expected arrays of numbers that NumPy")
+        for content in NO_ARRAYS
+        for ending in (".npz", ".npy")
+    ),
+    *(
+        (csv(content, "x.json"), {}, "x.json: file: expected a result that polhode saved")
+        for content in ("{}", "[" * 50_000, CUT_OFF)
+    ),
     (lambda folder: folder / "none.json", {}, "none.json: file: expected a result that polhode"),
     (npz(t=ZEROS, omega=np.zeros((3, 2))), {}, ": omega"),
-    (npz(t=ZEROS, picture=np.zeros((3, 3))), {}, ": picture"),
     (npz(t=ZEROS, p=np.zeros(2)), {}, ": columns"),
     (npz(p=ZEROS), {}, ": columns"),
     (npz(t=np.array([1 + 1j]), p=np.zeros(1)), {}, ": t[1]"),
@@ -137,34 +150,14 @@ def test_it_is_refused_in_one_line(table_of, options, words, tmp_path, refusal):
         assert "\n" not in line.rstrip("\n")
 
 
-def array_header(shape):
-    file = io.BytesIO()
-    about = {"descr": "<f8", "fortran_order": False, "shape": shape}
-    np.lib.format.write_array_header_1_0(file, about)
-    return file.getvalue()
-
-
-@pytest.mark.parametrize(
-    "content",
-    [
-        *(b"", b"t,p,q,r", b"\x93NUMPY\x01\x00", b"PK\x03\x04 and no more"),
-        *(array_header((10**15,)), array_header((10**30, 7))),
-    ],
-)
-@pytest.mark.parametrize("ending", [".npz", ".npy"])
-def test_what_numpy_did_not_write_is_one_line(content, ending, tmp_path):
-    path = tmp_path / f"x{ending}"
-    path.write_bytes(content)
-    with pytest.raises(BadInput, match="arrays of numbers that NumPy wrote"):
-        polhode.compare(path, CASE)
-
-
-def test_an_archive_that_unpacks_to_too_much_is_refused(tmp_path, monkeypatch):
-    path = tmp_path / "x.npz"
+def test_an_archive_that_unpacks_to_too_much_is_refused(tmp_path):
+    """By the sizes that its directory tells, before anything is unpacked."""
+    path, size = tmp_path / "x.npz", 123_457
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
-        file.writestr("t.npy", bytes(10**6))
-    monkeypatch.setattr(table_file, "MAX_BYTES", 10**5)
-    with pytest.raises(BadInput, match="bytes of arrays, more than 100000"):
+        file.writestr("t.npy", bytes(size))
+    most = (2**32 - 2).to_bytes(4, "little")
+    path.write_bytes(path.read_bytes().replace(size.to_bytes(4, "little"), most))
+    with pytest.raises(BadInput, match="bytes of arrays, more than "):
         polhode.compare(path, CASE)
 
 
@@ -341,15 +334,6 @@ def test_columns_that_were_named_are_taken(tmp_path, run):
     assert judgement.worst < 1
 
 
-def test_a_run_that_reached_no_time_has_no_rows(tmp_path):
-    scene = polhode.load(SCENE).at([1])
-    run = polhode.integrate(scene, max_steps=1)
-    assert not run.times
-    run.save(tmp_path / "x.json")
-    with pytest.raises(polhode.BadInput, match="rows: expected a time that the run reached"):
-        polhode.compare(tmp_path / "x.json", SCENE)
-
-
 def test_other_results_are_judged_by_their_columns(tmp_path):
     """Balls of an enclosure by their midpoints, which are decimals."""
     scene = polhode.load(SCENE).at(["1/2", "1"])
@@ -388,28 +372,3 @@ def test_what_is_no_file_is_not_waited_for(tmp_path, run, make, beside):
     os.remove(tmp_path / "x.csv.json")
     make(tmp_path / beside)
     assert polhode.compare(path, SCENE).subject.run is None
-
-
-@pytest.mark.parametrize(
-    ("name", "text", "refusal_text"),
-    [
-        ("x.json", "{}", "x.json: file: expected a result that polhode saved"),
-        ("x.json", "[" * 50_000, "x.json: file: expected a result that polhode saved"),
-        ("x.npz", "PK", "x.npz: file: expected arrays of numbers that NumPy wrote"),
-    ],
-)
-def test_other_files_are_refused_in_one_line(tmp_path, capsys, name, text, refusal_text):
-    path = tmp_path / name
-    path.write_text(text)
-    assert cli.main(["compare", str(path), SCENE]) == 2
-    _, err = capsys.readouterr()
-    assert refusal_text in err
-    assert err.count("\n") == 1
-
-
-def test_a_file_that_was_cut_off_is_refused(tmp_path, run):
-    run.save(tmp_path / "x.json")
-    data = (tmp_path / "x.json").read_text()
-    (tmp_path / "x.json").write_text(data[:-20])
-    with pytest.raises(polhode.BadInput, match="a result that polhode saved"):
-        polhode.compare(tmp_path / "x.json", SCENE)

@@ -1,7 +1,5 @@
 """A number that explains a table: found where one was changed, and nowhere else."""
 
-from __future__ import annotations
-
 import json
 import re
 from dataclasses import replace
@@ -67,11 +65,7 @@ def at(value, time_of, said=TIMES):
 #: The case, how it is changed, and the words of what is found.
 CHANGED = {
     "a moment": ("euler/largest-axis", with_body([(2, 2)], "1.02"), "the moment C = "),
-    "two moments": (
-        "lagrange/nutation",
-        with_body([(0, 0), (1, 1)], "1.02"),
-        "the moments A = B ",
-    ),
+    "two moments": ("lagrange/nutation", with_body([(0, 0), (1, 1)], "1.02"), "the moments A = B "),
     "a product": ("full", with_body([(0, 1)], "1.2"), "the element xy of inertia = "),
     "a start": ("general/asymmetric-chaotic", with_start(1), "q.* = "),
     "a weight": ("general/asymmetric-regular", with_body(weight="0.981"), ".*a weight, or a dist"),
@@ -86,11 +80,7 @@ CHANGED = {
         at(-1 / 64, lambda t: t - Fraction(1, 64), TIMES[1:]),
         "rows that belong to t - ",
     ),
-    "a pace": (
-        "lagrange/nutation",
-        at(1.001, lambda t: t * Fraction(1001, 1000)),
-        ".*the pace",
-    ),
+    "a pace": ("lagrange/nutation", at(1.001, lambda t: t * Fraction(1001, 1000)), ".*the pace"),
 }
 
 
@@ -292,10 +282,7 @@ RULES = {
         [[comparison(8), comparison(1.6)]],
         [[comparison(8), comparison(x)] for x in (1.4, 0)],
     ),
-    "all parts together have more digits": (
-        [[comparison(9.5), WORSE]],
-        [[comparison(6.5), WORSE]],
-    ),
+    "all parts together have more digits": ([[comparison(9.5), WORSE]], [[comparison(6.5), WORSE]]),
     "digits beyond twelve are no more certain": (
         [[comparison(20, rival=np.full(4, 10.4))]],
         [[comparison(20, rival=np.full(4, x))] for x in (10.6, 12.0)],
@@ -303,10 +290,7 @@ RULES = {
     # later rows that are right again do not count, nor do rows that drift after right ones
     "what is wrong in the first rows is wrong": (
         [[comparison([8, 8, 1, 0])], [comparison([4, 0, 8, 8], freedom=1)]],
-        [
-            *([comparison([x, 8, 8, 8])] for x in (0, 1.4)),
-            [comparison([2, 0, 8, 8], freedom=1)],
-        ],
+        [*([comparison([x, 8, 8, 8])] for x in (0, 1.4)), [comparison([2, 0, 8, 8], freedom=1)]],
     ),
     # by more than digits of good rows differ: 0.3, or 1 where both are near the type's own
     "no row before the better one is worse": (

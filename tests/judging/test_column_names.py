@@ -1,7 +1,5 @@
 """Names, units and forms of columns as other programs write them."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 from fractions import Fraction
@@ -245,10 +243,9 @@ def test_a_cell_is_its_decimal_rounded_once(tmp_path, number):
     path = tmp_path / "x.csv"
     path.write_text("t,p\n" + "".join(f"{k},{cell}\n" for k, cell in enumerate(cells)))
     how = {"number": number.name, "digits": 15} if number.name == "mp" else {"number": number.name}
-    columns = polhode.compare(path, SCENE, as_it_stands=True, **how).subject.columns
-    kind = polhode.compare(path, SCENE, as_it_stands=True, **how).subject.number
-    for cell, x in zip(cells, columns["p"], strict=True):
-        assert x == kind.rounded(Fraction(cell))
+    table = polhode.compare(path, SCENE, as_it_stands=True, **how).subject
+    for cell, x in zip(cells, table.columns["p"], strict=True):
+        assert x == table.number.rounded(Fraction(cell))
 
 
 def test_a_unit_multiplies_the_decimal_and_not_its_double(tmp_path):

@@ -1,7 +1,5 @@
 """The observed order of integrators whose order is known, and of broken ones."""
 
-from __future__ import annotations
-
 import json
 import math
 from fractions import Fraction
@@ -10,9 +8,8 @@ import numpy as np
 import pytest
 
 import polhode
-from polhode import BadInput
+from polhode import BadInput, testing
 from polhode.cli import main
-from polhode.testing import ObservedOrder, order_of
 from shared.tables import euler, midpoint, rk4
 from shared.tools import tiers
 
@@ -32,7 +29,7 @@ def with_step(method):
 
 @pytest.mark.parametrize(("method", "order"), tiers([(euler, 1), (midpoint, 2)], [(rk4, 4)]))
 def test_the_order_of_a_method_is_seen(method, order):
-    observed = order_of(with_step(method), SCENE, [2 / 2**k for k in range(5, 11)], at=[2])
+    observed = testing.order_of(with_step(method), SCENE, [2 / 2**k for k in range(5, 11)], at=[2])
     assert abs(observed.order - order) < 0.15
     assert order - 0.3 < observed.least <= observed.order <= observed.most < order + 0.3
     assert sum(observed.counted) >= 4
@@ -51,7 +48,7 @@ def test_a_time_at_which_a_step_has_no_numbers_is_told():
             rows.append(y)
         return [rows[0], rows[1] * (np.nan if h > 0.1 else 1)]
 
-    order = order_of(mine, SCENE, [1 / 8, 1 / 16, 1 / 32, 1 / 64], at=[1, 2])
+    order = testing.order_of(mine, SCENE, [1 / 8, 1 / 16, 1 / 32, 1 / 64], at=[1, 2])
     assert np.isnan(order.digits).tolist() == [[False, True]] + 3 * [[False, False]]
     first, *others, last = str(order).splitlines()
     assert first.endswith(f"{order.digits[0][0]:.2f} digits, no numbers at 1 of 2 times")
@@ -63,9 +60,9 @@ def test_a_time_at_which_a_step_has_no_numbers_is_told():
 @pytest.mark.slow
 def test_a_wrong_weight_has_no_order_and_steps_at_which_rounding_rules_do_not_count():
     broken = with_step(lambda f, y, h: rk4(f, y, h, 6.006))
-    order = order_of(broken, SCENE, [0.02, 0.01, 0.005, 0.0025], at=[2])
+    order = testing.order_of(broken, SCENE, [0.02, 0.01, 0.005, 0.0025], at=[2])
     assert abs(order.order) < 0.5
-    order = order_of(with_step(rk4), SCENE, [2 / 2**k for k in range(5, 14)], at=[2])
+    order = testing.order_of(with_step(rk4), SCENE, [2 / 2**k for k in range(5, 14)], at=[2])
     assert not order.counted[-1]
     assert abs(order.order - 4) < 0.1
 
@@ -84,7 +81,7 @@ def test_a_wrong_weight_has_no_order_and_steps_at_which_rounding_rules_do_not_co
 )
 def test_what_tells_no_order_is_refused(method, options, expected):
     with pytest.raises(BadInput, match=expected):
-        order_of(method and with_step(method), SCENE, **({"at": [2]} | options))
+        testing.order_of(method and with_step(method), SCENE, **({"at": [2]} | options))
 
 
 def written(path, method, h, every=1, until=2.0, header="t,p,q,r,gamma1,gamma2,gamma3"):
@@ -134,7 +131,7 @@ def test_at_each_time_those_steps_count_that_neither_the_first_digit_nor_roundin
     def order(most):
         limited = tuple(tuple(d >= most for d in row) for row in digits)
         steps = 16.0, 4.0, 1.0, 0.25, 0.0625
-        return ObservedOrder(steps, (Fraction(1), Fraction(2)), digits, limited)
+        return testing.ObservedOrder(steps, (Fraction(1), Fraction(2)), digits, limited)
 
     observed, wider = order(4.05), order(5.15)
     digit = math.log(10, 4)  # the order at which four times the step costs one
@@ -170,7 +167,7 @@ ERRORS = {
 def test_steps_that_rounding_limits_are_left_out(kind):
     error, count = ERRORS[kind]
     steps = [2.0**-k for k in range(5, 12)]
-    order = order_of(with_error(error), SCENE, steps, at=[2])
+    order = testing.order_of(with_error(error), SCENE, steps, at=[2])
     assert order.left_out == tuple(steps[len(steps) - count :])
     assert str(order).count(", left out: rounding limits it") == count
     assert abs(order.order - 4) < 0.2 or kind.startswith("another")
@@ -180,7 +177,7 @@ def test_steps_that_rounding_limits_are_left_out(kind):
 @pytest.mark.parametrize("steps", [[0.02, 0.01, 0.0005], [0.02, 0.01, 0.0005, 0.00025]])
 def test_two_steps_tell_the_order_where_rounding_limits_the_others(steps):
     error, _ = ERRORS["rounding of each step"]
-    order = order_of(with_error(error), SCENE, steps, at=[2])
+    order = testing.order_of(with_error(error), SCENE, steps, at=[2])
     assert order.counted == (True, True, *(False for _ in steps[2:]))
     assert abs(order.order - 4) < 0.1
     facts = {fact.name: fact.value for fact in order.facts()}
@@ -192,7 +189,7 @@ def test_a_step_shorter_than_one_at_rounding_is_at_rounding():
     with pytest.raises(
         BadInput, match=r"2 or more that give .*; rounding limits 0.00781, 0.000488"
     ):
-        order_of(with_error(error), SCENE, [2.0**-6, 2.0**-7, 2.0**-11], at=[2])
+        testing.order_of(with_error(error), SCENE, [2.0**-6, 2.0**-7, 2.0**-11], at=[2])
 
 
 def test_files_that_rounding_limits_are_named(tmp_path, capsys):

@@ -1,7 +1,5 @@
 """One table through every door, in every layout and type of numbers: the same verdict."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys
@@ -240,10 +238,7 @@ AS_TYPES = {
     "single": (lambda: rows().astype(np.float32), "single"),
     "single and double": (lambda: [[np.float32(x[0]), *x[1:]] for x in rows().tolist()], "double"),
     "fractions": (lambda: [[Fraction(x) for x in row] for row in rows().tolist()], "mp"),
-    "a fraction among floats": (
-        lambda: [[Fraction(x[0]), *x[1:]] for x in rows().tolist()],
-        "mp",
-    ),
+    "a fraction among floats": (lambda: [[Fraction(x[0]), *x[1:]] for x in rows().tolist()], "mp"),
     "texts": (lambda: [[repr(x) for x in row] for row in rows().tolist()], "mp"),
     "half": (lambda: rows().astype(np.float16), "mp"),
 }
@@ -354,13 +349,7 @@ def test_a_run_without_rows_is_refused_with_what_ended_it():
 # -- cells that are no numbers ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "cell",
-    [
-        *("nan", "NaN", "-nan", "NA", "null", "", "-nan(ind)", "-1.#IND", "#N/A"),
-        *("np.float64(nan)", "missing"),
-    ],
-)
+@pytest.mark.parametrize("cell", ["nan", "NaN", "-nan", "NA", "null", ""])
 def test_a_cell_that_is_no_number_is_not_judged_whatever_the_door(tmp_path, cell):
     columns = of_run(polhode.integrate(CASE, at=[0, 1, 2]))
     columns["q"][1] = np.nan

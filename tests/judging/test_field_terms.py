@@ -1,7 +1,5 @@
 """Equations with planted errors: each is named, by its term; right ones are right."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

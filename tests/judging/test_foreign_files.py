@@ -1,7 +1,5 @@
 """Files as other programs write them: spellings, codings, layouts, names of data sets."""
 
-from __future__ import annotations
-
 import codecs
 import re
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Correct digits, drift, references: definitions checked by hand-made errors."""
 
-from __future__ import annotations
-
 import math
 import pickle
 import subprocess
@@ -18,10 +16,9 @@ import polhode
 from polhode import Body, Outcome, Scene, Trajectory
 from polhode.judging import limits
 from polhode.judging.correct_digits import log10_differences
-from polhode.judging.score import Comparison, score
+from polhode.judging.score import Comparison
 from polhode.judging.tables import explanations
 from polhode.judging.tables import hypotheses as motions
-from polhode.judging.tables import table as tables
 from shared.tables import of_run
 from shared.tools import DOUBLE, exactly
 
@@ -164,31 +161,6 @@ def test_the_attitude_of_a_run_is_judged_with_either_sign_of_the_quaternion(time
     assert polhode.compare(replace(run, attitude=half)).parts == judgement.parts
 
 
-def test_what_a_judgement_asked_judges_runs_in_narrower_types_too():
-    """The same rows of the reference, to the digits that the widest type needs; of no other one."""
-    scene, end = polhode.load("kovalevskaya/generic"), [1, 5]
-    runs = [polhode.integrate(scene, number, at=end) for number in ("quad", "double")]
-    against = polhode.reference(scene)
-    wide, conditions = (
-        score(tables.of_run(runs[0]), against),
-        polhode.conditioning(scene, end, "quad"),
-    )
-    narrow, alone = (score(tables.of_run(runs[1]), against, earlier=x) for x in (wide, None))
-    assert narrow.comparison.answers is wide.comparison.answers
-    assert alone.comparison.answers is not wide.comparison.answers
-    assert narrow.worst == pytest.approx(alone.worst, abs=1e-8)
-    bands = [limits.expectation(x, k).bands for x, k in ((narrow, conditions), (alone, None))]
-    by_known, anew = ([band.shown(runs[1].number) for band in row] for row in bands)
-    assert by_known == anew
-    again = score(tables.of_run(runs[0]), against, earlier=alone)  # which has too few digits for it
-    assert again.worst == pytest.approx(wide.worst, abs=1e-8)
-    later = polhode.integrate(scene, at=[1, 6])
-    for run, truth in ((later, against), (runs[1], polhode.reference(scene, "certified"))):
-        narrower = score(tables.of_run(run), truth, earlier=wide)
-        assert narrower.comparison.answers is not wide.comparison.answers
-        assert 14 < narrower.worst <= 16
-
-
 # -- a judgement is whole --------------------------------------------------------------------------
 
 
@@ -276,11 +248,11 @@ def test_a_difference_is_exact(own, true, log):
 
 @pytest.mark.parametrize(("turns", "off"), [(0, 1e-9), (1, 1e-9), (-3, -1e-9), (10**6, 1e-12)])
 def test_whole_turns_are_taken_away(turns, off):
-    angle = Fraction(5, 2)
+    (row,) = polhode.reference(SCENE).angles([1], 50)
     with mpmath.workprec(200):
-        own = mpmath.mpf(angle.numerator) / angle.denominator + 2 * mpmath.pi * turns + off
-    logs = log10_differences([[own]], [[angle]], turning=(0,), bits=150)
-    assert logs[0, 0] == pytest.approx(math.log10(abs(off)), abs=1e-6)
+        angles = [[row[0] + 2 * mpmath.pi * turns + off, *row[1:]]]
+    judged = polhode.compare(angles, SCENE, at=[1], columns=("psi", "theta", "phi"))
+    assert judged.worst == pytest.approx(-math.log10(abs(off)), abs=1e-6)
 
 
 def test_of_w_relative_to_its_largest_modulus_and_of_gamma_as_they_are():
@@ -326,8 +298,8 @@ def run():
 
 
 def test_a_function_of_t_is_asked_at_the_times(run):
-    score = polhode.testing.assert_digits(lambda t: run(t), SCENE, at_least=12, at=[1, "0.25"])
-    assert [float(t) for t in score.times] == [1, 0.25]
+    judged = polhode.testing.assert_digits(lambda t: run(t), SCENE, at_least=12, at=[1, "0.25"])
+    assert [float(t) for t in judged.times] == [1, 0.25]
 
 
 def test_the_error_tells_the_first_wrong_time_and_the_judgement(run):
@@ -347,8 +319,8 @@ def test_another_convention_is_wrong_unless_it_is_allowed(run):
     columns |= {"p": columns["q"], "q": columns["p"]}
     with pytest.raises(AssertionError, match="correct digits at t = "):
         polhode.testing.assert_digits(columns, SCENE, at_least=9)
-    score = polhode.testing.assert_digits(columns, SCENE, at_least=9, as_it_stands=False)
-    assert score.reading == "omega p q r = q p r"
+    judged = polhode.testing.assert_digits(columns, SCENE, at_least=9, as_it_stands=False)
+    assert judged.reading == "omega p q r = q p r"
 
 
 # -- The fixture of pytest, in a session of its own

@@ -1,7 +1,5 @@
 """Each judged part has its digits at each time; the headline is the worst of all."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace
@@ -13,10 +11,9 @@ import pytest
 
 import polhode
 from polhode import cli
-from polhode.closed_forms.families import ClosedForm
 from polhode.judging.limits import SIGNIFICANCE, are_white
-from polhode.judging.reference import Reference
 from shared import drifting_files as files
+from shared.steady_precession import silent_scene
 from shared.tables import ATTITUDE, STATE, of_run, right, text
 from shared.tools import exactly, judged, tiers
 
@@ -114,7 +111,7 @@ def test_a_run_through_poles_has_its_angles():
 
 def test_near_a_pole_the_attitude_has_the_digits_that_psi_and_phi_lose(monkeypatch):
     """By a reference that is off by as much as the digits that it is asked for allow."""
-    answer = Reference.attitude
+    answer = polhode.Reference.attitude
 
     def rough(self, times, digits):
         return [[a, b + mpmath.mpf(10) ** -digits, *c] for a, b, *c in answer(self, times, digits)]
@@ -122,7 +119,7 @@ def test_near_a_pole_the_attitude_has_the_digits_that_psi_and_phi_lose(monkeypat
     body = {"moments": [1, 1, 2], "centre": [0, 0, 1], "weight": 1}
     top = polhode.top(**body, angles=["1/3", "1e-13", "1/5"], rates=["1/7", 0, 2], end=1)
     rows = [[float(x) for x in row] for row in polhode.reference(top).angles([1], 40)]
-    monkeypatch.setattr(Reference, "attitude", rough)
+    monkeypatch.setattr(polhode.Reference, "attitude", rough)
     judgement = polhode.compare(rows, top, at=[1], columns=("psi", "theta", "phi"))
     assert judgement.parts["angles"] > 14.5
 
@@ -157,15 +154,9 @@ def test_no_more_digits_are_told_than_the_type_has(compared):
         assert float(digits) <= 15.95
 
 
-def test_a_closed_form_that_has_no_answer_gives_way_to_an_enclosure(monkeypatch):
-    """A closed form that refuses stands in for motions whose phases are not found."""
-
-    def refused(self, times, digits, *, attitude):
-        raise ValueError("a question that it answers")
-
-    scene = polhode.load("euler/attitude").at([1, 2])
-    run = polhode.integrate(replace(scene, outputs=("attitude",)))
-    monkeypatch.setattr(ClosedForm, "pairs", refused)
+def test_a_closed_form_that_has_no_answer_gives_way_to_an_enclosure():
+    run = polhode.integrate(silent_scene(outputs=("attitude",)), at=[1, 2])
+    assert polhode.reference(run.scene).kind == "silent-precession"
     judgement = polhode.compare(run)
     assert judgement.worst > 14
     assert judgement.parts["attitude"] > 14

@@ -1,7 +1,5 @@
 """What a reference answers: proven, periodic, whole turns, and alone where no form is known."""
 
-from __future__ import annotations
-
 import ast
 import json
 import pickle
@@ -18,8 +16,6 @@ import polhode
 from polhode.cli import main
 from polhode.closed_forms.kovalevskaya.theta_attitude import EigenspaceChoice, Moment
 from polhode.judging.auxiliary_runs import turning_run
-from polhode.judging.reference import _TURNING as TURNING
-from polhode.motion.outcomes import EventTimes
 from shared import plain_taylor
 from shared.tables import STATE
 from shared.tools import exactly, tiers
@@ -256,10 +252,7 @@ def past_the_pole(miss: str) -> polhode.Reference:
     )
 
 
-@pytest.mark.parametrize(
-    "miss",
-    tiers(["1e-12"], ["1e-16", "-1e-25"]),
-)
+@pytest.mark.parametrize("miss", tiers(["1e-12"], ["1e-16", "-1e-25"]))
 def test_the_side_on_which_a_pole_is_passed_is_that_of_the_motion(miss):
     """Nearer than rounding takes a run in double: a branch by it alone is off by a turn."""
     far = past_the_pole("-1e-6" if miss.startswith("-") else "1e-6")
@@ -276,30 +269,28 @@ def test_a_pole_that_is_passed_nearer_than_quad_can_tell_is_no_answer():
 
 def test_turns_are_not_told_by_a_run_whose_extremes_of_theta_are_not_all_known(monkeypatch):
     """But for a theta that is constant, which has none."""
-    monkeypatch.setattr("polhode.judging.reference._TURNING", TURNING[:1])
     exact = polhode.reference("lagrange/nutation")
     assert None not in exact.angles([1], 20)[0]
     assert None not in polhode.reference("lagrange/steady-fast").angles([1], 20)[0]
-    right = EventTimes.__init__
+    right = polhode.EventTimes.__init__
 
     def incomplete(event, *values, **named):
         right(event, *values, **named)
         object.__setattr__(event, "complete", False)
 
-    monkeypatch.setattr(EventTimes, "__init__", incomplete)
+    monkeypatch.setattr(polhode.EventTimes, "__init__", incomplete)
     with pytest.raises(polhode.BadInput, match="went round to t = 1 is not known"):
         exact.angles([1], 20)
 
 
-def test_a_run_that_leaves_the_motion_tells_no_turns(monkeypatch):
-    """On the separatrix: rounding takes a run in double away from it, and there psi is another."""
+@pytest.mark.slow
+def test_a_run_that_leaves_the_motion_tells_no_turns():
+    """On the separatrix: rounding takes a run away from it, and there psi is another."""
     exact = polhode.reference("euler/separatrix")
-    ((psi, _, phi),) = exact.angles([90], 20)  # by more digits
+    ((psi, _, phi),) = exact.angles([90], 20)  # by more digits than a double's
     assert (round(float(psi)), round(float(phi))) == (90, 7)
-    monkeypatch.setattr("polhode.judging.reference._TURNING", TURNING[:1])
-    assert None not in exact.angles([5], 20)[0]
-    with pytest.raises(polhode.BadInput, match="went round to t = 90 is not known"):
-        exact.angles([5, 90], 20)
+    with pytest.raises(polhode.BadInput, match="went round to t = 230 is not known"):
+        exact.angles([5, 230], 20)
 
 
 def test_a_run_whose_angles_are_others_tells_no_turns(monkeypatch):

@@ -1,7 +1,5 @@
 """What rounding costs: against motions of rounded inputs, perturbed motions, and many runs."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections import Counter, defaultdict

@@ -15,7 +15,6 @@ import polhode
 from polhode import BadInput
 from polhode.cli import main
 from polhode.common.interrupts import heard
-from polhode.output.report_page import page
 from shared.tools import tiers
 
 TOP = "lagrange/nutation"
@@ -91,8 +90,7 @@ def test_every_number_is_found_again_by_compare(report, files):
 
 
 @pytest.mark.parametrize(
-    ("end", "runs"),
-    tiers([(2, ["double"])], [(200, ["double, not projected", "double"])]),
+    ("end", "runs"), tiers([(2, ["double"])], [(200, ["double, not projected", "double"])])
 )
 def test_the_drift_of_a_run_that_is_not_projected_stands_beside_one_that_was_corrected(end, runs):
     """It stood there a second time, to the digit, where a run was too short for a correction."""
@@ -286,22 +284,30 @@ def test_markdown_has_the_same_words_and_its_figures_beside_it(pages, report):
         assert f"{line['digits']:.2f}" in html
 
 
-def test_without_matplotlib_a_page_has_no_figures_and_says_what_to_install(report, monkeypatch):
+def saved_text(report: polhode.Report, path: Path) -> str:
+    report.save(path)
+    return path.read_text(encoding="utf-8")
+
+
+def test_without_matplotlib_a_page_has_no_figures_and_says_what_to_install(
+    report, monkeypatch, tmp_path
+):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    (text,) = page(Path("x.md"), report.sections).values()
+    text = saved_text(report, tmp_path / "x.md")
     assert "pip install 'polhode[figures]'" in text
     assert "![" not in text
 
 
-def test_thirty_scenes_have_a_row_and_a_section_each(report, monkeypatch):
+def test_thirty_scenes_have_a_row_and_a_section_each(report, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     (only,) = report.sections
     names = [f"top {k}|<i>" for k in range(30)]
-    many = [replace(only, scene=replace(only.scene, name=name)) for name in names]
-    (text,) = page(Path("x.html"), many).values()
+    sections = [replace(only, scene=replace(only.scene, name=name)) for name in names]
+    many = replace(report, sections=sections)
+    text = saved_text(many, tmp_path / "x.html")
     assert len(re.findall(r'<h2 id="scene-', text)) == 30 == text.count('<a href="#scene-')
     assert "<i>" not in text
-    (text,) = page(Path("x.md"), many).values()
+    text = saved_text(many, tmp_path / "x.md")
     first = text[: text.index("Verdict and limit are")].strip().splitlines()[2:]
     assert len(first) == 32
     assert {len(re.findall(r"(?<!\\)\|", line)) for line in first} == {8}  # of seven columns

@@ -12,13 +12,10 @@ from hypothesis import strategies as st
 import polhode
 from polhode.cli import main
 from polhode.judging.reference_table import right_rows
-from polhode.judging.tables.table_file import read_table
 from polhode.numbers.conversion import to_mpf
 from polhode.numbers.decimals import decimal_string, shortest
-from polhode.numbers.number_types import mp
-from polhode.results.writer import beside
 from shared.results import result_of_kind, watched
-from shared.tools import DOUBLE, EXTENDED, QUAD, exactly, tiers
+from shared.tools import DOUBLE, EXTENDED, QUAD, exactly, mp, tiers
 
 
 @pytest.mark.parametrize(
@@ -107,9 +104,9 @@ def test_a_file_is_read_as_the_times_of_its_run(tmp_path, number):
         assert texts[:5] == ["0.0", "0.1", "0.3333333333333333", "10.0", "20.1"]
     else:
         assert [*map(Fraction, texts)] == [*run.times]
-    assert read_table(path, None).times == run.times
     # more bits than the file's change no time of it
-    assert read_table(path, mp(90)).times == run.times
+    for how in ({}, {"number": "mp", "digits": 26}):
+        assert polhode.compare(path, SCENE, **how).subject.times == run.times
 
 
 @pytest.mark.slow
@@ -120,7 +117,7 @@ def test_without_its_json_a_right_file_is_not_blamed(tmp_path, number):
     command = ["run", SCENE, "--number", number, "--at", "0.1,1/3,500.7", "-o", str(path)]
     assert main(command) == 0
     with_it = polhode.compare(path, SCENE)
-    beside(path).unlink()
+    (tmp_path / "x.csv.json").unlink()
     alone = polhode.compare(path, SCENE)
     assert alone.subject.number == with_it.subject.number
     assert (alone.readings, with_it.readings) == ((), ())

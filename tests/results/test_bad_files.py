@@ -15,8 +15,6 @@ import pytest
 from invented import ENDINGS, Bare, Odd, content_at, facts_beside, written
 
 import polhode
-from polhode.common.texts import as_json
-from polhode.results import writer
 
 Document = dict[str, Any]
 
@@ -45,9 +43,7 @@ def about(**changes: Any) -> Callable[[Document], None]:
 
 CHANGES: dict[str, Callable[[Document], Any]] = {
     "another format": fact("format", "polhode result 3"),
-    "no format": lambda saved: saved.pop("format"),
     "a kind of code": fact("result", "os.system"),
-    "another kind": fact("result", "Section"),
     "a kind that is a list": fact("result", ["Odd"]),
     "title": fact("title", 7),
     "version": fact("version", None),
@@ -58,20 +54,15 @@ CHANGES: dict[str, Callable[[Document], Any]] = {
     "no columns": fact("columns", {}),
     "columns in a list": fact("columns", []),
     "a column more": column("more", [1, 2, 3, 4]),
-    "a column less": lambda saved: saved["columns"].pop("k"),
     "a short column": column("k", [0, 1, 2]),
     "a column that is none": column("k", 5),
-    "a text for an integer": column("k", ["0", 1, 2, 3]),
     "a truth for an integer": column("k", [True, 1, 2, 3]),
-    "a double for an integer": column("k", [0.5, 1, 2, 3]),
     "a gap for an integer": column("k", [None, 1, 2, 3]),
     "a long integer": column("k", [2**64, 1, 2, 3]),
     "an integer for a truth": column("ok", [1, True, True, True]),
     "a text for a double": column("x", ["5", 1, 2, 3]),
     "a truth for a double": column("x", [True, 1, 2, 3]),
-    "a list for a double": column("x", [[1], 1, 2, 3]),
     "a double for an exact number": column("e", [0.5, None, None, None]),
-    "no number": column("e", ["1/x", None, None, None]),
     "divided by zero": column("e", ["1/0", None, None, None]),
     "a large exponent": column("e", ["1e999999999", None, None, None]),
     "an exponent beyond the bound": column("e", ["1e20001", None, None, None]),
@@ -79,7 +70,6 @@ CHANGES: dict[str, Callable[[Document], Any]] = {
     "other digits": column("e", ["\u0663", None, None, None]),
     "an underscore": column("e", ["1_0", None, None, None]),
     "not a number": column("wide", ["nan", None, None, None]),
-    "many bits": typed("wide", "1000000000 bits"),
     "no bits": typed("wide", "0 bits"),
     "more bits than may be": typed("wide", f"{(1 << 16) + 1} bits"),
     "no digits": typed("root", "0 digits"),
@@ -182,12 +172,10 @@ ARRAYS: dict[str, Any] = {
     "bytes": np.array([b"0", b"1", b"2", b"3"]),
     "complex numbers": np.ones(4, dtype=complex),
     "small floats": np.ones(4, dtype=np.float32),
-    "small integers": np.ones(4, dtype=np.int32),
     "swapped": np.ones(4, dtype=">f8"),
     "texts": np.array(["0", "1", "2", "3"]),
     "two dimensions": np.ones((4, 1)),
     "none": np.float64(4),
-    "times": np.zeros(4, dtype="M8[s]"),
     "short": np.ones(3),
     "gone": None,
 }
@@ -225,12 +213,14 @@ def test_parquet_of_one_long_text_for_many_rows_is_refused(plain: bool, tmp_path
     pyarrow = pytest.importorskip("pyarrow")
     parquet = pytest.importorskip("pyarrow.parquet")
     path = tmp_path / "x.parquet"
+    Bare().save(path)
+    about = parquet.read_schema(path).metadata[b"polhode"].decode()
     which = pyarrow.array(np.zeros(10_000, dtype=np.int32))
     texts = pyarrow.DictionaryArray.from_arrays(which, pyarrow.array(["x" * 1_000_000]))
     table = pyarrow.table({"x": texts})
     with parquet.ParquetWriter(path, table.schema, store_schema=not plain) as out:
         out.write_table(table)
-        out.add_key_value_metadata({"polhode": as_json(writer.document(Bare().content()))})
+        out.add_key_value_metadata({"polhode": about})
     assert path.stat().st_size < 2_000_000
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     expected = "texts of too many characters" if plain else "columns of other types"

@@ -160,16 +160,7 @@ def start_quaternion(scene: polhode.Scene) -> list[mpf]:
     phi = mpmath.atan2(g1, g2) if across else mpf(0)
     large = mpmath.sqrt((1 + abs(g3)) / 2)
     c, s = (large, across / large / 2) if g3 > 0 else (across / large / 2, large)
-    scalar_and_third, first_and_second = (
-        c * mpmath.expj((psi + phi) / 2),
-        s * mpmath.expj((psi - phi) / 2),
-    )
-    parts = [
-        scalar_and_third.real,
-        first_and_second.real,
-        first_and_second.imag,
-        scalar_and_third.imag,
-    ]
+    parts = turns_of(psi, phi, c, s)
     first = next(x for x in parts if abs(x) > mpmath.eps * 2**20)
     return [x if first > 0 else -x for x in parts]
 
@@ -235,14 +226,13 @@ def table_gap(first: Sequence[Any], second: Sequence[Any], rate: Any = 1) -> mpf
 
 def quaternion_of(psi: Any, theta: Any, phi: Any) -> list[mpf]:
     """Of Rz(psi) Rx(theta) Rz(phi); one of both signs."""
-    scalar_and_third = mpmath.expj((psi + phi) / 2) * mpmath.cos(theta / 2)
-    first_and_second = mpmath.expj((psi - phi) / 2) * mpmath.sin(theta / 2)
-    return [
-        scalar_and_third.real,
-        first_and_second.real,
-        first_and_second.imag,
-        scalar_and_third.imag,
-    ]
+    return turns_of(psi, phi, mpmath.cos(theta / 2), mpmath.sin(theta / 2))
+
+
+def turns_of(psi: Any, phi: Any, c: Any, s: Any) -> list[mpf]:
+    """The same, by the cosine and the sine of theta/2."""
+    scalar_and_third, rest = c * mpmath.expj((psi + phi) / 2), s * mpmath.expj((psi - phi) / 2)
+    return [scalar_and_third.real, rest.real, rest.imag, scalar_and_third.imag]
 
 
 def vertical_of(q: Sequence[Any]) -> list[mpf]:

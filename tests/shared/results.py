@@ -80,6 +80,7 @@ MAKERS: dict[str, Callable[[], Storable]] = {
     "ProvedOrbits": lambda: polhode.prove_orbits(GENERAL, (4, 4), crossings=1),
     "ProvedStability": lambda: polhode.prove_stability(GENERAL),
     "ProvedChaos": proved_chaos,
+    "FieldComparison": lambda: polhode.compare_field(polhode.field(TOP), TOP),
     "Verdict": lambda: polhode.Verdict(False, "not proved: the condition of the step"),
     "Lyapunov": lambda: polhode.lyapunov("euler/largest-axis", 200),
     "Lyapunov of all": lambda: polhode.lyapunov("euler/largest-axis", 20, spectrum=True),

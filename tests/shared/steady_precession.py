@@ -5,8 +5,9 @@ equations of motion leave A n s + (C - A) n r = T.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import polhode
 from polhode.closed_forms.families import (
     Condition,
     NormalOrbit,
@@ -81,4 +82,20 @@ class SteadyPrecession(OrbitMotion):
         return Circle((x, y, z), n, s)
 
 
+class SilentPrecession(SteadyPrecession):
+    """One of which nothing is known, as of motions whose phases are not found."""
+
+    def _orbit(self, bits: int) -> NormalOrbit:
+        raise ValueError("a question that it answers")
+
+
 FAMILY = orbit_family("steady-precession", SteadyPrecession)
+SILENT = orbit_family("silent-precession", SilentPrecession)
+
+
+def silent_scene(**outputs: object) -> polhode.Scene:
+    """A steady precession, n = 2 and r = 9/5, whose closed form answers nothing."""
+    polhode.register_family(SILENT)
+    body = {"moments": [1, 1, 2], "centre": [0, 0, 1], "weight": 4}
+    start = {"omega": ["6/5", 0, "9/5"], "gamma": ["3/5", 0, "4/5"]}
+    return replace(polhode.top(**body, **start, end=4), reference=SILENT.name, **outputs)

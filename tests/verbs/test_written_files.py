@@ -242,9 +242,8 @@ def test_a_pipe_from_which_nothing_comes_is_refused(capsys, monkeypatch, words, 
         os.close(handle)
 
 
-def test_a_scene_from_a_pipe_is_read_once(capsys, monkeypatch):
+def test_a_scene_from_a_pipe_is_read_once(capsys):
     """Its rows were printed, and a note asked the pipe for the scene again."""
-    monkeypatch.setattr(files, "PATIENCE", 1.0)
     os.mkfifo("pipe")
     writer = threading.Thread(target=Path("pipe").write_text, args=(WATCHED,))
     writer.start()

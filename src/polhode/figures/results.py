@@ -115,7 +115,7 @@ def proven(plt: Any, facts: Saved, axes: Any = None) -> Any:
 def intervals(plt: Any, facts: Saved, axes: Any = None) -> Any:
     """The time from each event to the next."""
     t = numbers(facts, "t")
-    name = facts.fact("event" if facts.kind == "CertifiedEvents" else "name")
+    name = facts.fact("event" if facts.result == "CertifiedEvents" else "name")
     where = {"xlabel": time_label(None), "ylabel": "time since the one before"}
     figure, panel = _curves(plt, axes, t[1:], {name: np.diff(t)}, ".", **where)
     panel.set_title(f"{name}: {len(t)} times")
