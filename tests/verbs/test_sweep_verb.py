@@ -170,6 +170,7 @@ NONE = "file: expected a readable file of starts (No such file"
 NO_STARTS = [
     ("rows.txt", GOOD, "rows.txt: --starts = .txt: expected a file .csv or .npy"),
     ("none.npy", None, NONE),
+    ("none.npz", None, NONE),
     ("text.npy", GOOD, NO_ARRAY),
     ("objects.npy", np.array([{}]), NO_ARRAY),
     ("three.npy", ROWS[:2, :3], "starts = an array of shape (2, 3): expected shape (N, 6)"),
@@ -182,6 +183,7 @@ NO_STARTS = [
     ("x.csv", GOOD + "\n1,2,3,0,0,one\n", "line 3 = 1,2,3,0,0,one: expected 6 numbers"),
     ("x.csv", "1_0,2,3,0,0,1\n", "line 1 = 1_0,2,3,0,0,1: expected 6 numbers"),
     ("x.csv", "0.0e-400,2,3,0,0,1\n1e-320,2,3,0,0,1\n", "line 2 = 1e-320,2,3,0,0,1: expected 6"),
+    ("x.csv", "1e-400,2,3,0,0,1\n", "line 1 = 1e-400,2,3,0,0,1: expected 6 numbers"),
     ("x.csv", "\u0661,2,3,0,0,1\n", "line 1 = \u0661,2,3,0,0,1: expected 6 numbers"),
     (
         "x.csv",
