@@ -71,6 +71,7 @@ FALSE = [
     ("jet_bits", 10**9, "jet_bits: expected a whole number from 32 to 4000"),
     ("weight_bits", -1, "weight_bits: expected a whole number from 0 to 200"),
     ("weight_bits", 201, "weight_bits: expected a whole number from 0 to 200"),
+    ("weight_bits", "10", "weight_bits: expected a whole number from 0 to 200"),
     ("grid", 3, "grid: expected a list"),
 ]
 
