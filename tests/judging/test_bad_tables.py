@@ -70,6 +70,8 @@ PQR = {"columns": ["p", "q", "r"]}
 
 #: What is given, with which options, and words of the line.
 BAD = [
+    (header("t,note"), {}, "header"),
+    (header("t"), {}, "header"),
     (header("t,omega_x,omega_y,omega_z"), {}, "header"),
     (header("t,foo,bar"), {}, "columns besides t that can be judged; --columns"),
     (header("clock,p,q"), {}, f"{HEADED}; --columns t,p,q,..."),
@@ -88,6 +90,7 @@ BAD = [
     (csv("t,p\n"), {}, "at least one line of numbers"),
     (csv("t,p\n0,1,2\n"), {}, "x.csv:2: line = 0,1,2: expected 2 values"),
     (csv("t,p\n,1\n"), {}, "x.csv:2: t"),
+    (csv("t,p\n0,1/3\n"), {}, "x.csv:2: p = 1/3"),
     (csv("x" * 3_000_000), {}, "x.csv"),
     (csv("t,p\n" + "1," * 300_000 + "\n"), {}, "expected 2 values"),
     (csv("t,p\n0,'" + '"' * 999 + "\n"), {}, "x.csv"),
@@ -95,6 +98,8 @@ BAD = [
     (csv('t,p,note\n0,1,"a\nb"\n1,x,2\n'), {}, "x.csv:4: p = x"),
     (csv("0,1\n1,x\n"), {"columns": ["t", "p"]}, "x.csv:2: p = x"),
     (csv("0,1\n1,2\n"), {}, HEADED),
+    (csv("t,p\n0,1\n1,inf\n"), {}, "p = inf: expected a finite"),
+    (csv("t,p\n0,1\n1,0x1\n"), {}, "p = 0x1: expected a finite"),
     (csv("t,p\n0,1\n1,1e5000\n"), {}, "p = 1e5000: expected"),
     *((commas(cell), {}, "expected a finite decimal number") for cell in ("0.5", "1.000,5")),
     *((commas(cell), {}, "expected a finite decimal number") for cell in ("1,000,5", "x,5")),
@@ -110,6 +115,7 @@ BAD = [
     ),
     (lambda folder: folder / "none.json", {}, "none.json: file: expected a result that polhode"),
     (npz(t=ZEROS, omega=np.zeros((3, 2))), {}, ": omega"),
+    (npz(t=ZEROS, picture=np.zeros((3, 3))), {}, ": picture"),
     (npz(t=ZEROS, p=np.zeros(2)), {}, ": columns"),
     (npz(p=ZEROS), {}, ": columns"),
     (npz(t=np.array([1 + 1j]), p=np.zeros(1)), {}, ": t[1]"),

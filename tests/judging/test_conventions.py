@@ -412,6 +412,7 @@ def test_what_is_told_is_applied_whatever_it_gives_and_nothing_else_is():
     ("words", "refused"),
     [
         ("sideways", "sideways: expected readings that this table can have: attitude scalar-last"),
+        ("attitude scalar-last; sideways", "sideways: expected readings"),
         (" ; ", "read = ;: expected readings"),
         ("scalar-last", "(did you mean 'attitude scalar-last'?)"),
         ("omega degrees", "omega degrees: expected readings"),
