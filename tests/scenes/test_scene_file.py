@@ -8,7 +8,7 @@ import pytest
 from test_bad_scenes import BASE, base
 
 import polhode
-from polhode.scenes import library, scene_file
+from polhode.scenes import library
 from shared.motions import scene_of
 from shared.tools import case_names, number
 
@@ -171,7 +171,7 @@ def test_a_top_stands_for_its_cases_unless_a_file_has_its_name(tmp_path, monkeyp
 def test_a_changed_scene_has_a_fingerprint_of_its_own():
     """Where it is from a file, written from numbers, or read again."""
     written = polhode.top(moments=[2, 2, 1], omega=[0, 0, 3], gamma=[0, 0, 1], end=1)
-    for scene in (polhode.load("lagrange/nutation"), written, scene_file.parse(written.source)):
+    for scene in (polhode.load("lagrange/nutation"), written, scene_of(written.source)):
         changed = replace(scene, omega=(1, 2, 9))
         cases = [x.provenance()["case"] for x in (scene, scene.at([1]), changed)]
         assert cases[0] == cases[1] != cases[2]
