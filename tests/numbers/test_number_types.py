@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import decimal
 import math
+from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 
 import mpmath
 import numpy as np
@@ -14,7 +16,6 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode import NumberType
-from polhode.numbers.decimals import digits_of, in_full
 from shared.motions import scene_of
 from shared.tools import DOUBLE, EXTENDED, EXTENDED_HERE, QUAD, exact_number, exactly, mp
 
@@ -82,10 +83,22 @@ def test_a_decimal_is_positional_where_short(x: str | int, digits: int, text: st
     assert polhode.as_decimal(x, digits) == text
 
 
+@cache
+def event() -> polhode.EventTimes:
+    """Of one time, which tests exchange."""
+    watched = {"omega": [0, 0, 1], "events": [polhode.Event("e", "t - 1/2")], "end": 1}
+    return polhode.integrate(polhode.top(moments=[1, 1, 1], **watched)).events[0]
+
+
+def in_full(x: Fraction) -> str:
+    return replace(event(), times=(x,)).time_strings()[0]
+
+
 def test_binary_numbers_are_told_by_the_digits_of_the_widest_and_a_double_s_at_least():
-    assert digits_of([]) == digits_of([Fraction(0), Fraction(3, 4)]) == 17
-    assert digits_of([Fraction(3, 4), Fraction(2**64 - 1, 2**90)]) == 21
-    assert digits_of([Fraction(2**112 + 1, 8)]) == 36
+    tenth, huge = Fraction(0.1), Fraction(2**112 + 1, 8)
+    for others, digits in ((), 17), ((Fraction(2**64 - 1, 2**90),), 21), ((huge,), 36):
+        times = replace(event(), times=(tenth, *others))
+        assert times.shown(0) == polhode.as_decimal(tenth, digits).rstrip("0")
     assert in_full(Fraction(1, 3)) == "1/3"  # which is none
     head, tail = in_full(Fraction(2) ** 50_000 + Fraction(1, 2**50_000)).split(".")
     assert (len(head), len(tail)) == (
