@@ -178,22 +178,17 @@ def test_a_run_begins_with_the_nearest_numbers_of_its_type(number, x, size) -> N
         assert exactly(row[1]) == number.rounded(exactly(true * mpmath.mpf(10) ** size))
 
 
+#: Of each type the digits asked for, and the end.
+LADDER = {
+    "double": [(1, 1), (15, 1), (12, 1000)],
+    "extended": [(16, 1), (18, 1), (15, "5/4"), (12, 1585)],
+    "quad": [(19, 1), (33, 1)],
+    "mp": [(34, 1), (50, 1), (30, 1585)],
+}
+
+
 @pytest.mark.parametrize(
-    ("digits", "end", "name"),
-    [
-        (1, 1, "double"),
-        (15, 1, "double"),
-        (16, 1, "extended"),
-        (18, 1, "extended"),
-        (19, 1, "quad"),
-        (33, 1, "quad"),
-        (34, 1, "mp"),
-        (50, 1, "mp"),
-        (15, "5/4", "extended"),
-        (12, 1000, "double"),
-        (12, 1585, "extended"),
-        (30, 1585, "mp"),
-    ],
+    ("digits", "end", "name"), [(*row, name) for name, rows in LADDER.items() for row in rows]
 )
 def test_the_ladder_of_digits(digits: int, end: int | str, name: str) -> None:
     """After a turn through so many radians."""
