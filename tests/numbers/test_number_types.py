@@ -62,22 +62,17 @@ def test_ties_of_decimals_go_to_even(n: int, power: int, digits: int) -> None:
     assert Fraction(polhode.as_decimal(tie, digits)) == Fraction(expected)
 
 
+#: Numbers and their texts, by how many digits these have.
+TEXTS = {
+    1: {7: "7", 99: "1e+02"},
+    2: {"1e-5": "0.000010", "1e-6": "1.0e-06", "1e4000": "1.0e+4000", "1e-4000": "1.0e-4000"},
+    3: {1: "1.00", "-1/3": "-0.333", 999999: "1.00e+06", "999.5": "1.00e+03", 123: "123"},
+    5: {0: "0"},
+}
+
+
 @pytest.mark.parametrize(
-    ("x", "digits", "text"),
-    [
-        (0, 5, "0"),
-        (1, 3, "1.00"),
-        ("-1/3", 3, "-0.333"),
-        (999999, 3, "1.00e+06"),
-        ("999.5", 3, "1.00e+03"),
-        (123, 3, "123"),
-        ("1e-5", 2, "0.000010"),
-        ("1e-6", 2, "1.0e-06"),
-        (7, 1, "7"),
-        (99, 1, "1e+02"),
-        ("1e4000", 2, "1.0e+4000"),
-        ("1e-4000", 2, "1.0e-4000"),
-    ],
+    ("digits", "x", "text"), [(n, *row) for n, texts in TEXTS.items() for row in texts.items()]
 )
 def test_a_decimal_is_positional_where_short(x: str | int, digits: int, text: str) -> None:
     assert polhode.as_decimal(x, digits) == text
