@@ -5,12 +5,11 @@ from fractions import Fraction
 
 import mpmath
 import pytest
-from flint import arb
+from flint import arb, ctx
 from mpmath import mpf
 
 import polhode
 from polhode.closed_forms import hess
-from polhode.numbers.flint_context import ctx
 from shared import members
 from shared.closed_forms import gap, motion_of_family, number, scene_of
 from shared.tools import exactly

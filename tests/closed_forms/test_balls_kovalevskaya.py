@@ -12,15 +12,8 @@ from mpmath import mpf
 import polhode
 from polhode.closed_forms.balls.core import TooFewBits
 from polhode.closed_forms.balls.periodic_attitude import BallEquations
-from polhode.closed_forms.balls.weierstrass import (
-    Quartic,
-    RealLattice,
-    Weierstrass,
-    WeierstrassSolution,
-)
 from polhode.closed_forms.kovalevskaya import motion as degenerate
 from polhode.closed_forms.kovalevskaya import theta_attitude, theta_state
-from polhode.numbers.exact import exact
 from polhode.numbers.flint_context import ctx
 from shared.closed_forms import (
     agrees_with_taylor,
@@ -158,24 +151,6 @@ def test_a_motion_that_tends_to_a_rotation_without_a_period(name):
     agrees_with_taylor(motion, (BODY, TORQUE, omega, gamma))
 
 
-@pytest.mark.parametrize(("double", "has_period"), [(F(1, 2), True), (F(2), False)])
-def test_a_quartic_with_a_double_root_is_solved_on_either_side_of_it(double, has_period):
-    """y'^2 = f(y) of f = (y - d)^2 (y^2 + 2 d y - 4)/4, from y = 3 on; real y swing below d = 2."""
-    d, e = double, F(-4)
-    a = F(1, 4), F(0), (e - 3 * d * d) / 24, (d**3 - d * e) / 8, d * d * e / 4
-    quartic = Quartic(tuple(map(exact, a)))
-    assert quartic.has_period is has_period
-    with ctx.workprec(200):
-        P, start = Weierstrass(quartic), acb(3)
-        assert (P.period is not None) is has_period
-        solution = WeierstrassSolution(P, start, quartic.derivatives(start)[0].sqrt())
-        for t in (acb(0), acb(1) / 8, acb(1, 1) / 16, acb(-5) / 2):
-            y, slope = solution.value(t)
-            left = slope * slope - quartic.derivatives(y)[0]
-            assert abs(left).upper() < arb(2) ** -120
-            assert t != 0 or abs(y - start).upper() < arb(2) ** -150
-
-
 @pytest.mark.parametrize("name", ["point alone", "along the equator"])
 def test_whole_periods_past_a_node_are_counted(name):
     """H, m, a^2 and k^2 at t = 1e12 + 1/7, and 20 digits are those of 60."""
@@ -203,22 +178,6 @@ def test_a_motion_that_tends_to_another_is_refused_where_bits_do_not_tell_it():
     with pytest.raises(polhode.BadInput, match=r"asymptotic: 3100 bits give 0 of 5 digits"):
         top.at([F(10**6)], 5)
     assert time.process_time() - begin < 5
-
-
-@pytest.mark.parametrize("roots", [(2, "-1/2", "-3/2"), (2, (-1, "7/4"), (-1, "-7/4"))])
-def test_a_real_lattice_and_its_inverse_function(roots):
-    """P is each root at a half period, and x at the argument of x, between any two roots."""
-    with ctx.workprec(200):
-        pairs = [x if isinstance(x, tuple) else (x, 0) for x in roots]
-        balls = [acb(*(arb(fmpq(*F(x).as_integer_ratio())) for x in row)) for row in pairs]
-        lattice = RealLattice(balls)
-        for half, x in zip(lattice.halves, balls, strict=True):
-            assert lattice.P(half).overlaps(x)
-            assert abs(lattice.P(half) - x) < arb(2) ** -150
-        for x in (-5, -1, 0, 5):
-            v = lattice.argument(arb(x))
-            assert lattice.P(v).overlaps(acb(x))
-            assert abs(lattice.P(v) - x) < arb(2) ** -150
 
 
 def test_a_disc_that_is_wider_than_proven_gives_balls_that_miss(monkeypatch):

@@ -13,7 +13,7 @@ from polhode.closed_forms._one_orbit import orbits
 from polhode.closed_forms._one_orbit.orbits import zeros
 from polhode.closed_forms.balls import periodic_attitude
 from polhode.closed_forms.balls.core import Refused, TooFewBits, ball
-from polhode.closed_forms.balls.periodic_attitude import BallEquations, PeriodicAttitude, PowerSum
+from polhode.closed_forms.balls.periodic_attitude import BallEquations, PeriodicAttitude
 from polhode.closed_forms.families import mpmath as own_mpmath
 from polhode.closed_forms.families import orbit_family
 from polhode.numbers import exact
@@ -107,19 +107,6 @@ def test_roots_of_a_factor_are_smooth_up_to_its_zero():
         for y, root in zip(places, roots, strict=True):
             assert abs(root * root - 2 * (y - pair[0]) * (y - pair[1])) < 1e-14
         assert max(abs(b - a) for a, b in pairwise(roots)) < 0.05
-
-
-@pytest.mark.parametrize("count", [1, 2, 7, 100])
-def test_sums_of_powers(count):
-    with ctx.workprec(300):
-        terms = [acb(k + 1, -k) / (k * k + 1) for k in range(count)]
-        w, right = acb(0, 1).exp(), acb(0)
-        for x in reversed(terms):
-            right = right * w + x
-    with ctx.workprec(100):
-        total = PowerSum(terms).at(w)
-        assert abs(total - right) < arb(10) ** -26
-        assert total.real.rad() < arb(10) ** -26
 
 
 def test_a_strip_that_is_not_proven_is_refused(monkeypatch):

@@ -5,10 +5,8 @@ from itertools import product
 
 import numpy as np
 import pytest
-from flint import acb, arb
+from flint import acb, arb, ctx
 
-from polhode.closed_forms.kovalevskaya.theta_state import dot
-from polhode.numbers.flint_context import ctx
 from shared.closed_forms import form
 from shared.members import motion_table, read_start
 
@@ -91,6 +89,11 @@ def formula(name):
     top = form("kovalevskaya", *read_start(GENERIC[name]))
     attitude = top._motion().attitude
     return attitude, attitude.motion.jacobian.reduced((acb(1), acb(0)))
+
+
+def dot(row, jets, which):
+    """A combination of values (0) or of derivatives (1)."""
+    return sum((x * jet[which] for x, jet in zip(row, jets, strict=True)), acb(0))
 
 
 def values_at(attitude, choice, u1, t):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -12,7 +13,6 @@ import mpmath
 import pytest
 
 import polhode
-from polhode.closed_forms.families import FAMILIES, orbit_family
 from polhode.scenes import vocabulary
 from shared import steady_precession
 
@@ -75,8 +75,8 @@ def test_without_its_word_a_scene_cannot_ask_for_it(tmp_path):
 
 
 def test_names_that_are_taken_and_what_is_no_family_are_refused(own_family):
-    rival = orbit_family(KIND, steady_precession.SteadyPrecession)
-    for family, word in ((FAMILIES[0], "euler"), (rival, KIND), ("a word", "a Family")):
+    named_euler, rival = (replace(steady_precession.FAMILY, name=name) for name in ("euler", KIND))
+    for family, word in ((named_euler, "euler"), (rival, KIND), ("a word", "a Family")):
         with pytest.raises(polhode.BadInput, match=word):
             polhode.register_family(family)
 

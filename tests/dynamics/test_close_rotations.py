@@ -11,7 +11,6 @@ from polhode import Body
 from polhode.dynamics import exact_levels
 from polhode.dynamics.exact_levels import RationalBody
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.polynomials import middle
 from shared.tools import tiers
 
 START = {"omega": ("0.3", "0.2", "1.1"), "gamma": ("3/5", 0, "4/5")}
@@ -208,15 +207,11 @@ def test_minima_are_joined_only_over_a_saddle_whose_arcs_are_below():
 @pytest.mark.parametrize("unit", [Fraction(1), Fraction(2) ** 900])
 def test_two_discs_join_by_a_chain_where_no_arc_lies_below(unit):
     """Two saddles, nearly mirror images: from the lower one no arc leads down to a minimum."""
-    f = Fraction("2.8585818648") * unit
-    moments = tuple(Fraction(x) * unit for x in ("2", "0.7", "1.6"))
-    body = RationalBody(moments, tuple(Fraction(x) * unit for x in ("0.8", "0.4", "1e-6")), True)
-    at = exact_levels.critical_points(body, f)
-    low, second, saddle = at.points[:3]
-    h = (middle(saddle.value) + middle(at.points[3].value)) / 2
-    assert [exact_levels.arc_below(body, h, f, saddle, m) for m in (low, second)] == [False, True]
-    parts = [exact_levels.parts(body, at, count) for count in range(1, 7)]
-    assert parts == [(1,), (1, 1), (1,), (2,), (1,), (0,)]
+    moments, centre = (
+        [Fraction(x) * unit for x in v] for v in (("2", "0.7", "1.6"), ("0.8", "0.4", "1e-6"))
+    )
+    regions = found_of(moments, centre).regions(Fraction("2.8585818648") * unit)
+    assert [region for _, region in regions] == [(1,), (1, 1), (1,), (2,), (1,), (0,)]
 
 
 # -- the figure ------------------------------------------------------------------------------------

@@ -325,13 +325,6 @@ def test_events_of_each_direction_are_those_of_the_run(direction: str, end: int)
             assert abs(event.time - exactly(time)) < Fraction(1, 10**9)
 
 
-def test_a_flip_needs_a_middle_axis() -> None:
-    """It was proved of the axis that came second in a sorted list."""
-    scene = replace(polhode.load("euler/prolate"), events=(Event("flip"),))
-    with pytest.raises(polhode.BadInput, match=r"events.name = flip: .* three different moments"):
-        certify_events(scene, end=30)
-
-
 @pytest.mark.parametrize("rounds", tiers([], [3]))
 def test_random_events_are_heyokas(rounds: int) -> None:
     """Each zero found is one of heyoka's in a random scene, and none is missing."""

@@ -12,9 +12,8 @@ import pytest
 
 import polhode
 from polhode import Body, Scene
-from polhode.enclosures import fixed_point_problem, integral_contraction, task
+from polhode.enclosures import fixed_point_problem, integral_contraction
 from polhode.enclosures.fixed_point_problem import TooImprecise
-from polhode.numbers.decimals import guaranteed
 from polhode.numbers.exact import Irrational
 from shared import enclosures as trials
 from shared.motions import ASYMMETRIC, asymmetric
@@ -130,19 +129,6 @@ def test_steps_are_as_long_as_the_norm_in_which_a_motion_hardly_stretches_allows
     assert 15 <= polhode.certify("lagrange/nutation", at=[10], digits=30).steps <= 22
 
 
-@pytest.mark.slow
-def test_the_integrals_make_the_radii_smaller_and_keep_the_truth() -> None:
-    scene = top()
-    motion = fixed_point_problem.motion(scene)
-    problem = fixed_point_problem.problem(motion, 90)
-    times = [fixed_point_problem.ball(Fraction(400), 300)]  # t = 100
-    integrals = integral_contraction.prepared(motion, 400)
-    with_them = task.run(problem, times, integrals).rows[0]
-    without = task.run(problem, times).rows[0]
-    gain = max(float(x.rad()) for x in without) / max(float(x.rad()) for x in with_them)
-    assert 2.0 < gain < 1000.0
-
-
 @pytest.mark.parametrize(
     ("moments", "centre", "weight", "names"),
     [
@@ -183,13 +169,19 @@ PRINTED = [
 
 
 def test_a_ball_prints_the_digits_that_all_its_numbers_round_to() -> None:
-    assert [guaranteed(centre, radius) for centre, radius, _ in PRINTED] == [x[2] for x in PRINTED]
+    enclosure = polhode.certify("euler/rest", at=[1], digits=1)
+
+    def printed(centre: Fraction, radius: float) -> str:
+        (row,) = replace(enclosure, centres=((centre,),), radii=((radius,),)).strings()
+        return str(row[0])
+
+    assert [printed(centre, radius) for centre, radius, _ in PRINTED] == [x[2] for x in PRINTED]
     rng = random.Random(5)
     for _ in range(200):
         size = Fraction(10) ** rng.choice([-60, 0, 0, 60])  # units of any size
         centre = size * Fraction(rng.randrange(-(10**12), 10**12), 10 ** rng.randrange(6, 14))
         radius = float(size) * 10.0 ** rng.uniform(-9, 1)
-        text = guaranteed(centre, radius)
+        text = printed(centre, radius)
         if not text:
             assert radius > abs(centre) / 20
             continue

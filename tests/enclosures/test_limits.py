@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -11,7 +12,6 @@ import pytest
 
 import polhode
 from polhode import Outcome, cli
-from polhode.common import interrupts
 from shared.tables import ANGLES, ATTITUDE
 
 SCENE = "general/asymmetric-regular"
@@ -29,14 +29,14 @@ class _Clock:
     def __init__(self, looks: int) -> None:
         self.left = looks
 
-    def monotonic(self) -> float:
+    def __call__(self) -> float:
         self.left -= 1
         return 0.0 if self.left >= 0 else 1e9
 
 
 def _stand(monkeypatch: pytest.MonkeyPatch, looks: int) -> None:
     """The clock of all deadlines."""
-    monkeypatch.setattr(interrupts, "time", _Clock(looks))
+    monkeypatch.setattr(time, "monotonic", _Clock(looks))
 
 
 def _stop(fraction: float, _: int) -> None:
@@ -68,7 +68,7 @@ def test_what_was_proven_until_a_limit_on_the_time_is_kept(
     assert enclosure.outcome is Outcome.TIME_LIMIT
     assert enclosure.times == (1,)
     assert enclosure.centres[0] == whole.centres[0]
-    _stand(monkeypatch, _LOOKS)
+    _stand(monkeypatch, _LOOKS + 3)  # of the command line
     words = ("certify", SCENE, "--digits", "15", "--at", "1,60", "--json")
     assert cli.main((*words, "--max-seconds", "3")) == 3
     out, err = capsys.readouterr()

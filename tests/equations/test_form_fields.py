@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from fractions import Fraction
 
@@ -10,6 +11,7 @@ from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 
 import polhode
+from polhode.cli import main
 from polhode.equations.form import equations
 from polhode.motion.frame import along
 from polhode.numbers.conversion import to_mpf
@@ -124,23 +126,30 @@ SPHERE = {"inertia": [[THIRD, 0, 0], [0, THIRD, 0], [0, 0, THIRD]], "centre": [1
 TOP = {"moments": [2, 2, 1], "centre": [0, 0, 1]}
 
 
-@pytest.mark.parametrize(
-    ("forms", "body", "absent"),
-    [
-        (("general", "momentum", "inertia-axes", "gyration-axes"), SPHERE, {"qr", "rp", "pq"}),
-        (("principal",), {"moments": [1, 2, 3]}, {"gamma1", "gamma2", "gamma3"}),
-        (("principal",), {"moments": [2, 2, 3]}, {"r.pq"}),
-        (("principal",), {"moments": [2, 2, 2]}, {"p.qr", "q.rp", "r.pq"}),
-        (("principal",), TOP, {"p.gamma3", "q.gamma3", "r.gamma1", "r.gamma2", "r.pq"}),
-        (("principal",), TOP | {"centre": [1, 0, 0]}, {"p.gamma2", "p.gamma3", "q.gamma1"}),
-        (("lagrangian", "hamiltonian", "routhian"), TOP, {"x", "y", "r.pq", "1/B-1/A", "B-A"}),
-        (("routhian",), SPHERE, {"n", "l", "e", "B-A", "p.qr", "n.g2"}),
-    ],
-)
-def test_a_coefficient_that_vanishes_is_none(forms, body, absent):
-    """Exactly: 1/3 - 1/3 is nothing, in any axes; and none that is there is zero."""
+PULLS = "p.gamma2 p.gamma3 q.gamma1 q.gamma3 r.gamma1 r.gamma2"
+#: Of a form and a body the coefficients that there are: none that vanishes, and all others.
+LEFT = [
+    ("general", SPHERE, PULLS),
+    ("momentum", SPHERE, "P.gamma2 P.gamma3 Q.gamma1 Q.gamma3 R.gamma1 R.gamma2 p.P q.Q r.R"),
+    ("inertia-axes", SPHERE, "p.gamma2 q.gamma1"),
+    ("gyration-axes", SPHERE, "P.gamma2 Q.gamma1 p.P q.Q r.R"),
+    ("principal", {"moments": [1, 2, 3]}, "p.qr q.rp r.pq"),
+    ("principal", {"moments": [2, 2, 3]}, "p.qr q.rp"),
+    ("principal", {"moments": [2, 2, 2]}, ""),
+    ("principal", TOP, "p.gamma2 p.qr q.gamma1 q.rp"),
+    ("principal", TOP | {"centre": [1, 0, 0]}, "p.qr q.gamma3 q.rp r.gamma2"),
+    ("lagrangian", TOP, "A B C mass p.gamma2 p.qr q.gamma1 q.rp z"),
+    ("hamiltonian", TOP, "1/A 1/B 1/C A B C mass z"),
+    ("routhian", TOP, "1/A 1/C A B C f g l mass n n.g2 z"),
+    ("routhian", SPHERE, "1/A 1/C A B C f g mass x y z"),
+]
+
+
+@pytest.mark.parametrize(("form", "body", "left"), LEFT)
+def test_a_coefficient_that_vanishes_is_none(form, body, left, tmp_path, capsys):
+    """Exactly: 1/3 - 1/3 is nothing, in any axes."""
     start = {"omega": [1, 2, 3], "gamma": ["3/5", 0, "4/5"], "weight": int("centre" in body)}
-    for name in forms:
-        names = equations(polhode.top(**body, **start, form=name)).coefficients
-        assert {k for k in names if {k, k.split(".")[-1]} & absent} == set(), name
-        assert all(sign(x) for x in names.values())
+    scene = polhode.top(**body, **start, form=form)
+    (path := tmp_path / "top.toml").write_text(polhode.as_toml(scene))
+    assert main(["show", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["coefficients"] == left.split()

@@ -17,7 +17,7 @@ from polhode.numbers import conversion
 from polhode.numbers.mpmath_context import mpmath
 from shared.form_trials import BITS, numbers, state
 from shared.motions import asymmetric, in_other_units, same_bits
-from shared.tools import FORMS, exactly, tiers
+from shared.tools import FORMS, exactly, of_table, tiers
 
 F = Fraction
 OTHERS = [name for name in FORMS if name != "principal"]
@@ -168,21 +168,13 @@ def swinging(form: str, _: F) -> Scene:
     return Scene(body, (F(1, 2), 0, 0), (0, F(3, 5), F(-4, 5)), form=form)
 
 
+MEETING = [(name, passing) for name in IN_ANGLES] + [(name, swinging) for name in ALONE]
+SINGULAR = [(number, *row) for number in ("double", "quad") for row in MEETING]
+
+
 @pytest.mark.parametrize(
     ("number", "name", "make"),
-    tiers(
-        [("double", "lagrangian", passing), ("quad", "routhian", passing)],
-        [
-            ("quad", "lagrangian", passing),
-            ("double", "hamiltonian", passing),
-            ("quad", "hamiltonian", passing),
-            ("double", "routhian", passing),
-            ("double", "omega-only", swinging),
-            ("quad", "omega-only", swinging),
-            ("double", "momentum-only", swinging),
-            ("quad", "momentum-only", swinging),
-        ],
-    ),
+    of_table(SINGULAR, ("double", "lagrangian", passing), ("quad", "routhian", passing)),
 )
 def test_a_singular_set_met_is_an_outcome_that_names_the_form_to_use_instead(name, make, number):
     """The rows before it are right, and nothing after it is given."""

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import decimal
 import math
+from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 
 import mpmath
 import numpy as np
@@ -14,7 +16,6 @@ from hypothesis import strategies as st
 
 import polhode
 from polhode import NumberType
-from polhode.numbers.decimals import digits_of, in_full
 from shared.motions import scene_of
 from shared.tools import DOUBLE, EXTENDED, EXTENDED_HERE, QUAD, exact_number, exactly, mp
 
@@ -61,31 +62,38 @@ def test_ties_of_decimals_go_to_even(n: int, power: int, digits: int) -> None:
     assert Fraction(polhode.as_decimal(tie, digits)) == Fraction(expected)
 
 
+#: Numbers and their texts, by how many digits these have.
+TEXTS = {
+    1: {7: "7", 99: "1e+02"},
+    2: {"1e-5": "0.000010", "1e-6": "1.0e-06", "1e4000": "1.0e+4000", "1e-4000": "1.0e-4000"},
+    3: {1: "1.00", "-1/3": "-0.333", 999999: "1.00e+06", "999.5": "1.00e+03", 123: "123"},
+    5: {0: "0"},
+}
+
+
 @pytest.mark.parametrize(
-    ("x", "digits", "text"),
-    [
-        (0, 5, "0"),
-        (1, 3, "1.00"),
-        ("-1/3", 3, "-0.333"),
-        (999999, 3, "1.00e+06"),
-        ("999.5", 3, "1.00e+03"),
-        (123, 3, "123"),
-        ("1e-5", 2, "0.000010"),
-        ("1e-6", 2, "1.0e-06"),
-        (7, 1, "7"),
-        (99, 1, "1e+02"),
-        ("1e4000", 2, "1.0e+4000"),
-        ("1e-4000", 2, "1.0e-4000"),
-    ],
+    ("digits", "x", "text"), [(n, *row) for n, texts in TEXTS.items() for row in texts.items()]
 )
 def test_a_decimal_is_positional_where_short(x: str | int, digits: int, text: str) -> None:
     assert polhode.as_decimal(x, digits) == text
 
 
+@cache
+def event() -> polhode.EventTimes:
+    """Of one time, which tests exchange."""
+    watched = {"omega": [0, 0, 1], "events": [polhode.Event("e", "t - 1/2")], "end": 1}
+    return polhode.integrate(polhode.top(moments=[1, 1, 1], **watched)).events[0]
+
+
+def in_full(x: Fraction) -> str:
+    return replace(event(), times=(x,)).time_strings()[0]
+
+
 def test_binary_numbers_are_told_by_the_digits_of_the_widest_and_a_double_s_at_least():
-    assert digits_of([]) == digits_of([Fraction(0), Fraction(3, 4)]) == 17
-    assert digits_of([Fraction(3, 4), Fraction(2**64 - 1, 2**90)]) == 21
-    assert digits_of([Fraction(2**112 + 1, 8)]) == 36
+    tenth, huge = Fraction(0.1), Fraction(2**112 + 1, 8)
+    for others, digits in ((), 17), ((Fraction(2**64 - 1, 2**90),), 21), ((huge,), 36):
+        times = replace(event(), times=(tenth, *others))
+        assert times.shown(0) == polhode.as_decimal(tenth, digits).rstrip("0")
     assert in_full(Fraction(1, 3)) == "1/3"  # which is none
     head, tail = in_full(Fraction(2) ** 50_000 + Fraction(1, 2**50_000)).split(".")
     assert (len(head), len(tail)) == (
@@ -165,22 +173,17 @@ def test_a_run_begins_with_the_nearest_numbers_of_its_type(number, x, size) -> N
         assert exactly(row[1]) == number.rounded(exactly(true * mpmath.mpf(10) ** size))
 
 
+#: Of each type the digits asked for, and the end.
+LADDER = {
+    "double": [(1, 1), (15, 1), (12, 1000)],
+    "extended": [(16, 1), (18, 1), (15, "5/4"), (12, 1585)],
+    "quad": [(19, 1), (33, 1)],
+    "mp": [(34, 1), (50, 1), (30, 1585)],
+}
+
+
 @pytest.mark.parametrize(
-    ("digits", "end", "name"),
-    [
-        (1, 1, "double"),
-        (15, 1, "double"),
-        (16, 1, "extended"),
-        (18, 1, "extended"),
-        (19, 1, "quad"),
-        (33, 1, "quad"),
-        (34, 1, "mp"),
-        (50, 1, "mp"),
-        (15, "5/4", "extended"),
-        (12, 1000, "double"),
-        (12, 1585, "extended"),
-        (30, 1585, "mp"),
-    ],
+    ("digits", "end", "name"), [(*row, name) for name, rows in LADDER.items() for row in rows]
 )
 def test_the_ladder_of_digits(digits: int, end: int | str, name: str) -> None:
     """After a turn through so many radians."""

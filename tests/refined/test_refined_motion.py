@@ -150,19 +150,6 @@ def test_guesses_that_are_off_change_less_than_the_estimate_or_are_refused(monke
         run(scene, 30)
 
 
-def off(state, second):
-    return max(abs(float(a - b)) for a, b in zip(state, second, strict=True))
-
-
-def test_a_body_that_hangs_at_rest_or_has_nothing_to_move_it():
-    hanging = Scene(Body.of_moments([2, "1.5", 1], [0, 0, 1], 1), (0, 0, 0), (0, 0, -1))
-    still = Scene(Body.of_moments([2, "1.5", 1]), (0, 0, 0), (0, 0, 1))
-    for scene in (hanging, still):
-        motion = run(scene, 100)
-        assert off(motion.exactly(0), [*scene.omega, *scene.gamma]) < 1e-35
-        assert np.isfinite(motion.estimate.errors).all()
-
-
 @pytest.mark.parametrize("digits", tiers([34], [50]))
 def test_products_by_levels_and_the_compiled_field_are_those_of_integers(digits):
     """Of four limbs, and of more, which are no other code."""

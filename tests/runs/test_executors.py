@@ -6,13 +6,17 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
+import numpy as np
 import pytest
 
-from polhode.common import processes
+import polhode
 from polhode.common.processes import in_order
 from runs import jobs
 from shared.tools import python, tiers
+
+linux = pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="a system without /proc")
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -23,13 +27,6 @@ def test_results_come_in_the_order_of_the_jobs_and_a_fault_is_the_caller_s(worke
     with pytest.raises(ValueError, match="no 3"):
         next(squares)
     assert begun[:4] == [0, 1, 2, 3]
-
-
-def test_the_jobs_of_a_process_that_died_are_done_here(monkeypatch, tmp_path):
-    monkeypatch.setenv(jobs.PARENT, str(os.getpid()))
-    monkeypatch.setenv(jobs.MARK, str(tmp_path / "died"))
-    assert [*in_order(jobs.deadly, range(3), 2)] == [0, -1, -2]
-    assert (tmp_path / "died").exists()
 
 
 @pytest.mark.slow
@@ -46,15 +43,43 @@ def test_what_a_job_prints_is_no_answer_and_stdin_is_not_its():
     assert list(in_order(jobs.noisy, range(3), 2)) == [("", 0), ("", 1), ("", 2)]
 
 
-@pytest.mark.slow
-def test_where_the_caller_goes_the_processes_end(monkeypatch):
-    made, make = [], processes.Process
-    monkeypatch.setattr(processes, "Process", lambda: made.append(make()) or made[-1])
-    found = in_order(jobs.long, range(3), 2)
-    assert next(found) == 0
-    assert [x._process.poll() for x in made] == [None, None]
-    found.close()
-    assert [x._process.poll() for x in made] == [-signal.SIGKILL] * 2
+def section(**how):
+    """Of four jobs."""
+    level = {"h": 3, "f": "1/2", "grid": (16, 16), "crossings": 2, "accuracy": False}
+    return polhode.section("general/asymmetric-chaotic", "q - 1/10", **level, **how)
+
+
+def children():
+    """The processes that this one has begun."""
+    lists = Path("/proc/self/task").glob("*/children")
+    return {int(pid) for path in lists for pid in path.read_text().split()}
+
+
+@linux
+@pytest.mark.usefixtures("compiled_as_for_users")
+@pytest.mark.parametrize("by", tiers([signal.SIGKILL], [signal.SIGINT, None]))
+def test_the_work_of_processes_comes_to_its_end_whatever_becomes_of_them(by):
+    """Of one that is killed the job is done here; Ctrl-C of a terminal is the caller's alone."""
+    before, begun, left = children(), set(), set()
+
+    def strike(*_):
+        left.clear()
+        left.update(pid for pid in begun if alive(pid))
+        if not begun:
+            begun.update(children() - before)
+            if by is None:
+                raise KeyboardInterrupt
+            for pid in begun:
+                os.kill(pid, by)
+
+    part = section(workers=3, progress=strike)
+    assert len(begun) == 3
+    assert left == begun or by is not signal.SIGINT
+    assert part.interrupted == (by is None)
+    if by is not None:
+        assert np.array_equal(part.states, section(workers=1).states, equal_nan=True)
+    assert not {pid for pid in begun if alive(pid)}
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())  # of this thread
 
 
 LIGHT = """\
@@ -81,21 +106,6 @@ def test_nothing_in_the_caller_s_folder_is_taken_for_a_library(tmp_path):
     code = "import os; os.chdir(os.environ['THERE'])\n" + LIGHT
     ended = python("-P", "-c", code, env={**os.environ, "THERE": str(tmp_path)})
     assert (ended.stdout, ended.stderr) == ("begun\n[1, 2, 3]\n", "")
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals of POSIX")
-def test_ctrl_c_of_a_terminal_does_not_reach_them(monkeypatch):
-    """From their first moment on, while Python starts, too: the caller ends them."""
-    made, make = [], processes.Process
-    monkeypatch.setattr(processes, "Process", lambda: made.append(make()) or made[-1])
-    found = in_order(jobs.squared, range(2), 2)
-    assert next(found) == 0
-    for process in made:
-        os.kill(process._process.pid, signal.SIGINT)
-    assert [*found] == [1]
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, ())
-    assert signal.SIGINT not in before  # of this thread
 
 
 CLOSED = """\
@@ -125,7 +135,7 @@ next(found)
 """
 
 
-@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="a system without /proc")
+@linux
 def test_processes_end_with_their_caller_however_it_ends():
     """Killed, it can tell them nothing: they notice, in the middle of their jobs."""
     caller = subprocess.Popen([sys.executable, "-c", ORPHANS], stdout=subprocess.PIPE, text=True)

@@ -1,5 +1,6 @@
 """How sweeps end: members that fail, Ctrl-C, executors that fail, and what goes on afterwards."""
 
+import errno
 import json
 import os
 import shutil
@@ -17,7 +18,6 @@ import pytest
 
 import polhode
 from polhode import Outcome
-from polhode.common import checkpoint
 from shared.motions import heavy
 from shared.tools import tiers
 
@@ -345,18 +345,18 @@ def test_two_sweeps_do_not_share_a_folder(tmp_path):
 @pytest.mark.usefixtures("parts_at_once")
 def test_a_disk_that_fills_ends_the_sweep_and_keeps_what_was_written(first, tmp_path, monkeypatch):
     """Where nothing was written there is no folder."""
-    folder, whole, write = tmp_path / "parts", swept(None), checkpoint.write_whole
+    folder, whole, replaced = tmp_path / "parts", swept(None), os.replace
 
-    def full(texts: Any) -> None:
-        if any(path.name == f"job-{first:05d}.npz" for path in texts):
-            raise polhode.BadInput("part", "file", None, "a place to write to (No space left)")
-        write(texts)
+    def full(begun: Any, path: Any) -> None:
+        if Path(path).name == f"job-{first:05d}.npz":
+            raise OSError(errno.ENOSPC, "No space left")
+        replaced(begun, path)
 
-    monkeypatch.setattr(checkpoint, "write_whole", full)
+    monkeypatch.setattr(os, "replace", full)
     with pytest.raises(polhode.BadInput, match="No space left"):
         swept(folder)
     assert folder.exists() == bool(first)
     left = ["job-00000.npz", "manifest.json"][: 2 * first]
     assert [path.name for path in sorted(folder.glob("*"))] == left
-    monkeypatch.setattr(checkpoint, "write_whole", write)
+    monkeypatch.setattr(os, "replace", replaced)
     assert swept(folder) == whole

@@ -1,5 +1,6 @@
 """Scene files: every key of the contract, every fault one line, every text a Scene or BadInput."""
 
+import json
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -8,7 +9,7 @@ import pytest
 from test_bad_scenes import BASE, base
 
 import polhode
-from polhode.scenes import library, scene_file
+from polhode.cli import main
 from shared.motions import scene_of
 from shared.tools import case_names, number
 
@@ -158,20 +159,21 @@ def test_without_cases_a_path_is_read_all_the_same(tmp_path, monkeypatch):
         polhode.load("euler/sphere")
 
 
-def test_a_top_stands_for_its_cases_unless_a_file_has_its_name(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    cases = [f"grioli/{name}" for name in ("irrational", "precession", "turned-axes")]
-    assert library.matching(["grioli"]) == cases
-    assert library.matching(["grioli/precession", "grioli"])[0] == "grioli/precession"
-    assert library.matching(["griol"]) == ["griol"]
+def test_a_top_stands_for_its_cases_unless_a_file_has_its_name(tmp_path, refusal, capsys):
+    assert main(["check", "grioli/turned-axes", "grioli", "--number", "double", "--json"]) == 0
+    scenes = json.loads(capsys.readouterr().out)["columns"]["scene"]
+    names = ["turned-axes", "irrational", "precession"]
+    assert [*dict.fromkeys(scenes)] == [f"grioli/{name}" for name in names]
+    assert len(scenes) == 3
+    assert refusal("check", "griol").startswith("polhode: griol: SCENE: expected a path, or the na")
     (tmp_path / "grioli").write_text("schema = 1\n")
-    assert library.matching(["grioli"]) == ["grioli"]
+    assert refusal("check", "grioli").startswith("polhode: grioli: body")
 
 
 def test_a_changed_scene_has_a_fingerprint_of_its_own():
     """Where it is from a file, written from numbers, or read again."""
     written = polhode.top(moments=[2, 2, 1], omega=[0, 0, 3], gamma=[0, 0, 1], end=1)
-    for scene in (polhode.load("lagrange/nutation"), written, scene_file.parse(written.source)):
+    for scene in (polhode.load("lagrange/nutation"), written, scene_of(written.source)):
         changed = replace(scene, omega=(1, 2, 9))
         cases = [x.provenance()["case"] for x in (scene, scene.at([1]), changed)]
         assert cases[0] == cases[1] != cases[2]

@@ -12,7 +12,7 @@ import heyoka
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from polhode.taylor.heyoka import one_blas_thread, one_thread
+import polhode
 from shared.motions import heavy_file
 
 UNPRIVILEGED = ["setpriv", "--bounding-set", "-dac_override", "--inh-caps", "-dac_override"]
@@ -31,7 +31,7 @@ print(json.dumps(answers))
 """
 
 
-def polhode(cache, *commands, cwd, before=(), **environment):
+def outputs_of(cache, *commands, cwd, before=(), **environment):
     """The exit code and the output of commands of one process with this cache; what it notes."""
     environment |= {"HEYOKA_CACHE_DIR": str(cache), "PYTHONDONTWRITEBYTECODE": "1"}
     process = subprocess.run(
@@ -58,7 +58,7 @@ def home(tmp_path_factory):
     """A folder with a scene, a good cache, and what a run of the scene prints."""
     folder = tmp_path_factory.mktemp("cache")
     (folder / "scene.toml").write_text(heavy_file("5", samples=3))
-    (run, text), _ = polhode(folder / "good", RUN, "about", cwd=folder)
+    (run, text), _ = outputs_of(folder / "good", RUN, "about", cwd=folder)
     assert (folder / "good" / "cache.db").stat().st_size > 10_000
     assert re.search(r"^cache .* MB in ", text[1], re.MULTILINE)
     return folder, json.loads(run[1])["columns"]
@@ -77,7 +77,7 @@ def test_a_bad_cache_changes_nothing_and_about_says_what_is_wrong(home, tmp_path
             if shutil.which("setpriv") is None:
                 pytest.skip("root writes everywhere, and setpriv is missing")
             before = UNPRIVILEGED
-    (run, facts, text), err = polhode(cache, RUN, ABOUT, "about", cwd=folder, before=before)
+    (run, facts, text), err = outputs_of(cache, RUN, ABOUT, "about", cwd=folder, before=before)
     assert (json.loads(run[1])["columns"], err) == (states, "")  # nothing else on stdout
     facts = cache_of(facts)
     assert (facts["enabled"], facts["bytes"], "fault" in facts) == (True, None, True)
@@ -89,7 +89,7 @@ def test_the_cache_does_not_grow_once_it_holds_what_a_run_needs(home, tmp_path):
     """heyoka never finds its mp code again: each process would add some 0.8 MB."""
     sizes = []
     for _ in range(3):
-        polhode(tmp_path, "run scene.toml --number mp --method taylor", cwd=home[0])
+        outputs_of(tmp_path, "run scene.toml --number mp --method taylor", cwd=home[0])
         sizes.append((tmp_path / "cache.db").stat().st_size)
     assert 0 < sizes[1] == sizes[2]
 
@@ -98,15 +98,15 @@ def test_the_cache_does_not_grow_once_it_holds_what_a_run_needs(home, tmp_path):
 def test_the_environment_bounds_the_cache(home, tmp_path):
     folder, _ = home
     none = tmp_path / "none"
-    (_, first), _ = polhode(none, ABOUT, ABOUT, cwd=folder, POLHODE_CACHE_MB="7")
+    (_, first), _ = outputs_of(none, ABOUT, ABOUT, cwd=folder, POLHODE_CACHE_MB="7")
     usual = cache_of(first)
     assert (usual["limit"], usual["enabled"]) == (7_000_000, True)
-    (_, off), _ = polhode(none, RUN, ABOUT, cwd=folder, POLHODE_CACHE_MB="0")
+    (_, off), _ = outputs_of(none, RUN, ABOUT, cwd=folder, POLHODE_CACHE_MB="0")
     assert cache_of(off)["enabled"] is False
     # nothing kept, and heyoka's file has no limit of 0
-    (again,), _ = polhode(none, ABOUT, cwd=folder, POLHODE_CACHE_MB="7")
+    (again,), _ = outputs_of(none, ABOUT, cwd=folder, POLHODE_CACHE_MB="7")
     assert cache_of(again) == usual
-    ((code, _),), err = polhode(tmp_path, "about", cwd=folder, POLHODE_CACHE_MB="much")
+    ((code, _),), err = outputs_of(tmp_path, "about", cwd=folder, POLHODE_CACHE_MB="much")
     assert code == 2
     assert "POLHODE_CACHE_MB" in err
     assert err.count("\n") == 1
@@ -126,40 +126,38 @@ def before():
         yield threads()
 
 
-def test_blas_has_one_thread_inside_and_those_of_before_outside(before):
-    with one_blas_thread():
-        assert set(threads()) == {1}
-        with one_blas_thread():
-            pass
-        assert set(threads()) == {1}
-    assert threads() == before != [1] * len(before)
-    with pytest.raises(KeyError), one_blas_thread():
+def refined(look):
+    """A run by a refinement, which takes one thread; ``look`` at its progress."""
+    how = {"at": [20], "method": "refined", "progress": lambda *_: look()}
+    assert polhode.integrate("kovalevskaya/generic", "quad", **how).method == "refined"
+
+
+def test_one_thread_inside_and_those_of_before_outside_whoever_leaves_last(before):
+    inside, meeting, values = set(), Barrier(2, timeout=60), []
+
+    def nested():
+        inside.update([*threads(), heyoka.get_nthreads()])
+        refined(lambda: inside.update(threads()))
+        inside.update([*threads(), heyoka.get_nthreads()])
         raise KeyError
-    assert threads() == before
-
-
-def test_the_last_of_two_threads_puts_it_back(before):
-    inside, values = Barrier(2, timeout=30), []
 
     def work():
-        with one_blas_thread():
-            inside.wait()
+        refined(lambda first=[0]: first and (first.pop(), meeting.wait()))
         values.append(threads())
 
-    workers = [Thread(target=work) for _ in range(2)]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join()
-    assert values[-1] == before == threads()
-
-
-def test_heyoka_has_one_thread_inside_and_those_of_before_outside():
-    before = heyoka.get_nthreads()
+    before_of_heyoka = heyoka.get_nthreads()
     heyoka.set_nthreads(3)
     try:
-        with one_thread():
-            assert heyoka.get_nthreads() == 1
+        with pytest.raises(KeyError):
+            refined(nested)
+        assert inside == {1}
+        assert threads() == before != [1] * len(before)
+        workers = [Thread(target=work) for _ in range(2)]
+        for worker in workers:
+            worker.start()
+        for worker in workers:
+            worker.join()
+        assert values[-1] == before == threads()
         assert heyoka.get_nthreads() == 3
     finally:
-        heyoka.set_nthreads(before)
+        heyoka.set_nthreads(before_of_heyoka)

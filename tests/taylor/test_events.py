@@ -228,8 +228,11 @@ def test_numbers_of_an_event_that_the_type_cannot_hold_are_refused_in_one_line(z
 
 
 def test_a_flip_needs_a_middle_axis():
-    with pytest.raises(polhode.BadInput, match=r"events.name = flip: .* three different moments"):
-        polhode.integrate(watched("euler/prolate", Event("flip")), at=[1])
+    """It was proved of the axis that came second in a sorted list."""
+    scene = watched("euler/prolate", Event("flip")).at([1])
+    for door in (polhode.integrate, polhode.certify_events):
+        with pytest.raises(polhode.BadInput, match=r"events.name = flip: .* three different mom"):
+            door(scene)
 
 
 # -- files and the command line ---------------------------------------------------------------
