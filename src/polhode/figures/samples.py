@@ -152,10 +152,8 @@ class ShownMotion(NamedTuple):
         momentum = inertia @ w
         sizes = w @ momentum / 2 + np.linalg.norm(torque), float(np.linalg.norm(momentum))
         own = w @ momentum / 2 + torque @ gamma, momentum @ gamma
-        return bool(
-            abs(own[0] - to_double(h)) <= _NEAR * sizes[0]
-            and abs(own[1] - to_double(f)) <= _NEAR * sizes[1]
-        )
+        off = np.abs(np.subtract(own, (to_double(h), to_double(f))))
+        return bool(np.all(off <= np.multiply(_NEAR, sizes)))
 
     def coarse(self) -> str:
         """That what is shown between two samples is not the motion, where that is so."""

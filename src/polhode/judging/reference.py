@@ -280,11 +280,8 @@ class Reference(Storable):
         digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
         printed = number_of(digits).printed_digits
         times = held_times(scene, scene.times, digits)
-        columns = {
-            word: right_rows(partial(self.column, word), times, printed)
-            for word in COLUMNS
-            if word in outputs
-        }
+        words = [word for word in COLUMNS if word in outputs]
+        columns = {word: right_rows(partial(self.column, word), times, printed) for word in words}
         states, radii = right_rows(self.at, times, printed), self.radii(times, printed)
         return ReferenceTable(
             scene,

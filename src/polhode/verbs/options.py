@@ -63,10 +63,8 @@ def front(home: str, name: str) -> Front:
     positional = [*arguments.posonlyargs, *arguments.args]
     lacking = len(positional) - len(arguments.defaults)
     defaults = [*[None] * lacking, *arguments.defaults, *arguments.kw_defaults]
-    parameters = [
-        _parameter(x, default)
-        for x, default in zip([*positional, *arguments.kwonlyargs], defaults, strict=True)
-    ]
+    pairs = zip([*positional, *arguments.kwonlyargs], defaults, strict=True)
+    parameters = [_parameter(x, default) for x, default in pairs]
     others = "" if arguments.kwarg is None else _parameter(arguments.kwarg, None).annotation
     if shared := re.fullmatch(r"Unpack\[(\w+)\]", others):
         options = _class(home, shared[1])
