@@ -166,7 +166,8 @@ def command() -> NoReturn:
     if 0 < sys.get_int_max_str_digits() < sys.int_info.default_max_str_digits:
         sys.set_int_max_str_digits(sys.int_info.default_max_str_digits)  # whatever is printed
     code = main()
-    terminal.ignore_signals()  # all is said: nothing is left to interrupt
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)  # all is said: nothing is left to interrupt
     gc.freeze()  # what is left goes with the process: nobody need look for circles in it
     sys.exit(code)
 

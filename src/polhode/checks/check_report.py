@@ -140,14 +140,9 @@ def check_scene(scene: Scene, numbers: Sequence[str] = (), details: bool = True)
     for number in widest:
         lines[number], latest = _report_line(scene, reference, number, conditions, earlier, details)
         earlier = earlier or latest
-    return CaseCheck(
-        scene,
-        reference.regime,
-        reference.kind,
-        tuple(lines[number] for number in types),
-        tuple(figures(scene, reference)),
-        textbook_digits(reference),
-    )
+    rows, printed = tuple(lines[number] for number in types), tuple(figures(scene, reference))
+    textbook = textbook_digits(reference)
+    return CaseCheck(scene, reference.regime, reference.kind, rows, printed, textbook)
 
 
 def _report_line(
@@ -385,12 +380,9 @@ def check_cases(
             raise BadInput("check", "number", name, nearest(name, list(number_types.NAMES)))
     numbers = tuple(number or (PROPOSED if propose else ()))
     solve = partial(check_scene, numbers=numbers, details=details or propose)
+    say = message or (lambda text: None)
     reports: list[CaseCheck] = []
     crossed: list[CrossCheck] = []
-
-    def say(text: str) -> None:
-        if message is not None:
-            message(text)
 
     try:
         if scenes or not forms:

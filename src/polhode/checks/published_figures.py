@@ -84,12 +84,9 @@ def _figure(published: Published, columns: Mapping[str, Any]) -> PrintedFigure:
     ours = ours_of(published, columns)
     printed = decimal(published.value)
     difference = abs(printed - ours)
-    return PrintedFigure(
-        published,
-        decimal_string(ours, significant_digits(published.value) + 2),
-        difference,
-        _right(published.value, ours, difference),
-    )
+    shown = decimal_string(ours, significant_digits(published.value) + 2)
+    right = _right(published.value, ours, difference)
+    return PrintedFigure(published, shown, difference, right)
 
 
 def ours_of(published: Published, columns: Mapping[str, Any]) -> Fraction:
@@ -125,9 +122,8 @@ def _leading_unit(x: Fraction) -> Fraction:
 
 def columns_at(scene: Scene, reference: Reference, t: Fraction, digits: int) -> dict[str, Any]:
     """All columns that the scene's figures name, at one time."""
-    columns: dict[str, Real | None] = dict(
-        zip(scene.columns, reference.at([t], digits)[0], strict=True)
-    )
+    (state,) = reference.at([t], digits)
+    columns: dict[str, Real | None] = dict(zip(scene.columns, state, strict=True))
     used = " ".join(p.quantity for p in scene.published)
     for word, column in COLUMNS.items():
         if any(name in used for name in column.names):
@@ -167,9 +163,7 @@ def textbook_digits(ours: Reference) -> float | None:
         rows = reference_of(scene, "mpmath").at([t], digits=WANTED)
     except BadInput:
         return None
-    return min(
-        float(WANTED), worst_digits(rows, ours.at([t], digits=WANTED + 5), scene, WANTED + 5)
-    )
+    return worst_digits(rows, ours.at([t], digits=WANTED + 5), scene, WANTED)
 
 
 def time_of(scene: Scene) -> Exact:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Mapping, Set
+from contextlib import nullcontext, suppress
 from fractions import Fraction
 from functools import wraps
 from operator import index
@@ -26,15 +27,12 @@ MOST_STEPS = 1 << 62  # heyoka counts in 64 bits
 def whole(source: str, key: str, value: Any, least: int, most: int | None = None) -> int:
     """A whole number of any kind, numpy's too, between bounds; no bool, no float."""
     expected = f"a whole number, {least} " + ("or more" if most is None else f"to {most}")
-    if type(value).__name__ in ("bool", "bool_"):
-        raise BadInput(source, key, value, expected)
-    try:
+    with suppress(TypeError):  # of a value that is no whole number
         number = index(value)
-    except TypeError:
-        raise BadInput(source, key, value, expected) from None
-    if number < least or (most is not None and number > most):
-        raise BadInput(source, key, value, expected)
-    return number
+        is_truth = type(value).__name__ in ("bool", "bool_")
+        if not is_truth and number >= least and (most is None or number <= most):
+            return number
+    raise BadInput(source, key, value, expected)
 
 
 def cells(source: str, value: Any, most: int) -> tuple[int, int]:
@@ -186,10 +184,7 @@ def called_here(name: str, candidates: Iterable[str]) -> str | None:
 
 
 def refuse_unknown(
-    source: str,
-    function: Callable[..., object],
-    unknown: Mapping[str, object],
-    **meant: str,
+    source: str, function: Callable[..., object], unknown: Mapping[str, object], **meant: str
 ) -> None:
     """Raise BadInput for arguments that a function has not, with what may be meant.
 
@@ -251,19 +246,15 @@ def with_progress(function: Function) -> Function:
         progress = values[place] if by_place else named.get("progress")
         if progress is None or callable(progress):
             return function(*values, **named)
-
-        def answer_with(tell: object) -> object:
-            if by_place:
-                return function(*values[:place], tell, *values[place + 1 :], **named)
-            return function(*values, **{**named, "progress": tell})
-
-        if progress is False:
-            return answer_with(None)
-        if not (takes_bool and progress is True):
+        if progress is not False and not (takes_bool and progress is True):
             raise BadInput(function.__name__, "progress", plain(progress), expected)
         first = values[0] if values else named.get("scene")
-        with bar(str(getattr(first, "name", first))) as tell:
-            return answer_with(tell)
+        with bar(str(getattr(first, "name", first))) if progress else nullcontext() as tell:
+            if by_place:
+                values = (*values[:place], tell, *values[place + 1 :])
+            else:
+                named["progress"] = tell
+            return function(*values, **named)
 
     return cast("Function", answer)
 

@@ -139,8 +139,7 @@ def _meant(word: object, names: list[str]) -> str:
 def short(value: object, limit: int = 60) -> str:
     """A value on one line, printable and cut at so many characters."""
     text = value if isinstance(value, str) else plain(value)
-    line = " ".join(text.split())
-    line = "".join(c if c.isprintable() else "?" for c in line)
+    line = printable(" ".join(text.split()))
     return line if len(line) <= limit else line[: limit - 3] + "..."
 
 

@@ -18,6 +18,7 @@ import sys
 import time
 import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -89,9 +90,8 @@ def _streamed(handle: int, most: int, name: str, expected: str) -> bytes:
         ready, _, _ = select.select([handle], [], [], max(0.0, left))
         part = os.read(handle, 1 << 20) if ready else b""
         if not part and left <= 0:
-            raise BadInput(
-                name, "file", None, f"{expected} (nothing came for {PATIENCE:g} seconds)"
-            )
+            expected += f" (nothing came for {PATIENCE:g} seconds)"
+            raise BadInput(name, "file", None, expected)
         if not part and (parts or not pipe):
             return b"".join(parts)
         if part:
@@ -108,10 +108,8 @@ def write_whole(texts: Mapping[Path, str | bytes]) -> None:
 
     All are complete before the first one takes its place; Ctrl-C waits for that.
     """
-    if any(map(is_stream, texts)):  # whose reader may let us wait for ever
-        _write_whole(texts)
-        return
-    with Delay():
+    streams = any(map(is_stream, texts))  # whose reader may let us wait for ever
+    with nullcontext() if streams else Delay():
         _write_whole(texts)
 
 
@@ -195,12 +193,9 @@ def npy_header(file: IO[bytes]) -> tuple[np.dtype[np.generic], int, int]:
     """Of an array in NumPy's format: the type, how many elements, and where they begin."""
     import numpy as np
 
-    version = np.lib.format.read_magic(file)
-    read = (
-        np.lib.format.read_array_header_1_0
-        if version == (1, 0)
-        else np.lib.format.read_array_header_2_0
-    )
+    form = np.lib.format
+    is_first = form.read_magic(file) == (1, 0)
+    read = form.read_array_header_1_0 if is_first else form.read_array_header_2_0
     shape, _, dtype = read(file)
     return dtype, math.prod(shape), file.tell()
 

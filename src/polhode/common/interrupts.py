@@ -74,8 +74,6 @@ class Delay:
         self._before: dict[signal.Signals, signal._HANDLER] = {}
 
     def __enter__(self) -> Delay:
-        import threading
-
         if threading.current_thread() is threading.main_thread():
             for number in (signal.SIGINT, signal.SIGTERM):
                 handler = signal.getsignal(number)

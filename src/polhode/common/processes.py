@@ -119,11 +119,16 @@ def run_jobs(
                 whole = False
         elif waiting:
 
-            def handed(at: int, result: T | None) -> None:
+            def whole_result(job: J, stop: StopRequest) -> T | None:
+                """None where the job was stopped before its end."""
+                result = solve(job, stop)
+                return None if stop() else result
+
+            def hand_on(at: int, result: T | None) -> None:
                 if result is not None:
                     ready(left[at], result)
 
-            whole = solve_in_threads(_Whole(solve), waiting, handed, count) and whole
+            whole = solve_in_threads(whole_result, waiting, hand_on, count) and whole
         if kept is not None and (not whole or kept.pieces()):
             with Delay() as delay:
                 kept.write_waiting()
@@ -131,17 +136,6 @@ def run_jobs(
     if not whole and all(result is None for result in results):
         raise KeyboardInterrupt
     return Finished(results, sizes, not whole)
-
-
-class _Whole(Generic[J, T]):
-    """A job's result, or None where it was stopped before its end."""
-
-    def __init__(self, solve: Solver[J, T]) -> None:
-        self._solve = solve
-
-    def __call__(self, job: J, stop: StopRequest) -> T | None:
-        result = self._solve(job, stop)
-        return None if stop() else result
 
 
 # --- executors ------------------------------------------------------------------------------------
@@ -243,10 +237,7 @@ def in_order(
 
 
 def solve_in_executor(
-    solve: Callable[[J], T],
-    jobs: Sequence[J],
-    ready: Callable[[int, T], None],
-    executor: Executor,
+    solve: Callable[[J], T], jobs: Sequence[J], ready: Callable[[int, T], None], executor: Executor
 ) -> tuple[bool, list[int]]:
     """Solve the jobs in an executor: whether Ctrl-C did not come, and the jobs that it lost.
 

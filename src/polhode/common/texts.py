@@ -81,9 +81,8 @@ def together(pages: Sequence[Page], title: str = "", text: str = "") -> Page:
     """
     if len(pages) == 1 and not title and not text:
         return pages[0]
-    words = [
-        f"<p>{escape(part.strip())}</p>" for part in re.split(r"\n\s*\n", text) if part.strip()
-    ]
+    paragraphs = [part.strip() for part in re.split(r"\n\s*\n", text)]
+    words = [f"<p>{escape(paragraph)}</p>" for paragraph in paragraphs if paragraph]
     frames = [f"<h2>{escape(page.name)}</h2>\n{page._repr_html_()}" for page in pages]
     name = title or ", ".join(page.name for page in pages)
     heading = f"<h1>{escape(title)}</h1>" * bool(title)

@@ -279,10 +279,6 @@ def power_of_ten(exponent: float) -> str:
     return label_text("10" + f"{exponent:.0f}".translate(_RAISED))
 
 
-#: What a figure can be written as, by the ending of its file's name.
-SUFFIXES = (".svg", ".png", ".pdf")
-
-
 # --- residue axis ---------------------------------------------------------------------------------
 #
 # The axis of residues of periodic orbits: linear around elliptic ones, logarithmic far out.

@@ -27,16 +27,13 @@ MOTION: Mapping[str, tuple[str, str]] = {
     "integrals": ("curves", "integrals"),
     "error": ("curves", "error"),
 }
-_MAPS = {word: ("results", word) for word in ("fli", "megno", "exponent", "verdict")}
 _PERIOD = {"omega": ("results", "period")}
-_ROWS = {"omega": ("results", "reference")}
-_PROVEN = {"digits": ("results", "proven")}
 _EVENTS = {"intervals": ("results", "intervals")}
 #: Of each kind of result its figures, the first is the default.
 FIGURES: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "CertifiedEvents": _EVENTS,
-    "ChaosMap": _MAPS,
-    "Enclosure": _PROVEN,
+    "ChaosMap": {word: ("results", word) for word in ("fli", "megno", "exponent", "verdict")},
+    "Enclosure": {"digits": ("results", "proven")},
     "Ensemble": {"members": ("results", "members")},
     "EventTimes": _EVENTS,
     "Frequencies": {"lines": ("results", "lines")},
@@ -49,7 +46,7 @@ FIGURES: Mapping[str, Mapping[str, tuple[str, str]]] = {
     "ProvedOrbit": _PERIOD,
     "ProvedStability": {"curves": ("proofs", "stability")},
     "Reductions": {"kept": ("results", "reductions")},
-    "ReferenceTable": _ROWS,
+    "ReferenceTable": {"omega": ("results", "reference")},
     "Section": {"crossings": ("results", "crossings")},
     "Trajectory": MOTION,
 }
@@ -97,7 +94,8 @@ def draw(
     what = chosen(kind, what)
     if not isinstance(subject, (Samples, Saved)) and kind not in LIVE:
         subject = Saved(subject.content())
-    make = _function(*FIGURES[kind][what])
+    module, name = FIGURES[kind][what]
+    make: Callable[..., Any] = getattr(import_module(f"polhode.figures.{module}"), name)
     options = {key: value for key, value in given_options.items() if value is not None}
     names = [k for k, x in inspect.signature(make).parameters.items() if x.kind is x.KEYWORD_ONLY]
     for key, value in options.items():
@@ -120,7 +118,7 @@ def drawn(
 ) -> bytes:
     """The bytes of a figure as printed, by the ending of its file; they depend on nothing else.
 
-    ``suffix``: one of canvas.SUFFIXES.  ``of``: whose it is.
+    ``suffix``: .svg, .png or .pdf.  ``of``: whose it is.
     """
     what = chosen(kind_of(subject), what)
     title = printable(f"polhode: {what} of {of}")
@@ -137,8 +135,3 @@ def drawn(
 def own_panels(figure: Any) -> list[Any]:
     """The panels of a figure without its colour bars."""
     return [panel for panel in figure.axes if panel.get_label() != "<colorbar>"]
-
-
-def _function(module: str, name: str) -> Callable[..., Any]:
-    function: Callable[..., Any] = getattr(import_module(f"polhode.figures.{module}"), name)
-    return function

@@ -8,17 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from polhode.equations.kinematics import turned
-from polhode.figures.canvas import (
-    ink,
-    label_text,
-    over_time,
-    pale,
-    panels,
-    power_of_ten,
-    rate_unit,
-    remark,
-    series,
-)
+from polhode.figures import canvas
+from polhode.figures.canvas import label_text
 from polhode.figures.samples import Samples
 from polhode.figures.sphere import facing_most
 from polhode.numbers.conversion import to_double
@@ -54,7 +45,7 @@ def omega(plt: Any, samples: Samples, axes: Any = None) -> Any:
     shown = {name: samples.columns[name] for name in STATE[:3] if name in samples.columns}
     if len(shown) == 3:
         shown["|ω|"] = np.linalg.norm(samples.vectors(STATE[:3]), axis=1)
-    return _of(plt, samples, {f"ω in the body ({rate_unit(samples.scene)})": shown}, axes)[0]
+    return _of(plt, samples, {f"ω in the body ({canvas.rate_unit(samples.scene)})": shown}, axes)[0]
 
 
 def momentum(plt: Any, samples: Samples, axes: Any = None) -> Any:
@@ -80,7 +71,7 @@ def angles(plt: Any, samples: Samples, axes: Any = None) -> Any:
     figure, panels = _of(plt, samples, rows, axes)
     for panel, angle in zip(panels, shown.values(), strict=True):
         if not np.isfinite(angle).any():
-            remark(panel, "undefined: the third axis stays vertical")
+            canvas.remark(panel, "undefined: the third axis stays vertical")
         elif np.nanmax(angle) - np.nanmin(angle) < 1e-9:
             middle = float(np.nanmean(angle))  # a constant, not its rounding
             panel.set_ylim(middle - 0.5, middle + 0.5)
@@ -109,7 +100,7 @@ def integrals(plt: Any, samples: Samples, axes: Any = None) -> Any:
 def _of(
     plt: Any, samples: Samples, rows: dict[str, dict[str, Any]], axes: Any, **how: Any
 ) -> tuple[Any, Any]:
-    return over_time(plt, samples.columns["t"], samples.scene, rows, axes, **how)
+    return canvas.over_time(plt, samples.columns["t"], samples.scene, rows, axes, **how)
 
 
 def _logarithmic(plt: Any, samples: Samples, labels: dict[str, str], axes: Any) -> Any:
@@ -133,7 +124,7 @@ def _logarithmic(plt: Any, samples: Samples, labels: dict[str, str], axes: Any) 
         panels[0].annotate("eps", (1, ends[-1]), **look, **at)
     panels[0].set_ylim(math.floor(min(ends, default=-1)), math.ceil(max(ends, default=-0.1) + 0.05))
     panels[0].yaxis.set_major_locator(plt.MaxNLocator(5, integer=True))
-    panels[0].yaxis.set_major_formatter(lambda power, _: power_of_ten(power))
+    panels[0].yaxis.set_major_formatter(lambda power, _: canvas.power_of_ten(power))
     return figure
 
 
@@ -166,9 +157,9 @@ def hodographs(plt: Any, samples: Samples, axes: Any = None) -> Any:
 
 
 def _views(plt: Any, omega: Doubles, space: Doubles, axes: Any) -> Any:
-    figure, views = panels(plt, axes, 2, 2, figsize=(6.4, 6.2))
+    figure, views = canvas.panels(plt, axes, 2, 2, figsize=(6.4, 6.2))
     size = _largest(omega)
-    body, fixed = series(2)
+    body, fixed = canvas.series(2)
     for column, title, points, names, colour in (
         (0, "in the body", omega, ("p", "q", "r"), body),
         (1, "in space", space, ("ω·X", "ω·Y", "ω·Z"), fixed),
@@ -192,8 +183,8 @@ def _poinsot(plt: Any, samples: Samples, omega: Doubles, space: Doubles, axes: A
     energy = to_double(scene.integrals.energy)
     a, b, c = ((2 * energy / to_double(m)) ** 0.5 for m in body.moments)
     inertia = np.array([[to_double(x) for x in row] for row in body.inertia])
-    figure, ((left, right),) = panels(plt, axes, 1, 2, figsize=(7.0, 3.5))
-    colour, second_colour = series(2)
+    figure, ((left, right),) = canvas.panels(plt, axes, 1, 2, figsize=(7.0, 3.5))
+    colour, second_colour = canvas.series(2)
     if max(a, b, c) > FLATTEST * min(a, b, c):
         _flat(left, principal[:, 0], principal[:, 2], _largest(omega), colour, "polhode")
         left.set(xlabel=label_text("ω₁" + UNIT), ylabel=label_text("ω₃" + UNIT))
@@ -201,12 +192,12 @@ def _poinsot(plt: Any, samples: Samples, omega: Doubles, space: Doubles, axes: A
         globe = facing_most(principal, (a, b, c))
         globe.surface(left)
         globe.arms(left, [*map(label_text, ("ω₁", "ω₂", "ω₃"))])
-        globe.curve(left, principal, colour, pale(colour), "polhode", lw=1.0)
+        globe.curve(left, principal, colour, canvas.pale(colour), "polhode", lw=1.0)
         globe.mark(left, principal[0], colour)
     left.set_title("polhode on the ellipsoid of energy", size=9)
     across, along = invariable_plane(samples, space, omega[0] @ inertia)
     _flat(right, space @ across, space @ along, _largest(omega), second_colour, "herpolhode")
-    right.plot(0, 0, "+", color=ink(), ms=5, mew=0.7)
+    right.plot(0, 0, "+", color=canvas.ink(), ms=5, mew=0.7)
     right.set(xlabel=label_text("ω·ξ" + UNIT), ylabel=label_text("ω·η" + UNIT))
     right.set_title("herpolhode in the invariable plane", size=9)
     return figure

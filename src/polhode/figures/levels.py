@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -55,10 +55,10 @@ def draw(
     """
     if not isinstance(result, Levels):
         result = levels(result.scene)
-    shown = window(result, f_range, h_range)
+    f, h = window(result, f_range, h_range)
     figure, panels = canvas.panels(plt, axes, 1, figsize=(6.6, 4.4))
     place, axes = canvas.legend_of(figure, axes), panels[0, 0]
-    sides = [side for side in (1, -1) if (shown.f[0] < 0 if side < 0 else shown.f[1] > 0)]
+    sides = [side for side in (1, -1) if (f[0] < 0 if side < 0 else f[1] > 0)]
     for curve in sorted(result.curves, key=lambda curve: (curve.type, curve.morse == 0)):
         stable = curve.morse == 0
         style, colour = LINES[curve.type]
@@ -69,28 +69,25 @@ def draw(
             axes.plot(side * curve.points[:, 0], curve.points[:, 1], **look)
     for mark in sorted(result.marks, key=lambda mark: mark.kind):
         look = {"marker": MARKS[mark.kind], "linestyle": "", **_MARK}
-        if min(shown.f) <= sides[0] * float(mark.f) <= max(shown.f):
+        if f[0] <= sides[0] * float(mark.f) <= f[1]:
             look["label"] = mark.kind
         for side in sides:
             axes.plot(side * float(mark.f), float(mark.h), **look)
     scene = {"marker": "o", "linestyle": "", "color": series(2)[1], "ms": 5}
     axes.plot(to_double(result.here.f), to_double(result.here.h), label="the scene", **scene)
-    _shades(axes, result, shown)
+    _shades(axes, result, f, h)
     white = {"facecolor": "#ffffff", "edgecolor": "none", "labelcolor": "#000000", "framealpha": 1}
     canvas.legend(place, [axes], fontsize=7.5, frameon=True, **white)
-    axes.set(xlim=shown.f, ylim=shown.h, xlabel="f", ylabel="h")
+    axes.set(xlim=f, ylim=h, xlabel="f", ylabel="h")
     return figure
 
 
-class DiagramWindow(NamedTuple):
-    """What is drawn."""
-
-    f: tuple[float, float]
-    h: tuple[float, float]
+#: From where to where an axis goes.
+Range: TypeAlias = tuple[float, float]
 
 
-def window(result: Levels, f: Any = None, h: Any = None) -> DiagramWindow:
-    """The window asked for; unless given, one that holds every special point and the scene."""
+def window(result: Levels, f: Any = None, h: Any = None) -> tuple[Range, Range]:
+    """The f and h asked for; unless given, those of every special point and the scene."""
     here = to_double(result.here.f), to_double(result.here.h)
     f = None if f is None else _range(result.scene.name, "--f-range", f)
     if f is None:
@@ -107,10 +104,10 @@ def window(result: Levels, f: Any = None, h: Any = None) -> DiagramWindow:
         margin = 0.08 * (max(high) - min(low)) or 1.0
         h = (min(low) - margin, max(high) + margin)
     source = result.scene.name
-    return DiagramWindow(_range(source, "--f-range", f), _range(source, "--h-range", h))
+    return _range(source, "--f-range", f), _range(source, "--h-range", h)
 
 
-def _range(source: str, key: str, limits: Any) -> tuple[float, float]:
+def _range(source: str, key: str, limits: Any) -> Range:
     """A range that was given as two numbers, or as a text A:B; raises BadInput."""
     parts = limits.split(":") if isinstance(limits, str) else limits
     try:
@@ -127,9 +124,9 @@ def _range(source: str, key: str, limits: Any) -> tuple[float, float]:
     return first, last
 
 
-def _shades(axes: Axes, result: Levels, shown: DiagramWindow) -> None:
-    span = (shown.f[1] - shown.f[0]) / 1e6  # f = 0 itself may be critical everywhere
-    ends = [x or (span if x == shown.f[0] else -span) for x in shown.f]
+def _shades(axes: Axes, result: Levels, f: Range, h: Range) -> None:
+    span = (f[1] - f[0]) / 1e6  # f = 0 itself may be critical everywhere
+    ends = [x or (span if x == f[0] else -span) for x in f]
     columns = result.columns(ends[0], ends[1], COLUMNS)
     regions = set()
     for left, right in pairwise(columns):
@@ -139,7 +136,7 @@ def _shades(axes: Axes, result: Levels, shown: DiagramWindow) -> None:
         else:
             pairs = [(left, left, left.f, middle), (right, right, middle, right.f)]
         for first, second, f0, f1 in pairs:
-            regions |= _strip(axes, first, second, (f0, f1), shown.h)
+            regions |= _strip(axes, first, second, (f0, f1), h)
     for k, region in enumerate(sorted(regions, key=lambda region: (len(region), region))):
         (patch,) = axes.fill([], [], color=SHADES.get(region, OTHER))
         patch.set(label=label_text(name(region)), gid=f"region {k}")
@@ -148,11 +145,7 @@ def _shades(axes: Axes, result: Levels, shown: DiagramWindow) -> None:
 
 
 def _strip(
-    axes: Axes,
-    left: DiagramColumn,
-    right: DiagramColumn,
-    f: tuple[float, float],
-    h: tuple[float, float],
+    axes: Axes, left: DiagramColumn, right: DiagramColumn, f: Range, h: Range
 ) -> set[Region]:
     """The regions between two columns that have the same ones; hatched where none is decided."""
     if not left.regions:

@@ -171,11 +171,7 @@ def _centre(body: Body) -> list[float] | None:
 
 
 def view(
-    what_of: Source,
-    *others: Source,
-    end: AnyNumber | None = None,
-    title: str = "",
-    text: str = "",
+    what_of: Source, *others: Source, end: AnyNumber | None = None, title: str = "", text: str = ""
 ) -> Page:
     """Show a motion, or several, as one page that moves: no network, nothing else needed.
 

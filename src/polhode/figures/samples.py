@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -12,15 +12,14 @@ import numpy as np
 import numpy.typing as npt
 
 from polhode.common.errors import BadInput
-from polhode.common.interrupts import Progress
 from polhode.equations.kinematics import attitude_rates
 from polhode.judging.tables.table import TrajectoryTable
 from polhode.numbers import exact
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.number_types import Doubles, Given, NumberType
-from polhode.runs.options import Options, choose_number
-from polhode.runs.trajectory import Trajectory, solve
+from polhode.numbers.number_types import Doubles, Given
+from polhode.numbers.vectors import vertical
+from polhode.runs.trajectory import Trajectory
 from polhode.scenes import library
 from polhode.scenes.scene import Scene, even_times
 from polhode.scenes.vocabulary import ATTITUDE, COLUMNS, REQUESTS, STATE
@@ -91,23 +90,6 @@ def radians_apart(scene: Scene, times: Sequence[Exact]) -> float:
     return float(10.0**far / (len(times) - 1))
 
 
-def run(
-    scene: Scene,
-    times: Sequence[Exact],
-    outputs: tuple[str, ...],
-    number: str | NumberType | None = None,
-    digits: int | None = None,
-    progress: Progress | None = None,
-    project: bool | None = None,
-) -> Trajectory:
-    """A scene integrated at these times with these outputs; of its events only a stop."""
-    events = tuple(event for event in scene.events if event.stop)
-    plain = replace(scene, times=times, outputs=outputs, events=events)
-    chosen = choose_number(plain, number, digits)
-    options = Options(project=project, digits=digits)
-    return solve(plain, chosen, options, progress, interruptible=False)
-
-
 def of_run(trajectory: Trajectory) -> Samples:
     """A run's columns."""
     scene = trajectory.scene
@@ -120,10 +102,9 @@ def of_run(trajectory: Trajectory) -> Samples:
 
 
 def of_table(table: TrajectoryTable, scene: Scene | None) -> Samples:
-    """A file's columns, in order of time."""
-    order = sorted(range(len(table.times)), key=lambda k: table.times[k])
+    """A file's columns."""
     named = {"t": table.times, **table.columns}
-    columns = {name: doubles([[values[k]] for k in order])[:, 0] for name, values in named.items()}
+    columns = {name: doubles([values])[0] for name, values in named.items()}
     return Samples(table.name, columns, scene)
 
 
@@ -162,8 +143,7 @@ class ShownMotion(NamedTuple):
 
     def on_level(self) -> bool:
         """Whether the first sample has the scene's h and f, to a thousandth."""
-        body, (q0, q1, q2, q3), w = self.scene.body, self.attitude[0], self.omega[0]
-        gamma = [2 * (q1 * q3 - q0 * q2), 2 * (q2 * q3 + q0 * q1), 1 - 2 * (q1 * q1 + q2 * q2)]
+        body, gamma, w = self.scene.body, vertical(self.attitude[0]), self.omega[0]
         inertia = np.array([[to_double(x) for x in row] for row in body.inertia])
         torque = np.array([to_double(x) for x in body.torque])
         h, f, *_ = self.scene.integrals
@@ -172,10 +152,8 @@ class ShownMotion(NamedTuple):
         momentum = inertia @ w
         sizes = w @ momentum / 2 + np.linalg.norm(torque), float(np.linalg.norm(momentum))
         own = w @ momentum / 2 + torque @ gamma, momentum @ gamma
-        return bool(
-            abs(own[0] - to_double(h)) <= _NEAR * sizes[0]
-            and abs(own[1] - to_double(f)) <= _NEAR * sizes[1]
-        )
+        off = np.abs(np.subtract(own, (to_double(h), to_double(f))))
+        return bool(np.all(off <= np.multiply(_NEAR, sizes)))
 
     def coarse(self) -> str:
         """That what is shown between two samples is not the motion, where that is so."""
@@ -203,14 +181,10 @@ def of_samples(samples: Samples) -> ShownMotion:
         raise BadInput(samples.name, "--scene", None, "the scene that the file belongs to")
     needed = (*STATE[:3], *ATTITUDE)
     if not samples.has(needed):
-        raise BadInput(
-            samples.name, "header", ",".join(samples.columns), f"columns {', '.join(needed)}"
-        )
-    times, attitude, omega = (
-        samples.columns["t"],
-        samples.vectors(ATTITUDE),
-        samples.vectors(STATE[:3]),
-    )
+        expected = f"columns {', '.join(needed)}"
+        raise BadInput(samples.name, "header", ",".join(samples.columns), expected)
+    times, attitude = samples.columns["t"], samples.vectors(ATTITUDE)
+    omega = samples.vectors(STATE[:3])
     if times[-1] < times[0]:
         times, attitude, omega = times[::-1], attitude[::-1], omega[::-1]
     if not (np.isfinite(attitude).all() and np.isfinite(omega).all()):

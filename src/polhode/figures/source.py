@@ -33,9 +33,9 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import AnyNumber, NumberType, Rows, States
 from polhode.results import reader
 from polhode.results.result import Storable
-from polhode.runs.options import choose_number
+from polhode.runs.options import Options, choose_number
 from polhode.runs.saved import Saved, load_result
-from polhode.runs.trajectory import Trajectory
+from polhode.runs.trajectory import Trajectory, solve
 from polhode.scenes import library
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ANGLES, ATTITUDE, REQUESTS, SPACE, STATE, Several, Single
@@ -224,11 +224,7 @@ def _check(word: str, source: str) -> None:
 
 
 def _of_scene(
-    scene: Scene,
-    word: str,
-    request: Request,
-    number: NumberType | None,
-    progress: Progress | None,
+    scene: Scene, word: str, request: Request, number: NumberType | None, progress: Progress | None
 ) -> Drawing:
     """A scene's motion, integrated at even times."""
     _check(word, scene.name)
@@ -238,15 +234,12 @@ def _of_scene(
     end = None if request.end is None else _time(scene, request.end)
     long = word in OVER_TIME
     times = sampling.shown_times(scene, end, SAMPLES if long else None)
-    run = sampling.run(
-        scene,
-        times,
-        OUTPUTS.get(word, ()),
-        request.number or (number if request.digits is None else None),
-        request.digits,
-        progress,
-        project=False if word == "integrals" else None,
-    )
+    stops = tuple(event for event in scene.events if event.stop)
+    plain = replace(scene, times=times, outputs=OUTPUTS.get(word, ()), events=stops)
+    kind = request.number or (number if request.digits is None else None)
+    chosen = choose_number(plain, kind, request.digits)
+    options = Options(project=False if word == "integrals" else None, digits=request.digits)
+    run = solve(plain, chosen, options, progress, interruptible=False)
     if not run.outcome.done:
         expected = f"an earlier end: {run.outcome.cause}; {run.outcome.advice}"
         raise Unreached(scene.name, "end", brief(times[-1]), expected)
@@ -255,10 +248,8 @@ def _of_scene(
         note = "without projection, after which the integrals would say nothing"
         notes.append(f"{scene.name}: {note}")
     if abs(times[-1]) < abs(scene.end) and end is None:
-        note = f"{sampling.WINDOW} radians; --end shows another time"
-        notes.append(
-            f"{scene.name}: showing t = 0 to {brief(times[-1])} of {brief(scene.end)}, {note}"
-        )
+        span = f"t = 0 to {brief(times[-1])} of {brief(scene.end)}, {sampling.WINDOW} radians"
+        notes.append(f"{scene.name}: showing {span}; --end shows another time")
     apart = sampling.radians_apart(scene, times)
     if not long and apart > 0.5:
         note = f"{apart:.2g} radians between two samples: a shorter --end draws curves"
@@ -309,7 +300,7 @@ def _samples_of(
     if table.run is not None:
         samples = sampling.of_run(table.run)
     else:
-        samples = sampling.of_table(table, scene)
+        samples = sampling.of_table(in_order(table), scene)
         _refuse_what_is_missing(samples, word)
     _refuse_extreme_numbers(samples)
     return samples

@@ -75,15 +75,9 @@ class Globe:
             shown[1:] |= part
             x, y = np.where(shown[:, None], page, math.nan).T
             if shown.any():
-                axes.plot(
-                    x,
-                    y,
-                    color=tint,
-                    zorder=order + style.get("above", 0),
-                    lw=style.get("lw", 0.8),
-                    solid_capstyle="butt",
-                    gid=f"{name}{end}" if name else None,
-                )
+                gid = f"{name}{end}" if name else None
+                look = {"color": tint, "lw": style.get("lw", 0.8), "solid_capstyle": "butt"}
+                axes.plot(x, y, zorder=order + style.get("above", 0), gid=gid, **look)
 
     def surface(self, axes: Any) -> None:
         """The graticule, a line each 30 degrees, and the outline."""

@@ -16,27 +16,13 @@ from polhode.common.arguments import each, of_kind, refuse_unknown, with_progres
 from polhode.common.errors import BadInput, TooManySteps
 from polhode.common.interrupts import Progress
 from polhode.common.values import waiting
-from polhode.judging.judgement import Diagnosis, Judgement
-from polhode.judging.limits import (
-    LAST,
-    NO_LIMIT,
-    UNKNOWN,
-    Expectation,
-    Residual,
-    ResidualRows,
-    departure,
-    expectation,
-    is_unexpected,
-    limit_of,
-    rotation_errors,
-)
+from polhode.judging.judgement import Judgement, diagnosis
 from polhode.judging.reference import NoAnswer, ProofLimits, Reference, reference
-from polhode.judging.score import STATE_PART, Score, bits_of, score
+from polhode.judging.score import Score, score
 from polhode.judging.tables.column_aliases import PLAIN, Naming, naming
 from polhode.judging.tables.csv_file import table_of_columns, table_of_rows
-from polhode.judging.tables.explanations import Cause, as_meant, read_as_told
-from polhode.judging.tables.explanations import causes as fitted_causes
-from polhode.judging.tables.hypotheses import clock_remark, other_start
+from polhode.judging.tables.explanations import as_meant, read_as_told
+from polhode.judging.tables.hypotheses import clock_remark
 from polhode.judging.tables.table import Reading, TrajectoryTable, as_judged, of_run
 from polhode.judging.tables.table_file import ENDINGS, read_table
 from polhode.numbers.decimals import brief
@@ -180,58 +166,6 @@ def compare(
         result = score(table, truth, progress)
     meaning = waiting(partial(diagnosis, result, offered, details))
     return Judgement(**{x.name: getattr(result, x.name) for x in fields(Score)}, diagnosis=meaning)
-
-
-def diagnosis(score: Score, offered: tuple[Reading, ...], details: bool) -> Diagnosis:
-    """What the digits of a score mean: those to expect, what limits them, what may be wrong."""
-    table, scene = score.subject, score.reference.scene
-    is_foreign = table.run is None
-    offers = offered if score.is_wrong else ()
-    falls = {name: departure(score.times, row) for name, row in score.part_digits.items()}
-    limited = (STATE_PART, "attitude")
-    loses_all = bool(score.digits) and score.state_worst < LAST
-    is_plain = UNKNOWN not in [limit_of(score, part) for part in limited]
-    is_plain = is_plain and not any(falls.values())
-    unknown = (None,) * len(score.times)
-    expected = None if is_plain and not (loses_all or details) else expectation(score)
-    limit, limit_of_attitude = (limit_of(score, part, expected) for part in limited)
-    rotation = rotation_errors(score)
-    residuals: tuple[Residual, ...] = ()
-    blamed = is_foreign and "method" in (limit.name, limit_of_attitude.name)
-    if is_foreign and (details or (blamed and not offers)):
-        rows = ResidualRows.of(score, rotation)
-        noise = rows.noise(score) if blamed and not offers else None
-        if noise is not None:
-            both = limit, limit_of_attitude
-            limit, limit_of_attitude = (noise if x.name == "method" else x for x in both)
-        residuals = rows.residuals if details or noise is not None else ()
-    causes: tuple[Cause, ...] = ()
-    if is_foreign and score.digits and not offers and (loses_all or limit.name == "method"):
-        causes = fitted_causes(table, scene)
-    if is_foreign and limit.name == "method" and (loses_all or offers):
-        limit = NO_LIMIT  # its method is not to blame
-    start, is_explained = "", bool(table.readings or offers or causes)
-    if is_foreign and not is_explained and score.has_digits and score.worst < LAST:
-        start = other_start(table, scene)
-    departures = {
-        name: fall
-        for name, fall in falls.items()
-        if fall is not None
-        and expected is not None
-        and is_unexpected(fall, score.times, score.part_digits[name], expected.bands)
-    }
-    return Diagnosis(
-        limit,
-        limit_of_attitude,
-        expected or Expectation(unknown, unknown, None, ""),
-        departures,
-        offers,
-        causes,
-        start,
-        residuals,
-        rotation,
-        table.drift(scene, bits_of(table)),
-    )
 
 
 def _truth(

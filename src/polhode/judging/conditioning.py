@@ -174,12 +174,8 @@ def kappa(along: Passage) -> Iterator[float]:
     """
     start = six(along.plain.start)
     by = principal.sensitivities(along.inside.body)
-    chain = np.array(
-        [
-            [to_double(d.get(name, 0)) / (unit or 1.0) for d in by]
-            for name, unit in zip(NAMES, along.units, strict=True)
-        ]
-    )
+    changes = np.array([[to_double(d.get(name, 0)) for d in by] for name in NAMES])
+    chain = changes / [[unit or 1.0] for unit in along.units]
     tangents = Scaled(np.hstack([np.diag(start), np.zeros((len(start), len(by)))]), 0)
     scale = along.rate_scale
     for stretch in along.stretches:
@@ -201,12 +197,8 @@ def rounding(along: Passage, number: NumberType, every: int = 0) -> Iterator[Rou
     if at_rest(along.scene).state:  # a run keeps its rounded state
         yield from (Rounding(v, c) for _ in along.stretches)
         return
-    drive = np.array(
-        [
-            _off(k.get(name, ZERO), number) / (unit or 1.0)
-            for name, unit in zip(NAMES, along.units, strict=True)
-        ]
-    )
+    off = np.array([_off(k.get(name, ZERO), number) for name in NAMES])
+    drive = off / [unit or 1.0 for unit in along.units]
     counts, rests = _projections(along, every), _Rests(along, v.values)
     ends = [stretch.state for stretch, count in zip(along.stretches, counts, strict=True) if count]
     keeps: Iterator[Doubles] = iter(level_projections(along, np.array(ends)) if ends else ())
@@ -515,11 +507,8 @@ class Conditioning(Result, ByValue):
         name = self.number.name
         head = f"{'t':>14}  {'kappa':>9}  {'amplification':>13}  {'expected in ' + name:>18}"
         lines = [f"{head}  inputs  bound"]
-        rows = zip(
-            *(self.times, self.kappa, self.log10_amplification, self.expected()),
-            *(self.inputs(), self.digits_bound()),
-            strict=True,
-        )
+        columns = self.times, self.kappa, self.log10_amplification, self.expected()
+        rows = zip(*columns, self.inputs(), self.digits_bound(), strict=True)
         for t, kappa, log10_a, band, inputs, bound in rows:
             if kappa is not None and log10_a is not None and band is not None:
                 shown = band.shown(self.number)

@@ -15,7 +15,7 @@ from polhode.judging.compare import compare
 from polhode.judging.conditioning import Band
 from polhode.judging.limits import expectation
 from polhode.judging.reference import reference
-from polhode.judging.score import Score
+from polhode.judging.score import RowDigits, Score
 from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.exact import sign
 from polhode.numbers.number_types import AnyNumber, AnyVector
@@ -56,13 +56,8 @@ class ObservedOrder(Result):
             Column(f"correct_digits_{k}", row, f"of step {k}", digits=4)
             for k, row in enumerate(self.digits, 1)
         )
-        return Table(
-            [
-                Column("t", list(self.times), "time"),
-                Column("order", list(self.orders), "of the method, none from too few steps"),
-                *digits,
-            ]
-        )
+        order = Column("order", list(self.orders), "of the method, none from too few steps")
+        return Table([Column("t", list(self.times), "time"), order, *digits])
 
     def facts(self) -> list[Fact]:
         """The order, and of what steps."""
@@ -184,9 +179,7 @@ def observed_order(
 
 
 def order_between(
-    judged: Sequence[Score],
-    steps: Sequence[AnyNumber] | None = None,
-    where: str = "in --steps",
+    judged: Sequence[Score], steps: Sequence[AnyNumber] | None = None, where: str = "in --steps"
 ) -> ObservedOrder:
     """The order of one method whose tables, made with different steps, were judged.
 
@@ -212,14 +205,11 @@ def _lengths(source: str, steps: Sequence[AnyNumber]) -> tuple[float, ...]:
 
 
 def _order(
-    source: str,
-    judged: Sequence[Score],
-    steps: tuple[float, ...],
-    names: tuple[str, ...] = (),
+    source: str, judged: Sequence[Score], steps: tuple[float, ...], names: tuple[str, ...] = ()
 ) -> ObservedOrder:
     """What judgements tell at those times that all of them have, but t = 0; raises BadInput."""
     digits = [
-        {_label(t): d for t, d in zip(score.times, _fewest(score), strict=True) if d is not None}
+        {_label(t): d for t, d in zip(score.times, _digits(score), strict=True) if d is not None}
         | {_label(score.times[k]): math.nan for rows in score.gaps.values() for k in rows}
         for score in judged
     ]
@@ -296,14 +286,9 @@ def _label(t: Fraction) -> str:
     return f"{float(t):.12g}"
 
 
-def _fewest(judged: Score) -> Sequence[float | None]:
+def _digits(judged: Score) -> RowDigits:
     """At each time the digits of the state; of what is judged, where there is no state."""
-    if judged.digits:
-        return judged.digits
-    parts = [row for row in judged.part_digits.values() if row]
-    return [
-        min((d for d in here if d is not None), default=None) for here in zip(*parts, strict=True)
-    ]
+    return judged.digits or judged.fewest_digits
 
 
 def _slope(points: Sequence[tuple[float, float]]) -> float:

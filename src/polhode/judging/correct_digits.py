@@ -56,7 +56,8 @@ def log10_differences(
         return log10_sizes((own if side > 0 else -own) - true)  # a product may be out of range
     own, true = plain_rows(own), plain_rows(true)
     turns = [_turn(bits) if k in turning else None for k in range(len(own[0]) if len(own) else 0)]
-    pairs = zip(_lists(own), true, strict=True)
+    rows = own.tolist() if isinstance(own, np.ndarray) else own  # quicker to take apart
+    pairs = zip(rows, true, strict=True)
     logs = [[*map(_log10_gap, row, right, turns, repeat(side))] for row, right in pairs]
     return np.array(logs).reshape(len(logs), len(turns))
 
@@ -153,9 +154,8 @@ def state_errors(states: AnyStates, true: AnyStates, scene: Scene | str | Path) 
     """
     scene = library.load(scene, takes=REQUESTS)
     if len(states) != len(true):
-        raise BadInput(
-            scene.name, "states", f"{len(states)} rows", f"{len(true)}, as the true ones"
-        )
+        expected = f"{len(true)}, as the true ones"
+        raise BadInput(scene.name, "states", f"{len(states)} rows", expected)
     for k, (row, right) in enumerate(zip(states, true, strict=True), 1):
         if len(row) != len(right):
             expected = f"{len(right)}, as the true one"
@@ -170,11 +170,6 @@ def state_errors(states: AnyStates, true: AnyStates, scene: Scene | str | Path) 
 def plain_rows(rows: Given | Pairs) -> Given:
     """Rows of single numbers, exact; of pairs polhode's own mpf."""
     return binary_numbers(rows) if isinstance(rows, Pairs) else rows
-
-
-def _lists(rows: Given) -> Given:
-    """Rows as lists of Python's own numbers, which are quicker to take apart."""
-    return rows.tolist() if isinstance(rows, np.ndarray) else rows
 
 
 def _quotient(x: Scalar) -> _Quotient:

@@ -309,13 +309,9 @@ class _Fitted:
         for row, column in np.argwhere(self._differ(own, right)).tolist():
             places = self.monomials[column]
             unit = self.sizes[row] / math.prod(self.units[k] for k in places)
-            true, coefficient = (
-                0.0 if abs(x) <= noise else x * unit
-                for x, noise in (
-                    (float(right[row, column]), _ROUNDING),
-                    (float(own[row, column]), float(self.noise[row])),
-                )
-            )
+            true, coefficient = float(right[row, column]), float(own[row, column])
+            true = 0.0 if abs(true) <= _ROUNDING else true * unit
+            coefficient = 0.0 if abs(coefficient) <= self.noise[row] else coefficient * unit
             term = " ".join(self.names[k] for k in places) or "1"
             differences.append(Difference(f"{self.names[row]}'", term, true, coefficient))
         return tuple(differences)

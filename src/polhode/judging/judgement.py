@@ -13,20 +13,11 @@ import numpy as np
 from polhode.common.errors import aligned, few
 from polhode.common.values import may_wait
 from polhode.equations.integrals import Drift
+from polhode.judging import limits
 from polhode.judging.conditioning import Band
-from polhode.judging.limits import (
-    LAST,
-    NOISES,
-    Departure,
-    Expectation,
-    Limit,
-    Residual,
-    chance,
-    is_lost,
-    lost_digits,
-    shown_digits,
-)
-from polhode.judging.score import SHOWN, STATE_PART, Score
+from polhode.judging.limits import LAST, NOISES, Departure, Expectation, Limit, Residual
+from polhode.judging.score import SHOWN, STATE_PART, Score, bits_of
+from polhode.judging.tables import explanations, hypotheses
 from polhode.judging.tables.explanations import Cause
 from polhode.judging.tables.table import WRONG, Reading
 from polhode.numbers.decimals import brief, in_full, shortest
@@ -91,6 +82,57 @@ class Diagnosis(NamedTuple):
     residuals: tuple[Residual, ...]
     rotation_errors: Doubles
     integrals: Drift | str
+
+
+def diagnosis(score: Score, offered: tuple[Reading, ...], details: bool) -> Diagnosis:
+    """What the digits of a score mean: those to expect, what limits them, what may be wrong."""
+    table, scene = score.subject, score.reference.scene
+    is_foreign = table.run is None
+    offers = offered if score.is_wrong else ()
+    digits = score.part_digits
+    falls = {name: limits.departure(score.times, row) for name, row in digits.items()}
+    limited = (STATE_PART, "attitude")
+    loses_all = bool(score.digits) and score.state_worst < LAST
+    is_plain = limits.UNKNOWN not in [limits.limit_of(score, part) for part in limited]
+    is_plain = is_plain and not any(falls.values())
+    unknown = (None,) * len(score.times)
+    expected = None if is_plain and not (loses_all or details) else limits.expectation(score)
+    limit, limit_of_attitude = (limits.limit_of(score, part, expected) for part in limited)
+    rotation = limits.rotation_errors(score)
+    residuals: tuple[Residual, ...] = ()
+    blamed = is_foreign and "method" in (limit.name, limit_of_attitude.name)
+    if is_foreign and (details or (blamed and not offers)):
+        rows = limits.ResidualRows.of(score, rotation)
+        noise = rows.noise(score) if blamed and not offers else None
+        if noise is not None:
+            both = limit, limit_of_attitude
+            limit, limit_of_attitude = (noise if x.name == "method" else x for x in both)
+        residuals = rows.residuals if details or noise is not None else ()
+    causes: tuple[Cause, ...] = ()
+    if is_foreign and score.digits and not offers and (loses_all or limit.name == "method"):
+        causes = explanations.causes(table, scene)
+    if is_foreign and limit.name == "method" and (loses_all or offers):
+        limit = limits.NO_LIMIT  # its method is not to blame
+    start, is_explained = "", bool(table.readings or offers or causes)
+    if is_foreign and not is_explained and score.has_digits and score.worst < LAST:
+        start = hypotheses.other_start(table, scene)
+    departures = {
+        name: fall
+        for name, fall in falls.items()
+        if fall and expected and fall.is_unexpected(score.times, digits[name], expected.bands)
+    }
+    return Diagnosis(
+        limit,
+        limit_of_attitude,
+        expected or Expectation(unknown, unknown, None, ""),
+        departures,
+        offers,
+        causes,
+        start,
+        residuals,
+        rotation,
+        table.drift(scene, bits_of(table)),
+    )
 
 
 @may_wait("diagnosis")
@@ -168,7 +210,7 @@ class Judgement(Result, Score):
     @property
     def lost(self) -> str:
         """That no digits are left, and after which time; empty where some are left throughout."""
-        return lost_digits(self.digits, self.diagnosis.expectation)
+        return limits.lost_digits(self.digits, self.diagnosis.expectation)
 
     @property
     def drift(self) -> Drift | None:
@@ -189,8 +231,8 @@ class Judgement(Result, Score):
         method is not what limits them."""
         if self.limit.name != "method":
             return None
-        expected = self.expected[self.lowest_row]
-        return None if expected is None else chance(self.state_worst, expected, self.rows_judged)
+        band, count = self.expected[self.lowest_row], self.rows_judged
+        return None if band is None else limits.chance(self.state_worst, band, count)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -230,11 +272,9 @@ class Judgement(Result, Score):
         columns = [Column("t", list(self.times), "time", unit)]
         if self.digits:
             bands = self.expected
+            pairs = zip(self.digits, bands, strict=True)
             digits_of_state = {
-                "correct_digits": [
-                    None if is_lost(d, band) else d
-                    for d, band in zip(self.digits, bands, strict=True)
-                ],
+                "correct_digits": [None if limits.is_lost(d, band) else d for d, band in pairs],
                 "digits_expected_least": [band and band.least for band in bands],
                 "digits_expected_median": [band and band.middle for band in bands],
                 "digits_expected_most": [band and band.most for band in bands],
@@ -253,20 +293,14 @@ class Judgement(Result, Score):
         agreement = None if against.is_closed_form else self.agreement
         worst = self._worst if self.has_digits else None
         rotated = max((x for x in self.rotation_angles if x is not None), default=None)
-        readings = table_of_rows(
-            {"part": TEXT, "convention": TEXT, "digits": DOUBLE},
-            [(x.part, x.convention, x.digits) for x in self.readings],
-            labels=0,
-        )
-        left = table_of_rows(
-            {"column": TEXT, "rms": DOUBLE, "bias": DOUBLE, "bias_error": DOUBLE},
-            self.residuals,
-        )
+        rows = [(x.part, x.convention, x.digits) for x in self.readings]
+        types = {"part": TEXT, "convention": TEXT, "digits": DOUBLE}
+        readings = table_of_rows(types, rows, labels=0)
+        types = {"column": TEXT, "rms": DOUBLE, "bias": DOUBLE, "bias_error": DOUBLE}
+        left = table_of_rows(types, self.residuals)
         causes = table_of_rows({"cause": TEXT, "digits": DOUBLE}, [*self.causes], labels=0)
-        departures = table_of_rows(
-            {"part": TEXT, "until": EXACT, "since": EXACT},
-            [(part, x.until, x.since) for part, x in self.departures.items()],
-        )
+        falls = [(part, x.until, x.since) for part, x in self.departures.items()]
+        departures = table_of_rows({"part": TEXT, "until": EXACT, "since": EXACT}, falls)
         facts = [
             *scene_facts(against.scene),
             Fact("file", str(subject.name), "what was judged"),
@@ -480,7 +514,7 @@ class Judgement(Result, Score):
         shown = few(count, SHOWN) if worst is None else sorted({0, worst, count - 1})
         columns = {"t": [_time(self.times[k], number) for k in shown]}
         if self.digits:
-            digits = [shown_digits(self.digits[k], expected[k]) for k in shown]
+            digits = [limits.shown_digits(self.digits[k], expected[k]) for k in shown]
             columns["correct digits"] = digits
         if self.digits and worst is None:
             bands = ["unknown" if (b := expected[k]) is None else b.shown(number) for k in shown]

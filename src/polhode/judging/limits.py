@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import accumulate, pairwise
+from itertools import accumulate, pairwise, repeat
 from statistics import NormalDist
 from typing import Any, NamedTuple
 
@@ -182,6 +182,15 @@ class Departure(NamedTuple):
             f"then from t = {brief(self.since)} on {self.most:.2f} or fewer"
         )
 
+    def is_unexpected(
+        self, times: Sequence[Fraction], digits: RowDigits, bands: Sequence[Band | None]
+    ) -> bool:
+        """Whether far more digits are expected, wherever there are any, from the fall on."""
+        first = times.index(self.since)
+        pairs = zip(digits[first:], bands[first:], strict=True)
+        expected = [band for d, band in pairs if d is not None]
+        return all(band is not None and band.least >= self.most + FALL for band in expected)
+
 
 def departure(times: Sequence[Fraction], digits: Sequence[float | None]) -> Departure | None:
     """Where digits fall for good; None where they do not."""
@@ -197,19 +206,6 @@ def departure(times: Sequence[Fraction], digits: Sequence[float | None]) -> Depa
     if not all(abs(s) < abs(t) and s * t >= 0 for s, t in pairwise(times)):
         return None  # not in order
     return Departure(times[there[n - 1]], least[n - 1], times[there[n]], most[n])
-
-
-def is_unexpected(
-    fall: Departure,
-    times: Sequence[Fraction],
-    digits: Sequence[float | None],
-    bands: Sequence[Band | None],
-) -> bool:
-    """Whether far more digits are expected, wherever there are any, from the fall on."""
-    after = bands[times.index(fall.since) :]
-    pairs = zip(digits[times.index(fall.since) :], after, strict=True)
-    expected = [band for d, band in pairs if d is not None]
-    return all(band is not None and band.least >= fall.most + FALL for band in expected)
 
 
 # --- expectation ----------------------------------------------------------------------------------
@@ -372,13 +368,8 @@ def differences(own: Given | Pairs, true: Given | Pairs, signs: Doubles | None =
         rounded: Doubles = (Pairs(own.hi * signs[:, None], own.lo * signs[:, None]) - true).hi
         return rounded
     rows = zip(signs.tolist(), plain_rows(own), plain_rows(true), strict=True)
-    return np.array(
-        [
-            [_difference(sign, x, y) for x, y in zip(mine, right, strict=True)]
-            for sign, mine, right in rows
-        ],
-        dtype=float,
-    )
+    gaps = [[*map(_difference, repeat(sign), mine, right)] for sign, mine, right in rows]
+    return np.array(gaps, dtype=float)
 
 
 def rotations(own: Given | Pairs, true: Given | Pairs) -> Doubles:

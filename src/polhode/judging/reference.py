@@ -20,7 +20,7 @@ from polhode.common.arguments import each, whole, with_progress
 from polhode.common.errors import BadInput, nearest
 from polhode.common.interrupts import Progress
 from polhode.equations.columns import derived
-from polhode.equations.kinematics import Hodographs
+from polhode.equations.kinematics import Hodographs, departure
 from polhode.judging.auxiliary_runs import FINE, turning_run
 from polhode.judging.reference_table import (
     ReferenceTable,
@@ -280,11 +280,8 @@ class Reference(Storable):
         digits = whole(scene.name, "digits", digits, 1, number_types.MAX_DIGITS)
         printed = number_of(digits).printed_digits
         times = held_times(scene, scene.times, digits)
-        columns = {
-            word: right_rows(partial(self.column, word), times, printed)
-            for word in COLUMNS
-            if word in outputs
-        }
+        words = [word for word in COLUMNS if word in outputs]
+        columns = {word: right_rows(partial(self.column, word), times, printed) for word in words}
         states, radii = right_rows(self.at, times, printed), self.radii(times, printed)
         return ReferenceTable(
             scene,
@@ -388,8 +385,6 @@ class EnclosureReference(Reference):
 
     def _refuse_lost(self, enclosure: Enclosure) -> None:
         """Raise NoAnswer where psi and phi are lost, and the third axis does not stay vertical."""
-        from polhode.equations.kinematics import departure
-
         assert enclosure.angles is not None
         pairs = zip(enclosure.angles.centres, enclosure.times, strict=True)
         if not any(row[0] is None and t != 0 for row, t in pairs):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -36,8 +36,10 @@ from polhode.scenes.vocabulary import ANGLES, ATTITUDE
 
 # --- part digits ----------------------------------------------------------------------------------
 #
-# Correct digits of one part of a table, row by row: of a quaternion, or of angles.
+# Correct digits of one part of a table, row by row.
 
+
+T = TypeVar("T")
 
 #: Digits at each time, None where no cell of the part is there or could be judged.
 RowDigits: TypeAlias = tuple[float | None, ...]
@@ -46,34 +48,15 @@ SHOWN = 11  # times that are printed, and judged in any case
 TURNING = (ANGLES.index("psi"), ANGLES.index("phi"))  # angles whose whole turns mean nothing
 
 
-def fewest(digits: RowDigits, most: float) -> float:
-    """The fewest of the digits; ``most`` where none was judged."""
-    return min((d for d in digits if d is not None), default=most)
+def fewest(digits: Iterable[float | None], otherwise: T) -> float | T:
+    """The fewest of the digits that were judged; ``otherwise`` where none was."""
+    return min((d for d in digits if d is not None), default=otherwise)
 
 
 def row_digits(differences: Doubles, most: float) -> RowDigits:
     """The fewest digits of each row, of log10 of its numbers' differences; None where none is."""
     digits = digits_of(largest(differences), most)
     return tuple(None if math.isnan(x) else x for x in digits.tolist())
-
-
-def part_digits(
-    name: str,
-    own: Given | Pairs,
-    true: Given | Pairs,
-    most: float,
-    bits: int,
-) -> RowDigits:
-    """A part's rows against the reference's; ``most``: the most digits that can be told.
-
-    Angles against attitudes: psi and phi up to whole turns, with ``bits`` of pi.  A quaternion and
-    its opposite are one attitude.
-    """
-    if name == "angles":
-        angles = angles_of_attitudes(plain_rows(true), bits)
-        return row_digits(log10_differences(own, angles, turning=TURNING, bits=bits), most)
-    sides = (largest(log10_differences(own, true, side=side)) for side in (1, -1))
-    return row_digits(np.fmin(*sides)[:, None], most)
 
 
 def angles_of_attitudes(attitudes: Given, bits: int) -> list[list[Scalar | None]]:
@@ -164,9 +147,6 @@ SPARE_DIGITS = 6  # of a reference beyond those that can be told
 _DIGITS = 15  # of the angles that are asked for where a table has none
 NEAR_POLE = 20  # of its attitude, which psi and phi lose near a pole
 
-T = TypeVar("T")
-
-
 STATE_PART = "state"  # omega and gamma together
 
 
@@ -214,11 +194,10 @@ class Comparison:
         """A comparison, by answers of an earlier one where it asked the same."""
         selected = selection(subject, reference)
         judged = subject if selected is None else subject.some(selected.rows)
-        same = earlier and earlier.reference is reference and earlier.judged.times == judged.times
-        answers, agreements = (
-            (earlier.answers, earlier.agreements) if earlier and same else ({}, {})
-        )
-        return cls(subject, reference, judged, selected, progress, answers, agreements)
+        comparison = cls(subject, reference, judged, selected, progress)
+        if earlier and earlier.reference is reference and earlier.judged.times == judged.times:
+            return replace(comparison, answers=earlier.answers, agreements=earlier.agreements)
+        return comparison
 
     @property
     def digits_wanted(self) -> int:
@@ -314,12 +293,20 @@ class Comparison:
         return everywhere
 
     def part(self, name: str) -> RowDigits:
-        """Digits of angles or of the attitude in the rows that are judged; raises ValueError."""
+        """Digits of angles or of the attitude in the rows that are judged; raises ValueError.
+
+        Angles against attitudes: psi and phi up to whole turns.  A quaternion and its opposite are
+        one attitude.
+        """
         most, bits = self.subject.held, bits_of(self.subject)
 
         def judged(true: Answer) -> RowDigits:
             own = self.judged.numbers(PARTS[name], in_pairs=isinstance(true, Pairs))
-            return part_digits(name, own, true, most, bits)
+            if name == "angles":
+                angles = angles_of_attitudes(plain_rows(true), bits)
+                return row_digits(log10_differences(own, angles, turning=TURNING, bits=bits), most)
+            sides = (largest(log10_differences(own, true, side=side)) for side in (1, -1))
+            return row_digits(np.fmin(*sides)[:, None], most)
 
         more = NEAR_POLE if name == "angles" else 0
         return self.by_enough("attitude", judged, lambda row: fewest(row, most), more)
@@ -369,6 +356,10 @@ def _joined(pieces: Sequence[Answer]) -> Answer:
     return [row for x in pieces for row in plain_rows(x)]
 
 
+def _fewest_of_rows(parts: Mapping[str, RowDigits]) -> RowDigits:
+    return tuple(fewest(row, None) for row in zip(*parts.values(), strict=True))
+
+
 class _Worst(NamedTuple):
     """The fewest digits, the part that has them, and its first such row."""
 
@@ -414,9 +405,8 @@ class Score(ByValue):
     @cached_property
     def digits(self) -> RowDigits:
         """Correct digits of the state at each time; empty where no number of it is there."""
-        rows = zip(*self.halves.values(), strict=True)
-        fewest_of_row = tuple(min((d for d in row if d is not None), default=None) for row in rows)
-        return () if all(d is None for d in fewest_of_row) else fewest_of_row
+        digits = _fewest_of_rows(self.halves)
+        return () if all(d is None for d in digits) else digits
 
     @property
     def part_digits(self) -> dict[str, RowDigits]:
@@ -425,6 +415,11 @@ class Score(ByValue):
         omega, gamma; angles and attitude, by absolute error.
         """
         return {**self.halves, **self.other_parts}
+
+    @property
+    def fewest_digits(self) -> RowDigits:
+        """The fewest correct digits of any part at each time."""
+        return _fewest_of_rows(self.part_digits)
 
     @property
     def parts(self) -> dict[str, float]:
@@ -555,33 +550,23 @@ def score(
         if all(x is None for row in own for x in row):
             refusals[name] = f"none of {'them' if name == 'angles' else 'it'} has a value"
             continue
-        digits_or_refusal = _part_or_refusal(comparison, name)
-        if isinstance(digits_or_refusal, str):
-            refusals[name] = digits_or_refusal
+        try:
+            digits = _part(comparison, name)
+        except ValueError as fault:  # BadInput is one
+            refusals[name] = str(fault)
         else:
-            others[name] = at_rows(name, digits_or_refusal)
-    return Score(
-        subject,
-        reference,
-        halves,
-        others,
-        refusals,
-        missing,
-        gaps,
-        selected,
-        comparison.agreement,
-        comparison,
-    )
+            others[name] = at_rows(name, digits)
+    parts = halves, others, refusals, missing, gaps
+    return Score(subject, reference, *parts, selected, comparison.agreement, comparison)
 
 
-def _part_or_refusal(comparison: Comparison, name: str) -> RowDigits | str:
-    """A part's digits, by a proof where the closed form has no answer; or why there are none."""
+def _part(comparison: Comparison, name: str) -> RowDigits:
+    """A part's digits, by a proof where the closed form has no answer; raises ValueError."""
     try:
         return comparison.part(name)
-    except ValueError as fault:  # BadInput is one
-        truth = comparison.reference
-        if isinstance(fault, NoAnswer) and truth.is_closed_form:
+    except NoAnswer:
+        if comparison.reference.is_closed_form:
             with suppress(ValueError):
-                proven = reference(truth.scene, "certified")
+                proven = reference(comparison.reference.scene, "certified")
                 return replace(comparison, reference=proven, answers={}).part(name)
-        return str(fault)
+        raise

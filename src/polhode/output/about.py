@@ -31,11 +31,8 @@ class About(Result, ByValue):
         facts = {**self.installation["versions"], "cpu": self.installation["cpu"]}
         for name, bits, digits in _NUMBERS:
             facts[name] = "any number of bits" if name == "mp" else f"{bits} bits, {digits} digits"
-        facts |= {
-            "cases": self.installation["cases"],
-            "cache": _in_words(self.installation["cache"]),
-        }
-        facts["refined"] = self.installation["refined"]
+        facts |= {key: self.installation[key] for key in ("cases", "cache", "refined")}
+        facts["cache"] = _in_words(facts["cache"])
         return "\n".join(f"{name:<12} {value}" for name, value in facts.items())
 
     def table(self) -> Table:

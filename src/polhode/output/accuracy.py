@@ -21,6 +21,7 @@ from polhode.judging.conditioning import conditioning
 from polhode.judging.convergence_order import order_between
 from polhode.judging.judgement import Judgement
 from polhode.judging.reference import ProofTooLong, Reference, reference
+from polhode.judging.score import RowDigits, fewest
 from polhode.judging.tables.column_aliases import AbsentColumn
 from polhode.motion.outcomes import Outcome
 from polhode.numbers.conversion import to_double
@@ -110,18 +111,14 @@ class AccuracyLine(NamedTuple):
     source: GivenTable | None = None
 
     @property
-    def digits(self) -> list[float | None]:
+    def digits(self) -> RowDigits:
         """The fewest correct digits of any part at each time."""
-        if self.judgement is None:
-            return []
-        parts = [x for x in (self.judgement.digits, *self.judgement.part_digits.values()) if x]
-        rows = zip(*parts, strict=True)
-        return [min((d for d in row if d is not None), default=None) for row in rows]
+        return () if self.judgement is None else self.judgement.fewest_digits
 
     @property
     def fewest(self) -> float | None:
         """The fewest of them."""
-        return min((d for d in self.digits if d is not None), default=None)
+        return fewest(self.digits, None)
 
     @property
     def sentence(self) -> str:
@@ -207,12 +204,12 @@ def section(
     say(f"{scene.name}: speed against error")
     marks = [x.mark(request.digits) for x in files or lines]
     verdict = (max if files else min)(marks, key=VERDICTS.index)
-    fewest = {line.name: line.fewest for line in lines}
-    of_files = min((d for x in files if (d := x.fewest) is not None), default=None)
+    of_runs = {line.name: line.fewest for line in lines}
+    of_files = fewest((x.fewest for x in files), None)
     by_digits = sorted(files, key=lambda x: math.inf if x.fewest is None else x.fewest)
     judgements = (x.judgement for x in (*by_digits, *lines) if x.fewest is not None)
     limit = next((str(x.limit) for x in judgements if x is not None), "")
-    runs = [fewest.get(name) for name in NUMBERS]
+    runs = [of_runs.get(name) for name in NUMBERS]
     kind = motion.verdict, limit, against.regime, against.kind
     described = [line.split(None, 1) for line in str(describe(scene)).splitlines()]
     orders = [*_orders(files)]
@@ -233,10 +230,7 @@ def section(
         "files": [
             text
             for line in files
-            for text in (
-                f"*{line.name}*:",
-                str(line.judgement) if line.judgement else line.sentence,
-            )
+            for text in (f"*{line.name}*:", str(line.judgement or line.sentence))
         ],
         "orders": [text for text, _ in orders],
     }

@@ -31,12 +31,8 @@ class Cases(Result, ByValue):
     def table(self) -> Table:
         """One row per case; tags with blanks between."""
         each = self.entries.values()
-        columns = {
-            "scene": [*self.entries],
-            "reference": [x.reference for x in each],
-            "regime": [x.regime for x in each],
-            "title": [x.title for x in each],
-        }
+        names = ("reference", "regime", "title")
+        columns = {"scene": [*self.entries]} | {k: [getattr(x, k) for x in each] for k in names}
         tags = Column("tags", [" ".join(x.tags) for x in each], type=TEXT, digits=0)
         return Table([*(Column(name, x, type=TEXT) for name, x in columns.items()), tags])
 

@@ -160,9 +160,8 @@ def _frequencies(reference: Reference) -> JsonObject:
             if reference.curve is not None:
                 texts["curve"] = _curve(reference.curve)
             if (rate := reference.approach) is not None:
-                texts["tends"] = (
-                    f"to a periodic motion, differences fall as exp(-{float(rate):.6g} t)"
-                )
+                fall = f"differences fall as exp(-{float(rate):.6g} t)"
+                texts["tends"] = f"to a periodic motion, {fall}"
     except TooLong:
         texts["not_told"] = f"frequencies take longer than {SECONDS:g} s here"
     except BadInput as fault:
@@ -184,14 +183,9 @@ def _curve(curve: JsonObject) -> JsonObject:
     """The curve of a Kovalevskaya top, in time units of 2**-exponent, to 17 digits."""
     from polhode.numbers.mpmath_context import mpmath
 
-    def text(x: Any) -> str:
-        return str(mpmath.nstr(x, 17))
+    def text(x: Any) -> Any:
+        if isinstance(x, list):
+            return [text(element) for element in x]
+        return x if x is None or isinstance(x, int) else str(mpmath.nstr(x, 17))
 
-    return {
-        name: [text(x) for x in value]
-        if isinstance(value, list)
-        else value
-        if value is None or isinstance(value, int)
-        else text(value)
-        for name, value in curve.items()
-    }
+    return {name: text(value) for name, value in curve.items()}

@@ -86,9 +86,8 @@ def search(words: str) -> list[tuple[str, str, str]]:
     Whole words in any case; a plural finds its singular and the other way round.  What stands
     under a heading of these words comes first: the glossary's entry, the section about it.
     """
-    patterns = [
-        re.compile(rf"\b{re.escape(word.removesuffix('s'))}s?\b", re.I) for word in words.split()
-    ]
+    stems = [re.escape(word.removesuffix("s")) for word in words.split()]
+    patterns = [re.compile(rf"\b{stem}s?\b", re.I) for stem in stems]
     titled: list[tuple[str, str, str]] = []
     others: list[tuple[str, str, str]] = []
     for topic in [INDEX, *topics()]:

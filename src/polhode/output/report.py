@@ -224,18 +224,17 @@ def _table_of(source: Any, place: int) -> GivenTable | None:
         return GivenTable(f"run of {source.scene.name}", source)
     if not isinstance(source, (str, Path)):
         return GivenTable(f"table {place}", source)
-    match = None if Path(source).exists() else _FILE.fullmatch(str(source))
-    name = file_of(str(source))
-    if match is None or not is_table(name):
-        return GivenTable(name, name) if is_table(name) else None
-    cost = float(match["cost"]) * _UNITS[match["unit"]] if match["cost"] else None
-    return GivenTable(name, name, cost, match["step"])
+    table = file_of(str(source))
+    return table if is_table(table.name) else None
 
 
-def file_of(text: str) -> str:
-    """The name of a file, without what is told of it after it."""
+def file_of(text: str) -> GivenTable:
+    """A file, and what is told of it after its name."""
     match = None if Path(text).exists() else _FILE.fullmatch(text)
-    return match["file"] if match else text
+    if match is None:
+        return GivenTable(text, text)
+    cost = float(match["cost"]) * _UNITS[match["unit"]] if match["cost"] else None
+    return GivenTable(match["file"], match["file"], cost, match["step"])
 
 
 def _own_scene(of: GivenTable) -> Scene:

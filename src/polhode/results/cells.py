@@ -39,6 +39,8 @@ from polhode.results.table import Column, Fact, Table, Value, Values
 
 DOUBLE, INTEGER, TRUTH = "double", "integer", "truth"
 TEXT, EXACT, OBJECT = "text", "exact", "object"
+#: NumPy's types, in files too, of the words that have one; values of the others are texts there.
+DTYPES = {DOUBLE: "<f8", INTEGER: "<i8", TRUTH: "|b1"}
 MOST_BITS = 1 << 16
 #: Of a decimal: a number of that many bits in full.
 MOST_CHARACTERS, MOST_EXPONENT = 70_000, 20_000
@@ -223,7 +225,7 @@ def of_json(values: Sequence[Value], kind: str) -> Any:
             raise ValueError("a text that is no number")
         return np.array([np.nan if x is None else float(x) for x in values], dtype=np.float64)
     if kind in (INTEGER, TRUTH):
-        return np.array(values, dtype=np.int64 if kind == INTEGER else np.bool_)
+        return np.array(values, dtype=DTYPES[kind])
     return values_of(["" if x is None else x for x in values], kind)
 
 

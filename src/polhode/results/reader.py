@@ -19,7 +19,7 @@ import numpy as np
 
 from polhode.common.errors import UNREADABLE, BadInput, nearest
 from polhode.common.files import MOST_UNPACKED, check_writable, is_stream, read_npz, read_whole
-from polhode.results.cells import DOUBLE, INTEGER, OBJECT, TEXT, TRUTH, of_json, plain, values_of
+from polhode.results.cells import DOUBLE, DTYPES, OBJECT, of_json, plain, values_of
 from polhode.results.table import RESERVED, Column, Content, Fact, Table, Value
 from polhode.results.writer import ABOUT, ENDINGS, FORMAT, METADATA, beside, digest, needed
 
@@ -132,9 +132,8 @@ def _arrow_values(column: Any, is_text: bool) -> Any:
         raise ValueError("no value in some rows")
     if not is_text:
         return column.to_numpy()
-    longest = max(
-        (len(x) for part in column.chunks for x in part.dictionary.to_pylist()), default=0
-    )
+    words = (x for part in column.chunks for x in part.dictionary.to_pylist())
+    longest = max(map(len, words), default=0)
     if 4 * longest * len(column) > MOST_UNPACKED:
         raise ValueError("texts of too many characters")
     return np.array(column.to_pylist(), dtype=np.str_)
@@ -243,23 +242,16 @@ def _check_size(columns: int, rows: int) -> None:
         raise ValueError(f"{columns} columns of {rows} rows")
 
 
-_DTYPES = {"<f8": DOUBLE, "<i8": INTEGER, "|b1": TRUTH}
-
-
 def _values(cells: Any, word: str) -> Any:
     """The values of an array, of a list of JSON, or of the cells of a CSV file: a tuple."""
     if isinstance(cells, list):
         return of_json(cells, word)
     if not isinstance(cells, np.ndarray):
         return values_of(cells, word)
-    if cells.ndim != 1 or _DTYPES.get(cells.dtype.str, TEXT) != (word if word in _FLAT else TEXT):
+    is_right = cells.dtype.str == DTYPES[word] if word in DTYPES else cells.dtype.kind == "U"
+    if cells.ndim != 1 or not is_right:
         raise ValueError(f"an array of {cells.dtype} and {cells.ndim} dimensions, not {word[:40]}")
-    if cells.dtype.kind not in "fibU":
-        raise ValueError(f"an array of {cells.dtype}")
-    return cells if word in _FLAT else values_of(cells.tolist(), word)
-
-
-_FLAT = tuple(_DTYPES.values())
+    return cells if word in DTYPES else values_of(cells.tolist(), word)
 
 
 def _fact(name: str, content: Any, description: Mapping[str, Value]) -> Fact:
@@ -272,7 +264,7 @@ def _fact(name: str, content: Any, description: Mapping[str, Value]) -> Fact:
     else:
         is_list = isinstance(content, list)
         values = of_json(content if is_list else [content], word)
-        listed = values.tolist() if word in _FLAT else [*values]
+        listed = values.tolist() if word in DTYPES else [*values]
         value = listed if is_list else listed[0]
     return Fact(name, value, *_meaning(description), word)
 
@@ -304,11 +296,15 @@ def check_place(path: Path, kind: str, inputs: Iterable[Path | None] = ()) -> No
     refuse_facts(path)
     if path.suffix.lower() == ".parquet":
         needed("pyarrow", str(path))
-    if is_stream(path):
+    occupied = [str(place) for place in places if place.exists() and place.stat().st_size]
+    if is_stream(path) or not occupied:
         return
-    for place in places:
-        if place.exists() and place.stat().st_size:
-            _check_kind(path, place, kind)
+    try:
+        there = kind_at(path)
+    except ValueError as fault:
+        raise BadInput(occupied[0], "file", None, f"another name: {fault}") from None
+    if there != kind:
+        raise BadInput(occupied[0], "file", None, f"another name: it holds a result {there}")
 
 
 def refuse_facts(path: Path) -> None:
@@ -317,12 +313,3 @@ def refuse_facts(path: Path) -> None:
     if table.suffix.lower() == ".csv" and path.name == beside(table).name:
         expected = f"another name: this is of the facts of {table.name}"
         raise BadInput(str(path), "file", None, expected)
-
-
-def _check_kind(path: Path, place: Path, kind: str) -> None:
-    try:
-        there = kind_at(path)
-    except ValueError as fault:
-        raise BadInput(str(place), "file", None, f"another name: {fault}") from None
-    if there != kind:
-        raise BadInput(str(place), "file", None, f"another name: it holds a result {there}")

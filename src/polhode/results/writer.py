@@ -22,23 +22,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from polhode.common.errors import BadInput, nearest
+from polhode.common.errors import BadInput
 from polhode.common.files import is_stream
 from polhode.common.texts import as_json
 from polhode.numbers.conversion import to_double
 from polhode.numbers.decimals import Ball
 from polhode.numbers.exact import Irrational
-from polhode.results.cells import (
-    DOUBLE,
-    EXACT,
-    INTEGER,
-    TRUTH,
-    doubles,
-    json_values,
-    plain,
-    texts,
-    word_of,
-)
+from polhode.results.cells import DOUBLE, DTYPES, EXACT, doubles, json_values, plain, texts, word_of
 from polhode.results.table import Column, Content, Fact, Table, Value
 
 if TYPE_CHECKING:
@@ -55,7 +45,7 @@ _TO_QUOTE = re.compile('[,"\r\n]')
 
 
 def files(content: Content, path: Path) -> dict[Path, bytes]:
-    """The files of a result at a path; raises BadInput for an ending that is none of ours."""
+    """The files of a result at a path, which has one of ``ENDINGS`` or is a stream."""
     if is_stream(path):
         return {path: csv_text(_exactly_timed(content.table)).encode()}
     suffix = path.suffix.lower()
@@ -65,12 +55,7 @@ def files(content: Content, path: Path) -> dict[Path, bytes]:
         return {path: text, beside(path): about.encode()}
     if suffix == ".json":
         return {path: as_json(document(content, columns=True)).encode()}
-    if suffix == ".npz":
-        return {path: _npz(content)}
-    if suffix == ".parquet":
-        return {path: _parquet(content)}
-    expected = f"a name that ends in {nearest(suffix, [*ENDINGS])}"
-    raise BadInput(str(path), "file", None, expected)
+    return {path: _npz(content) if suffix == ".npz" else _parquet(content)}
 
 
 def beside(path: Path) -> Path:
@@ -191,10 +176,9 @@ def _npz(content: Content) -> bytes:
 def array(column: Column) -> npt.NDArray[np.generic]:
     """A column as an array of doubles, integers or truths, or else of texts."""
     word = word_of(column)
-    if word == DOUBLE:
-        return np.ascontiguousarray(doubles(column.values))
-    if word in (INTEGER, TRUTH):
-        return np.ascontiguousarray(column.values, np.int64 if word == INTEGER else np.bool_)
+    if word in DTYPES:
+        values = doubles(column.values) if word == DOUBLE else column.values
+        return np.ascontiguousarray(values, DTYPES[word])
     return np.array(texts(column.values, word), dtype=np.str_)
 
 

@@ -38,7 +38,7 @@ class Verb(NamedTuple):
     example: str
     named: Mapping[str, str | None] = {}
     scene: Sequence[str] = ()
-    notes: str = "itself"
+    notes: str = "nothing"
     counts: str = "steps"
     own: Sequence[str] = ()
     checks: bool = False
@@ -67,7 +67,6 @@ ROWS = (
         *("list", "polhode.output.cases", "cases", "Cases"),
         "the cases that ship, with regime and reference",
         "--tag chaotic",
-        notes="nothing",
         figure_options=None,
         prints_rows=True,
     ),
@@ -75,7 +74,6 @@ ROWS = (
         *("show", "polhode.output.description", "describe", "Description"),
         "body, regime, integrals, frequencies, columns to be integrated",
         "lagrange/nutation",
-        notes="nothing",
         figure_options=None,
     ),
     Verb(
@@ -126,14 +124,12 @@ ROWS = (
         "judge a trajectory that another program computed",
         "top.csv top.toml",
         {"scene": "scene", "whole": None},
-        notes="nothing",
     ),
     Verb(
         *("order", _FUNCTIONS, "order", "ObservedOrder"),
         "the order of a method, from files that it made with different steps",
         "coarse.csv fine.csv lagrange/nutation --steps 0.02,0.01",
         {"scene": "scene"},
-        notes="nothing",
         figure_options=None,
     ),
     Verb(
@@ -161,7 +157,6 @@ ROWS = (
         *("levels", "polhode.dynamics.levels", "levels", "Levels"),
         "the (f, h) diagram in closed form: permanent rotations, cusps, where a scene lies",
         "general/asymmetric-regular",
-        notes="nothing",
         figure_options={"--f-range": _RANGE, "--h-range": _RANGE, **_TITLE},
     ),
     Verb(
@@ -199,6 +194,7 @@ ROWS = (
         *("family", "polhode.dynamics.families", "orbit_family", "OrbitFamily"),
         "a family of periodic orbits along the energy or the vertical momentum",
         "grioli/precession --by h --to 0.84 -o family.json",
+        notes="itself",
         prints_rows=True,
     ),
     Verb(
@@ -233,7 +229,6 @@ ROWS = (
         *("verify", "polhode.certificates.verdict", "verify", "Verdict"),
         "check a proof's certificate, by a program of its own",
         "state.json",
-        notes="nothing",
         figure_options=None,
     ),
     Verb(
@@ -249,7 +244,6 @@ ROWS = (
         "top.toml top.csv -o report.html",
         named={"at": None},
         scene=(TIMES,),
-        notes="nothing",
         own=(".html", ".md"),
         figure_options=None,
     ),
@@ -262,7 +256,6 @@ ROWS = (
         *("about", "polhode.output.about", "about", "About"),
         "versions, number types, processor, caches; how to cite",
         "--cite",
-        notes="nothing",
         figure_options=None,
     ),
 )

@@ -9,15 +9,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from polhode.common import files
 from polhode.common.errors import BadInput
-from polhode.common.files import (
-    check_writable,
-    is_stdout,
-    is_stream,
-    refuse_foreign,
-    write_stdout,
-    write_whole,
-)
 from polhode.verbs import options, scene_options, terminal
 from polhode.verbs.catalogue import VERBS, Verb
 
@@ -98,7 +91,7 @@ def main(verb: Verb, function: options.Front, namespace: Namespace) -> int:
             terminal.note(f"polhode: not proved: {why}")
             return terminal.NOT_REACHED
     if namespace.json:
-        write_stdout(result.to_json())
+        files.write_stdout(result.to_json())
     elif text is not None:
         (terminal.note if places.take_stdout else terminal.say)(text)
     for sentence in notes.of(verb, result, written, namespace):
@@ -119,18 +112,14 @@ class OutputFiles:
     """The files that a verb is to write."""
 
     def __init__(
-        self,
-        verb: Verb,
-        paths: Sequence[Path],
-        json: bool,
-        inputs: Sequence[Path | None],
+        self, verb: Verb, paths: Sequence[Path], json: bool, inputs: Sequence[Path | None]
     ) -> None:
         self.verb, self.paths, self.json, self.inputs = verb, paths, json, inputs
 
     @property
     def take_stdout(self) -> bool:
         """Whether one of the files is the standard output."""
-        return any(map(is_stdout, self.paths))
+        return any(map(files.is_stdout, self.paths))
 
     @property
     def hold_rows(self) -> bool:
@@ -139,17 +128,17 @@ class OutputFiles:
 
     def check(self) -> None:
         """Refuse, before any work is done, what cannot or must not be written; raises BadInput."""
-        streams = [path for path in self.paths if is_stdout(path)]
+        streams = [path for path in self.paths if files.is_stdout(path)]
         for path in streams:
             terminal.refuse_two_on_stdout(path, self.json)
         for path in self.paths:
-            check_writable(path, _endings(self.verb), self.inputs)
+            files.check_writable(path, _endings(self.verb), self.inputs)
             if self._is_figure(path):
                 from polhode.figures import canvas
 
                 canvas.pyplot()
             elif self._is_own(path):
-                refuse_foreign(path)
+                files.refuse_foreign(path)
                 if ".json" in self.verb.own:
                     from polhode.certificates import certificate_file
                     from polhode.results.reader import refuse_facts
@@ -160,7 +149,7 @@ class OutputFiles:
                 from polhode.results.reader import check_place
 
                 check_place(path, self.verb.kind, self.inputs)
-        places = {path.absolute() if is_stream(path) else path.resolve() for path in self.paths}
+        places = {x.absolute() if files.is_stream(x) else x.resolve() for x in self.paths}
         if len(places) < len(self.paths) or len(streams) > 1:
             raise BadInput(str(self.paths[-1]), "-o", None, "each file once")
 
@@ -216,25 +205,25 @@ class OutputFiles:
         checkpoint = getattr(result, "kept", None)
         if interrupted(result) and checkpoint is not None and checkpoint.folder.exists():
             return ()
-        files: dict[Path, str | bytes] = {}
+        contents: dict[Path, str | bytes] = {}
         for path in self.paths:
             if self._is_figure(path):
-                files[path] = _drawn(result, path.suffix.lower(), self.verb, values)
+                contents[path] = _drawn(result, path.suffix.lower(), self.verb, values)
             elif not self._is_own(path):
                 from polhode.results import reader, writer
 
                 content = result.content()
                 reader.check_place(path, content.kind, self.inputs)
-                files |= writer.files(content, path)
+                contents |= writer.files(content, path)
         own = [x for x in self.paths if self._is_own(x)]
         if own and not getattr(result, "times", True):  # of nothing there is no certificate
             own = []
         for path in own:
             self._save(result, path, line)
-        write_whole(files)
+        files.write_whole(contents)
         if checkpoint is not None:
             checkpoint.remove()
-        return [*own, *files]
+        return [*own, *contents]
 
     def _save(self, result: Any, path: Path, line: terminal.ProgressLine) -> None:
         """Write a file of the kind's own: a scene, a certificate."""
@@ -248,7 +237,7 @@ class OutputFiles:
 
     def _is_own(self, path: Path) -> bool:
         suffix = path.suffix.lower()
-        stream = is_stream(path) and suffix not in _DATA
+        stream = files.is_stream(path) and suffix not in _DATA
         return bool(self.verb.own) and (suffix in self.verb.own or stream)
 
 

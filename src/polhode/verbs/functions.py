@@ -106,10 +106,9 @@ def judged(
     if judgement.worst >= at_least:
         return judgement
     where = f"{judgement.worst_part} at t = {brief(judgement.worst_time)}"
-    verdict = (
-        f"{judgement.worst:.2f} correct digits of {where}, where at least {at_least:g} are wanted"
-    )
-    raise NotEnough(judgement, f"polhode: {judgement.subject.name}: {verdict}")
+    verdict = f"{judgement.worst:.2f} correct digits of {where}"
+    sentence = f"{verdict}, where at least {at_least:g} are wanted"
+    raise NotEnough(judgement, f"polhode: {judgement.subject.name}: {sentence}")
 
 
 def order(
@@ -161,13 +160,9 @@ def _judged(
             )
 
     try:
+        show = partial(line.show, what="rows or steps of the reference")
         judgement = compare(
-            path,
-            scene,
-            progress=partial(line.show, what="rows or steps of the reference"),
-            forecast=foretold,
-            details=details,
-            **options,
+            path, scene, progress=show, forecast=foretold, details=details, **options
         )
     except ProofTooLong as fault:
         raise NotProved(str(fault)) from None

@@ -11,13 +11,8 @@ _MOST = 12  # places of a word that are shown
 
 def add_guide(parser: ArgumentParser) -> None:
     """The verb's own options."""
-    parser.add_argument(
-        "topic",
-        nargs="*",
-        default=["index"],
-        metavar="TOPIC",
-        help="a page of the list; or words to search for",
-    )
+    topic = "a page of the list; or words to search for"
+    parser.add_argument("topic", nargs="*", default=["index"], metavar="TOPIC", help=topic)
 
 
 def guide(options: Namespace) -> int:

@@ -23,9 +23,8 @@ def add_new(parser: ArgumentParser) -> None:
         listed = ",".join(shape.numbers).upper()
         text = f'{shape.meaning}; numbers in SI or with units, as "3 cm"'
         group.add_argument(f"--{name}", metavar=listed, help=text)
-    parser.add_argument(
-        "--tilt", metavar="ANGLE", help=f"angle of the axis to the vertical ({_TILT})"
-    )
+    tilt = f"angle of the axis to the vertical ({_TILT})"
+    parser.add_argument("--tilt", metavar="ANGLE", help=tilt)
     parser.add_argument("--spin", metavar="RATE", help=f"rate about the axis ({_SPIN})")
     parser.add_argument("--end", metavar="T", help=f"last time ({_END})")
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from polhode.common.errors import counted
 from polhode.common.files import is_stdout
-from polhode.motion.outcomes import Outcome
+from polhode.motion.outcomes import Outcome, code
 from polhode.numbers.decimals import brief, guaranteed
 
 if TYPE_CHECKING:
@@ -86,15 +86,13 @@ def run(result: Trajectory, namespace: Namespace) -> Iterator[str]:
 def _accuracy(result: Trajectory) -> str:
     """What a run itself tells about its accuracy."""
     if result.errors is not None:
-        estimates = [
-            (x, t) for x, t in zip(result.errors, result.times, strict=True) if x is not None
-        ]
+        pairs = zip(result.errors, result.times, strict=True)
+        estimates = [(x, t) for x, t in pairs if x is not None]
         if not any(t for _, t in estimates):
             return "refined, without an estimate of the error"
         last = brief(max((t for _, t in estimates), key=abs))
-        lost = (
-            "" if len(estimates) == len(result.errors) else f" to t = {last}, no estimate beyond it"
-        )
+        is_lost = len(estimates) < len(result.errors)
+        lost = f" to t = {last}, no estimate beyond it" * is_lost
         return f"refined, estimated error {max(x for x, _ in estimates):.1e}{lost}"
     if result.projected:
         return f"projected {result.projection}"
@@ -103,9 +101,8 @@ def _accuracy(result: Trajectory) -> str:
 
 def _event(event: EventTimes) -> str:
     """One line about an event: how often, and when first."""
-    times = [
-        event.shown(k) + " (grazing)" * grazing for k, grazing in enumerate(event.grazing[:10])
-    ]
+    marks = [" (grazing)" * grazing for grazing in event.grazing[:10]]
+    times = [event.shown(k) + mark for k, mark in enumerate(marks)]
     more = ", ..." * (len(event.times) > len(times))
     when = f" at t = {', '.join(times)}{more}" if times else ""
     lost = "" if event.complete else "; a zero was lost, or a pole passed"
@@ -133,8 +130,6 @@ def _digits(result: Trajectory) -> Iterator[str]:
 
 def sweep(result: AnyResult, namespace: Namespace) -> Iterator[str]:
     """Members, number type, and how members ended."""
-    from polhode.motion.outcomes import code
-
     if not namespace.json:
         outputs = getattr(
             result, "outputs", result.scene.outputs

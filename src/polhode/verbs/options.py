@@ -63,10 +63,8 @@ def front(home: str, name: str) -> Front:
     positional = [*arguments.posonlyargs, *arguments.args]
     lacking = len(positional) - len(arguments.defaults)
     defaults = [*[None] * lacking, *arguments.defaults, *arguments.kw_defaults]
-    parameters = [
-        _parameter(x, default)
-        for x, default in zip([*positional, *arguments.kwonlyargs], defaults, strict=True)
-    ]
+    pairs = zip([*positional, *arguments.kwonlyargs], defaults, strict=True)
+    parameters = [_parameter(x, default) for x, default in pairs]
     others = "" if arguments.kwarg is None else _parameter(arguments.kwarg, None).annotation
     if shared := re.fullmatch(r"Unpack\[(\w+)\]", others):
         options = _class(home, shared[1])
@@ -96,11 +94,8 @@ def _class(home: str, name: str) -> ast.ClassDef:
 
 def _parameter(argument: ast.arg, default: ast.expr | None) -> Parameter:
     annotation = "" if argument.annotation is None else ast.unparse(argument.annotation)
-    return Parameter(
-        argument.arg,
-        annotation.removesuffix(" | None"),
-        "" if default is None else ast.unparse(default),
-    )
+    value = "" if default is None else ast.unparse(default)
+    return Parameter(argument.arg, annotation.removesuffix(" | None"), value)
 
 
 def _field(field: ast.AnnAssign) -> Parameter:
@@ -242,11 +237,8 @@ def _positional(parser: ArgumentParser, parameter: Parameter, meanings: str | No
 def _option(
     parser: ArgumentParser, parameter: Parameter, option: str, meanings: str | None
 ) -> None:
-    common: dict[str, Any] = {
-        "dest": parameter.name,
-        "help": _escaped(meanings),
-        "default": SUPPRESS,
-    }
+    text = None if meanings is None else meanings.replace("%", "%%")
+    common: dict[str, Any] = {"dest": parameter.name, "help": text, "default": SUPPRESS}
     kinds = {*parameter.annotation.split(" | ")}
     if kinds == {"bool"}:
         flag = "store_true" if parameter.default == "False" else BooleanOptionalAction
@@ -263,7 +255,3 @@ def _option(
         common |= kind.more if "choices" in kind.more else {"type": kind.read, **kind.more}
         required = not parameter.default
         parser.add_argument(option, metavar=kind.metavar, required=required, **common)
-
-
-def _escaped(text: str | None) -> str | None:
-    return None if text is None else text.replace("%", "%%")

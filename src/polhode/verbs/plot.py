@@ -39,9 +39,8 @@ def _add_source(parser: ArgumentParser, name: str, nargs: str | None = None) -> 
     of = "a case, a scene's path, the file of a result, or a table"
     parser.add_argument(name, type=word, metavar="SCENE|FILE", help=of, nargs=nargs)
     parser.add_argument("--end", metavar="T", help="the last time, instead of the scene's end")
-    parser.add_argument(
-        "--scene", type=word, metavar="SCENE", help="for a FILE: the scene that it belongs to"
-    )
+    scene = "for a FILE: the scene that it belongs to"
+    parser.add_argument("--scene", type=word, metavar="SCENE", help=scene)
     number = "double (default), extended, quad or mp; for a FILE: that of its decimals"
     parser.add_argument("--number", help=number)
     digits = "digits wanted, by which the number type is chosen"
@@ -75,9 +74,8 @@ def plot(options: Namespace) -> int:
 def add_view(parser: ArgumentParser) -> None:
     """The options of view."""
     _add_source(parser, "sources", "+")
-    parser.add_argument(
-        "-o", dest="file", type=word, required=True, metavar="FILE", help="the page: .html"
-    )
+    page = "the page: .html"
+    parser.add_argument("-o", dest="file", type=word, required=True, metavar="FILE", help=page)
     parser.add_argument("--title", metavar="TEXT", help="a heading above the motions")
     text = "words below the heading, with empty lines between paragraphs"
     parser.add_argument("--text", metavar="TEXT", help=text)

@@ -48,7 +48,7 @@ def applied_to_all(
     from polhode.scenes import library
 
     return [
-        name if is_table(file_of(name)) else applied(options, library.load(name), words)
+        name if is_table(file_of(name).name) else applied(options, library.load(name), words)
         for name in names
     ]
 
@@ -58,15 +58,10 @@ def _add_times(parser: ArgumentParser) -> None:
     parser.add_argument("--at", metavar="T,T...", help=at)
     parser.add_argument("--end", metavar="T", help="last time instead of the scene's")
     spacing = parser.add_mutually_exclusive_group()
-    spacing.add_argument(
-        "--samples",
-        type=whole,
-        metavar="N",
-        help="N evenly spaced times from 0 to the end, both included (as many as the scene's)",
-    )
-    spacing.add_argument(
-        "--every", metavar="DT", help="the times 0, DT, 2 DT, ... that are not beyond the end"
-    )
+    samples = "N evenly spaced times from 0 to the end, both included (as many as the scene's)"
+    spacing.add_argument("--samples", type=whole, metavar="N", help=samples)
+    every = "the times 0, DT, 2 DT, ... that are not beyond the end"
+    spacing.add_argument("--every", metavar="DT", help=every)
 
 
 def times_of(options: Namespace, scene: Scene) -> Sequence[Exact]:

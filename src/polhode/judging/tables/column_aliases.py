@@ -301,26 +301,19 @@ def columns(headers: Sequence[str]) -> list[NamedColumn]:
         headers = [re.sub(r"^xyz\[", "gyro[", header) for header in headers]
     alone = [_alone(header) for header in headers]
     parts = [column if isinstance(column, _Component) else None for column in alone]
-    there = [part for part in parts if part is not None]
-    first = {
-        (part.kind, part.stem): "0"
-        if any("0" in x.axis for x in there if x[:2] == part[:2])
-        else "1"
-        for part in there
-    }
-    meant = [
-        column
-        if isinstance(column, NamedColumn)
-        else _component(column, first[column.kind, column.stem])
-        for column in alone
-    ]
+    from_zero = {part[:2] for part in parts if part is not None and "0" in part.axis}
+
+    def first(part: _Component) -> int:
+        return 0 if part[:2] in from_zero else 1
+
+    meant = [x if isinstance(x, NamedColumn) else _component(x, first(x)) for x in alone]
     names = {column.name for column in meant}
     gyro = _g_is_a_rate(parts, meant)
     for k, part in enumerate(parts):
         if part is None:
             continue
         if part.stem == "g" and (gyro or part.unit.kind == "rate"):
-            meant[k] = _component(part._replace(kind="omega"), first[part.kind, part.stem])
+            meant[k] = _component(part._replace(kind="omega"), first(part))
         elif part.kind in ("matrix", "rodrigues", "vector"):
             whole = {*_COMPONENTS[part.kind]} <= names
             meant[k] = meant[k] if whole and not {*ATTITUDE} <= names else UNKNOWN
@@ -407,7 +400,7 @@ def _in_unit(name: str, unit: _Unit) -> NamedColumn:
     return NamedColumn(name, unit.factor)
 
 
-def _component(part: _Component, first: str) -> NamedColumn:
+def _component(part: _Component, first: int) -> NamedColumn:
     """The column of a component whose axes are counted from ``first``."""
     names, axis = _COMPONENTS.get(part.kind, ()), part.axis
     if part.kind == "matrix":
@@ -416,13 +409,13 @@ def _component(part: _Component, first: str) -> NamedColumn:
     if part.kind == "quaternion":  # of 1 2 3 4 the last one mostly is the scalar
         place = "wxyz0123rijk4s".index(axis) % 4 if axis not in "4s" else 0
         return _in_unit(names[place], part.unit)
-    place = _place(axis, "0" if part.stem == "qvel" else first)
+    place = _place(axis, 0 if part.stem == "qvel" else first)
     return _in_unit(names[place], part.unit) if place < len(names) else UNKNOWN
 
 
-def _place(axis: str, first: str) -> int:
+def _place(axis: str, first: int) -> int:
     """The place of an axis among three; 3 or more of another."""
-    return "xyz".index(axis) if axis in "xyz" else (int(axis) - int(first)) % 10
+    return "xyz".index(axis) if axis in "xyz" else (int(axis) - first) % 10
 
 
 @dataclass(frozen=True)

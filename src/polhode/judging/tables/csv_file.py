@@ -30,34 +30,13 @@ from typing import Any, NamedTuple
 from polhode.common.arguments import each, numbers_given
 from polhode.common.errors import BadInput, few, nearest
 from polhode.common.files import STDIN, called, read_stdin, read_whole
-from polhode.judging.tables.column_aliases import (
-    PLAIN,
-    Cells,
-    NamedColumn,
-    Naming,
-    by_clock,
-    columns,
-    known,
-    not_judged,
-    readable,
-    with_quaternions,
-)
+from polhode.judging.tables import column_aliases
+from polhode.judging.tables.column_aliases import PLAIN, Cells, NamedColumn, Naming
 from polhode.judging.tables.table import TrajectoryTable
-from polhode.numbers import expression
+from polhode.numbers import expression, number_types
 from polhode.numbers.conversion import exact_number, exactly, to_double
 from polhode.numbers.expression import ExpressionError
-from polhode.numbers.number_types import (
-    DIGITS_HELD,
-    DOUBLE,
-    EXTENDED,
-    QUAD,
-    SINGLE,
-    AnyNumber,
-    AnyVector,
-    NumberType,
-    bits_for,
-    mp,
-)
+from polhode.numbers.number_types import DOUBLE, AnyNumber, AnyVector, NumberType
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 
 # --- type inference -------------------------------------------------------------------------------
@@ -70,7 +49,7 @@ from polhode.scenes.vocabulary import ATTITUDE, STATE
 # that the program did not lose.
 
 
-_WIDER = (SINGLE, DOUBLE, EXTENDED)
+_WIDER = (number_types.SINGLE, DOUBLE, number_types.EXTENDED)
 _KINDS = {"float32": 0, "float": 1, "float64": 1, "longdouble": 2}
 _NEUTRAL = ("bool", "int", "NoneType")  # exact in every type, or empty, or refused elsewhere
 
@@ -113,7 +92,7 @@ def printed_type(columns: Iterable[Sequence[str]], printed: int) -> NumberType |
     >>> printed_type([["1.599999999999999922e-01", "2.999999999999999889e-01", "4.5"]], 19)
     """
     some = [[column[k] for k in few(len(column), _LOOKED_AT)] for column in columns]
-    for kind in (SINGLE, DOUBLE, EXTENDED, QUAD):
+    for kind in (number_types.SINGLE, DOUBLE, number_types.EXTENDED, number_types.QUAD):
         if printed < _telling(kind):
             return None
         evidence = 0.0
@@ -236,7 +215,8 @@ def table_of_rows(
         raise BadInput("compare", "states", None, expected) from None
     if at is None or len(times) != len(rows) or not rows:
         raise BadInput("compare", "at", len(times), f"a time for each of {len(rows)} rows")
-    judged = [name for name in known()[1:] if name not in not_judged()]
+    unjudged = column_aliases.not_judged()
+    judged = [name for name in column_aliases.known()[1:] if name not in unjudged]
     for name in each("compare", "columns", columns, str, "a list of names"):
         if name not in judged:
             raise BadInput("compare", "columns", name, nearest(name, judged))
@@ -250,10 +230,7 @@ def table_of_rows(
 
 
 def table_of_columns(
-    data: Any,
-    number: NumberType | None = None,
-    source: str = "compare",
-    names: Naming = PLAIN,
+    data: Any, number: NumberType | None = None, source: str = "compare", names: Naming = PLAIN
 ) -> TrajectoryTable:
     """Columns by name as a table: a mapping, a pandas DataFrame, an xarray Dataset.
 
@@ -288,7 +265,7 @@ def table_of_columns(
         for name, meant, x in zip(header, named, columns, strict=True)
     ]
     whole = all(isinstance(t, Fraction) and t.denominator == 1 for t in cells[clock] or ())
-    named, remarks = by_clock(header, named) if whole else (named, ())
+    named, remarks = column_aliases.by_clock(header, named) if whole else (named, ())
     printed = number.printed_digits if number else MOST_PRINTED
     table = table_of_cells(source, header, named, cells, printed, number)
     unit = abs(named[clock].factor)  # in units of a clock, unless they are floats
@@ -358,11 +335,9 @@ def table_of_cells(
     if not times or any(len(column) != len(times) for column in cells_by_name.values()):
         expected = "columns as long as t, with a time in each row"
         raise BadInput(source, "columns", ",".join(header), expected)
-    ignored = tuple(
-        name for name, column_named in zip(header, named, strict=True) if column_named.name is None
-    )
-    cells_by_name = with_quaternions(cells_by_name, bits_for(printed))
-    yardstick = number or (DOUBLE if printed <= DOUBLE.printed_digits else mp(printed))
+    ignored = tuple(name for name, meant in zip(header, named, strict=True) if meant.name is None)
+    cells_by_name = column_aliases.with_quaternions(cells_by_name, number_types.bits_for(printed))
+    yardstick = number or (DOUBLE if printed <= DOUBLE.printed_digits else number_types.mp(printed))
     most = number.most_digits if number else min(printed + 2.0, MOST_DIGITS)
     digits = min(most, yardstick.most_digits)
     cells_by_name, remarks = _with_rates(cells_by_name, header)
@@ -384,18 +359,16 @@ def _with_rates(
     """Columns in which ``gx gy gz`` beside a quaternion are rates, where they are not of length 1;
     and that they are, in words."""
     omega, gamma = STATE[:3], STATE[3:]
-    beside = columns([*header, "ax"])  # what they are beside accelerations
-    if not {*gamma, *ATTITUDE} <= cells_by_name.keys() or {*omega} & cells_by_name.keys():
-        return cells_by_name, ()
-    if not {*omega} <= {column.name for column in beside}:
+    beside = column_aliases.columns([*header, "ax"])  # what they are beside accelerations
+    is_whole = {*gamma, *ATTITUDE} <= cells_by_name.keys() and not {*omega} & cells_by_name.keys()
+    if not is_whole or not {*omega} <= {column.name for column in beside}:
         return cells_by_name, ()
     rows = zip(*(cells_by_name[name] for name in gamma), strict=True)
     sizes = [math.hypot(*(to_double(exactly(x)) for x in row)) for row in rows if None not in row]
     if 2 * sum(abs(size - 1) > _OFF for size in sizes) <= len(sizes):
         return cells_by_name, ()
-    rates = {
-        omega[gamma.index(name)] if name in gamma else name: x for name, x in cells_by_name.items()
-    }
+    renamed = dict(zip(gamma, omega, strict=True))
+    rates = {renamed.get(name, name): x for name, x in cells_by_name.items()}
     return rates, ("gx gy gz were read as rates, for they are no unit vector",)
 
 
@@ -404,13 +377,13 @@ def refuse_names(
 ) -> None:
     """Raise BadInput for a column that is there twice, or a header with no column to judge."""
     names = [meant.name for meant in named]
-    if (name := next((x for x in readable() if names.count(x) > 1), None)) is not None:
-        both = [repr(of) for of, meant in zip(header, names, strict=True) if meant == name]
+    if twice := [x for x in column_aliases.readable() if names.count(x) > 1]:
+        both = [repr(of) for of, meant in zip(header, names, strict=True) if meant == twice[0]]
         expected = f"each column once ({', '.join(both)}), or {NAMING} that chooses one"
-        raise BadInput(source, key, name, expected)
+        raise BadInput(source, key, twice[0], expected)
     if {*names} <= {None, "t"}:
         expected = f"columns besides t that can be judged: {NAMING} translates names"
-        expected += f" to {', '.join(known()[1:])}"
+        expected += f" to {', '.join(column_aliases.known()[1:])}"
         if "xyz[0]" in header:
             expected += " (PX4's xyz[0] is p in vehicle_angular_velocity alone)"
         raise BadInput(source, key, ",".join(header), expected)
@@ -542,7 +515,7 @@ def read_csv(path: Path, number: NumberType | None, names: Naming) -> Trajectory
         raise BadInput(str(path), "file", None, "at least one line of numbers")
     clock = next(k for k, meant in enumerate(named) if meant.name == "t")
     whole = all(cell.isdecimal() for cell in texts[clock])
-    named, remarks = by_clock(header, named) if whole else (named, ())
+    named, remarks = column_aliases.by_clock(header, named) if whole else (named, ())
     judged = [x for meant, x in zip(named, texts, strict=True) if meant.name not in (None, "t")]
     printed, shown = most_printed(judged), most_printed([texts[clock]])
     kind = of_times = number
@@ -569,7 +542,7 @@ def read_csv(path: Path, number: NumberType | None, names: Naming) -> Trajectory
             table.times,
             of_times,
             None if of_times else abs(named[clock].factor) * last_place(texts[clock]),
-            DIGITS_HELD["double"] <= shown <= DOUBLE.printed_digits,
+            number_types.DIGITS_HELD["double"] <= shown <= DOUBLE.printed_digits,
         ),
     )
 

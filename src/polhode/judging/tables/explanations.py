@@ -472,11 +472,7 @@ def read_as_told(subject: TrajectoryTable, reference: Reference, readings: str) 
 
 
 def at_times_told(
-    subject: TrajectoryTable,
-    current: View,
-    reference: Reference,
-    words: str,
-    change: TimeChange,
+    subject: TrajectoryTable, current: View, reference: Reference, words: str, change: TimeChange
 ) -> tuple[TrajectoryTable, View]:
     """A table at changed times, with the reading that says so, and how it is seen there.
 

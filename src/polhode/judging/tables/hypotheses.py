@@ -28,7 +28,7 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import DOUBLE, Doubles, NumberType
 from polhode.numbers.vectors import Matrix, Vector, rotation
 from polhode.scenes import library
-from polhode.scenes.body import Body, exact_vector
+from polhode.scenes.body import IDENTITY, Body, exact_vector
 from polhode.scenes.scene import Scene
 from polhode.scenes.vocabulary import ATTITUDE, STATE
 
@@ -385,9 +385,7 @@ CONSTANT = "omega that stays as it is at t = 0, without the terms omega x I omeg
 
 def constant_omega(scene: Scene) -> Hypothesis:
     """That omega stays as it is at t = 0: it does so of a body of equal moments without weight."""
-    unit, none = Fraction(1), Fraction(0)
-    rows = (unit, none, none), (none, unit, none), (none, none, unit)
-    return _plainly(CONSTANT, replace(scene, body=Body(rows, (none,) * 3, none)))
+    return _plainly(CONSTANT, replace(scene, body=Body(IDENTITY)))
 
 
 def other_numbers(scene: Scene) -> Iterator[Hypothesis]:
@@ -448,11 +446,7 @@ def _number(
     origin = to_double(own)
     words = words.replace("{own}", f"{origin:.6g}")
     return Hypothesis(
-        words,
-        motion=lambda x: (scene_of(x), AS_THEY_STAND),
-        fitted=1,
-        origin=origin,
-        unit=unit,
+        words, motion=lambda x: (scene_of(x), AS_THEY_STAND), fitted=1, origin=origin, unit=unit
     )
 
 

@@ -167,9 +167,8 @@ class TrajectoryTable(ByValue):
             object.__setattr__(self, "name", name)
 
     def __repr__(self) -> str:
-        return (
-            f"<Table {self.name}: {', '.join(self.columns)} at {counted(len(self.times), 'time')}>"
-        )
+        times = counted(len(self.times), "time")
+        return f"<Table {self.name}: {', '.join(self.columns)} at {times}>"
 
     @property
     def state(self) -> tuple[str, ...]:
@@ -243,9 +242,8 @@ class TrajectoryTable(ByValue):
 
     def with_rows(self, names: Sequence[str], rows: Iterable[GivenRow]) -> TrajectoryTable:
         """The table with other cells in some columns."""
-        return replace(
-            self, columns={**self.columns, **dict(zip(names, zip(*rows, strict=True), strict=True))}
-        )
+        columns = dict(zip(names, zip(*rows, strict=True), strict=True))
+        return replace(self, columns={**self.columns, **columns})
 
     def at_other_times(self, change: TimeChange) -> TrajectoryTable:
         """The same rows at changed times; their origin is off by as much as the first time."""
@@ -347,8 +345,7 @@ def _together(remarks: Iterable[tuple[str, str]]) -> list[str]:
 
 def _length(table: TrajectoryTable) -> list[str]:
     """That quaternions have another length than 1."""
-    attitude = table.rows(ATTITUDE)
-    sizes = None if attitude is None else lengths(attitude)
+    sizes = lengths(table.rows(ATTITUDE) or [])
     if sizes is None:
         return []
     least, most = (f"{x:.6g}" for x in sizes)
