@@ -19,6 +19,7 @@ import numpy as np
 import polhode
 from kit import DOUBLE, EXTENDED, even_times, exactly, fewest_digits
 from peers.field import Top
+from polhode.equations.terms import coefficients_of
 
 #: Exact states at some times, p q r gamma1 gamma2 gamma3 a row.
 States: TypeAlias = list[list[Fraction]]
@@ -181,25 +182,16 @@ def scene_of(kind: str, index: int, end: int, outputs: int) -> polhode.Scene:
 def draw(kind: str, index: int, end: int, outputs: int, starts: int = 0) -> Draw:
     """A body of the kind and its start, or many starts: w about its own, gamma anywhere."""
     scene = scene_of(kind, index, end, outputs)
-    body = scene.body
-    coefficients = np.array([float(x) for x in _coefficients(body)])
-    moments, torque = (np.array([*map(float, x)]) for x in (body.moments, body.torque))
-    start = np.array([*map(float, scene.start)])
+    moments, torque = scene.body.moments, scene.body.torque
+    rows = coefficients_of([*moments, *torque]), moments, torque, scene.start
+    *top, start = (np.array([*map(float, row)]) for row in rows)
     if starts:
         dice = np.random.default_rng(index)
         omega, gamma = np.split(dice.normal(size=(starts, 6)), 2, axis=1)
         omega = start[:3] + _SPREAD * np.linalg.norm(start[:3]) * omega
         gamma /= np.linalg.norm(gamma, axis=1)[:, None]
         start = np.hstack([omega, gamma])
-    return Draw(scene, Top(coefficients, moments, torque), start)
-
-
-def _coefficients(body: polhode.Body) -> Iterator[Any]:
-    """Of a body in principal axes, in the order of :mod:`peers.field`."""
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        own, second, third = (body.moments[n] for n in (i, j, k))
-        yield from ((second - third) / own, body.torque[k] / own, -body.torque[j] / own)
+    return Draw(scene, Top(*top), start)
 
 
 def present(kind: str) -> tuple[bool, ...]:
