@@ -24,6 +24,9 @@ from polhode.checks.published_figures import (
     textbook_digits,
 )
 from polhode.enclosures import approximation, fixed_point_problem
+from polhode.numbers.conversion import exactly
+from polhode.numbers.decimals import significant
+from polhode.numbers.number_types import NAMES
 
 QUESTION = (
     "How many digits of each case's trajectory are correct in each number type, how far do the "
@@ -65,7 +68,7 @@ def case_rows(scenes: Sequence[polhode.Scene], quick: bool, say: kit.Say) -> lis
 
 def _case(scene: polhode.Scene) -> dict[str, Any]:
     reference = polhode.reference(scene)
-    fitting = [name for name in kit.NUMBERS if 10**scene.log10_angle <= LONGEST[name]]
+    fitting = [name for name in NAMES if 10**scene.log10_angle <= LONGEST[name]]
     growth = polhode.conditioning(scene, number=fitting[-1]) if fitting else None
     runs = [_run(scene, reference, name) for name in reversed(fitting)]  # most digits first
     kappas = [x for x in growth.log10_kappa if x is not None] if growth else []
@@ -106,7 +109,7 @@ def _run(scene: polhode.Scene, reference: polhode.Reference, name: str) -> dict[
             "limit": judged.limit,
             "lost": judged.lost or None,
             "drift": {
-                key: None if value is None else kit.significant(value, 3)
+                key: None if value is None else significant(value, 3)
                 for key, value in run.drift._asdict().items()
             },
             "projection": projection(run),
@@ -141,7 +144,7 @@ def projection(run: polhode.Trajectory) -> dict[str, Any] | None:
     """The corrections of a run that was put back on its integrals; None where it was not."""
     if (x := run.projection) is None:
         return None
-    sizes = {"largest": kit.significant(x.largest, 3), "sum": kit.significant(x.sum, 3)}
+    sizes = {"largest": significant(x.largest, 3), "sum": significant(x.sum, 3)}
     return {"onto": [*x.onto], "count": x.count, **sizes}
 
 
@@ -181,7 +184,7 @@ def _figure(case: str, reference: str, figure: PrintedFigure) -> dict[str, Any]:
         "printed": printed.value,
         "ours": figure.ours,
         "difference": polhode.as_decimal(figure.difference, 2),
-        "last_units": kit.significant(float(figure.difference / last_unit(printed.value)), 2),
+        "last_units": significant(float(figure.difference / last_unit(printed.value)), 2),
         "digits_shown": significant_digits(printed.value),
         "digits_right": round(_digits_right(figure), 1),
         "stands": figure.complete,
@@ -238,9 +241,9 @@ def time_labels(
                 "case": scene.name,
                 "cite": cite,
                 "t": float(t),
-                "shift": kit.significant(float(shift), 4),
-                "before": kit.significant(before_most, 2),
-                "after": kit.significant(after_most, 2),
+                "shift": significant(float(shift), 4),
+                "before": significant(before_most, 2),
+                "after": significant(after_most, 2),
             }
 
 
@@ -281,15 +284,15 @@ def proven_case(scene: polhode.Scene) -> dict[str, Any]:
     exact = polhode.reference(scene)
     true = exact.at(times, 2 * PROVEN_DIGITS + 20)
     ratios = [
-        float(abs(kit.exactly(x) - middle) / Fraction(radius))
+        float(abs(exactly(x) - middle) / Fraction(radius))
         for row, middles, radii in zip(true, enclosure.centres, enclosure.radii, strict=True)
         for x, middle, radius in zip(row, middles, radii, strict=True)
     ]
     return {
         "case": scene.name,
         "reference": exact.kind,
-        "end": kit.significant(float(times[-1]), 4),
-        "ratio": kit.significant(max(ratios), 2),
+        "end": significant(float(times[-1]), 4),
+        "ratio": significant(max(ratios), 2),
         "inside": max(ratios) <= 1.0,
         "digits": round(enclosure.proven, 2),
         "tries": enclosure.tries,

@@ -29,9 +29,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import tops
-from kit import Only, Say, clocked, cores, rows_by_part, significant
+from kit import Only, Say, clocked, rows_by_part
 from peers.field import Run
 from peers.process import ask, end_with_parent, write
+from polhode.common.processes import cores
+from polhode.numbers.decimals import significant
 from programs import BY_NAME, MANY, OURS, OWN, Program
 from tops import (
     DRAWS,

@@ -7,17 +7,16 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import mpmath
 
 import kit
 import polhode
 from kit import share
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
+from polhode.numbers.conversion import exactly
+from polhode.numbers.decimals import significant
+from polhode.numbers.number_types import NAMES
 
 QUESTION = (
     "How close are event times to those of closed forms, in units in the last place of the time? "
@@ -58,7 +57,7 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; only the seconds in them depend on the clock."""
     motions = [m for m in (MOTIONS[:1] if quick else MOTIONS) if only(m.name, m.what)]
     proven = [name for name in PROVEN[: 1 if quick else 2] if only(name)]
-    every_number = QUICK_NUMBERS if quick else kit.NUMBERS
+    every_number = QUICK_NUMBERS if quick else NAMES
     motion_row = partial(_motion, near=every_number, far=QUICK_FAR if quick else FAR)
     proven_row = partial(_proven, end=QUICK_PROVEN_END if quick else PROVEN_END)
     parts: kit.Parts = {"proven": (proven_row, proven), "motions": (motion_row, motions)}
@@ -103,11 +102,11 @@ def _run(scene: polhode.Scene, zeros: Zeros, name: str, end: int) -> dict[str, A
         ulps = [float(abs(t - x) / ulp(x, run.number.bits)) for t, x in pairs]
         every = max(1, len(pairs) // KEPT)
         row |= {
-            "ulps": kit.significant(max(ulps), 3),
-            "error": kit.significant(float(max(abs(t - x) for t, x in pairs)), 3),
+            "ulps": significant(max(ulps), 3),
+            "error": significant(float(max(abs(t - x) for t, x in pairs)), 3),
             "digits": round(min(_digits(t, x, run.number) for t, x in pairs), 2),
             "samples": [
-                [round(float(x), 3), kit.significant(u, 3)]
+                [round(float(x), 3), significant(u, 3)]
                 for (_, x), u in list(zip(pairs, ulps, strict=True))[::every]
             ],
         }
@@ -141,14 +140,12 @@ def _proven(name: str, end: int) -> dict[str, Any]:
             "double": len(event.times),
         }
         if len(true.times) == len(event.times) > 0:
-            off = [
-                abs(kit.exactly(x) - t.time) for x, t in zip(event.times, true.times, strict=True)
-            ]
-            row["error"] = kit.significant(float(max(off)), 3)
-            row["radius"] = kit.significant(max(t.radius for t in true.times), 2)
+            off = [abs(exactly(x) - t.time) for x, t in zip(event.times, true.times, strict=True)]
+            row["error"] = significant(float(max(off)), 3)
+            row["radius"] = significant(max(t.radius for t in true.times), 2)
         rows.append(row)
     shared = {"case": name, "end": end}
-    return {**shared, "events": rows, "seconds": kit.significant(seconds, 2)}
+    return {**shared, "events": rows, "seconds": significant(seconds, 2)}
 
 
 # -- cost -------------------------------------------------------------------------------------
@@ -167,11 +164,9 @@ def _cost_row(name: str, repeats: int) -> dict[str, Any]:
         "events": [*events],
         "steps": [x.answer.steps for x in timed],
         "found": counts,
-        "microseconds_a_step": [
-            kit.significant(1e6 * x.seconds / x.answer.steps, 3) for x in timed
-        ],
+        "microseconds_a_step": [significant(1e6 * x.seconds / x.answer.steps, 3) for x in timed],
         "microseconds_an_event": [
-            kit.significant(micros / n, 3) if n else None
+            significant(micros / n, 3) if n else None
             for micros, n in zip(extra, counts, strict=True)
         ],
     }
@@ -197,7 +192,7 @@ class Zeros:
         reference = polhode.reference(scene)
         with mpmath.workprec(BITS):
             period = reference.period or 2 * mpmath.pi / reference.frequencies["nutation"]
-        self.period = kit.exactly(period)
+        self.period = exactly(period)
         past = self.period * Fraction(5, 4)  # an event at the end of a proof is not decided
         (event,) = polhode.certify_events(scene, past, digits=ZERO_DIGITS)
         self.first = [x.time for x in event.times if x.time <= self.period + Fraction(x.radius)]
@@ -279,7 +274,7 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
     return {"events": kit.drawn(partial(_draw_errors, motions=results["motions"]), 3)}
 
 
-def _draw_errors(axes: Axes, motions: Sequence[kit.JsonObject]) -> None:
+def _draw_errors(axes: kit.Axes, motions: Sequence[kit.JsonObject]) -> None:
     """How many events have no larger error than that: a curve a number type."""
     for name, colour in kit.COLOURS.items():
         sizes = [

@@ -3,56 +3,41 @@
 from __future__ import annotations
 
 import math
-import os
 import re
-import signal
 import statistics
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import partial
 from io import StringIO
-from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
-from mpmath.libmp import to_rational
 
 import polhode
+from polhode.common.files import write_whole
+from polhode.common.processes import cores, in_order
+from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NAMES, named
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from matplotlib.axes import Axes as Axes
 
 #: Keys, and what JSON can hold.
 JsonObject: TypeAlias = dict[str, Any]
 #: Told what is being done.
 Say: TypeAlias = Callable[[str], object]
-_IGNORE = signal.SIGINT, signal.SIG_IGN
 Answer = TypeVar("Answer")
 
 
-#: Of polhode's number types; of mp where it is asked for so many digits.
-BITS, MP_DIGITS = {"double": 53, "extended": 64, "quad": 113, "mp": 168}, 50
-TYPES = {name: polhode.NumberType(name, bits) for name, bits in BITS.items()}
-DOUBLE, EXTENDED, QUAD, MP = TYPES.values()
-
-
-def exactly(x: Any) -> Fraction:
-    """The exact value of a number that polhode gives."""
-    return Fraction(*(x.as_integer_ratio() if not hasattr(x, "_mpf_") else to_rational(x._mpf_)))
+#: polhode's number types; of mp where it is asked for so many digits.
+MP_DIGITS = DEFAULT_MP_DIGITS
+TYPES = {name: named(name) for name in NAMES}
 
 
 def even_times(end: Any, count: int) -> tuple[Fraction, ...]:
     """So many times from 0 to the end, evenly spread."""
     return tuple(Fraction(end) * k / (count - 1) for k in range(count))
-
-
-def significant(x: float, digits: int) -> float:
-    """x to so many significant digits, as rows keep it."""
-    return float(f"{x:.{digits}g}")
 
 
 def fewest_digits(states: Any, true: Any, scene: polhode.Scene, most: float) -> float:
@@ -105,33 +90,25 @@ def rows_by_part(parts: Parts, alone: bool, say: Say) -> dict[str, list[Any]]:
     """
     jobs = [(part, make, subject) for part, (make, every) in parts.items() for subject in every]
     rows: dict[str, list[Any]] = {part: [] for part in parts}
-    alone = alone or min(cores(), len(jobs)) < 2
-    with ProcessPoolExecutor(cores(), get_context("spawn"), signal.signal, _IGNORE) as pool:
-        answers = [
-            partial(make, x) if alone else pool.submit(make, x).result for _, make, x in jobs
-        ]
-        try:
-            for (part, _, subject), answer in zip(jobs, answers, strict=True):
-                say(f"{part}: {getattr(subject, 'name', subject)}")
-                rows[part].append(answer())
-        except BaseException:  # Ctrl-C does not wait for what they have begun
-            for process in active_children():
-                process.terminate()
-            raise
+
+    def announce(job: tuple[str, Any, Any]) -> None:
+        part, _, subject = job
+        say(f"{part}: {getattr(subject, 'name', subject)}")
+
+    workers = 1 if alone or len(jobs) < 2 else cores()
+    for (part, *_), row in zip(jobs, in_order(_row, jobs, workers, announce), strict=True):
+        rows[part].append(row)
     return rows
 
 
-def cores() -> int:
-    """The processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+def _row(job: tuple[str, Callable[[Any], Any], Any]) -> Any:
+    _, make, subject = job
+    return make(subject)
 
 
-def write_whole(texts: Mapping[Path, str]) -> list[Path]:
+def written(texts: Mapping[Path, str]) -> list[Path]:
     """Write files, each of them whole or not at all; their paths."""
-    for path, text in texts.items():
-        part = path.with_name(f".{path.name}.part")
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
+    write_whole(texts)
     return [*texts]
 
 
@@ -382,9 +359,6 @@ _SHARED = {line.partition(" |")[0]: line for line in template("columns").splitli
 # A case that was run in several number types, as rows of tables.
 
 
-NUMBERS = tuple(BITS)
-
-
 def by_number(
     case: JsonObject, write: Callable[[JsonObject | None], object] | None = None
 ) -> JsonObject:
@@ -393,7 +367,7 @@ def by_number(
     ``cells``: what is written of each run, unless told its digits.
     """
     runs = {run["number"]: {**run, "band": expected(run.get("expected"))} for run in case["runs"]}
-    headers = {name: f"mp ({MP_DIGITS})" if name == "mp" else name for name in NUMBERS}
+    headers = {name: f"mp ({MP_DIGITS})" if name == "mp" else name for name in NAMES}
     cells = {header: (write or digits)(runs.get(name)) for name, header in headers.items()}
     return {**case, "end": float(case["end"]), "runs": runs, "cells": cells}
 
@@ -470,7 +444,7 @@ def drawn(
     height: float,
     lines: int = 1,
     columns: int = 1,
-    names: int = len(BITS),
+    names: int = len(NAMES),
     **how: Any,
 ) -> str:
     """A figure as SVG text: ``draw`` is given its panels.
@@ -497,7 +471,7 @@ def side_by_side(
     draw: Callable[[Axes, Any], None],
     labels: tuple[str, str],
     height: float,
-    names: int = len(BITS),
+    names: int = len(NAMES),
     **how: Any,
 ) -> str:
     """A figure of two panels a line, each with its title; ``labels``: what all axes are of.
@@ -526,7 +500,7 @@ def side_by_side(
 
 
 #: Digits that a number type holds, and that the runs in mp are asked for.
-HELD = {name: bits * 0.30103 for name, bits in BITS.items() if name != "mp"}
+HELD = {name: number.bits * 0.30103 for name, number in TYPES.items() if name != "mp"}
 _STRIP = (
     "correct digits, worst of all output times\n"
     "(dotted: what the type holds; ringed: fewer\nthan nine in ten such runs)"

@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -28,12 +28,10 @@ import kit
 import polhode
 from peers import process
 from peers.process import ask
+from polhode.numbers.decimals import significant
+from polhode.numbers.number_types import DOUBLE
 from programs import BY_NAME, ENGINE, EPS
 from tops import TOPS, draw, present, random_scene
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 QUESTION = (
     "How do error and drift of a double run grow with time, with and without projection, and how "
@@ -111,7 +109,7 @@ def follow(scene: polhode.Scene) -> Member:
     assert projection is not None
     # what rounding the inputs leaves of a run that is projected so often, at the first times
     first = [t for t in scene.times if t <= INPUTS_UNTIL]
-    left = polhode.conditioning(scene, first).inputs(kit.DOUBLE, projection.every)
+    left = polhode.conditioning(scene, first).inputs(DOUBLE, projection.every)
     departed = polhode.departures(scene, runs[PLAIN].states)
     return Member(
         {
@@ -141,13 +139,13 @@ def _top_row(top: str, first: polhode.Scene, members: Sequence[Member]) -> dict[
             "error": _growth(shown, projected, since, LINEAR),
             "projection": {
                 "onto": sorted({name for x in corrections for name in x.onto}),
-                "largest": kit.significant(max(x.largest for x in corrections), 3),
-                "sum": kit.significant(max(x.sum for x in corrections), 3),
+                "largest": significant(max(x.largest for x in corrections), 3),
+                "sum": significant(max(x.sum for x in corrections), 3),
             },
             "inputs": _beside_inputs(members),
         },
     ]
-    limit = kit.significant(float(polhode.reference(first).error(first.times[-1:], DIGITS)), 3)
+    limit = significant(float(polhode.reference(first).error(first.times[-1:], DIGITS)), 3)
     least = min(np.median(errors, axis=0).min() for errors in (plain, projected))
     return {
         "top": top,
@@ -182,7 +180,7 @@ def _growth(
 
 def _short(values: Any) -> list[float]:
     """Numbers as they are kept in files."""
-    return [kit.significant(float(x), 3) for x in values]
+    return [significant(float(x), 3) for x in values]
 
 
 def _integrals(
@@ -310,8 +308,8 @@ def _row(of: tuple[str, str, int], end: int) -> dict[str, Any]:
         "tol": TOLERANCES[program],
         "starts": starts,
         "reached": len(errors),
-        "median": kit.significant(statistics.median(errors), 3) if errors else None,
-        "largest": kit.significant(max(errors), 3) if errors else None,
+        "median": significant(statistics.median(errors), 3) if errors else None,
+        "largest": significant(max(errors), 3) if errors else None,
         "faults": [*dict.fromkeys(faults)],
     }
 
@@ -433,7 +431,7 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
     tops = results["tops"]
     growth = f"median of {tops[0]['starts']} starts, bar to the worst"
 
-    def draw(*panels: Axes) -> None:
+    def draw(*panels: kit.Axes) -> None:
         for axes, name in zip(panels, _SLOPES, strict=True):
             _draw_growth(axes, tops, name)
             if name == "error":
@@ -446,7 +444,7 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
     return {"long-run": kit.drawn(draw, 6.6, 2, names=2, sharex=True)}
 
 
-def _draw_growth(axes: Axes, tops: Sequence[kit.JsonObject], name: str) -> None:
+def _draw_growth(axes: kit.Axes, tops: Sequence[kit.JsonObject], name: str) -> None:
     """Medians of error or drift, and Brouwer's slope above the first that is not projected."""
     for top in tops:
         for method in top["methods"]:
@@ -466,7 +464,7 @@ def _draw_growth(axes: Axes, tops: Sequence[kit.JsonObject], name: str) -> None:
     axes.annotate(label, (x, y), (-3, 3), textcoords="offset points", ha="right", size=8)
 
 
-def _draw_inputs(axes: Axes, tops: list[kit.JsonObject]) -> None:
+def _draw_inputs(axes: kit.Axes, tops: list[kit.JsonObject]) -> None:
     """What rounding the inputs leaves of projected runs, followed at first, then like t."""
     for row in _methods(tops):
         points = [(x["t"], x["inputs"]["median"]) for x in _over_time(row) if "inputs" in x]

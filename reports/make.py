@@ -23,7 +23,7 @@ from typing import Any
 import benchmark
 import kit
 import polhode
-from kit import HERE, JsonObject, Only, PageTable, template, write_whole
+from kit import HERE, JsonObject, Only, PageTable, template, written
 
 #: The studies, each a file of that name, with _ for -; the seconds that each takes on two
 #: processors, whole and quick.
@@ -130,7 +130,7 @@ def write_study(name: str, folder: Path, quick: bool = False) -> list[Path]:
     text = json.dumps(results, indent=1, allow_nan=False) + "\n"
     texts = {f"{name}.json": text, **pages(json.loads(text))}
     folder.mkdir(parents=True, exist_ok=True)
-    return write_whole({folder / file: text for file, text in texts.items()})
+    return written({folder / file: text for file, text in texts.items()})
 
 
 def part(name: str, texts: Sequence[str], quick: bool = False) -> str:
@@ -173,7 +173,7 @@ def write_stale(folder: Path, names: Sequence[str]) -> list[Path]:
         texts |= {folder / file: text for file, text in pages(results).items()}
         if name == "speed" and folder == HERE:
             texts[README] = with_summary(README.read_text(encoding="utf-8"), results)
-    return write_whole(
+    return written(
         {
             path: text
             for path, text in texts.items()

@@ -12,16 +12,12 @@ from collections.abc import Callable, Iterable
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 import kit
 import polhode
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 QUESTION = (
     "Which periodic orbits of a level can be proved to exist, of which tops is chaos proved, at "
@@ -259,7 +255,7 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
 def manifolds(drawn: kit.JsonObject) -> str:
     """The manifolds of an unstable orbit on a section, and the sets of the proof."""
 
-    def draw(axes: Axes) -> None:
+    def draw(axes: kit.Axes) -> None:
         for name, colour in (("unstable", kit.ORANGE), ("stable", kit.BLUE)):
             axes.plot(*drawn[name], ".", ms=1.4, mew=0, color=colour, rasterized=True)
             axes.plot([], [], ".", ms=6, mew=0, color=colour, label=f"{name} manifold")
@@ -277,7 +273,7 @@ def residues(tops: list[kit.JsonObject]) -> str:
     return kit.side_by_side({top["what"]: top for top in tops}, _draw_top, labels, 1.6)
 
 
-def _draw_top(axes: Axes, top: kit.JsonObject) -> None:
+def _draw_top(axes: kit.Axes, top: kit.JsonObject) -> None:
     axes.axhspan(0, 1, color=kit.SHADE, lw=0)
     orbits = top["orbits"]
     kinds = [

@@ -13,7 +13,7 @@ from fractions import Fraction
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import contest
 import kit
@@ -22,10 +22,9 @@ import tops
 from contest import WorkPoint, frontier
 from peers import process
 from peers.process import ask
+from polhode.numbers.decimals import significant
+from polhode.numbers.number_types import DOUBLE, QUAD
 from programs import BY_NAME, ENGINE, OURS, PROGRAMS, RUN, Program
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 QUESTION = (
     "What does a correct digit cost: the first result in a new process, a new start of a prepared "
@@ -196,7 +195,7 @@ def row(
     ways_of: Mapping[LibraryMotion, Sequence[Way]], motion: LibraryMotion, quick: bool
 ) -> dict[str, Any]:
     """What its ways give on one motion, judged against its exact scene."""
-    times = [kit.DOUBLE.rounded(t) for t in kit.even_times(motion.end, SAMPLES)]
+    times = [DOUBLE.rounded(t) for t in kit.even_times(motion.end, SAMPLES)]
     scene, ways = motion.scene(times), ways_of[motion]
     most = max(kit.TYPES[curve.number].most_digits for curve in ways)
     true = polhode.reference(scene).at(scene.times, math.ceil(most) + SPARE_DIGITS)
@@ -227,7 +226,7 @@ def _point(curve: Way, scene: polhode.Scene, tol: float, true: Any, quick: bool)
     return {
         "tol": tol,
         "digits": round(digits, 2),
-        "seconds_min": kit.significant(timed.seconds, 4),
+        "seconds_min": significant(timed.seconds, 4),
         "runs": timed.calls,
         "steps": run.steps,
     }
@@ -259,7 +258,7 @@ def _refined(motion: LibraryMotion) -> dict[str, Any]:
     """CPU seconds and correct digits both ways, digits to which both agree, and what refinement
     estimated."""
     scene = motion.scene([Fraction(motion.end)])
-    number = kit.QUAD if motion.digits is None else kit.TYPES["mp"]
+    number = QUAD if motion.digits is None else kit.TYPES["mp"]
     row: dict[str, Any] = {"motion": motion.name, "end": motion.end, "bits": number.bits}
     wide = math.ceil(number.most_digits) + _SPARE
     truth = polhode.reference(scene)
@@ -277,17 +276,17 @@ def _refined(motion: LibraryMotion) -> dict[str, Any]:
     runs = kit.timed([partial(call, scene) for call in calls], _REPEATS, _PATIENCE)
     for call, (run, seconds, count) in zip(calls, runs, strict=True):
         row[call.keywords["method"]] = {
-            "cpu": kit.significant(seconds, 3),
+            "cpu": significant(seconds, 3),
             "digits": round(kit.fewest_digits(run.states, true, scene, wide), 2),
             "method": run.method,
             "runs": count,
         }
         if run.errors is not None and run.errors[-1] is not None:
-            row["estimate"] = kit.significant(run.errors[-1], 2)
+            row["estimate"] = significant(run.errors[-1], 2)
     refined, taylor = runs
     agreement = kit.fewest_digits(taylor.answer.states, refined.answer.states, scene, wide)
     row["agreement"] = round(agreement, 2)
-    row["gain"] = kit.significant(row["taylor"]["cpu"] / row["refined"]["cpu"], 3)
+    row["gain"] = significant(row["taylor"]["cpu"] / row["refined"]["cpu"], 3)
     return row
 
 
@@ -466,7 +465,7 @@ def lines(curves: Mapping[str, Sequence[Sequence[float]]]) -> Curves:
 def work_precision(panels: Mapping[str, Curves]) -> str:
     """Error against seconds, one panel per motion; lower left is better."""
 
-    def draw(axes: Axes, curves: Curves) -> None:
+    def draw(axes: kit.Axes, curves: Curves) -> None:
         for name, points in curves.items():
             look = kit.LOOKS.get(name, kit.OTHER_LOOK)
             axes.plot(*zip(*points, strict=True), label=name, **look)

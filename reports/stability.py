@@ -13,7 +13,8 @@ import kit
 import polhode
 from accuracy import case_rows
 from polhode.equations.readout import Readout
-from polhode.numbers.conversion import ExactNumbers, number_value
+from polhode.numbers.conversion import ExactNumbers, exactly, number_value
+from polhode.numbers.decimals import significant
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 
@@ -78,8 +79,8 @@ def _back(scene: polhode.Scene) -> list[dict[str, Any]]:
             "number": name,
             "log10_kappa": None if there is None else round(there, 2),
             "log10_kappa_back": None if back is None else round(back, 2),
-            "error_eps": kit.significant(eps, 3),
-            "times_kappa": None if kappa is None else kit.significant(eps / 10**kappa, 2),
+            "error_eps": significant(eps, 3),
+            "times_kappa": None if kappa is None else significant(eps / 10**kappa, 2),
             "within": None if kappa is None else eps <= 10**kappa,
         }
         for name, eps in errors.items()
@@ -128,7 +129,7 @@ def way_back(scene: polhode.Scene, t: Any, state: Sequence[Any]) -> polhode.Scen
 
     gamma is brought to length 1.
     """
-    p, q, r, *gamma = map(kit.exactly, state)
+    p, q, r, *gamma = map(exactly, state)
     start: dict[str, Any] = {"omega": (p, q, r), "gamma": gamma or None, "normalise": True}
     return replace(scene, **start, times=(-t,), outputs=(), events=())
 

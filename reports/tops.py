@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import random
 import statistics
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple, TypeAlias
@@ -17,9 +17,11 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 import polhode
-from kit import DOUBLE, EXTENDED, even_times, exactly, fewest_digits
+from kit import even_times, fewest_digits
 from peers.field import Top
 from polhode.equations.terms import coefficients_of
+from polhode.numbers.conversion import exactly
+from polhode.numbers.number_types import DOUBLE, EXTENDED
 
 #: Exact states at some times, p q r gamma1 gamma2 gamma3 a row.
 States: TypeAlias = list[list[Fraction]]

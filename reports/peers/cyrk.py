@@ -24,13 +24,11 @@ def _solver(present: Sequence[bool], method: str) -> Array:
 
     rates = numba.njit(of_pattern(present))
 
-    @numba.cfunc(cyjit_sig)
     def field(dy: Array, t: float, y: Array, c: Array) -> None:
         dy[0], dy[1], dy[2], dy[3], dy[4], dy[5] = rates(t, y, c)
 
-    address = field.address
+    address = numba.cfunc(cyjit_sig)(field).address
 
-    @numba.njit
     def solve(c: Array, start: Array, times: Array, tol: float) -> Array:
         span = (times[0], times[-1])
         solution = nbsolve2_ivp(address, span, start, method, times, False, c, tol, tol)
@@ -38,7 +36,7 @@ def _solver(present: Sequence[bool], method: str) -> Array:
         solution.free()
         return rows, success
 
-    return solve
+    return numba.njit(solve)
 
 
 def _in_python(present: Sequence[bool], method: str) -> Run:

@@ -19,14 +19,12 @@ def prepared(present: Sequence[bool], method: str, many: bool = False) -> Run:
 
     rates, solver = numba.njit(of_pattern(present)), getattr(numbalsoda, method)
 
-    @numba.cfunc(numbalsoda.lsoda_sig)
     def field(t: float, y: Array, dy: Array, c: Array) -> None:
         dy[0], dy[1], dy[2], dy[3], dy[4], dy[5] = rates(t, y, c)
 
-    address = field.address
+    address = numba.cfunc(numbalsoda.lsoda_sig)(field).address
 
-    @numba.njit
     def solve(c: Array, start: Array, times: Array, tol: float) -> Array:
         return solver(address, start, times, c, tol, tol, _MOST_STEPS)
 
-    return run_of(solve, many)
+    return run_of(numba.njit(solve), many)

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 import polhode
-from kit import DOUBLE, EXTENDED
 from peers.field import Run, Top
+from polhode.numbers.number_types import DOUBLE, EXTENDED
 from programs import PROJECTED
 
 UPRIGHT = (0.0, 0.0, 1.0)
