@@ -25,8 +25,12 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
+
+import numpy as np
 
 import tops
 from kit import Only, Say, clocked, rows_by_part
@@ -80,8 +84,6 @@ class _Contest:
     """One cell: its draws, and what each program has given on them so far."""
 
     def __init__(self, cell: Cell, truths: Sequence[States], ready: Mapping[str, Run]) -> None:
-        import numpy as np
-
         self.cell, self.truths = cell, truths
         self.ready = {n: r for n, r in ready.items() if BY_NAME[n].runs(*cell[1:])}
         self.draws: list[Draw] = [draw(cell.kind, k, *cell[1:]) for k in range(DRAWS)]
@@ -217,20 +219,6 @@ def frontier(marks: Iterable[WorkPoint]) -> list[WorkPoint]:
     return points[::-1]
 
 
-def seconds_at(marks: Sequence[WorkPoint], digits: float) -> float | None:
-    """Seconds for so many digits on the frontier; None beyond its reach.
-
-    Below its first point the first point's.
-    """
-    import numpy as np
-
-    line = frontier(marks)
-    if not line or digits > line[-1].digits:
-        return None
-    at, seconds = zip(*line, strict=True)
-    return math.exp(np.interp(digits, at, np.log(seconds)))
-
-
 # --- cells ----------------------------------------------------------------------------------------
 #
 # The contest's cells: who reaches how many digits, in what time, and how it compares with
@@ -269,43 +257,34 @@ def wanted_cells(quick: bool, only: Only) -> dict[str, list[Cell]]:
 
 
 def rows(
-    cells_of: Mapping[str, Sequence[Cell]],
-    programs: Sequence[Program],
-    cache: Path,
-    quick: bool,
-    say: Say,
+    cells_of: Mapping[str, Sequence[Cell]], programs: Sequence[Program], quick: bool, say: Say
 ) -> list[dict[str, Any]]:
     """A row a cell, in the order asked."""
     truths = _truths(cells_of, say)
-    with ThreadPoolExecutor(1 if quick else cores()) as pool:
-        futures = {  # the kind that takes longest, of fast spins, begins first
-            kind: pool.submit(_kind, kind, cells_of[kind], programs, truths, cache, quick, say)
-            for kind in reversed([*cells_of])
+    jobs = [
+        {
+            "kind": kind,
+            "cells": [(cell, truths[_judged_cell(cell)]) for cell in cells],
+            "programs": [program.name for program in programs],
+            "tolerances": {},
+            "patience": QUICK_PATIENCE if quick else PATIENCE,
         }
-        return [row for kind in cells_of for row in futures[kind].result()]
+        for kind, cells in cells_of.items()
+    ]
+    with TemporaryDirectory() as cache, ThreadPoolExecutor(1 if quick else cores()) as pool:
+        hold = partial(_kind, processes=1 if quick else PROCESSES, cache=Path(cache), say=say)
+        # the kind that takes longest, of fast spins, begins first
+        last_first = [*pool.map(hold, reversed(jobs))]
+    return [row for rows in reversed(last_first) for row in rows]
 
 
-def _kind(
-    kind: str,
-    cells: Sequence[Cell],
-    programs: Sequence[Program],
-    truths: Mapping[Cell, list[States]],
-    cache: Path,
-    quick: bool,
-    say: Say,
-) -> list[dict[str, Any]]:
-    """The rows of one kind, from as many processes as are made."""
+def _kind(job: Mapping[str, Any], processes: int, cache: Path, say: Say) -> list[dict[str, Any]]:
+    """The rows of one kind, from so many processes."""
+    cells: list[Cell] = [cell for cell, _ in job["cells"]]
     points: dict[Cell, dict[str, Points]] = {cell: {} for cell in cells}
     faults: dict[Cell, dict[str, str]] = {cell: {} for cell in cells}
-    job: dict[str, Any] = {
-        "kind": kind,
-        "cells": [(cell, truths[_judged_cell(cell)]) for cell in cells],
-        "programs": [program.name for program in programs],
-        "tolerances": {},
-        "patience": QUICK_PATIENCE if quick else PATIENCE,
-    }
-    for turn in range(1 if quick else PROCESSES):
-        say(f"contest: {kind}, process {turn + 1}")
+    for process in range(1, processes + 1):
+        say(f"contest: {job['kind']}, process {process}")
         answers, fault = ask(_MODULE, job, _LIMIT, cache)
         missing = {*cells}
         for answer in answers:
@@ -317,10 +296,10 @@ def _kind(
                 _enter(points[answer["cell"]], answer["points"])
                 faults[answer["cell"]] |= answer["faults"]
         for cell in missing if fault else ():
-            faults[cell][f"process {turn + 1}"] = fault
-        job["tolerances"] = {  # a cell that no process came to is held whole by the next one
-            cell: held_again(points[cell], cell.every_tolerance) for cell in cells if points[cell]
-        }
+            faults[cell][f"process {process}"] = fault
+        # a cell that no process came to is held whole by the next one
+        again = {x: held_again(points[x], x.every_tolerance) for x in cells if points[x]}
+        job = {**job, "tolerances": again}
     return [row(cell, points[cell], faults[cell]) for cell in cells]
 
 
@@ -358,13 +337,16 @@ def curves(points: Mapping[str, Points]) -> dict[str, list[list[float]]]:
 
 
 def seconds_of(points: Points, level: float) -> dict[int, float]:
-    """Seconds to a level, by draw, of those that reach it."""
+    """Seconds to a level on the frontier of each draw, of those that reach it.
+
+    Below its first point the first point's.
+    """
     seconds_by_draw = {}
     for k in range(DRAWS):
-        marks = [WorkPoint(*point) for (draw, _), point in points.items() if draw == k]
-        seconds = seconds_at(marks, level)
-        if seconds is not None:
-            seconds_by_draw[k] = seconds
+        line = frontier(WorkPoint(*point) for (draw, _), point in points.items() if draw == k)
+        if line and level <= line[-1].digits:
+            at, seconds = zip(*line, strict=True)
+            seconds_by_draw[k] = math.exp(np.interp(level, at, np.log(seconds)))
     return seconds_by_draw
 
 

@@ -28,6 +28,8 @@ JsonObject: TypeAlias = dict[str, Any]
 #: Told what is being done.
 Say: TypeAlias = Callable[[str], object]
 Answer = TypeVar("Answer")
+Key = TypeVar("Key")
+Value = TypeVar("Value")
 
 
 #: polhode's number types; of mp where it is asked for so many digits.
@@ -47,6 +49,19 @@ def fewest_digits(states: Any, true: Any, scene: polhode.Scene, most: float) -> 
     with np.errstate(divide="ignore"):
         worst = -np.log10(polhode.state_errors(states, true, scene).max())
     return float(np.clip(worst, 0.0, most))
+
+
+def grouped(pairs: Iterable[tuple[Key, Value]]) -> dict[Key, list[Value]]:
+    """Values by their keys, in the order in which they come."""
+    groups: dict[Key, list[Value]] = {}
+    for key, value in pairs:
+        groups.setdefault(key, []).append(value)
+    return groups
+
+
+def inner(rows: Iterable[JsonObject], *keys: str) -> list[JsonObject]:
+    """The rows that rows have in lists under these keys, each with what its outer row says."""
+    return [{**row, **own} for row in rows for key in keys for own in row.get(key, ())]
 
 
 def clocked(call: Callable[[], Answer]) -> tuple[Answer, float]:

@@ -23,7 +23,7 @@ from contest import WorkPoint, frontier
 from peers import process
 from peers.process import ask
 from polhode.numbers.decimals import significant
-from polhode.numbers.number_types import DOUBLE, QUAD
+from polhode.numbers.number_types import DOUBLE, QUAD, mp
 from programs import BY_NAME, ENGINE, OURS, PROGRAMS, RUN, Program
 
 QUESTION = (
@@ -47,9 +47,7 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
         "refined": (_refined, refined),
     }
     starting = kit.rows_by_part(first, True, say)  # alone: clocks run
-    with tempfile.TemporaryDirectory() as cache:
-        contestants = [p for p in programs if p.last]
-        cells = contest.rows(wanted_cells, contestants, Path(cache), quick, say)
+    cells = contest.rows(wanted_cells, [p for p in programs if p.last], quick, say)
     return {
         "once_above": PATIENCE,
         "programs": [program.name for program in programs],
@@ -238,7 +236,6 @@ def _point(curve: Way, scene: polhode.Scene, tol: float, true: Any, quick: bool)
 
 
 _REPEATS, _PATIENCE = 3, 1.0  # timed runs; longer ones are made once
-LOG10_2 = math.log10(2)
 _SPARE = 12  # digits more that the reference has
 _OUTPUTS = ("angles", "attitude")
 
@@ -267,8 +264,7 @@ def _refined(motion: LibraryMotion) -> dict[str, Any]:
         row["by"] = "closed form"
     else:  # a method of its own, and more digits
         plain = replace(scene, outputs=())
-        wider = polhode.NumberType("mp", math.ceil(wide / LOG10_2) + 1)
-        steps = polhode.integrate(plain, wider, method="taylor")
+        steps = polhode.integrate(plain, mp(wide), method="taylor")
         true, row["by"] = steps.states, "steps in more digits"
     calls = [partial(polhode.integrate, number=number, method=x) for x in ("refined", "taylor")]
     for call in calls:
@@ -317,11 +313,11 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 
 def by_length(cells: Sequence[kit.JsonObject]) -> list[kit.JsonObject]:
     """A row a number of starts or outputs, a length, and a level of digits, over the kinds."""
-    levels: dict[tuple[int, int, int, float], list[kit.JsonObject]] = {}
-    for cell in cells:
-        for level in cell["levels"]:
-            key = cell.get("starts", 0), cell["outputs"], cell["end"], level["digits"]
-            levels.setdefault(key, []).append(level)
+    levels = kit.grouped(
+        ((cell["starts"], cell["outputs"], cell["end"], level["digits"]), level)
+        for cell in cells
+        for level in cell["levels"]
+    )
     return [_over_kinds(*key, every) for key, every in sorted(levels.items())]
 
 
@@ -394,29 +390,23 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
 
 def _best(motions: Sequence[kit.JsonObject]) -> Iterator[kit.JsonObject]:
     """Each number type at its tightest tolerance on each motion."""
-    for motion in motions:
-        for method in motion["methods"]:
-            points = [p for p in method["points"] if "digits" in p]
-            if points:
-                tightest = min(points, key=lambda p: p["tol"])
-                to = f"{motion['motion']}, t = {motion['end']}"
-                yield {**motion, **method, **tightest, "to": to}
+    for method in kit.inner(motions, "methods"):
+        points = [p for p in method["points"] if "digits" in p]
+        if points:
+            to = f"{method['motion']}, t = {method['end']}"
+            yield {**method, **min(points, key=lambda p: p["tol"]), "to": to}
 
 
 def _faults(results: kit.JsonObject) -> list[kit.JsonObject]:
     """What failed or was missing, each once."""
-    causes = {
-        (name, fault): None for cell in results["cells"] for name, fault in cell["faults"].items()
-    }
-    causes |= {(row["program"], row["fault"]): None for row in results["first"] if row["fault"]}
-    causes |= {
-        (method["method"], f"at tolerance {point['tol']:.2g}: {point['reason']}"): None
-        for motion in results["motions"]
-        for method in motion["methods"]
-        for point in method["points"]
+    causes = [fault for cell in results["cells"] for fault in cell["faults"].items()]
+    causes += [(row["program"], row["fault"]) for row in results["first"] if row["fault"]]
+    causes += [
+        (point["method"], f"at tolerance {point['tol']:.2g}: {point['reason']}")
+        for point in kit.inner(kit.inner(results["motions"], "methods"), "points")
         if "reason" in point
-    }
-    return [{"program": program, "fault": fault} for program, fault in causes]
+    ]
+    return [{"program": program, "fault": fault} for program, fault in dict.fromkeys(causes)]
 
 
 # --- figure ---------------------------------------------------------------------------------------
@@ -430,17 +420,13 @@ Curves = Mapping[str, Sequence[tuple[float, float]]]
 
 def svgs(results: kit.JsonObject) -> dict[str, str]:
     """The study's figures by name, from its JSON object."""
-    drawn = {}
-    panels = {_panel(cell): lines(cell["curves"]) for cell in results["cells"] if "curves" in cell}
-    if panels:
-        drawn["speed"] = work_precision(panels)
-    if results["motions"]:
-        titles = [
-            f"{motion['motion'].capitalize()}, t = {motion['end']}" for motion in results["motions"]
-        ]
-        types = dict(zip(titles, map(_types, results["motions"]), strict=True))
-        drawn["types"] = work_precision(types)
-    return drawn
+    drawn = {
+        "speed": {_panel(x): lines(x["curves"]) for x in results["cells"] if "curves" in x},
+        "types": {
+            f"{x['motion'].capitalize()}, t = {x['end']}": _types(x) for x in results["motions"]
+        },
+    }
+    return {name: work_precision(panels) for name, panels in drawn.items() if panels}
 
 
 def lines(curves: Mapping[str, Sequence[Sequence[float]]]) -> Curves:
@@ -449,16 +435,16 @@ def lines(curves: Mapping[str, Sequence[Sequence[float]]]) -> Curves:
     Of a package with several methods that is the fastest to each error; a program that is not known
     here, as one of an earlier version is, has a line by its own name.
     """
-    order = [*BY_NAME, *(name for name in curves if name not in BY_NAME)]
-    marks: dict[str, list[WorkPoint]] = {}
-    for name in order:
-        line = BY_NAME[name].line if name in BY_NAME else name
-        if line and name in curves:
-            marks.setdefault(line, []).extend(WorkPoint(*point) for point in curves[name])
+    in_order = {**dict.fromkeys(BY_NAME, ()), **curves}
+    marks = kit.grouped(
+        (BY_NAME[name].line if name in BY_NAME else name, WorkPoint(*point))
+        for name, points in in_order.items()
+        for point in points
+    )
     return {
         line: [(mark.seconds, 10.0**-mark.digits) for mark in frontier(every)]
         for line, every in marks.items()
-        if every
+        if line
     }
 
 

@@ -62,8 +62,13 @@ if __name__ == "__main__":
 # Other programs as processes of their own: what is asked of them, and what came back.
 
 
-def ask(module: str, job: Mapping[str, Any], limit: float, cache: Path) -> tuple[list[Any], str]:
-    """The answers of ``python -m module`` to a job, and what ended it early, if anything did."""
+def ask(
+    module: str, job: Mapping[str, Any], limit: float, cache: Path | None = None
+) -> tuple[list[Any], str]:
+    """The answers of ``python -m module`` to a job, and what ended it early, if anything did.
+
+    ``cache``: of compiled code, empty and not kept unless it is given.
+    """
     with tempfile.TemporaryDirectory() as folder:
         path, fault = Path(folder) / "answers", ""
         path.touch()
@@ -73,7 +78,7 @@ def ask(module: str, job: Mapping[str, Any], limit: float, cache: Path) -> tuple
                 input=pickle.dumps(job),
                 capture_output=True,
                 timeout=limit,
-                env=environment(cache),
+                env=environment(cache or Path(folder)),
             )
         except subprocess.TimeoutExpired:
             return [*_answers(path)], f"stopped after {limit:g} s"
