@@ -332,7 +332,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    runs = [run for _, run in kit.runs_of(results["cases"]) if not run.get("lost")]
+    runs = [run for run in kit.inner(results["cases"], "runs") if not run.get("lost")]
     judged = [run for run in runs if run.get("expected") and run["limit"] != "reference"]
     below = [run for run in judged if run["correct_digits"] < run["expected"][0]]
     above = sum(run["correct_digits"] > run["expected"][2] for run in judged)
@@ -364,7 +364,5 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
 
 def svgs(results: kit.JsonObject) -> dict[str, str]:
     """Correct digits of every case in every number type, from the study's JSON object."""
-    groups: dict[str, list[kit.JsonObject]] = {}
-    for case in results["cases"]:
-        groups.setdefault(case["case"].partition("/")[0], []).extend(case["runs"])
-    return {"accuracy": kit.strips(groups)}
+    runs = kit.inner(results["cases"], "runs")
+    return {"accuracy": kit.strips(kit.grouped((x["case"].partition("/")[0], x) for x in runs))}

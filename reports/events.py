@@ -220,45 +220,27 @@ def ulp(t: Fraction, bits: int) -> Fraction:
 def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
     return {
-        "near": _runs(results, "near"),
-        "far": _runs(results, "far"),
-        "proven": _proven_rows(results),
+        "near": kit.inner(results["motions"], "near"),
+        "far": kit.inner(results["motions"], "far"),
+        "proven": kit.inner(results["proven"], "events"),
         "cost": results["cost"],
     }
 
 
-def _runs(results: kit.JsonObject, *parts: str) -> list[kit.JsonObject]:
-    """Every run of the parts, near or far, each with its motion."""
-    return [{**x, **run} for x in results["motions"] for part in parts for run in x[part]]
-
-
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    far, every, proven = (
-        _runs(results, "far"),
-        _runs(results, "near", "far"),
-        _proven_rows(results),
-    )
-    near = [run["ulps"] for run in _runs(results, "near") if "ulps" in run]
+    near, far = (kit.inner(results["motions"], part) for part in ("near", "far"))
+    proven = kit.inner(results["proven"], "events")
     return {
         "end": max((run["end"] for run in far), default=0),
         "true": sum(run["true"] for run in far),
         "found": sum(run["found"] for run in far),
         "whole": share(run["complete"] for run in far),
-        "ulps": max(near, default=0),
-        "exact": share(run["complete"] and run["found"] == run["true"] for run in every),
+        "ulps": max((run["ulps"] for run in near if "ulps" in run), default=0),
+        "exact": share(run["complete"] and run["found"] == run["true"] for run in near + far),
         "same": share(not x["undecided"] and x["proven"] == x["double"] for x in proven),
         "steps": share(len({*row["steps"]}) == 1 for row in results["cost"]),
     }
-
-
-def _proven_rows(results: kit.JsonObject) -> list[kit.JsonObject]:
-    """Proven events of motions without a closed form, each with its case."""
-    return [
-        row | {"case": case["case"], "end": case["end"]}
-        for case in results["proven"]
-        for row in case["events"]
-    ]
 
 
 # --- figure ---------------------------------------------------------------------------------------
@@ -279,8 +261,7 @@ def _draw_errors(axes: kit.Axes, motions: Sequence[kit.JsonObject]) -> None:
     for name, colour in kit.COLOURS.items():
         sizes = [
             max(ulps, FLOOR)
-            for motion in motions
-            for run in (*motion["near"], *motion["far"])
+            for run in kit.inner(motions, "near", "far")
             if run["number"] == name
             for _, ulps in run.get("samples", ())
         ]

@@ -387,11 +387,6 @@ def by_number(
     return {**case, "end": float(case["end"]), "runs": runs, "cells": cells}
 
 
-def runs_of(cases: list[JsonObject]) -> list[tuple[JsonObject, JsonObject]]:
-    """Every run of the cases, each with its case."""
-    return [(case, run) for case in cases for run in case["runs"]]
-
-
 def expected(band: list[float] | None) -> str | None:
     """The digits expected, from the least to the most of nine in ten runs."""
     return None if band is None else f"{band[0]:.1f}{DASH}{band[2]:.1f}"

@@ -15,11 +15,9 @@ from __future__ import annotations
 
 import math
 import statistics
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -282,10 +280,8 @@ def far_rows(end: int, starts: int, quick: bool, say: kit.Say, only: kit.Only) -
         if only(f"{top} t={end}", name, "far")
     ]
     rows = kit.rows_by_part({"far": (partial(_row, end=end), runs)}, quick, say)["far"]
-    methods: dict[str, list[dict[str, Any]]] = {top: [] for top in TOPS}
-    for (top, *_), row in zip(runs, rows, strict=True):
-        methods[top].append(row)
-    tops = [{"top": top, "methods": own} for top, own in methods.items() if own]
+    methods = kit.grouped((top, row) for (top, *_), row in zip(runs, rows, strict=True))
+    tops = [{"top": top, "methods": own} for top, own in methods.items()]
     return {"t": end, "starts": starts, "tops": tops, "not_run": NOT_RUN}
 
 
@@ -295,8 +291,7 @@ def _row(of: tuple[str, str, int], end: int) -> dict[str, Any]:
     top, program, starts = of
     scenes = [draw(top, k, end, 2) for k in range(starts)]
     job = BY_NAME[program].job(present(top), [x.run(TOLERANCES[program]) for x in scenes])
-    with tempfile.TemporaryDirectory() as cache:
-        answers, fault = ask(process.__name__, job, starts * _LIMIT, Path(cache))
+    answers, fault = ask(process.__name__, job, starts * _LIMIT)
     errors, faults = [], [fault] * (len(answers) < starts)
     for start, answer in zip(scenes, answers, strict=False):
         if "failed" in answer:
@@ -328,7 +323,7 @@ def _error(scene: polhode.Scene, state: Sequence[float]) -> float:
 
 def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
-    rows = _methods(results["tops"])
+    rows = kit.inner(results["tops"], "methods")
     return {
         "exponents": [
             {**row, **row[name], "of": name}
@@ -347,7 +342,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
     tops, far = results["tops"], results["at"]
-    pulls = [abs(row["pull"]) for row in _walks(_methods(tops))]
+    pulls = [abs(row["pull"]) for row in _walks(kit.inner(tops, "methods"))]
     return {
         "starts": far["starts"],
         "end": tops[0]["times"][-1] if tops else kit.DASH,
@@ -361,15 +356,10 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
     }
 
 
-def _methods(tops: list[kit.JsonObject]) -> list[kit.JsonObject]:
-    """Every method on every kind of top, each with what is said of the top."""
-    return [{**top, **method} for top in tops for method in top["methods"]]
-
-
 def _walks(rows: list[kit.JsonObject]) -> list[kit.JsonObject]:
     """Every integral of every kind of top: its departure at the end, the mean over its error."""
     walks = []
-    for row in [{**method, **x} for method in rows for x in method.get("integrals", ())]:
+    for row in kit.inner(rows, "integrals"):
         error = row["deviation"][-1] / math.sqrt(row["starts"])
         pull = row["mean"][-1] / error if error else 0.0
         walks.append({**row, "mean_error": error, "pull": pull})
@@ -399,7 +389,8 @@ def _over_time(row: kit.JsonObject) -> Iterator[kit.JsonObject]:
 
 def _faults(far: kit.JsonObject) -> list[kit.JsonObject]:
     """Runs at the far moment that failed, and programs that were not run."""
-    failed = [{**row, "fault": fault} for row in _methods(far["tops"]) for fault in row["faults"]]
+    rows = kit.inner(far["tops"], "methods")
+    failed = [{**row, "fault": fault} for row in rows for fault in row["faults"]]
     return failed + [{"method": k, "fault": f"not run: {why}"} for k, why in far["not_run"].items()]
 
 
@@ -408,11 +399,12 @@ def far_table_rows(results: kit.JsonObject) -> list[kit.JsonObject]:
     far = results["at"]
     own = [
         {**row, "method": f"polhode {row['method']}", **at_time["error"]}
-        for row in _methods(results["tops"])
+        for row in kit.inner(results["tops"], "methods")
         for at_time in _over_time(row)
         if at_time["t"] == far["t"]
     ]
-    return sorted([*own, *_methods(far["tops"])], key=lambda row: [*TOPS].index(row["top"]))
+    others = kit.inner(far["tops"], "methods")
+    return sorted([*own, *others], key=lambda row: [*TOPS].index(row["top"]))
 
 
 # --- figure ---------------------------------------------------------------------------------------
@@ -466,7 +458,7 @@ def _draw_growth(axes: kit.Axes, tops: Sequence[kit.JsonObject], name: str) -> N
 
 def _draw_inputs(axes: kit.Axes, tops: list[kit.JsonObject]) -> None:
     """What rounding the inputs leaves of projected runs, followed at first, then like t."""
-    for row in _methods(tops):
+    for row in kit.inner(tops, "methods"):
         points = [(x["t"], x["inputs"]["median"]) for x in _over_time(row) if "inputs" in x]
         look = _DOTTED | {"ls": "--", "marker": _MARKS[row["top"]], "ms": 2.5}
         axes.plot(*np.array(points or [(np.nan,) * 2]).T, label="rounded inputs", **look)

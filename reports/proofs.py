@@ -165,7 +165,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    orbits = [row for top in results["orbits"] for row in top["orbits"]]
+    orbits = kit.inner(results["orbits"], "orbits")
     proved = [row for row in orbits if row["proved"]]
     chaos = [row for row in results["chaos"] if row["proved"]]
     return {
@@ -218,16 +218,14 @@ def _proved_chaos(row: kit.JsonObject) -> kit.JsonObject:
 
 def _refused(tops: list[kit.JsonObject]) -> list[kit.JsonObject]:
     """A row for all orbits of a top that have about one period and the same cause."""
-    residues_of: dict[tuple[str, str, str], list[float]] = {}
-    for top in tops:
-        for row in top["orbits"]:
-            if not row["proved"]:
-                cause = row["cause"].partition(":")[0]
-                same = (f"orbits: {top['what']}", f"{row['period']:.5g}", cause)
-                residues_of.setdefault(same, []).append(row["residue"])
+    residues_of = kit.grouped(
+        ((row["what"], f"{row['period']:.5g}", row["cause"].partition(":")[0]), row["residue"])
+        for row in kit.inner(tops, "orbits")
+        if not row["proved"]
+    )
     return [
         {
-            **{"top": name, "period": period, "orbits": len(residues), "cause": cause},
+            **{"top": f"orbits: {name}", "period": period, "orbits": len(residues), "cause": cause},
             "residue": kit.between(residues, ".1e") if len(residues) > 1 else f"{residues[0]:.1e}",
         }
         for (name, period, cause), residues in residues_of.items()

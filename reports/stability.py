@@ -150,7 +150,7 @@ def _pair(run: kit.JsonObject | None) -> float | str | None:
 def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
     cases = {case["case"]: kit.by_number(case, _pair) for case in results["cases"]}
-    runs = [{**case, **run} for case, run in kit.runs_of(results["cases"])]
+    runs = kit.inner(results["cases"], "runs")
     late = [run for run in runs if (run.get("behind") or 0) > 0]
     return {
         "cases": (
@@ -173,7 +173,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    behind = [run.get("behind") for _, run in kit.runs_of(results["cases"])]
+    behind = [run.get("behind") for run in kit.inner(results["cases"], "runs")]
     judged = [row for row in results["back"] if row["within"] is not None]
     return {
         "enough": kit.share(x <= 0 for x in behind if x is not None),
