@@ -323,20 +323,6 @@ def table(rows: Iterable[JsonObject], lines: str, again: str = "") -> PageTable:
     return PageTable(tuple(columns), tuple(cells), again)
 
 
-def tables(
-    template: str, rows: Mapping[str, Iterable[JsonObject]], command: str
-) -> dict[str, PageTable]:
-    """The tables that a template describes, of the rows of their names.
-
-    ``command``: what makes the whole study again.
-    """
-    every, columns = dict[str, PageTable](), ""
-    for name, again, lines in TABLE.findall(template):
-        columns = lines or columns
-        every[name] = table(rows[name], columns, again and f"{command} {again}")
-    return every
-
-
 def filled(template: str, page_tables: Mapping[str, PageTable], facts: Mapping[str, object]) -> str:
     """The template with its fields filled, as Markdown.
 

@@ -18,7 +18,7 @@ import statistics
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -71,24 +71,16 @@ class Member(NamedTuple):
 def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; no figure in them depends on the clock."""
     decades, end, starts = ((1, 2), 100, 2) if quick else ((2, 6), 100_000, STARTS)
-    return {
-        "brouwer": BROUWER,
-        "tops": [*ensembles(decades, starts, say, only, quick)],
-        "at": far_rows(end, starts, quick, say, only),
-    }
-
-
-def ensembles(
-    decades: tuple[int, int], starts: int, say: kit.Say, only: kit.Only, alone: bool
-) -> Iterator[dict[str, Any]]:
-    """One row per top: medians over its starts at every half decade, and exponents."""
     times = half_decades(*decades)
     tops = [top for top in TOPS if only(f"{top} growth", *FAR)]
     scenes = [random_scene(top, k, times) for top in tops for k in range(starts)]
-    members = kit.rows_by_part({"growth": (follow, scenes)}, alone, say)["growth"]
-    for k, top in enumerate(tops):
-        own = slice(k * starts, (k + 1) * starts)
-        yield _top_row(top, scenes[own][0], members[own])
+    members = kit.rows_by_part({"growth": (follow, scenes)}, quick, say)["growth"]
+    own = [slice(k * starts, (k + 1) * starts) for k in range(len(tops))]
+    return {
+        "brouwer": BROUWER,
+        "tops": [_top_row(top, scenes[k], members[k]) for top, k in zip(tops, own, strict=True)],
+        "at": far_rows(end, starts, quick, say, only),
+    }
 
 
 def half_decades(first: int, last: int) -> tuple[Fraction, ...]:
@@ -98,30 +90,28 @@ def half_decades(first: int, last: int) -> tuple[Fraction, ...]:
 
 def follow(scene: polhode.Scene) -> Member:
     """Integrate one start by both methods and judge it at every time."""
-    reference = polhode.reference(scene).at(scene.times, DIGITS)
-    runs = {
-        method: polhode.integrate(scene, "double", project=method == PROJECTED)
-        for method in (PLAIN, PROJECTED)
-    }
-    projection = runs[PROJECTED].projection
+    true = polhode.reference(scene).at(scene.times, DIGITS)
+    plain, projected = (polhode.integrate(scene, "double", project=x) for x in (False, True))
+    projection = projected.projection
     assert projection is not None
     # what rounding the inputs leaves of a run that is projected so often, at the first times
     first = [t for t in scene.times if t <= INPUTS_UNTIL]
     left = polhode.conditioning(scene, first).inputs(DOUBLE, projection.every)
-    departed = polhode.departures(scene, runs[PLAIN].states)
+    departed = polhode.departures(scene, plain.states)
+    errors = (polhode.state_errors(run.states, true, scene).tolist() for run in (plain, projected))
     return Member(
-        {
-            method: polhode.state_errors(run.states, reference, scene).tolist()
-            for method, run in runs.items()
-        },
-        {name: [float(x) for x in column] for name, column in departed.items()},
+        dict(zip((PLAIN, PROJECTED), errors, strict=True)),
+        {name: [*map(float, column)] for name, column in departed.items()},
         projection,
         [10.0**-x for x in left if x is not None],
     )
 
 
-def _top_row(top: str, first: polhode.Scene, members: Sequence[Member]) -> dict[str, Any]:
-    shown = [float(t) for t in first.times]
+def _top_row(
+    top: str, scenes: Sequence[polhode.Scene], members: Sequence[Member]
+) -> dict[str, Any]:
+    """Of one kind: medians over its starts at every half decade, and exponents."""
+    first, shown = scenes[0], [float(t) for t in scenes[0].times]
     since = min(FIT_SINCE, shown[-1] / 100)
     corrections = [m.projection for m in members if m.projection is not None]
     plain, projected = ([m.errors[method] for m in members] for method in (PLAIN, PROJECTED))
@@ -156,17 +146,16 @@ def _top_row(top: str, first: polhode.Scene, members: Sequence[Member]) -> dict[
     }
 
 
+#: A row of numbers a member; numpy's functions of it, by their names.
+Series: TypeAlias = Sequence[Sequence[float]]
+Functions: TypeAlias = Mapping[str, Callable[..., Any]]
 #: What is told of an ensemble's errors or drifts, and of departures with their signs.
-SIZES: Mapping[str, Callable[..., Any]] = {"median": np.median, "largest": np.max}
-SIGNED: Mapping[str, Callable[..., Any]] = {"mean": np.mean, "deviation": partial(np.std, ddof=1)}
+SIZES: Functions = {"median": np.median, "largest": np.max}
+SIGNED: Functions = {"mean": np.mean, "deviation": partial(np.std, ddof=1)}
 
 
 def _growth(
-    times: Sequence[float],
-    series: Sequence[Sequence[float]],
-    since: float,
-    law: float,
-    shown: Mapping[str, Callable[..., Any]] = SIZES,
+    times: Sequence[float], series: Series, since: float, law: float, shown: Functions = SIZES
 ) -> dict[str, Any]:
     """How an ensemble's errors or departures grow; ``law``: the exponent that is expected."""
     return {
@@ -197,14 +186,10 @@ def _beside_inputs(members: Sequence[Member]) -> dict[str, Any]:
 
     Medians over the ensemble.
     """
-    over = [
-        [error / alone for error, alone in zip(m.errors[PROJECTED], m.inputs, strict=False)]
-        for m in members
-    ]
-    return {
-        "median": _short(np.median([m.inputs for m in members], axis=0)),
-        "error_over_it": _short(np.median(over, axis=0)),
-    }
+    alone = np.array([m.inputs for m in members])
+    errors = np.array([m.errors[PROJECTED][: alone.shape[1]] for m in members])
+    medians = (_short(np.median(x, axis=0)) for x in (alone, errors / alone))
+    return dict(zip(("median", "error_over_it"), medians, strict=True))
 
 
 # --- growth ---------------------------------------------------------------------------------------
@@ -225,14 +210,11 @@ EXPONENTS = ("exponent", "uncertainty", "last_decade", "last_uncertainty")
 
 
 def exponent(
-    times: Sequence[float],
-    members: Sequence[Sequence[float]],
-    since: float,
-    middle_of: Callable[..., Any] = np.median,
+    times: Sequence[float], members: Series, since: float, middle_of: Callable[..., Any] = np.median
 ) -> dict[str, float | None]:
     """The exponents of the median's growth from ``since`` on; None where it is zero somewhere.
 
-    ``members``: one row of errors a member.  ``middle_of``: numpy's function that grows.
+    ``middle_of``: numpy's function that grows.
     """
     late = np.array(times) >= since
     x, y = np.log10(np.array(times))[late], np.array(members)[:, late]
@@ -292,12 +274,9 @@ def _row(of: tuple[str, str, int], end: int) -> dict[str, Any]:
     scenes = [draw(top, k, end, 2) for k in range(starts)]
     job = BY_NAME[program].job(present(top), [x.run(TOLERANCES[program]) for x in scenes])
     answers, fault = ask(process.__name__, job, starts * _LIMIT)
-    errors, faults = [], [fault] * (len(answers) < starts)
-    for start, answer in zip(scenes, answers, strict=False):
-        if "failed" in answer:
-            faults.append(answer["failed"])
-        else:
-            errors.append(_error(start.scene, answer["state"]))
+    pairs = zip(scenes, answers, strict=False)
+    errors = [_error(start.scene, answer["state"]) for start, answer in pairs if "state" in answer]
+    faults = [fault] * (len(answers) < starts) + [x["failed"] for x in answers if "failed" in x]
     return {
         "method": program,
         "tol": TOLERANCES[program],

@@ -161,8 +161,12 @@ def page(results: JsonObject, *templates: str) -> str:
 
 
 def tables(name: str, results: JsonObject) -> dict[str, PageTable]:
-    """The tables of a study's page, from its JSON object."""
-    return kit.tables(template(name), module(name).tables(results), _command(name))
+    """The tables of a study's page that its template describes, from its JSON object."""
+    rows, page_tables, columns = module(name).tables(results), dict[str, PageTable](), ""
+    for part, again, lines in kit.TABLE.findall(template(name)):
+        columns = lines or columns
+        page_tables[part] = kit.table(rows[part], columns, again and f"{_command(name)} {again}")
+    return page_tables
 
 
 def write_stale(folder: Path, names: Sequence[str]) -> list[Path]:
