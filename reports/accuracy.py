@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import kit
@@ -108,10 +109,7 @@ def _run(scene: polhode.Scene, reference: polhode.Reference, name: str) -> dict[
             "expected": band and [rounded(x) for x in band],
             "limit": judged.limit,
             "lost": judged.lost or None,
-            "drift": {
-                key: None if value is None else significant(value, 3)
-                for key, value in run.drift._asdict().items()
-            },
+            "drift": {k: x and significant(x, 3) for k, x in run.drift._asdict().items()},
             "projection": projection(run),
             "refined": _refined(run, judged) if name == "quad" else None,
             "reference_digits": None if reference.is_closed_form else round(judged.agreement, 1),
@@ -218,23 +216,20 @@ def time_labels(
     scene: polhode.Scene, reference: polhode.Reference, printed: Sequence[PrintedFigure]
 ) -> Iterator[dict[str, Any]]:
     """A row for each source of which a shift of the time explains all figures at once."""
-    groups: dict[tuple[str, Any], list[PrintedFigure]] = {}
-    for figure in printed:
-        if isinstance(figure.published.t, Fraction):
-            groups.setdefault((figure.published.cite, figure.published.t), []).append(figure)
+    groups: dict[tuple[str, Any], list[PrintedFigure]]
+    groups = kit.grouped(((x.published.cite, x.published.t), x) for x in printed)
     for (cite, t), own in groups.items():
         off = any(figure.difference and not figure.complete for figure in own)
-        if len(own) < 2 or not t or not off:
+        if len(own) < 2 or not isinstance(t, Fraction) or not t or not off:
             continue
-        shift, step, before = Fraction(0), abs(t) * _STEP, _differences(scene, reference, t, own)
+        differences = partial(_differences, scene, reference, own)
+        shift, step, before = Fraction(0), abs(t) * _STEP, differences(t)
         for _ in range(_ROUNDS):
-            here, there = (
-                _differences(scene, reference, t + shift + ahead, own) for ahead in (0, step)
-            )
+            here, there = (differences(t + shift + ahead) for ahead in (0, step))
             rates = [(a - b) / step for a, b in zip(here, there, strict=True)]
             products = sum(d * r for d, r in zip(here, rates, strict=True))
             shift = (shift + products / sum(r * r for r in rates)).limit_denominator(10**15)
-        after = _differences(scene, reference, t + shift, own)
+        after = differences(t + shift)
         before_most, after_most = (float(max(map(abs, x))) for x in (before, after))
         if after_most * EXPLAINS < before_most:
             yield {
@@ -248,7 +243,7 @@ def time_labels(
 
 
 def _differences(
-    scene: polhode.Scene, reference: polhode.Reference, t: Fraction, printed: list[PrintedFigure]
+    scene: polhode.Scene, reference: polhode.Reference, printed: list[PrintedFigure], t: Fraction
 ) -> list[Fraction]:
     """What is printed less ours at a time."""
     columns = columns_at(scene, reference, t, 30)

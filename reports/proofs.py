@@ -9,7 +9,6 @@ from __future__ import annotations
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable
-from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -58,15 +57,9 @@ def scene_of(top_name: str) -> polhode.Scene:
     """The scene of a top."""
     if (name := TOPS[top_name]) is not None:
         return polhode.load(name)
-    return polhode.top(
-        moments=[2, Fraction(51, 25), 1],
-        centre=[0, 0, 1],
-        weight=1,
-        omega=[Fraction(1, 2), Fraction(1, 4), 2],
-        gamma=[Fraction(3, 5), 0, Fraction(4, 5)],
-        end=1,
-        name=top_name,
-    )
+    body: dict[str, Any] = {"moments": [2, "51/25", 1], "centre": [0, 0, 1], "weight": 1}
+    start: dict[str, Any] = {"omega": ["1/2", "1/4", 2], "gamma": ["3/5", 0, "4/5"]}
+    return polhode.top(**body, **start, end=1, name=top_name)
 
 
 def _orbits(name: str, grid: tuple[int, int], crossings: int) -> kit.JsonObject:
@@ -237,7 +230,13 @@ def _refused(tops: list[kit.JsonObject]) -> list[kit.JsonObject]:
 # Figures of the study of proofs: residues over periods; manifolds that cross.
 
 
-_COLOURS = {"elliptic": kit.BLUE, "hyperbolic": kit.ORANGE, "inverse hyperbolic": kit.GREEN}
+_NOT_PROVED = "not proved"
+_LOOKS = {
+    "elliptic": (kit.BLUE, "o"),
+    "hyperbolic": (kit.ORANGE, "o"),
+    "inverse hyperbolic": (kit.GREEN, "o"),
+    _NOT_PROVED: ("#555555", "x"),
+}
 _DOTS_PER_INCH = 200  # of the manifolds, which are pixels
 
 
@@ -273,15 +272,10 @@ def residues(tops: list[kit.JsonObject]) -> str:
 
 def _draw_top(axes: kit.Axes, top: kit.JsonObject) -> None:
     axes.axhspan(0, 1, color=kit.SHADE, lw=0)
-    orbits = top["orbits"]
-    kinds = [
-        (kind, colour, "o", [row for row in orbits if row.get("kind") == kind])
-        for kind, colour in _COLOURS.items()
-    ]
-    kinds.append(("not proved", "#555555", "x", [row for row in orbits if not row["proved"]]))
-    for name, colour, mark, rows in kinds:
+    for kind, (colour, mark) in _LOOKS.items():
+        rows = [row for row in top["orbits"] if row.get("kind", _NOT_PROVED) == kind]
         at = [row["period"] for row in rows], [row["residue"] for row in rows]
-        axes.plot(*at, mark, color=colour, ms=4, label=name)
+        axes.plot(*at, mark, color=colour, ms=4, label=kind)
     axes.set_yscale("symlog", linthresh=1, linscale=1.5)
     axes.locator_params("y", numticks=9)
     axes.yaxis.set_major_formatter("{x:g}")

@@ -39,20 +39,15 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     wanted_cells, ways_of = contest.wanted_cells(quick, only), motions(quick, only)
     refined = [x for x in REFINED if x.quick >= quick and only(f"refined: {x.name} t={x.end}")]
     programs = [p for p in PROGRAMS if p.is_there and (not quick or p.name in QUICK_PROGRAMS)]
-    first: kit.Parts = {
-        "first": (partial(first_row, quick=quick), programs if only("first result") else [])
-    }
-    others: kit.Parts = {
-        "motions": (partial(row, ways_of, quick=quick), [*ways_of]),
-        "refined": (_refined, refined),
-    }
-    starting = kit.rows_by_part(first, True, say)  # alone: clocks run
-    cells = contest.rows(wanted_cells, [p for p in programs if p.last], quick, say)
+    firsts = programs if only("first result") else []
+    row_of = partial(row, ways_of, quick=quick)
+    others: kit.Parts = {"motions": (row_of, [*ways_of]), "refined": (_refined, refined)}
     return {
         "once_above": PATIENCE,
         "programs": [program.name for program in programs],
-        **starting,
-        "cells": cells,
+        # alone: clocks run
+        **kit.rows_by_part({"first": (partial(first_row, quick=quick), firsts)}, True, say),
+        "cells": contest.rows(wanted_cells, [p for p in programs if p.last], quick, say),
         **kit.rows_by_part(others, True, say),
     }
 
@@ -177,16 +172,13 @@ def ways(motion: LibraryMotion, quick: bool) -> Iterator[Way]:
 
 def motions(quick: bool, only: kit.Only) -> dict[LibraryMotion, list[Way]]:
     """The motions asked for, each with the ways that are."""
-    ways_of = {
-        motion: [
-            way
-            for way in ways(motion, quick)
-            if only(motion.name, motion.case, "every motion", way.name)
-        ]
+    return kit.grouped(
+        (motion, way)
         for motion in MOTIONS
         if motion.quick >= quick
-    }
-    return {motion: chosen for motion, chosen in ways_of.items() if chosen}
+        for way in ways(motion, quick)
+        if only(motion.name, motion.case, "every motion", way.name)
+    )
 
 
 def row(
@@ -256,16 +248,15 @@ def _refined(motion: LibraryMotion) -> dict[str, Any]:
     estimated."""
     scene = motion.scene([Fraction(motion.end)])
     number = QUAD if motion.digits is None else kit.TYPES["mp"]
-    row: dict[str, Any] = {"motion": motion.name, "end": motion.end, "bits": number.bits}
     wide = math.ceil(number.most_digits) + _SPARE
     truth = polhode.reference(scene)
+    true: Any
     if truth.is_closed_form:
-        true: Any = truth.at(scene.times, wide)
-        row["by"] = "closed form"
+        true, by = truth.at(scene.times, wide), "closed form"
     else:  # a method of its own, and more digits
-        plain = replace(scene, outputs=())
-        steps = polhode.integrate(plain, mp(wide), method="taylor")
-        true, row["by"] = steps.states, "steps in more digits"
+        steps = polhode.integrate(replace(scene, outputs=()), mp(wide), method="taylor")
+        true, by = steps.states, "steps in more digits"
+    row: dict[str, Any] = {"motion": motion.name, "end": motion.end, "bits": number.bits, "by": by}
     calls = [partial(polhode.integrate, number=number, method=x) for x in ("refined", "taylor")]
     for call in calls:
         call(scene.at([min(10, scene.end)]))  # loads what is compiled
