@@ -163,22 +163,16 @@ def printed_figures(scene: polhode.Scene) -> tuple[list[dict[str, Any]], list[di
     return rows, [*time_labels(scene, reference, printed)]
 
 
-def kind_of(cite: str, recomputed: bool) -> str:
-    """What a printed figure is: a value somebody stands for, a printout, or one made for this."""
-    if recomputed:
-        return "recomputed"
-    return "printout" if _SIMULATED.search(cite) else "value"
-
-
 def _figure(case: str, reference: str, figure: PrintedFigure) -> dict[str, Any]:
     printed = figure.published
+    kind = "printout" if _SIMULATED.search(printed.cite) else "value"  # somebody stands for it
     return {
         "case": case,
         "reference": reference,
         "t": float(printed.t),
         "quantity": printed.quantity,
         "cite": printed.cite,
-        "kind": kind_of(printed.cite, printed.recomputed),
+        "kind": "recomputed" if printed.recomputed else kind,
         "printed": printed.value,
         "ours": figure.ours,
         "difference": polhode.as_decimal(figure.difference, 2),
@@ -216,11 +210,11 @@ def time_labels(
     scene: polhode.Scene, reference: polhode.Reference, printed: Sequence[PrintedFigure]
 ) -> Iterator[dict[str, Any]]:
     """A row for each source of which a shift of the time explains all figures at once."""
-    groups: dict[tuple[str, Any], list[PrintedFigure]]
-    groups = kit.grouped(((x.published.cite, x.published.t), x) for x in printed)
+    exact: list[Any] = [x for x in printed if isinstance(x.published.t, Fraction)]
+    groups = kit.grouped(((x.published.cite, x.published.t), x) for x in exact)
     for (cite, t), own in groups.items():
         off = any(figure.difference and not figure.complete for figure in own)
-        if len(own) < 2 or not isinstance(t, Fraction) or not t or not off:
+        if len(own) < 2 or not t or not off:
             continue
         differences = partial(_differences, scene, reference, own)
         shift, step, before = Fraction(0), abs(t) * _STEP, differences(t)
