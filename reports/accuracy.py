@@ -29,11 +29,6 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import significant
 from polhode.numbers.number_types import NAMES
 
-QUESTION = (
-    "How many digits of each case's trajectory are correct in each number type, how far do the "
-    "integrals drift, and what does rounding the inputs alone cost? Does every closed form lie in "
-    "its proven enclosure, and how many digits of figures that others printed are right?"
-)
 QUICK_CASES = ("euler/separatrix", "general/near-upright", "published/nasa-brick")
 #: Longest integration, as the angle |w|·|end|, that each number type is given in the study.
 LONGEST = {"double": 1e7, "extended": 1e6, "quad": 1e4, "mp": 3e3}

@@ -16,10 +16,8 @@ The answers: {"failed": program, "fault"} of one that could not be prepared, and
 from __future__ import annotations
 
 import math
-import pickle
 import random
 import statistics
-import sys
 import time
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -33,9 +31,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import tops
-from kit import Only, Say, clocked, rows_by_part
+from kit import Only, Say, clocked, grouped, rows_by_part
 from peers.field import Run
-from peers.process import ask, end_with_parent, write
+from peers.process import ask, fault_text, serve
 from polhode.common.processes import cores
 from polhode.numbers.decimals import significant
 from programs import BY_NAME, MANY, OURS, OWN, Program
@@ -62,10 +60,8 @@ _NUDGE = 2.0**-50
 Points = dict[tuple[int, float], tuple[float, float]]
 
 
-def main() -> None:
-    """Answer the job on stdin."""
-    end_with_parent()
-    job = pickle.load(sys.stdin.buffer)
+def answers_to(job: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """The answers to a job."""
     ready: dict[bool, dict[str, Run]] = {False: {}, True: {}}
     for name in job["programs"]:
         for many in sorted({cell.starts > 0 for cell, _ in job["cells"]}):
@@ -73,11 +69,11 @@ def main() -> None:
                 try:
                     ready[many][name] = BY_NAME[name].prepared(present(job["kind"]), many)
                 except Exception as fault:  # of a package that does not fit the others
-                    write({"failed": name, "fault": _fault_text(fault)})
+                    yield {"failed": name, "fault": fault_text(fault)}
     for cell, truths in job["cells"]:
         contest = _Contest(cell, truths, ready[cell.starts > 0])
         contest.hold(job["tolerances"].get(cell), job["patience"])
-        write({"cell": cell, "points": contest.timed_points(), "faults": contest.faults})
+        yield {"cell": cell, "points": contest.timed_points(), "faults": contest.faults}
 
 
 class _Contest:
@@ -123,7 +119,7 @@ class _Contest:
         try:
             yield
         except Exception as fault:
-            self.faults[f"{name} at {tol:.1g}"] = _fault_text(fault)
+            self.faults[f"{name} at {tol:.1g}"] = fault_text(fault)
 
     def _block(self, name: str, k: int, tol: float) -> None:
         """Calls one after the other, timed together, each with a start of its own."""
@@ -187,12 +183,8 @@ def timed_again(points: Points, every: bool) -> Iterator[tuple[int, float]]:
         yield from ((k, tol) for tol in sorted(chosen))
 
 
-def _fault_text(fault: Exception) -> str:
-    return f"{type(fault).__name__}: {fault}"
-
-
 if __name__ == "__main__":
-    main()
+    serve(answers_to)
 
 
 # --- work precision -------------------------------------------------------------------------------
@@ -245,15 +237,12 @@ _MODULE = "contest"
 
 def wanted_cells(quick: bool, only: Only) -> dict[str, list[Cell]]:
     """The cells to hold, by kind."""
-    cells = {
-        kind: [
-            cell
-            for cell in tops.cells(kind)
-            if (not quick or cell[1:] in QUICK_CELLS) and only(cell.name)
-        ]
+    return grouped(
+        (kind, cell)
         for kind in (QUICK_KINDS if quick else tops.KINDS)
-    }
-    return {kind: wanted for kind, wanted in cells.items() if wanted}
+        for cell in tops.cells(kind)
+        if (not quick or cell[1:] in QUICK_CELLS) and only(cell.name)
+    )
 
 
 def rows(
@@ -325,14 +314,13 @@ def row(cell: Cell, points: Mapping[str, Points], faults: Mapping[str, str]) -> 
 
 def curves(points: Mapping[str, Points]) -> dict[str, list[list[float]]]:
     """Of each program, by tolerance, the medians over the draws: digits and seconds."""
-    lines: dict[str, list[list[float]]] = {}
+    lines: dict[str, list[list[float]]] = defaultdict(list)
     for name, there in points.items():
         for tol in sorted({tol for _, tol in there}, reverse=True):
             marks = [there[k, tol] for k in range(DRAWS) if (k, tol) in there]
             if len(marks) >= NEARLY_ALL:
                 digits, seconds = (statistics.median(x) for x in zip(*marks, strict=True))
-                curve = lines.setdefault(name, [])
-                curve.append([round(digits, 2), significant(seconds, 3)])
+                lines[name].append([round(digits, 2), significant(seconds, 3)])
     return lines
 
 

@@ -18,10 +18,6 @@ from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import significant
 from polhode.numbers.number_types import NAMES
 
-QUESTION = (
-    "How close are event times to those of closed forms, in units in the last place of the time? "
-    "Is every event counted once to t = 10 000, and what does an event cost?"
-)
 PERIODS = 10  # over which every event is judged in every number type
 FAR = {"double": 10_000, "extended": 10_000, "quad": 1_000}
 QUICK_FAR = {"double": 1000}

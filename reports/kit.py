@@ -298,9 +298,8 @@ class PageTable(NamedTuple):
             return ""
         sides = "|".join(column.side for column in self.columns)
         lines = [_line(self.header), f"|{sides}|", *map(_line, self.rows)]
-        headers: dict[str, list[str]] = {}  # of one meaning, such as number types, together
-        for column in self.columns:
-            headers.setdefault(column.meaning, []).append(column.header)
+        # of one meaning, such as number types, together
+        headers = grouped((column.meaning, column.header) for column in self.columns)
         meanings = [
             f"*{', '.join(names)}*: {meaning}" for meaning, names in headers.items() if meaning
         ]
@@ -435,23 +434,15 @@ def plain(axes: Axes) -> None:
             axis.set_minor_formatter(LogFormatter())
 
 
-def drawn(
-    draw: Callable[..., None],
-    height: float,
-    lines: int = 1,
-    columns: int = 1,
-    names: int = len(NAMES),
-    **how: Any,
-) -> str:
+def drawn(draw: Callable[..., None], height: float, names: int = len(NAMES), **how: Any) -> str:
     """A figure as SVG text: ``draw`` is given its panels.
 
-    ``height``: of the whole, in inches.  ``names``: of a line of its legend.
+    ``height``: of the whole, in inches.  ``names``: of a line of its legend.  ``how``: keywords of
+    matplotlib's subplots.
     """
     with polhode.paper() as plt:
         size, out = (WIDTH, height), StringIO()
-        figure, panels = plt.subplots(
-            lines, columns, figsize=size, layout="constrained", squeeze=False, **how
-        )
+        figure, panels = plt.subplots(figsize=size, layout="constrained", squeeze=False, **how)
         draw(*panels.flat)
         handles: dict[str, Any] = {}  # every name of the panels once
         for panel in figure.axes:
@@ -463,16 +454,11 @@ def drawn(
 
 
 def side_by_side(
-    subjects: Mapping[str, Any],
-    draw: Callable[[Axes, Any], None],
-    labels: tuple[str, str],
-    height: float,
-    names: int = len(NAMES),
-    **how: Any,
+    subjects: JsonObject, draw: Callable[..., None], height: float, x: str, y: str, **how: Any
 ) -> str:
-    """A figure of two panels a line, each with its title; ``labels``: what all axes are of.
+    """A figure of two panels a line, each with its title; ``x``, ``y``: what all axes are of.
 
-    ``height``: of a line, in inches.
+    ``height``: of a line, in inches.  ``how``: see :func:`drawn`.
     """
     lines = -(-len(subjects) // 2)
 
@@ -484,10 +470,10 @@ def side_by_side(
             axes.set_title(title, size=9, loc="left")
             plain(axes)
         figure: Any = panels[0].figure
-        figure.supxlabel(labels[0], size=9)
-        figure.supylabel(labels[1], size=9)
+        figure.supxlabel(x, size=9)
+        figure.supylabel(y, size=9)
 
-    return drawn(draw_all, height * lines + 1, lines, 2, names, **how)
+    return drawn(draw_all, height * lines + 1, nrows=lines, ncols=2, **how)
 
 
 # --- strips ---------------------------------------------------------------------------------------

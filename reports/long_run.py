@@ -31,10 +31,6 @@ from polhode.numbers.number_types import DOUBLE
 from programs import BY_NAME, ENGINE, EPS
 from tops import TOPS, draw, present, random_scene
 
-QUESTION = (
-    "How do error and drift of a double run grow with time, with and without projection, and how "
-    "far off are other programs in double at t = 100 000?"
-)
 #: Exponents: Brouwer's, and that of projected runs.
 BROUWER = {"error": 1.5, "drift": 0.5}
 LINEAR = 1.0
@@ -412,7 +408,7 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
             kit.plain(axes)
         panels[-1].set(xlabel="t (units of the scene)")
 
-    return {"long-run": kit.drawn(draw, 6.6, 2, names=2, sharex=True)}
+    return {"long-run": kit.drawn(draw, 6.6, names=2, nrows=2, sharex=True)}
 
 
 def _draw_growth(axes: kit.Axes, tops: Sequence[kit.JsonObject], name: str) -> None:

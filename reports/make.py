@@ -1,10 +1,11 @@
 """polhode's own evidence, made again: ``python reports/make.py [NAME] [--quick] [--only TEXT]``.
 
-A study is a file beside this one with QUESTION, ``rows(quick, say, only)``, the JSON object of the
-rows that are wanted (``say``: told what is being done), ``tables(results)``, the rows of the tables
-that its page ``templates/NAME.md`` describes, ``facts(results)``, what stands in its fields, and
-``svgs(results)``, its figures by name.  Where it has ``versions()``, they belong to its provenance.
-Pages and figures are made from the JSON alone.
+A study is a file beside this one with ``rows(quick, say, only)``, the JSON object of the rows that
+are wanted (``say``: told what is being done), ``tables(results)``, the rows of the tables that its
+page ``templates/NAME.md`` describes, ``facts(results)``, what stands in its fields, and
+``svgs(results)``, its figures by name.  Its page begins with a title and the study's question.
+Where it has ``versions()``, they belong to its provenance.  Pages and figures are made from the
+JSON alone.
 """
 
 from __future__ import annotations
@@ -93,22 +94,18 @@ def answers(options: argparse.Namespace) -> Iterator[object]:
             yield from write_study(name, folder, options.quick)
 
 
-class _Interrupt:
+_interrupts: list[object] = []  # that came so far
+
+
+def interrupt(*_: object) -> None:
     """What Ctrl-C does: it ends a run early, without an exception, and then the study."""
-
-    came = False
-
-    def __call__(self, *_: object) -> None:
-        self.came = True
-        raise KeyboardInterrupt
-
-
-interrupt = _Interrupt()
+    _interrupts.append(_)
+    raise KeyboardInterrupt
 
 
 def say(text: str) -> None:
     """Tell what is being done."""
-    if interrupt.came:  # a run that it ended is no row
+    if _interrupts:  # a run that it ended is no row
         raise KeyboardInterrupt
     print(text, file=sys.stderr, flush=True)
 
@@ -119,7 +116,8 @@ def write_study(name: str, folder: Path, quick: bool = False) -> list[Path]:
     study = module(name)
     rows = study.rows(quick, lambda text: say(f"{name}: {text}"), Only())
     say(f"{name}: figures and page")
-    results = {"study": name, "question": study.QUESTION, "quick": quick, **rows}
+    _, question, *_ = template(name).split("\n\n")
+    results = {"study": name, "question": question, "quick": quick, **rows}
     origin: Any = polhode.load("euler/rest").provenance()
     results["provenance"] = {
         "command": _command(name) + " --quick" * quick,
@@ -155,7 +153,7 @@ def page(results: JsonObject, *templates: str) -> str:
     packages = [f"{package} {version}" for package, version in origin["versions"].items()]
     again = _command(name) + " --quick" * results["quick"]
     origin |= {"again": again, "packages": ", ".join(packages), "polhode": packages[0]}
-    facts = module(name).facts(results) | {"question": results["question"], "origin": origin}
+    facts = module(name).facts(results) | {"origin": origin}
     text = "".join(map(template, templates or (name, "provenance")))
     return kit.filled(text, tables(name, results), facts)
 

@@ -18,10 +18,6 @@ import numpy as np
 import kit
 import polhode
 
-QUESTION = (
-    "Which periodic orbits of a level can be proved to exist, of which tops is chaos proved, at "
-    "what cost, and do the certificates hold when they are read again?"
-)
 #: Lagrange's top but for a moment that is a fiftieth larger.
 NEXT_TO_LAGRANGE = "next to Lagrange's top"
 TOPS = {
@@ -266,8 +262,8 @@ def manifolds(drawn: kit.JsonObject) -> str:
 
 def residues(tops: list[kit.JsonObject]) -> str:
     """One panel per top: the residue of every orbit over its period."""
-    labels = "period", "residue (shaded: elliptic, 0 to 1)"
-    return kit.side_by_side({top["what"]: top for top in tops}, _draw_top, labels, 1.6)
+    panels, residue = {top["what"]: top for top in tops}, "residue (shaded: elliptic, 0 to 1)"
+    return kit.side_by_side(panels, _draw_top, 1.6, "period", residue)
 
 
 def _draw_top(axes: kit.Axes, top: kit.JsonObject) -> None:

@@ -26,11 +26,6 @@ from polhode.numbers.decimals import significant
 from polhode.numbers.number_types import DOUBLE, QUAD, mp
 from programs import BY_NAME, ENGINE, OURS, PROGRAMS, RUN, Program
 
-QUESTION = (
-    "What does a correct digit cost: the first result in a new process, a new start of a prepared "
-    "body, a long run, beside other programs called at their best; and how does the cost grow with "
-    "the digits in polhode's number types?"
-)
 QUICK_PROGRAMS = (OURS, RUN, ENGINE)  # what needs no compiler
 
 
@@ -322,10 +317,7 @@ def _over_kinds(
     met = [verdict for verdict in verdicts if "best" in verdict]
     best = [name for name, _ in Counter(sorted(x["best"] for x in met)).most_common(2)]
     ratios = [verdict["ratio"][0] for verdict in met]
-    programs = {
-        name: [p for level in levels for p in level["programs"] if p["program"] == name]
-        for name in (OURS, ENGINE, RUN)
-    }
+    programs = kit.grouped((p["program"], p) for level in levels for p in level["programs"])
     often = "" if len(met) == len(levels) else f" (in {len(met)} of {len(levels)})"
     alone = next((text for word, text in ALONE.items() if stands[word]), "not reached")
     return {
@@ -334,12 +326,14 @@ def _over_kinds(
         "run": f"t = {end}, " + (f"{starts} starts" if starts else f"{outputs} outputs"),
         "cells": f"t={end} " + (f"starts={starts}" if starts else f"outputs={outputs}"),
         "digits": digits,
-        "own": kit.median([unit * p["seconds"] for p in programs[OURS] if p["seconds"]], ".3g"),
+        "own": kit.median(
+            [unit * p["seconds"] for p in programs.get(OURS, ()) if p["seconds"]], ".3g"
+        ),
         "stands": kit.counted({word: stands[word] for word in WORDS}),
         "best": ", ".join(best) or kit.DASH,
         "ratio": kit.spread(ratios, ".2f"),
         **{
-            name: kit.spread([p["ratio"][0] for p in programs[name] if p["ratio"]], ".2f")
+            name: kit.spread([p["ratio"][0] for p in programs.get(name, ()) if p["ratio"]], ".2f")
             for name in (ENGINE, RUN)
         },
         "summary": f"{_bold(kit.median(ratios, '.2f'))} {best[0]}{often}" if met else alone,
@@ -439,7 +433,7 @@ def lines(curves: Mapping[str, Sequence[Sequence[float]]]) -> Curves:
     }
 
 
-def work_precision(panels: Mapping[str, Curves]) -> str:
+def work_precision(panels: dict[str, Curves]) -> str:
     """Error against seconds, one panel per motion; lower left is better."""
 
     def draw(axes: kit.Axes, curves: Curves) -> None:
@@ -448,8 +442,8 @@ def work_precision(panels: Mapping[str, Curves]) -> str:
             axes.plot(*zip(*points, strict=True), label=name, **look)
         axes.set(xscale="log", yscale="log")
 
-    labels = "processor seconds of a run", "error"
-    return kit.side_by_side(panels, draw, labels, 1.9, 3, sharey=True)
+    x, y = "processor seconds of a run", "error"
+    return kit.side_by_side(panels, draw, 1.9, x, y, names=3, sharey=True)
 
 
 def _panel(cell: kit.JsonObject) -> str:

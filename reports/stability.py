@@ -18,10 +18,6 @@ from polhode.numbers.decimals import significant
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 
-QUESTION = (
-    "How many of the digits that a hard motion allows are left in each number type, and why not "
-    "more? How far from its start does a run end that goes there and back?"
-)
 #: The number types of the way back, and the most radians one way.
 LONGEST = {"double": 1e4, "extended": 1e4, "quad": 200.0}
 SPARE_DIGITS = 40  # of the states from which kappa of the way back is computed
