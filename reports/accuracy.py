@@ -15,15 +15,8 @@ from typing import Any
 
 import kit
 import polhode
-from polhode.checks.published_figures import (
-    PrintedFigure,
-    columns_at,
-    figures,
-    last_unit,
-    ours_of,
-    significant_digits,
-    textbook_digits,
-)
+from polhode.checks import published_figures
+from polhode.checks.published_figures import PrintedFigure, significant_digits
 from polhode.enclosures import approximation, fixed_point_problem
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import significant
@@ -73,7 +66,7 @@ def _case(scene: polhode.Scene) -> dict[str, Any]:
         "title": scene.title,
         "regime": reference.regime,
         "reference": reference.kind,
-        "textbook": rounded(textbook_digits(reference)),
+        "textbook": rounded(published_figures.textbook_digits(reference)),
         "log10_kappa": round(max(kappas), 2) if kappas else None,
         "kappa_note": growth.note if growth else "",
         "end": polhode.as_decimal(scene.end, 6),
@@ -153,13 +146,14 @@ _SIMULATED = re.compile(r"\bsimulation \d|\bdt = ")
 def printed_figures(scene: polhode.Scene) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """A row for each figure printed of a scene, and for each source that errs in the time."""
     reference = polhode.reference(scene)
-    printed = figures(scene, reference)
+    printed = published_figures.figures(scene, reference)
     rows = [_figure(scene.name, reference.kind, figure) for figure in printed]
     return rows, [*time_labels(scene, reference, printed)]
 
 
 def _figure(case: str, reference: str, figure: PrintedFigure) -> dict[str, Any]:
     printed = figure.published
+    unit = published_figures.last_unit(printed.value)
     kind = "printout" if _SIMULATED.search(printed.cite) else "value"  # somebody stands for it
     return {
         "case": case,
@@ -171,7 +165,7 @@ def _figure(case: str, reference: str, figure: PrintedFigure) -> dict[str, Any]:
         "printed": printed.value,
         "ours": figure.ours,
         "difference": polhode.as_decimal(figure.difference, 2),
-        "last_units": significant(float(figure.difference / last_unit(printed.value)), 2),
+        "last_units": significant(float(figure.difference / unit), 2),
         "digits_shown": significant_digits(printed.value),
         "digits_right": round(_digits_right(figure), 1),
         "stands": figure.complete,
@@ -235,8 +229,8 @@ def _differences(
     scene: polhode.Scene, reference: polhode.Reference, printed: list[PrintedFigure], t: Fraction
 ) -> list[Fraction]:
     """What is printed less ours at a time."""
-    columns = columns_at(scene, reference, t, 30)
-    return [Fraction(x.published.value) - ours_of(x.published, columns) for x in printed]
+    columns, ours = published_figures.columns_at(scene, reference, t, 30), published_figures.ours_of
+    return [Fraction(x.published.value) - ours(x.published, columns) for x in printed]
 
 
 # --- proven ---------------------------------------------------------------------------------------

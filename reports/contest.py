@@ -37,18 +37,7 @@ from peers.process import ask, fault_text, serve
 from polhode.common.processes import cores
 from polhode.numbers.decimals import significant
 from programs import BY_NAME, MANY, OURS, OWN, Program
-from tops import (
-    DRAWS,
-    MANY_JUDGED,
-    Cell,
-    Draw,
-    States,
-    digits,
-    draw,
-    judged,
-    median_digits,
-    present,
-)
+from tops import DRAWS, MANY_JUDGED, Cell, Draw, States
 
 LEVELS = (6.0, 9.0, 12.0)
 ROUNDS = 5  # of timed blocks of calls, fewer where they take longer than the job's patience
@@ -67,7 +56,7 @@ def answers_to(job: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
         for many in sorted({cell.starts > 0 for cell, _ in job["cells"]}):
             if not many or name in MANY:
                 try:
-                    ready[many][name] = BY_NAME[name].prepared(present(job["kind"]), many)
+                    ready[many][name] = BY_NAME[name].prepared(tops.present(job["kind"]), many)
                 except Exception as fault:  # of a package that does not fit the others
                     yield {"failed": name, "fault": fault_text(fault)}
     for cell, truths in job["cells"]:
@@ -82,7 +71,7 @@ class _Contest:
     def __init__(self, cell: Cell, truths: Sequence[States], ready: Mapping[str, Run]) -> None:
         self.cell, self.truths = cell, truths
         self.ready = {n: r for n, r in ready.items() if BY_NAME[n].runs(*cell[1:])}
-        self.draws: list[Draw] = [draw(cell.kind, k, *cell[1:]) for k in range(DRAWS)]
+        self.draws: list[Draw] = [tops.draw(cell.kind, k, *cell[1:]) for k in range(DRAWS)]
         self.times = np.array([float(t) for t in self.draws[0].scene.times])
         self.points: dict[str, Points] = defaultdict(dict)
         self.faults: dict[str, str] = {}
@@ -147,14 +136,15 @@ class _Contest:
         with self._noting(name, tol):
             if self.cell.starts:
                 states = run(top, start[:MANY_JUDGED], self.times, tol)
-                self.points[name][k, tol] = median_digits(states, truth, scene), math.inf
+                self.points[name][k, tol] = tops.median_digits(states, truth, scene), math.inf
                 return
             # what is made on the first call, a short one, is not timed
             run(top, start, self.times / self.cell.end, tol)
             states, seconds = clocked(lambda: run(top, start, self.times, tol))
             if len(states) not in (1, outputs):
                 raise ArithmeticError(f"{len(states)} of {outputs} states")
-            self.points[name][k, tol] = digits(judged(states, outputs), truth, scene), seconds
+            right = tops.digits(tops.judged(states, outputs), truth, scene)
+            self.points[name][k, tol] = right, seconds
 
     def timed_points(self) -> dict[str, Points]:
         """The points that were timed."""

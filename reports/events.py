@@ -94,24 +94,18 @@ def _run(scene: polhode.Scene, zeros: Zeros, name: str, end: int) -> dict[str, A
         "grazing": sum(event.grazing),
     }
     if len(event.times) == len(true) > 0:
-        pairs = list(zip(event.times, true, strict=True))
-        ulps = [float(abs(t - x) / ulp(x, run.number.bits)) for t, x in pairs]
-        every = max(1, len(pairs) // KEPT)
+        off = [abs(t - x) for t, x in zip(event.times, true, strict=True)]
+        ulps = [float(gap / ulp(x, run.number.bits)) for gap, x in zip(off, true, strict=True)]
+        relative = max(gap / x for gap, x in zip(off, true, strict=True))
+        most = run.number.most_digits
+        samples = [*zip(true, ulps, strict=True)][:: max(1, len(true) // KEPT)]
         row |= {
             "ulps": significant(max(ulps), 3),
-            "error": significant(float(max(abs(t - x) for t, x in pairs)), 3),
-            "digits": round(min(_digits(t, x, run.number) for t, x in pairs), 2),
-            "samples": [
-                [round(float(x), 3), significant(u, 3)]
-                for (_, x), u in list(zip(pairs, ulps, strict=True))[::every]
-            ],
+            "error": significant(float(max(off)), 3),
+            "digits": round(min(most, -math.log10(relative)) if relative else most, 2),
+            "samples": [[round(float(x), 3), significant(u, 3)] for x, u in samples],
         }
     return row
-
-
-def _digits(t: Fraction, true: Fraction, number: polhode.NumberType) -> float:
-    error = abs(t - true) / true
-    return number.most_digits if error == 0 else min(number.most_digits, -math.log10(error))
 
 
 def _watching(scene: polhode.Scene, *zeros: str) -> polhode.Scene:

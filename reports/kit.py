@@ -8,7 +8,6 @@ import statistics
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
@@ -35,11 +34,6 @@ Value = TypeVar("Value")
 #: polhode's number types; of mp where it is asked for so many digits.
 MP_DIGITS = DEFAULT_MP_DIGITS
 TYPES = {name: named(name) for name in NAMES}
-
-
-def even_times(end: Any, count: int) -> tuple[Fraction, ...]:
-    """So many times from 0 to the end, evenly spread."""
-    return tuple(Fraction(end) * k / (count - 1) for k in range(count))
 
 
 def fewest_digits(states: Any, true: Any, scene: polhode.Scene, most: float) -> float:
@@ -359,19 +353,6 @@ _SHARED = {line.partition(" |")[0]: line for line in template("columns").splitli
 # A case that was run in several number types, as rows of tables.
 
 
-def by_number(
-    case: JsonObject, write: Callable[[JsonObject | None], object] | None = None
-) -> JsonObject:
-    """A case with its runs by their number types, each with the digits expected as text.
-
-    ``cells``: what is written of each run, unless told its digits.
-    """
-    runs = {run["number"]: {**run, "band": expected(run.get("expected"))} for run in case["runs"]}
-    headers = {name: f"mp ({MP_DIGITS})" if name == "mp" else name for name in NAMES}
-    cells = {header: (write or digits)(runs.get(name)) for name, header in headers.items()}
-    return {**case, "end": float(case["end"]), "runs": runs, "cells": cells}
-
-
 def expected(band: list[float] | None) -> str | None:
     """The digits expected, from the least to the most of nine in ten runs."""
     return None if band is None else f"{band[0]:.1f}{DASH}{band[2]:.1f}"
@@ -383,6 +364,17 @@ def digits(run: JsonObject | None) -> float | str | None:
         return None
     right: float | str = run["correct_digits"] if "correct_digits" in run else run["outcome"]
     return run.get("lost") or right
+
+
+def by_number(case: JsonObject, write: Callable[..., object] = digits) -> JsonObject:
+    """A case with its runs by their number types, each with the digits expected as text.
+
+    ``cells``: what is written of each run.
+    """
+    runs = {run["number"]: {**run, "band": expected(run.get("expected"))} for run in case["runs"]}
+    headers = {name: f"mp ({MP_DIGITS})" if name == "mp" else name for name in NAMES}
+    cells = {header: write(runs.get(name)) for name, header in headers.items()}
+    return {**case, "end": float(case["end"]), "runs": runs, "cells": cells}
 
 
 # --- figures --------------------------------------------------------------------------------------

@@ -298,7 +298,14 @@ def _error(scene: polhode.Scene, state: Sequence[float]) -> float:
 
 def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
-    rows = kit.inner(results["tops"], "methods")
+    rows, far = kit.inner(results["tops"], "methods"), results["at"]
+    growth = [at_time for row in rows for at_time in _over_time(row)]
+    own = [
+        {**x, "method": f"polhode {x['method']}", **x["error"]}
+        for x in growth
+        if x["t"] == far["t"]
+    ]
+    others = kit.inner(far["tops"], "methods")
     return {
         "exponents": [
             {**row, **row[name], "of": name}
@@ -307,10 +314,10 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
             if name in row and row[name]["exponent"] is not None
         ],
         "walks": _walks(rows),
-        "growth": [at_time for row in rows for at_time in _over_time(row)],
+        "growth": growth,
         "projection": [row for row in rows if "projection" in row],
-        "far": far_table_rows(results),
-        "faults": _faults(results["at"]),
+        "far": sorted([*own, *others], key=lambda row: [*TOPS].index(row["top"])),
+        "faults": _faults(others, far["not_run"]),
     }
 
 
@@ -362,24 +369,10 @@ def _over_time(row: kit.JsonObject) -> Iterator[kit.JsonObject]:
         yield {**row, "t": t, **sizes}
 
 
-def _faults(far: kit.JsonObject) -> list[kit.JsonObject]:
+def _faults(rows: list[kit.JsonObject], not_run: dict[str, str]) -> list[kit.JsonObject]:
     """Runs at the far moment that failed, and programs that were not run."""
-    rows = kit.inner(far["tops"], "methods")
     failed = [{**row, "fault": fault} for row in rows for fault in row["faults"]]
-    return failed + [{"method": k, "fault": f"not run: {why}"} for k, why in far["not_run"].items()]
-
-
-def far_table_rows(results: kit.JsonObject) -> list[kit.JsonObject]:
-    """Median and largest error of every method at the far moment, by the kinds of tops."""
-    far = results["at"]
-    own = [
-        {**row, "method": f"polhode {row['method']}", **at_time["error"]}
-        for row in kit.inner(results["tops"], "methods")
-        for at_time in _over_time(row)
-        if at_time["t"] == far["t"]
-    ]
-    others = kit.inner(far["tops"], "methods")
-    return sorted([*own, *others], key=lambda row: [*TOPS].index(row["top"]))
+    return failed + [{"method": k, "fault": f"not run: {why}"} for k, why in not_run.items()]
 
 
 # --- figure ---------------------------------------------------------------------------------------

@@ -23,7 +23,7 @@ from contest import WorkPoint, frontier
 from peers import process
 from peers.process import ask
 from polhode.numbers.decimals import significant
-from polhode.numbers.number_types import DOUBLE, QUAD, mp
+from polhode.numbers.number_types import QUAD, mp
 from programs import BY_NAME, ENGINE, OURS, PROGRAMS, RUN, Program
 
 QUICK_PROGRAMS = (OURS, RUN, ENGINE)  # what needs no compiler
@@ -180,8 +180,7 @@ def row(
     ways_of: Mapping[LibraryMotion, Sequence[Way]], motion: LibraryMotion, quick: bool
 ) -> dict[str, Any]:
     """What its ways give on one motion, judged against its exact scene."""
-    times = [DOUBLE.rounded(t) for t in kit.even_times(motion.end, SAMPLES)]
-    scene, ways = motion.scene(times), ways_of[motion]
+    scene, ways = motion.scene(tops.times(motion.end, SAMPLES)), ways_of[motion]
     most = max(kit.TYPES[curve.number].most_digits for curve in ways)
     true = polhode.reference(scene).at(scene.times, math.ceil(most) + SPARE_DIGITS)
     return {
@@ -318,6 +317,7 @@ def _over_kinds(
     best = [name for name, _ in Counter(sorted(x["best"] for x in met)).most_common(2)]
     ratios = [verdict["ratio"][0] for verdict in met]
     programs = kit.grouped((p["program"], p) for level in levels for p in level["programs"])
+    seconds = [unit * p["seconds"] for p in programs.get(OURS, ()) if p["seconds"]]
     often = "" if len(met) == len(levels) else f" (in {len(met)} of {len(levels)})"
     alone = next((text for word, text in ALONE.items() if stands[word]), "not reached")
     return {
@@ -326,9 +326,7 @@ def _over_kinds(
         "run": f"t = {end}, " + (f"{starts} starts" if starts else f"{outputs} outputs"),
         "cells": f"t={end} " + (f"starts={starts}" if starts else f"outputs={outputs}"),
         "digits": digits,
-        "own": kit.median(
-            [unit * p["seconds"] for p in programs.get(OURS, ()) if p["seconds"]], ".3g"
-        ),
+        "own": kit.median(seconds, ".3g"),
         "stands": kit.counted({word: stands[word] for word in WORDS}),
         "best": ", ".join(best) or kit.DASH,
         "ratio": kit.spread(ratios, ".2f"),
@@ -350,11 +348,11 @@ def summary(lengths: Iterable[kit.JsonObject]) -> list[kit.JsonObject]:
     Medians over the kinds of motion, and the program that is best in most of them; above 1 in bold.
     The last rows are of many starts at once.
     """
-    cells: dict[str, dict[str, str]] = {}
-    for row in lengths:
-        if row["end"] in SUMMARY_ENDS:
-            cells.setdefault(row["run"], {})[f"{row['digits']:g}"] = row["summary"]
-    return [{"run": run, "cells": by_digits} for run, by_digits in cells.items()]
+    runs = kit.grouped((row["run"], row) for row in lengths if row["end"] in SUMMARY_ENDS)
+    return [
+        {"run": run, "cells": {f"{row['digits']:g}": row["summary"] for row in own}}
+        for run, own in runs.items()
+    ]
 
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
@@ -454,12 +452,8 @@ def _panel(cell: kit.JsonObject) -> str:
 
 def _types(motion: kit.JsonObject) -> Curves:
     """polhode in all number types on one motion."""
-    curves = {
-        method["method"].removeprefix("polhode "): [
-            (point["seconds_min"], 10.0 ** -point["digits"])
-            for point in method["points"]
-            if point.get("digits")
-        ]
-        for method in motion["methods"]
-    }
-    return {name: points for name, points in curves.items() if points}
+    return kit.grouped(
+        (point["method"].removeprefix("polhode "), (point["seconds_min"], 10.0 ** -point["digits"]))
+        for point in kit.inner(motion["methods"], "points")
+        if point.get("digits")
+    )

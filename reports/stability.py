@@ -189,11 +189,12 @@ _WIDTH = 24  # letters of a line of a strip's name
 
 def svgs(results: kit.JsonObject) -> dict[str, str]:
     """One strip per kind of difficulty; rings have fewer digits than expected."""
-    runs = {case["case"]: case["runs"] for case in results["cases"]}
-    groups = {
-        fill(kind["kind"], _WIDTH): [
-            run for name in kind["cases"] for run in runs.get(name, ()) if "correct_digits" in run
-        ]
+    runs = kit.grouped((run["case"], run) for run in kit.inner(results["cases"], "runs"))
+    groups = kit.grouped(
+        (fill(kind["kind"], _WIDTH), run)
         for kind in results["kinds"]
-    }
-    return {"stability": kit.strips({kind: dots for kind, dots in groups.items() if dots})}
+        for name in kind["cases"]
+        for run in runs.get(name, ())
+        if "correct_digits" in run
+    )
+    return {"stability": kit.strips(groups)}

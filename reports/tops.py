@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 import polhode
-from kit import even_times, fewest_digits
+from kit import fewest_digits
 from peers.field import Top
 from polhode.equations.terms import coefficients_of
 from polhode.numbers.conversion import exactly
@@ -242,4 +242,4 @@ def judged(states: Any, outputs: int) -> Any:
 @cache
 def times(end: int, outputs: int) -> tuple[Fraction, ...]:
     """Even output times from 0 on, as doubles."""
-    return tuple(DOUBLE.rounded(t) for t in even_times(end, outputs))
+    return tuple(DOUBLE.rounded(Fraction(end) * k / (outputs - 1)) for k in range(outputs))

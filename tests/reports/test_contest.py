@@ -158,7 +158,7 @@ def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatc
     assert len(answer["points"][OURS]) == DRAWS
     assert answer["faults"] == {}
     monkeypatch.setattr(contest, "ask", lambda *_: (answers, ""))
-    (row,) = contest._kind("lagrange", [cell], [], truths, tmp_path, True, print)
+    (row,) = contest._kind(job, 1, tmp_path, print)
     assert row["faults"] == {"broken": failed["fault"]}
 
 
@@ -187,9 +187,8 @@ def test_a_cell_that_an_ended_process_did_not_come_to_is_held_whole_by_the_next(
 
     monkeypatch.setattr(contest, "ask", asked)
     monkeypatch.setattr(contest, "row", lambda cell, points, faults: (points, faults))
-    truths = {contest._judged_cell(cell): [] for cell in (first, second)}
-    cells = [first, second]
-    rows = contest._kind("chaotic", cells, [], truths, None, False, lambda text: None)
+    job = {"kind": "chaotic", "cells": [(first, []), (second, [])], "tolerances": {}}
+    rows = contest._kind(job, contest.PROCESSES, None, lambda text: None)
     assert [{*job["tolerances"]} for job in jobs] == [
         set(),
         {first},  # without a word of the other, which is held at all of its tolerances
