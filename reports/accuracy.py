@@ -31,9 +31,7 @@ _case_rows: dict[str, dict[str, Any]] = {}
 
 def rows(quick: bool, say: kit.Say, only: kit.Only) -> kit.JsonObject:
     """The study's rows; no figure in them depends on the clock."""
-    every = [
-        polhode.load(name) for name in (QUICK_CASES if quick else polhode.cases().column("scene"))
-    ]
+    every = [*map(polhode.load, QUICK_CASES if quick else polhode.cases().column("scene"))]
     cases = case_rows([scene for scene in every if only(scene.name)], quick, say)
     wanted = [scene for scene in every if only(scene.name, "proven")]
     published = [scene for scene in every if scene.published and only(scene.name, "printed")]
@@ -295,15 +293,13 @@ def _verdict(row: kit.JsonObject) -> str:
 def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
     cases = map(kit.by_number, results["cases"])
+    printed = sorted(results["printed"], key=lambda row: _KINDS.index(row["kind"]))
     return {
         "cases": (
             {**x, "outcomes": sorted({run["outcome"] for run in x["runs"].values()})} for x in cases
         ),
         "proven": results["proven"],
-        "printed": (
-            {**x, "verdict": _verdict(x)}
-            for x in sorted(results["printed"], key=lambda row: _KINDS.index(row["kind"]))
-        ),
+        "printed": ({**x, "verdict": _verdict(x)} for x in printed),
         "time_labels": results["time_labels"],
     }
 

@@ -127,9 +127,8 @@ def certified_values(top: Top) -> CertifiedValues:
     for more in _BEYOND:
         enclosure = polhode.certify(scene, map(Fraction, times), digits=DIGITS + more)
         if set(enclosure.assumed) - {LENGTH}:  # which the certificate does not rest on
-            raise polhode.BadInput(
-                top.case, "start", None, "numbers that need no rule for equal ones"
-            )
+            expected = "numbers that need no rule for equal ones"
+            raise polhode.BadInput(top.case, "start", None, expected)
         size = max(math.hypot(*map(float, row[:3])) for row in enclosure.centres[1:])
         places = DIGITS - math.floor(math.log10(size)), DIGITS
         rows = _rows(enclosure, places)
@@ -182,9 +181,8 @@ def write_benchmark(folder: Path, only: Only, say: Say) -> Iterator[Path]:
         say(f"{top.name}, {n + 1} of {len(chosen)}; about {SECONDS} s each")
         values_of[top] = values = certified_values(top)
         certificate = json.dumps(values.certificate) + "\n"
-        yield from written(
-            {folder / f"{top.name}.csv": values.csv, folder / top.proof: certificate}
-        )
+        texts = {folder / f"{top.name}.csv": values.csv, folder / top.proof: certificate}
+        yield from written(texts)
     if len(values_of) == len(TOPS):
         checkers = {folder / x: (HERE / "benchmark" / x).read_text() for x in CHECKERS}
         texts = {folder / DATA: data(values_of), folder / PAGE: page()}
@@ -238,10 +236,6 @@ def page() -> str:
         f"| [{top.name}]({top.name}.csv) | {top.about} | {top.times[-1]} | [proof]({top.proof}) |"
         for top in TOPS
     ]
-    return template("benchmark").format(
-        version=VERSION,
-        count=len(TOPS),
-        digits=DIGITS,
-        columns=",".join(COLUMNS),
-        rows="\n".join(rows),
-    )
+    numbers = {"version": VERSION, "count": len(TOPS), "digits": DIGITS}
+    lines = {"columns": ",".join(COLUMNS), "rows": "\n".join(rows)}
+    return template("benchmark").format(**numbers, **lines)

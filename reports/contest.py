@@ -149,11 +149,7 @@ class _Contest:
     def timed_points(self) -> dict[str, Points]:
         """The points that were timed."""
         return {
-            name: {
-                key: (round(right, 3), seconds)
-                for key, (right, seconds) in points.items()
-                if seconds < math.inf
-            }
+            name: {key: (round(x, 3), t) for key, (x, t) in points.items() if t < math.inf}
             for name, points in self.points.items()
         }
 
@@ -264,7 +260,7 @@ def _kind(job: Mapping[str, Any], processes: int, cache: Path, say: Say) -> list
     faults: dict[Cell, dict[str, str]] = {cell: {} for cell in cells}
     for process in range(1, processes + 1):
         say(f"contest: {job['kind']}, process {process}")
-        answers, fault = ask(_MODULE, job, _LIMIT, cache)
+        answers, fault = ask(job, _LIMIT, cache, _MODULE)
         missing = {*cells}
         for answer in answers:
             if "failed" in answer:

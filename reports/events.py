@@ -13,7 +13,6 @@ import mpmath
 
 import kit
 import polhode
-from kit import share
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import significant
 from polhode.numbers.number_types import NAMES
@@ -134,8 +133,7 @@ def _proven(name: str, end: int) -> dict[str, Any]:
             row["error"] = significant(float(max(off)), 3)
             row["radius"] = significant(max(t.radius for t in true.times), 2)
         rows.append(row)
-    shared = {"case": name, "end": end}
-    return {**shared, "events": rows, "seconds": significant(seconds, 2)}
+    return {"case": name, "end": end, "events": rows, "seconds": significant(seconds, 2)}
 
 
 # -- cost -------------------------------------------------------------------------------------
@@ -149,16 +147,14 @@ def _cost_row(name: str, repeats: int) -> dict[str, Any]:
     timed = kit.timed(calls, repeats, math.inf)
     counts = [sum(len(event.times) for event in x.answer.events) for x in timed]
     extra = [1e6 * (x.seconds - timed[0].seconds) for x in timed]
+    costs = [significant(x / n, 3) if n else None for x, n in zip(extra, counts, strict=True)]
     return {
         "number": name,
         "events": [*events],
         "steps": [x.answer.steps for x in timed],
         "found": counts,
         "microseconds_a_step": [significant(1e6 * x.seconds / x.answer.steps, 3) for x in timed],
-        "microseconds_an_event": [
-            significant(micros / n, 3) if n else None
-            for micros, n in zip(extra, counts, strict=True)
-        ],
+        "microseconds_an_event": costs,
     }
 
 
@@ -225,11 +221,11 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
         "end": max((run["end"] for run in far), default=0),
         "true": sum(run["true"] for run in far),
         "found": sum(run["found"] for run in far),
-        "whole": share(run["complete"] for run in far),
+        "whole": kit.share(run["complete"] for run in far),
         "ulps": max((run["ulps"] for run in near if "ulps" in run), default=0),
-        "exact": share(run["complete"] and run["found"] == run["true"] for run in near + far),
-        "same": share(not x["undecided"] and x["proven"] == x["double"] for x in proven),
-        "steps": share(len({*row["steps"]}) == 1 for row in results["cost"]),
+        "exact": kit.share(run["complete"] and run["found"] == run["true"] for run in near + far),
+        "same": kit.share(not x["undecided"] and x["proven"] == x["double"] for x in proven),
+        "steps": kit.share(len({*row["steps"]}) == 1 for row in results["cost"]),
     }
 
 

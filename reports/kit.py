@@ -324,16 +324,14 @@ def filled(template: str, page_tables: Mapping[str, PageTable], facts: Mapping[s
     >>> filled("# A\\n\\n{n} rows\\n\\n## B\\n\\n{none}\\n", {"none": PageTable((), ())}, {"n": 2})
     '# A\\n\\n2 rows\\n'
     """
-    first, *others = TABLE.sub(r"{\1}", template).split("\n#")
-    parts = [first, *(f"\n#{part}" for part in others)]
-    named = [[x for name, x in page_tables.items() if f"{{{name}}}" in part] for part in parts]
-    shown = [
-        part
-        for part, there in zip(parts, named, strict=True)
-        if not there or any(page_table.rows for page_table in there)
-    ]
+    parts = re.split(r"(?=\n#)", TABLE.sub(r"{\1}", template))
+
+    def is_shown(part: str) -> bool:
+        there = [x.rows for name, x in page_tables.items() if f"{{{name}}}" in part]
+        return not there or any(there)
+
     fields = {name: page_table.markdown for name, page_table in page_tables.items()} | dict(facts)
-    text = "".join(shown).format_map(fields)
+    text = "".join(filter(is_shown, parts)).format_map(fields)
     return f"{text.strip()}\n"
 
 
@@ -493,7 +491,7 @@ def strips(groups: Mapping[str, Sequence[JsonObject]]) -> str:
         for number, digits in HELD.items():
             axes.axvline(digits, color=COLOURS[number], lw=0.8, ls=":")
         for number, mark in MARKS.items():
-            rows = [*_dots(number, [*groups.values()])]
+            rows = [*_dots(number, groups.values())]
             x, y, behind = zip(*rows, strict=True) if rows else ((), (), ())
             look: dict[str, Any] = {"color": COLOURS[number], "ms": 3.4, "mew": 0.9, "alpha": 0.85}
             name = f"{number}, {MP_DIGITS} asked" if number == "mp" else number
@@ -507,9 +505,7 @@ def strips(groups: Mapping[str, Sequence[JsonObject]]) -> str:
     return drawn(draw, 1.1 + _HEIGHT * count)
 
 
-def _dots(
-    number: str, groups: Sequence[Sequence[JsonObject]]
-) -> Iterator[tuple[float, float, bool]]:
+def _dots(number: str, groups: Iterable[Sequence[JsonObject]]) -> Iterator[tuple[Any, ...]]:
     """The digits of a number type's runs, their heights, and which have fewer than expected."""
     for level, runs in enumerate(groups):
         own = [run for run in runs if run["number"] == number and "correct_digits" in run]

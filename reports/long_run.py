@@ -24,7 +24,6 @@ import numpy as np
 
 import kit
 import polhode
-from peers import process
 from peers.process import ask
 from polhode.numbers.decimals import significant
 from polhode.numbers.number_types import DOUBLE
@@ -269,7 +268,7 @@ def _row(of: tuple[str, str, int], end: int) -> dict[str, Any]:
     top, program, starts = of
     scenes = [draw(top, k, end, 2) for k in range(starts)]
     job = BY_NAME[program].job(present(top), [x.run(TOLERANCES[program]) for x in scenes])
-    answers, fault = ask(process.__name__, job, starts * _LIMIT)
+    answers, fault = ask(job, starts * _LIMIT)
     pairs = zip(scenes, answers, strict=False)
     errors = [_error(start.scene, answer["state"]) for start, answer in pairs if "state" in answer]
     faults = [fault] * (len(answers) < starts) + [x["failed"] for x in answers if "failed" in x]

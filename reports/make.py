@@ -97,9 +97,9 @@ def answers(options: argparse.Namespace) -> Iterator[object]:
 _interrupts: list[object] = []  # that came so far
 
 
-def interrupt(*_: object) -> None:
+def interrupt(*signal_and_frame: object) -> None:
     """What Ctrl-C does: it ends a run early, without an exception, and then the study."""
-    _interrupts.append(_)
+    _interrupts.append(signal_and_frame)
     raise KeyboardInterrupt
 
 
@@ -175,13 +175,8 @@ def write_stale(folder: Path, names: Sequence[str]) -> list[Path]:
         texts |= {folder / file: text for file, text in pages(results).items()}
         if name == "speed" and folder == HERE:
             texts[README] = with_summary(README.read_text(encoding="utf-8"), results)
-    return written(
-        {
-            path: text
-            for path, text in texts.items()
-            if not path.exists() or path.read_text(encoding="utf-8") != text
-        }
-    )
+    before = {path: path.read_text("utf-8") if path.exists() else None for path in texts}
+    return written({path: text for path, text in texts.items() if text != before[path]})
 
 
 def old_rows(folder: Path, name: str) -> str:

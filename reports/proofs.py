@@ -18,8 +18,6 @@ import numpy as np
 import kit
 import polhode
 
-#: Lagrange's top but for a moment that is a fiftieth larger.
-NEXT_TO_LAGRANGE = "next to Lagrange's top"
 TOPS = {
     "asymmetric, chaotic": "general/asymmetric-chaotic",
     "asymmetric, regular": "general/asymmetric-regular",
@@ -28,7 +26,7 @@ TOPS = {
     "Hairer and Vilmart's body": "published/hairer-vilmart",
     "Kovalevskaya's top": "kovalevskaya/generic",
     "Goryachev–Chaplygin top": "goryachev-chaplygin/two-frequencies",
-    NEXT_TO_LAGRANGE: None,
+    "next to Lagrange's top": None,  # but for a moment that is a fiftieth larger
 }
 CHAOS = [*TOPS][:5]
 ORBITS = [name for name in TOPS if name != "asymmetric, near upright"]

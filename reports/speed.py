@@ -20,7 +20,6 @@ import kit
 import polhode
 import tops
 from contest import WorkPoint, frontier
-from peers import process
 from peers.process import ask
 from polhode.numbers.decimals import significant
 from polhode.numbers.number_types import QUAD, mp
@@ -66,22 +65,20 @@ _FIRST_LIMIT = 120.0
 def first_row(program: Program, quick: bool) -> dict[str, Any]:
     """Wall and processor seconds, with empty caches of compiled code and after that."""
     job = program.job(tops.present(KIND), [tops.draw(KIND, 0, END, OUTPUTS).run(TOLERANCE)])
-    clocks: dict[str, list[tuple[float, float]]] = {"cold": [], "warm": []}
+    clocks: dict[str, list[dict[str, float]]] = {"cold": [], "warm": []}
     began = time.perf_counter()
     for _ in range(1 if quick else FIRST_REPEATS):
         with tempfile.TemporaryDirectory() as cache:
             for clock in clocks.values():  # of a process from its start to its end
                 before, start = sum(os.times()[2:4]), time.perf_counter()  # children's
-                answers, fault = ask(process.__name__, job, _FIRST_LIMIT, Path(cache))
+                answers, fault = ask(job, _FIRST_LIMIT, Path(cache))
                 wall, spent = time.perf_counter() - start, sum(os.times()[2:4]) - before
                 if fault or "failed" in answers[0]:
                     return {"program": program.name, "fault": fault or answers[0]["failed"]}
-                clock.append((round(wall, 3), round(spent, 3)))
+                clock.append({"wall": round(wall, 3), "processor": round(spent, 3)})
         if time.perf_counter() - began > ENOUGH:
             break
-    least = {
-        word: dict(zip(("wall", "processor"), min(x), strict=True)) for word, x in clocks.items()
-    }
+    least = {word: min(x, key=lambda clock: [*clock.values()]) for word, x in clocks.items()}
     return {"program": program.name, **least, "fault": ""}
 
 

@@ -55,17 +55,13 @@ def _judged(run: dict[str, Any]) -> dict[str, Any]:
 
 def _back(scene: polhode.Scene) -> list[dict[str, Any]]:
     """Errors of a run to the end and back to 0, beside what kappa of either way allows."""
-    angle = 10**scene.log10_angle
-    numbers = [name for name, longest in LONGEST.items() if angle <= longest]
+    numbers = [name for name, longest in LONGEST.items() if 10**scene.log10_angle <= longest]
     if not numbers:
         return []
-    there = polhode.conditioning(scene, number="quad").log10_kappa[-1]
+    there = _kappa(scene)
     times = [scene.end * Fraction(k, QUARTERS) for k in range(1, QUARTERS + 1)]
-    ways = [
-        way_back(scene, t, state)
-        for t, state in zip(times, polhode.reference(scene).at(times, SPARE_DIGITS), strict=True)
-    ]
-    backs = [polhode.conditioning(home, number="quad").log10_kappa[-1] for home in ways]
+    states = polhode.reference(scene).at(times, SPARE_DIGITS)
+    backs = [_kappa(way_back(scene, t, x)) for t, x in zip(times, states, strict=True)]
     back = max((x for x in backs if x is not None), default=None)
     kappa = None if there is None or back is None else max(there, back)
     errors = {name: error(scene, kit.TYPES[name]) for name in numbers}
@@ -81,6 +77,11 @@ def _back(scene: polhode.Scene) -> list[dict[str, Any]]:
         }
         for name, eps in errors.items()
     ]
+
+
+def _kappa(scene: polhode.Scene) -> float | None:
+    """log10 of the kappa of a scene's end."""
+    return polhode.conditioning(scene, number="quad").log10_kappa[-1]
 
 
 # --- hard cases -----------------------------------------------------------------------------------
@@ -147,22 +148,13 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
     cases = {case["case"]: kit.by_number(case, _pair) for case in results["cases"]}
     runs = kit.inner(results["cases"], "runs")
+    unjudged = [run for run in runs if run.get("behind") is None]
     late = [run for run in runs if (run.get("behind") or 0) > 0]
+    late.sort(key=lambda run: -float(run["behind"]))
     return {
-        "cases": (
-            {**cases[name], "kind": kind["kind"]}
-            for kind in results["kinds"]
-            for name in kind["cases"]
-        ),
-        "behind": (
-            {**run, "band": kit.expected(run["expected"])}
-            for run in sorted(late, key=lambda run: -float(run["behind"]))
-        ),
-        "unjudged": (
-            {**run, "why": run.get("limit") or run["outcome"]}
-            for run in runs
-            if run.get("behind") is None
-        ),
+        "cases": ({**cases[x], **kind} for kind in results["kinds"] for x in kind["cases"]),
+        "behind": ({**run, "band": kit.expected(run["expected"])} for run in late),
+        "unjudged": ({**run, "why": run.get("limit") or run["outcome"]} for run in unjudged),
         "back": results["back"],
     }
 

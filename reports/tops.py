@@ -85,9 +85,8 @@ def random_scene(kind: str, index: int, times: Sequence[Fraction] = ()) -> polho
     u, v = (Fraction(dice.randint(-20, 20), 10) for _ in range(2))
     square = u * u + v * v
     gamma = (2 * u / (1 + square), 2 * v / (1 + square), (1 - square) / (1 + square))
-    return polhode.Scene(
-        body, (p, q, r), gamma, times=tuple(times), name=f"{kind} start {index + 1}"
-    )
+    name = f"{kind} start {index + 1}"
+    return polhode.Scene(body, (p, q, r), gamma, times=tuple(times), name=name)
 
 
 def _moments(dice: random.Random) -> list[Fraction]:
@@ -137,16 +136,13 @@ class Cell(NamedTuple):
     @property
     def name(self) -> str:
         """Its name, by which one cell alone can be made again."""
-        if self.starts:
-            return f"{self.kind} t={self.end} starts={self.starts}"
-        return f"{self.kind} t={self.end} outputs={self.outputs}"
+        count = f"starts={self.starts}" if self.starts else f"outputs={self.outputs}"
+        return f"{self.kind} t={self.end} {count}"
 
     @property
     def drawn(self) -> bool:
         """Whether it is a panel of the work-precision diagram."""
-        if self.starts:
-            return (self.kind, self.end, self.starts) == DRAWN_MANY
-        return self.every_tolerance
+        return self.every_tolerance or (self.kind, self.end, self.starts) == DRAWN_MANY
 
     @property
     def every_tolerance(self) -> bool:

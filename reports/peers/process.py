@@ -68,7 +68,7 @@ if __name__ == "__main__":
 
 
 def ask(
-    module: str, job: Mapping[str, Any], limit: float, cache: Path | None = None
+    job: Mapping[str, Any], limit: float, cache: Path | None = None, module: str = __name__
 ) -> tuple[list[Any], str]:
     """The answers of ``python -m module`` to a job, and what ended it early, if anything did.
 

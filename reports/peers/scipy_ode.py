@@ -21,7 +21,15 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     ``method``: DOP853 or LSODA; with ", Python" the right-hand side is Python, nothing is compiled.
     """
     word, _, python = method.partition(", ")
-    field = _interpreted(present) if python else _compiled(present)
+    rates = of_pattern(present)
+
+    def field(t: float, y: Array, c: Array) -> Array:
+        return rates(t, y.tolist(), c.tolist())
+
+    if not python:  # a tuple of numbers, which both solvers take, costs less than an array a call
+        import numba
+
+        field = numba.njit("UniTuple(float64, 6)(float64, float64[:], float64[:])")(rates)
     return _lsoda(field) if word == "LSODA" else _dop853(field)
 
 
@@ -58,17 +66,3 @@ def _dop853(field: Callable[..., Array]) -> Run:
         return np.array(rows)
 
     return run
-
-
-def _interpreted(present: Sequence[bool]) -> Callable[..., Array]:
-    rates = of_pattern(present)
-    return lambda t, y, c: rates(t, y.tolist(), c.tolist())
-
-
-def _compiled(present: Sequence[bool]) -> Callable[..., Array]:
-    """A tuple of numbers, which both solvers take, costs less than an array made at every call."""
-    import numba
-
-    signature = "UniTuple(float64, 6)(float64, float64[:], float64[:])"
-    field: Callable[..., Array] = numba.njit(signature)(of_pattern(present))
-    return field

@@ -151,7 +151,7 @@ def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatc
     cells = [(cell, truths[cell])]
     job = {"kind": "lagrange", "cells": cells, "programs": ["broken", OURS], "patience": 0}
     job["tolerances"] = {cell: {OURS: [1e-9]}}
-    answers, fault = ask(contest._MODULE, job, 60.0, tmp_path)
+    answers, fault = ask(job, 60.0, tmp_path, contest._MODULE)
     failed, answer = answers
     assert fault == ""
     assert failed == {"failed": "broken", "fault": "KeyError: 'broken'"}
@@ -180,7 +180,7 @@ def test_a_cell_that_an_ended_process_did_not_come_to_is_held_whole_by_the_next(
     answer = {"cell": first, "points": {OURS: {(0, 1e-9): (9.0, 1e-3)}}, "faults": {}}
     jobs = []
 
-    def asked(_, job, *rest):
+    def asked(job, *rest):
         jobs.append({**job})
         answers = [answer, answer | {"cell": second}]
         return (answers[:1], "stopped") if len(jobs) == 1 else (answers, "")
