@@ -46,8 +46,7 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> kit.JsonObject:
 
 def case_rows(scenes: Sequence[polhode.Scene], quick: bool, say: kit.Say) -> list[dict[str, Any]]:
     """One row per case of the library, made once in a process; the longest motions come first."""
-    missing = [scene for scene in scenes if scene.name not in _case_rows]
-    missing.sort(key=lambda scene: -scene.log10_angle)
+    missing = sorted((x for x in scenes if x.name not in _case_rows), key=lambda x: -x.log10_angle)
     for row in kit.rows_by_part({"cases": (_case, missing)}, quick, say)["cases"]:
         _case_rows[row["case"]] = row
     return [_case_rows[scene.name] for scene in scenes]

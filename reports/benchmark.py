@@ -218,8 +218,7 @@ def _written(case: str) -> dict[str, object]:
 def _decimals(scene: polhode.Scene) -> dict[str, object]:
     body, gamma = scene.body, scene.gamma
     assert gamma is not None
-    moments = [body.inertia[k][k] for k in range(3)]
-    rows = {"moments": moments, "centre": body.centre, "omega": scene.omega, "gamma": gamma}
+    rows = {"moments": body.moments, "centre": body.centre, "omega": scene.omega, "gamma": gamma}
     decimals = {key: [_data_decimal(x) for x in row] for key, row in rows.items()}
     return {"weight": _data_decimal(body.weight), **decimals}
 

@@ -15,16 +15,15 @@ import kit
 import polhode
 from polhode.numbers.conversion import exactly
 from polhode.numbers.decimals import significant
+from polhode.numbers.exact import rounded
 from polhode.numbers.number_types import NAMES
 
 PERIODS = 10  # over which every event is judged in every number type
-FAR = {"double": 10_000, "extended": 10_000, "quad": 1_000}
-QUICK_FAR = {"double": 1000}
-QUICK_NUMBERS = ("double", "quad")
+#: The number types, the ends of far runs by them, and the end of proofs.
+WHOLE = NAMES, {"double": 10_000, "extended": 10_000, "quad": 1_000}, 100
+QUICK = ("double", "quad"), {"double": 1000}, 10
 KEPT = 24  # errors of a far run that the figure shows
-
 PROVEN = ("general/asymmetric-regular", "general/asymmetric-chaotic")
-PROVEN_END, QUICK_PROVEN_END = 100, 10
 
 
 class EventMotion(NamedTuple):
@@ -52,12 +51,14 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; only the seconds in them depend on the clock."""
     motions = [m for m in (MOTIONS[:1] if quick else MOTIONS) if only(m.name, m.what)]
     proven = [name for name in PROVEN[: 1 if quick else 2] if only(name)]
-    every_number = QUICK_NUMBERS if quick else NAMES
-    motion_row = partial(_motion, near=every_number, far=QUICK_FAR if quick else FAR)
-    proven_row = partial(_proven, end=QUICK_PROVEN_END if quick else PROVEN_END)
+    numbers, far, end = QUICK if quick else WHOLE
+    motion_row, proven_row = (
+        partial(_motion, near=numbers, far=far),
+        partial(_proven, end=proven_end),
+    )
     parts: kit.Parts = {"proven": (proven_row, proven), "motions": (motion_row, motions)}
-    numbers = [name for name in every_number if only("cost", name)]
-    cost: kit.Parts = {"cost": (partial(_cost_row, repeats=1 if quick else 9), numbers)}
+    costed = [name for name in numbers if only("cost", name)]
+    cost: kit.Parts = {"cost": (partial(_cost_row, repeats=1 if quick else 9), costed)}
     # a clock runs beside nothing else
     return kit.rows_by_part(parts, quick, say) | kit.rows_by_part(cost, True, say)
 
@@ -192,10 +193,8 @@ class Zeros:
 
 def ulp(t: Fraction, bits: int) -> Fraction:
     """The distance between neighbours of a type of so many bits at t."""
-    near = polhode.NumberType("mp", bits).rounded(t)
-    size = near.numerator.bit_length() - near.denominator.bit_length()
-    size += abs(near) >= Fraction(2) ** size
-    return Fraction(2) ** (size - bits)
+    mantissa, exponent = rounded(t, bits)
+    return Fraction(2) ** (exponent + mantissa.bit_length() - bits)
 
 
 # --- page -----------------------------------------------------------------------------------------

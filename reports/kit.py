@@ -386,7 +386,6 @@ GUIDE, SHADE = "#777777", "#f4f4f4"
 COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
 MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
 BLUE, ORANGE, GREEN = SERIES = "#0072b2", "#d55e00", "#009e73"
-_OURS, _LIGHT = COLOURS["double"], "#56b4e9"
 
 
 def _look(color: str, marker: str, ls: str = "-", lw: float = 1.1) -> dict[str, Any]:
@@ -396,11 +395,11 @@ def _look(color: str, marker: str, ls: str = "-", lw: float = 1.1) -> dict[str, 
 
 #: Keywords of matplotlib's plot, by program or method: one hue each.
 LOOKS: dict[str, dict[str, Any]] = {
-    "polhode, double": _look(_OURS, "o", lw=2.2),
+    "polhode, double": _look(COLOURS["double"], "o", lw=2.2),
     "polhode, extended": _look(COLOURS["extended"], MARKS["extended"], lw=2.2),
     **{x: _look(COLOURS[x], MARKS[x], "--") for x in COLOURS},
     **{f"{x} projected": _look(COLOURS[x], MARKS[x]) for x in COLOURS},
-    "double": _look(_LIGHT, "o", "--"),
+    "double": _look("#56b4e9", "o", "--"),
     "heyoka by hand": _look("#000000", "x", ":"),
     "SciPy, numba": _look("#999999", "s"),
     "CyRK": _look("#d55e00", "s"),

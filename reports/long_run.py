@@ -65,8 +65,9 @@ class Member(NamedTuple):
 
 def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; no figure in them depends on the clock."""
-    decades, end, starts = ((1, 2), 100, 2) if quick else ((2, 6), 100_000, STARTS)
-    times = half_decades(*decades)
+    first, last, end, starts = (1, 2, 100, 2) if quick else (2, 6, 100_000, STARTS)
+    # whole numbers nearest to 10**first, 10**(first + 1/2), ..., 10**last
+    times = [Fraction(round(10 ** (k / 2))) for k in range(2 * first, 2 * last + 1)]
     tops = [top for top in TOPS if only(f"{top} growth", *FAR)]
     scenes = [random_scene(top, k, times) for top in tops for k in range(starts)]
     members = kit.rows_by_part({"growth": (follow, scenes)}, quick, say)["growth"]
@@ -76,11 +77,6 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
         "tops": [_top_row(top, scenes[k], members[k]) for top, k in zip(tops, own, strict=True)],
         "at": far_rows(end, starts, quick, say, only),
     }
-
-
-def half_decades(first: int, last: int) -> tuple[Fraction, ...]:
-    """Whole numbers nearest to 10**first, 10**(first + 1/2), ..., 10**last."""
-    return tuple(Fraction(round(10 ** (k / 2))) for k in range(2 * first, 2 * last + 1))
 
 
 def follow(scene: polhode.Scene) -> Member:
@@ -337,14 +333,12 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
     }
 
 
-def _walks(rows: list[kit.JsonObject]) -> list[kit.JsonObject]:
+def _walks(rows: list[kit.JsonObject]) -> Iterator[kit.JsonObject]:
     """Every integral of every kind of top: its departure at the end, the mean over its error."""
-    walks = []
     for row in kit.inner(rows, "integrals"):
         error = row["deviation"][-1] / math.sqrt(row["starts"])
         pull = row["mean"][-1] / error if error else 0.0
-        walks.append({**row, "mean_error": error, "pull": pull})
-    return walks
+        yield {**row, "mean_error": error, "pull": pull}
 
 
 def _over_time(row: kit.JsonObject) -> Iterator[kit.JsonObject]:

@@ -166,9 +166,8 @@ def cells(kind: str) -> list[Cell]:
     """Every length and number of outputs of a kind; and of starts."""
     ends = [end for end in ENDS if end <= LAST.get(kind, ENDS[-1])]
     every = [Cell(kind, end, outputs) for end in ends for outputs in OUTPUTS]
-    if kind in MANY_KINDS:
-        every += [Cell(kind, end, 2, starts) for end, starts in MANY]
-    return every
+    many = MANY if kind in MANY_KINDS else ()
+    return every + [Cell(kind, end, 2, starts) for end, starts in many]
 
 
 def scene_of(kind: str, index: int, end: int, outputs: int) -> polhode.Scene:

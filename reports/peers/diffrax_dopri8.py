@@ -34,9 +34,8 @@ def prepared(present: Sequence[bool], method: str, many: bool = False) -> Run:
     compiled = jax.jit(jax.vmap(solve, in_axes=(None, 0, None, None)) if many else solve)
 
     def run(top: Top, start: Array, times: Array, tol: float) -> Array:
-        rows, success = compiled(top.coefficients, start, times, tol)
-        rows = np.asarray(rows)
-        if not np.all(success):
+        rows, success = map(np.asarray, compiled(top.coefficients, start, times, tol))
+        if not success.all():
             raise ArithmeticError("diffrax did not reach the end")
         return rows[:, 0] if many else rows
 

@@ -65,9 +65,8 @@ def advance(
     axes, turns, spin, torque = parts
     heavy = torque[0] != 0.0 or torque[1] != 0.0 or torque[2] != 0.0
     for step in range(count):
-        before = 0.0  # weight of the leapfrog whose last kick is still to be made
-        if step > 0:
-            before = weights[-1]
+        # weight of the leapfrog whose last kick is still to be made
+        before = weights[-1] if step > 0 else 0.0
         for weight in weights:
             h = weight * length
             if heavy:
