@@ -197,7 +197,7 @@ def time_labels(
 ) -> Iterator[dict[str, Any]]:
     """A row for each source of which a shift of the time explains all figures at once."""
     exact: list[Any] = [x for x in printed if isinstance(x.published.t, Fraction)]
-    groups = kit.grouped(((x.published.cite, x.published.t), x) for x in exact)
+    groups = kit.groups(((x.published.cite, x.published.t), x) for x in exact)
     for (cite, t), own in groups.items():
         off = any(figure.difference and not figure.complete for figure in own)
         if len(own) < 2 or not t or not off:
@@ -305,7 +305,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    runs = [run for run in kit.inner(results["cases"], "runs") if not run.get("lost")]
+    runs = [run for run in kit.inner_rows(results["cases"], "runs") if not run.get("lost")]
     judged = [run for run in runs if run.get("expected") and run["limit"] != "reference"]
     below = [run for run in judged if run["correct_digits"] < run["expected"][0]]
     above = sum(run["correct_digits"] > run["expected"][2] for run in judged)
@@ -337,5 +337,5 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
 
 def svgs(results: kit.JsonObject) -> dict[str, str]:
     """Correct digits of every case in every number type, from the study's JSON object."""
-    runs = kit.inner(results["cases"], "runs")
-    return {"accuracy": kit.strips(kit.grouped((x["case"].partition("/")[0], x) for x in runs))}
+    runs = kit.inner_rows(results["cases"], "runs")
+    return {"accuracy": kit.strips(kit.groups((x["case"].partition("/")[0], x) for x in runs))}

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import polhode
-from kit import HERE, Only, Say, template, written
+from kit import HERE, Only, Say, template, write
 from polhode.certificates import state_certificate
 from polhode.enclosures.statement import LENGTH
 from polhode.equations.kinematics import starting_attitude
@@ -182,11 +182,11 @@ def write_benchmark(folder: Path, only: Only, say: Say) -> Iterator[Path]:
         values_of[top] = values = certified_values(top)
         certificate = json.dumps(values.certificate) + "\n"
         texts = {folder / f"{top.name}.csv": values.csv, folder / top.proof: certificate}
-        yield from written(texts)
+        yield from write(texts)
     if len(values_of) == len(TOPS):
         checkers = {folder / x: (HERE / "benchmark" / x).read_text() for x in CHECKERS}
         texts = {folder / DATA: data(values_of), folder / PAGE: page()}
-        yield from written(checkers | texts)
+        yield from write(checkers | texts)
 
 
 def data(values_of: dict[Top, CertifiedValues]) -> str:

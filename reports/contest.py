@@ -31,7 +31,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import tops
-from kit import Only, Say, clocked, grouped, rows_by_part
+from kit import Only, Say, clocked, groups, rows_by_part
 from peers.field import Run
 from peers.process import ask, fault_text, serve
 from polhode.common.processes import cores
@@ -223,7 +223,7 @@ _MODULE = "contest"
 
 def wanted_cells(quick: bool, only: Only) -> dict[str, list[Cell]]:
     """The cells to hold, by kind."""
-    return grouped(
+    return groups(
         (kind, cell)
         for kind in (QUICK_KINDS if quick else tops.KINDS)
         for cell in tops.cells(kind)

@@ -52,10 +52,7 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     motions = [m for m in (MOTIONS[:1] if quick else MOTIONS) if only(m.name, m.what)]
     proven = [name for name in PROVEN[: 1 if quick else 2] if only(name)]
     numbers, far, end = QUICK if quick else WHOLE
-    motion_row, proven_row = (
-        partial(_motion, near=numbers, far=far),
-        partial(_proven, end=proven_end),
-    )
+    motion_row, proven_row = partial(_motion, near=numbers, far=far), partial(_proven, end=end)
     parts: kit.Parts = {"proven": (proven_row, proven), "motions": (motion_row, motions)}
     costed = [name for name in numbers if only("cost", name)]
     cost: kit.Parts = {"cost": (partial(_cost_row, repeats=1 if quick else 9), costed)}
@@ -205,17 +202,17 @@ def ulp(t: Fraction, bits: int) -> Fraction:
 def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
     return {
-        "near": kit.inner(results["motions"], "near"),
-        "far": kit.inner(results["motions"], "far"),
-        "proven": kit.inner(results["proven"], "events"),
+        "near": kit.inner_rows(results["motions"], "near"),
+        "far": kit.inner_rows(results["motions"], "far"),
+        "proven": kit.inner_rows(results["proven"], "events"),
         "cost": results["cost"],
     }
 
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    near, far = (kit.inner(results["motions"], part) for part in ("near", "far"))
-    proven = kit.inner(results["proven"], "events")
+    near, far = (kit.inner_rows(results["motions"], part) for part in ("near", "far"))
+    proven = kit.inner_rows(results["proven"], "events")
     return {
         "end": max((run["end"] for run in far), default=0),
         "true": sum(run["true"] for run in far),
@@ -246,7 +243,7 @@ def _draw_errors(axes: kit.Axes, motions: Sequence[kit.JsonObject]) -> None:
     for name, colour in kit.COLOURS.items():
         sizes = [
             max(ulps, FLOOR)
-            for run in kit.inner(motions, "near", "far")
+            for run in kit.inner_rows(motions, "near", "far")
             if run["number"] == name
             for _, ulps in run.get("samples", ())
         ]

@@ -45,15 +45,15 @@ def fewest_digits(states: Any, true: Any, scene: polhode.Scene, most: float) -> 
     return float(np.clip(worst, 0.0, most))
 
 
-def grouped(pairs: Iterable[tuple[Key, Value]]) -> dict[Key, list[Value]]:
+def groups(pairs: Iterable[tuple[Key, Value]]) -> dict[Key, list[Value]]:
     """Values by their keys, in the order in which they come."""
-    groups: dict[Key, list[Value]] = {}
+    lists: dict[Key, list[Value]] = {}
     for key, value in pairs:
-        groups.setdefault(key, []).append(value)
-    return groups
+        lists.setdefault(key, []).append(value)
+    return lists
 
 
-def inner(rows: Iterable[JsonObject], *keys: str) -> list[JsonObject]:
+def inner_rows(rows: Iterable[JsonObject], *keys: str) -> list[JsonObject]:
     """The rows that rows have in lists under these keys, each with what its outer row says."""
     return [{**row, **own} for row in rows for key in keys for own in row.get(key, ())]
 
@@ -115,7 +115,7 @@ def _row(job: tuple[str, Callable[[Any], Any], Any]) -> Any:
     return make(subject)
 
 
-def written(texts: Mapping[Path, str]) -> list[Path]:
+def write(texts: Mapping[Path, str]) -> list[Path]:
     """Write files, each of them whole or not at all; their paths."""
     write_whole(texts)
     return [*texts]
@@ -293,7 +293,7 @@ class PageTable(NamedTuple):
         sides = "|".join(column.side for column in self.columns)
         lines = [_line(self.header), f"|{sides}|", *map(_line, self.rows)]
         # of one meaning, such as number types, together
-        headers = grouped((column.meaning, column.header) for column in self.columns)
+        headers = groups((column.meaning, column.header) for column in self.columns)
         meanings = [
             f"*{', '.join(names)}*: {meaning}" for meaning, names in headers.items() if meaning
         ]

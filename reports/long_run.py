@@ -253,7 +253,7 @@ def far_rows(end: int, starts: int, quick: bool, say: kit.Say, only: kit.Only) -
         if only(f"{top} t={end}", name, "far")
     ]
     rows = kit.rows_by_part({"far": (partial(_row, end=end), runs)}, quick, say)["far"]
-    methods = kit.grouped((top, row) for (top, *_), row in zip(runs, rows, strict=True))
+    methods = kit.groups((top, row) for (top, *_), row in zip(runs, rows, strict=True))
     tops = [{"top": top, "methods": own} for top, own in methods.items()]
     return {"t": end, "starts": starts, "tops": tops, "not_run": NOT_RUN}
 
@@ -293,14 +293,14 @@ def _error(scene: polhode.Scene, state: Sequence[float]) -> float:
 
 def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
-    rows, far = kit.inner(results["tops"], "methods"), results["at"]
+    rows, far = kit.inner_rows(results["tops"], "methods"), results["at"]
     growth = [at_time for row in rows for at_time in _over_time(row)]
     own = [
         {**x, "method": f"polhode {x['method']}", **x["error"]}
         for x in growth
         if x["t"] == far["t"]
     ]
-    others = kit.inner(far["tops"], "methods")
+    others = kit.inner_rows(far["tops"], "methods")
     return {
         "exponents": [
             {**row, **row[name], "of": name}
@@ -319,7 +319,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
     tops, far = results["tops"], results["at"]
-    pulls = [abs(row["pull"]) for row in _walks(kit.inner(tops, "methods"))]
+    pulls = [abs(row["pull"]) for row in _walks(kit.inner_rows(tops, "methods"))]
     return {
         "starts": far["starts"],
         "end": tops[0]["times"][-1] if tops else kit.DASH,
@@ -335,7 +335,7 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
 
 def _walks(rows: list[kit.JsonObject]) -> Iterator[kit.JsonObject]:
     """Every integral of every kind of top: its departure at the end, the mean over its error."""
-    for row in kit.inner(rows, "integrals"):
+    for row in kit.inner_rows(rows, "integrals"):
         error = row["deviation"][-1] / math.sqrt(row["starts"])
         pull = row["mean"][-1] / error if error else 0.0
         yield {**row, "mean_error": error, "pull": pull}
@@ -419,7 +419,7 @@ def _draw_growth(axes: kit.Axes, tops: Sequence[kit.JsonObject], name: str) -> N
 
 def _draw_inputs(axes: kit.Axes, tops: list[kit.JsonObject]) -> None:
     """What rounding the inputs leaves of projected runs, followed at first, then like t."""
-    for row in kit.inner(tops, "methods"):
+    for row in kit.inner_rows(tops, "methods"):
         points = [(x["t"], x["inputs"]["median"]) for x in _over_time(row) if "inputs" in x]
         look = _DOTTED | {"ls": "--", "marker": _MARKS[row["top"]], "ms": 2.5}
         axes.plot(*np.array(points or [(np.nan,) * 2]).T, label="rounded inputs", **look)

@@ -24,7 +24,7 @@ from typing import Any
 import benchmark
 import kit
 import polhode
-from kit import HERE, JsonObject, Only, PageTable, template, written
+from kit import HERE, JsonObject, Only, PageTable, template, write
 
 #: The studies, each a file of that name, with _ for -; the seconds that each takes on two
 #: processors, whole and quick.
@@ -128,7 +128,7 @@ def write_study(name: str, folder: Path, quick: bool = False) -> list[Path]:
     text = json.dumps(results, indent=1, allow_nan=False) + "\n"
     texts = {f"{name}.json": text, **pages(json.loads(text))}
     folder.mkdir(parents=True, exist_ok=True)
-    return written({folder / file: text for file, text in texts.items()})
+    return write({folder / file: text for file, text in texts.items()})
 
 
 def part(name: str, texts: Sequence[str], quick: bool = False) -> str:
@@ -176,7 +176,7 @@ def write_stale(folder: Path, names: Sequence[str]) -> list[Path]:
         if name == "speed" and folder == HERE:
             texts[README] = with_summary(README.read_text(encoding="utf-8"), results)
     before = {path: path.read_text("utf-8") if path.exists() else None for path in texts}
-    return written({path: text for path, text in texts.items() if text != before[path]})
+    return write({path: text for path, text in texts.items() if text != before[path]})
 
 
 def old_rows(folder: Path, name: str) -> str:

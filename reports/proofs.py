@@ -152,7 +152,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    orbits = kit.inner(results["orbits"], "orbits")
+    orbits = kit.inner_rows(results["orbits"], "orbits")
     proved = [row for row in orbits if row["proved"]]
     chaos = [row for row in results["chaos"] if row["proved"]]
     return {
@@ -205,9 +205,9 @@ def _proved_chaos(row: kit.JsonObject) -> kit.JsonObject:
 
 def _refused(tops: list[kit.JsonObject]) -> list[kit.JsonObject]:
     """A row for all orbits of a top that have about one period and the same cause."""
-    residues_of = kit.grouped(
+    residues_of = kit.groups(
         ((row["what"], f"{row['period']:.5g}", row["cause"].partition(":")[0]), row["residue"])
-        for row in kit.inner(tops, "orbits")
+        for row in kit.inner_rows(tops, "orbits")
         if not row["proved"]
     )
     return [

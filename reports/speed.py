@@ -164,7 +164,7 @@ def ways(motion: LibraryMotion, quick: bool) -> Iterator[Way]:
 
 def motions(quick: bool, only: kit.Only) -> dict[LibraryMotion, list[Way]]:
     """The motions asked for, each with the ways that are."""
-    return kit.grouped(
+    return kit.groups(
         (motion, way)
         for motion in MOTIONS
         if motion.quick >= quick
@@ -295,7 +295,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 
 def by_length(cells: Sequence[kit.JsonObject]) -> list[kit.JsonObject]:
     """A row a number of starts or outputs, a length, and a level of digits, over the kinds."""
-    levels = kit.grouped(
+    levels = kit.groups(
         ((cell["starts"], cell["outputs"], cell["end"], level["digits"]), level)
         for cell in cells
         for level in cell["levels"]
@@ -313,7 +313,7 @@ def _over_kinds(
     met = [verdict for verdict in verdicts if "best" in verdict]
     best = [name for name, _ in Counter(sorted(x["best"] for x in met)).most_common(2)]
     ratios = [verdict["ratio"][0] for verdict in met]
-    programs = kit.grouped((p["program"], p) for level in levels for p in level["programs"])
+    programs = kit.groups((p["program"], p) for level in levels for p in level["programs"])
     seconds = [unit * p["seconds"] for p in programs.get(OURS, ()) if p["seconds"]]
     often = "" if len(met) == len(levels) else f" (in {len(met)} of {len(levels)})"
     alone = next((text for word, text in ALONE.items() if stands[word]), "not reached")
@@ -345,7 +345,7 @@ def summary(lengths: Iterable[kit.JsonObject]) -> list[kit.JsonObject]:
     Medians over the kinds of motion, and the program that is best in most of them; above 1 in bold.
     The last rows are of many starts at once.
     """
-    runs = kit.grouped((row["run"], row) for row in lengths if row["end"] in SUMMARY_ENDS)
+    runs = kit.groups((row["run"], row) for row in lengths if row["end"] in SUMMARY_ENDS)
     return [
         {"run": run, "cells": {f"{row['digits']:g}": row["summary"] for row in own}}
         for run, own in runs.items()
@@ -370,7 +370,7 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
 
 def _best(motions: Sequence[kit.JsonObject]) -> Iterator[kit.JsonObject]:
     """Each number type at its tightest tolerance on each motion."""
-    for method in kit.inner(motions, "methods"):
+    for method in kit.inner_rows(motions, "methods"):
         points = [p for p in method["points"] if "digits" in p]
         if points:
             to = f"{method['motion']}, t = {method['end']}"
@@ -383,7 +383,7 @@ def _faults(results: kit.JsonObject) -> list[kit.JsonObject]:
     causes += [(row["program"], row["fault"]) for row in results["first"] if row["fault"]]
     causes += [
         (point["method"], f"at tolerance {point['tol']:.2g}: {point['reason']}")
-        for point in kit.inner(kit.inner(results["motions"], "methods"), "points")
+        for point in kit.inner_rows(kit.inner_rows(results["motions"], "methods"), "points")
         if "reason" in point
     ]
     return [{"program": program, "fault": fault} for program, fault in dict.fromkeys(causes)]
@@ -416,7 +416,7 @@ def lines(curves: Mapping[str, Sequence[Sequence[float]]]) -> Curves:
     here, as one of an earlier version is, has a line by its own name.
     """
     in_order = {**dict.fromkeys(BY_NAME, ()), **curves}
-    marks = kit.grouped(
+    marks = kit.groups(
         (BY_NAME[name].line if name in BY_NAME else name, WorkPoint(*point))
         for name, points in in_order.items()
         for point in points
@@ -449,8 +449,8 @@ def _panel(cell: kit.JsonObject) -> str:
 
 def _types(motion: kit.JsonObject) -> Curves:
     """polhode in all number types on one motion."""
-    return kit.grouped(
+    return kit.groups(
         (point["method"].removeprefix("polhode "), (point["seconds_min"], 10.0 ** -point["digits"]))
-        for point in kit.inner(motion["methods"], "points")
+        for point in kit.inner_rows(motion["methods"], "points")
         if point.get("digits")
     )

@@ -147,7 +147,7 @@ def _pair(run: kit.JsonObject | None) -> float | str | None:
 def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
     cases = {case["case"]: kit.by_number(case, _pair) for case in results["cases"]}
-    runs = kit.inner(results["cases"], "runs")
+    runs = kit.inner_rows(results["cases"], "runs")
     unjudged = [run for run in runs if run.get("behind") is None]
     late = [run for run in runs if (run.get("behind") or 0) > 0]
     late.sort(key=lambda run: -float(run["behind"]))
@@ -161,7 +161,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    behind = [run.get("behind") for run in kit.inner(results["cases"], "runs")]
+    behind = [run.get("behind") for run in kit.inner_rows(results["cases"], "runs")]
     judged = [row for row in results["back"] if row["within"] is not None]
     return {
         "enough": kit.share(x <= 0 for x in behind if x is not None),
@@ -181,8 +181,8 @@ _WIDTH = 24  # letters of a line of a strip's name
 
 def svgs(results: kit.JsonObject) -> dict[str, str]:
     """One strip per kind of difficulty; rings have fewer digits than expected."""
-    runs = kit.grouped((run["case"], run) for run in kit.inner(results["cases"], "runs"))
-    groups = kit.grouped(
+    runs = kit.groups((run["case"], run) for run in kit.inner_rows(results["cases"], "runs"))
+    groups = kit.groups(
         (fill(kind["kind"], _WIDTH), run)
         for kind in results["kinds"]
         for name in kind["cases"]
