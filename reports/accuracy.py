@@ -151,7 +151,8 @@ def printed_figures(scene: polhode.Scene) -> tuple[list[dict[str, Any]], list[di
 def _figure(case: str, reference: str, figure: PrintedFigure) -> dict[str, Any]:
     printed = figure.published
     unit = published_figures.last_unit(printed.value)
-    kind = "printout" if _SIMULATED.search(printed.cite) else "value"  # somebody stands for it
+    # a printout, a value that somebody stands for, or one made for this
+    kind = "printout" if _SIMULATED.search(printed.cite) else "value"
     return {
         "case": case,
         "reference": reference,

@@ -9,6 +9,7 @@ from __future__ import annotations
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable
+from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -51,9 +52,9 @@ def scene_of(top_name: str) -> polhode.Scene:
     """The scene of a top."""
     if (name := TOPS[top_name]) is not None:
         return polhode.load(name)
-    body: dict[str, Any] = {"moments": [2, "51/25", 1], "centre": [0, 0, 1], "weight": 1}
-    start: dict[str, Any] = {"omega": ["1/2", "1/4", 2], "gamma": ["3/5", 0, "4/5"]}
-    return polhode.top(**body, **start, end=1, name=top_name)
+    body: dict[str, Any] = {"moments": [2, Fraction(51, 25), 1], "centre": [0, 0, 1], "weight": 1}
+    omega, gamma = [Fraction(1, 2), Fraction(1, 4), 2], [Fraction(3, 5), 0, Fraction(4, 5)]
+    return polhode.top(**body, omega=omega, gamma=gamma, end=1, name=top_name)
 
 
 def _orbits(name: str, grid: tuple[int, int], crossings: int) -> kit.JsonObject:
