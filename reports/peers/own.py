@@ -45,7 +45,6 @@ def prepared(present: Sequence[bool], method: str, many: bool = False) -> Run:
     """
     number = EXTENDED if method == "extended" else DOUBLE
     scene_of = _by_body(_scene)
-    alone: dict[str, Any] = {"workers": 1} if many else {}
 
     @_by_body
     def propagator(top: Top, tol: float) -> polhode.Propagator:
@@ -56,9 +55,7 @@ def prepared(present: Sequence[bool], method: str, many: bool = False) -> Run:
         go = propagator(top, tol)
         if number is EXTENDED:
             start = np.array([np.longdouble(x.numerator) / x.denominator for x in _exact(start)])
-        if len(at) > 2:
-            return go(start, t=at)
-        return np.atleast_2d(go(start, t=float(at[1]), **alone))
+        return go(start, t=at) if len(at) > 2 else go(start, t=float(at[1]))[None]
 
     def integrated(top: Top, start: Any, at: Any, tol: float) -> Any:
         p, q, r, *gamma = start.tolist()
@@ -67,13 +64,16 @@ def prepared(present: Sequence[bool], method: str, many: bool = False) -> Run:
         run = polhode.integrate(replace(scene, omega=omega), tol=_tolerance(tol))
         return run.states if len(at) > 2 else run.states[-1:]
 
+    def propagated_many(top: Top, start: Any, at: Any, tol: float) -> Any:
+        return propagator(top, tol)(start, t=float(at[-1]), workers=1)
+
     def integrated_many(top: Top, start: Any, at: Any, tol: float) -> Any:
-        options: dict[str, Any] = {"at": [float(at[-1])], "tol": _tolerance(tol), **alone}
+        options: dict[str, Any] = {"at": [float(at[-1])], "tol": _tolerance(tol), "workers": 1}
         return polhode.integrate_many(_scene(top), starts=start, **options).states[:, 0]
 
-    if method != "integrate":
-        return propagated
-    return integrated_many if many else integrated
+    if method == "integrate":
+        return integrated_many if many else integrated
+    return propagated_many if many else propagated
 
 
 def _tolerance(tol: float, number: polhode.NumberType = DOUBLE) -> float | None:
