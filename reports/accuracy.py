@@ -10,26 +10,18 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import kit
 import polhode
-from polhode.checks.published_figures import (
-    PrintedFigure,
-    columns_at,
-    figures,
-    last_unit,
-    ours_of,
-    significant_digits,
-    textbook_digits,
-)
+from polhode.checks import published_figures
+from polhode.checks.published_figures import PrintedFigure, significant_digits
 from polhode.enclosures import approximation, fixed_point_problem
+from polhode.numbers.conversion import exactly
+from polhode.numbers.decimals import significant
+from polhode.numbers.number_types import NAMES
 
-QUESTION = (
-    "How many digits of each case's trajectory are correct in each number type, how far do the "
-    "integrals drift, and what does rounding the inputs alone cost? Does every closed form lie in "
-    "its proven enclosure, and how many digits of figures that others printed are right?"
-)
 QUICK_CASES = ("euler/separatrix", "general/near-upright", "published/nasa-brick")
 #: Longest integration, as the angle |w|·|end|, that each number type is given in the study.
 LONGEST = {"double": 1e7, "extended": 1e6, "quad": 1e4, "mp": 3e3}
@@ -39,9 +31,7 @@ _case_rows: dict[str, dict[str, Any]] = {}
 
 def rows(quick: bool, say: kit.Say, only: kit.Only) -> kit.JsonObject:
     """The study's rows; no figure in them depends on the clock."""
-    every = [
-        polhode.load(name) for name in (QUICK_CASES if quick else polhode.cases().column("scene"))
-    ]
+    every = [*map(polhode.load, QUICK_CASES if quick else polhode.cases().column("scene"))]
     cases = case_rows([scene for scene in every if only(scene.name)], quick, say)
     wanted = [scene for scene in every if only(scene.name, "proven")]
     published = [scene for scene in every if scene.published and only(scene.name, "printed")]
@@ -56,8 +46,7 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> kit.JsonObject:
 
 def case_rows(scenes: Sequence[polhode.Scene], quick: bool, say: kit.Say) -> list[dict[str, Any]]:
     """One row per case of the library, made once in a process; the longest motions come first."""
-    missing = [scene for scene in scenes if scene.name not in _case_rows]
-    missing.sort(key=lambda scene: -scene.log10_angle)
+    missing = sorted((x for x in scenes if x.name not in _case_rows), key=lambda x: -x.log10_angle)
     for row in kit.rows_by_part({"cases": (_case, missing)}, quick, say)["cases"]:
         _case_rows[row["case"]] = row
     return [_case_rows[scene.name] for scene in scenes]
@@ -65,7 +54,7 @@ def case_rows(scenes: Sequence[polhode.Scene], quick: bool, say: kit.Say) -> lis
 
 def _case(scene: polhode.Scene) -> dict[str, Any]:
     reference = polhode.reference(scene)
-    fitting = [name for name in kit.NUMBERS if 10**scene.log10_angle <= LONGEST[name]]
+    fitting = [name for name in NAMES if 10**scene.log10_angle <= LONGEST[name]]
     growth = polhode.conditioning(scene, number=fitting[-1]) if fitting else None
     runs = [_run(scene, reference, name) for name in reversed(fitting)]  # most digits first
     kappas = [x for x in growth.log10_kappa if x is not None] if growth else []
@@ -74,7 +63,7 @@ def _case(scene: polhode.Scene) -> dict[str, Any]:
         "title": scene.title,
         "regime": reference.regime,
         "reference": reference.kind,
-        "textbook": rounded(textbook_digits(reference)),
+        "textbook": rounded(published_figures.textbook_digits(reference)),
         "log10_kappa": round(max(kappas), 2) if kappas else None,
         "kappa_note": growth.note if growth else "",
         "end": polhode.as_decimal(scene.end, 6),
@@ -105,10 +94,7 @@ def _run(scene: polhode.Scene, reference: polhode.Reference, name: str) -> dict[
             "expected": band and [rounded(x) for x in band],
             "limit": judged.limit,
             "lost": judged.lost or None,
-            "drift": {
-                key: None if value is None else kit.significant(value, 3)
-                for key, value in run.drift._asdict().items()
-            },
+            "drift": {k: x and significant(x, 3) for k, x in run.drift._asdict().items()},
             "projection": projection(run),
             "refined": _refined(run, judged) if name == "quad" else None,
             "reference_digits": None if reference.is_closed_form else round(judged.agreement, 1),
@@ -141,7 +127,7 @@ def projection(run: polhode.Trajectory) -> dict[str, Any] | None:
     """The corrections of a run that was put back on its integrals; None where it was not."""
     if (x := run.projection) is None:
         return None
-    sizes = {"largest": kit.significant(x.largest, 3), "sum": kit.significant(x.sum, 3)}
+    sizes = {"largest": significant(x.largest, 3), "sum": significant(x.sum, 3)}
     return {"onto": [*x.onto], "count": x.count, **sizes}
 
 
@@ -157,31 +143,27 @@ _SIMULATED = re.compile(r"\bsimulation \d|\bdt = ")
 def printed_figures(scene: polhode.Scene) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """A row for each figure printed of a scene, and for each source that errs in the time."""
     reference = polhode.reference(scene)
-    printed = figures(scene, reference)
+    printed = published_figures.figures(scene, reference)
     rows = [_figure(scene.name, reference.kind, figure) for figure in printed]
     return rows, [*time_labels(scene, reference, printed)]
 
 
-def kind_of(cite: str, recomputed: bool) -> str:
-    """What a printed figure is: a value somebody stands for, a printout, or one made for this."""
-    if recomputed:
-        return "recomputed"
-    return "printout" if _SIMULATED.search(cite) else "value"
-
-
 def _figure(case: str, reference: str, figure: PrintedFigure) -> dict[str, Any]:
     printed = figure.published
+    unit = published_figures.last_unit(printed.value)
+    # a printout, a value that somebody stands for, or one made for this
+    kind = "printout" if _SIMULATED.search(printed.cite) else "value"
     return {
         "case": case,
         "reference": reference,
         "t": float(printed.t),
         "quantity": printed.quantity,
         "cite": printed.cite,
-        "kind": kind_of(printed.cite, printed.recomputed),
+        "kind": "recomputed" if printed.recomputed else kind,
         "printed": printed.value,
         "ours": figure.ours,
         "difference": polhode.as_decimal(figure.difference, 2),
-        "last_units": kit.significant(float(figure.difference / last_unit(printed.value)), 2),
+        "last_units": significant(float(figure.difference / unit), 2),
         "digits_shown": significant_digits(printed.value),
         "digits_right": round(_digits_right(figure), 1),
         "stands": figure.complete,
@@ -215,41 +197,38 @@ def time_labels(
     scene: polhode.Scene, reference: polhode.Reference, printed: Sequence[PrintedFigure]
 ) -> Iterator[dict[str, Any]]:
     """A row for each source of which a shift of the time explains all figures at once."""
-    groups: dict[tuple[str, Any], list[PrintedFigure]] = {}
-    for figure in printed:
-        if isinstance(figure.published.t, Fraction):
-            groups.setdefault((figure.published.cite, figure.published.t), []).append(figure)
+    exact: list[Any] = [x for x in printed if isinstance(x.published.t, Fraction)]
+    groups = kit.groups(((x.published.cite, x.published.t), x) for x in exact)
     for (cite, t), own in groups.items():
         off = any(figure.difference and not figure.complete for figure in own)
         if len(own) < 2 or not t or not off:
             continue
-        shift, step, before = Fraction(0), abs(t) * _STEP, _differences(scene, reference, t, own)
+        differences = partial(_differences, scene, reference, own)
+        shift, step, before = Fraction(0), abs(t) * _STEP, differences(t)
         for _ in range(_ROUNDS):
-            here, there = (
-                _differences(scene, reference, t + shift + ahead, own) for ahead in (0, step)
-            )
+            here, there = (differences(t + shift + ahead) for ahead in (0, step))
             rates = [(a - b) / step for a, b in zip(here, there, strict=True)]
             products = sum(d * r for d, r in zip(here, rates, strict=True))
             shift = (shift + products / sum(r * r for r in rates)).limit_denominator(10**15)
-        after = _differences(scene, reference, t + shift, own)
+        after = differences(t + shift)
         before_most, after_most = (float(max(map(abs, x))) for x in (before, after))
         if after_most * EXPLAINS < before_most:
             yield {
                 "case": scene.name,
                 "cite": cite,
                 "t": float(t),
-                "shift": kit.significant(float(shift), 4),
-                "before": kit.significant(before_most, 2),
-                "after": kit.significant(after_most, 2),
+                "shift": significant(float(shift), 4),
+                "before": significant(before_most, 2),
+                "after": significant(after_most, 2),
             }
 
 
 def _differences(
-    scene: polhode.Scene, reference: polhode.Reference, t: Fraction, printed: list[PrintedFigure]
+    scene: polhode.Scene, reference: polhode.Reference, printed: list[PrintedFigure], t: Fraction
 ) -> list[Fraction]:
     """What is printed less ours at a time."""
-    columns = columns_at(scene, reference, t, 30)
-    return [Fraction(x.published.value) - ours_of(x.published, columns) for x in printed]
+    columns, ours = published_figures.columns_at(scene, reference, t, 30), published_figures.ours_of
+    return [Fraction(x.published.value) - ours(x.published, columns) for x in printed]
 
 
 # --- proven ---------------------------------------------------------------------------------------
@@ -281,15 +260,15 @@ def proven_case(scene: polhode.Scene) -> dict[str, Any]:
     exact = polhode.reference(scene)
     true = exact.at(times, 2 * PROVEN_DIGITS + 20)
     ratios = [
-        float(abs(kit.exactly(x) - middle) / Fraction(radius))
+        float(abs(exactly(x) - middle) / Fraction(radius))
         for row, middles, radii in zip(true, enclosure.centres, enclosure.radii, strict=True)
         for x, middle, radius in zip(row, middles, radii, strict=True)
     ]
     return {
         "case": scene.name,
         "reference": exact.kind,
-        "end": kit.significant(float(times[-1]), 4),
-        "ratio": kit.significant(max(ratios), 2),
+        "end": significant(float(times[-1]), 4),
+        "ratio": significant(max(ratios), 2),
         "inside": max(ratios) <= 1.0,
         "digits": round(enclosure.proven, 2),
         "tries": enclosure.tries,
@@ -314,22 +293,20 @@ def _verdict(row: kit.JsonObject) -> str:
 def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
     cases = map(kit.by_number, results["cases"])
+    printed = sorted(results["printed"], key=lambda row: _KINDS.index(row["kind"]))
     return {
         "cases": (
             {**x, "outcomes": sorted({run["outcome"] for run in x["runs"].values()})} for x in cases
         ),
         "proven": results["proven"],
-        "printed": (
-            {**x, "verdict": _verdict(x)}
-            for x in sorted(results["printed"], key=lambda row: _KINDS.index(row["kind"]))
-        ),
+        "printed": ({**x, "verdict": _verdict(x)} for x in printed),
         "time_labels": results["time_labels"],
     }
 
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    runs = [run for _, run in kit.runs_of(results["cases"]) if not run.get("lost")]
+    runs = [run for run in kit.inner_rows(results["cases"], "runs") if not run.get("lost")]
     judged = [run for run in runs if run.get("expected") and run["limit"] != "reference"]
     below = [run for run in judged if run["correct_digits"] < run["expected"][0]]
     above = sum(run["correct_digits"] > run["expected"][2] for run in judged)
@@ -361,7 +338,5 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
 
 def svgs(results: kit.JsonObject) -> dict[str, str]:
     """Correct digits of every case in every number type, from the study's JSON object."""
-    groups: dict[str, list[kit.JsonObject]] = {}
-    for case in results["cases"]:
-        groups.setdefault(case["case"].partition("/")[0], []).extend(case["runs"])
-    return {"accuracy": kit.strips(groups)}
+    runs = kit.inner_rows(results["cases"], "runs")
+    return {"accuracy": kit.strips(kit.groups((x["case"].partition("/")[0], x) for x in runs))}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
@@ -12,7 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import polhode
-from kit import HERE, Only, Say, template, write_whole
+from kit import HERE, Only, Say, template, write
 from polhode.certificates import state_certificate
 from polhode.enclosures.statement import LENGTH
 from polhode.equations.kinematics import starting_attitude
@@ -105,8 +106,9 @@ class CertifiedValues:
         """The certificate that each value is right to its last place, as JSON's objects."""
         gamma = self.scene.gamma
         assert gamma is not None
-        units = [_just_over_half(self.places[k >= 3]) for k in range(10)]
-        balls = [[(x, unit) for x, unit in zip(row, units, strict=True)] for row in self.rows[1:]]
+        # 0.51 of a unit of the last place: a correctly rounded value is within a half
+        units = [f"5.1e-{self.places[k >= 3] + 1}" for k in range(10)]
+        balls = [[*zip(row, units, strict=True)] for row in self.rows[1:]]
         times = [Fraction(t) for t in self.times[1:]]
         turn = starting_attitude(gamma, self.scene.psi)
         return state_certificate.certificate(self.scene, times, balls, None, turn)
@@ -125,9 +127,8 @@ def certified_values(top: Top) -> CertifiedValues:
     for more in _BEYOND:
         enclosure = polhode.certify(scene, map(Fraction, times), digits=DIGITS + more)
         if set(enclosure.assumed) - {LENGTH}:  # which the certificate does not rest on
-            raise polhode.BadInput(
-                top.case, "start", None, "numbers that need no rule for equal ones"
-            )
+            expected = "numbers that need no rule for equal ones"
+            raise polhode.BadInput(top.case, "start", None, expected)
         size = max(math.hypot(*map(float, row[:3])) for row in enclosure.centres[1:])
         places = DIGITS - math.floor(math.log10(size)), DIGITS
         rows = _rows(enclosure, places)
@@ -139,10 +140,9 @@ def certified_values(top: Top) -> CertifiedValues:
 def _rows(enclosure: polhode.Enclosure, places: tuple[int, int]) -> list[tuple[str, ...]] | None:
     """The balls as correctly rounded decimals; None where one leaves a doubt."""
     assert enclosure.attitude is not None
-    states = zip(enclosure.centres, enclosure.radii, strict=True)
     rows = []
-    for (centres, radii), (turn, off) in zip(
-        states, zip(*enclosure.attitude, strict=True), strict=True
+    for centres, radii, turn, off in zip(
+        enclosure.centres, enclosure.radii, *enclosure.attitude, strict=True
     ):
         row = []
         for k, (x, radius) in enumerate(zip((*centres, *turn), (*radii, *off), strict=True)):
@@ -151,19 +151,9 @@ def _rows(enclosure: polhode.Enclosure, places: tuple[int, int]) -> list[tuple[s
             low, high = (round((x + side * Fraction(radius)) * unit) for side in (-1, 1))
             if low != high:
                 return None
-            row.append(_decimal(low, places[k >= 3]))
+            row.append(f"{Decimal(f'{low}e{-places[k >= 3]}'):f}")
         rows.append(tuple(row))
     return rows
-
-
-def _decimal(value: int, places: int) -> str:
-    """value 10^-places, in full."""
-    return f"{Decimal((int(value < 0), tuple(map(int, str(abs(value)))), -places)):f}"
-
-
-def _just_over_half(places: int) -> str:
-    """0.51 of a unit of the last place: a correctly rounded value is within a half."""
-    return f"5.1e-{places + 1}"
 
 
 # --- folder ---------------------------------------------------------------------------------------
@@ -178,7 +168,7 @@ NAME = "heavy top benchmark"
 _PLACES = 60  # of decimals of data that have no end
 
 
-def write_benchmark(folder: Path, only: Only, say: Say) -> list[Path]:
+def write_benchmark(folder: Path, only: Only, say: Say) -> Iterator[Path]:
     """Write the benchmark, each top's files as they are proved; the paths.
 
     ``only``: the names of the tops whose values and certificates alone are written.
@@ -186,23 +176,20 @@ def write_benchmark(folder: Path, only: Only, say: Say) -> list[Path]:
     chosen = [top for top in TOPS if only(top.name)]
     only.check()
     folder.mkdir(parents=True, exist_ok=True)
-    written: list[Path] = []
-    values_of: dict[str, CertifiedValues] = {}
+    values_of: dict[Top, CertifiedValues] = {}
     for n, top in enumerate(chosen):
         say(f"{top.name}, {n + 1} of {len(chosen)}; about {SECONDS} s each")
-        values_of[top.name] = values = certified_values(top)
+        values_of[top] = values = certified_values(top)
         certificate = json.dumps(values.certificate) + "\n"
-        written += write_whole(
-            {folder / f"{top.name}.csv": values.csv, folder / top.proof: certificate}
-        )
+        texts = {folder / f"{top.name}.csv": values.csv, folder / top.proof: certificate}
+        yield from write(texts)
     if len(values_of) == len(TOPS):
         checkers = {folder / x: (HERE / "benchmark" / x).read_text() for x in CHECKERS}
         texts = {folder / DATA: data(values_of), folder / PAGE: page()}
-        written += write_whole(checkers | texts)
-    return written
+        yield from write(checkers | texts)
 
 
-def data(values_of: dict[str, CertifiedValues]) -> str:
+def data(values_of: dict[Top, CertifiedValues]) -> str:
     """Exact data of all tops as JSON: the numbers of the scene's file, and all as decimals."""
     tops = [
         {
@@ -217,7 +204,7 @@ def data(values_of: dict[str, CertifiedValues]) -> str:
             "values": f"{top.name}.csv",
             "certificate": top.proof,
         }
-        for top, values in ((top, values_of[top.name]) for top in TOPS)
+        for top, values in values_of.items()
     ]
     return json.dumps({"name": NAME, "version": VERSION, "tops": tops}, indent=1) + "\n"
 
@@ -231,8 +218,7 @@ def _written(case: str) -> dict[str, object]:
 def _decimals(scene: polhode.Scene) -> dict[str, object]:
     body, gamma = scene.body, scene.gamma
     assert gamma is not None
-    moments = [body.inertia[k][k] for k in range(3)]
-    rows = {"moments": moments, "centre": body.centre, "omega": scene.omega, "gamma": gamma}
+    rows = {"moments": body.moments, "centre": body.centre, "omega": scene.omega, "gamma": gamma}
     decimals = {key: [_data_decimal(x) for x in row] for key, row in rows.items()}
     return {"weight": _data_decimal(body.weight), **decimals}
 
@@ -249,10 +235,6 @@ def page() -> str:
         f"| [{top.name}]({top.name}.csv) | {top.about} | {top.times[-1]} | [proof]({top.proof}) |"
         for top in TOPS
     ]
-    return template("benchmark").format(
-        version=VERSION,
-        count=len(TOPS),
-        digits=DIGITS,
-        columns=",".join(COLUMNS),
-        rows="\n".join(rows),
-    )
+    numbers = {"version": VERSION, "count": len(TOPS), "digits": DIGITS}
+    lines = {"columns": ",".join(COLUMNS), "rows": "\n".join(rows)}
+    return template("benchmark").format(**numbers, **lines)

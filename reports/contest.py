@@ -16,35 +16,28 @@ The answers: {"failed": program, "fault"} of one that could not be prepared, and
 from __future__ import annotations
 
 import math
-import pickle
 import random
 import statistics
-import sys
 import time
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+import numpy as np
+
 import tops
-from kit import Only, Say, clocked, cores, rows_by_part, significant
+from kit import Only, Say, clocked, groups, rows_by_part
 from peers.field import Run
-from peers.process import ask, end_with_parent, write
+from peers.process import ask, fault_text, serve
+from polhode.common.processes import cores
+from polhode.numbers.decimals import significant
 from programs import BY_NAME, MANY, OURS, OWN, Program
-from tops import (
-    DRAWS,
-    MANY_JUDGED,
-    Cell,
-    Draw,
-    States,
-    digits,
-    draw,
-    judged,
-    median_digits,
-    present,
-)
+from tops import DRAWS, MANY_JUDGED, Cell, Draw, States
 
 LEVELS = (6.0, 9.0, 12.0)
 ROUNDS = 5  # of timed blocks of calls, fewer where they take longer than the job's patience
@@ -56,33 +49,29 @@ _NUDGE = 2.0**-50
 Points = dict[tuple[int, float], tuple[float, float]]
 
 
-def main() -> None:
-    """Answer the job on stdin."""
-    end_with_parent()
-    job = pickle.load(sys.stdin.buffer)
+def answers_to(job: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """The answers to a job."""
     ready: dict[bool, dict[str, Run]] = {False: {}, True: {}}
     for name in job["programs"]:
         for many in sorted({cell.starts > 0 for cell, _ in job["cells"]}):
             if not many or name in MANY:
                 try:
-                    ready[many][name] = BY_NAME[name].prepared(present(job["kind"]), many)
+                    ready[many][name] = BY_NAME[name].prepared(tops.present(job["kind"]), many)
                 except Exception as fault:  # of a package that does not fit the others
-                    write({"failed": name, "fault": _fault_text(fault)})
+                    yield {"failed": name, "fault": fault_text(fault)}
     for cell, truths in job["cells"]:
         contest = _Contest(cell, truths, ready[cell.starts > 0])
         contest.hold(job["tolerances"].get(cell), job["patience"])
-        write({"cell": cell, "points": contest.timed_points(), "faults": contest.faults})
+        yield {"cell": cell, "points": contest.timed_points(), "faults": contest.faults}
 
 
 class _Contest:
     """One cell: its draws, and what each program has given on them so far."""
 
     def __init__(self, cell: Cell, truths: Sequence[States], ready: Mapping[str, Run]) -> None:
-        import numpy as np
-
         self.cell, self.truths = cell, truths
         self.ready = {n: r for n, r in ready.items() if BY_NAME[n].runs(*cell[1:])}
-        self.draws: list[Draw] = [draw(cell.kind, k, *cell[1:]) for k in range(DRAWS)]
+        self.draws: list[Draw] = [tops.draw(cell.kind, k, *cell[1:]) for k in range(DRAWS)]
         self.times = np.array([float(t) for t in self.draws[0].scene.times])
         self.points: dict[str, Points] = defaultdict(dict)
         self.faults: dict[str, str] = {}
@@ -119,7 +108,7 @@ class _Contest:
         try:
             yield
         except Exception as fault:
-            self.faults[f"{name} at {tol:.1g}"] = _fault_text(fault)
+            self.faults[f"{name} at {tol:.1g}"] = fault_text(fault)
 
     def _block(self, name: str, k: int, tol: float) -> None:
         """Calls one after the other, timed together, each with a start of its own."""
@@ -147,23 +136,20 @@ class _Contest:
         with self._noting(name, tol):
             if self.cell.starts:
                 states = run(top, start[:MANY_JUDGED], self.times, tol)
-                self.points[name][k, tol] = median_digits(states, truth, scene), math.inf
+                self.points[name][k, tol] = tops.median_digits(states, truth, scene), math.inf
                 return
             # what is made on the first call, a short one, is not timed
             run(top, start, self.times / self.cell.end, tol)
             states, seconds = clocked(lambda: run(top, start, self.times, tol))
             if len(states) not in (1, outputs):
                 raise ArithmeticError(f"{len(states)} of {outputs} states")
-            self.points[name][k, tol] = digits(judged(states, outputs), truth, scene), seconds
+            right = tops.digits(tops.judged(states, outputs), truth, scene)
+            self.points[name][k, tol] = right, seconds
 
     def timed_points(self) -> dict[str, Points]:
         """The points that were timed."""
         return {
-            name: {
-                key: (round(right, 3), seconds)
-                for key, (right, seconds) in points.items()
-                if seconds < math.inf
-            }
+            name: {key: (round(x, 3), t) for key, (x, t) in points.items() if t < math.inf}
             for name, points in self.points.items()
         }
 
@@ -183,12 +169,8 @@ def timed_again(points: Points, every: bool) -> Iterator[tuple[int, float]]:
         yield from ((k, tol) for tol in sorted(chosen))
 
 
-def _fault_text(fault: Exception) -> str:
-    return f"{type(fault).__name__}: {fault}"
-
-
 if __name__ == "__main__":
-    main()
+    serve(answers_to)
 
 
 # --- work precision -------------------------------------------------------------------------------
@@ -213,20 +195,6 @@ def frontier(marks: Iterable[WorkPoint]) -> list[WorkPoint]:
         if not points or mark.seconds < points[-1].seconds:
             points.append(mark)
     return points[::-1]
-
-
-def seconds_at(marks: Sequence[WorkPoint], digits: float) -> float | None:
-    """Seconds for so many digits on the frontier; None beyond its reach.
-
-    Below its first point the first point's.
-    """
-    import numpy as np
-
-    line = frontier(marks)
-    if not line or digits > line[-1].digits:
-        return None
-    at, seconds = zip(*line, strict=True)
-    return math.exp(np.interp(digits, at, np.log(seconds)))
 
 
 # --- cells ----------------------------------------------------------------------------------------
@@ -255,56 +223,44 @@ _MODULE = "contest"
 
 def wanted_cells(quick: bool, only: Only) -> dict[str, list[Cell]]:
     """The cells to hold, by kind."""
-    cells = {
-        kind: [
-            cell
-            for cell in tops.cells(kind)
-            if (not quick or cell[1:] in QUICK_CELLS) and only(cell.name)
-        ]
+    return groups(
+        (kind, cell)
         for kind in (QUICK_KINDS if quick else tops.KINDS)
-    }
-    return {kind: wanted for kind, wanted in cells.items() if wanted}
+        for cell in tops.cells(kind)
+        if (not quick or cell[1:] in QUICK_CELLS) and only(cell.name)
+    )
 
 
 def rows(
-    cells_of: Mapping[str, Sequence[Cell]],
-    programs: Sequence[Program],
-    cache: Path,
-    quick: bool,
-    say: Say,
+    cells_of: Mapping[str, Sequence[Cell]], programs: Sequence[Program], quick: bool, say: Say
 ) -> list[dict[str, Any]]:
     """A row a cell, in the order asked."""
     truths = _truths(cells_of, say)
-    with ThreadPoolExecutor(1 if quick else cores()) as pool:
-        futures = {  # the kind that takes longest, of fast spins, begins first
-            kind: pool.submit(_kind, kind, cells_of[kind], programs, truths, cache, quick, say)
-            for kind in reversed([*cells_of])
+    jobs = [
+        {
+            "kind": kind,
+            "cells": [(cell, truths[_judged_cell(cell)]) for cell in cells],
+            "programs": [program.name for program in programs],
+            "tolerances": {},
+            "patience": QUICK_PATIENCE if quick else PATIENCE,
         }
-        return [row for kind in cells_of for row in futures[kind].result()]
+        for kind, cells in cells_of.items()
+    ]
+    with TemporaryDirectory() as cache, ThreadPoolExecutor(1 if quick else cores()) as pool:
+        hold = partial(_kind, processes=1 if quick else PROCESSES, cache=Path(cache), say=say)
+        # the kind that takes longest, of fast spins, begins first
+        last_first = [*pool.map(hold, reversed(jobs))]
+    return [row for rows in reversed(last_first) for row in rows]
 
 
-def _kind(
-    kind: str,
-    cells: Sequence[Cell],
-    programs: Sequence[Program],
-    truths: Mapping[Cell, list[States]],
-    cache: Path,
-    quick: bool,
-    say: Say,
-) -> list[dict[str, Any]]:
-    """The rows of one kind, from as many processes as are made."""
+def _kind(job: Mapping[str, Any], processes: int, cache: Path, say: Say) -> list[dict[str, Any]]:
+    """The rows of one kind, from so many processes."""
+    cells: list[Cell] = [cell for cell, _ in job["cells"]]
     points: dict[Cell, dict[str, Points]] = {cell: {} for cell in cells}
     faults: dict[Cell, dict[str, str]] = {cell: {} for cell in cells}
-    job: dict[str, Any] = {
-        "kind": kind,
-        "cells": [(cell, truths[_judged_cell(cell)]) for cell in cells],
-        "programs": [program.name for program in programs],
-        "tolerances": {},
-        "patience": QUICK_PATIENCE if quick else PATIENCE,
-    }
-    for turn in range(1 if quick else PROCESSES):
-        say(f"contest: {kind}, process {turn + 1}")
-        answers, fault = ask(_MODULE, job, _LIMIT, cache)
+    for process in range(1, processes + 1):
+        say(f"contest: {job['kind']}, process {process}")
+        answers, fault = ask(job, _LIMIT, cache, _MODULE)
         missing = {*cells}
         for answer in answers:
             if "failed" in answer:
@@ -315,10 +271,10 @@ def _kind(
                 _enter(points[answer["cell"]], answer["points"])
                 faults[answer["cell"]] |= answer["faults"]
         for cell in missing if fault else ():
-            faults[cell][f"process {turn + 1}"] = fault
-        job["tolerances"] = {  # a cell that no process came to is held whole by the next one
-            cell: held_again(points[cell], cell.every_tolerance) for cell in cells if points[cell]
-        }
+            faults[cell][f"process {process}"] = fault
+        # a cell that no process came to is held whole by the next one
+        again = {x: held_again(points[x], x.every_tolerance) for x in cells if points[x]}
+        job = {**job, "tolerances": again}
     return [row(cell, points[cell], faults[cell]) for cell in cells]
 
 
@@ -344,25 +300,27 @@ def row(cell: Cell, points: Mapping[str, Points], faults: Mapping[str, str]) -> 
 
 def curves(points: Mapping[str, Points]) -> dict[str, list[list[float]]]:
     """Of each program, by tolerance, the medians over the draws: digits and seconds."""
-    lines: dict[str, list[list[float]]] = {}
+    lines: dict[str, list[list[float]]] = defaultdict(list)
     for name, there in points.items():
         for tol in sorted({tol for _, tol in there}, reverse=True):
             marks = [there[k, tol] for k in range(DRAWS) if (k, tol) in there]
             if len(marks) >= NEARLY_ALL:
                 digits, seconds = (statistics.median(x) for x in zip(*marks, strict=True))
-                curve = lines.setdefault(name, [])
-                curve.append([round(digits, 2), significant(seconds, 3)])
+                lines[name].append([round(digits, 2), significant(seconds, 3)])
     return lines
 
 
 def seconds_of(points: Points, level: float) -> dict[int, float]:
-    """Seconds to a level, by draw, of those that reach it."""
+    """Seconds to a level on the frontier of each draw, of those that reach it.
+
+    Below its first point the first point's.
+    """
     seconds_by_draw = {}
     for k in range(DRAWS):
-        marks = [WorkPoint(*point) for (draw, _), point in points.items() if draw == k]
-        seconds = seconds_at(marks, level)
-        if seconds is not None:
-            seconds_by_draw[k] = seconds
+        line = frontier(WorkPoint(*point) for (draw, _), point in points.items() if draw == k)
+        if line and level <= line[-1].digits:
+            at, seconds = zip(*line, strict=True)
+            seconds_by_draw[k] = math.exp(np.interp(level, at, np.log(seconds)))
     return seconds_by_draw
 
 

@@ -7,30 +7,23 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import mpmath
 
 import kit
 import polhode
-from kit import share
+from polhode.numbers.conversion import exactly
+from polhode.numbers.decimals import significant
+from polhode.numbers.exact import rounded
+from polhode.numbers.number_types import NAMES
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-QUESTION = (
-    "How close are event times to those of closed forms, in units in the last place of the time? "
-    "Is every event counted once to t = 10 000, and what does an event cost?"
-)
 PERIODS = 10  # over which every event is judged in every number type
-FAR = {"double": 10_000, "extended": 10_000, "quad": 1_000}
-QUICK_FAR = {"double": 1000}
-QUICK_NUMBERS = ("double", "quad")
+#: The number types, the ends of far runs by them, and the end of proofs.
+WHOLE = NAMES, {"double": 10_000, "extended": 10_000, "quad": 1_000}, 100
+QUICK = ("double", "quad"), {"double": 1000}, 10
 KEPT = 24  # errors of a far run that the figure shows
-
 PROVEN = ("general/asymmetric-regular", "general/asymmetric-chaotic")
-PROVEN_END, QUICK_PROVEN_END = 100, 10
 
 
 class EventMotion(NamedTuple):
@@ -58,12 +51,11 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; only the seconds in them depend on the clock."""
     motions = [m for m in (MOTIONS[:1] if quick else MOTIONS) if only(m.name, m.what)]
     proven = [name for name in PROVEN[: 1 if quick else 2] if only(name)]
-    every_number = QUICK_NUMBERS if quick else kit.NUMBERS
-    motion_row = partial(_motion, near=every_number, far=QUICK_FAR if quick else FAR)
-    proven_row = partial(_proven, end=QUICK_PROVEN_END if quick else PROVEN_END)
+    numbers, far, end = QUICK if quick else WHOLE
+    motion_row, proven_row = partial(_motion, near=numbers, far=far), partial(_proven, end=end)
     parts: kit.Parts = {"proven": (proven_row, proven), "motions": (motion_row, motions)}
-    numbers = [name for name in every_number if only("cost", name)]
-    cost: kit.Parts = {"cost": (partial(_cost_row, repeats=1 if quick else 9), numbers)}
+    costed = [name for name in numbers if only("cost", name)]
+    cost: kit.Parts = {"cost": (partial(_cost_row, repeats=1 if quick else 9), costed)}
     # a clock runs beside nothing else
     return kit.rows_by_part(parts, quick, say) | kit.rows_by_part(cost, True, say)
 
@@ -99,24 +91,18 @@ def _run(scene: polhode.Scene, zeros: Zeros, name: str, end: int) -> dict[str, A
         "grazing": sum(event.grazing),
     }
     if len(event.times) == len(true) > 0:
-        pairs = list(zip(event.times, true, strict=True))
-        ulps = [float(abs(t - x) / ulp(x, run.number.bits)) for t, x in pairs]
-        every = max(1, len(pairs) // KEPT)
+        off = [abs(t - x) for t, x in zip(event.times, true, strict=True)]
+        ulps = [float(gap / ulp(x, run.number.bits)) for gap, x in zip(off, true, strict=True)]
+        relative = max(gap / x for gap, x in zip(off, true, strict=True))
+        most = run.number.most_digits
+        samples = [*zip(true, ulps, strict=True)][:: max(1, len(true) // KEPT)]
         row |= {
-            "ulps": kit.significant(max(ulps), 3),
-            "error": kit.significant(float(max(abs(t - x) for t, x in pairs)), 3),
-            "digits": round(min(_digits(t, x, run.number) for t, x in pairs), 2),
-            "samples": [
-                [round(float(x), 3), kit.significant(u, 3)]
-                for (_, x), u in list(zip(pairs, ulps, strict=True))[::every]
-            ],
+            "ulps": significant(max(ulps), 3),
+            "error": significant(float(max(off)), 3),
+            "digits": round(min(most, -math.log10(relative)) if relative else most, 2),
+            "samples": [[round(float(x), 3), significant(u, 3)] for x, u in samples],
         }
     return row
-
-
-def _digits(t: Fraction, true: Fraction, number: polhode.NumberType) -> float:
-    error = abs(t - true) / true
-    return number.most_digits if error == 0 else min(number.most_digits, -math.log10(error))
 
 
 def _watching(scene: polhode.Scene, *zeros: str) -> polhode.Scene:
@@ -141,14 +127,11 @@ def _proven(name: str, end: int) -> dict[str, Any]:
             "double": len(event.times),
         }
         if len(true.times) == len(event.times) > 0:
-            off = [
-                abs(kit.exactly(x) - t.time) for x, t in zip(event.times, true.times, strict=True)
-            ]
-            row["error"] = kit.significant(float(max(off)), 3)
-            row["radius"] = kit.significant(max(t.radius for t in true.times), 2)
+            off = [abs(exactly(x) - t.time) for x, t in zip(event.times, true.times, strict=True)]
+            row["error"] = significant(float(max(off)), 3)
+            row["radius"] = significant(max(t.radius for t in true.times), 2)
         rows.append(row)
-    shared = {"case": name, "end": end}
-    return {**shared, "events": rows, "seconds": kit.significant(seconds, 2)}
+    return {"case": name, "end": end, "events": rows, "seconds": significant(seconds, 2)}
 
 
 # -- cost -------------------------------------------------------------------------------------
@@ -162,18 +145,14 @@ def _cost_row(name: str, repeats: int) -> dict[str, Any]:
     timed = kit.timed(calls, repeats, math.inf)
     counts = [sum(len(event.times) for event in x.answer.events) for x in timed]
     extra = [1e6 * (x.seconds - timed[0].seconds) for x in timed]
+    costs = [significant(x / n, 3) if n else None for x, n in zip(extra, counts, strict=True)]
     return {
         "number": name,
         "events": [*events],
         "steps": [x.answer.steps for x in timed],
         "found": counts,
-        "microseconds_a_step": [
-            kit.significant(1e6 * x.seconds / x.answer.steps, 3) for x in timed
-        ],
-        "microseconds_an_event": [
-            kit.significant(micros / n, 3) if n else None
-            for micros, n in zip(extra, counts, strict=True)
-        ],
+        "microseconds_a_step": [significant(1e6 * x.seconds / x.answer.steps, 3) for x in timed],
+        "microseconds_an_event": costs,
     }
 
 
@@ -197,7 +176,7 @@ class Zeros:
         reference = polhode.reference(scene)
         with mpmath.workprec(BITS):
             period = reference.period or 2 * mpmath.pi / reference.frequencies["nutation"]
-        self.period = kit.exactly(period)
+        self.period = exactly(period)
         past = self.period * Fraction(5, 4)  # an event at the end of a proof is not decided
         (event,) = polhode.certify_events(scene, past, digits=ZERO_DIGITS)
         self.first = [x.time for x in event.times if x.time <= self.period + Fraction(x.radius)]
@@ -211,10 +190,8 @@ class Zeros:
 
 def ulp(t: Fraction, bits: int) -> Fraction:
     """The distance between neighbours of a type of so many bits at t."""
-    near = polhode.NumberType("mp", bits).rounded(t)
-    size = near.numerator.bit_length() - near.denominator.bit_length()
-    size += abs(near) >= Fraction(2) ** size
-    return Fraction(2) ** (size - bits)
+    mantissa, exponent = rounded(t, bits)
+    return Fraction(2) ** (exponent + mantissa.bit_length() - bits)
 
 
 # --- page -----------------------------------------------------------------------------------------
@@ -225,45 +202,27 @@ def ulp(t: Fraction, bits: int) -> Fraction:
 def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
     return {
-        "near": _runs(results, "near"),
-        "far": _runs(results, "far"),
-        "proven": _proven_rows(results),
+        "near": kit.inner_rows(results["motions"], "near"),
+        "far": kit.inner_rows(results["motions"], "far"),
+        "proven": kit.inner_rows(results["proven"], "events"),
         "cost": results["cost"],
     }
 
 
-def _runs(results: kit.JsonObject, *parts: str) -> list[kit.JsonObject]:
-    """Every run of the parts, near or far, each with its motion."""
-    return [{**x, **run} for x in results["motions"] for part in parts for run in x[part]]
-
-
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    far, every, proven = (
-        _runs(results, "far"),
-        _runs(results, "near", "far"),
-        _proven_rows(results),
-    )
-    near = [run["ulps"] for run in _runs(results, "near") if "ulps" in run]
+    near, far = (kit.inner_rows(results["motions"], part) for part in ("near", "far"))
+    proven = kit.inner_rows(results["proven"], "events")
     return {
         "end": max((run["end"] for run in far), default=0),
         "true": sum(run["true"] for run in far),
         "found": sum(run["found"] for run in far),
-        "whole": share(run["complete"] for run in far),
-        "ulps": max(near, default=0),
-        "exact": share(run["complete"] and run["found"] == run["true"] for run in every),
-        "same": share(not x["undecided"] and x["proven"] == x["double"] for x in proven),
-        "steps": share(len({*row["steps"]}) == 1 for row in results["cost"]),
+        "whole": kit.share(run["complete"] for run in far),
+        "ulps": max((run["ulps"] for run in near if "ulps" in run), default=0),
+        "exact": kit.share(run["complete"] and run["found"] == run["true"] for run in near + far),
+        "same": kit.share(not x["undecided"] and x["proven"] == x["double"] for x in proven),
+        "steps": kit.share(len({*row["steps"]}) == 1 for row in results["cost"]),
     }
-
-
-def _proven_rows(results: kit.JsonObject) -> list[kit.JsonObject]:
-    """Proven events of motions without a closed form, each with its case."""
-    return [
-        row | {"case": case["case"], "end": case["end"]}
-        for case in results["proven"]
-        for row in case["events"]
-    ]
 
 
 # --- figure ---------------------------------------------------------------------------------------
@@ -279,13 +238,12 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
     return {"events": kit.drawn(partial(_draw_errors, motions=results["motions"]), 3)}
 
 
-def _draw_errors(axes: Axes, motions: Sequence[kit.JsonObject]) -> None:
+def _draw_errors(axes: kit.Axes, motions: Sequence[kit.JsonObject]) -> None:
     """How many events have no larger error than that: a curve a number type."""
     for name, colour in kit.COLOURS.items():
         sizes = [
             max(ulps, FLOOR)
-            for motion in motions
-            for run in (*motion["near"], *motion["far"])
+            for run in kit.inner_rows(motions, "near", "far")
             if run["number"] == name
             for _, ulps in run.get("samples", ())
         ]

@@ -3,56 +3,37 @@
 from __future__ import annotations
 
 import math
-import os
 import re
-import signal
 import statistics
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
-from fractions import Fraction
-from functools import partial
 from io import StringIO
-from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
-from mpmath.libmp import to_rational
 
 import polhode
+from polhode.common.files import write_whole
+from polhode.common.processes import cores, in_order
+from polhode.numbers.number_types import DEFAULT_MP_DIGITS, NAMES, named
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from matplotlib.axes import Axes as Axes
 
 #: Keys, and what JSON can hold.
 JsonObject: TypeAlias = dict[str, Any]
 #: Told what is being done.
 Say: TypeAlias = Callable[[str], object]
-_IGNORE = signal.SIGINT, signal.SIG_IGN
 Answer = TypeVar("Answer")
+Key = TypeVar("Key")
+Value = TypeVar("Value")
 
 
-#: Of polhode's number types; of mp where it is asked for so many digits.
-BITS, MP_DIGITS = {"double": 53, "extended": 64, "quad": 113, "mp": 168}, 50
-TYPES = {name: polhode.NumberType(name, bits) for name, bits in BITS.items()}
-DOUBLE, EXTENDED, QUAD, MP = TYPES.values()
-
-
-def exactly(x: Any) -> Fraction:
-    """The exact value of a number that polhode gives."""
-    return Fraction(*(x.as_integer_ratio() if not hasattr(x, "_mpf_") else to_rational(x._mpf_)))
-
-
-def even_times(end: Any, count: int) -> tuple[Fraction, ...]:
-    """So many times from 0 to the end, evenly spread."""
-    return tuple(Fraction(end) * k / (count - 1) for k in range(count))
-
-
-def significant(x: float, digits: int) -> float:
-    """x to so many significant digits, as rows keep it."""
-    return float(f"{x:.{digits}g}")
+#: polhode's number types; of mp where it is asked for so many digits.
+MP_DIGITS = DEFAULT_MP_DIGITS
+TYPES = {name: named(name) for name in NAMES}
 
 
 def fewest_digits(states: Any, true: Any, scene: polhode.Scene, most: float) -> float:
@@ -62,6 +43,19 @@ def fewest_digits(states: Any, true: Any, scene: polhode.Scene, most: float) -> 
     with np.errstate(divide="ignore"):
         worst = -np.log10(polhode.state_errors(states, true, scene).max())
     return float(np.clip(worst, 0.0, most))
+
+
+def groups(pairs: Iterable[tuple[Key, Value]]) -> dict[Key, list[Value]]:
+    """Values by their keys, in the order in which they come."""
+    lists: dict[Key, list[Value]] = {}
+    for key, value in pairs:
+        lists.setdefault(key, []).append(value)
+    return lists
+
+
+def inner_rows(rows: Iterable[JsonObject], *keys: str) -> list[JsonObject]:
+    """The rows that rows have in lists under these keys, each with what its outer row says."""
+    return [{**row, **own} for row in rows for key in keys for own in row.get(key, ())]
 
 
 def clocked(call: Callable[[], Answer]) -> tuple[Answer, float]:
@@ -105,33 +99,25 @@ def rows_by_part(parts: Parts, alone: bool, say: Say) -> dict[str, list[Any]]:
     """
     jobs = [(part, make, subject) for part, (make, every) in parts.items() for subject in every]
     rows: dict[str, list[Any]] = {part: [] for part in parts}
-    alone = alone or min(cores(), len(jobs)) < 2
-    with ProcessPoolExecutor(cores(), get_context("spawn"), signal.signal, _IGNORE) as pool:
-        answers = [
-            partial(make, x) if alone else pool.submit(make, x).result for _, make, x in jobs
-        ]
-        try:
-            for (part, _, subject), answer in zip(jobs, answers, strict=True):
-                say(f"{part}: {getattr(subject, 'name', subject)}")
-                rows[part].append(answer())
-        except BaseException:  # Ctrl-C does not wait for what they have begun
-            for process in active_children():
-                process.terminate()
-            raise
+
+    def announce(job: tuple[str, Any, Any]) -> None:
+        part, _, subject = job
+        say(f"{part}: {getattr(subject, 'name', subject)}")
+
+    workers = 1 if alone or len(jobs) < 2 else cores()
+    for (part, *_), row in zip(jobs, in_order(_row, jobs, workers, announce), strict=True):
+        rows[part].append(row)
     return rows
 
 
-def cores() -> int:
-    """The processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+def _row(job: tuple[str, Callable[[Any], Any], Any]) -> Any:
+    _, make, subject = job
+    return make(subject)
 
 
-def write_whole(texts: Mapping[Path, str]) -> list[Path]:
+def write(texts: Mapping[Path, str]) -> list[Path]:
     """Write files, each of them whole or not at all; their paths."""
-    for path, text in texts.items():
-        part = path.with_name(f".{path.name}.part")
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
+    write_whole(texts)
     return [*texts]
 
 
@@ -306,9 +292,8 @@ class PageTable(NamedTuple):
             return ""
         sides = "|".join(column.side for column in self.columns)
         lines = [_line(self.header), f"|{sides}|", *map(_line, self.rows)]
-        headers: dict[str, list[str]] = {}  # of one meaning, such as number types, together
-        for column in self.columns:
-            headers.setdefault(column.meaning, []).append(column.header)
+        # of one meaning, such as number types, together
+        headers = groups((column.meaning, column.header) for column in self.columns)
         meanings = [
             f"*{', '.join(names)}*: {meaning}" for meaning, names in headers.items() if meaning
         ]
@@ -331,20 +316,6 @@ def table(rows: Iterable[JsonObject], lines: str, again: str = "") -> PageTable:
     return PageTable(tuple(columns), tuple(cells), again)
 
 
-def tables(
-    template: str, rows: Mapping[str, Iterable[JsonObject]], command: str
-) -> dict[str, PageTable]:
-    """The tables that a template describes, of the rows of their names.
-
-    ``command``: what makes the whole study again.
-    """
-    every, columns = dict[str, PageTable](), ""
-    for name, again, lines in TABLE.findall(template):
-        columns = lines or columns
-        every[name] = table(rows[name], columns, again and f"{command} {again}")
-    return every
-
-
 def filled(template: str, page_tables: Mapping[str, PageTable], facts: Mapping[str, object]) -> str:
     """The template with its fields filled, as Markdown.
 
@@ -353,16 +324,14 @@ def filled(template: str, page_tables: Mapping[str, PageTable], facts: Mapping[s
     >>> filled("# A\\n\\n{n} rows\\n\\n## B\\n\\n{none}\\n", {"none": PageTable((), ())}, {"n": 2})
     '# A\\n\\n2 rows\\n'
     """
-    first, *others = TABLE.sub(r"{\1}", template).split("\n#")
-    parts = [first, *(f"\n#{part}" for part in others)]
-    named = [[x for name, x in page_tables.items() if f"{{{name}}}" in part] for part in parts]
-    shown = [
-        part
-        for part, there in zip(parts, named, strict=True)
-        if not there or any(page_table.rows for page_table in there)
-    ]
+    parts = re.split(r"(?=\n#)", TABLE.sub(r"{\1}", template))
+
+    def is_shown(part: str) -> bool:
+        there = [x.rows for name, x in page_tables.items() if f"{{{name}}}" in part]
+        return not there or any(there)
+
     fields = {name: page_table.markdown for name, page_table in page_tables.items()} | dict(facts)
-    text = "".join(shown).format_map(fields)
+    text = "".join(filter(is_shown, parts)).format_map(fields)
     return f"{text.strip()}\n"
 
 
@@ -382,27 +351,6 @@ _SHARED = {line.partition(" |")[0]: line for line in template("columns").splitli
 # A case that was run in several number types, as rows of tables.
 
 
-NUMBERS = tuple(BITS)
-
-
-def by_number(
-    case: JsonObject, write: Callable[[JsonObject | None], object] | None = None
-) -> JsonObject:
-    """A case with its runs by their number types, each with the digits expected as text.
-
-    ``cells``: what is written of each run, unless told its digits.
-    """
-    runs = {run["number"]: {**run, "band": expected(run.get("expected"))} for run in case["runs"]}
-    headers = {name: f"mp ({MP_DIGITS})" if name == "mp" else name for name in NUMBERS}
-    cells = {header: (write or digits)(runs.get(name)) for name, header in headers.items()}
-    return {**case, "end": float(case["end"]), "runs": runs, "cells": cells}
-
-
-def runs_of(cases: list[JsonObject]) -> list[tuple[JsonObject, JsonObject]]:
-    """Every run of the cases, each with its case."""
-    return [(case, run) for case in cases for run in case["runs"]]
-
-
 def expected(band: list[float] | None) -> str | None:
     """The digits expected, from the least to the most of nine in ten runs."""
     return None if band is None else f"{band[0]:.1f}{DASH}{band[2]:.1f}"
@@ -416,6 +364,17 @@ def digits(run: JsonObject | None) -> float | str | None:
     return run.get("lost") or right
 
 
+def by_number(case: JsonObject, write: Callable[..., object] = digits) -> JsonObject:
+    """A case with its runs by their number types, each with the digits expected as text.
+
+    ``cells``: what is written of each run.
+    """
+    runs = {run["number"]: {**run, "band": expected(run.get("expected"))} for run in case["runs"]}
+    headers = {name: f"mp ({MP_DIGITS})" if name == "mp" else name for name in NAMES}
+    cells = {header: write(runs.get(name)) for name, header in headers.items()}
+    return {**case, "end": float(case["end"]), "runs": runs, "cells": cells}
+
+
 # --- figures --------------------------------------------------------------------------------------
 #
 # What figures share: looks of programs, logarithmic axes, legends.
@@ -427,7 +386,6 @@ GUIDE, SHADE = "#777777", "#f4f4f4"
 COLOURS = {"double": "#0072b2", "extended": "#e69f00", "quad": "#009e73", "mp": "#cc79a7"}
 MARKS = {"double": "o", "extended": "s", "quad": "D", "mp": "^"}
 BLUE, ORANGE, GREEN = SERIES = "#0072b2", "#d55e00", "#009e73"
-_OURS, _LIGHT = COLOURS["double"], "#56b4e9"
 
 
 def _look(color: str, marker: str, ls: str = "-", lw: float = 1.1) -> dict[str, Any]:
@@ -437,11 +395,11 @@ def _look(color: str, marker: str, ls: str = "-", lw: float = 1.1) -> dict[str, 
 
 #: Keywords of matplotlib's plot, by program or method: one hue each.
 LOOKS: dict[str, dict[str, Any]] = {
-    "polhode, double": _look(_OURS, "o", lw=2.2),
+    "polhode, double": _look(COLOURS["double"], "o", lw=2.2),
     "polhode, extended": _look(COLOURS["extended"], MARKS["extended"], lw=2.2),
     **{x: _look(COLOURS[x], MARKS[x], "--") for x in COLOURS},
     **{f"{x} projected": _look(COLOURS[x], MARKS[x]) for x in COLOURS},
-    "double": _look(_LIGHT, "o", "--"),
+    "double": _look("#56b4e9", "o", "--"),
     "heyoka by hand": _look("#000000", "x", ":"),
     "SciPy, numba": _look("#999999", "s"),
     "CyRK": _look("#d55e00", "s"),
@@ -465,23 +423,15 @@ def plain(axes: Axes) -> None:
             axis.set_minor_formatter(LogFormatter())
 
 
-def drawn(
-    draw: Callable[..., None],
-    height: float,
-    lines: int = 1,
-    columns: int = 1,
-    names: int = len(BITS),
-    **how: Any,
-) -> str:
+def drawn(draw: Callable[..., None], height: float, names: int = len(NAMES), **how: Any) -> str:
     """A figure as SVG text: ``draw`` is given its panels.
 
-    ``height``: of the whole, in inches.  ``names``: of a line of its legend.
+    ``height``: of the whole, in inches.  ``names``: of a line of its legend.  ``how``: keywords of
+    matplotlib's subplots.
     """
     with polhode.paper() as plt:
         size, out = (WIDTH, height), StringIO()
-        figure, panels = plt.subplots(
-            lines, columns, figsize=size, layout="constrained", squeeze=False, **how
-        )
+        figure, panels = plt.subplots(figsize=size, layout="constrained", squeeze=False, **how)
         draw(*panels.flat)
         handles: dict[str, Any] = {}  # every name of the panels once
         for panel in figure.axes:
@@ -493,16 +443,11 @@ def drawn(
 
 
 def side_by_side(
-    subjects: Mapping[str, Any],
-    draw: Callable[[Axes, Any], None],
-    labels: tuple[str, str],
-    height: float,
-    names: int = len(BITS),
-    **how: Any,
+    subjects: JsonObject, draw: Callable[..., None], height: float, x: str, y: str, **how: Any
 ) -> str:
-    """A figure of two panels a line, each with its title; ``labels``: what all axes are of.
+    """A figure of two panels a line, each with its title; ``x``, ``y``: what all axes are of.
 
-    ``height``: of a line, in inches.
+    ``height``: of a line, in inches.  ``how``: see :func:`drawn`.
     """
     lines = -(-len(subjects) // 2)
 
@@ -514,10 +459,10 @@ def side_by_side(
             axes.set_title(title, size=9, loc="left")
             plain(axes)
         figure: Any = panels[0].figure
-        figure.supxlabel(labels[0], size=9)
-        figure.supylabel(labels[1], size=9)
+        figure.supxlabel(x, size=9)
+        figure.supylabel(y, size=9)
 
-    return drawn(draw_all, height * lines + 1, lines, 2, names, **how)
+    return drawn(draw_all, height * lines + 1, nrows=lines, ncols=2, **how)
 
 
 # --- strips ---------------------------------------------------------------------------------------
@@ -526,7 +471,7 @@ def side_by_side(
 
 
 #: Digits that a number type holds, and that the runs in mp are asked for.
-HELD = {name: bits * 0.30103 for name, bits in BITS.items() if name != "mp"}
+HELD = {name: number.bits * 0.30103 for name, number in TYPES.items() if name != "mp"}
 _STRIP = (
     "correct digits, worst of all output times\n"
     "(dotted: what the type holds; ringed: fewer\nthan nine in ten such runs)"
@@ -545,7 +490,7 @@ def strips(groups: Mapping[str, Sequence[JsonObject]]) -> str:
         for number, digits in HELD.items():
             axes.axvline(digits, color=COLOURS[number], lw=0.8, ls=":")
         for number, mark in MARKS.items():
-            rows = [*_dots(number, [*groups.values()])]
+            rows = [*_dots(number, groups.values())]
             x, y, behind = zip(*rows, strict=True) if rows else ((), (), ())
             look: dict[str, Any] = {"color": COLOURS[number], "ms": 3.4, "mew": 0.9, "alpha": 0.85}
             name = f"{number}, {MP_DIGITS} asked" if number == "mp" else number
@@ -559,9 +504,7 @@ def strips(groups: Mapping[str, Sequence[JsonObject]]) -> str:
     return drawn(draw, 1.1 + _HEIGHT * count)
 
 
-def _dots(
-    number: str, groups: Sequence[Sequence[JsonObject]]
-) -> Iterator[tuple[float, float, bool]]:
+def _dots(number: str, groups: Iterable[Sequence[JsonObject]]) -> Iterator[tuple[Any, ...]]:
     """The digits of a number type's runs, their heights, and which have fewer than expected."""
     for level, runs in enumerate(groups):
         own = [run for run in runs if run["number"] == number and "correct_digits" in run]

@@ -15,30 +15,21 @@ from __future__ import annotations
 
 import math
 import statistics
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 import kit
 import polhode
-from peers import process
 from peers.process import ask
+from polhode.numbers.decimals import significant
+from polhode.numbers.number_types import DOUBLE
 from programs import BY_NAME, ENGINE, EPS
 from tops import TOPS, draw, present, random_scene
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-QUESTION = (
-    "How do error and drift of a double run grow with time, with and without projection, and how "
-    "far off are other programs in double at t = 100 000?"
-)
 #: Exponents: Brouwer's, and that of projected runs.
 BROUWER = {"error": 1.5, "drift": 0.5}
 LINEAR = 1.0
@@ -74,58 +65,44 @@ class Member(NamedTuple):
 
 def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     """The study's rows; no figure in them depends on the clock."""
-    decades, end, starts = ((1, 2), 100, 2) if quick else ((2, 6), 100_000, STARTS)
+    first, last, end, starts = (1, 2, 100, 2) if quick else (2, 6, 100_000, STARTS)
+    # whole numbers nearest to 10**first, 10**(first + 1/2), ..., 10**last
+    times = [Fraction(round(10 ** (k / 2))) for k in range(2 * first, 2 * last + 1)]
+    tops = [top for top in TOPS if only(f"{top} growth", *FAR)]
+    scenes = [random_scene(top, k, times) for top in tops for k in range(starts)]
+    members = kit.rows_by_part({"growth": (follow, scenes)}, quick, say)["growth"]
+    own = [slice(k * starts, (k + 1) * starts) for k in range(len(tops))]
     return {
         "brouwer": BROUWER,
-        "tops": [*ensembles(decades, starts, say, only, quick)],
+        "tops": [_top_row(top, scenes[k], members[k]) for top, k in zip(tops, own, strict=True)],
         "at": far_rows(end, starts, quick, say, only),
     }
 
 
-def ensembles(
-    decades: tuple[int, int], starts: int, say: kit.Say, only: kit.Only, alone: bool
-) -> Iterator[dict[str, Any]]:
-    """One row per top: medians over its starts at every half decade, and exponents."""
-    times = half_decades(*decades)
-    tops = [top for top in TOPS if only(f"{top} growth", *FAR)]
-    scenes = [random_scene(top, k, times) for top in tops for k in range(starts)]
-    members = kit.rows_by_part({"growth": (follow, scenes)}, alone, say)["growth"]
-    for k, top in enumerate(tops):
-        own = slice(k * starts, (k + 1) * starts)
-        yield _top_row(top, scenes[own][0], members[own])
-
-
-def half_decades(first: int, last: int) -> tuple[Fraction, ...]:
-    """Whole numbers nearest to 10**first, 10**(first + 1/2), ..., 10**last."""
-    return tuple(Fraction(round(10 ** (k / 2))) for k in range(2 * first, 2 * last + 1))
-
-
 def follow(scene: polhode.Scene) -> Member:
     """Integrate one start by both methods and judge it at every time."""
-    reference = polhode.reference(scene).at(scene.times, DIGITS)
-    runs = {
-        method: polhode.integrate(scene, "double", project=method == PROJECTED)
-        for method in (PLAIN, PROJECTED)
-    }
-    projection = runs[PROJECTED].projection
+    true = polhode.reference(scene).at(scene.times, DIGITS)
+    plain, projected = (polhode.integrate(scene, "double", project=x) for x in (False, True))
+    projection = projected.projection
     assert projection is not None
     # what rounding the inputs leaves of a run that is projected so often, at the first times
     first = [t for t in scene.times if t <= INPUTS_UNTIL]
-    left = polhode.conditioning(scene, first).inputs(kit.DOUBLE, projection.every)
-    departed = polhode.departures(scene, runs[PLAIN].states)
+    left = polhode.conditioning(scene, first).inputs(DOUBLE, projection.every)
+    departed = polhode.departures(scene, plain.states)
+    errors = (polhode.state_errors(run.states, true, scene).tolist() for run in (plain, projected))
     return Member(
-        {
-            method: polhode.state_errors(run.states, reference, scene).tolist()
-            for method, run in runs.items()
-        },
-        {name: [float(x) for x in column] for name, column in departed.items()},
+        dict(zip((PLAIN, PROJECTED), errors, strict=True)),
+        {name: [*map(float, column)] for name, column in departed.items()},
         projection,
         [10.0**-x for x in left if x is not None],
     )
 
 
-def _top_row(top: str, first: polhode.Scene, members: Sequence[Member]) -> dict[str, Any]:
-    shown = [float(t) for t in first.times]
+def _top_row(
+    top: str, scenes: Sequence[polhode.Scene], members: Sequence[Member]
+) -> dict[str, Any]:
+    """Of one kind: medians over its starts at every half decade, and exponents."""
+    first, shown = scenes[0], [float(t) for t in scenes[0].times]
     since = min(FIT_SINCE, shown[-1] / 100)
     corrections = [m.projection for m in members if m.projection is not None]
     plain, projected = ([m.errors[method] for m in members] for method in (PLAIN, PROJECTED))
@@ -141,13 +118,13 @@ def _top_row(top: str, first: polhode.Scene, members: Sequence[Member]) -> dict[
             "error": _growth(shown, projected, since, LINEAR),
             "projection": {
                 "onto": sorted({name for x in corrections for name in x.onto}),
-                "largest": kit.significant(max(x.largest for x in corrections), 3),
-                "sum": kit.significant(max(x.sum for x in corrections), 3),
+                "largest": significant(max(x.largest for x in corrections), 3),
+                "sum": significant(max(x.sum for x in corrections), 3),
             },
             "inputs": _beside_inputs(members),
         },
     ]
-    limit = kit.significant(float(polhode.reference(first).error(first.times[-1:], DIGITS)), 3)
+    limit = significant(float(polhode.reference(first).error(first.times[-1:], DIGITS)), 3)
     least = min(np.median(errors, axis=0).min() for errors in (plain, projected))
     return {
         "top": top,
@@ -160,17 +137,16 @@ def _top_row(top: str, first: polhode.Scene, members: Sequence[Member]) -> dict[
     }
 
 
+#: A row of numbers a member; numpy's functions of it, by their names.
+Series: TypeAlias = Sequence[Sequence[float]]
+Functions: TypeAlias = Mapping[str, Callable[..., Any]]
 #: What is told of an ensemble's errors or drifts, and of departures with their signs.
-SIZES: Mapping[str, Callable[..., Any]] = {"median": np.median, "largest": np.max}
-SIGNED: Mapping[str, Callable[..., Any]] = {"mean": np.mean, "deviation": partial(np.std, ddof=1)}
+SIZES: Functions = {"median": np.median, "largest": np.max}
+SIGNED: Functions = {"mean": np.mean, "deviation": partial(np.std, ddof=1)}
 
 
 def _growth(
-    times: Sequence[float],
-    series: Sequence[Sequence[float]],
-    since: float,
-    law: float,
-    shown: Mapping[str, Callable[..., Any]] = SIZES,
+    times: Sequence[float], series: Series, since: float, law: float, shown: Functions = SIZES
 ) -> dict[str, Any]:
     """How an ensemble's errors or departures grow; ``law``: the exponent that is expected."""
     return {
@@ -182,7 +158,7 @@ def _growth(
 
 def _short(values: Any) -> list[float]:
     """Numbers as they are kept in files."""
-    return [kit.significant(float(x), 3) for x in values]
+    return [significant(float(x), 3) for x in values]
 
 
 def _integrals(
@@ -201,14 +177,10 @@ def _beside_inputs(members: Sequence[Member]) -> dict[str, Any]:
 
     Medians over the ensemble.
     """
-    over = [
-        [error / alone for error, alone in zip(m.errors[PROJECTED], m.inputs, strict=False)]
-        for m in members
-    ]
-    return {
-        "median": _short(np.median([m.inputs for m in members], axis=0)),
-        "error_over_it": _short(np.median(over, axis=0)),
-    }
+    alone = np.array([m.inputs for m in members])
+    errors = np.array([m.errors[PROJECTED][: alone.shape[1]] for m in members])
+    medians = (_short(np.median(x, axis=0)) for x in (alone, errors / alone))
+    return dict(zip(("median", "error_over_it"), medians, strict=True))
 
 
 # --- growth ---------------------------------------------------------------------------------------
@@ -229,14 +201,11 @@ EXPONENTS = ("exponent", "uncertainty", "last_decade", "last_uncertainty")
 
 
 def exponent(
-    times: Sequence[float],
-    members: Sequence[Sequence[float]],
-    since: float,
-    middle_of: Callable[..., Any] = np.median,
+    times: Sequence[float], members: Series, since: float, middle_of: Callable[..., Any] = np.median
 ) -> dict[str, float | None]:
     """The exponents of the median's growth from ``since`` on; None where it is zero somewhere.
 
-    ``members``: one row of errors a member.  ``middle_of``: numpy's function that grows.
+    ``middle_of``: numpy's function that grows.
     """
     late = np.array(times) >= since
     x, y = np.log10(np.array(times))[late], np.array(members)[:, late]
@@ -284,10 +253,8 @@ def far_rows(end: int, starts: int, quick: bool, say: kit.Say, only: kit.Only) -
         if only(f"{top} t={end}", name, "far")
     ]
     rows = kit.rows_by_part({"far": (partial(_row, end=end), runs)}, quick, say)["far"]
-    methods: dict[str, list[dict[str, Any]]] = {top: [] for top in TOPS}
-    for (top, *_), row in zip(runs, rows, strict=True):
-        methods[top].append(row)
-    tops = [{"top": top, "methods": own} for top, own in methods.items() if own]
+    methods = kit.groups((top, row) for (top, *_), row in zip(runs, rows, strict=True))
+    tops = [{"top": top, "methods": own} for top, own in methods.items()]
     return {"t": end, "starts": starts, "tops": tops, "not_run": NOT_RUN}
 
 
@@ -297,21 +264,17 @@ def _row(of: tuple[str, str, int], end: int) -> dict[str, Any]:
     top, program, starts = of
     scenes = [draw(top, k, end, 2) for k in range(starts)]
     job = BY_NAME[program].job(present(top), [x.run(TOLERANCES[program]) for x in scenes])
-    with tempfile.TemporaryDirectory() as cache:
-        answers, fault = ask(process.__name__, job, starts * _LIMIT, Path(cache))
-    errors, faults = [], [fault] * (len(answers) < starts)
-    for start, answer in zip(scenes, answers, strict=False):
-        if "failed" in answer:
-            faults.append(answer["failed"])
-        else:
-            errors.append(_error(start.scene, answer["state"]))
+    answers, fault = ask(job, starts * _LIMIT)
+    pairs = zip(scenes, answers, strict=False)
+    errors = [_error(start.scene, answer["state"]) for start, answer in pairs if "state" in answer]
+    faults = [fault] * (len(answers) < starts) + [x["failed"] for x in answers if "failed" in x]
     return {
         "method": program,
         "tol": TOLERANCES[program],
         "starts": starts,
         "reached": len(errors),
-        "median": kit.significant(statistics.median(errors), 3) if errors else None,
-        "largest": kit.significant(max(errors), 3) if errors else None,
+        "median": significant(statistics.median(errors), 3) if errors else None,
+        "largest": significant(max(errors), 3) if errors else None,
         "faults": [*dict.fromkeys(faults)],
     }
 
@@ -330,7 +293,14 @@ def _error(scene: polhode.Scene, state: Sequence[float]) -> float:
 
 def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
-    rows = _methods(results["tops"])
+    rows, far = kit.inner_rows(results["tops"], "methods"), results["at"]
+    growth = [at_time for row in rows for at_time in _over_time(row)]
+    own = [
+        {**x, "method": f"polhode {x['method']}", **x["error"]}
+        for x in growth
+        if x["t"] == far["t"]
+    ]
+    others = kit.inner_rows(far["tops"], "methods")
     return {
         "exponents": [
             {**row, **row[name], "of": name}
@@ -339,17 +309,17 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
             if name in row and row[name]["exponent"] is not None
         ],
         "walks": _walks(rows),
-        "growth": [at_time for row in rows for at_time in _over_time(row)],
+        "growth": growth,
         "projection": [row for row in rows if "projection" in row],
-        "far": far_table_rows(results),
-        "faults": _faults(results["at"]),
+        "far": sorted([*own, *others], key=lambda row: [*TOPS].index(row["top"])),
+        "faults": _faults(others, far["not_run"]),
     }
 
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
     tops, far = results["tops"], results["at"]
-    pulls = [abs(row["pull"]) for row in _walks(_methods(tops))]
+    pulls = [abs(row["pull"]) for row in _walks(kit.inner_rows(tops, "methods"))]
     return {
         "starts": far["starts"],
         "end": tops[0]["times"][-1] if tops else kit.DASH,
@@ -363,19 +333,12 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
     }
 
 
-def _methods(tops: list[kit.JsonObject]) -> list[kit.JsonObject]:
-    """Every method on every kind of top, each with what is said of the top."""
-    return [{**top, **method} for top in tops for method in top["methods"]]
-
-
-def _walks(rows: list[kit.JsonObject]) -> list[kit.JsonObject]:
+def _walks(rows: list[kit.JsonObject]) -> Iterator[kit.JsonObject]:
     """Every integral of every kind of top: its departure at the end, the mean over its error."""
-    walks = []
-    for row in [{**method, **x} for method in rows for x in method.get("integrals", ())]:
+    for row in kit.inner_rows(rows, "integrals"):
         error = row["deviation"][-1] / math.sqrt(row["starts"])
         pull = row["mean"][-1] / error if error else 0.0
-        walks.append({**row, "mean_error": error, "pull": pull})
-    return walks
+        yield {**row, "mean_error": error, "pull": pull}
 
 
 def _over_time(row: kit.JsonObject) -> Iterator[kit.JsonObject]:
@@ -399,22 +362,10 @@ def _over_time(row: kit.JsonObject) -> Iterator[kit.JsonObject]:
         yield {**row, "t": t, **sizes}
 
 
-def _faults(far: kit.JsonObject) -> list[kit.JsonObject]:
+def _faults(rows: list[kit.JsonObject], not_run: dict[str, str]) -> list[kit.JsonObject]:
     """Runs at the far moment that failed, and programs that were not run."""
-    failed = [{**row, "fault": fault} for row in _methods(far["tops"]) for fault in row["faults"]]
-    return failed + [{"method": k, "fault": f"not run: {why}"} for k, why in far["not_run"].items()]
-
-
-def far_table_rows(results: kit.JsonObject) -> list[kit.JsonObject]:
-    """Median and largest error of every method at the far moment, by the kinds of tops."""
-    far = results["at"]
-    own = [
-        {**row, "method": f"polhode {row['method']}", **at_time["error"]}
-        for row in _methods(results["tops"])
-        for at_time in _over_time(row)
-        if at_time["t"] == far["t"]
-    ]
-    return sorted([*own, *_methods(far["tops"])], key=lambda row: [*TOPS].index(row["top"]))
+    failed = [{**row, "fault": fault} for row in rows for fault in row["faults"]]
+    return failed + [{"method": k, "fault": f"not run: {why}"} for k, why in not_run.items()]
 
 
 # --- figure ---------------------------------------------------------------------------------------
@@ -433,7 +384,7 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
     tops = results["tops"]
     growth = f"median of {tops[0]['starts']} starts, bar to the worst"
 
-    def draw(*panels: Axes) -> None:
+    def draw(*panels: kit.Axes) -> None:
         for axes, name in zip(panels, _SLOPES, strict=True):
             _draw_growth(axes, tops, name)
             if name == "error":
@@ -443,10 +394,10 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
             kit.plain(axes)
         panels[-1].set(xlabel="t (units of the scene)")
 
-    return {"long-run": kit.drawn(draw, 6.6, 2, names=2, sharex=True)}
+    return {"long-run": kit.drawn(draw, 6.6, names=2, nrows=2, sharex=True)}
 
 
-def _draw_growth(axes: Axes, tops: Sequence[kit.JsonObject], name: str) -> None:
+def _draw_growth(axes: kit.Axes, tops: Sequence[kit.JsonObject], name: str) -> None:
     """Medians of error or drift, and Brouwer's slope above the first that is not projected."""
     for top in tops:
         for method in top["methods"]:
@@ -466,9 +417,9 @@ def _draw_growth(axes: Axes, tops: Sequence[kit.JsonObject], name: str) -> None:
     axes.annotate(label, (x, y), (-3, 3), textcoords="offset points", ha="right", size=8)
 
 
-def _draw_inputs(axes: Axes, tops: list[kit.JsonObject]) -> None:
+def _draw_inputs(axes: kit.Axes, tops: list[kit.JsonObject]) -> None:
     """What rounding the inputs leaves of projected runs, followed at first, then like t."""
-    for row in _methods(tops):
+    for row in kit.inner_rows(tops, "methods"):
         points = [(x["t"], x["inputs"]["median"]) for x in _over_time(row) if "inputs" in x]
         look = _DOTTED | {"ls": "--", "marker": _MARKS[row["top"]], "ms": 2.5}
         axes.plot(*np.array(points or [(np.nan,) * 2]).T, label="rounded inputs", **look)

@@ -1,10 +1,11 @@
 """polhode's own evidence, made again: ``python reports/make.py [NAME] [--quick] [--only TEXT]``.
 
-A study is a file beside this one with QUESTION, ``rows(quick, say, only)``, the JSON object of the
-rows that are wanted (``say``: told what is being done), ``tables(results)``, the rows of the tables
-that its page ``templates/NAME.md`` describes, ``facts(results)``, what stands in its fields, and
-``svgs(results)``, its figures by name.  Where it has ``versions()``, they belong to its provenance.
-Pages and figures are made from the JSON alone.
+A study is a file beside this one with ``rows(quick, say, only)``, the JSON object of the rows that
+are wanted (``say``: told what is being done), ``tables(results)``, the rows of the tables that its
+page ``templates/NAME.md`` describes, ``facts(results)``, what stands in its fields, and
+``svgs(results)``, its figures by name.  Its page begins with a title and the study's question.
+Where it has ``versions()``, they belong to its provenance.  Pages and figures are made from the
+JSON alone.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from typing import Any
 import benchmark
 import kit
 import polhode
-from kit import HERE, JsonObject, Only, PageTable, template, write_whole
+from kit import HERE, JsonObject, Only, PageTable, template, write
 
 #: The studies, each a file of that name, with _ for -; the seconds that each takes on two
 #: processors, whole and quick.
@@ -93,22 +94,18 @@ def answers(options: argparse.Namespace) -> Iterator[object]:
             yield from write_study(name, folder, options.quick)
 
 
-class _Interrupt:
+_interrupts: list[object] = []  # that came so far
+
+
+def interrupt(*signal_and_frame: object) -> None:
     """What Ctrl-C does: it ends a run early, without an exception, and then the study."""
-
-    came = False
-
-    def __call__(self, *_: object) -> None:
-        self.came = True
-        raise KeyboardInterrupt
-
-
-interrupt = _Interrupt()
+    _interrupts.append(signal_and_frame)
+    raise KeyboardInterrupt
 
 
 def say(text: str) -> None:
     """Tell what is being done."""
-    if interrupt.came:  # a run that it ended is no row
+    if _interrupts:  # a run that it ended is no row
         raise KeyboardInterrupt
     print(text, file=sys.stderr, flush=True)
 
@@ -119,7 +116,8 @@ def write_study(name: str, folder: Path, quick: bool = False) -> list[Path]:
     study = module(name)
     rows = study.rows(quick, lambda text: say(f"{name}: {text}"), Only())
     say(f"{name}: figures and page")
-    results = {"study": name, "question": study.QUESTION, "quick": quick, **rows}
+    _, question, *_ = template(name).split("\n\n")
+    results = {"study": name, "question": question, "quick": quick, **rows}
     origin: Any = polhode.load("euler/rest").provenance()
     results["provenance"] = {
         "command": _command(name) + " --quick" * quick,
@@ -130,7 +128,7 @@ def write_study(name: str, folder: Path, quick: bool = False) -> list[Path]:
     text = json.dumps(results, indent=1, allow_nan=False) + "\n"
     texts = {f"{name}.json": text, **pages(json.loads(text))}
     folder.mkdir(parents=True, exist_ok=True)
-    return write_whole({folder / file: text for file, text in texts.items()})
+    return write({folder / file: text for file, text in texts.items()})
 
 
 def part(name: str, texts: Sequence[str], quick: bool = False) -> str:
@@ -155,14 +153,18 @@ def page(results: JsonObject, *templates: str) -> str:
     packages = [f"{package} {version}" for package, version in origin["versions"].items()]
     again = _command(name) + " --quick" * results["quick"]
     origin |= {"again": again, "packages": ", ".join(packages), "polhode": packages[0]}
-    facts = module(name).facts(results) | {"question": results["question"], "origin": origin}
+    facts = module(name).facts(results) | {"origin": origin}
     text = "".join(map(template, templates or (name, "provenance")))
     return kit.filled(text, tables(name, results), facts)
 
 
 def tables(name: str, results: JsonObject) -> dict[str, PageTable]:
-    """The tables of a study's page, from its JSON object."""
-    return kit.tables(template(name), module(name).tables(results), _command(name))
+    """The tables of a study's page that its template describes, from its JSON object."""
+    rows, page_tables, columns = module(name).tables(results), dict[str, PageTable](), ""
+    for part, again, lines in kit.TABLE.findall(template(name)):
+        columns = lines or columns
+        page_tables[part] = kit.table(rows[part], columns, again and f"{_command(name)} {again}")
+    return page_tables
 
 
 def write_stale(folder: Path, names: Sequence[str]) -> list[Path]:
@@ -173,13 +175,8 @@ def write_stale(folder: Path, names: Sequence[str]) -> list[Path]:
         texts |= {folder / file: text for file, text in pages(results).items()}
         if name == "speed" and folder == HERE:
             texts[README] = with_summary(README.read_text(encoding="utf-8"), results)
-    return write_whole(
-        {
-            path: text
-            for path, text in texts.items()
-            if not path.exists() or path.read_text(encoding="utf-8") != text
-        }
-    )
+    before = {path: path.read_text("utf-8") if path.exists() else None for path in texts}
+    return write({path: text for path, text in texts.items() if text != before[path]})
 
 
 def old_rows(folder: Path, name: str) -> str:

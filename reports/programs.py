@@ -55,8 +55,7 @@ class Program(NamedTuple):
 
     def prepared(self, present: Sequence[bool], many: bool = False) -> Run:
         """Its prepared form for a pattern of the equations, of one start or of many."""
-        module = import_module(self.module)
-        run: Run = (module.prepared_many if many else module.prepared)(present, self.method)
+        run: Run = import_module(self.module).prepared(present, self.method, *[True] * many)
         return run
 
 

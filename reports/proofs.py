@@ -12,23 +12,13 @@ from collections.abc import Callable, Iterable
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 import kit
 import polhode
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-
-QUESTION = (
-    "Which periodic orbits of a level can be proved to exist, of which tops is chaos proved, at "
-    "what cost, and do the certificates hold when they are read again?"
-)
-#: Lagrange's top but for a moment that is a fiftieth larger.
-NEXT_TO_LAGRANGE = "next to Lagrange's top"
 TOPS = {
     "asymmetric, chaotic": "general/asymmetric-chaotic",
     "asymmetric, regular": "general/asymmetric-regular",
@@ -37,7 +27,7 @@ TOPS = {
     "Hairer and Vilmart's body": "published/hairer-vilmart",
     "Kovalevskaya's top": "kovalevskaya/generic",
     "Goryachev–Chaplygin top": "goryachev-chaplygin/two-frequencies",
-    NEXT_TO_LAGRANGE: None,
+    "next to Lagrange's top": None,  # but for a moment that is a fiftieth larger
 }
 CHAOS = [*TOPS][:5]
 ORBITS = [name for name in TOPS if name != "asymmetric, near upright"]
@@ -62,15 +52,9 @@ def scene_of(top_name: str) -> polhode.Scene:
     """The scene of a top."""
     if (name := TOPS[top_name]) is not None:
         return polhode.load(name)
-    return polhode.top(
-        moments=[2, Fraction(51, 25), 1],
-        centre=[0, 0, 1],
-        weight=1,
-        omega=[Fraction(1, 2), Fraction(1, 4), 2],
-        gamma=[Fraction(3, 5), 0, Fraction(4, 5)],
-        end=1,
-        name=top_name,
-    )
+    body: dict[str, Any] = {"moments": [2, Fraction(51, 25), 1], "centre": [0, 0, 1], "weight": 1}
+    omega, gamma = [Fraction(1, 2), Fraction(1, 4), 2], [Fraction(3, 5), 0, Fraction(4, 5)]
+    return polhode.top(**body, omega=omega, gamma=gamma, end=1, name=top_name)
 
 
 def _orbits(name: str, grid: tuple[int, int], crossings: int) -> kit.JsonObject:
@@ -169,7 +153,7 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    orbits = [row for top in results["orbits"] for row in top["orbits"]]
+    orbits = kit.inner_rows(results["orbits"], "orbits")
     proved = [row for row in orbits if row["proved"]]
     chaos = [row for row in results["chaos"] if row["proved"]]
     return {
@@ -222,16 +206,14 @@ def _proved_chaos(row: kit.JsonObject) -> kit.JsonObject:
 
 def _refused(tops: list[kit.JsonObject]) -> list[kit.JsonObject]:
     """A row for all orbits of a top that have about one period and the same cause."""
-    residues_of: dict[tuple[str, str, str], list[float]] = {}
-    for top in tops:
-        for row in top["orbits"]:
-            if not row["proved"]:
-                cause = row["cause"].partition(":")[0]
-                same = (f"orbits: {top['what']}", f"{row['period']:.5g}", cause)
-                residues_of.setdefault(same, []).append(row["residue"])
+    residues_of = kit.groups(
+        ((row["what"], f"{row['period']:.5g}", row["cause"].partition(":")[0]), row["residue"])
+        for row in kit.inner_rows(tops, "orbits")
+        if not row["proved"]
+    )
     return [
         {
-            **{"top": name, "period": period, "orbits": len(residues), "cause": cause},
+            **{"top": f"orbits: {name}", "period": period, "orbits": len(residues), "cause": cause},
             "residue": kit.between(residues, ".1e") if len(residues) > 1 else f"{residues[0]:.1e}",
         }
         for (name, period, cause), residues in residues_of.items()
@@ -243,7 +225,13 @@ def _refused(tops: list[kit.JsonObject]) -> list[kit.JsonObject]:
 # Figures of the study of proofs: residues over periods; manifolds that cross.
 
 
-_COLOURS = {"elliptic": kit.BLUE, "hyperbolic": kit.ORANGE, "inverse hyperbolic": kit.GREEN}
+_NOT_PROVED = "not proved"
+_LOOKS = {
+    "elliptic": (kit.BLUE, "o"),
+    "hyperbolic": (kit.ORANGE, "o"),
+    "inverse hyperbolic": (kit.GREEN, "o"),
+    _NOT_PROVED: ("#555555", "x"),
+}
 _DOTS_PER_INCH = 200  # of the manifolds, which are pixels
 
 
@@ -259,7 +247,7 @@ def svgs(results: kit.JsonObject) -> dict[str, str]:
 def manifolds(drawn: kit.JsonObject) -> str:
     """The manifolds of an unstable orbit on a section, and the sets of the proof."""
 
-    def draw(axes: Axes) -> None:
+    def draw(axes: kit.Axes) -> None:
         for name, colour in (("unstable", kit.ORANGE), ("stable", kit.BLUE)):
             axes.plot(*drawn[name], ".", ms=1.4, mew=0, color=colour, rasterized=True)
             axes.plot([], [], ".", ms=6, mew=0, color=colour, label=f"{name} manifold")
@@ -273,21 +261,16 @@ def manifolds(drawn: kit.JsonObject) -> str:
 
 def residues(tops: list[kit.JsonObject]) -> str:
     """One panel per top: the residue of every orbit over its period."""
-    labels = "period", "residue (shaded: elliptic, 0 to 1)"
-    return kit.side_by_side({top["what"]: top for top in tops}, _draw_top, labels, 1.6)
+    panels, residue = {top["what"]: top for top in tops}, "residue (shaded: elliptic, 0 to 1)"
+    return kit.side_by_side(panels, _draw_top, 1.6, "period", residue)
 
 
-def _draw_top(axes: Axes, top: kit.JsonObject) -> None:
+def _draw_top(axes: kit.Axes, top: kit.JsonObject) -> None:
     axes.axhspan(0, 1, color=kit.SHADE, lw=0)
-    orbits = top["orbits"]
-    kinds = [
-        (kind, colour, "o", [row for row in orbits if row.get("kind") == kind])
-        for kind, colour in _COLOURS.items()
-    ]
-    kinds.append(("not proved", "#555555", "x", [row for row in orbits if not row["proved"]]))
-    for name, colour, mark, rows in kinds:
+    for kind, (colour, mark) in _LOOKS.items():
+        rows = [row for row in top["orbits"] if row.get("kind", _NOT_PROVED) == kind]
         at = [row["period"] for row in rows], [row["residue"] for row in rows]
-        axes.plot(*at, mark, color=colour, ms=4, label=name)
+        axes.plot(*at, mark, color=colour, ms=4, label=kind)
     axes.set_yscale("symlog", linthresh=1, linscale=1.5)
     axes.locator_params("y", numticks=9)
     axes.yaxis.set_major_formatter("{x:g}")

@@ -13,25 +13,18 @@ from fractions import Fraction
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import contest
 import kit
 import polhode
 import tops
 from contest import WorkPoint, frontier
-from peers import process
 from peers.process import ask
+from polhode.numbers.decimals import significant
+from polhode.numbers.number_types import QUAD, mp
 from programs import BY_NAME, ENGINE, OURS, PROGRAMS, RUN, Program
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-QUESTION = (
-    "What does a correct digit cost: the first result in a new process, a new start of a prepared "
-    "body, a long run, beside other programs called at their best; and how does the cost grow with "
-    "the digits in polhode's number types?"
-)
 QUICK_PROGRAMS = (OURS, RUN, ENGINE)  # what needs no compiler
 
 
@@ -40,22 +33,15 @@ def rows(quick: bool, say: kit.Say, only: kit.Only) -> dict[str, Any]:
     wanted_cells, ways_of = contest.wanted_cells(quick, only), motions(quick, only)
     refined = [x for x in REFINED if x.quick >= quick and only(f"refined: {x.name} t={x.end}")]
     programs = [p for p in PROGRAMS if p.is_there and (not quick or p.name in QUICK_PROGRAMS)]
-    first: kit.Parts = {
-        "first": (partial(first_row, quick=quick), programs if only("first result") else [])
-    }
-    others: kit.Parts = {
-        "motions": (partial(row, ways_of, quick=quick), [*ways_of]),
-        "refined": (_refined, refined),
-    }
-    starting = kit.rows_by_part(first, True, say)  # alone: clocks run
-    with tempfile.TemporaryDirectory() as cache:
-        contestants = [p for p in programs if p.last]
-        cells = contest.rows(wanted_cells, contestants, Path(cache), quick, say)
+    firsts = programs if only("first result") else []
+    row_of = partial(row, ways_of, quick=quick)
+    others: kit.Parts = {"motions": (row_of, [*ways_of]), "refined": (_refined, refined)}
     return {
         "once_above": PATIENCE,
         "programs": [program.name for program in programs],
-        **starting,
-        "cells": cells,
+        # alone: clocks run
+        **kit.rows_by_part({"first": (partial(first_row, quick=quick), firsts)}, True, say),
+        "cells": contest.rows(wanted_cells, [p for p in programs if p.last], quick, say),
         **kit.rows_by_part(others, True, say),
     }
 
@@ -79,22 +65,20 @@ _FIRST_LIMIT = 120.0
 def first_row(program: Program, quick: bool) -> dict[str, Any]:
     """Wall and processor seconds, with empty caches of compiled code and after that."""
     job = program.job(tops.present(KIND), [tops.draw(KIND, 0, END, OUTPUTS).run(TOLERANCE)])
-    clocks: dict[str, list[tuple[float, float]]] = {"cold": [], "warm": []}
+    clocks: dict[str, list[dict[str, float]]] = {"cold": [], "warm": []}
     began = time.perf_counter()
     for _ in range(1 if quick else FIRST_REPEATS):
         with tempfile.TemporaryDirectory() as cache:
             for clock in clocks.values():  # of a process from its start to its end
                 before, start = sum(os.times()[2:4]), time.perf_counter()  # children's
-                answers, fault = ask(process.__name__, job, _FIRST_LIMIT, Path(cache))
+                answers, fault = ask(job, _FIRST_LIMIT, Path(cache))
                 wall, spent = time.perf_counter() - start, sum(os.times()[2:4]) - before
                 if fault or "failed" in answers[0]:
                     return {"program": program.name, "fault": fault or answers[0]["failed"]}
-                clock.append((round(wall, 3), round(spent, 3)))
+                clock.append({"wall": round(wall, 3), "processor": round(spent, 3)})
         if time.perf_counter() - began > ENOUGH:
             break
-    least = {
-        word: dict(zip(("wall", "processor"), min(x), strict=True)) for word, x in clocks.items()
-    }
+    least = {word: min(x, key=lambda clock: [*clock.values()]) for word, x in clocks.items()}
     return {"program": program.name, **least, "fault": ""}
 
 
@@ -180,24 +164,20 @@ def ways(motion: LibraryMotion, quick: bool) -> Iterator[Way]:
 
 def motions(quick: bool, only: kit.Only) -> dict[LibraryMotion, list[Way]]:
     """The motions asked for, each with the ways that are."""
-    ways_of = {
-        motion: [
-            way
-            for way in ways(motion, quick)
-            if only(motion.name, motion.case, "every motion", way.name)
-        ]
+    return kit.groups(
+        (motion, way)
         for motion in MOTIONS
         if motion.quick >= quick
-    }
-    return {motion: chosen for motion, chosen in ways_of.items() if chosen}
+        for way in ways(motion, quick)
+        if only(motion.name, motion.case, "every motion", way.name)
+    )
 
 
 def row(
     ways_of: Mapping[LibraryMotion, Sequence[Way]], motion: LibraryMotion, quick: bool
 ) -> dict[str, Any]:
     """What its ways give on one motion, judged against its exact scene."""
-    times = [kit.DOUBLE.rounded(t) for t in kit.even_times(motion.end, SAMPLES)]
-    scene, ways = motion.scene(times), ways_of[motion]
+    scene, ways = motion.scene(tops.times(motion.end, SAMPLES)), ways_of[motion]
     most = max(kit.TYPES[curve.number].most_digits for curve in ways)
     true = polhode.reference(scene).at(scene.times, math.ceil(most) + SPARE_DIGITS)
     return {
@@ -227,7 +207,7 @@ def _point(curve: Way, scene: polhode.Scene, tol: float, true: Any, quick: bool)
     return {
         "tol": tol,
         "digits": round(digits, 2),
-        "seconds_min": kit.significant(timed.seconds, 4),
+        "seconds_min": significant(timed.seconds, 4),
         "runs": timed.calls,
         "steps": run.steps,
     }
@@ -239,7 +219,6 @@ def _point(curve: Way, scene: polhode.Scene, tol: float, true: Any, quick: bool)
 
 
 _REPEATS, _PATIENCE = 3, 1.0  # timed runs; longer ones are made once
-LOG10_2 = math.log10(2)
 _SPARE = 12  # digits more that the reference has
 _OUTPUTS = ("angles", "attitude")
 
@@ -259,35 +238,33 @@ def _refined(motion: LibraryMotion) -> dict[str, Any]:
     """CPU seconds and correct digits both ways, digits to which both agree, and what refinement
     estimated."""
     scene = motion.scene([Fraction(motion.end)])
-    number = kit.QUAD if motion.digits is None else kit.TYPES["mp"]
-    row: dict[str, Any] = {"motion": motion.name, "end": motion.end, "bits": number.bits}
+    number = QUAD if motion.digits is None else kit.TYPES["mp"]
     wide = math.ceil(number.most_digits) + _SPARE
     truth = polhode.reference(scene)
+    true: Any
     if truth.is_closed_form:
-        true: Any = truth.at(scene.times, wide)
-        row["by"] = "closed form"
+        true, by = truth.at(scene.times, wide), "closed form"
     else:  # a method of its own, and more digits
-        plain = replace(scene, outputs=())
-        wider = polhode.NumberType("mp", math.ceil(wide / LOG10_2) + 1)
-        steps = polhode.integrate(plain, wider, method="taylor")
-        true, row["by"] = steps.states, "steps in more digits"
+        steps = polhode.integrate(replace(scene, outputs=()), mp(wide), method="taylor")
+        true, by = steps.states, "steps in more digits"
+    row: dict[str, Any] = {"motion": motion.name, "end": motion.end, "bits": number.bits, "by": by}
     calls = [partial(polhode.integrate, number=number, method=x) for x in ("refined", "taylor")]
     for call in calls:
         call(scene.at([min(10, scene.end)]))  # loads what is compiled
     runs = kit.timed([partial(call, scene) for call in calls], _REPEATS, _PATIENCE)
     for call, (run, seconds, count) in zip(calls, runs, strict=True):
         row[call.keywords["method"]] = {
-            "cpu": kit.significant(seconds, 3),
+            "cpu": significant(seconds, 3),
             "digits": round(kit.fewest_digits(run.states, true, scene, wide), 2),
             "method": run.method,
             "runs": count,
         }
         if run.errors is not None and run.errors[-1] is not None:
-            row["estimate"] = kit.significant(run.errors[-1], 2)
+            row["estimate"] = significant(run.errors[-1], 2)
     refined, taylor = runs
     agreement = kit.fewest_digits(taylor.answer.states, refined.answer.states, scene, wide)
     row["agreement"] = round(agreement, 2)
-    row["gain"] = kit.significant(row["taylor"]["cpu"] / row["refined"]["cpu"], 3)
+    row["gain"] = significant(row["taylor"]["cpu"] / row["refined"]["cpu"], 3)
     return row
 
 
@@ -318,11 +295,11 @@ def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
 
 def by_length(cells: Sequence[kit.JsonObject]) -> list[kit.JsonObject]:
     """A row a number of starts or outputs, a length, and a level of digits, over the kinds."""
-    levels: dict[tuple[int, int, int, float], list[kit.JsonObject]] = {}
-    for cell in cells:
-        for level in cell["levels"]:
-            key = cell.get("starts", 0), cell["outputs"], cell["end"], level["digits"]
-            levels.setdefault(key, []).append(level)
+    levels = kit.groups(
+        ((cell["starts"], cell["outputs"], cell["end"], level["digits"]), level)
+        for cell in cells
+        for level in cell["levels"]
+    )
     return [_over_kinds(*key, every) for key, every in sorted(levels.items())]
 
 
@@ -336,10 +313,8 @@ def _over_kinds(
     met = [verdict for verdict in verdicts if "best" in verdict]
     best = [name for name, _ in Counter(sorted(x["best"] for x in met)).most_common(2)]
     ratios = [verdict["ratio"][0] for verdict in met]
-    programs = {
-        name: [p for level in levels for p in level["programs"] if p["program"] == name]
-        for name in (OURS, ENGINE, RUN)
-    }
+    programs = kit.groups((p["program"], p) for level in levels for p in level["programs"])
+    seconds = [unit * p["seconds"] for p in programs.get(OURS, ()) if p["seconds"]]
     often = "" if len(met) == len(levels) else f" (in {len(met)} of {len(levels)})"
     alone = next((text for word, text in ALONE.items() if stands[word]), "not reached")
     return {
@@ -348,12 +323,12 @@ def _over_kinds(
         "run": f"t = {end}, " + (f"{starts} starts" if starts else f"{outputs} outputs"),
         "cells": f"t={end} " + (f"starts={starts}" if starts else f"outputs={outputs}"),
         "digits": digits,
-        "own": kit.median([unit * p["seconds"] for p in programs[OURS] if p["seconds"]], ".3g"),
+        "own": kit.median(seconds, ".3g"),
         "stands": kit.counted({word: stands[word] for word in WORDS}),
         "best": ", ".join(best) or kit.DASH,
         "ratio": kit.spread(ratios, ".2f"),
         **{
-            name: kit.spread([p["ratio"][0] for p in programs[name] if p["ratio"]], ".2f")
+            name: kit.spread([p["ratio"][0] for p in programs.get(name, ()) if p["ratio"]], ".2f")
             for name in (ENGINE, RUN)
         },
         "summary": f"{_bold(kit.median(ratios, '.2f'))} {best[0]}{often}" if met else alone,
@@ -370,11 +345,11 @@ def summary(lengths: Iterable[kit.JsonObject]) -> list[kit.JsonObject]:
     Medians over the kinds of motion, and the program that is best in most of them; above 1 in bold.
     The last rows are of many starts at once.
     """
-    cells: dict[str, dict[str, str]] = {}
-    for row in lengths:
-        if row["end"] in SUMMARY_ENDS:
-            cells.setdefault(row["run"], {})[f"{row['digits']:g}"] = row["summary"]
-    return [{"run": run, "cells": by_digits} for run, by_digits in cells.items()]
+    runs = kit.groups((row["run"], row) for row in lengths if row["end"] in SUMMARY_ENDS)
+    return [
+        {"run": run, "cells": {f"{row['digits']:g}": row["summary"] for row in own}}
+        for run, own in runs.items()
+    ]
 
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
@@ -395,29 +370,23 @@ def facts(results: kit.JsonObject) -> dict[str, object]:
 
 def _best(motions: Sequence[kit.JsonObject]) -> Iterator[kit.JsonObject]:
     """Each number type at its tightest tolerance on each motion."""
-    for motion in motions:
-        for method in motion["methods"]:
-            points = [p for p in method["points"] if "digits" in p]
-            if points:
-                tightest = min(points, key=lambda p: p["tol"])
-                to = f"{motion['motion']}, t = {motion['end']}"
-                yield {**motion, **method, **tightest, "to": to}
+    for method in kit.inner_rows(motions, "methods"):
+        points = [p for p in method["points"] if "digits" in p]
+        if points:
+            to = f"{method['motion']}, t = {method['end']}"
+            yield {**method, **min(points, key=lambda p: p["tol"]), "to": to}
 
 
 def _faults(results: kit.JsonObject) -> list[kit.JsonObject]:
     """What failed or was missing, each once."""
-    causes = {
-        (name, fault): None for cell in results["cells"] for name, fault in cell["faults"].items()
-    }
-    causes |= {(row["program"], row["fault"]): None for row in results["first"] if row["fault"]}
-    causes |= {
-        (method["method"], f"at tolerance {point['tol']:.2g}: {point['reason']}"): None
-        for motion in results["motions"]
-        for method in motion["methods"]
-        for point in method["points"]
+    causes = [fault for cell in results["cells"] for fault in cell["faults"].items()]
+    causes += [(row["program"], row["fault"]) for row in results["first"] if row["fault"]]
+    causes += [
+        (point["method"], f"at tolerance {point['tol']:.2g}: {point['reason']}")
+        for point in kit.inner_rows(kit.inner_rows(results["motions"], "methods"), "points")
         if "reason" in point
-    }
-    return [{"program": program, "fault": fault} for program, fault in causes]
+    ]
+    return [{"program": program, "fault": fault} for program, fault in dict.fromkeys(causes)]
 
 
 # --- figure ---------------------------------------------------------------------------------------
@@ -431,17 +400,13 @@ Curves = Mapping[str, Sequence[tuple[float, float]]]
 
 def svgs(results: kit.JsonObject) -> dict[str, str]:
     """The study's figures by name, from its JSON object."""
-    drawn = {}
-    panels = {_panel(cell): lines(cell["curves"]) for cell in results["cells"] if "curves" in cell}
-    if panels:
-        drawn["speed"] = work_precision(panels)
-    if results["motions"]:
-        titles = [
-            f"{motion['motion'].capitalize()}, t = {motion['end']}" for motion in results["motions"]
-        ]
-        types = dict(zip(titles, map(_types, results["motions"]), strict=True))
-        drawn["types"] = work_precision(types)
-    return drawn
+    drawn = {
+        "speed": {_panel(x): lines(x["curves"]) for x in results["cells"] if "curves" in x},
+        "types": {
+            f"{x['motion'].capitalize()}, t = {x['end']}": _types(x) for x in results["motions"]
+        },
+    }
+    return {name: work_precision(panels) for name, panels in drawn.items() if panels}
 
 
 def lines(curves: Mapping[str, Sequence[Sequence[float]]]) -> Curves:
@@ -450,30 +415,30 @@ def lines(curves: Mapping[str, Sequence[Sequence[float]]]) -> Curves:
     Of a package with several methods that is the fastest to each error; a program that is not known
     here, as one of an earlier version is, has a line by its own name.
     """
-    order = [*BY_NAME, *(name for name in curves if name not in BY_NAME)]
-    marks: dict[str, list[WorkPoint]] = {}
-    for name in order:
-        line = BY_NAME[name].line if name in BY_NAME else name
-        if line and name in curves:
-            marks.setdefault(line, []).extend(WorkPoint(*point) for point in curves[name])
+    in_order = {**dict.fromkeys(BY_NAME, ()), **curves}
+    marks = kit.groups(
+        (BY_NAME[name].line if name in BY_NAME else name, WorkPoint(*point))
+        for name, points in in_order.items()
+        for point in points
+    )
     return {
         line: [(mark.seconds, 10.0**-mark.digits) for mark in frontier(every)]
         for line, every in marks.items()
-        if every
+        if line
     }
 
 
-def work_precision(panels: Mapping[str, Curves]) -> str:
+def work_precision(panels: dict[str, Curves]) -> str:
     """Error against seconds, one panel per motion; lower left is better."""
 
-    def draw(axes: Axes, curves: Curves) -> None:
+    def draw(axes: kit.Axes, curves: Curves) -> None:
         for name, points in curves.items():
             look = kit.LOOKS.get(name, kit.OTHER_LOOK)
             axes.plot(*zip(*points, strict=True), label=name, **look)
         axes.set(xscale="log", yscale="log")
 
-    labels = "processor seconds of a run", "error"
-    return kit.side_by_side(panels, draw, labels, 1.9, 3, sharey=True)
+    x, y = "processor seconds of a run", "error"
+    return kit.side_by_side(panels, draw, 1.9, x, y, names=3, sharey=True)
 
 
 def _panel(cell: kit.JsonObject) -> str:
@@ -484,12 +449,8 @@ def _panel(cell: kit.JsonObject) -> str:
 
 def _types(motion: kit.JsonObject) -> Curves:
     """polhode in all number types on one motion."""
-    curves = {
-        method["method"].removeprefix("polhode "): [
-            (point["seconds_min"], 10.0 ** -point["digits"])
-            for point in method["points"]
-            if point.get("digits")
-        ]
-        for method in motion["methods"]
-    }
-    return {name: points for name, points in curves.items() if points}
+    return kit.groups(
+        (point["method"].removeprefix("polhode "), (point["seconds_min"], 10.0 ** -point["digits"]))
+        for point in kit.inner_rows(motion["methods"], "points")
+        if point.get("digits")
+    )

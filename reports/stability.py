@@ -13,14 +13,11 @@ import kit
 import polhode
 from accuracy import case_rows
 from polhode.equations.readout import Readout
-from polhode.numbers.conversion import ExactNumbers, number_value
+from polhode.numbers.conversion import ExactNumbers, exactly, number_value
+from polhode.numbers.decimals import significant
 from polhode.taylor.motion import Motion
 from polhode.taylor.system import system
 
-QUESTION = (
-    "How many of the digits that a hard motion allows are left in each number type, and why not "
-    "more? How far from its start does a run end that goes there and back?"
-)
 #: The number types of the way back, and the most radians one way.
 LONGEST = {"double": 1e4, "extended": 1e4, "quad": 200.0}
 SPARE_DIGITS = 40  # of the states from which kappa of the way back is computed
@@ -58,17 +55,13 @@ def _judged(run: dict[str, Any]) -> dict[str, Any]:
 
 def _back(scene: polhode.Scene) -> list[dict[str, Any]]:
     """Errors of a run to the end and back to 0, beside what kappa of either way allows."""
-    angle = 10**scene.log10_angle
-    numbers = [name for name, longest in LONGEST.items() if angle <= longest]
+    numbers = [name for name, longest in LONGEST.items() if 10**scene.log10_angle <= longest]
     if not numbers:
         return []
-    there = polhode.conditioning(scene, number="quad").log10_kappa[-1]
+    there = _kappa(scene)
     times = [scene.end * Fraction(k, QUARTERS) for k in range(1, QUARTERS + 1)]
-    ways = [
-        way_back(scene, t, state)
-        for t, state in zip(times, polhode.reference(scene).at(times, SPARE_DIGITS), strict=True)
-    ]
-    backs = [polhode.conditioning(home, number="quad").log10_kappa[-1] for home in ways]
+    states = polhode.reference(scene).at(times, SPARE_DIGITS)
+    backs = [_kappa(way_back(scene, t, x)) for t, x in zip(times, states, strict=True)]
     back = max((x for x in backs if x is not None), default=None)
     kappa = None if there is None or back is None else max(there, back)
     errors = {name: error(scene, kit.TYPES[name]) for name in numbers}
@@ -78,12 +71,17 @@ def _back(scene: polhode.Scene) -> list[dict[str, Any]]:
             "number": name,
             "log10_kappa": None if there is None else round(there, 2),
             "log10_kappa_back": None if back is None else round(back, 2),
-            "error_eps": kit.significant(eps, 3),
-            "times_kappa": None if kappa is None else kit.significant(eps / 10**kappa, 2),
+            "error_eps": significant(eps, 3),
+            "times_kappa": None if kappa is None else significant(eps / 10**kappa, 2),
             "within": None if kappa is None else eps <= 10**kappa,
         }
         for name, eps in errors.items()
     ]
+
+
+def _kappa(scene: polhode.Scene) -> float | None:
+    """log10 of the kappa of a scene's end."""
+    return polhode.conditioning(scene, number="quad").log10_kappa[-1]
 
 
 # --- hard cases -----------------------------------------------------------------------------------
@@ -128,7 +126,7 @@ def way_back(scene: polhode.Scene, t: Any, state: Sequence[Any]) -> polhode.Scen
 
     gamma is brought to length 1.
     """
-    p, q, r, *gamma = map(kit.exactly, state)
+    p, q, r, *gamma = map(exactly, state)
     start: dict[str, Any] = {"omega": (p, q, r), "gamma": gamma or None, "normalise": True}
     return replace(scene, **start, times=(-t,), outputs=(), events=())
 
@@ -149,30 +147,21 @@ def _pair(run: kit.JsonObject | None) -> float | str | None:
 def tables(results: kit.JsonObject) -> dict[str, Iterable[kit.JsonObject]]:
     """The rows of the page's tables from the study's JSON object."""
     cases = {case["case"]: kit.by_number(case, _pair) for case in results["cases"]}
-    runs = [{**case, **run} for case, run in kit.runs_of(results["cases"])]
+    runs = kit.inner_rows(results["cases"], "runs")
+    unjudged = [run for run in runs if run.get("behind") is None]
     late = [run for run in runs if (run.get("behind") or 0) > 0]
+    late.sort(key=lambda run: -float(run["behind"]))
     return {
-        "cases": (
-            {**cases[name], "kind": kind["kind"]}
-            for kind in results["kinds"]
-            for name in kind["cases"]
-        ),
-        "behind": (
-            {**run, "band": kit.expected(run["expected"])}
-            for run in sorted(late, key=lambda run: -float(run["behind"]))
-        ),
-        "unjudged": (
-            {**run, "why": run.get("limit") or run["outcome"]}
-            for run in runs
-            if run.get("behind") is None
-        ),
+        "cases": ({**cases[x], **kind} for kind in results["kinds"] for x in kind["cases"]),
+        "behind": ({**run, "band": kit.expected(run["expected"])} for run in late),
+        "unjudged": ({**run, "why": run.get("limit") or run["outcome"]} for run in unjudged),
         "back": results["back"],
     }
 
 
 def facts(results: kit.JsonObject) -> dict[str, object]:
     """Counts and ranges of the rows."""
-    behind = [run.get("behind") for _, run in kit.runs_of(results["cases"])]
+    behind = [run.get("behind") for run in kit.inner_rows(results["cases"], "runs")]
     judged = [row for row in results["back"] if row["within"] is not None]
     return {
         "enough": kit.share(x <= 0 for x in behind if x is not None),
@@ -192,11 +181,12 @@ _WIDTH = 24  # letters of a line of a strip's name
 
 def svgs(results: kit.JsonObject) -> dict[str, str]:
     """One strip per kind of difficulty; rings have fewer digits than expected."""
-    runs = {case["case"]: case["runs"] for case in results["cases"]}
-    groups = {
-        fill(kind["kind"], _WIDTH): [
-            run for name in kind["cases"] for run in runs.get(name, ()) if "correct_digits" in run
-        ]
+    runs = kit.groups((run["case"], run) for run in kit.inner_rows(results["cases"], "runs"))
+    groups = kit.groups(
+        (fill(kind["kind"], _WIDTH), run)
         for kind in results["kinds"]
-    }
-    return {"stability": kit.strips({kind: dots for kind, dots in groups.items() if dots})}
+        for name in kind["cases"]
+        for run in runs.get(name, ())
+        if "correct_digits" in run
+    )
+    return {"stability": kit.strips(groups)}

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import random
 import statistics
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple, TypeAlias
@@ -17,8 +17,11 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 import polhode
-from kit import DOUBLE, EXTENDED, even_times, exactly, fewest_digits
+from kit import fewest_digits
 from peers.field import Top
+from polhode.equations.terms import coefficients_of
+from polhode.numbers.conversion import exactly
+from polhode.numbers.number_types import DOUBLE, EXTENDED
 
 #: Exact states at some times, p q r gamma1 gamma2 gamma3 a row.
 States: TypeAlias = list[list[Fraction]]
@@ -82,9 +85,8 @@ def random_scene(kind: str, index: int, times: Sequence[Fraction] = ()) -> polho
     u, v = (Fraction(dice.randint(-20, 20), 10) for _ in range(2))
     square = u * u + v * v
     gamma = (2 * u / (1 + square), 2 * v / (1 + square), (1 - square) / (1 + square))
-    return polhode.Scene(
-        body, (p, q, r), gamma, times=tuple(times), name=f"{kind} start {index + 1}"
-    )
+    name = f"{kind} start {index + 1}"
+    return polhode.Scene(body, (p, q, r), gamma, times=tuple(times), name=name)
 
 
 def _moments(dice: random.Random) -> list[Fraction]:
@@ -134,16 +136,13 @@ class Cell(NamedTuple):
     @property
     def name(self) -> str:
         """Its name, by which one cell alone can be made again."""
-        if self.starts:
-            return f"{self.kind} t={self.end} starts={self.starts}"
-        return f"{self.kind} t={self.end} outputs={self.outputs}"
+        count = f"starts={self.starts}" if self.starts else f"outputs={self.outputs}"
+        return f"{self.kind} t={self.end} {count}"
 
     @property
     def drawn(self) -> bool:
         """Whether it is a panel of the work-precision diagram."""
-        if self.starts:
-            return (self.kind, self.end, self.starts) == DRAWN_MANY
-        return self.every_tolerance
+        return self.every_tolerance or (self.kind, self.end, self.starts) == DRAWN_MANY
 
     @property
     def every_tolerance(self) -> bool:
@@ -167,9 +166,8 @@ def cells(kind: str) -> list[Cell]:
     """Every length and number of outputs of a kind; and of starts."""
     ends = [end for end in ENDS if end <= LAST.get(kind, ENDS[-1])]
     every = [Cell(kind, end, outputs) for end in ends for outputs in OUTPUTS]
-    if kind in MANY_KINDS:
-        every += [Cell(kind, end, 2, starts) for end, starts in MANY]
-    return every
+    many = MANY if kind in MANY_KINDS else ()
+    return every + [Cell(kind, end, 2, starts) for end, starts in many]
 
 
 def scene_of(kind: str, index: int, end: int, outputs: int) -> polhode.Scene:
@@ -181,25 +179,16 @@ def scene_of(kind: str, index: int, end: int, outputs: int) -> polhode.Scene:
 def draw(kind: str, index: int, end: int, outputs: int, starts: int = 0) -> Draw:
     """A body of the kind and its start, or many starts: w about its own, gamma anywhere."""
     scene = scene_of(kind, index, end, outputs)
-    body = scene.body
-    coefficients = np.array([float(x) for x in _coefficients(body)])
-    moments, torque = (np.array([*map(float, x)]) for x in (body.moments, body.torque))
-    start = np.array([*map(float, scene.start)])
+    moments, torque = scene.body.moments, scene.body.torque
+    rows = coefficients_of([*moments, *torque]), moments, torque, scene.start
+    *top, start = (np.array([*map(float, row)]) for row in rows)
     if starts:
         dice = np.random.default_rng(index)
         omega, gamma = np.split(dice.normal(size=(starts, 6)), 2, axis=1)
         omega = start[:3] + _SPREAD * np.linalg.norm(start[:3]) * omega
         gamma /= np.linalg.norm(gamma, axis=1)[:, None]
         start = np.hstack([omega, gamma])
-    return Draw(scene, Top(coefficients, moments, torque), start)
-
-
-def _coefficients(body: polhode.Body) -> Iterator[Any]:
-    """Of a body in principal axes, in the order of :mod:`peers.field`."""
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        own, second, third = (body.moments[n] for n in (i, j, k))
-        yield from ((second - third) / own, body.torque[k] / own, -body.torque[j] / own)
+    return Draw(scene, Top(*top), start)
 
 
 def present(kind: str) -> tuple[bool, ...]:
@@ -248,4 +237,4 @@ def judged(states: Any, outputs: int) -> Any:
 @cache
 def times(end: int, outputs: int) -> tuple[Fraction, ...]:
     """Even output times from 0 on, as doubles."""
-    return tuple(DOUBLE.rounded(t) for t in even_times(end, outputs))
+    return tuple(DOUBLE.rounded(Fraction(end) * k / (outputs - 1)) for k in range(outputs))

@@ -10,30 +10,26 @@ from peers.field import Array, Run, Top, of_pattern
 LANES = 8  # of doubles in a batch: 0.6 to 0.9 of the time that the recommended 4 take
 
 
-def _system(present: Sequence[bool]) -> tuple[list[int], Array]:
-    """Which coefficients there are, and the equations, with those as parameters."""
+def prepared(present: Sequence[bool], method: str, many: bool = False) -> Run:
+    """An integrator a tolerance, its coefficients heyoka's parameters.
+
+    ``method``: unused, there is one.  The end alone is reached by propagate_until, more times by
+    propagate_grid.  ``many``: batches of :data:`LANES` starts, one after the other.
+    """
     import heyoka as hy
+    import numpy as np
 
     variables = hy.make_vars("p", "q", "r", "g1", "g2", "g3")
     there = [k for k, here in enumerate(present) if here]
     parameters = {k: hy.par[n] for n, k in enumerate(there)}
-    rates = of_pattern(present)(*variables, parameters)
-    return there, list(zip(variables, rates, strict=True))
-
-
-def prepared(present: Sequence[bool], method: str) -> Run:
-    """An integrator a tolerance, its coefficients heyoka's parameters.
-
-    ``method``: unused, there is one.  The end alone is reached by propagate_until, more times by
-    propagate_grid.
-    """
-    import heyoka as hy
-
-    there, system = _system(present)
+    rates = of_pattern(present)(hy.time, variables, parameters)
+    system = list(zip(variables, rates, strict=True))
+    shape = (LANES,) * many
 
     @cache
     def integrator(tol: float) -> Array:
-        return hy.taylor_adaptive(system, [0.0] * 6, pars=[0.0] * len(there), tol=tol)
+        make = hy.taylor_adaptive_batch if many else hy.taylor_adaptive
+        return make(system, np.zeros((6, *shape)), pars=np.zeros((len(there), *shape)), tol=tol)
 
     def run(top: Top, start: Array, times: Array, tol: float) -> Array:
         stepper = integrator(tol)
@@ -45,22 +41,7 @@ def prepared(present: Sequence[bool], method: str) -> Run:
         stepper.propagate_until(times[-1])
         return stepper.state[None].copy()
 
-    return run
-
-
-def prepared_many(present: Sequence[bool], method: str) -> Run:
-    """Batches of :data:`LANES` starts, one after the other; ``method``: unused, there is one."""
-    import heyoka as hy
-    import numpy as np
-
-    there, system = _system(present)
-
-    @cache
-    def integrator(tol: float) -> Array:
-        pars = np.zeros((len(there), LANES))
-        return hy.taylor_adaptive_batch(system, np.zeros((6, LANES)), pars=pars, tol=tol)
-
-    def run(top: Top, start: Array, times: Array, tol: float) -> Array:
+    def run_many(top: Top, start: Array, times: Array, tol: float) -> Array:
         stepper, spare = integrator(tol), -len(start) % LANES
         stepper.pars[:] = top.coefficients[there][:, None]
         padded = np.concatenate([start, np.repeat(start[-1:], spare, axis=0)])
@@ -72,4 +53,4 @@ def prepared_many(present: Sequence[bool], method: str) -> Run:
             lanes[:] = stepper.state
         return columns.transpose(0, 2, 1).reshape(-1, 6)[: len(start)]
 
-    return run
+    return run_many if many else run

@@ -4,21 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from peers.field import Array, Run, Top, loop_of, of_pattern, run_of
+from peers.field import Array, Run, Top, of_pattern, run_of
 
 
-def prepared(present: Sequence[bool], method: str) -> Run:
+def prepared(present: Sequence[bool], method: str, many: bool = False) -> Run:
     """One compiled function: solve, copy the rows, free the solver's memory.
 
     ``method``: DOP853 or VERN8; with ", Python" pysolve_ivp instead, which compiles nothing.
     """
     word, _, python = method.partition(", ")
-    return _in_python(present, word) if python else run_of(_solver(present, method))
-
-
-def prepared_many(present: Sequence[bool], method: str) -> Run:
-    """The same function called in a loop that numba compiles."""
-    return loop_of(_solver(present, method))
+    return _in_python(present, word) if python else run_of(_solver(present, method), many)
 
 
 def _solver(present: Sequence[bool], method: str) -> Array:
@@ -29,21 +24,19 @@ def _solver(present: Sequence[bool], method: str) -> Array:
 
     rates = numba.njit(of_pattern(present))
 
-    def field_plain(dy: Array, t: float, y: Array, args: Array) -> None:
-        dy[0], dy[1], dy[2], dy[3], dy[4], dy[5] = rates(y[0], y[1], y[2], y[3], y[4], y[5], args)
+    def field(dy: Array, t: float, y: Array, c: Array) -> None:
+        dy[0], dy[1], dy[2], dy[3], dy[4], dy[5] = rates(t, y, c)
 
-    field = numba.cfunc(cyjit_sig)(field_plain)
+    address = numba.cfunc(cyjit_sig)(field).address
 
-    address = field.address
-
-    def solve_plain(coefficients: Array, start: Array, times: Array, tol: float) -> Array:
+    def solve(c: Array, start: Array, times: Array, tol: float) -> Array:
         span = (times[0], times[-1])
-        solution = nbsolve2_ivp(address, span, start, method, times, False, coefficients, tol, tol)
+        solution = nbsolve2_ivp(address, span, start, method, times, False, c, tol, tol)
         rows, success = solution.y.T.copy(), solution.success
         solution.free()
         return rows, success
 
-    return numba.njit(solve_plain)
+    return numba.njit(solve)
 
 
 def _in_python(present: Sequence[bool], method: str) -> Run:
@@ -56,7 +49,7 @@ def _in_python(present: Sequence[bool], method: str) -> Run:
         c = top.coefficients.tolist()
 
         def field(dy: Array, t: float, y: Array) -> None:
-            dy[:] = rates(*y.tolist(), c)
+            dy[:] = rates(t, y.tolist(), c)
 
         options = {"method": method, "t_eval": times, "rtol": tol, "atol": tol}
         span = times[0], times[-1]

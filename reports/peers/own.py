@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 import polhode
-from kit import DOUBLE, EXTENDED
 from peers.field import Run, Top
+from polhode.numbers.number_types import DOUBLE, EXTENDED
 from programs import PROJECTED
 
 UPRIGHT = (0.0, 0.0, 1.0)
@@ -37,26 +37,25 @@ def _by_body(make: Callable[..., Any]) -> Callable[..., Any]:
     return value
 
 
-def prepared(present: Sequence[bool], method: str) -> Run:
+def prepared(present: Sequence[bool], method: str, many: bool = False) -> Run:
     """A propagator of each body and tolerance; or a scene of each body at the times asked for.
 
-    ``present``: unused, polhode finds out itself what vanishes.
+    ``present``: unused, polhode finds out itself what vanishes.  ``many``: arrays of starts to a
+    propagator, or to integrate_many, in one thread.
     """
     number = EXTENDED if method == "extended" else DOUBLE
     scene_of = _by_body(_scene)
 
     @_by_body
     def propagator(top: Top, tol: float) -> polhode.Propagator:
-        options: dict[str, Any] = {"tol": _tolerance(tol, number), "project": tol == PROJECTED}
-        return polhode.propagator(_scene(top), number=number.name, **options)
+        options: dict[str, Any] = {"tol": _tolerance(tol, number), "number": number.name}
+        return polhode.propagator(_scene(top), project=tol == PROJECTED and not many, **options)
 
     def propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
         go = propagator(top, tol)
         if number is EXTENDED:
             start = np.array([np.longdouble(x.numerator) / x.denominator for x in _exact(start)])
-        if len(at) == 2:
-            return go(start, t=float(at[1]))[None]
-        return go(start, t=at)
+        return go(start, t=at) if len(at) > 2 else go(start, t=float(at[1]))[None]
 
     def integrated(top: Top, start: Any, at: Any, tol: float) -> Any:
         p, q, r, *gamma = start.tolist()
@@ -65,27 +64,16 @@ def prepared(present: Sequence[bool], method: str) -> Run:
         run = polhode.integrate(replace(scene, omega=omega), tol=_tolerance(tol))
         return run.states if len(at) > 2 else run.states[-1:]
 
-    return integrated if method == "integrate" else propagated
-
-
-def prepared_many(present: Sequence[bool], method: str) -> Run:
-    """Arrays of starts to a propagator of each body and tolerance, or to integrate_many.
-
-    In one thread; ``present``: unused.
-    """
-
-    @_by_body
-    def propagator(top: Top, tol: float) -> polhode.Propagator:
-        return polhode.propagator(_scene(top), tol=_tolerance(tol))
-
-    def propagated(top: Top, start: Any, at: Any, tol: float) -> Any:
+    def propagated_many(top: Top, start: Any, at: Any, tol: float) -> Any:
         return propagator(top, tol)(start, t=float(at[-1]), workers=1)
 
-    def integrated(top: Top, start: Any, at: Any, tol: float) -> Any:
+    def integrated_many(top: Top, start: Any, at: Any, tol: float) -> Any:
         options: dict[str, Any] = {"at": [float(at[-1])], "tol": _tolerance(tol), "workers": 1}
         return polhode.integrate_many(_scene(top), starts=start, **options).states[:, 0]
 
-    return propagated if method == "propagator" else integrated
+    if method == "integrate":
+        return integrated_many if many else integrated
+    return propagated_many if many else propagated
 
 
 def _tolerance(tol: float, number: polhode.NumberType = DOUBLE) -> float | None:

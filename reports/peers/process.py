@@ -13,7 +13,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -22,18 +22,29 @@ from typing import Any
 _SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of Linux
 
 
-def main() -> None:
-    """Answer the job on stdin."""
-    end_with_parent()
-    job = pickle.load(sys.stdin.buffer)
+def answers_to(job: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """The answers to a job, one a run."""
     run = import_module(job["module"]).prepared(job["present"], job["method"])
     for arguments in job["runs"]:
         try:
             rows = run(*arguments)
         except Exception as fault:  # whatever a program raises is a result of the study
-            write({"failed": f"{type(fault).__name__}: {fault}"})
+            yield {"failed": fault_text(fault)}
         else:
-            write({"state": [float(x) for x in rows[-1]]})
+            yield {"state": [float(x) for x in rows[-1]]}
+
+
+def fault_text(fault: Exception) -> str:
+    """A fault, whatever it is, in words."""
+    return f"{type(fault).__name__}: {fault}"
+
+
+def serve(answers: Callable[[dict[str, Any]], Iterable[dict[str, Any]]]) -> None:
+    """Add the answers to the job on stdin to those of this process, each at once."""
+    end_with_parent()
+    for answer in answers(pickle.load(sys.stdin.buffer)):
+        with open(sys.argv[1], "ab") as file:
+            pickle.dump(answer, file)
 
 
 def end_with_parent() -> None:
@@ -47,14 +58,8 @@ def end_with_parent() -> None:
         ctypes.CDLL(None).prctl(_SET_DEATH_SIGNAL, signal.SIGKILL, 0, 0, 0)
 
 
-def write(answer: dict[str, Any]) -> None:
-    """Add an answer to those of this process, at once."""
-    with open(sys.argv[1], "ab") as file:
-        pickle.dump(answer, file)
-
-
 if __name__ == "__main__":
-    main()
+    serve(answers_to)
 
 
 # --- processes ------------------------------------------------------------------------------------
@@ -62,8 +67,13 @@ if __name__ == "__main__":
 # Other programs as processes of their own: what is asked of them, and what came back.
 
 
-def ask(module: str, job: Mapping[str, Any], limit: float, cache: Path) -> tuple[list[Any], str]:
-    """The answers of ``python -m module`` to a job, and what ended it early, if anything did."""
+def ask(
+    job: Mapping[str, Any], limit: float, cache: Path | None = None, module: str = __name__
+) -> tuple[list[Any], str]:
+    """The answers of ``python -m module`` to a job, and what ended it early, if anything did.
+
+    ``cache``: of compiled code, empty and not kept unless it is given.
+    """
     with tempfile.TemporaryDirectory() as folder:
         path, fault = Path(folder) / "answers", ""
         path.touch()
@@ -73,7 +83,7 @@ def ask(module: str, job: Mapping[str, Any], limit: float, cache: Path) -> tuple
                 input=pickle.dumps(job),
                 capture_output=True,
                 timeout=limit,
-                env=environment(cache),
+                env=environment(cache or Path(folder)),
             )
         except subprocess.TimeoutExpired:
             return [*_answers(path)], f"stopped after {limit:g} s"

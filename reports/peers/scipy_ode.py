@@ -8,6 +8,7 @@ long for the same error.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 
 from peers.field import Array, Run, Top, of_pattern
 
@@ -20,7 +21,15 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     ``method``: DOP853 or LSODA; with ", Python" the right-hand side is Python, nothing is compiled.
     """
     word, _, python = method.partition(", ")
-    field = _interpreted(present) if python else _compiled(present)
+    rates = of_pattern(present)
+
+    def field(t: float, y: Array, c: Array) -> Array:
+        return rates(t, y.tolist(), c.tolist())
+
+    if not python:  # a tuple of numbers, which both solvers take, costs less than an array a call
+        import numba
+
+        field = numba.njit("UniTuple(float64, 6)(float64, float64[:], float64[:])")(rates)
     return _lsoda(field) if word == "LSODA" else _dop853(field)
 
 
@@ -42,12 +51,12 @@ def _dop853(field: Callable[..., Array]) -> Run:
     import numpy as np
     from scipy.integrate import ode
 
-    solvers: dict[float, Array] = {}
+    @cache
+    def solver_of(tol: float) -> Array:
+        return ode(field).set_integrator("dop853", rtol=tol, atol=tol, nsteps=_MOST_STEPS)
 
     def run(top: Top, start: Array, times: Array, tol: float) -> Array:
-        if (solver := solvers.get(tol)) is None:
-            options = {"rtol": tol, "atol": tol, "nsteps": _MOST_STEPS}
-            solver = solvers[tol] = ode(field).set_integrator("dop853", **options)
+        solver = solver_of(tol)
         solver.set_f_params(top.coefficients).set_initial_value(start, times[0])
         rows = [start]
         for t in times[1:]:
@@ -57,27 +66,3 @@ def _dop853(field: Callable[..., Array]) -> Run:
         return np.array(rows)
 
     return run
-
-
-def _interpreted(present: Sequence[bool]) -> Callable[..., Array]:
-    rates = of_pattern(present)
-
-    def field(t: float, y: Array, c: Array) -> Array:
-        return rates(*y.tolist(), c.tolist())
-
-    return field
-
-
-def _compiled(present: Sequence[bool]) -> Callable[..., Array]:
-    """A tuple of numbers, which both solvers take, costs less than an array made at every call."""
-    import numba
-
-    fast = numba.njit(of_pattern(present))
-
-    def field_plain(t: float, y: Array, c: Array) -> Array:
-        return fast(y[0], y[1], y[2], y[3], y[4], y[5], c)
-
-    field: Callable[..., Array] = numba.njit(
-        "UniTuple(float64, 6)(float64, float64[:], float64[:])"
-    )(field_plain)
-    return field

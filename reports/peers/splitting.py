@@ -43,7 +43,7 @@ def prepared(present: Sequence[bool], method: str) -> Run:
     weights, carry = np.array([*WEIGHTS, *WEIGHTS[-2::-1]]), method == "8 compensated"
 
     def run(top: Top, start: Array, times: Array, tol: float) -> Array:
-        return along(start, times, top.moments, top.torque, weights, tol ** (1 / ORDER), carry)
+        return along(top, start, times, weights, tol ** (1 / ORDER), carry)
 
     return run
 
@@ -55,27 +55,18 @@ def prepared(present: Sequence[bool], method: str) -> Run:
 
 @numba.njit(cache=True)
 def advance(
-    y: Array,
-    lost: Array,
-    axes: Array,
-    turns: Array,
-    spin: float,
-    torque: Array,
-    weights: Array,
-    length: float,
-    count: int,
-    carry: bool,
+    y: Array, lost: Array, parts: Array, weights: Array, length: float, count: int, carry: bool
 ) -> None:
     """Take ``count`` steps of ``length`` from the state y = (G, gamma), which is changed.
 
-    ``axes``, ``turns``: the two axes of the body that are turned about, and 1/Ii - 1/Ik of each;
-    ``spin``: 1/Ik.  ``lost``: what the sums have left out so far, used where ``carry``.
+    ``parts``: the two axes of the body that are turned about, 1/Ii - 1/Ik of each, 1/Ik, and T.
+    ``lost``: what the sums have left out so far, used where ``carry``.
     """
+    axes, turns, spin, torque = parts
     heavy = torque[0] != 0.0 or torque[1] != 0.0 or torque[2] != 0.0
     for step in range(count):
-        before = 0.0  # weight of the leapfrog whose last kick is still to be made
-        if step > 0:
-            before = weights[-1]
+        # weight of the leapfrog whose last kick is still to be made
+        before = weights[-1] if step > 0 else 0.0
         for weight in weights:
             h = weight * length
             if heavy:
@@ -97,21 +88,17 @@ def advance(
 
 @numba.njit(cache=True)
 def along(
-    start: Array,
-    times: Array,
-    moments: Array,
-    torque: Array,
-    weights: Array,
-    fraction: float,
-    carry: bool,
+    top: Top, start: Array, times: Array, weights: Array, fraction: float, carry: bool
 ) -> Array:
     """States (w, gamma) at the times from a start; ``fraction``: of a radian, the longest step."""
+    moments, torque = top.moments, top.torque
     i, k, j = np.argsort(moments)
     turns = np.array([1 / moments[i] - 1 / moments[k], 1 / moments[j] - 1 / moments[k]])
     speed = math.sqrt(start[0] ** 2 + start[1] ** 2 + start[2] ** 2)
     pull = math.sqrt(torque[0] ** 2 + torque[1] ** 2 + torque[2] ** 2)
     step = fraction / max(speed, math.sqrt(pull / moments[i]))
-    axes, lost, y = np.array([i, j]), np.zeros(6), start.copy()
+    parts = np.array([i, j]), turns, 1 / moments[k], torque
+    lost, y = np.zeros(6), start.copy()
     y[:3] *= moments
     rows = np.empty((len(times), 6))
     now = 0.0
@@ -119,7 +106,7 @@ def along(
         count = math.ceil(abs(time - now) / step)
         if count:
             length = (time - now) / count
-            advance(*(y, lost, axes, turns, 1 / moments[k], torque, weights, length, count, carry))
+            advance(y, lost, parts, weights, length, count, carry)
         rows[n, :3], rows[n, 3:] = y[:3] / moments, y[3:]
         now = time
     return rows

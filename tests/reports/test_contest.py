@@ -41,7 +41,7 @@ def test_every_kind_has_as_many_bodies_as_draws_and_patterns_hold_them_all():
         assert len({row.tobytes() for row in rows}) == DRAWS
         present = np.array(tops.present(kind))
         assert all(np.all(present | (row == 0)) for row in rows)
-    assert tops.present("euler") == (True, False, False) * 3
+    assert tops.present("euler") == (True,) * 3 + (False,) * 6
     assert all(tops.present("chaotic"))
 
 
@@ -151,14 +151,14 @@ def test_a_program_that_cannot_be_prepared_is_told_and_the_others_run(monkeypatc
     cells = [(cell, truths[cell])]
     job = {"kind": "lagrange", "cells": cells, "programs": ["broken", OURS], "patience": 0}
     job["tolerances"] = {cell: {OURS: [1e-9]}}
-    answers, fault = ask(contest._MODULE, job, 60.0, tmp_path)
+    answers, fault = ask(job, 60.0, tmp_path, contest._MODULE)
     failed, answer = answers
     assert fault == ""
     assert failed == {"failed": "broken", "fault": "KeyError: 'broken'"}
     assert len(answer["points"][OURS]) == DRAWS
     assert answer["faults"] == {}
     monkeypatch.setattr(contest, "ask", lambda *_: (answers, ""))
-    (row,) = contest._kind("lagrange", [cell], [], truths, tmp_path, True, print)
+    (row,) = contest._kind(job, 1, tmp_path, print)
     assert row["faults"] == {"broken": failed["fault"]}
 
 
@@ -180,16 +180,15 @@ def test_a_cell_that_an_ended_process_did_not_come_to_is_held_whole_by_the_next(
     answer = {"cell": first, "points": {OURS: {(0, 1e-9): (9.0, 1e-3)}}, "faults": {}}
     jobs = []
 
-    def asked(_, job, *rest):
+    def asked(job, *rest):
         jobs.append({**job})
         answers = [answer, answer | {"cell": second}]
         return (answers[:1], "stopped") if len(jobs) == 1 else (answers, "")
 
     monkeypatch.setattr(contest, "ask", asked)
     monkeypatch.setattr(contest, "row", lambda cell, points, faults: (points, faults))
-    truths = {contest._judged_cell(cell): [] for cell in (first, second)}
-    cells = [first, second]
-    rows = contest._kind("chaotic", cells, [], truths, None, False, lambda text: None)
+    job = {"kind": "chaotic", "cells": [(first, []), (second, [])], "tolerances": {}}
+    rows = contest._kind(job, contest.PROCESSES, None, lambda text: None)
     assert [{*job["tolerances"]} for job in jobs] == [
         set(),
         {first},  # without a word of the other, which is held at all of its tolerances

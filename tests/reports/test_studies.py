@@ -53,7 +53,9 @@ def test_every_study_is_committed_with_its_page_and_figures(name):
     assert not results["quick"]
     page = make.page(results)
     assert (COMMITTED / f"{name}.md").read_text() == page
-    assert page.split("\n\n")[2].startswith("Made by polhode ")
+    _, question, origin, *_ = page.split("\n\n")
+    assert question == results["question"]
+    assert origin.startswith("Made by polhode ")
     shown = re.findall(r"^!\[.*\]\((.*)\.svg\)$", page, re.M)
     assert shown
     for figure in shown:
@@ -106,7 +108,7 @@ def test_every_table_and_every_fact_stands_on_the_page_once_and_is_explained(nam
         text += make.template("summary").replace("{summary}", "")  # README's
     named = [field for _, field, _, _ in Formatter().parse(text) if field is not None]
     assert not {*own} & {*facts}
-    assert {field.partition("[")[0] for field in named} == {*facts, "question", "origin"}
+    assert {field.partition("[")[0] for field in named} == {*facts, "origin"}
     assert any(column.meaning for x in own.values() for column in x.columns)
     for x in own.values():  # two columns of one name tell a reader nothing
         assert len({*x.header}) == len(x.header)
