@@ -19,7 +19,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import doubles, to_double
 from polhode.numbers.exact import Exact, sign
 from polhode.numbers.number_types import Doubles, Given, NumberType
-from polhode.runs.options import Options, choose_number
+from polhode.runs.options import USUAL, Options, choose_number
 from polhode.runs.trajectory import Trajectory, solve
 from polhode.scenes import library
 from polhode.scenes.scene import Scene, even_times
@@ -98,13 +98,16 @@ def run(
     number: str | NumberType | None = None,
     digits: int | None = None,
     progress: Progress | None = None,
-    project: bool | None = None,
+    options: Options = USUAL,
 ) -> Trajectory:
     """A scene integrated at these times with these outputs; of its events only a stop."""
     events = tuple(event for event in scene.events if event.stop)
     plain = replace(scene, times=times, outputs=outputs, events=events)
     chosen = choose_number(plain, number, digits)
-    options = Options(project=project, digits=digits)
+    if digits is not None:
+        options = options._replace(digits=digits)
+    if options.method == "refined" and options.hindrance(plain, chosen) is not None:
+        options = options._replace(method="taylor")  # no angles from a pole on
     return solve(plain, chosen, options, progress, interruptible=False)
 
 
