@@ -249,6 +249,8 @@ REFUSED = {
     f"plot {CASE} --what angles -o x.gif": ".svg, .png, .pdf; --what motion makes a film",
     # -- a film has no options of other figures
     f"plot {CASE} --what motion --title Mine -o x.gif": "--title = Mine: expected none, for a film",
+    f"plot {CASE} --cmap viridis -o x.svg": "cmap = viridis: expected title",
+    f"plot {CASE} --f-range 0:1 -o x.svg": "f_range = 0:1: expected title",
     f"plot {CASE} --cmap viridis -o x.gif": "--cmap = viridis: expected none, for a film",
     f"plot {CASE} --f-range 0:1 -o x.gif": "--f-range = 0:1: expected none, for a film",
     f"plot {CASE} --h-range 0:1 -o x.gif": "--h-range = 0:1: expected none, for a film",
