@@ -262,6 +262,9 @@ VERBS = {
     "levels R --f-range 1e300:1e301 --h-range 1e300:1e301 -o l.svg": "f = 1.000000000000000",
     "section R --f 1e300 --h 1e300": "h = 1.0000000000000000e+300: expected above",
     "map R --f 1e300 --h 3": "h = 3: expected above 2.5000000000000000e+599, below which",
+    # what would be ignored
+    "section R --grid 2x2 --starts scene": "grid = (2, 2): expected no grid together with starts",
+    "section R --by p --extremum min": "extremum = min: expected none beside an expression, whose",
     "section R --grid 5x5 --crossings 999999": "expected at most 10000000 crossings in all",
     # the parts of a section that is refused at its end go
     "section R --by p+9 --grid 2x2 --crossings 3 -o x.npz": "that becomes zero; at the extrema",

@@ -250,6 +250,13 @@ def test_an_expression_is_tried_where_no_component_vanishes():
     assert found["largest 1/gamma3"] == pytest.approx([7 / 6], rel=EPS)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("expression", ["sqrt(-1 - gamma3**2)", "1/(p - p)", "sqrt(-p - 9)"])
+def test_where_an_expression_has_no_value_there_is_no_number_and_no_warning(expression):
+    found = polhode.reduce_many(heavy("2"), {"start.omega[3]": [1]}, f"largest {expression}")
+    assert not np.isfinite(found[f"largest {expression}"]).any()
+
+
 def test_progress_counts_members_and_may_be_a_bar(capsys):
     told = []
     scene = heavy("2")

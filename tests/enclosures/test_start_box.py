@@ -163,6 +163,17 @@ def test_intervals_that_are_none_are_refused(tmp_path, written):
     assert fault.value.key == "start.omega"
 
 
+@pytest.mark.parametrize("written", ["20 \u00b1 1e-6 deg/s", "20 deg/s \u00b1 1e-6"])
+def test_a_unit_at_the_middle_or_the_radius_alone_is_refused(tmp_path, written):
+    """The box was one around 20 rad/s."""
+    path = tmp_path / "box.toml"
+    path.write_text(TILTED.replace('"1/3"', f'"{written}"'), encoding="utf-8")
+    with pytest.raises(BadInput, match="expected a unit at the middle and at the radius, or none"):
+        polhode.certify(path, [1])
+    path.write_text(TILTED.replace('"1/3"', '"0 \u00b1 1e-6 deg/s"'), encoding="utf-8")
+    assert polhode.certify(path, [1]).omega_radius[1] == Fraction(1746, 10**11)
+
+
 @pytest.mark.parametrize("mark", ["\u00b1", "+-", "+/-"])
 @pytest.mark.parametrize("verb", ["run", "check", "levels", "frequencies", "reference"])
 def test_what_takes_one_motion_refuses_intervals(tmp_path, refusal, verb, mark):

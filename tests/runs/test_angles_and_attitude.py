@@ -177,6 +177,22 @@ def test_a_body_that_stays_at_the_pole_has_no_psi_and_phi():
     assert run.attitude.shape == (3, 4)
 
 
+@pytest.mark.parametrize("number", ["double", "extended", "quad"])
+@pytest.mark.parametrize("up", [1, -1])
+def test_at_a_pole_where_a_turned_body_starts_there_are_no_psi_and_phi(number, up):
+    """Its gamma has gone through the principal axes: it is beside the pole by rounding."""
+    top = polhode.top(
+        inertia=[[2, 0, 0], [0, "3/2", "1/2"], [0, "1/2", "3/2"]],
+        **{"centre": ["1/10", "1/5", "1/2"], "weight": 2, "omega": ["3/10", "-1/5", 2]},
+        **{"gamma": [0, 0, up], "psi": "7/10", "outputs": BOTH, "at": [0, 1]},
+    )
+    run = polhode.integrate(top, number)
+    assert [x is None for x in run.angles[0]] == [True, False, True]
+    assert [x is None for x in run.angles_at(0)] == [True, False, True]
+    true = polhode.reference(top).angles([1], 20)
+    assert error(run.angles[1:], true) < 1e-14
+
+
 @pytest.mark.parametrize("output", tiers([{"number": "quad"}], [{"digits": 50}]))
 def test_what_is_zero_at_the_start_of_a_turned_body_is_zero(output):
     """Through the principal axes and back it would be 1e-35, or 1e-56."""

@@ -40,6 +40,9 @@ def test_a_member_that_fails_carries_its_outcome_and_harms_no_neighbour(end, ste
     assert np.array_equal(np.delete(many.states, 2, axis=0), free.states)
     assert np.isnan(many.states[2, 1:]).all()
     assert many[2].times == (0,)
+    assert many[-10].outcome is Outcome.STEP_LIMIT
+    with pytest.raises(TypeError, match="'slice' object cannot be interpreted as an integer"):
+        many[:2]
     assert many[2].reached < 20
 
 

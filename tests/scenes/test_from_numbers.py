@@ -103,7 +103,11 @@ def quaternion_of(psi, theta, phi):
 
 
 @pytest.mark.parametrize(
-    "angles", [(0.3, 0.7, -1.1), (-2.5, 2.9, 0.4), (3.0, 0.001, 3.0), (1.0, np.pi / 2, -3.0)]
+    "angles",
+    [
+        *((0.3, 0.7, -1.1), (-2.5, 2.9, 0.4), (3.0, 0.001, 3.0), (1.0, np.pi / 2, -3.0)),
+        *((0.7, -0.5, -1.3), (0.7, 4.0, -1.3), (-2.0, -3.5, 0.4)),  # of a theta beyond 0 to pi
+    ],
 )
 def test_a_quaternion_is_the_same_start_as_its_angles(angles):
     """Both against rotation matrices, R = Rz(psi) Rx(theta) Rz(phi)."""
@@ -117,8 +121,10 @@ def test_a_quaternion_is_the_same_start_as_its_angles(angles):
     for scene in (of_angles, of_quaternion, doubled):
         assert np.allclose([float(x) for x in scene.gamma], matrix[2], rtol=0, atol=8 * EPS)
         # psi is found by an arc tangent of sin(theta) sin(psi), sin(theta) cos(psi)
-        gap = float(scene.psi) - psi
-        assert abs(gap - 2 * np.pi * round(gap / 2 / np.pi)) < 8 * EPS / np.sin(theta)
+        gap = float(scene.psi) - psi - np.pi * (np.sin(theta) < 0)
+        assert abs(gap - 2 * np.pi * round(gap / 2 / np.pi)) < 8 * EPS / abs(np.sin(theta))
+        run = polhode.integrate(replace(scene, outputs=("matrix",)), at=[0])
+        assert np.allclose(run.outputs["matrix"][0].reshape(3, 3), matrix, rtol=0, atol=8 * EPS)
 
 
 @pytest.mark.parametrize(

@@ -80,6 +80,16 @@ def test_numbers_given_beside_a_scene_in_si_have_units_too():
     )
 
 
+def test_a_range_has_a_unit_at_both_ends_or_at_neither():
+    """``500:600 rpm`` was a range from 500 rad/s; 0 is 0 in any unit."""
+    for column in ("500:600 rpm:3", "60 rpm:2*pi:2", "1,500:600 rpm:3"):
+        with pytest.raises(BadInput, match="expected a unit at FROM and at TO, or at neither"):
+            polhode.integrate_many(_in_si(), vary={"start.omega[3]": column}, at=[0])
+    for column in ("0:60 rpm:2", "-60 rpm:0:2", "0 rpm:2*pi:2"):
+        many = polhode.integrate_many(_in_si(), vary={"start.omega[3]": column}, at=[0])
+        assert sum(abs(float(x)) for x, *_ in many.varied.rows) == 2 * np.pi
+
+
 def test_where_a_scene_has_no_units_a_number_beside_it_has_none_but_an_angles():
     vary = {"start.psi": "90°:180 deg:2"}
     many = polhode.integrate_many("lagrange/nutation", vary=vary, at=[0])

@@ -116,7 +116,8 @@ def test_starts_of_a_csv_or_npy_file(scene, capsys, tmp_path):
     (tmp_path / "named.csv").write_text("\ufeff" + csv_of(ROWS[:, order], header) + "\n\n")
     odd = csv_of(ROWS).replace(",", ";").replace(".", ",")
     (tmp_path / "commas.csv").write_text(f"# of a spreadsheet\n{odd}", "utf-16")
-    for file in ("rows.npy", "plain.csv", "named.csv", "commas.csv"):
+    np.savetxt(tmp_path / "noted.csv", ROWS[:, order], header=" ".join(header))  # after "# "
+    for file in ("rows.npy", "plain.csv", "named.csv", "commas.csv", "noted.csv"):
         code, out, err = run(capsys, scene, "--starts", file, "-o", "x.npz")
         assert (code, out) == (0, "")
         assert err.startswith("heavy.toml: 12 members, double (53 bits)")
@@ -180,6 +181,7 @@ NO_STARTS = [
         "p,q,r,gamma1,gamma2,t\n" + GOOD,
         "x.csv: line 1 = p,q,r,gamma1,gamma2,t: expected 6",
     ),
+    ("x.csv", "# wx,wy,wz,gx,gy,gz\n" + GOOD, "line 1 = wx,wy,wz,gx,gy,gz: expected 6 numbers"),
     ("x.csv", GOOD + "\n1,2,3,0,0,one\n", "line 3 = 1,2,3,0,0,one: expected 6 numbers"),
     ("x.csv", "1_0,2,3,0,0,1\n", "line 1 = 1_0,2,3,0,0,1: expected 6 numbers"),
     ("x.csv", "0.0e-400,2,3,0,0,1\n1e-320,2,3,0,0,1\n", "line 2 = 1e-320,2,3,0,0,1: expected 6"),

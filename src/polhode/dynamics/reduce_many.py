@@ -122,30 +122,31 @@ def extremes(
 ) -> dict[str, Any]:
     """What states (members, times, columns) tell: arrays by name, one number per member."""
     numbers: dict[str, Any] = {}
-    with np.errstate(all="ignore"):
-        for reduction in which:
-            names = reduction.names(columns)
-            if reduction.kind == FINAL:
-                numbers |= zip(names, states[:, -1].T, strict=True)
-            else:
-                values = _values(reduction.of, states, times, columns, kind)
-                at = (np.argmax if reduction.kind == LARGEST else np.argmin)(values, axis=1)
-                best = np.take_along_axis(values, at[:, None], axis=1)[:, 0]
-                numbers |= zip(names, (best, times[at]), strict=True)
+    for reduction in which:
+        names = reduction.names(columns)
+        if reduction.kind == FINAL:
+            numbers |= zip(names, states[:, -1].T, strict=True)
+        else:
+            values = _values(reduction.of, states, times, columns, kind)
+            at = (np.argmax if reduction.kind == LARGEST else np.argmin)(values, axis=1)
+            best = np.take_along_axis(values, at[:, None], axis=1)[:, 0]
+            numbers |= zip(names, (best, times[at]), strict=True)
     return numbers
 
 
 def _values(
     text: str, states: Stack, times: Stack, columns: Sequence[str], kind: NumberType
 ) -> Any:
-    """An expression at all times of all members."""
+    """An expression at all times of all members, nan or infinite where it has no value."""
     names: dict[str, Any] = {name: states[:, :, i] for i, name in enumerate(columns)}
     if "gamma3" in names:
         across = np.hypot(names["gamma1"], names["gamma2"])
         names["theta"] = np.arctan2(across, names["gamma3"])
     names["t"] = np.broadcast_to(times, states.shape[:2])
     functions = {"sqrt": np.sqrt, "sin": np.sin, "cos": np.cos}
-    value = expression.evaluate(text, names, Algebra(lambda x: number_value(x, kind), functions))
+    algebra = Algebra(lambda x: number_value(x, kind), functions)
+    with np.errstate(all="ignore"):
+        value = expression.evaluate(text, names, algebra)
     return np.broadcast_to(value, states.shape[:2])
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from polhode.common.arguments import whole, with_progress
 from polhode.common.checkpoint import JobCheckpoint
-from polhode.common.errors import BadInput, counted
+from polhode.common.errors import BadInput, counted, plain
 from polhode.common.interrupts import Progress
 from polhode.common.processes import cores, run_jobs
 from polhode.common.values import ByValue, cached_property, refuse_too_much
@@ -405,7 +405,12 @@ def section(
     refuse_other_rounding(scene)
     if workers is not None:
         workers = whole(scene.name, "workers", workers, 1)
+    if starts is not None and grid is not None:
+        raise BadInput(scene.name, "grid", plain(grid), "no grid together with starts")
     plan, cut = scene.section, cut_of(scene, by, extremum, h, f)
+    if extremum is not None and cut.by not in (MOMENTUM, HEIGHT):
+        expected = "none beside an expression, whose zeros are taken in either direction"
+        raise BadInput(scene.name, "extremum", extremum, expected)
     count = plan.crossings if crossings is None else crossings
     count = whole(scene.name, "crossings", count, 1, MOST_CROSSINGS)
     if starts is None and grid is None and plan.starts:

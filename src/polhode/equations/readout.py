@@ -191,7 +191,10 @@ class Readout:
             values = np.array(angles([*gamma], turns, self._functions))
             narrow = self._narrowed(values)
         rows_of_angles: number_types.Gapped = narrow.tolist() if self.number.flat else narrow
-        for k in np.flatnonzero((gamma[0] == 0) & (gamma[1] == 0)).tolist():
+        vertical = (gamma[0] == 0) & (gamma[1] == 0)
+        if self.scene.starts_at_pole:  # of a start in turned axes gamma is rounded
+            vertical |= self._begin(columns)
+        for k in np.flatnonzero(vertical).tolist():
             rows_of_angles[k][0] = rows_of_angles[k][2] = None
         return rows_of_angles
 

@@ -33,7 +33,7 @@ from polhode.numbers.exact import Exact
 from polhode.numbers.number_types import AnyNumber, NumberType, Rows, States
 from polhode.results import reader
 from polhode.results.result import Storable
-from polhode.runs.options import Options, choose_number
+from polhode.runs.options import USUAL, choose_number
 from polhode.runs.saved import Saved, load_result
 from polhode.runs.trajectory import Trajectory, solve
 from polhode.scenes import library
@@ -191,9 +191,9 @@ def drawing_of(
 ) -> Drawing:
     """What is drawn of a source; ``word``: one of its figures, unless given its default.
 
-    A run is integrated anew at as many times as curves need; a table of another program is drawn
-    as it is, and so is a file of which a scene, conventions or columns were told.  ``usual``: the
-    default of a motion.
+    A run is made anew, in its own way, at as many times as curves need; a table of another program
+    is drawn as it is, and so is a file of which a scene, conventions or columns were told.
+    ``usual``: the default of a motion.
     """
     name = type(source).__name__
     if isinstance(source, (str, Path)) and is_table(source):
@@ -204,7 +204,7 @@ def drawing_of(
             return _of_table(path, word or usual, request)
         source = load_result(path)
     if isinstance(source, Trajectory):
-        return _of_scene(source.scene, word or usual, request, source.number, progress)
+        return _of_scene(source.scene, word or usual, request, source, progress)
     if isinstance(source, Storable):
         kind = catalogue.kind_of(source)
         request.refuse(name, [*vars(request)], "no --{}: it is for a motion")
@@ -224,9 +224,13 @@ def _check(word: str, source: str) -> None:
 
 
 def _of_scene(
-    scene: Scene, word: str, request: Request, number: NumberType | None, progress: Progress | None
+    scene: Scene,
+    word: str,
+    request: Request,
+    source: Trajectory | None,
+    progress: Progress | None,
 ) -> Drawing:
-    """A scene's motion, integrated at even times."""
+    """A scene's motion, integrated at even times; of a ``source`` that is a run in the same way."""
     _check(word, scene.name)
     request.refuse(scene.name, ("scene", "read", "columns"), "no --{}: it is for a FILE")
     if word not in FREE_OF_GAMMA and scene.gamma is None:
@@ -234,11 +238,21 @@ def _of_scene(
     end = None if request.end is None else _time(scene, request.end)
     long = word in OVER_TIME
     times = sampling.shown_times(scene, end, SAMPLES if long else None)
+    number: str | NumberType | None = request.number
+    options = USUAL
+    if source is not None and request.number is None and request.digits is None:
+        number, options = source.number, source.options
+        if not source.outcome.done:  # it is drawn to the end that it did not reach
+            options = options._replace(max_steps=None)
+    if word == "integrals":
+        options = options._replace(project=False)
+    if request.digits is not None:
+        options = options._replace(digits=request.digits)
     stops = tuple(event for event in scene.events if event.stop)
     plain = replace(scene, times=times, outputs=OUTPUTS.get(word, ()), events=stops)
-    kind = request.number or (number if request.digits is None else None)
-    chosen = choose_number(plain, kind, request.digits)
-    options = Options(project=False if word == "integrals" else None, digits=request.digits)
+    chosen = choose_number(plain, number, request.digits)
+    if options.method == "refined" and options.hindrance(plain, chosen) is not None:
+        options = options._replace(method="taylor")  # no angles from a pole on
     run = solve(plain, chosen, options, progress, interruptible=False)
     if not run.outcome.done:
         expected = f"an earlier end: {run.outcome.cause}; {run.outcome.advice}"
@@ -378,8 +392,8 @@ def plot(
     Parameters
     ----------
     what_of : Scene, str, Path or any result
-        A scene; a run, whose scene is integrated anew in its number type at as many times as curves
-        need; any other result; or the path of the file of one, or of a table as for
+        A scene; a run, which is made anew in its number type, with its tolerance, at as many times
+        as curves need; any other result; or the path of the file of one, or of a table as for
         :func:`polhode.compare`.
     what : str, optional
         Of a scene or a run: angles, omega, momentum, attitude, hodographs, sphere, integrals or

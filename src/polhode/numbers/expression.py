@@ -40,14 +40,15 @@ _TOKEN = re.compile(
 )
 #: Other ways to write the same: signs as in print, both signs for micro, spaces that do not break.
 _SAME = str.maketrans(
-    {"^": "**", "²": "**2", "³": "**3", "−": "-", "π": "pi"}
+    {"^": "**", "−": "-", "π": "pi"}
     | dict.fromkeys("·⋅×", "*")
     | dict.fromkeys("°º˚", " deg ")
     | dict.fromkeys("µμ", "u")
     | dict.fromkeys("\u00a0\u2009\u202f", " ")
 )
-_RAISED = {"¹": 1, "²": 2, "³": 3}
-_RECIPROCAL = re.compile("⁻([¹²³])")
+#: An exponent in print: all of its digits are one number, so that ``10⁻¹²`` is 1e-12.
+_EXPONENT = re.compile("[⁺⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
+_LOWERED = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
 _DECIMAL = re.compile(
     r"([+-]?)(?:([0-9]+)(?:\.([0-9]*))?|\.([0-9]+))(?:[eE]([+-]?[0-9]{1,9}))?", re.ASCII
 )
@@ -308,7 +309,7 @@ def in_ascii(text: str) -> str:
     """An expression without the signs of print: ``25°`` is ``25 deg``, ``s⁻¹`` is ``s**-1``."""
     if text.isascii() and "^" not in text:
         return text
-    return _RECIPROCAL.sub(lambda match: f"**-{_RAISED[match[1]]}", text).translate(_SAME)
+    return _EXPONENT.sub(lambda match: f"**{match[0].translate(_LOWERED)}", text).translate(_SAME)
 
 
 def _split(text: str) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from polhode.common.values import ByValue, cached_property
 from polhode.judging.reference import reference
 from polhode.judging.tables.column_aliases import AbsentColumn
 from polhode.judging.tables.table_file import is_table
+from polhode.numbers.conversion import exact_number, to_double
 from polhode.numbers.number_types import MAX_DIGITS, AnyNumber, AnyVector
 from polhode.output import accuracy, report_page
 from polhode.output.accuracy import GivenTable, ReportRequest, SceneSection
@@ -40,7 +42,7 @@ if TYPE_CHECKING:
 
 #: ``mine.csv=0.8s,h=0.01``: a table, what it cost, and its method's step.
 _FILE = re.compile(
-    r"(?P<file>.+?)=(?:(?P<cost>[\d.]+(?:e[+-]?\d+)?)\s*(?P<unit>ms|s|min))?"
+    r"(?P<file>.+?)=(?!$)(?:(?P<cost>(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*(?P<unit>ms|s|min))?"
     r"(?:(?(cost),)h=(?P<step>[^,=]+))?"
 )
 _UNITS = {"ms": 1e-3, "s": 1.0, "min": 60.0}
@@ -228,13 +230,28 @@ def _table_of(source: Any, place: int) -> GivenTable | None:
     return table if is_table(table.name) else None
 
 
+def _refuse_no_step(name: str, step: str) -> None:
+    """Raise BadInput for what is no step of a method."""
+    try:
+        length = to_double(exact_number(step))
+    except ValueError as fault:
+        raise BadInput(name, "h", step, f"the step of its method ({fault})") from None
+    if not 0 < length < math.inf:
+        raise BadInput(name, "h", step, "the step of its method, above 0")
+
+
 def file_of(text: str) -> GivenTable:
     """A file, and what is told of it after its name."""
     match = None if Path(text).exists() else _FILE.fullmatch(text)
     if match is None:
         return GivenTable(text, text)
+    name = match["file"]
     cost = float(match["cost"]) * _UNITS[match["unit"]] if match["cost"] else None
-    return GivenTable(match["file"], match["file"], cost, match["step"])
+    if cost is not None and not 0 < cost < math.inf:
+        raise BadInput(name, "cost", f"{match['cost']} {match['unit']}", "a time above 0")
+    if match["step"]:
+        _refuse_no_step(name, match["step"])
+    return GivenTable(name, name, cost, match["step"])
 
 
 def _own_scene(of: GivenTable) -> Scene:

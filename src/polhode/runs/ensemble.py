@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -297,7 +298,8 @@ class Ensemble(SweepResult):
         return (self[k] for k in range(len(self)))
 
     def __getitem__(self, index: int) -> Trajectory:
-        """One member by itself, as far as it came."""
+        """One member by itself, as far as it came; raises TypeError for a slice."""
+        index = operator.index(index)
         member = self.members[index]
         states = self.rows(index)
         count = len(states)

@@ -380,6 +380,8 @@ def _of_angles(reading: SceneTables, table: Mapping[str, Any]) -> Orientation:
     if sign(sine) == 0:  # a pole: only psi ± phi has a meaning, and phi is counted as 0
         psi, phi = psi + phi * (1 if sign(cosine) > 0 else -1), ZERO
         s, c = ZERO, ONE
+    elif sign(sine) < 0:  # psi is counted where theta is from 0 to pi
+        psi = psi + exact.pi()
     return Orientation((sine * s, sine * c, cosine), psi, (s, c))
 
 

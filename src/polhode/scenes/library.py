@@ -20,6 +20,7 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
+from polhode.numbers.expression import in_units
 from polhode.numbers.number_types import AnyNumber, AnyVector
 from polhode.scenes.scene import PLUS_MINUS, Scene, SceneTables, is_text
 from polhode.scenes.vocabulary import REQUESTS
@@ -243,6 +244,10 @@ def load_box(scene: Scene | str | Path) -> StartBox:
             exactly = reading.number(BOX_KEY, radius)
             if sign(exactly) < 0:
                 raise reading.bad(BOX_KEY, item, "a middle and a radius of 0 or more")
+            # 300 ± 1 rpm may mean 300 rpm or 300 rad/s; 0 is 0 in any unit
+            parts = [part for part in (middle, radius) if sign(reading.number(BOX_KEY, part))]
+            if len({*map(in_units, parts)}) > 1:
+                raise reading.bad(BOX_KEY, item, "a unit at the middle and at the radius, or none")
             radii[k], omega[k], text = _fraction(exactly), middle, text.replace(item, middle)
     own = scene_file.of_tables(tables, source, text)
     own.speak()

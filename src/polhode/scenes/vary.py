@@ -12,7 +12,7 @@ from polhode.common.arguments import each, numbers_given, of_kind, rows_of
 from polhode.common.errors import BadInput, plain, say_doubt
 from polhode.numbers.conversion import ExactNumbers, LazySequence, in_text, reader, spaced
 from polhode.numbers.exact import ZERO, Exact, pi
-from polhode.numbers.expression import ExpressionError
+from polhode.numbers.expression import ExpressionError, in_units
 from polhode.numbers.number_types import Flat
 from polhode.scenes.body_and_start import THETA, doubtful_theta
 from polhode.scenes.vocabulary import unit
@@ -185,11 +185,19 @@ def numbers(text: str, key: str, name: str, units: str, dimension: str) -> Seque
             ends = [in_text(x, units, dimension) for x in (first, *rest[:1])]
         except ExpressionError as fault:
             raise BadInput(name, key, item, f"numbers ({fault})") from None
+        if rest and _is_mixed((first, rest[0]), ends):
+            raise BadInput(name, key, item, "a unit at FROM and at TO, or at neither")
         count = int(rest[1]) if rest[1:] and re.fullmatch(r"\s*\d{1,9}\s*", rest[1]) else 0
         if rest and not (len(rest) == 2 and 1 <= count <= MAX_MEMBERS):
             raise BadInput(name, key, item, f"FROM:TO:N with N from 1 to {MAX_MEMBERS}")
         parts.append(spaced(ends[0], ends[1], count) if rest else ends)
     return parts[0] if len(parts) == 1 else [x for part in parts for x in part]
+
+
+def _is_mixed(texts: Sequence[str], ends: Sequence[Exact]) -> bool:
+    """Whether one end of a range has a unit and the other none: ``500:600 rpm`` may mean 500 rpm or
+    500 rad/s.  0 is 0 in any unit."""
+    return len({in_units(text) for text, end in zip(texts, ends, strict=True) if end != 0}) > 1
 
 
 def grid(vary: Vary, name: str, units: str = "", starts: Flat | None = None) -> Variation:

@@ -116,9 +116,7 @@ def _written(options: Namespace, endings: tuple[str, ...]) -> int:
             progress.clear()
             terminal.note(f"polhode: {why}; nothing was written")
             return terminal.NOT_REACHED
-        drawing = every[0]
-        for line in (line for x in every for line in x.notes):
-            terminal.note(line)
+        drawing, notes = every[0], [line for x in every for line in x.notes]
         answer = {"file": str(path), "what": drawing.what, "of": drawing.name} | _span(drawing)
         if suffix == PAGE:
             command = ("polhode", options.verb, *(called(Path(x)) for x in options.sources))
@@ -130,11 +128,13 @@ def _written(options: Namespace, endings: tuple[str, ...]) -> int:
                 answer["to"] = filmed.end
                 again = f"at t = {filmed.end:.6g} the motion is as at t = {filmed.begin:g}"
                 end = f"to {film.CLOSED:.0e}: the film ends there, and repeats"
-                terminal.note(f"{drawing.name}: {again}, {end}")
+                notes.append(f"{drawing.name}: {again}, {end}")
         else:
             own = {name: getattr(options, name) for name in ("cmap", "f_range", "h_range")}
             own["title"] = options.title or ""
             data = catalogue.drawn(drawing.subject, suffix, drawing.name, drawing.what, **own)
+        for line in notes:  # of a figure that there is: a refusal is one line
+            terminal.note(line)
     write_whole({path: data})
     if options.json:
         terminal.print_json(answer | {"bytes": len(data)})

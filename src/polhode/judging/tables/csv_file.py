@@ -638,11 +638,13 @@ def _are_numbers(row: Sequence[str], commas: bool) -> bool:
 
 
 def _commented(lines: Sequence[str], count: int, names: Naming) -> Sequence[str]:
-    """The last comment that names so many columns, t among them; empty where none does."""
+    """The last comment that names so many columns, t among them, or all of which are known, as
+    those of starts; empty where none does."""
     for line in reversed(lines):
         text = line.lstrip(_MARKS)
         for _, cells in _rows([text], _separator(text), 0):
-            if len(cells) == count and any(column.name == "t" for column in names.columns(cells)):
+            meant = [column.name for column in names.columns(cells)]
+            if len(cells) == count and ("t" in meant or None not in meant):
                 return cells
     return ()
 
