@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb
 
@@ -26,9 +26,7 @@ from polhode.closed_forms._one_orbit import (
     staude,
     steklov,
 )
-from polhode.closed_forms._one_orbit.orbits import NormalOrbit as NormalOrbit
-from polhode.closed_forms._one_orbit.orbits import OrbitMotion as OrbitMotion
-from polhode.closed_forms._one_orbit.orbits import orbit_family as orbit_family
+from polhode.closed_forms._one_orbit.orbits import NormalOrbit, OrbitMotion, orbit_family
 from polhode.closed_forms.balls.core import (
     SPARE,
     Kept,
@@ -50,24 +48,23 @@ from polhode.closed_forms.balls.frames import (
     start_attitude,
 )
 from polhode.closed_forms.kovalevskaya import motion as kovalevskaya
-from polhode.closed_forms.membership import Condition as Condition
 from polhode.closed_forms.membership import (
+    Condition,
     Family,
     Misfit,
+    NormalScene,
     Placement,
     PrincipalScene,
+    equal,
     in_principal_axes,
+    positive,
 )
-from polhode.closed_forms.membership import NormalScene as NormalScene
-from polhode.closed_forms.membership import equal as equal
-from polhode.closed_forms.membership import positive as positive
 from polhode.common.arguments import of_kind
 from polhode.common.errors import BadInput
-from polhode.numbers.conversion import to_mpf
+from polhode.numbers.conversion import to_mpf as number
 from polhode.numbers.exact import EQUAL_BITS, ONE, Exact, Irrational, noted, sign
 from polhode.numbers.flint_context import ctx
-from polhode.numbers.mpmath_context import mpf
-from polhode.numbers.mpmath_context import mpmath as mpmath
+from polhode.numbers.mpmath_context import mpf, mpmath
 from polhode.numbers.vectors import Vector, quaternion_product
 from polhode.scenes import vocabulary
 from polhode.scenes.scene import Scene
@@ -75,8 +72,27 @@ from polhode.scenes.scene import Scene
 if TYPE_CHECKING:
     from polhode.numbers.double_double import Pairs
 
-#: A family of one's own takes this from here, and the names that are imported as themselves.
-number = to_mpf
+__all__ = [
+    "FAMILIES",
+    "ClosedForm",
+    "Condition",
+    "Family",
+    "Misfit",
+    "NormalOrbit",
+    "NormalScene",
+    "OrbitMotion",
+    "PrincipalScene",
+    "closed_form",
+    "closed_forms",
+    "equal",
+    "misfit",
+    "mpmath",
+    "near",
+    "number",
+    "orbit_family",
+    "positive",
+    "register_family",
+]
 
 #: In the order in which a scene is tried; the first that fits is its reference.  Kovalevskaya's top
 #: is the last of those that may fit its body: it has no formula for a pendulum's motions, permanent
@@ -104,6 +120,16 @@ _SPARE = 5  # digits of frequencies, of which one may be much smaller than anoth
 # --- closed form ----------------------------------------------------------------------------------
 #
 # What every closed form is asked, and what all answer in the same way: rows of balls.
+
+
+class _Constants(NamedTuple):
+    """What rows are made with: omega and gamma at t = 0, the sizes of a row's numbers, as many as
+    it may have, the unit of rates, and the length of the family's vertical."""
+
+    start: list[arb]
+    sizes: Sequence[arb]
+    unit: arb
+    length: arb
 
 
 class ClosedForm:
@@ -325,18 +351,14 @@ class ClosedForm:
         cap = self.place.cap
         return None if cap is None else cap[0] * digits + cap[1]
 
-    def _constants_now(self) -> tuple[list[arb], Sequence[arb], arb, arb]:
-        """What rows are made with at the precision in force.
-
-        omega and gamma at t = 0, the sizes of a row's numbers, as many as it may have, the unit of
-        rates, and the length of the family's vertical.
-        """
+    def _constants_now(self) -> _Constants:
+        """Those at the precision in force."""
         unit = ball(self.place.unit)
         start = [ball(x) for x in self._omega]
         if self._known_gamma is not None:
             start += [ball(x) for x in self._known_gamma]
         sizes = [self._motion().speed * abs(unit)] * 3 + [arb(1)] * 7
-        return start, sizes, unit, enclosed(self.place.vertical)
+        return _Constants(start, sizes, unit, enclosed(self.place.vertical))
 
     def _numbers(
         self, digits: int, numbers: Callable[[SolvedMotion], Mapping[str, arb | None]]
