@@ -252,6 +252,21 @@ def test_a_quaternion_and_its_opposite_are_one_attitude():
     assert (last.reading, last.worst > 14.5) == ("attitude scalar-last", True)
 
 
+def test_angles_beyond_a_pole_are_those_of_the_same_rotation():
+    table = some(whole(), ANGLES)
+    for k in range(0, len(table["t"]), 2):  # as an integrator of angles goes on behind a pole
+        table["psi"][k] += np.pi
+        table["theta"][k] = 2 * np.pi - table["theta"][k]
+        table["phi"][k] -= np.pi
+    judgement = polhode.compare(table, CASE)
+    assert (judgement.reading, judgement.readings) == (None, ())
+    assert judgement.worst > 14
+    table["theta"][4] += 1e-6
+    assert polhode.compare(table, CASE).worst == pytest.approx(6, abs=0.01)
+    table["theta"] = [-theta for theta in whole()["theta"]]  # of one name and the other
+    assert polhode.compare(table, CASE).worst == 0
+
+
 def test_omega_along_space_is_named_where_the_attitude_is_enclosed():
     """A table of the state alone, of a closed form that has the state alone."""
     case, times = "goryachev-chaplygin/rotating", [Fraction(k, 8) for k in range(12)]

@@ -59,8 +59,14 @@ def row_digits(differences: Doubles, most: float) -> RowDigits:
     return tuple(None if math.isnan(x) else x for x in digits.tolist())
 
 
-def angles_of_attitudes(attitudes: Given, bits: int) -> list[list[Scalar | None]]:
-    """psi, theta and phi of quaternions, psi and phi up to whole turns and None at a pole."""
+def angles_of_attitudes(
+    attitudes: Given, bits: int, beyond: bool = False
+) -> list[list[Scalar | None]]:
+    """psi, theta and phi of quaternions, psi and phi up to whole turns and None at a pole.
+
+    ``beyond``: the other names of the same rotations, theta of the other sign, psi and phi half a
+    turn further, as an integrator of angles has them once theta has passed a pole.
+    """
     from polhode.numbers.mpmath_context import mpmath, own
 
     angles: list[list[Scalar | None]] = []
@@ -69,8 +75,17 @@ def angles_of_attitudes(attitudes: Given, bits: int) -> list[list[Scalar | None]
             quaternion = [own(x) for x in row]
             psi, theta, phi = kinematics.principal_angles(quaternion, mpmath.atan2, mpmath.hypot)
             is_pole = mpmath.sin(theta) < mpmath.ldexp(2, -bits // 2)
+            if beyond:
+                psi, theta, phi = psi + mpmath.pi, -theta, phi + mpmath.pi
             angles.append([None, theta, None] if is_pole else [psi, theta, phi])
     return angles
+
+
+def _passes_poles(angles: Given | Pairs) -> bool:
+    """Whether a theta is beyond 0 and pi."""
+    thetas = doubles([[row[1]] for row in plain_rows(angles)])
+    with np.errstate(invalid="ignore"):
+        return bool(np.any(np.sin(thetas) < 0))
 
 
 # --- row selection --------------------------------------------------------------------------------
@@ -295,16 +310,23 @@ class Comparison:
     def part(self, name: str) -> RowDigits:
         """Digits of angles or of the attitude in the rows that are judged; raises ValueError.
 
-        Angles against attitudes: psi and phi up to whole turns.  A quaternion and its opposite are
-        one attitude.
+        Angles against attitudes: psi and phi up to whole turns, and where theta passes a pole and
+        goes on by the other names of the same rotation.  A quaternion and its opposite are one
+        attitude.
         """
         most, bits = self.subject.held, bits_of(self.subject)
 
         def judged(true: Answer) -> RowDigits:
             own = self.judged.numbers(PARTS[name], in_pairs=isinstance(true, Pairs))
             if name == "angles":
-                angles = angles_of_attitudes(plain_rows(true), bits)
-                return row_digits(log10_differences(own, angles, turning=TURNING, bits=bits), most)
+                attitudes = plain_rows(true)
+                angles = angles_of_attitudes(attitudes, bits)
+                errors = largest(log10_differences(own, angles, turning=TURNING, bits=bits))
+                if _passes_poles(own):
+                    angles = angles_of_attitudes(attitudes, bits, beyond=True)
+                    others = log10_differences(own, angles, turning=range(len(ANGLES)), bits=bits)
+                    errors = np.fmin(errors, others.max(axis=1))  # nan where an angle is missing
+                return row_digits(errors[:, None], most)
             sides = (largest(log10_differences(own, true, side=side)) for side in (1, -1))
             return row_digits(np.fmin(*sides)[:, None], most)
 
