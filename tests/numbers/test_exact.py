@@ -219,6 +219,11 @@ def test_an_irrational_number_can_be_pickled_after_it_was_asked() -> None:
     assert pickle.loads(pickle.dumps(number)) == number
 
 
+def test_a_sum_of_many_irrational_numbers_can_be_pickled() -> None:
+    number = exact_number("+".join(["pi"] * 250))
+    assert pickle.loads(pickle.dumps(number)) == number
+
+
 @pytest.mark.parametrize("value", ["1", 0.5, None])
 def test_what_is_no_exact_number_is_not_divided(value: object) -> None:
     """A quotient took text and floats for fractions where a product refused them."""

@@ -51,7 +51,7 @@ class Irrational:
         self.square = square
 
     def __reduce__(self) -> tuple[object, ...]:
-        return partial(Irrational, self._rule, *self._parts, square=self.square), ()  # no balls
+        return _irrational, (self._rule, self._parts, self.square)  # balls cannot be pickled
 
     def enclosure(self, prec: int) -> arb:
         """A ball around the value, every step carried to ``prec`` bits."""
@@ -360,6 +360,13 @@ def _rounded_binary(mantissa: int, exponent: int, bits: int) -> tuple[int, int]:
     """mantissa·2**exponent to so many bits."""
     nearest, by = _rounded_ratio(mantissa, 1, bits)
     return (nearest, by + exponent) if nearest else (0, 0)
+
+
+def _irrational(
+    rule: Callable[..., arb], parts: tuple[Exact, ...], square: Exact | None
+) -> Irrational:
+    """What was pickled: a partial instead would nest deeper, and Python allows so much of it."""
+    return Irrational(rule, *parts, square=square)
 
 
 # --- ball rules -----------------------------------------------------------------------------------
