@@ -174,7 +174,7 @@ def test_a_unit_at_the_middle_or_the_radius_alone_is_refused(tmp_path, written):
     assert polhode.certify(path, [1]).omega_radius[1] == Fraction(1746, 10**11)
 
 
-@pytest.mark.parametrize("mark", ["\u00b1", "+-", "+/-"])
+@pytest.mark.parametrize("mark", ["\u00b1", "+-", "+\u2212", "+/-"])
 @pytest.mark.parametrize("verb", ["run", "check", "levels", "frequencies", "reference"])
 def test_what_takes_one_motion_refuses_intervals(tmp_path, refusal, verb, mark):
     text = TILTED.replace('"1/3"', f'"1/3 {mark} 1e-8"')

@@ -88,7 +88,7 @@ def number(text: str) -> Exact:
 
 def _refuse_interval(text: str) -> None:
     """A middle and a radius are no number, also not a difference as Python reads them."""
-    if "+-" in text:
+    if "+-" in text.replace("−", "-"):
         raise ExpressionError("'+-' stands before the radius of an interval")
 
 
@@ -309,7 +309,8 @@ def in_ascii(text: str) -> str:
     """An expression without the signs of print: ``25°`` is ``25 deg``, ``s⁻¹`` is ``s**-1``."""
     if text.isascii() and "^" not in text:
         return text
-    return _EXPONENT.sub(lambda match: f"**{match[0].translate(_LOWERED)}", text).translate(_SAME)
+    # the space ends an exponent: 5²3 is no power of 23
+    return _EXPONENT.sub(lambda match: f"**{match[0].translate(_LOWERED)} ", text).translate(_SAME)
 
 
 def _split(text: str) -> list[str]:

@@ -148,7 +148,7 @@ def listed_times(
 _LONG = 24  # characters: no double is printed with more
 
 #: Between the middle and the radius of an interval, which proofs alone take.
-PLUS_MINUS = ("\u00b1", "+-", "+/-")
+PLUS_MINUS = ("\u00b1", "+-", "+\u2212", "+/-")
 
 
 #: Output times, or crossings of an orbit.
