@@ -128,7 +128,7 @@ def selection(subject: TrajectoryTable, reference: Reference) -> RowSelection | 
 def _farthest(subject: TrajectoryTable, scene: Scene) -> tuple[int, ...]:
     """The row whose numbers are farthest from a run; none where there is no run.
 
-    Of a quaternion up to its sign, of psi and phi up to whole turns.
+    Of a quaternion up to its sign, of angles up to whole turns and by either names of a rotation.
     """
     states, attitude, angles = map(subject.rows, (scene.columns, ATTITUDE, ANGLES))
     run = integrated(scene, subject.times, bool(attitude or angles), EXTENDED)
@@ -144,7 +144,9 @@ def _farthest(subject: TrajectoryTable, scene: Scene) -> tuple[int, ...]:
         away.append(np.fmin(*(_largest(side * own - run.attitude) for side in (1, -1))))
     if run.attitude is not None and angles is not None:
         true = np.stack(principal_angles(run.attitude.T, np.arctan2, np.hypot), axis=1)
-        away.append(_largest(np.angle(np.exp(1j * (doubles(angles) - true)))))
+        names = true, true * [1, -1, 1] + [np.pi, 0, np.pi]
+        off = [np.exp(1j * (doubles(angles) - x)) for x in names]
+        away.append(np.fmin(*(_largest(np.angle(x)) for x in off)))
     return (int(np.argmax(np.fmax.reduce(away))),)
 
 
