@@ -45,7 +45,6 @@ T = TypeVar("T")
 RowDigits: TypeAlias = tuple[float | None, ...]
 
 SHOWN = 11  # times that are printed, and judged in any case
-TURNING = (ANGLES.index("psi"), ANGLES.index("phi"))  # angles whose whole turns mean nothing
 
 
 def fewest(digits: Iterable[float | None], otherwise: T) -> float | T:
@@ -312,9 +311,8 @@ class Comparison:
     def part(self, name: str) -> RowDigits:
         """Digits of angles or of the attitude in the rows that are judged; raises ValueError.
 
-        Angles against attitudes: psi and phi up to whole turns, and where theta passes a pole and
-        goes on by the other names of the same rotation.  A quaternion and its opposite are one
-        attitude.
+        Angles against attitudes: up to whole turns, and where theta passes a pole and goes on by
+        the other names of the same rotation.  A quaternion and its opposite are one attitude.
         """
         most, bits = self.subject.held, bits_of(self.subject)
 
@@ -323,10 +321,11 @@ class Comparison:
             if name == "angles":
                 attitudes = plain_rows(true)
                 angles = angles_of_attitudes(attitudes, bits)
-                errors = largest(log10_differences(own, angles, turning=TURNING, bits=bits))
+                turning = range(len(ANGLES))
+                errors = largest(log10_differences(own, angles, turning=turning, bits=bits))
                 if _passes_poles(own):
                     angles = angles_of_attitudes(attitudes, bits, beyond=True)
-                    others = log10_differences(own, angles, turning=range(len(ANGLES)), bits=bits)
+                    others = log10_differences(own, angles, turning=turning, bits=bits)
                     errors = np.fmin(errors, others.max(axis=1))  # nan where an angle is missing
                 return row_digits(errors[:, None], most)
             sides = (largest(log10_differences(own, true, side=side)) for side in (1, -1))
