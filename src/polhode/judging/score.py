@@ -81,10 +81,10 @@ def angles_of_attitudes(
 
 
 def _passes_poles(angles: Given | Pairs) -> bool:
-    """Whether a theta is beyond 0 and pi."""
+    """Whether a theta is beyond 0 and pi, or next to them in doubles, which do not tell."""
     thetas = doubles([[row[1]] for row in plain_rows(angles)])
     with np.errstate(invalid="ignore"):
-        return bool(np.any(np.sin(thetas) < 0))
+        return bool(np.any(np.sin(thetas) < np.spacing(np.abs(thetas))))
 
 
 # --- row selection --------------------------------------------------------------------------------
