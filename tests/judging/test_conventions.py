@@ -267,6 +267,30 @@ def test_angles_beyond_a_pole_are_those_of_the_same_rotation():
     assert polhode.compare(table, CASE).worst == 0
 
 
+def test_a_body_that_turns_over_past_both_poles_has_right_angles():
+    """Its theta goes on by whole turns, of which half are of the other names."""
+    table = some(whole(), ANGLES)
+    for k in range(0, len(table["t"]), 2):
+        table["theta"][k] -= 2 * np.pi
+    judgement = polhode.compare(table, CASE)
+    assert (judgement.reading, judgement.readings) == (None, ())
+    assert judgement.worst > 14
+    table["theta"][4] += 1e-6
+    assert polhode.compare(table, CASE).worst == pytest.approx(6, abs=0.01)
+    poles = {"t": [0, 1], "theta": [0.0, 2 * np.pi]}
+    assert polhode.compare(poles, "lagrange/sleeping-stable").worst > 15
+
+
+def test_a_theta_beyond_pi_by_less_than_doubles_tell_is_one_of_the_same_rotation():
+    body = {"moments": [1, 1, 0.5], "centre": [0, 0, 1], "weight": 1, "omega": [0, 0, 1]}
+    scene = polhode.top(**body, angles=[0, "pi - 1/10**20", 0], end=1)
+    pi, beyond = "3.14159265358979323846264338327950288", "3.14159265358979323847264338327950288"
+    table = {"t": ["0"], "psi": [pi], "theta": [beyond], "phi": ["-" + pi]}
+    assert polhode.compare(table, scene).worst > 30
+    table["phi"] = ["0"]
+    assert polhode.compare(table, scene).worst == 0
+
+
 def test_omega_along_space_is_named_where_the_attitude_is_enclosed():
     """A table of the state alone, of a closed form that has the state alone."""
     case, times = "goryachev-chaplygin/rotating", [Fraction(k, 8) for k in range(12)]

@@ -128,6 +128,13 @@ def test_the_farthest_row_may_be_one_of_angles_and_whole_turns_put_none_far(monk
     judgement = polhode.compare(table, "kovalevskaya/generic")
     assert float(judgement.worst_time) == float(times[ODD])
     assert 7.9 < judgement.worst < 8.1
+    for k in range(1, DEAR, 4):  # the other names of the same rotations
+        table["psi"][k] += math.pi
+        table["theta"][k] *= -1
+        table["phi"][k] -= math.pi
+    judgement = polhode.compare(table, "kovalevskaya/generic")
+    assert float(judgement.worst_time) == float(times[ODD])
+    assert 7.9 < judgement.worst < 8.1
 
 
 def test_an_attitude_that_is_refused_leaves_the_states(monkeypatch):

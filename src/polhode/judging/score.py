@@ -45,7 +45,6 @@ T = TypeVar("T")
 RowDigits: TypeAlias = tuple[float | None, ...]
 
 SHOWN = 11  # times that are printed, and judged in any case
-TURNING = (ANGLES.index("psi"), ANGLES.index("phi"))  # angles whose whole turns mean nothing
 
 
 def fewest(digits: Iterable[float | None], otherwise: T) -> float | T:
@@ -82,10 +81,10 @@ def angles_of_attitudes(
 
 
 def _passes_poles(angles: Given | Pairs) -> bool:
-    """Whether a theta is beyond 0 and pi."""
+    """Whether a theta is beyond 0 and pi, or next to them in doubles, which do not tell."""
     thetas = doubles([[row[1]] for row in plain_rows(angles)])
     with np.errstate(invalid="ignore"):
-        return bool(np.any(np.sin(thetas) < 0))
+        return bool(np.any(np.sin(thetas) < np.spacing(np.abs(thetas))))
 
 
 # --- row selection --------------------------------------------------------------------------------
@@ -128,7 +127,7 @@ def selection(subject: TrajectoryTable, reference: Reference) -> RowSelection | 
 def _farthest(subject: TrajectoryTable, scene: Scene) -> tuple[int, ...]:
     """The row whose numbers are farthest from a run; none where there is no run.
 
-    Of a quaternion up to its sign, of psi and phi up to whole turns.
+    Of a quaternion up to its sign, of angles up to whole turns and by either names of a rotation.
     """
     states, attitude, angles = map(subject.rows, (scene.columns, ATTITUDE, ANGLES))
     run = integrated(scene, subject.times, bool(attitude or angles), EXTENDED)
@@ -144,7 +143,9 @@ def _farthest(subject: TrajectoryTable, scene: Scene) -> tuple[int, ...]:
         away.append(np.fmin(*(_largest(side * own - run.attitude) for side in (1, -1))))
     if run.attitude is not None and angles is not None:
         true = np.stack(principal_angles(run.attitude.T, np.arctan2, np.hypot), axis=1)
-        away.append(_largest(np.angle(np.exp(1j * (doubles(angles) - true)))))
+        names = true, true * [1, -1, 1] + [np.pi, 0, np.pi]
+        off = [np.exp(1j * (doubles(angles) - x)) for x in names]
+        away.append(np.fmin(*(_largest(np.angle(x)) for x in off)))
     return (int(np.argmax(np.fmax.reduce(away))),)
 
 
@@ -310,9 +311,8 @@ class Comparison:
     def part(self, name: str) -> RowDigits:
         """Digits of angles or of the attitude in the rows that are judged; raises ValueError.
 
-        Angles against attitudes: psi and phi up to whole turns, and where theta passes a pole and
-        goes on by the other names of the same rotation.  A quaternion and its opposite are one
-        attitude.
+        Angles against attitudes: up to whole turns, and where theta passes a pole and goes on by
+        the other names of the same rotation.  A quaternion and its opposite are one attitude.
         """
         most, bits = self.subject.held, bits_of(self.subject)
 
@@ -321,10 +321,11 @@ class Comparison:
             if name == "angles":
                 attitudes = plain_rows(true)
                 angles = angles_of_attitudes(attitudes, bits)
-                errors = largest(log10_differences(own, angles, turning=TURNING, bits=bits))
+                turning = range(len(ANGLES))
+                errors = largest(log10_differences(own, angles, turning=turning, bits=bits))
                 if _passes_poles(own):
                     angles = angles_of_attitudes(attitudes, bits, beyond=True)
-                    others = log10_differences(own, angles, turning=range(len(ANGLES)), bits=bits)
+                    others = log10_differences(own, angles, turning=turning, bits=bits)
                     errors = np.fmin(errors, others.max(axis=1))  # nan where an angle is missing
                 return row_digits(errors[:, None], most)
             sides = (largest(log10_differences(own, true, side=side)) for side in (1, -1))
