@@ -393,8 +393,8 @@ def plot(
     ----------
     what_of : Scene, str, Path or any result
         A scene; a run, which is made anew in its number type, with its tolerance, at as many times
-        as curves need; any other result; or the path of the file of one, or of a table as for
-        :func:`polhode.compare`.
+        as curves need (beside a ``number`` or ``digits`` with the usual one); any other result; or
+        the path of the file of one, or of a table as for :func:`polhode.compare`.
     what : str, optional
         Of a scene or a run: angles, omega, momentum, attitude, hodographs, sphere, integrals or
         error; of a map: fli, megno, exponent or verdict; any other result has one figure.  Unless
