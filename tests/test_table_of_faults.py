@@ -20,7 +20,7 @@ import polhode
 from polhode import cli
 from polhode.testing import assert_digits
 from shared import tables
-from shared.motions import free_file, scene_of
+from shared.motions import free_file, light_pendulum, scene_of
 
 SECONDS = 2.0  # of processor time, for a refusal that once took minutes
 
@@ -57,13 +57,7 @@ ROW = [0.3, -0.4, 1.1, 0.6, 0, 0.8]
 
 
 #: A top at rest whose pendulum swings in 1e341 of its units of time; and its own weight, varied.
-SLOW = polhode.top(
-    moments=[1, 2, "1.5"],
-    centre=["0.1", 0, "0.3"],
-    weight="1e-680",
-    omega=[0, 0, 0],
-    gamma=["0.6", 0, "0.8"],
-)
+SLOW = light_pendulum("1e-680")
 WEIGHTS = {"body.weight": ["1e-680"]}
 
 

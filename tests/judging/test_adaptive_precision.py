@@ -12,6 +12,7 @@ import polhode
 from polhode import Outcome, cli
 from polhode.judging import digit_check
 from polhode.judging.digit_check import checked
+from shared.motions import light_pendulum
 from shared.tools import DOUBLE, mp, tiers
 
 MOST = DOUBLE.most_digits
@@ -115,14 +116,7 @@ def test_half_of_the_digits_are_told_to_be_gone_where_they_are():
 @pytest.mark.slow
 def test_digits_are_told_where_no_double_holds_the_time():
     """A pendulum so light that 1e340 is the beginning of its first swing."""
-    light = polhode.top(
-        moments=[1, 2, "1.5"],
-        centre=["0.1", 0, "0.3"],
-        weight="1e-700",
-        omega=[0, 0, 0],
-        gamma=["0.6", 0, "0.8"],
-        end="1e340",
-    )
+    light = light_pendulum("1e-700", end="1e340")
     assert 14 < polhode.integrate(light).expected.digits[-1] < 16
     assert 10 <= polhode.integrate(light, digits=10).correct_digits < 150  # by runs made again
     spun = replace(light, omega=(Fraction(0), Fraction(0), Fraction(1)))

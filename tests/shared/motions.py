@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+import polhode
 from polhode.runs.integrate_many import integrate_many
 from polhode.runs.trajectory import Trajectory
 from polhode.scenes import scene_file
@@ -66,6 +67,12 @@ def free_file(run: str) -> str:
         "schema = 1\n[body]\nmoments = [2, 3, 4]\n"
         f"[start]\nomega = [0.3, -0.4, 1.1]\ngamma = [0.6, 0, 0.8]\n[run]\n{run}\n"
     )
+
+
+def light_pendulum(weight: str, **more: Any) -> Scene:
+    """A top let go at rest, with so little weight that no double holds the time of its swing."""
+    resting = {"omega": [0, 0, 0], "gamma": ["0.6", 0, "0.8"], "weight": weight}
+    return polhode.top(moments=[1, 2, "1.5"], centre=["0.1", 0, "0.3"], **resting, **more)
 
 
 def asymmetric(

@@ -29,6 +29,9 @@ MOST_BITS = 16 * MAX_BITS  # of a numerator or a denominator that is not written
 
 TOO_LARGE = "a number too large to hold"  # or too small
 
+#: Between the middle and the radius of an interval, which proofs alone take.
+PLUS_MINUS = ("\u00b1", "+-", "+\u2212", "+/-")
+
 FUNCTIONS = ("sqrt", "sin", "cos")
 _EXACTLY = {"sqrt": exact.sqrt, "sin": exact.sin, "cos": exact.cos}
 _EXACT = Fraction, Irrational
@@ -86,10 +89,15 @@ def number(text: str) -> Exact:
     return value
 
 
+def interval_mark(text: str) -> str:
+    """What stands between the middle and the radius of an interval; empty where there is none."""
+    return next((mark for mark in PLUS_MINUS if mark in text), "")
+
+
 def _refuse_interval(text: str) -> None:
     """A middle and a radius are no number, also not a difference as Python reads them."""
-    if "+-" in text.replace("−", "-"):
-        raise ExpressionError("'+-' stands before the radius of an interval")
+    if mark := interval_mark(text):
+        raise ExpressionError(f"{mark!r} stands before the radius of an interval")
 
 
 def decimal(text: str) -> Fraction:

@@ -20,9 +20,9 @@ from polhode.numbers import exact
 from polhode.numbers.conversion import exact_number
 from polhode.numbers.decimals import shown
 from polhode.numbers.exact import Exact, sign
-from polhode.numbers.expression import in_units
+from polhode.numbers.expression import PLUS_MINUS, in_units, interval_mark
 from polhode.numbers.number_types import AnyNumber, AnyVector
-from polhode.scenes.scene import PLUS_MINUS, Scene, SceneTables, is_text
+from polhode.scenes.scene import Scene, SceneTables, is_text
 from polhode.scenes.vocabulary import REQUESTS
 
 # --- library --------------------------------------------------------------------------------------
@@ -290,4 +290,4 @@ def _fraction(radius: Exact) -> Fraction:
 
 def _mark(item: object) -> str:
     """What stands before a component's radius; empty where there is none."""
-    return next((mark for mark in PLUS_MINUS if is_text(item) and mark in item), "")
+    return interval_mark(item) if is_text(item) else ""

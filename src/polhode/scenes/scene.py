@@ -147,10 +147,6 @@ def listed_times(
 
 _LONG = 24  # characters: no double is printed with more
 
-#: Between the middle and the radius of an interval, which proofs alone take.
-PLUS_MINUS = ("\u00b1", "+-", "+\u2212", "+/-")
-
-
 #: Output times, or crossings of an orbit.
 MAX_SAMPLES = 1_000_000
 
@@ -272,7 +268,7 @@ class SceneTables:
             if hasattr(value, "__float__") and not isinstance(value, bool):  # given in Python
                 return derived_number(value)
         except ValueError as fault:
-            if isinstance(value, str) and any(mark in value for mark in PLUS_MINUS):
+            if isinstance(value, str) and expression.interval_mark(value):
                 expected = "a number; intervals are allowed in start.omega, for proofs only: "
                 raise self.bad(key, value, expected + "polhode certify") from None
             raise self.bad(key, value, f"a number ({fault})") from None
